@@ -1,0 +1,206 @@
+"""From a wanted accuracy to tolerances, and from two runs to an honest error estimate.
+
+An estimate here is the raw difference of two runs a decade apart in tolerance, times three.
+It is never the difference divided by 2^p - 1, never the tolerance, and never how well the ledger
+closes: each of those can be wrong by orders of magnitude.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tribo.kernels.runge_kutta import Tolerance
+from tribo.layout import Layout
+from tribo.ledger import ASPERITE_KINDS, BLOCK_KINDS, SYSTEM_KINDS, Ledger
+
+EPSILON = float(np.finfo(float).eps)
+REPORTED = ASPERITE_KINDS | BLOCK_KINDS | SYSTEM_KINDS
+SAFETY = 3.0  # the estimate is this times the difference of two runs
+FLOOR = 2e-15  # no tolerance asks for less, relative to its scale
+
+
+@dataclass(frozen=True)
+class Scales:
+    """One scale a kind of quantity: what an accuracy is relative to."""
+
+    rate: float  # the largest |omega| or |nu|
+    length: float  # the largest rod
+    velocity: float  # the largest bob speed seen from the surfaces' mean initial velocity
+    energy: float  # the largest work, pseudowork, delta_e_int or delta_k_trans
+    angle: float = 1.0
+
+    def of(self, kind: str) -> float:
+        """The scale of one kind of quantity."""
+        return float(getattr(self, kind))
+
+
+def reported_scales(layout: Layout, books: Ledger) -> Scales:
+    """The scales by which a run is judged, over all asperites and samples, in the laboratory."""
+    tables = list(books.surfaces.values())
+
+    def top(*names: str) -> float:
+        return max(float(np.max(np.abs(table[name]))) for table in tables for name in names)
+
+    works = [name for name, kind in ASPERITE_KINDS.items() if kind == "energy"]
+    return Scales(
+        rate=top("omega", "nu"),
+        length=_longest_rod(layout),
+        velocity=_fastest_bob(layout, books),
+        energy=top(*works),
+    )
+
+
+def _longest_rod(layout: Layout) -> float:
+    a = layout.model.asperites
+    return float(np.max(a.l1 + a.l2))
+
+
+def _fastest_bob(layout: Layout, books: Ledger) -> float:
+    mean = np.mean([surface.velocity for surface in layout.scene.surfaces], axis=0)
+    fastest = 0.0
+    for name, table in books.surfaces.items():
+        a = layout.model.asperites[layout.parts[name]]
+        swing = np.where(a.facing > 0.0, table["theta"], table["theta"] - np.pi)
+        along = a.l1 * a.facing * table["omega"]
+        vx = (table["vx_cm"] - mean[0]) + along * np.cos(swing)
+        vy = (table["vy_cm"] - mean[1]) + along * np.sin(swing)
+        fastest = max(fastest, float(np.max(np.hypot(vx, vy))))
+    return fastest
+
+
+@dataclass(frozen=True)
+class InnerScales:
+    """Scales that every inertial frame agrees on, from which the tolerances are made."""
+
+    velocity: float
+    energy: float
+    impulse: float
+    rate: float  # the largest |omega|
+    swing: float  # the largest |theta - rest - phi|
+
+
+def first_guess(layout: Layout) -> InnerScales:
+    """Scales for a first, coarse run: those of the scene as it starts."""
+    a = layout.model.asperites
+    mean = np.mean(layout.velocity - layout.velocity[0], axis=0)
+    relative = layout.velocity - layout.velocity[0] - mean
+    frequency = np.sqrt(a.kappa / a.inertia)
+    omega = np.max(np.abs(layout.start[layout.coordinates :][: a.size]))
+    velocity = float(np.max(np.hypot(relative[:, 0], relative[:, 1])) + np.max(a.l1) * omega)
+    velocity = velocity or float(np.max(frequency * a.l1)) or 1.0
+    rate = float(max(omega, np.max(frequency), velocity / np.max(a.l1)))
+    energy = float(np.max(a.mass)) * velocity**2
+    return InnerScales(velocity, energy, energy / velocity, rate, 1.0)
+
+
+def inner_scales(layout: Layout, y: np.ndarray, s: np.ndarray) -> InnerScales:
+    """The scales that a run turned out to have; those that stayed zero are taken from the start."""
+    guess = first_guess(layout)
+    a = layout.model.asperites
+    n = layout.coordinates
+    swing, omega = y[:, : a.size], y[:, n : n + a.size]
+    weights = _account_weights(layout)
+    energy = [_top(s[:, k] * weights[k]) for k in range(layout.accounts) if weights[k] > 0.0]
+    impulse = [_top(s[:, k]) for k in range(layout.accounts) if weights[k] == 0.0]
+    internal = 0.5 * (a.inertia * omega**2 + a.kappa * swing**2)
+    energy.append(_top(internal - internal[0]))
+    return InnerScales(
+        velocity=guess.velocity,
+        energy=max(energy) or guess.energy,
+        impulse=max(impulse) or guess.impulse,
+        rate=_top(omega) or guess.rate,
+        swing=_top(swing) or guess.swing,
+    )
+
+
+def _top(values: np.ndarray) -> float:
+    return float(np.max(np.abs(values), initial=0.0))
+
+
+def _account_weights(layout: Layout) -> np.ndarray:
+    """By what an account is multiplied to become a work; 0 for impulses, which are of another kind."""
+    weights = np.ones(layout.accounts)
+    a = layout.model.asperites
+    length = a.l1 + a.l2
+    for k in range(4):
+        weights[a.acc_contact + k] = 0.0 if k < 2 else length
+    for slots in (a.acc_drive, a.acc_ends + np.where(a.acc_ends >= 0, 2, 0)):
+        present = slots >= 0
+        weights[slots[present]] = 0.0
+        weights[slots[present] + 1] = 0.0
+    own = a.acc_drive >= 0
+    weights[a.acc_drive[own] + 2] = length[own]
+    return weights
+
+
+def tolerances(layout: Layout, scales: InnerScales, level: float) -> Tolerance:
+    """Local tolerances in each component that serve an accuracy of about `level`.
+
+    Every coordinate is held to its own scale and to what its error does to the energies, so that
+    a weakly coupled scene, whose works are tiny, is still followed to the digits they need.
+    """
+    level = max(level, FLOOR)
+    a = layout.model.asperites
+    n = layout.coordinates
+    energy = level * scales.energy
+    q = np.full(n, level * _longest_rod(layout))
+    v = np.full(n, level * scales.velocity)
+    q[: a.size] = np.minimum(level, energy / _positive(a.kappa * scales.swing))
+    v[: a.size] = np.minimum(level * scales.rate, energy / _positive(a.inertia * scales.rate))
+    turning = a.dof_phi >= 0
+    q[a.dof_phi[turning]] = q[: a.size][turning]
+    v[a.dof_phi[turning]] = np.minimum(level * scales.rate, energy / (a.i2[turning] * scales.rate))
+    for slots in (a.dof_x, a.dof_y):
+        live = slots >= 0
+        v[slots[live]] = np.minimum(
+            level * scales.velocity, energy / (a.mass[live] * scales.velocity)
+        )
+    weights = _account_weights(layout)
+    impulse = level * min(scales.impulse, scales.energy / scales.velocity)
+    s = np.where(weights > 0.0, energy / np.where(weights > 0.0, weights, 1.0), impulse)
+    return Tolerance(np.concatenate([q, v]), s)
+
+
+def _positive(values: np.ndarray) -> np.ndarray:
+    return np.maximum(values, np.finfo(float).tiny)
+
+
+def first_step(layout: Layout) -> float:
+    """A step to begin with: short against every pendulum's period and the run."""
+    a = layout.model.asperites
+    fastest = float(np.max(np.sqrt(a.kappa * np.maximum(1.0 / a.inertia, 1.0 / a.i2))))
+    return min(0.05 / fastest if fastest > 0.0 else np.inf, 1e-3 * layout.scene.duration)
+
+
+def estimate(books: Ledger, fine: Ledger, coarse: Ledger) -> dict[str, float]:
+    """A bound on the error of each reported quantity, over asperites and recorded times.
+
+    `fine` and `coarse` are two runs at the times that both recorded, `books` the finer one at all
+    of its times.  To three times the largest difference comes what writing the numbers down costs.
+    """
+    bounds = {}
+    for name in REPORTED:
+        difference = zip(_series(fine, name), _series(coarse, name), strict=True)
+        bounds[name] = SAFETY * max(_top(one - other) for one, other in difference)
+        bounds[name] += 4.0 * EPSILON * max(map(_top, _series(books, name)))
+    return bounds
+
+
+def _series(books: Ledger, name: str) -> list[np.ndarray]:
+    """Every series of that name: of each surface, or of the system."""
+    if name in SYSTEM_KINDS:
+        return [books.system[name]]
+    tables = books.surfaces if name in ASPERITE_KINDS else books.blocks
+    return [table[name] for table in tables.values()]
+
+
+def excess(bounds: dict[str, float], scales: Scales, accuracy: float) -> float:
+    """The largest estimate in units of what was asked for; at most 1 where the request is met."""
+    worst = 0.0
+    for name, bound in bounds.items():
+        scale = scales.of(REPORTED[name])
+        if bound > 0.0:
+            worst = max(worst, bound / (accuracy * scale) if scale > 0.0 else np.inf)
+    return worst

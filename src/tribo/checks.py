@@ -1,0 +1,113 @@
+"""Checks at the door: each returns the value in the form that the rest relies on, or complains."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager
+from typing import Any
+
+import numpy as np
+
+from tribo.errors import InputError
+
+Condition = tuple[str, Callable[[float], bool]]
+
+ANY: Condition = ("must be a number", lambda x: True)
+POSITIVE: Condition = ("must be positive", lambda x: x > 0.0)
+NOT_NEGATIVE: Condition = ("must not be negative", lambda x: x >= 0.0)
+
+
+def number(field: str, value: Any, condition: Condition = ANY) -> float:
+    """One finite number that meets the condition."""
+    if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
+        raise InputError(field, f"must be a number, got {value!r}")
+    if not math.isfinite(value):
+        raise InputError(field, f"must be a finite number, got {value}")
+    if not condition[1](float(value)):
+        raise InputError(field, f"{condition[0]}, got {value}")
+    return float(value)
+
+
+def number_or_each(field: str, value: Any, condition: Condition = ANY) -> float | np.ndarray:
+    """One number for all asperites, or one for each, as a read-only array."""
+    if isinstance(value, (str, bytes, Mapping)) or not isinstance(value, (Sequence, np.ndarray)):
+        return number(field, value, condition)
+    return vector(field, value, condition)
+
+
+def vector(
+    field: str, value: Any, condition: Condition = ANY, size: int | None = None
+) -> np.ndarray:
+    """A read-only array of finite numbers, of the given size if there is one."""
+    if isinstance(value, (str, bytes)) or not isinstance(value, (Sequence, np.ndarray)):
+        wanted = f"{size} numbers" if size is not None else "a list of numbers"
+        raise InputError(field, f"must be {wanted}, got {value!r}")
+    if size is not None and len(value) != size:
+        raise InputError(field, f"must be {size} numbers, got {len(value)}")
+    if isinstance(value, np.ndarray) and value.ndim == 1 and value.dtype.kind in "if":
+        array = value.astype(float)
+    else:
+        array = np.array([number(f"{field}[{i}]", item) for i, item in enumerate(value)])
+    array = array.reshape(-1)
+    for i in np.flatnonzero(~np.isfinite(array)):
+        raise InputError(f"{field}[{i}]", f"must be a finite number, got {array[i]}")
+    if condition is not ANY:
+        for i, item in enumerate(array.tolist()):
+            if not condition[1](item):
+                raise InputError(f"{field}[{i}]", f"{condition[0]}, got {item}")
+    array.flags.writeable = False
+    return array
+
+
+def whole(field: str, value: Any, least: int) -> int:
+    """A whole number of at least `least`."""
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
+        raise InputError(field, f"must be a whole number of at least {least}, got {value!r}")
+    return int(value)
+
+
+def choice(field: str, value: Any, options: Iterable[str]) -> str:
+    """One of the given words."""
+    options = list(options)
+    if not isinstance(value, str) or value not in options:
+        words = " or ".join(f'"{o}"' for o in options)
+        raise InputError(field, f"must be {words}, got {value!r}")
+    return value
+
+
+def flag(field: str, value: Any) -> bool:
+    """True or false."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise InputError(field, f"must be true or false, got {value!r}")
+    return bool(value)
+
+
+def known_keys(table: Any, allowed: Iterable[str], required: Iterable[str] = ()) -> dict[str, Any]:
+    """A table with all of the required keys and none that is not allowed."""
+    if not isinstance(table, Mapping):
+        raise InputError("", f"must be a table, got {table!r}")
+    allowed = list(allowed)
+    for key in table:
+        if key not in allowed:
+            near = difflib.get_close_matches(str(key), allowed, n=1)
+            hint = f'did you mean "{near[0]}"?' if near else f"known here: {', '.join(allowed)}"
+            raise InputError(str(key), f"is not a known key; {hint}")
+    for key in required:
+        if key not in table:
+            raise InputError(key, "is missing")
+    return dict(table)
+
+
+def inside(prefix: str) -> AbstractContextManager[None]:
+    """Complaints from within are about fields that lie inside `prefix`."""
+
+    @contextmanager
+    def relabel() -> Any:
+        try:
+            yield
+        except InputError as error:
+            raise error.under(prefix) from None
+
+    return relabel()

@@ -1,0 +1,109 @@
+"""The command line: ``tribo run``, ``tribo paper``."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+from tribo.errors import InputError
+
+COMPLETED, STOPPED, WRONG_INPUT = 0, 1, 2  # exit statuses
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the command line; returns the exit status."""
+    options = _parser().parse_args(arguments)
+    try:
+        status: int = options.command(options)
+    except InputError as error:
+        print(f"tribo: {error}", file=sys.stderr)
+        return WRONG_INPUT
+    except BrokenPipeError:
+        sys.stderr.close()
+        return STOPPED
+    return status
+
+
+def _parser() -> argparse.ArgumentParser:
+    from tribo import __version__
+
+    parser = argparse.ArgumentParser(
+        prog="tribo", description="Sliding friction from the asperite up."
+    )
+    parser.add_argument("--version", action="version", version=f"tribo {__version__}")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+
+    run = commands.add_parser("run", help="run a scene file")
+    run.add_argument("scene", type=Path, metavar="SCENE.toml")
+    run.add_argument("--out", type=Path, metavar="FILE", help="write all series as NetCDF")
+    run.add_argument("--json", action="store_true", help="print the end state alone, as JSON")
+    run.set_defaults(command=_run)
+
+    paper = commands.add_parser("paper", help="the paper's cases, its numbers beside ours")
+    paper.add_argument("case", nargs="?", choices=list("ABCDE"), help="one case; all without")
+    paper.add_argument("--json", action="store_true", help="one object a printed number")
+    paper.add_argument("--figures", type=Path, metavar="DIR", help="draw the paper's figures")
+    paper.set_defaults(command=_paper)
+    return parser
+
+
+def _run(options: argparse.Namespace) -> int:
+    from tribo.scene_file import load_scene
+    from tribo.simulation import simulate
+
+    scene = load_scene(options.scene)
+    if options.out is not None and not options.out.absolute().parent.is_dir():
+        raise InputError("--out", f"there is no folder {options.out.absolute().parent}")
+    with _Bar(scene.duration) as bar:
+        result = simulate(scene, progress=bar)
+    if options.out is not None:
+        result.save(options.out)
+    print(result.to_json() if options.json else result)
+    return COMPLETED if result.status == "completed" else STOPPED
+
+
+def _paper(options: argparse.Namespace) -> int:
+    from tribo import paper
+
+    cases = [options.case] if options.case else list(paper.CASES)
+    tables = paper.compare(cases)
+    if options.figures is not None:
+        from tribo import paper_figures
+
+        for path in paper_figures.draw(options.figures, cases):
+            print(path, file=sys.stderr)
+    if options.json:
+        print(
+            json.dumps(
+                {case: [row.as_json() for row in rows] for case, rows in tables.items()}, indent=1
+            )
+        )
+    else:
+        print(paper.report(tables))
+    return COMPLETED
+
+
+class _Bar:
+    """A progress bar on a terminal; nothing anywhere else."""
+
+    def __init__(self, duration: float) -> None:
+        self.duration = duration
+        self._bar: Any = None
+
+    def __enter__(self) -> _Bar:
+        return self
+
+    def __call__(self, t: float) -> None:
+        if self._bar is None:
+            from tqdm import tqdm
+
+            self._bar = tqdm(total=self.duration, disable=None, leave=False, unit="t")
+        self._bar.n = t
+        self._bar.refresh()
+
+    def __exit__(self, *error: object) -> None:
+        if self._bar is not None:
+            self._bar.close()

@@ -1,0 +1,106 @@
+"""The flat data that compiled code reads: one record an asperite, one a surface, one a bob.
+
+Kernels see lengths, times and masses as plain floats.  Positions are relative to the scene's
+origin and velocities to the first surface's, so that neither a distant scene nor a fast frame
+costs digits; what is measured in the laboratory is put together in :mod:`tribo.ledger`.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+# A slot of -1 says that the asperite has no such degree of freedom, or no such account.
+ASPERITE = np.dtype(
+    [
+        ("mass", "f8"),  # m1 + m2
+        ("inertia", "f8"),  # m1 l1^2 + m2 l2^2, about the centre of mass
+        ("kappa", "f8"),  # torsion stiffness
+        ("l1", "f8"),  # centre of mass to bob
+        ("l2", "f8"),  # centre of mass to bar
+        ("i2", "f8"),  # the bar's moment of inertia
+        ("bar_length", "f8"),
+        ("charge", "f8"),
+        ("facing", "f8"),  # +1 hangs down (rest angle 0), -1 stands up (rest angle pi)
+        ("x", "f8"),  # centre of mass at t = 0
+        ("y", "f8"),
+        ("z", "f8"),  # depth, fixed
+        ("vx", "f8"),  # the surface's initial velocity
+        ("vy", "f8"),
+        ("phi", "f8"),  # the bar's angle at t = 0, and its rate: all there is of a clamped bar
+        ("nu", "f8"),
+        ("surface", "i8"),
+        ("dof_x", "i8"),  # slots in the vector of coordinates; the swing's slot is the index
+        ("dof_y", "i8"),
+        ("dof_phi", "i8"),
+        ("acc_contact", "i8"),  # first slots in the vector of accounts, see kernels.powers
+        ("acc_slide", "i8"),
+        ("acc_drive", "i8"),
+        ("acc_ends", "i8"),
+    ],
+    align=True,
+)
+
+FORCED, FREE, RIGID, PULLED = range(4)
+
+SURFACE = np.dtype(
+    [
+        ("start", "i8"),  # asperites start <= i < stop
+        ("stop", "i8"),
+        ("drive", "i8"),  # FORCED, FREE, RIGID, PULLED
+        ("mass", "f8"),  # of all its asperites
+        ("loaded", "i8"),  # 1 where a load stands in place of -f1_y
+        ("load", "f8"),  # the y force on each bar
+        ("stiffness", "f8"),  # of the pulling spring
+        ("speed", "f8"),  # of the pulling stage, relative to the surface's initial velocity
+        ("fx", "f8"),  # sum of the contact forces' x components, scratch
+        ("acc_block", "i8"),  # account of the surface's own pseudowork, -1 if absent
+    ],
+    align=True,
+)
+
+BOB = np.dtype(
+    [
+        ("x", "f8"),
+        ("y", "f8"),
+        ("z", "f8"),
+        ("charge", "f8"),
+        ("fx", "f8"),  # contact force f1 on the bob
+        ("fy", "f8"),
+        ("gx", "f8"),  # drive f2 on the bar above it
+        ("gy", "f8"),
+        ("tx", "f8"),  # unit vector along which a growing theta moves the bob
+        ("ty", "f8"),
+    ],
+    align=True,
+)
+
+# How far a run has come; kept in an array of one, so that a kernel can go on where it stopped.
+CLOCK = np.dtype(
+    [
+        ("t", "f8"),
+        ("t_low", "f8"),  # what rounding took from t
+        ("h", "f8"),  # the step the controller wants next; 0: not chosen yet
+        ("sample", "i8"),  # next sample to be recorded
+        ("steps", "i8"),
+        ("rejected", "i8"),
+        ("evaluations", "i8"),  # of all forces
+        ("closest", "f8"),  # smallest distance of interacting bobs seen at the end of a step
+    ],
+    align=True,
+)
+
+
+class Contact(NamedTuple):
+    """One interaction: a potential, and the pairs of surfaces between which it acts."""
+
+    potential: Any
+    pairs: np.ndarray  # (n, 2) indices of surfaces
+
+
+class Model(NamedTuple):
+    """A scene as kernels see it; an effect that is absent is None, and not compiled."""
+
+    asperites: np.ndarray  # ASPERITE, (n,)
+    surfaces: np.ndarray  # SURFACE
+    contacts: tuple
+    bobs: np.ndarray  # BOB, (n,), scratch

@@ -1,0 +1,22 @@
+"""Coulomb:  U = strength q_i q_j / r.
+
+C.-A. de Coulomb, Histoire de l'Academie Royale des Sciences (1785) 569.
+"""
+
+from typing import NamedTuple
+
+
+class Coulomb(NamedTuple):
+    """The electric potential between two charges; the paper's q Q / (4 pi eps0) is `strength`."""
+
+    strength: float  # [energy x length], with charges of 1
+
+    charged = True  # type: ignore[misc]
+
+    def energy(self, r):
+        """U(r) between charges of 1."""
+        return self.strength / r
+
+    def force(self, r):
+        """-dU/dr between charges of 1."""
+        return self.strength / (r * r)

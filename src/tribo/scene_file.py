@@ -1,0 +1,160 @@
+"""Scene files: TOML to Scene and back.
+
+The names are a contract with everyone who keeps scene files.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tribo import drives
+from tribo.asperite import Asperite
+from tribo.checks import inside, known_keys
+from tribo.errors import InputError
+from tribo.potentials import plugin
+from tribo.scene import Interaction, Numerics, Output, Scene
+from tribo.surface import Initial, Surface
+
+SURFACE_KEYS = [f.name for f in fields(Surface)]
+
+
+def load_scene(path: Any) -> Scene:
+    """The scene in a TOML file; raises InputError with one sentence that names the key."""
+    path = Path(path)
+    try:
+        text = path.read_bytes().decode("utf-8")
+    except OSError as error:
+        raise InputError(str(path), f"cannot be read ({error.strerror})") from None
+    except UnicodeDecodeError:
+        raise InputError(str(path), "is not a text file in UTF-8") from None
+    try:
+        table = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(str(path), f"is not valid TOML: {error}") from None
+    return scene_from(table, path.parent)
+
+
+def scene_from(table: dict[str, Any], folder: Path = Path()) -> Scene:
+    """The scene that a file's table describes; plug-ins are looked for from `folder`."""
+    table = known_keys(
+        table,
+        ["title", "duration", "seed", "interaction", "surface", "output", "numerics"],
+        ["duration", "surface"],
+    )
+    surfaces = table["surface"]
+    if not isinstance(surfaces, list):
+        raise InputError("surface", "must be [[surface]] tables, one for each surface")
+    with inside("output"):
+        output = Output(**known_keys(table.get("output", {}), ["samples", "times"]))
+    with inside("numerics"):
+        numerics = Numerics(**known_keys(table.get("numerics", {}), ["accuracy", "method", "step"]))
+    return Scene(
+        surfaces=tuple(_surface(i, item) for i, item in enumerate(surfaces)),
+        interactions=_interactions(table.get("interaction", []), folder),
+        duration=table["duration"],
+        title=table.get("title", ""),
+        seed=table.get("seed", 0),
+        output=output,
+        numerics=numerics,
+    )
+
+
+def _interactions(value: Any, folder: Path) -> tuple[Interaction, ...]:
+    if isinstance(value, dict):
+        with inside("interaction"):
+            return (_interaction(value, folder),)
+    if not isinstance(value, list):
+        raise InputError("interaction", f"must be a table, got {value!r}")
+    interactions = []
+    for i, table in enumerate(value):
+        with inside(f"interaction[{i}]"):
+            interactions.append(_interaction(table, folder))
+    return tuple(interactions)
+
+
+def _interaction(table: Any, folder: Path) -> Interaction:
+    if not isinstance(table, dict):
+        raise InputError("", f"must be a table, got {table!r}")
+    parameters = dict(table)
+    if "potential" not in parameters:
+        raise InputError("potential", "is missing")
+    name = parameters.pop("potential")
+    between = parameters.pop("between", None)
+    if between is not None and not (
+        isinstance(between, list) and len(between) == 2 and all(isinstance(b, str) for b in between)
+    ):
+        raise InputError("between", f"must be the names of two surfaces, got {between!r}")
+    potential = plugin.named(name, parameters, folder)
+    return Interaction(potential, tuple(between) if between else None)
+
+
+def _surface(index: int, table: Any) -> Surface:
+    with inside(f"surface[{index}]"):
+        table = known_keys(table, SURFACE_KEYS, ["name"])
+        with inside("asperite"):
+            parameters = known_keys(table.get("asperite", {}), [f.name for f in fields(Asperite)])
+            table["asperite"] = Asperite(**parameters)
+        with inside("initial"):
+            start = known_keys(table.get("initial", {}), [f.name for f in fields(Initial)])
+            table["initial"] = Initial(**start)
+        return Surface(**table)
+
+
+def save_scene(scene: Scene, path: Any) -> None:
+    """Write the TOML file that `load_scene` reads."""
+    Path(path).write_text(scene_text(scene), encoding="utf-8")
+
+
+def scene_text(scene: Scene) -> str:
+    """The scene as TOML."""
+    import tomli_w
+
+    return tomli_w.dumps(scene_table(scene))
+
+
+def scene_table(scene: Scene) -> dict[str, Any]:
+    """The scene as the nested table of its file."""
+    table: dict[str, Any] = {"title": scene.title} if scene.title else {}
+    table |= {"duration": scene.duration, "seed": scene.seed}
+    table["output"] = _given(scene.output)
+    if scene.output.times is not None:
+        del table["output"]["samples"]
+    table["numerics"] = _given(scene.numerics)
+    table["interaction"] = [
+        {"potential": plugin.name_of(i.potential)}
+        | ({"between": list(i.between)} if i.between else {})
+        | i.potential._asdict()
+        for i in scene.interactions
+    ]
+    table["surface"] = [_surface_table(surface) for surface in scene.surfaces]
+    return table
+
+
+def _surface_table(surface: Surface) -> dict[str, Any]:
+    table = _given(surface)
+    table["drive"] = drives.as_table(surface.drive)
+    table["asperite"] = _given(surface.asperite)
+    table["initial"] = _given(surface.initial)
+    if surface.positions is not None:
+        for key in ("bob", "shape", "spacing", "depth"):
+            del table[key]
+    return table
+
+
+def _given(item: Any) -> dict[str, Any]:
+    """The fields of a dataclass that are set, as TOML can hold them."""
+    table = {}
+    for f in fields(item):
+        value = getattr(item, f.name)
+        if isinstance(value, np.ndarray):
+            value = value.tolist()
+        elif isinstance(value, tuple):
+            value = list(value)
+        if value is not None:
+            table[f.name] = value
+    return table

@@ -1,0 +1,241 @@
+"""From a scene and a wanted accuracy to a result with honest error bars."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from tribo import accuracy as acc
+from tribo import methods
+from tribo.checks import POSITIVE, number, number_or_each
+from tribo.errors import InputError
+from tribo.kernels.compiled import time_loop
+from tribo.layout import laid_out
+from tribo.ledger import Ledger, ledger
+from tribo.march import March, Progress, compile_loop, march
+from tribo.potentials import plugin
+from tribo.result import Cost, Result
+from tribo.scene import Scene, check_accuracy
+
+DEFAULT_ACCURACY = 1e-8
+PILOT = 1e-3  # tolerance level of the first run, which finds out the scales
+CHECKS = 8  # equal parts of the duration, after each of which two runs are compared
+PARTS = 32  # the finer run lands on these and the samples: its steps are never the other's
+FIRST_LEVEL = 0.03  # tolerance of the coarser run, in units of the accuracy
+ROUNDS = 6  # of tightening, before a request is called out of reach
+PERTURBATION = 1e-11  # of the start, to see what the scene makes of it
+
+
+class Simulation:
+    """A scene with method and step fixed and everything compiled; made by :func:`prepare`."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        accuracy: float | None,
+        method: methods.Method,
+        step: float | None,
+        progress: Progress | None = None,
+    ) -> None:
+        self.scene = scene
+        self.method = method
+        self.accuracy = accuracy
+        self.layout = laid_out(scene)
+        self._progress = progress
+        self._first_step = acc.first_step(self.layout)
+        stamps = (plugin.stamp(contact.potential) for contact in self.layout.model.contacts)
+        self._loop = time_loop(method.loop, "_".join(stamps))
+        self._times = scene.times
+        self._check_times = np.linspace(0.0, scene.duration, CHECKS + 1)
+        self._setting: Any = step
+        if accuracy is not None:
+            self._times = np.union1d(self._times, np.linspace(0.0, scene.duration, PARTS + 1))
+            self._setting = acc.tolerances(self.layout, acc.first_guess(self.layout), PILOT)
+        self.compile_seconds = compile_loop(self.layout, method, self._loop, self._setting)
+        self._coarse: Any = None
+        self._tuning: list[March] = []
+        if accuracy is not None:
+            self._tune(accuracy)
+
+    def run(self, start: Mapping[str, Any] | None = None, estimate: bool = True) -> Result:
+        """Run from the scene's start, or with some initial values changed.
+
+        `start` maps "surface.theta" (or phi, omega, nu) to a number or one per asperite.  With
+        ``estimate=False`` the second run that estimates the error is left out.
+        """
+        y = self._changed(start or {})
+        runs = []
+        if estimate and self._coarse is not None:
+            runs.append(self._march(y, self._coarse, self._check_times))
+        runs.append(self._march(y, self._setting, self._times))
+        return self._result(runs)
+
+    def first_result(self) -> Result:
+        """The result of the runs that fixed the step, or of a run if none was needed."""
+        return self._result(self._tuning) if self._tuning else self.run()
+
+    def _march(self, start: np.ndarray, setting: Any, times: np.ndarray) -> March:
+        return march(
+            self.layout,
+            self.method,
+            self._loop,
+            setting,
+            start,
+            times,
+            self._first_step,
+            self._progress,
+        )
+
+    def _tune(self, accuracy: float) -> None:
+        """Find two tolerances a decade apart whose runs agree within the accuracy.
+
+        A pilot finds the scales; then the level is lowered until the estimate meets the request,
+        or has reached what double precision can do.
+        """
+        layout, start = self.layout, self.layout.start
+        runs = [self._march(start, self._setting, self._check_times)]
+        level = FIRST_LEVEL * accuracy
+        for _ in range(ROUNDS):
+            scales = acc.inner_scales(layout, runs[-1].y, runs[-1].s)
+            self._coarse = acc.tolerances(layout, scales, level)
+            self._setting = acc.tolerances(layout, scales, 0.1 * level)
+            runs.append(self._march(start, self._coarse, self._check_times))
+            runs.append(self._march(start, self._setting, self._times))
+            if runs[-1].status == "Interrupted":
+                break
+            excess = acc.excess(*self._estimated(runs[-1], runs[-2]), accuracy)
+            if excess <= 1.0 or level <= acc.FLOOR:
+                break
+            level = max(level * min(0.1, 0.3 / excess), acc.FLOOR)
+        self._tuning = runs
+
+    def _estimated(self, fine: March, coarse: March) -> tuple[dict[str, float], acc.Scales]:
+        """Bounds on the finer run's errors, and the scales that they are judged by."""
+        books = self._books(fine)
+        shared = np.intersect1d(fine.t, coarse.t)
+        bounds = acc.estimate(books, self._at(fine, shared), self._at(coarse, shared))
+        return bounds, acc.reported_scales(self.layout, books)
+
+    def _at(self, run: March, times: np.ndarray) -> Ledger:
+        """The books of a run at some of its times."""
+        k = np.isin(run.t, times)
+        return ledger(self.layout, run.t[k], run.y[k], run.s[k], run.u[k])
+
+    def _books(self, run: March) -> Ledger:
+        return ledger(self.layout, run.t, run.y, run.s, run.u)
+
+    def _changed(self, start: Mapping[str, Any]) -> np.ndarray:
+        """y at t = 0 with some initial values replaced."""
+        y = self.layout.start.copy()
+        n = self.layout.coordinates
+        for key, value in start.items():
+            name, _, quantity = key.rpartition(".")
+            if name not in self.layout.parts or quantity not in ("theta", "phi", "omega", "nu"):
+                raise InputError(key, 'must be "surface.theta", or phi, omega or nu of a surface')
+            part = self.layout.parts[name]
+            values = np.asarray(number_or_each(key, value))
+            surface = next(s for s in self.scene.surfaces if s.name == name)
+            if values.ndim and values.size != surface.count:
+                raise InputError(key, f"has {values.size} values for {surface.count} asperites")
+            if quantity in ("phi", "nu") and surface.bars == "clamped":
+                raise InputError(key, "cannot be changed on clamped bars of a prepared scene")
+            slots = np.arange(part.start, part.stop)
+            if quantity in ("phi", "nu"):
+                slots = self.layout.model.asperites.dof_phi[part]
+            if quantity in ("omega", "nu"):
+                slots = slots + n
+            y[slots] = values - surface.rest if quantity == "theta" else values
+        return y
+
+    def _result(self, runs: list[March]) -> Result:
+        """The last run as a result, its error estimated from the one before it."""
+        fine = runs[-1]
+        bounds: dict[str, float | None] = dict.fromkeys(acc.REPORTED)
+        met = None
+        notes: tuple[str, ...] = ()
+        if len(runs) > 1 and self.accuracy is not None:
+            estimated, scales = self._estimated(fine, runs[-2])
+            met = acc.excess(estimated, scales, self.accuracy) <= 1.0
+            bounds.update(estimated)
+            if not met and fine.status == "completed":
+                notes = (self._out_of_reach(fine, estimated, scales),)
+        kept = np.union1d(np.intersect1d(fine.t, self.scene.times), fine.t[-1:])
+        return Result(
+            scene=self.scene,
+            t=kept,
+            ledger=self._at(fine, kept),
+            status=fine.status,
+            method=self.method.name,
+            cost=Cost(
+                steps=fine.steps,
+                force_evaluations=sum(run.evaluations for run in runs),
+                wall_seconds=sum(run.seconds for run in runs),
+                compile_seconds=self.compile_seconds,
+            ),
+            error_estimate=bounds,
+            accuracy=self.accuracy,
+            met=met,
+            notes=notes,
+        )
+
+    def _out_of_reach(self, fine: March, bounds: dict[str, float], scales: acc.Scales) -> str:
+        """Why the request was not met: how much the scene makes of a small change of its start."""
+        assert self.accuracy is not None
+        nudged = fine.y[0].copy()
+        nudged[: self.layout.model.asperites.size] += PERTURBATION
+        other = self._march(nudged, self._setting, self._times)
+        change = acc.excess(self._estimated(fine, other)[0], scales, 1.0) / acc.SAFETY
+        reached = acc.excess(bounds, scales, 1.0)
+        return (
+            f"accuracy {self.accuracy:.1e} is out of reach: errors are estimated at {reached:.1e} of "
+            f"their scale; a change of {PERTURBATION:.0e} in the start grows to {change:.1e}, "
+            f"and round-off of {acc.EPSILON:.1e} with it to about "
+            f"{acc.EPSILON * change / PERTURBATION:.1e}"
+        )
+
+
+def prepare(
+    scene: Scene,
+    accuracy: float | None = None,
+    method: str | None = None,
+    step: float | None = None,
+    progress: Progress | None = None,
+) -> Simulation:
+    """Compile and plan a scene once; method and step are fixed here.
+
+    `accuracy` is the largest error wanted in any reported quantity, relative to its scale; None
+    takes the scene file's, else 1e-8.  A `method` and `step` of one's own are obeyed, and have no
+    error estimate.  `progress` is told the time reached.  Raises InputError.
+    """
+    if not isinstance(scene, Scene):
+        raise InputError("scene", f"must be a tribo.Scene, got {scene!r}")
+    wanted = scene.numerics
+    if method is None and step is None:
+        step = wanted.step if accuracy is None else None
+        method = wanted.method if accuracy is None or wanted.step is None else None
+    chosen = methods.named(method or ("midpoint" if step is not None else "dop853"))
+    if chosen.adaptive:
+        if step is not None:
+            raise InputError(
+                "step", f"cannot go with {chosen.name}, which chooses its own; give accuracy"
+            )
+        accuracy = check_accuracy(accuracy or wanted.accuracy or DEFAULT_ACCURACY)
+        return Simulation(scene, accuracy, chosen, None, progress)
+    if step is None:
+        raise InputError("step", f"is missing; {chosen.name} goes in equal steps")
+    if accuracy is not None:
+        raise InputError("accuracy", f"cannot go with a step of one's own for {chosen.name}")
+    return Simulation(scene, None, chosen, number("step", step, POSITIVE), progress)
+
+
+def simulate(
+    scene: Scene,
+    accuracy: float | None = None,
+    method: str | None = None,
+    step: float | None = None,
+    progress: Progress | None = None,
+) -> Result:
+    """Run a scene once; arguments as for :func:`prepare`."""
+    return prepare(scene, accuracy, method, step, progress).first_result()

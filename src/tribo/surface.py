@@ -1,0 +1,147 @@
+"""A surface: asperites that share a velocity and a drive."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields
+from typing import Any
+
+import numpy as np
+
+from tribo.asperite import Asperite, Each
+from tribo.checks import choice, inside, number, number_or_each, vector, whole
+from tribo.drives import Drive, Forced, as_drive
+from tribo.errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class Initial:
+    """Where the pendulums and bars start; None is their place of rest, at rest.
+
+    theta and phi are absolute: an asperite that faces up rests at theta = pi.
+    """
+
+    theta: Each | None = None  # [rad]
+    phi: Each | None = None  # [rad]
+    omega: Each | None = None  # d theta / dt
+    nu: Each | None = None  # d phi / dt
+
+    def __post_init__(self) -> None:
+        for f in fields(self):
+            value = getattr(self, f.name)
+            if value is not None:
+                object.__setattr__(self, f.name, number_or_each(f.name, value))
+
+    def for_each(self, count: int) -> dict[str, np.ndarray | None]:
+        """Each given angle and rate as an array of `count`."""
+        each: dict[str, np.ndarray | None] = {}
+        for f in fields(self):
+            value = getattr(self, f.name)
+            if isinstance(value, np.ndarray) and value.size != count:
+                raise InputError(f.name, f"has {value.size} values for {count} asperites")
+            each[f.name] = None if value is None else np.broadcast_to(value, (count,))
+        return each
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """One asperite, a row, a grid or any list of them.
+
+    Places are those of the bobs with their theta at rest and phi = 0, whatever `initial` says.
+    Lengths, times and masses are in the scene's own units.
+    """
+
+    name: str
+    facing: str = "down"  # "down": rest angle 0; "up": rest angle pi
+    bob: tuple[float, float] = (0.0, 0.0)  # x, y of the first resting bob
+    velocity: tuple[float, float] = (0.0, 0.0)
+    shape: tuple[int, int] = (1, 1)  # asperites along x, along z; x runs fastest
+    spacing: tuple[float, float] = (0.0, 0.0)
+    depth: float = 0.0  # z of the first
+    heights: np.ndarray | None = None  # a shift in y per asperite, up positive
+    positions: np.ndarray | None = (
+        None  # (n, 3) resting bobs, instead of bob, shape, spacing, depth
+    )
+    drive: Drive = field(default_factory=Forced)
+    bars: str = "clamped"  # or "free"
+    asperite: Asperite = field(default_factory=Asperite)
+    initial: Initial = field(default_factory=Initial)
+
+    def __post_init__(self) -> None:
+        put = object.__setattr__
+        if not isinstance(self.name, str) or not self.name or "." in self.name:
+            raise InputError("name", f"must be a word without a point, got {self.name!r}")
+        choice("facing", self.facing, ["down", "up"])
+        choice("bars", self.bars, ["clamped", "free"])
+        put(self, "bob", tuple(vector("bob", self.bob, size=2).tolist()))
+        put(self, "velocity", tuple(vector("velocity", self.velocity, size=2).tolist()))
+        vector("shape", self.shape, size=2)
+        put(self, "shape", tuple(whole(f"shape[{i}]", n, 1) for i, n in enumerate(self.shape)))
+        put(self, "spacing", tuple(vector("spacing", self.spacing, size=2).tolist()))
+        put(self, "depth", number("depth", self.depth))
+        if self.positions is not None:
+            put(self, "positions", self._listed_positions())
+        with inside("drive"):
+            put(self, "drive", as_drive(self.drive))
+        if self.heights is not None:
+            put(self, "heights", vector("heights", self.heights, size=self.count))
+        with inside("asperite"):
+            self.asperite.for_each(self.count)
+        with inside("initial"):
+            self.initial.for_each(self.count)
+
+    def _listed_positions(self) -> np.ndarray:
+        for key, untouched in (("bob", (0.0, 0.0)), ("shape", (1, 1)), ("spacing", (0.0, 0.0))):
+            if getattr(self, key) != untouched:
+                raise InputError(key, "cannot go with positions; give one or the other")
+        if self.depth != 0.0:
+            raise InputError("depth", "cannot go with positions; give one or the other")
+        if not isinstance(self.positions, (list, tuple, np.ndarray)) or len(self.positions) == 0:
+            raise InputError("positions", f"must be a list of [x, y, z], got {self.positions!r}")
+        rows = [vector(f"positions[{i}]", p, size=3) for i, p in enumerate(self.positions)]
+        table = np.array(rows)
+        table.flags.writeable = False
+        return table
+
+    @property
+    def count(self) -> int:
+        """How many asperites there are."""
+        return len(self.positions) if self.positions is not None else self.shape[0] * self.shape[1]
+
+    @property
+    def rest(self) -> float:
+        """The torsion spring's rest angle theta - phi [rad]."""
+        return 0.0 if self.facing == "down" else np.pi
+
+    @property
+    def facing_sign(self) -> float:
+        """+1 for a surface that faces down, -1 for one that faces up."""
+        return 1.0 if self.facing == "down" else -1.0
+
+    def resting_bobs(self, origin: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> np.ndarray:
+        """(n, 3) places of the resting bobs relative to `origin`, which costs no digits."""
+        if self.positions is not None:
+            places = self.positions - np.array(origin)
+        else:
+            column, row = np.meshgrid(np.arange(self.shape[0]), np.arange(self.shape[1]))
+            places = np.empty((self.count, 3))
+            places[:, 0] = (self.bob[0] - origin[0]) + column.ravel() * self.spacing[0]
+            places[:, 1] = self.bob[1] - origin[1]
+            places[:, 2] = (self.depth - origin[2]) + row.ravel() * self.spacing[1]
+        if self.heights is not None:
+            places[:, 1] += self.heights
+        return places
+
+    @property
+    def first_bob(self) -> tuple[float, float, float]:
+        """Place of the first resting bob, without its height."""
+        if self.positions is not None:
+            x, y, z = self.positions[0]
+            return float(x), float(y), float(z)
+        return self.bob[0], self.bob[1], self.depth
+
+
+def surface_from(value: Any) -> Surface:
+    """A surface, or a clear complaint."""
+    if not isinstance(value, Surface):
+        raise InputError("", f"must be a tribo.Surface, got {value!r}")
+    return value
