@@ -56,3 +56,8 @@ def _force(self: Any, r: Any) -> Any:
 @overload_method(types.BaseNamedTuple, "feature", strict=False)
 def _feature(self: Any) -> Any:
     return self.instance_class.feature
+
+
+@overload_method(types.BaseNamedTuple, "coupling", strict=False)
+def _coupling(self: Any, one: Any, other: Any) -> Any:
+    return self.instance_class.coupling

@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 from numba import literal_unroll
-from numba.extending import overload
 
 from tribo.kernels.compiled import kernel
 
@@ -18,18 +17,6 @@ def separation(dx, dy, dz):
     if square > SQUARE_IS_SAFE:
         return math.sqrt(square)
     return math.hypot(math.hypot(dx, dy), dz)
-
-
-def charge_product(potential, one, other):
-    """q_i q_j for a potential that declares itself charged, else 1."""
-    return one * other if potential.charged else 1.0
-
-
-@overload(charge_product)
-def _charge_product(potential, one, other):
-    if potential.instance_class.charged:
-        return lambda potential, one, other: one * other
-    return lambda potential, one, other: 1.0
 
 
 @kernel
@@ -52,7 +39,7 @@ def contact_forces(contacts, surfaces, bobs):
                     dx = a.x - b.x
                     dy = a.y - b.y
                     r = separation(dx, dy, a.z - b.z)
-                    f = charge_product(potential, a.charge, b.charge) * potential.force(r) / r
+                    f = potential.coupling(a.charge, b.charge) * potential.force(r) / r
                     fx += f * dx
                     fy += f * dy
                     b.fx -= f * dx
@@ -75,7 +62,7 @@ def contact_energy(contacts, surfaces, bobs):
                 for j in range(other.start, other.stop):
                     b = bobs[j]
                     r = separation(a.x - b.x, a.y - b.y, a.z - b.z)
-                    energy += charge_product(potential, a.charge, b.charge) * potential.energy(r)
+                    energy += potential.coupling(a.charge, b.charge) * potential.energy(r)
     return energy
 
 

@@ -100,7 +100,7 @@ class Contact(NamedTuple):
 class Model(NamedTuple):
     """A scene as kernels see it; an effect that is absent is None, and not compiled."""
 
-    asperites: np.ndarray  # ASPERITE, (n,)
-    surfaces: np.ndarray  # SURFACE
+    asperites: Any  # recarray of ASPERITE, (n,)
+    surfaces: Any  # recarray of SURFACE
     contacts: tuple
-    bobs: np.ndarray  # BOB, (n,), scratch
+    bobs: Any  # recarray of BOB, (n,), scratch

@@ -11,8 +11,6 @@ class Coulomb(NamedTuple):
 
     strength: float  # [energy x length], with charges of 1
 
-    charged = True  # type: ignore[misc]
-
     def energy(self, r):
         """U(r) between charges of 1."""
         return self.strength / r
@@ -20,3 +18,7 @@ class Coulomb(NamedTuple):
     def force(self, r):
         """-dU/dr between charges of 1."""
         return self.strength / (r * r)
+
+    def coupling(self, one, other):
+        """q_i q_j, by which U and force are multiplied."""
+        return one * other

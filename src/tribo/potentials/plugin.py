@@ -6,7 +6,9 @@ A potential is a NamedTuple of floats with ``energy(self, r)``.  It may say more
     feature(self)    (length over which the force changes, distance out to which it is felt), by
                      which no step jumps an encounter; otherwise the force is taken to change on
                      the scale of r itself
-    charged = True   U is multiplied by q_i q_j
+    coupling(self, one, other)
+                     what U is multiplied by for bobs of charges one and other, as one * other;
+                     otherwise 1
 """
 
 from __future__ import annotations
@@ -38,6 +40,13 @@ def _no_feature(self: Any) -> Any:
     return 0.0, 0.0
 
 
+def _no_coupling(self: Any, one: Any, other: Any) -> Any:
+    return 1.0
+
+
+DEFAULTS = {"force": _complex_step, "feature": _no_feature, "coupling": _no_coupling}
+
+
 def complete(cls: Any) -> Any:
     """The class with all that kernels ask of a potential; a complaint if it is none."""
     name = getattr(cls, "__name__", repr(cls))
@@ -47,11 +56,9 @@ def complete(cls: Any) -> Any:
         raise InputError("potential", f"{name} has no parameters; give it at least one field")
     if not callable(getattr(cls, "energy", None)):
         raise InputError("potential", f"{name} has no method energy(self, r)")
-    for method, default in (("force", _complex_step), ("feature", _no_feature)):
+    for method, default in DEFAULTS.items():
         if not hasattr(cls, method):
             setattr(cls, method, default)
-    if not hasattr(cls, "charged"):
-        cls.charged = False
     return cls
 
 
