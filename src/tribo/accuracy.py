@@ -13,10 +13,17 @@ import numpy as np
 
 from tribo.kernels.runge_kutta import Tolerance
 from tribo.layout import Layout
-from tribo.ledger import ASPERITE_KINDS, BLOCK_KINDS, SYSTEM_KINDS, Ledger
+from tribo.ledger import (
+    ASPERITE_KINDS,
+    BLOCK_KINDS,
+    OPTIONAL_KINDS,
+    SYSTEM_KINDS,
+    Ledger,
+    Samples,
+)
 
 EPSILON = float(np.finfo(float).eps)
-REPORTED = ASPERITE_KINDS | BLOCK_KINDS | SYSTEM_KINDS
+KINDS = ASPERITE_KINDS | OPTIONAL_KINDS | BLOCK_KINDS | SYSTEM_KINDS
 SAFETY = 3.0  # the estimate is this times the difference of two runs
 FLOOR = 2e-15  # no tolerance asks for less, relative to its scale
 
@@ -38,12 +45,12 @@ class Scales:
 
 def reported_scales(layout: Layout, books: Ledger) -> Scales:
     """The scales by which a run is judged, over all asperites and samples, in the laboratory."""
-    tables = list(books.surfaces.values())
 
     def top(*names: str) -> float:
-        return max(float(np.max(np.abs(table[name]))) for table in tables for name in names)
+        return max(_top(series) for name in names for series in books.series(name))
 
-    works = [name for name, kind in ASPERITE_KINDS.items() if kind == "energy"]
+    asperite = ASPERITE_KINDS | OPTIONAL_KINDS
+    works = [name for name, kind in asperite.items() if kind == "energy" and books.series(name)]
     return Scales(
         rate=top("omega", "nu"),
         length=_longest_rod(layout),
@@ -95,21 +102,19 @@ def first_guess(layout: Layout) -> InnerScales:
     return InnerScales(velocity, energy, energy / velocity, rate, 1.0)
 
 
-def inner_scales(layout: Layout, y: np.ndarray, s: np.ndarray) -> InnerScales:
+def inner_scales(layout: Layout, samples: Samples) -> InnerScales:
     """The scales that a run turned out to have; those that stayed zero are taken from the start."""
     guess = first_guess(layout)
     a = layout.model.asperites
-    n = layout.coordinates
-    swing, omega = y[:, : a.size], y[:, n : n + a.size]
+    swing = samples.y[:, : a.size]
+    omega = samples.y[:, layout.core : layout.core + a.size]
     weights = _account_weights(layout)
-    energy = [_top(s[:, k] * weights[k]) for k in range(layout.accounts) if weights[k] > 0.0]
-    impulse = [_top(s[:, k]) for k in range(layout.accounts) if weights[k] == 0.0]
+    top = np.max(np.abs(samples.s), axis=0, initial=0.0)
     internal = 0.5 * (a.inertia * omega**2 + a.kappa * swing**2)
-    energy.append(_top(internal - internal[0]))
     return InnerScales(
         velocity=guess.velocity,
-        energy=max(energy) or guess.energy,
-        impulse=max(impulse) or guess.impulse,
+        energy=max(float(np.max(top * weights)), _top(internal - internal[0])) or guess.energy,
+        impulse=float(np.max(top[weights == 0.0])) or guess.impulse,
         rate=_top(omega) or guess.rate,
         swing=_top(swing) or guess.swing,
     )
@@ -120,18 +125,26 @@ def _top(values: np.ndarray) -> float:
 
 
 def _account_weights(layout: Layout) -> np.ndarray:
-    """By what an account is multiplied to become a work; 0 for impulses, which are of another kind."""
+    """What an account is multiplied by to become a work; 0 for impulses, which are of another kind."""
     weights = np.ones(layout.accounts)
     a = layout.model.asperites
     length = a.l1 + a.l2
-    for k in range(4):
-        weights[a.acc_contact + k] = 0.0 if k < 2 else length
-    for slots in (a.acc_drive, a.acc_ends + np.where(a.acc_ends >= 0, 2, 0)):
-        present = slots >= 0
-        weights[slots[present]] = 0.0
-        weights[slots[present] + 1] = 0.0
-    own = a.acc_drive >= 0
-    weights[a.acc_drive[own] + 2] = length[own]
+    impulses = {
+        "acc_contact": (0, 1),
+        "acc_drive": (0, 1),
+        "acc_ends": (2, 3),
+        "acc_user_ends": (2, 3, 4, 5),
+        "acc_internal": (0, 1),
+        "acc_field": (0, 1),
+        "acc_thermal": (0, 1),
+    }
+    arms = {"acc_contact": (2, 3), "acc_drive": (2,)}  # integrals that lack the length of the arm
+    for name, offsets in impulses.items():
+        present = a[name] >= 0
+        for k in offsets:
+            weights[a[name][present] + k] = 0.0
+        for k in arms.get(name, ()):
+            weights[a[name][present] + k] = length[present]
     return weights
 
 
@@ -143,20 +156,19 @@ def tolerances(layout: Layout, scales: InnerScales, level: float) -> Tolerance:
     """
     level = max(level, FLOOR)
     a = layout.model.asperites
-    n = layout.coordinates
     energy = level * scales.energy
-    q = np.full(n, level * _longest_rod(layout))
-    v = np.full(n, level * scales.velocity)
-    q[: a.size] = np.minimum(level, energy / _positive(a.kappa * scales.swing))
-    v[: a.size] = np.minimum(level * scales.rate, energy / _positive(a.inertia * scales.rate))
+    speed = level * scales.velocity
+    q = np.full(layout.coordinates, level * _longest_rod(layout))
+    v = np.full(layout.coordinates, speed)
+    swing = slice(0, a.size)
+    q[swing] = np.minimum(level, energy / _positive(a.kappa * scales.swing))
+    v[swing] = np.minimum(level * scales.rate, energy / _positive(a.inertia * scales.rate))
     turning = a.dof_phi >= 0
-    q[a.dof_phi[turning]] = q[: a.size][turning]
+    q[a.dof_phi[turning]] = q[swing][turning]
     v[a.dof_phi[turning]] = np.minimum(level * scales.rate, energy / (a.i2[turning] * scales.rate))
     for slots in (a.dof_x, a.dof_y):
         live = slots >= 0
-        v[slots[live]] = np.minimum(
-            level * scales.velocity, energy / (a.mass[live] * scales.velocity)
-        )
+        v[slots[live]] = np.minimum(speed, energy / (a.mass[live] * scales.velocity))
     weights = _account_weights(layout)
     impulse = level * min(scales.impulse, scales.energy / scales.velocity)
     s = np.where(weights > 0.0, energy / np.where(weights > 0.0, weights, 1.0), impulse)
@@ -171,6 +183,9 @@ def first_step(layout: Layout) -> float:
     """A step to begin with: short against every pendulum's period and the run."""
     a = layout.model.asperites
     fastest = float(np.max(np.sqrt(a.kappa * np.maximum(1.0 / a.inertia, 1.0 / a.i2))))
+    for oscillators in (layout.model.bath, layout.model.torsional):
+        if oscillators is not None:
+            fastest = max(fastest, float(np.max(oscillators.frequency)))
     return min(0.05 / fastest if fastest > 0.0 else np.inf, 1e-3 * layout.scene.duration)
 
 
@@ -181,26 +196,20 @@ def estimate(books: Ledger, fine: Ledger, coarse: Ledger) -> dict[str, float]:
     of its times.  To three times the largest difference comes what writing the numbers down costs.
     """
     bounds = {}
-    for name in REPORTED:
-        difference = zip(_series(fine, name), _series(coarse, name), strict=True)
-        bounds[name] = SAFETY * max(_top(one - other) for one, other in difference)
-        bounds[name] += 4.0 * EPSILON * max(map(_top, _series(books, name)))
+    for name in KINDS:
+        whole = books.series(name)
+        if whole:
+            pairs = zip(fine.series(name), coarse.series(name), strict=True)
+            bounds[name] = SAFETY * max(_top(one - other) for one, other in pairs)
+            bounds[name] += 4.0 * EPSILON * max(map(_top, whole))
     return bounds
-
-
-def _series(books: Ledger, name: str) -> list[np.ndarray]:
-    """Every series of that name: of each surface, or of the system."""
-    if name in SYSTEM_KINDS:
-        return [books.system[name]]
-    tables = books.surfaces if name in ASPERITE_KINDS else books.blocks
-    return [table[name] for table in tables.values()]
 
 
 def excess(bounds: dict[str, float], scales: Scales, accuracy: float) -> float:
     """The largest estimate in units of what was asked for; at most 1 where the request is met."""
     worst = 0.0
     for name, bound in bounds.items():
-        scale = scales.of(REPORTED[name])
+        scale = scales.of(KINDS[name])
         if bound > 0.0:
             worst = max(worst, bound / (accuracy * scale) if scale > 0.0 else np.inf)
     return worst

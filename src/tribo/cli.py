@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import sys
 from pathlib import Path
 from typing import Any
@@ -20,6 +21,9 @@ def main(arguments: list[str] | None = None) -> int:
         status: int = options.command(options)
     except InputError as error:
         print(f"tribo: {error}", file=sys.stderr)
+        return WRONG_INPUT
+    except MemoryError as error:
+        print(f"tribo: not enough memory for this scene ({error})", file=sys.stderr)
         return WRONG_INPUT
     except BrokenPipeError:
         sys.stderr.close()
@@ -55,14 +59,24 @@ def _run(options: argparse.Namespace) -> int:
     from tribo.simulation import simulate
 
     scene = load_scene(options.scene)
-    if options.out is not None and not options.out.absolute().parent.is_dir():
-        raise InputError("--out", f"there is no folder {options.out.absolute().parent}")
+    if options.out is not None:
+        _check_place(options.out.absolute())
     with _Bar(scene.duration) as bar:
         result = simulate(scene, progress=bar)
     if options.out is not None:
         result.save(options.out)
     print(result.to_json() if options.json else result)
     return COMPLETED if result.status == "completed" else STOPPED
+
+
+def _check_place(path: Path) -> None:
+    """Complain before the run, not after it, about a file that could not be written."""
+    if not path.parent.is_dir():
+        raise InputError("--out", f"there is no folder {path.parent}")
+    if path.is_dir():
+        raise InputError("--out", f"is a folder, {path}; give the name of a file")
+    if not os.access(path.parent, os.W_OK):
+        raise InputError("--out", f"nothing can be written in {path.parent}")
 
 
 def _paper(options: argparse.Namespace) -> int:

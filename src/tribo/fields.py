@@ -8,11 +8,13 @@ step, to round-off.  x and y are a bob's place in the field's own frame.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from tribo.checks import inside, number, vector
+from tribo import plugins
+from tribo.checks import choice, vector
 from tribo.errors import InputError
 
 
@@ -62,15 +64,35 @@ class Field:
 
 def as_field_potential(value: Any) -> Any:
     """An instance with energy_at and force_at whose fields are finite numbers."""
-    cls = type(value)
-    if not (issubclass(cls, tuple) and getattr(cls, "_fields", None)):
-        raise InputError("kind", f"{cls.__name__} must be a NamedTuple with at least one field")
-    if not callable(getattr(cls, "energy_at", None)):
-        raise InputError("kind", f"{cls.__name__} has no method energy_at(self, x, y)")
-    if not hasattr(cls, "force_at"):
-        cls.force_at = _complex_step
-    with inside(""):
-        checked = {key: number(key, item) for key, item in value._asdict().items()}
-    if isinstance(value, Corrugation) and checked["period"] <= 0.0:
-        raise InputError("period", f"must be positive, got {checked['period']}")
-    return cls(**checked)
+    plugins.check_class(type(value), "kind", "energy_at(self, x, y)")
+    if not hasattr(type(value), "force_at"):
+        type(value).force_at = _complex_step
+    value = plugins.with_numbers(value)
+    if isinstance(value, Corrugation) and value.period <= 0.0:
+        raise InputError("period", f"must be positive, got {value.period}")
+    return value
+
+
+def from_table(table: Any, folder: Path) -> Field:
+    """The field that a table of a scene file describes."""
+    if not isinstance(table, dict):
+        raise InputError("", f"must be a table, got {table!r}")
+    parameters = dict(table)
+    for key in ("kind", "on"):
+        if key not in parameters:
+            raise InputError(key, "is missing")
+    place = {k: parameters.pop(k) for k in ("on", "origin", "velocity") if k in parameters}
+    kind = parameters.pop("kind")
+    if isinstance(kind, str) and ".py:" in kind:
+        cls = plugins.class_in_file("kind", kind, folder)
+        plugins.check_class(cls, "kind", "energy_at(self, x, y)")
+    else:
+        cls = BUILT_IN[choice("kind", kind, BUILT_IN)]
+    return Field(plugins.instance(cls, parameters), **place)
+
+
+def as_table(field: Field) -> dict[str, Any]:
+    """The table of a scene file that `from_table` reads."""
+    place = {"on": list(field.on), "origin": list(field.origin), "velocity": list(field.velocity)}
+    kind = plugins.name_of(field.potential, BUILT_IN)
+    return {"kind": kind} | field.potential._asdict() | place

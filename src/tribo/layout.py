@@ -3,24 +3,33 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from tribo.drives import Forced, Free, Pulled
-from tribo.kernels.powers import CONTACT, DRIVE, ENDS, SLIDE
+from tribo.bath import thermal_start, thermal_torsional_start
+from tribo.drives import Custom as CustomDrive
+from tribo.drives import Ends, Forced, Free, Pulled
+from tribo.kernels import records
+from tribo.kernels.powers import CONTACT, DRIVE, ENDS, POINT, SLIDE, USER_ENDS
 from tribo.kernels.records import (
-    ASPERITE,
-    BOB,
+    CUSTOM,
     FORCED,
     FREE,
     PULLED,
     RIGID,
-    SURFACE,
+    Box,
     Contact,
+    Custom,
+    FieldOn,
     Model,
+    Neighbours,
 )
 from tribo.scene import Scene
 from tribo.surface import Surface
+
+SKIN = 0.3  # of the largest cutoff: how much farther a neighbour list reaches
+FEW = 4096  # pairs of bobs, up to which all are looked at rather than listed
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,69 +37,107 @@ class Layout:
     """A scene laid out for the kernels.
 
     y = (q, v) has the swings of all asperites first, then phi, x and y of those that are free
-    to change; s has the accounts.  Slots of -1 are absent.
+    to change, then the baths; s has the accounts.  Slots of -1 are absent.
     """
 
     scene: Scene
     model: Model
     start: np.ndarray  # y at t = 0
-    coordinates: int  # in q
+    core: int  # coordinates of the asperites
+    coordinates: int  # all of them, with the baths
     accounts: int  # in s
     velocity: np.ndarray  # (n, 2) initial velocity of each asperite's surface, in the laboratory
     origin: np.ndarray  # (2,) the place that positions are relative to
     parts: dict[str, slice]  # the asperites of each surface
+    rows: int  # rows of the neighbour list; 0 where there is none
+    skin: float
+
+    @property
+    def plugins(self) -> list[Any]:
+        """Every plug-in that the kernels are compiled with."""
+        model = self.model
+        own = [custom.force for custom in (*(model.drives or ()), *(model.ends or ()))]
+        return [item.potential for item in (*model.contacts, *(model.fields or ()))] + own
+
+    def neighbours(self) -> Neighbours | None:
+        """An empty neighbour list, to be made when the forces are first wanted."""
+        if self.rows == 0:
+            return None
+        return Neighbours(
+            start=np.zeros(self.rows + 1, np.int64),
+            index=np.zeros(16 * self.rows, np.int64),
+            place=np.full((self.scene.count, 2), np.nan),
+            skin=self.skin,
+            made=np.zeros(1, np.int64),
+        )
 
 
 def laid_out(scene: Scene) -> Layout:
     """Flat arrays for the kernels: only what the scene calls for has a slot."""
     counts = [surface.count for surface in scene.surfaces]
-    stops = np.cumsum(counts)
+    stops = np.cumsum(counts).tolist()
     parts = {
         surface.name: slice(stop - surface.count, stop)
-        for surface, stop in zip(scene.surfaces, stops.tolist(), strict=True)
+        for surface, stop in zip(scene.surfaces, stops, strict=True)
     }
-    asperites = np.zeros(scene.count, ASPERITE)
-    surfaces = np.zeros(len(scene.surfaces), SURFACE)
+    asperites = np.zeros(scene.count, records.ASPERITE)
+    surfaces = np.zeros(len(scene.surfaces), records.SURFACE)
     for k, surface in enumerate(scene.surfaces):
         part = parts[surface.name]
-        _fill_asperites(asperites[part], surface, scene)
+        _fill_asperites(asperites[part], scene, k)
         asperites["surface"][part] = k
         surfaces["start"][k], surfaces["stop"][k] = part.start, part.stop
         surfaces["mass"][k] = np.sum(asperites["mass"][part])
         _fill_surface(surfaces[k : k + 1], surface)
-    coordinates = _give_coordinates(asperites, surfaces, scene)
-    accounts = _give_accounts(asperites, surfaces)
-
-    bobs = np.zeros(scene.count, BOB)
+    oscillators, torsional = _baths(scene, surfaces)
+    core = _give_coordinates(asperites, scene)
+    coordinates = _give_bath(asperites, surfaces, core)
+    accounts = _give_accounts(asperites, surfaces, scene)
+    fields, accounts = _fields(scene, accounts)
+    contacts, rows, skin = _contacts(scene)
+    bobs = np.zeros(scene.count, records.BOB)
     bobs["z"] = asperites["z"]
     bobs["charge"] = asperites["charge"]
+    start = _start(asperites, scene, parts, core, coordinates)
     model = Model(
-        asperites.view(np.recarray),
-        surfaces.view(np.recarray),
-        tuple(
-            Contact(i.potential, np.array(scene.pairs(i), dtype=np.int64).reshape(-1, 2))
-            for i in scene.interactions
-        ),
-        bobs.view(np.recarray),
+        asperites=asperites.view(np.recarray),
+        surfaces=surfaces.view(np.recarray),
+        contacts=contacts,
+        bobs=bobs.view(np.recarray),
+        box=Box(scene.periodic.x or 0.0, scene.periodic.z or 0.0) if scene.periodic else None,
+        bonds=_bonds(scene, parts, asperites),
+        bath=oscillators,
+        torsional=torsional,
+        fields=fields,
+        langevin=True if any(surface.langevin for surface in scene.surfaces) else None,
+        drives=_custom(scene, "drive", CustomDrive),
+        ends=_custom(scene, "bars", Ends),
     )
     return Layout(
         scene=scene,
         model=model,
-        start=_start(asperites, scene, parts, coordinates),
+        start=start,
+        core=core,
         coordinates=coordinates,
         accounts=accounts,
         velocity=np.repeat([surface.velocity for surface in scene.surfaces], counts, axis=0),
-        origin=np.array(scene.surfaces[0].first_bob[:2]),
+        origin=_origin(scene),
         parts=parts,
+        rows=rows,
+        skin=skin,
     )
 
 
-def _fill_asperites(asperites: np.ndarray, surface: Surface, scene: Scene) -> None:
-    first = scene.surfaces[0]
+def _origin(scene: Scene) -> np.ndarray:
+    return np.array(scene.surfaces[0].first_bob[:2])
+
+
+def _fill_asperites(asperites: np.ndarray, scene: Scene, index: int) -> None:
+    surface, first = scene.surfaces[index], scene.surfaces[0]
     each = surface.asperite.for_each(surface.count)
     for name in ("mass", "inertia", "kappa", "l1", "l2", "i2", "bar_length", "charge"):
         asperites[name] = each[name]
-    bobs = surface.resting_bobs(first.first_bob)
+    bobs = surface.resting_bobs(first.first_bob, seed=[scene.seed, index, 0])
     asperites["facing"] = surface.facing_sign
     asperites["x"] = bobs[:, 0]
     asperites["y"] = bobs[:, 1] + surface.facing_sign * each["l1"]
@@ -110,9 +157,37 @@ def _fill_surface(record: np.ndarray, surface: Surface) -> None:
         record["drive"] = PULLED
         record["stiffness"] = drive.stiffness
         record["speed"] = drive.speed - surface.velocity[0]
+    else:
+        record["drive"] = CUSTOM
     if drive.load is not None:
         record["loaded"] = 1
         record["load"] = -drive.load * surface.facing_sign
+    if surface.langevin:
+        record["gamma"] = surface.langevin.gamma
+        record["temperature"] = surface.langevin.temperature
+        if surface.langevin.velocity is not None:
+            record["reservoir_x"] = surface.langevin.velocity[0] - surface.velocity[0]
+            record["reservoir_y"] = surface.langevin.velocity[1] - surface.velocity[1]
+
+
+def _baths(scene: Scene, surfaces: np.ndarray) -> tuple[Any, Any]:
+    """All surfaces' oscillators and torsional oscillators, row after row; None without any."""
+    tables: list[Any] = []
+    for masses, frequencies, count, first in (
+        ("masses", "frequencies", "oscillators", "first_oscillator"),
+        ("inertias", "torsional_frequencies", "torsionals", "first_torsional"),
+    ):
+        sizes = np.array([getattr(surface.bath, masses).size for surface in scene.surfaces])
+        surfaces[count] = sizes
+        surfaces[first] = np.cumsum(sizes) - sizes
+        table = np.zeros(int(np.sum(sizes)), records.OSCILLATOR)
+        table["mass"] = np.concatenate([getattr(s.bath, masses) for s in scene.surfaces])
+        table["frequency"] = np.concatenate([getattr(s.bath, frequencies) for s in scene.surfaces])
+        tables.append(table.view(np.recarray) if table.size else None)
+    for k, surface in enumerate(scene.surfaces):
+        hung = surface.count * float(np.sum(surface.bath.masses))
+        surfaces["total_mass"][k] = surfaces["mass"][k] + hung
+    return tables[0], tables[1]
 
 
 def _slots(wanted: np.ndarray, first: int, width: int = 1) -> tuple[np.ndarray, int]:
@@ -121,38 +196,150 @@ def _slots(wanted: np.ndarray, first: int, width: int = 1) -> tuple[np.ndarray, 
     return slots, first + width * int(np.count_nonzero(wanted))
 
 
-def _give_coordinates(asperites: np.ndarray, surfaces: np.ndarray, scene: Scene) -> int:
-    """Hand out the slots of q; returns how many there are."""
-    of_surface = surfaces[asperites["surface"]]
-    turning = np.array([surface.bars == "free" for surface in scene.surfaces])
-    asperites["dof_phi"], stop = _slots(turning[asperites["surface"]], asperites.size)
-    asperites["dof_x"], stop = _slots(of_surface["drive"] != FORCED, stop)
-    asperites["dof_y"], stop = _slots(of_surface["loaded"] == 1, stop)
+def _of(asperites: np.ndarray, wanted: list[bool]) -> np.ndarray:
+    """What is said of each surface, for each of its asperites."""
+    return np.array(wanted)[asperites["surface"]]
+
+
+def _give_coordinates(asperites: np.ndarray, scene: Scene) -> int:
+    """Hand out the asperites' slots of q; returns how many there are."""
+    surfaces = scene.surfaces
+    turning = _of(asperites, [s.bars != "clamped" for s in surfaces])
+    along_x = _of(asperites, [scene.slides_along_x(s) for s in surfaces])
+    along_y = _of(asperites, [scene.slides_along_y(s) for s in surfaces])
+    asperites["dof_phi"], stop = _slots(turning, asperites.size)
+    asperites["dof_x"], stop = _slots(along_x, stop)
+    asperites["dof_y"], stop = _slots(along_y, stop)
     return stop
 
 
-def _give_accounts(asperites: np.ndarray, surfaces: np.ndarray) -> int:
+def _give_bath(asperites: np.ndarray, surfaces: np.ndarray, first: int) -> int:
+    """Hand out the baths' slots of q; returns how many there are in all."""
+    width = (2 * surfaces["oscillators"] + surfaces["torsionals"])[asperites["surface"]]
+    stops = first + np.cumsum(width)
+    asperites["dof_bath"] = np.where(width > 0, stops - width, -1)
+    return int(stops[-1])
+
+
+def _give_accounts(asperites: np.ndarray, surfaces: np.ndarray, scene: Scene) -> int:
     """Hand out the slots of s; returns how many there are."""
-    of_surface = surfaces[asperites["surface"]]
+    own = scene.surfaces
     sliding = (asperites["dof_x"] >= 0) | (asperites["dof_y"] >= 0)
-    driven = np.isin(of_surface["drive"], (RIGID, PULLED)) | (of_surface["loaded"] == 1)
+    kind = surfaces[asperites["surface"]]
+    driven = np.isin(kind["drive"], (RIGID, PULLED, CUSTOM)) | (kind["loaded"] == 1)
     held = (asperites["dof_phi"] < 0) & (asperites["kappa"] > 0.0)
-    asperites["acc_contact"], stop = _slots(np.full(asperites.size, True), 0, CONTACT)
-    asperites["acc_slide"], stop = _slots(sliding, stop, SLIDE)
-    asperites["acc_drive"], stop = _slots(driven, stop, DRIVE)
-    asperites["acc_ends"], stop = _slots(held, stop, ENDS)
-    sliding_surfaces = np.isin(np.arange(surfaces.size), asperites["surface"][sliding])
-    surfaces["acc_block"], stop = _slots(sliding_surfaces, stop)
+    inside = [bool(s.springs) or s.bath.masses.size + s.bath.inertias.size > 0 for s in own]
+    field = [any(s.name in item.on for item in scene.fields) for s in own]
+    stop = 0
+    for name, wanted, width in (
+        ("acc_contact", np.full(asperites.size, True), CONTACT),
+        ("acc_slide", sliding, SLIDE),
+        ("acc_drive", driven, DRIVE),
+        ("acc_ends", held, ENDS),
+        ("acc_user_ends", _of(asperites, [isinstance(s.bars, Ends) for s in own]), USER_ENDS),
+        ("acc_internal", _of(asperites, inside), POINT),
+        ("acc_field", _of(asperites, field), POINT),
+        ("acc_thermal", _of(asperites, [bool(s.langevin) for s in own]), POINT),
+    ):
+        asperites[name], stop = _slots(wanted, stop, width)
+    moving = np.isin(np.arange(surfaces.size), asperites["surface"][sliding])
+    surfaces["acc_block"], stop = _slots(moving, stop)
     return stop
+
+
+def _fields(scene: Scene, accounts: int) -> tuple[tuple[FieldOn, ...] | None, int]:
+    """The external fields, with an account for the work of moving each that moves."""
+    names = [surface.name for surface in scene.surfaces]
+    origin, velocity = _origin(scene), np.array(scene.surfaces[0].velocity)
+    fields = []
+    for item in scene.fields:
+        drift = np.array(item.velocity)
+        moves = bool(np.any(drift != 0.0))
+        fields.append(
+            FieldOn(
+                potential=item.potential,
+                surfaces=np.array([names.index(name) for name in item.on]),
+                origin=origin - np.array(item.origin),
+                velocity=velocity - drift,
+                drift=drift,
+                account=accounts if moves else -1,
+            )
+        )
+        accounts += moves
+    return tuple(fields) or None, accounts
+
+
+def _contacts(scene: Scene) -> tuple[tuple[Contact, ...], int, float]:
+    """The interactions, how many rows their neighbour lists have, and the lists' skin.
+
+    An interaction with a cutoff has a list where its bobs are many.
+    """
+    contacts = []
+    rows = 0
+    longest = 0.0
+    for interaction in scene.interactions:
+        reach = interaction.potential.range()
+        pairs = scene.pairs(interaction)
+        first = []
+        for one, other in pairs:
+            count = scene.surfaces[one].count
+            listed = np.isfinite(reach) and count * scene.surfaces[other].count > FEW
+            first.append(rows if listed else -1)
+            if listed:
+                rows += count
+                longest = max(longest, reach)
+        contacts.append(
+            Contact(
+                interaction.potential,
+                np.array(pairs, dtype=np.int64).reshape(-1, 2),
+                np.array(first, dtype=np.int64),
+            )
+        )
+    return tuple(contacts), rows, SKIN * longest
+
+
+def _bonds(scene: Scene, parts: dict[str, slice], asperites: np.ndarray) -> Any:
+    """All lattice springs; None without any."""
+    periodic = (scene.periodic.x is not None, scene.periodic.z is not None)
+    tables = []
+    for surface in scene.surfaces:
+        first = parts[surface.name].start
+        ends, stiffness = surface.springs.bonds(surface.shape, surface.count, periodic)
+        table = np.zeros(len(ends), records.BOND)
+        table["i"], table["j"] = first + ends[:, 0], first + ends[:, 1]
+        table["stiffness"] = stiffness
+        turned = surface.springs.turned
+        if turned != 0.0:
+            # What the resting bars are apart, less the same turned.
+            bars = np.array(
+                [asperites["x"], asperites["y"] + asperites["facing"] * asperites["l2"]]
+            )
+            x, y = bars[:, table["i"]] - bars[:, table["j"]]
+            less, sin = 2.0 * np.sin(0.5 * turned) ** 2, np.sin(turned)
+            table["x"], table["y"] = less * x + sin * y, less * y - sin * x
+        tables.append(table)
+    bonds = np.concatenate(tables)
+    return bonds.view(np.recarray) if bonds.size else None
+
+
+def _custom(scene: Scene, place: str, kind: type) -> tuple[Custom, ...] | None:
+    """The user's own forces in one place of the surfaces; None without any."""
+    origin, velocity = _origin(scene), np.array(scene.surfaces[0].velocity)
+    own = [
+        Custom(getattr(surface, place).force, k, origin, velocity)
+        for k, surface in enumerate(scene.surfaces)
+        if isinstance(getattr(surface, place), kind)
+    ]
+    return tuple(own) or None
 
 
 def _start(
-    asperites: np.ndarray, scene: Scene, parts: dict[str, slice], coordinates: int
+    asperites: np.ndarray, scene: Scene, parts: dict[str, slice], core: int, coordinates: int
 ) -> np.ndarray:
     """y at t = 0; a clamped bar's angle and rate go into its record instead."""
     y = np.zeros(2 * coordinates)
     q, v = y[:coordinates], y[coordinates:]
-    for surface in scene.surfaces:
+    for index, surface in enumerate(scene.surfaces):
         part = parts[surface.name]
         initial = surface.initial.for_each(surface.count)
         phi = 0.0 if initial["phi"] is None else initial["phi"]
@@ -161,6 +348,34 @@ def _start(
         q[part] = phi if initial["theta"] is None else initial["theta"] - surface.rest
         v[part] = 0.0 if initial["omega"] is None else initial["omega"]
         turning = asperites["dof_phi"][part]
-        if surface.bars == "free":
+        if surface.bars != "clamped":
             q[turning], v[turning] = phi, nu
+        rng = np.random.default_rng([scene.seed, index, 1])
+        set_bath(asperites[part], surface, part, q, v, rng)
     return y
+
+
+def set_bath(
+    asperites: np.ndarray,
+    surface: Surface,
+    part: slice,
+    q: np.ndarray,
+    v: np.ndarray,
+    rng: np.random.Generator,
+) -> None:
+    """Start a surface's oscillators where its bars are, or drawn about that from the temperature."""
+    bath, first = surface.bath, asperites["dof_bath"]
+    n = bath.masses.size
+    if n:
+        swing = q[part]
+        arm = asperites["l2"] * asperites["facing"]
+        dx, dy, vx, vy = thermal_start(bath, rng, surface.count)
+        slots = first[:, None] + np.arange(n)
+        q[slots] = (-arm * np.sin(swing))[:, None] + dx
+        q[slots + n] = (-arm * 2.0 * np.sin(0.5 * swing) ** 2)[:, None] + dy
+        v[slots], v[slots + n] = vx, vy
+    if bath.inertias.size:
+        turn, rate = thermal_torsional_start(bath, rng, surface.count)
+        slots = first[:, None] + 2 * n + np.arange(bath.inertias.size)
+        q[slots] = q[asperites["dof_phi"]][:, None] + turn
+        v[slots] = rate

@@ -12,11 +12,12 @@ work = (about the centre of mass) + V . J + (pseudowork in that frame).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
 from tribo.kernels.records import FORCED
+from tribo.kernels.samples import BATH, MOMENTUM_X, MOMENTUM_Y, SPRINGS, TORSIONAL
 from tribo.layout import Layout
 
 # What each reported quantity is, which fixes the scale that its accuracy is relative to.
@@ -46,6 +47,14 @@ ASPERITE_KINDS = {
     "delta_k_trans": "energy",
     "delta_e_int": "energy",
 }
+# Reported of the surfaces that have them.
+OPTIONAL_KINDS = {
+    "w_field": "energy",
+    "w_field_ps": "energy",
+    "w_T": "energy",
+    "w_T_ps": "energy",
+    "heat": "energy",
+}
 BLOCK_KINDS = {"W": "energy", "W_ps": "energy", "delta_K": "energy", "delta_E_int": "energy"}
 SYSTEM_KINDS = {
     "contact_energy": "energy",
@@ -54,6 +63,23 @@ SYSTEM_KINDS = {
 }
 
 Table = dict[str, np.ndarray]
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """The raw samples of a run, one row a time; see tribo.layout and kernels.samples."""
+
+    t: np.ndarray  # (times,)
+    y: np.ndarray  # (times, 2 core coordinates)
+    s: np.ndarray  # (times, accounts)
+    contact: np.ndarray  # (times,) energy
+    field: np.ndarray  # (times,) energy
+    stored: np.ndarray  # (times, surfaces, STORED)
+
+    def at(self, times: np.ndarray) -> Samples:
+        """The samples at some of the times."""
+        k = np.isin(self.t, times)
+        return Samples(*(getattr(self, f.name)[k] for f in fields(self)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,32 +123,26 @@ class Ledger:
     blocks: dict[str, Table]  # surface -> quantity -> (times,)
     system: Table  # quantity -> (times,)
 
+    def series(self, name: str) -> list[np.ndarray]:
+        """Every series of that name: of each surface that has it, or of the system."""
+        tables = [self.system, *self.surfaces.values(), *self.blocks.values()]
+        return [table[name] for table in tables if name in table]
 
-def ledger(layout: Layout, t: np.ndarray, y: np.ndarray, s: np.ndarray, u: np.ndarray) -> Ledger:
-    """Put together the ledger from samples of the state y, the accounts s and the contact energy u.
 
-    The arrays have one row a sample; t is (times,), u is (times,).
-    """
-    motion = _motion(layout, t, y)
-    accounts = _accounts(layout, motion, s)
+def ledger(layout: Layout, samples: Samples) -> Ledger:
+    """Put together the ledger from raw samples, the first of which is the start."""
+    motion = _motion(layout, samples)
+    accounts = _accounts(layout, motion, samples.s)
     energies = _energies(layout, motion)
     whole = _places(layout, motion) | _works(layout, accounts) | energies
-    surfaces = {
-        name: {quantity: values[:, part] for quantity, values in whole.items()}
-        for name, part in layout.parts.items()
-    }
-    blocks = {
-        surface.name: _block(layout, k, motion, accounts, energies["delta_e_int"], s)
-        for k, surface in enumerate(layout.scene.surfaces)
-    }
-    stored = sum(block["delta_K"] + block["delta_E_int"] for block in blocks.values())
-    applied = whole["w2"] + whole["wL"] + whole["wR"]
-    system = {
-        "contact_energy": u,
-        "total_energy_change": stored + (u - u[0]),
-        "applied_work": np.sum(applied, axis=1),
-    }
-    return Ledger(surfaces, blocks, system)
+    surfaces, blocks = {}, {}
+    for k, surface in enumerate(layout.scene.surfaces):
+        part = layout.parts[surface.name]
+        extra = _optional(layout, k, accounts)
+        table = {name: values[:, part] for name, values in (whole | extra).items()}
+        surfaces[surface.name] = table
+        blocks[surface.name] = _block(layout, k, motion, accounts, energies, samples)
+    return Ledger(surfaces, blocks, _system(layout, whole, accounts, blocks, samples))
 
 
 def _columns(slots: np.ndarray, table: np.ndarray, absent: np.ndarray | float = 0.0) -> np.ndarray:
@@ -133,10 +153,10 @@ def _columns(slots: np.ndarray, table: np.ndarray, absent: np.ndarray | float = 
     return values
 
 
-def _motion(layout: Layout, t: np.ndarray, y: np.ndarray) -> Motion:
+def _motion(layout: Layout, samples: Samples) -> Motion:
     a = layout.model.asperites
-    q, v = y[:, : layout.coordinates], y[:, layout.coordinates :]
-    time = t[:, None]
+    q, v = samples.y[:, : layout.core], samples.y[:, layout.core :]
+    time = samples.t[:, None]
     return Motion(
         t=time,
         swing=q[:, : a.size],
@@ -178,10 +198,13 @@ def _accounts(layout: Layout, m: Motion, s: np.ndarray) -> dict[str, Account]:
     """Every force's account, by the name of its work."""
     a = layout.model.asperites
     surface = layout.model.surfaces[a.surface]
-    none = np.zeros_like(m.swing)
 
     def column(slots: np.ndarray, k: int) -> np.ndarray:
         return _columns(np.where(slots >= 0, slots + k, -1), s)
+
+    def point(slots: np.ndarray) -> Account:
+        jx, jy, about, pseudo = (column(slots, k) for k in range(4))
+        return Account(about, jx, jy, pseudo)
 
     jx, jy, about_x, about_y = (column(a.acc_contact, k) for k in range(4))
     slide_x, slide_y = (column(a.acc_slide, k) for k in range(2))
@@ -199,26 +222,44 @@ def _accounts(layout: Layout, m: Motion, s: np.ndarray) -> dict[str, Account]:
     )
 
     left, right, end_x, end_y, end_pseudo = (column(a.acc_ends, k) for k in range(5))
+    user = [column(a.acc_user_ends, k) for k in range(8)]
     return {
         "w1": contact,
         "w2": drive,
-        "wL": Account(left, end_x, end_y, end_pseudo),
-        "wR": Account(right, -end_x, -end_y, -end_pseudo),
-        "w_int": Account(none, none, none, none),
+        "wL": Account(left + user[0], end_x + user[2], end_y + user[3], end_pseudo + user[6]),
+        "wR": Account(right + user[1], user[4] - end_x, user[5] - end_y, user[7] - end_pseudo),
+        "w_int": point(a.acc_internal),
+        "w_field": point(a.acc_field),
+        "w_T": point(a.acc_thermal),
     }
 
 
 def _works(layout: Layout, accounts: dict[str, Account]) -> Table:
     velocity = layout.velocity
     works = {name: account.work(velocity) for name, account in accounts.items()}
-    pseudoworks = {f"{name}_ps": account.pseudowork(velocity) for name, account in accounts.items()}
-    reported = ("w1_ps", "w2_ps", "w_int_ps")
+    pseudo = {f"{name}_ps": account.pseudowork(velocity) for name, account in accounts.items()}
     return (
-        works
+        {name: works[name] for name in ("w1", "w2", "wL", "wR", "w_int")}
         | {"w": sum(works.values())}
-        | {name: pseudoworks[name] for name in reported}
-        | {"w_ps": sum(pseudoworks.values())}
+        | {name: pseudo[name] for name in ("w1_ps", "w2_ps", "w_int_ps")}
+        | {"w_ps": sum(pseudo.values())}
     )
+
+
+def _optional(layout: Layout, k: int, accounts: dict[str, Account]) -> Table:
+    """What is reported of surface k because it has a field or a reservoir."""
+    surface, velocity = layout.scene.surfaces[k], layout.velocity
+    table = {}
+    if any(surface.name in item.on for item in layout.scene.fields):
+        table["w_field"] = accounts["w_field"].work(velocity)
+        table["w_field_ps"] = accounts["w_field"].pseudowork(velocity)
+    if surface.langevin:
+        account, record = accounts["w_T"], layout.model.surfaces[k]
+        table["w_T"] = account.work(velocity)
+        table["w_T_ps"] = account.pseudowork(velocity)
+        reservoir = record.reservoir_x * account.jx + record.reservoir_y * account.jy
+        table["heat"] = reservoir - account.about - account.pseudo
+    return table
 
 
 def _energies(layout: Layout, m: Motion) -> Table:
@@ -237,27 +278,54 @@ def _block(
     k: int,
     m: Motion,
     accounts: dict[str, Account],
-    internal: np.ndarray,
-    s: np.ndarray,
+    energies: Table,
+    samples: Samples,
 ) -> Table:
     """The ledger of surface k as a whole; V is the velocity of the centre of all its masses."""
-    surface = layout.scene.surfaces[k]
-    part = layout.parts[surface.name]
+    part = layout.parts[layout.scene.surfaces[k].name]
+    record = layout.model.surfaces[k]
     mass = layout.model.asperites.mass[part]
-    velocity = layout.velocity[part]
+    velocity = layout.velocity[part.start]
     vx, vy = m.vx[:, part], m.vy[:, part]
-    total = np.sum(mass)
-    lag_x, lag_y = vx @ mass / total, vy @ mass / total
+    stored = samples.stored[:, k]
+    lag_x = (vx @ mass + stored[:, MOMENTUM_X]) / record.total_mass
+    lag_y = (vy @ mass + stored[:, MOMENTUM_Y]) / record.total_mass
+    bulk = 0.5 * record.total_mass * (lag_x**2 + lag_y**2)
+    moving = record.total_mass * (velocity[0] * lag_x + velocity[1] * lag_y) + bulk
+    within = 0.5 * (vx**2 + vy**2) @ mass + np.sum(energies["delta_e_int"][:, part], axis=1)
+    within = within + stored[:, SPRINGS] + stored[:, BATH] + stored[:, TORSIONAL] - bulk
+
+    def total(values: np.ndarray) -> np.ndarray:
+        return np.sum(values[:, part], axis=1)
+
     external = [account for name, account in accounts.items() if name != "w_int"]
-    impulse_x = sum(np.sum(account.jx[:, part], axis=1) for account in external)
-    impulse_y = sum(np.sum(account.jy[:, part], axis=1) for account in external)
-    boost = surface.velocity[0] * impulse_x + surface.velocity[1] * impulse_y
-    slot = layout.model.surfaces[k].acc_block
-    apart = 0.5 * ((vx**2 + vy**2) @ mass - total * (lag_x**2 + lag_y**2))
+    boost = sum(velocity[0] * total(e.jx) + velocity[1] * total(e.jy) for e in external)
+    pseudowork = samples.s[:, record.acc_block] if record.acc_block >= 0 else 0.0
     return {
-        "W": sum(np.sum(a.about[:, part] + a.pseudo[:, part], axis=1) for a in external) + boost,
-        "W_ps": (s[:, slot] if slot >= 0 else 0.0) + boost,
-        "delta_K": total
-        * (velocity[0, 0] * lag_x + velocity[0, 1] * lag_y + 0.5 * (lag_x**2 + lag_y**2)),
-        "delta_E_int": np.sum(internal[:, part], axis=1) + apart,
+        "W": sum(total(e.about + e.pseudo) for e in external) + boost,
+        "W_ps": pseudowork + boost,
+        "delta_K": moving - moving[0],
+        "delta_E_int": within - within[0],
+    }
+
+
+def _system(
+    layout: Layout,
+    whole: Table,
+    accounts: dict[str, Account],
+    blocks: dict[str, Table],
+    samples: Samples,
+) -> Table:
+    """Energy of everything, and the work done on it from outside."""
+    stored = sum(block["delta_K"] + block["delta_E_int"] for block in blocks.values())
+    potential = samples.contact + samples.field
+    thermal = accounts["w_T"].work(layout.velocity)
+    applied = np.sum(whole["w2"] + whole["wL"] + whole["wR"] + thermal, axis=1)
+    for field in layout.model.fields or ():
+        if field.account >= 0:
+            applied = applied + samples.s[:, field.account]
+    return {
+        "contact_energy": samples.contact,
+        "total_energy_change": stored + (potential - potential[0]),
+        "applied_work": applied,
     }

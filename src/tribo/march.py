@@ -9,12 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from tribo.kernels.contact import contact_energy
 from tribo.kernels.motion import place_bobs
+from tribo.kernels.neighbours import refreshed
 from tribo.kernels.records import CLOCK
-from tribo.kernels.runge_kutta import Record, State
+from tribo.kernels.samples import STORED, Record, State, write_sample
 from tribo.kernels.status import COMPLETED, NAMES, PAUSED
 from tribo.layout import Layout
+from tribo.ledger import Samples
 from tribo.methods import Method
 
 Progress = Callable[[float], None]  # told the time reached, a few times a second
@@ -23,12 +24,9 @@ CHUNK_SECONDS = 0.1  # between two looks at the keyboard
 
 @dataclass(frozen=True, eq=False)
 class March:
-    """Raw samples of one integration, and what it took; see tribo.layout for y and s."""
+    """Raw samples of one integration, and what it took."""
 
-    t: np.ndarray  # (times,)
-    y: np.ndarray  # (times, 2 coordinates)
-    s: np.ndarray  # (times, accounts)
-    u: np.ndarray  # (times,) contact energy
+    samples: Samples
     status: str
     steps: int
     evaluations: int
@@ -50,28 +48,15 @@ def march(
     Ends with the last time, or with whatever stops it: then the state reached is the last sample.
     """
     began = time.perf_counter()
-    clocks = np.zeros(1, CLOCK).view(np.recarray)
-    clocks.h = first_step
-    clocks.closest = np.inf
-    state = State(
-        start.copy(),
-        np.zeros(start.size),
-        np.zeros(layout.accounts),
-        np.zeros(layout.accounts),
-    )
-    record = Record(
-        np.empty((times.size, start.size)),
-        np.empty((times.size, layout.accounts)),
-        np.empty(times.size),
-    )
+    clocks, state = _at_rest(layout, start, first_step)
+    record = _room(layout, times.size + 1)
+    call = _bound(layout, method, loop, setting)
     budget = 256
     code = PAUSED
     try:
         while code == PAUSED:
             chunk_began = time.perf_counter()
-            code = loop(
-                layout.model, method.coefficients, setting, clocks, state, times, record, budget
-            )
+            code = call(clocks, state, times, record, budget)
             taken = time.perf_counter() - chunk_began
             budget = int(np.clip(budget * CHUNK_SECONDS / max(taken, 1e-6), 16, 1e9))
             if progress is not None:
@@ -81,37 +66,74 @@ def march(
         status = "Interrupted"
     seconds = time.perf_counter() - began
     done = int(clocks.sample[0])
-    t, y, s, u = times[:done], record.y[:done], record.s[:done], record.contact_energy[:done]
-    if status != NAMES[COMPLETED]:
-        t, y, s, u = _with_last(layout, clocks, state, t, y, s, u)
-    return March(t, y, s, u, status, int(clocks.steps[0]), int(clocks.evaluations[0]), seconds)
-
-
-def _with_last(
-    layout: Layout, clocks: Any, state: State, *samples: np.ndarray
-) -> tuple[np.ndarray, ...]:
-    """The samples, and the state in which a run stopped as one more."""
-    t, y, s, u = samples
     now = float(clocks.t[0])
-    if t.size and t[-1] == now:
-        return samples
-    model = layout.model
-    place_bobs(model.asperites, model.bobs, now, state.y[: layout.coordinates])
-    energy = contact_energy(model.contacts, model.surfaces, model.bobs)
-    return (
-        np.append(t, now),
-        np.vstack([y, state.y]),
-        np.vstack([s, state.s]),
-        np.append(u, energy),
-    )
+    reached = times[:done]
+    if done == 0 or reached[-1] != now:
+        _record_now(layout, clocks, state, record)
+        reached = np.append(reached, now)
+    samples = Samples(reached, *(column[: reached.size] for column in record))
+    return March(samples, status, int(clocks.steps[0]), int(clocks.evaluations[0]), seconds)
 
 
 def compile_loop(layout: Layout, method: Method, loop: Callable[..., Any], setting: Any) -> float:
     """Have the loop compiled for this scene, or loaded from the disk cache; returns the seconds."""
     began = time.perf_counter()
-    y, s = layout.start, np.zeros(layout.accounts)
-    clocks = np.zeros(1, CLOCK).view(np.recarray)
-    record = Record(np.empty((1, y.size)), np.empty((1, s.size)), np.empty(1))
-    state = State(y.copy(), y.copy(), s, s.copy())
-    loop(layout.model, method.coefficients, setting, clocks, state, np.ones(1), record, 0)
+    clocks, state = _at_rest(layout, layout.start, 0.0)
+    _bound(layout, method, loop, setting)(clocks, state, np.ones(1), _room(layout, 1), 0)
     return time.perf_counter() - began
+
+
+def _at_rest(layout: Layout, start: np.ndarray, first_step: float) -> tuple[Any, State]:
+    """A clock at zero, and the state at the start."""
+    clocks = np.zeros(1, CLOCK).view(np.recarray)
+    clocks.h = first_step
+    clocks.closest = np.inf
+    s = np.zeros(layout.accounts)
+    return clocks, State(start.copy(), np.zeros(start.size), s, s.copy())
+
+
+def _room(layout: Layout, times: int) -> Record:
+    surfaces = len(layout.scene.surfaces)
+    return Record(
+        np.empty((times, 2 * layout.core)),
+        np.empty((times, layout.accounts)),
+        np.empty(times),
+        np.empty(times),
+        np.zeros((times, surfaces, STORED)),
+    )
+
+
+def _bound(
+    layout: Layout, method: Method, loop: Callable[..., Any], setting: Any
+) -> Callable[..., int]:
+    """The loop with all but the moving parts given."""
+    neighbours = layout.neighbours()
+    noise: tuple[Any, ...] = ()
+    if method.splits:
+        noise = (np.random.default_rng([layout.scene.seed, 2]),)
+
+    def call(clocks: Any, state: State, times: np.ndarray, record: Record, budget: int) -> int:
+        code: int = loop(
+            layout.model,
+            neighbours,
+            method.coefficients,
+            setting,
+            clocks,
+            state,
+            times,
+            record,
+            budget,
+            *noise,
+        )
+        return code
+
+    return call
+
+
+def _record_now(layout: Layout, clocks: Any, state: State, record: Record) -> None:
+    """Write the state in which a run stopped as one more sample."""
+    model = layout.model
+    now = float(clocks.t[0])
+    place_bobs(model.asperites, model.bobs, now, state.y[: layout.coordinates])
+    neighbours = refreshed(model, layout.neighbours())
+    write_sample(model, neighbours, clocks[0], state, record)

@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from tribo.checks import POSITIVE, inside, number, vector, whole
-from tribo.drives import Forced, Free, Pulled
+from tribo.checks import MANY, POSITIVE, inside, is_list, number, shown, vector, whole
+from tribo.drives import Custom, Ends, Forced, Pulled
 from tribo.errors import InputError
-from tribo.potentials.plugin import as_potential
+from tribo.fields import Field
+from tribo.potentials.registry import as_potential
 from tribo.surface import Surface
 
 EFFECTS = {
@@ -22,7 +23,32 @@ EFFECTS = {
     "clamped ends": "forces on the ends of clamped bars that have a torsion spring to hold",
     "pull": "springs to a moving stage",
     "load": "a force that presses the surfaces together",
+    "own drive": "forces f2 of the user's own",
+    "own ends": "forces of the user's own on the ends of bars",
+    "springs": "lattice springs between neighbouring bars",
+    "bath": "oscillators on every bar",
+    "torsional bath": "torsional oscillators on every bar",
+    "langevin": "damping and noise at every bar",
+    "field": "external fields on bobs",
+    "cutoff": "interactions that end at a distance, by neighbour lists where there are many bobs",
+    "periodic": "nearest images along x or z",
 }
+
+
+@dataclass(frozen=True)
+class Periodic:
+    """Lengths of a periodic scene; None where it is not."""
+
+    x: float | None = None
+    z: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("x", "z"):
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, number(name, getattr(self, name), POSITIVE))
+
+    def __bool__(self) -> bool:
+        return self.x is not None or self.z is not None
 
 
 @dataclass(frozen=True)
@@ -33,7 +59,14 @@ class Interaction:
     between: tuple[str, str] | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "potential", as_potential(self.potential))
+        put = object.__setattr__
+        put(self, "potential", as_potential(self.potential))
+        names = self.between
+        if names is None:
+            return
+        if not is_list(names) or len(names) != 2 or not all(isinstance(n, str) for n in names):
+            raise InputError("between", f"must be the names of two surfaces, got {shown(names)}")
+        put(self, "between", tuple(names))
 
 
 @dataclass(frozen=True)
@@ -44,7 +77,7 @@ class Output:
     times: tuple[float, ...] | None = None
 
     def __post_init__(self) -> None:
-        whole("samples", self.samples, 2)
+        whole("samples", self.samples, 2, MANY)
         if self.times is not None:
             times = vector("times", self.times)
             if times.size == 0 or np.any(np.diff(times) <= 0.0) or times[0] < 0.0:
@@ -63,8 +96,12 @@ class Numerics:
     def __post_init__(self) -> None:
         if self.accuracy is not None:
             check_accuracy(self.accuracy)
+        if self.method is not None and (not isinstance(self.method, str) or not self.method):
+            raise InputError("method", f"must be a method's name, got {shown(self.method)}")
         if self.step is not None:
             number("step", self.step, POSITIVE)
+            if self.accuracy is not None:
+                raise InputError("accuracy", "cannot go with a step; give one or the other")
 
 
 def check_accuracy(value: Any) -> float:
@@ -87,6 +124,8 @@ class Scene:
     duration: float
     title: str = ""
     seed: int = 0
+    periodic: Periodic = field(default_factory=Periodic)
+    fields: tuple[Field, ...] = ()
     output: Output = field(default_factory=Output)
     numerics: Numerics = field(default_factory=Numerics)
 
@@ -95,9 +134,15 @@ class Scene:
         put(self, "duration", number("duration", self.duration, POSITIVE))
         put(self, "seed", whole("seed", self.seed, 0))
         if not isinstance(self.title, str):
-            raise InputError("title", f"must be text, got {self.title!r}")
+            raise InputError("title", f"must be text, got {shown(self.title)}")
+        for name, kind in (("output", Output), ("numerics", Numerics)):
+            value = getattr(self, name)
+            if not isinstance(value, kind):
+                raise InputError(name, f"must be a {kind.__name__}, got {shown(value)}")
         put(self, "surfaces", self._checked_surfaces())
         put(self, "interactions", self._checked_interactions())
+        put(self, "fields", self._checked_fields())
+        self._check_period()
         times = self.output.times
         if times is not None and times[-1] > self.duration:
             raise InputError(
@@ -109,17 +154,19 @@ class Scene:
             raise InputError("surface", "is missing; a scene has at least one surface")
         for i, surface in enumerate(self.surfaces):
             if not isinstance(surface, Surface):
-                raise InputError(f"surface[{i}]", f"must be a tribo.Surface, got {surface!r}")
+                raise InputError(f"surface[{i}]", f"must be a Surface, got {shown(surface)}")
             if surface.name in [s.name for s in self.surfaces[:i]]:
                 raise InputError(f"surface[{i}].name", f'"{surface.name}" is taken; give another')
         return tuple(self.surfaces)
 
     def _checked_interactions(self) -> tuple[Interaction, ...]:
-        value = self.interactions
+        value: Any = self.interactions
         if isinstance(value, Interaction) or hasattr(value, "energy"):
-            value = [value]  # type: ignore[list-item]
+            value = [value]
         if not isinstance(value, (list, tuple)):
-            raise InputError("interaction", f"must be a potential or a list of them, got {value!r}")
+            raise InputError(
+                "interaction", f"must be a potential or a list of them, got {shown(value)}"
+            )
         interactions = tuple(
             item if isinstance(item, Interaction) else Interaction(item) for item in value
         )
@@ -133,6 +180,35 @@ class Scene:
                     raise InputError("between", "must name two different surfaces")
         self._refuse_two_for_one_pair(interactions)
         return interactions
+
+    def _checked_fields(self) -> tuple[Field, ...]:
+        value = [self.fields] if isinstance(self.fields, Field) else self.fields
+        if not isinstance(value, (list, tuple)):
+            raise InputError("field", f"must be a list of fields, got {value!r}")
+        names = [s.name for s in self.surfaces]
+        for i, item in enumerate(value):
+            if not isinstance(item, Field):
+                raise InputError(f"field[{i}]", f"must be a tribo.Field, got {item!r}")
+            for name in item.on:
+                if name not in names:
+                    raise InputError(
+                        f"field[{i}].on", f'names no surface "{name}"; there are {names}'
+                    )
+        return tuple(value)
+
+    def _check_period(self) -> None:
+        """Nearest images are right only up to half the box."""
+        if not isinstance(self.periodic, Periodic):
+            raise InputError("periodic", f"must be a tribo.Periodic, got {self.periodic!r}")
+        for name in ("x", "z"):
+            length = getattr(self.periodic, name)
+            for i, interaction in enumerate(self.interactions):
+                reach = interaction.potential.range()
+                if length is not None and reach > 0.5 * length:
+                    raise InputError(
+                        f"interaction[{i}].cutoff",
+                        f"must be at most half of periodic.{name} = {length:g}, got {reach:g}",
+                    )
 
     def _refuse_two_for_one_pair(self, interactions: tuple[Interaction, ...]) -> None:
         seen: set[tuple[int, int]] = set()
@@ -166,17 +242,50 @@ class Scene:
         if any(self.pairs(i) for i in self.interactions):
             present.add("contact")
         for s in self.surfaces:
-            if not isinstance(s.drive, Forced) or s.drive.load is not None:
+            if self.slides_along_x(s) or self.slides_along_y(s):
                 present.add("sliding")
             if isinstance(s.drive, Pulled):
                 present.add("pull")
             if s.drive.load is not None:
                 present.add("load")
-            if s.bars == "free":
+            if isinstance(s.drive, Custom):
+                present.add("own drive")
+            if isinstance(s.bars, Ends):
+                present.add("own ends")
+            if s.springs:
+                present.add("springs")
+            if s.bath.masses.size:
+                present.add("bath")
+            if s.bath.inertias.size:
+                present.add("torsional bath")
+            if s.langevin:
+                present.add("langevin")
+            if s.bars != "clamped":
                 present.add("turning bars")
             elif np.any(np.asarray(s.asperite.kappa) > 0.0):
                 present.add("clamped ends")
+        if self.fields:
+            present.add("field")
+        if self.periodic:
+            present.add("periodic")
+        if any(np.isfinite(i.potential.range()) for i in self.interactions):
+            present.add("cutoff")
         return frozenset(present)
+
+    def shaken(self, surface: Surface) -> bool:
+        """Whether forces that no drive cancels act on the surface's asperites."""
+        fields = any(surface.name in item.on for item in self.fields)
+        lattice = bool(surface.springs) or surface.bath.masses.size > 0
+        return fields or lattice or bool(surface.langevin) or isinstance(surface.bars, Ends)
+
+    def slides_along_x(self, surface: Surface) -> bool:
+        """Whether the surface's centres of mass can leave their uniform motion along x."""
+        return not isinstance(surface.drive, Forced) or self.shaken(surface)
+
+    def slides_along_y(self, surface: Surface) -> bool:
+        """Whether the surface's centres of mass can leave their uniform motion along y."""
+        pressed = surface.drive.load is not None or isinstance(surface.drive, Custom)
+        return pressed or self.shaken(surface)
 
     @property
     def times(self) -> np.ndarray:
@@ -190,6 +299,3 @@ class Scene:
         from tribo.scene_file import save_scene
 
         save_scene(self, path)
-
-
-__all__ = ["EFFECTS", "Free", "Interaction", "Numerics", "Output", "Scene"]

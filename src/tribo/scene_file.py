@@ -6,26 +6,28 @@ The names are a contract with everyone who keeps scene files.
 from __future__ import annotations
 
 import tomllib
-from dataclasses import fields
+from dataclasses import fields as fields_of
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from tribo import drives
+from tribo import bath, drives, fields
 from tribo.asperite import Asperite
-from tribo.checks import inside, known_keys
+from tribo.checks import as_path, inside, known_keys, shown
 from tribo.errors import InputError
-from tribo.potentials import plugin
-from tribo.scene import Interaction, Numerics, Output, Scene
+from tribo.fields import Field
+from tribo.potentials import registry
+from tribo.roughness import Roughness
+from tribo.scene import Interaction, Numerics, Output, Periodic, Scene
 from tribo.surface import Initial, Surface
 
-SURFACE_KEYS = [f.name for f in fields(Surface)]
+SURFACE_KEYS = [f.name for f in fields_of(Surface)]
 
 
 def load_scene(path: Any) -> Scene:
     """The scene in a TOML file; raises InputError with one sentence that names the key."""
-    path = Path(path)
+    path = as_path(path)
     try:
         text = path.read_bytes().decode("utf-8")
     except OSError as error:
@@ -34,7 +36,7 @@ def load_scene(path: Any) -> Scene:
         raise InputError(str(path), "is not a text file in UTF-8") from None
     try:
         table = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except (ValueError, RecursionError) as error:
         raise InputError(str(path), f"is not valid TOML: {error}") from None
     return scene_from(table, path.parent)
 
@@ -43,7 +45,10 @@ def scene_from(table: dict[str, Any], folder: Path = Path()) -> Scene:
     """The scene that a file's table describes; plug-ins are looked for from `folder`."""
     table = known_keys(
         table,
-        ["title", "duration", "seed", "interaction", "surface", "output", "numerics"],
+        [
+            *("title", "duration", "seed", "periodic"),
+            *("interaction", "field", "surface", "output", "numerics"),
+        ],
         ["duration", "surface"],
     )
     surfaces = table["surface"]
@@ -53,8 +58,12 @@ def scene_from(table: dict[str, Any], folder: Path = Path()) -> Scene:
         output = Output(**known_keys(table.get("output", {}), ["samples", "times"]))
     with inside("numerics"):
         numerics = Numerics(**known_keys(table.get("numerics", {}), ["accuracy", "method", "step"]))
+    with inside("periodic"):
+        periodic = Periodic(**known_keys(table.get("periodic", {}), ["x", "z"]))
     return Scene(
-        surfaces=tuple(_surface(i, item) for i, item in enumerate(surfaces)),
+        surfaces=tuple(_surface(i, item, folder) for i, item in enumerate(surfaces)),
+        periodic=periodic,
+        fields=_fields(table.get("field", []), folder),
         interactions=_interactions(table.get("interaction", []), folder),
         duration=table["duration"],
         title=table.get("title", ""),
@@ -69,7 +78,7 @@ def _interactions(value: Any, folder: Path) -> tuple[Interaction, ...]:
         with inside("interaction"):
             return (_interaction(value, folder),)
     if not isinstance(value, list):
-        raise InputError("interaction", f"must be a table, got {value!r}")
+        raise InputError("interaction", f"must be a table, got {shown(value)}")
     interactions = []
     for i, table in enumerate(value):
         with inside(f"interaction[{i}]"):
@@ -77,37 +86,55 @@ def _interactions(value: Any, folder: Path) -> tuple[Interaction, ...]:
     return tuple(interactions)
 
 
+def _fields(value: Any, folder: Path) -> tuple[Field, ...]:
+    if not isinstance(value, list):
+        raise InputError("field", "must be [[field]] tables, one for each field")
+    items = []
+    for i, table in enumerate(value):
+        with inside(f"field[{i}]"):
+            items.append(fields.from_table(table, folder))
+    return tuple(items)
+
+
 def _interaction(table: Any, folder: Path) -> Interaction:
     if not isinstance(table, dict):
-        raise InputError("", f"must be a table, got {table!r}")
+        raise InputError("", f"must be a table, got {shown(table)}")
     parameters = dict(table)
-    if "potential" not in parameters:
-        raise InputError("potential", "is missing")
-    name = parameters.pop("potential")
     between = parameters.pop("between", None)
     if between is not None and not (
         isinstance(between, list) and len(between) == 2 and all(isinstance(b, str) for b in between)
     ):
-        raise InputError("between", f"must be the names of two surfaces, got {between!r}")
-    potential = plugin.named(name, parameters, folder)
+        raise InputError("between", f"must be the names of two surfaces, got {shown(between)}")
+    potential = registry.from_table(parameters, folder)
     return Interaction(potential, tuple(between) if between else None)
 
 
-def _surface(index: int, table: Any) -> Surface:
+def _surface(index: int, table: Any, folder: Path) -> Surface:
     with inside(f"surface[{index}]"):
         table = known_keys(table, SURFACE_KEYS, ["name"])
         with inside("asperite"):
-            parameters = known_keys(table.get("asperite", {}), [f.name for f in fields(Asperite)])
+            parameters = known_keys(
+                table.get("asperite", {}), [f.name for f in fields_of(Asperite)]
+            )
             table["asperite"] = Asperite(**parameters)
         with inside("initial"):
-            start = known_keys(table.get("initial", {}), [f.name for f in fields(Initial)])
+            start = known_keys(table.get("initial", {}), [f.name for f in fields_of(Initial)])
             table["initial"] = Initial(**start)
+        with inside("drive"):
+            table["drive"] = drives.as_drive(table.get("drive", "forced"), folder)
+        with inside("bars"):
+            table["bars"] = drives.as_bars(table.get("bars", "clamped"), folder)
         return Surface(**table)
 
 
 def save_scene(scene: Scene, path: Any) -> None:
     """Write the TOML file that `load_scene` reads."""
-    Path(path).write_text(scene_text(scene), encoding="utf-8")
+    path = as_path(path)
+    text = scene_text(scene).encode("utf-8")
+    try:
+        path.write_bytes(text)
+    except OSError as error:
+        raise InputError(str(path), f"cannot be written ({error.strerror})") from None
 
 
 def scene_text(scene: Scene) -> str:
@@ -125,12 +152,12 @@ def scene_table(scene: Scene) -> dict[str, Any]:
     if scene.output.times is not None:
         del table["output"]["samples"]
     table["numerics"] = _given(scene.numerics)
+    table["periodic"] = _given(scene.periodic)
     table["interaction"] = [
-        {"potential": plugin.name_of(i.potential)}
-        | ({"between": list(i.between)} if i.between else {})
-        | i.potential._asdict()
+        registry.as_table(i.potential) | ({"between": list(i.between)} if i.between else {})
         for i in scene.interactions
     ]
+    table["field"] = [fields.as_table(item) for item in scene.fields]
     table["surface"] = [_surface_table(surface) for surface in scene.surfaces]
     return table
 
@@ -138,6 +165,13 @@ def scene_table(scene: Scene) -> dict[str, Any]:
 def _surface_table(surface: Surface) -> dict[str, Any]:
     table = _given(surface)
     table["drive"] = drives.as_table(surface.drive)
+    table["bars"] = drives.bars_as_table(surface.bars)
+    table["springs"] = _given(surface.springs)
+    table["bath"] = bath.as_table(surface.bath)
+    if surface.langevin is not None:
+        table["langevin"] = _given(surface.langevin)
+    if isinstance(surface.heights, Roughness):
+        table["heights"] = _given(surface.heights)
     table["asperite"] = _given(surface.asperite)
     table["initial"] = _given(surface.initial)
     if surface.positions is not None:
@@ -149,12 +183,12 @@ def _surface_table(surface: Surface) -> dict[str, Any]:
 def _given(item: Any) -> dict[str, Any]:
     """The fields of a dataclass that are set, as TOML can hold them."""
     table = {}
-    for f in fields(item):
+    for f in fields_of(item):
         value = getattr(item, f.name)
         if isinstance(value, np.ndarray):
             value = value.tolist()
         elif isinstance(value, tuple):
-            value = list(value)
+            value = [list(item) if isinstance(item, tuple) else item for item in value]
         if value is not None:
             table[f.name] = value
     return table

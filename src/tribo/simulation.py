@@ -8,14 +8,13 @@ from typing import Any
 import numpy as np
 
 from tribo import accuracy as acc
-from tribo import methods
+from tribo import methods, plugins
 from tribo.checks import POSITIVE, number, number_or_each
 from tribo.errors import InputError
 from tribo.kernels.compiled import time_loop
-from tribo.layout import laid_out
-from tribo.ledger import Ledger, ledger
+from tribo.layout import laid_out, set_bath
+from tribo.ledger import ledger
 from tribo.march import March, Progress, compile_loop, march
-from tribo.potentials import plugin
 from tribo.result import Cost, Result
 from tribo.scene import Scene, check_accuracy
 
@@ -45,8 +44,7 @@ class Simulation:
         self.layout = laid_out(scene)
         self._progress = progress
         self._first_step = acc.first_step(self.layout)
-        stamps = (plugin.stamp(contact.potential) for contact in self.layout.model.contacts)
-        self._loop = time_loop(method.loop, "_".join(stamps))
+        self._loop = time_loop(method.loop, "".join(map(plugins.stamp, self.layout.plugins)))
         self._times = scene.times
         self._check_times = np.linspace(0.0, scene.duration, CHECKS + 1)
         self._setting: Any = step
@@ -98,7 +96,7 @@ class Simulation:
         runs = [self._march(start, self._setting, self._check_times)]
         level = FIRST_LEVEL * accuracy
         for _ in range(ROUNDS):
-            scales = acc.inner_scales(layout, runs[-1].y, runs[-1].s)
+            scales = acc.inner_scales(layout, runs[-1].samples)
             self._coarse = acc.tolerances(layout, scales, level)
             self._setting = acc.tolerances(layout, scales, 0.1 * level)
             runs.append(self._march(start, self._coarse, self._check_times))
@@ -113,18 +111,11 @@ class Simulation:
 
     def _estimated(self, fine: March, coarse: March) -> tuple[dict[str, float], acc.Scales]:
         """Bounds on the finer run's errors, and the scales that they are judged by."""
-        books = self._books(fine)
-        shared = np.intersect1d(fine.t, coarse.t)
-        bounds = acc.estimate(books, self._at(fine, shared), self._at(coarse, shared))
-        return bounds, acc.reported_scales(self.layout, books)
-
-    def _at(self, run: March, times: np.ndarray) -> Ledger:
-        """The books of a run at some of its times."""
-        k = np.isin(run.t, times)
-        return ledger(self.layout, run.t[k], run.y[k], run.s[k], run.u[k])
-
-    def _books(self, run: March) -> Ledger:
-        return ledger(self.layout, run.t, run.y, run.s, run.u)
+        layout = self.layout
+        books = ledger(layout, fine.samples)
+        shared = np.intersect1d(fine.samples.t, coarse.samples.t)
+        one, other = (ledger(layout, run.samples.at(shared)) for run in (fine, coarse))
+        return acc.estimate(books, one, other), acc.reported_scales(layout, books)
 
     def _changed(self, start: Mapping[str, Any]) -> np.ndarray:
         """y at t = 0 with some initial values replaced."""
@@ -147,12 +138,19 @@ class Simulation:
             if quantity in ("omega", "nu"):
                 slots = slots + n
             y[slots] = values - surface.rest if quantity == "theta" else values
+        for index, surface in enumerate(self.scene.surfaces if start else ()):
+            part = self.layout.parts[surface.name]
+            rng = np.random.default_rng([self.scene.seed, index, 1])
+            bars = self.layout.model.asperites[part]
+            set_bath(bars, surface, part, y[:n], y[n:], rng)
         return y
 
     def _result(self, runs: list[March]) -> Result:
         """The last run as a result, its error estimated from the one before it."""
         fine = runs[-1]
-        bounds: dict[str, float | None] = dict.fromkeys(acc.REPORTED)
+        kept = np.union1d(np.intersect1d(fine.samples.t, self.scene.times), fine.samples.t[-1:])
+        books = ledger(self.layout, fine.samples.at(kept))
+        bounds: dict[str, float | None] = {name: None for name in acc.KINDS if books.series(name)}
         met = None
         notes: tuple[str, ...] = ()
         if len(runs) > 1 and self.accuracy is not None:
@@ -161,11 +159,10 @@ class Simulation:
             bounds.update(estimated)
             if not met and fine.status == "completed":
                 notes = (self._out_of_reach(fine, estimated, scales),)
-        kept = np.union1d(np.intersect1d(fine.t, self.scene.times), fine.t[-1:])
         return Result(
             scene=self.scene,
             t=kept,
-            ledger=self._at(fine, kept),
+            ledger=books,
             status=fine.status,
             method=self.method.name,
             cost=Cost(
@@ -183,7 +180,7 @@ class Simulation:
     def _out_of_reach(self, fine: March, bounds: dict[str, float], scales: acc.Scales) -> str:
         """Why the request was not met: how much the scene makes of a small change of its start."""
         assert self.accuracy is not None
-        nudged = fine.y[0].copy()
+        nudged = self.layout.start.copy()
         nudged[: self.layout.model.asperites.size] += PERTURBATION
         other = self._march(nudged, self._setting, self._times)
         change = acc.excess(self._estimated(fine, other)[0], scales, 1.0) / acc.SAFETY
@@ -216,6 +213,7 @@ def prepare(
         step = wanted.step if accuracy is None else None
         method = wanted.method if accuracy is None or wanted.step is None else None
     chosen = methods.named(method or ("midpoint" if step is not None else "dop853"))
+    _refuse(scene, chosen)
     if chosen.adaptive:
         if step is not None:
             raise InputError(
@@ -228,6 +226,24 @@ def prepare(
     if accuracy is not None:
         raise InputError("accuracy", f"cannot go with a step of one's own for {chosen.name}")
     return Simulation(scene, None, chosen, number("step", step, POSITIVE), progress)
+
+
+def _refuse(scene: Scene, method: methods.Method) -> None:
+    """What a method cannot do is said, not done wrong."""
+    noisy = any(s.langevin and s.langevin.temperature > 0.0 for s in scene.surfaces)
+    if noisy and method.name != "verlet":
+        raise InputError(
+            "method", f'must be "verlet" for noise from a reservoir, got "{method.name}"'
+        )
+    if method.splits:
+        for effect, why in (
+            ("own drive", "a drive of the user's own may depend on velocities"),
+            ("own ends", "forces of the user's own on the ends of bars may depend on velocities"),
+        ):
+            if effect in scene.effects:
+                raise InputError("method", f'"{method.name}" is for forces of places alone; {why}')
+    if "langevin" in scene.effects and method.splits and method.name != "verlet":
+        raise InputError("method", f'"{method.name}" steps back in time, which no reservoir can')
 
 
 def simulate(

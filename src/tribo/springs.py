@@ -20,7 +20,7 @@ class Springs:
     """Springs along x and along z, or between listed pairs."""
 
     stiffness: float | tuple[float, float] = 0.0  # [force / length]; two: along x, along z
-    wrap: bool = False  # tie the ends of every row, as of a periodic one
+    wrap: bool = False  # tie the ends of every row along the scene's periodic directions, or all
     pairs: tuple[tuple[int, int], ...] | None = None  # instead of neighbours on the grid
     turned: float = 0.0  # angle by which the rest vectors are turned [rad]
 
@@ -58,28 +58,33 @@ class Springs:
             return self.stiffness
         return (self.stiffness, self.stiffness)
 
-    def bonds(self, shape: tuple[int, int], count: int) -> list[tuple[int, int, float]]:
-        """(i, j, stiffness) of every spring; springs of zero stiffness are none at all."""
+    def bonds(
+        self, shape: tuple[int, int], count: int, periodic: tuple[bool, bool]
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """(m, 2) ends and (m,) stiffness of every spring; those of zero stiffness are none.
+
+        `periodic` says whether the scene is, along x and along z.
+        """
         if self.pairs is not None:
             for i, pair in enumerate(self.pairs):
                 if max(pair) >= count:
                     raise InputError(f"pairs[{i}]", f"names no asperite; there are {count}")
-            return [(i, j, self._both[0]) for i, j in self.pairs] if self else []
-        nx, nz = shape
-        index = np.arange(nx * nz).reshape(nz, nx)
-        bonds: list[tuple[int, int, float]] = []
-        for axis, stiffness in ((1, self._both[0]), (0, self._both[1])):
-            if stiffness == 0.0:
-                continue
+            listed = self.pairs if self else ()
+            return np.array(listed, dtype=np.int64).reshape(-1, 2), np.full(
+                len(listed), self._both[0]
+            )
+        index = np.arange(shape[0] * shape[1]).reshape(shape[1], shape[0])
+        ends, stiffnesses = [np.empty((0, 2), dtype=np.int64)], [np.empty(0)]
+        for along, (axis, stiffness) in enumerate(zip((1, 0), self._both, strict=True)):
             length = index.shape[axis]
-            first = np.take(index, range(length - 1), axis)
-            second = np.take(index, range(1, length), axis)
-            if self.wrap and length > 2:
-                first = np.concatenate([first, np.take(index, [length - 1], axis)], axis)
-                second = np.concatenate([second, np.take(index, [0], axis)], axis)
-            pairs = zip(first.ravel().tolist(), second.ravel().tolist(), strict=True)
-            bonds += [(i, j, stiffness) for i, j in pairs]
-        return bonds
+            ring = self.wrap and length > 1 and (periodic[along] or not any(periodic))
+            tied = length if ring else length - 1
+            if stiffness > 0.0:
+                first = np.take(index, range(tied), axis).ravel()
+                second = np.take(index, [(n + 1) % length for n in range(tied)], axis).ravel()
+                ends.append(np.column_stack([first, second]))
+                stiffnesses.append(np.full(first.size, stiffness))
+        return np.concatenate(ends), np.concatenate(stiffnesses)
 
 
 def as_springs(value: Any) -> Springs:

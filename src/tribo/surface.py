@@ -8,9 +8,23 @@ from typing import Any
 import numpy as np
 
 from tribo.asperite import Asperite, Each
-from tribo.checks import choice, inside, number, number_or_each, vector, whole
-from tribo.drives import Drive, Forced, as_drive
+from tribo.bath import Bath, as_bath
+from tribo.checks import (
+    MANY,
+    choice,
+    inside,
+    is_list,
+    number,
+    number_or_each,
+    shown,
+    vector,
+    whole,
+)
+from tribo.drives import Drive, Ends, Forced, as_bars, as_drive
 from tribo.errors import InputError
+from tribo.langevin import Langevin, as_langevin
+from tribo.roughness import Roughness, as_heights, draw
+from tribo.springs import Springs, as_springs
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,37 +71,55 @@ class Surface:
     shape: tuple[int, int] = (1, 1)  # asperites along x, along z; x runs fastest
     spacing: tuple[float, float] = (0.0, 0.0)
     depth: float = 0.0  # z of the first
-    heights: np.ndarray | None = None  # a shift in y per asperite, up positive
+    heights: np.ndarray | Roughness | None = None  # a shift in y per asperite, up positive
     positions: np.ndarray | None = (
         None  # (n, 3) resting bobs, instead of bob, shape, spacing, depth
     )
     drive: Drive = field(default_factory=Forced)
-    bars: str = "clamped"  # or "free"
+    bars: str | Ends = "clamped"  # or "free", or forces of the user's own on their ends
+    springs: Springs = field(default_factory=Springs)
+    bath: Bath = field(default_factory=lambda: as_bath(None))
+    langevin: Langevin | None = None
     asperite: Asperite = field(default_factory=Asperite)
     initial: Initial = field(default_factory=Initial)
 
     def __post_init__(self) -> None:
         put = object.__setattr__
-        if not isinstance(self.name, str) or not self.name or "." in self.name:
-            raise InputError("name", f"must be a word without a point, got {self.name!r}")
+        if not _is_name(self.name):
+            raise InputError("name", f"must be a word without . or /, got {shown(self.name)}")
         choice("facing", self.facing, ["down", "up"])
-        choice("bars", self.bars, ["clamped", "free"])
         put(self, "bob", tuple(vector("bob", self.bob, size=2).tolist()))
         put(self, "velocity", tuple(vector("velocity", self.velocity, size=2).tolist()))
         vector("shape", self.shape, size=2)
         put(self, "shape", tuple(whole(f"shape[{i}]", n, 1) for i, n in enumerate(self.shape)))
+        if self.count > MANY:
+            raise InputError("shape", f"must be at most {MANY} asperites, got {self.count}")
         put(self, "spacing", tuple(vector("spacing", self.spacing, size=2).tolist()))
         put(self, "depth", number("depth", self.depth))
         if self.positions is not None:
             put(self, "positions", self._listed_positions())
         with inside("drive"):
             put(self, "drive", as_drive(self.drive))
-        if self.heights is not None:
-            put(self, "heights", vector("heights", self.heights, size=self.count))
-        with inside("asperite"):
-            self.asperite.for_each(self.count)
-        with inside("initial"):
-            self.initial.for_each(self.count)
+        put(self, "heights", as_heights(self.heights, *self._grid))
+        with inside("bars"):
+            put(self, "bars", as_bars(self.bars))
+        with inside("springs"):
+            put(self, "springs", as_springs(self.springs))
+            if self.springs and self.positions is not None and self.springs.pairs is None:
+                raise InputError("pairs", "is missing; listed positions have no neighbours")
+            self.springs.bonds(self.shape, self.count, (False, False))
+        with inside("bath"):
+            put(self, "bath", as_bath(self.bath))
+            if self.bath.inertias.size and self.bars == "clamped":
+                raise InputError("torsional", 'has nothing to turn on clamped bars; bars = "free"')
+        with inside("langevin"):
+            put(self, "langevin", as_langevin(self.langevin))
+        for key, kind in (("asperite", Asperite), ("initial", Initial)):
+            value = getattr(self, key)
+            if not isinstance(value, kind):
+                raise InputError(key, f"must be a {kind.__name__}, got {shown(value)}")
+            with inside(key):
+                value.for_each(self.count)
 
     def _listed_positions(self) -> np.ndarray:
         for key, untouched in (("bob", (0.0, 0.0)), ("shape", (1, 1)), ("spacing", (0.0, 0.0))):
@@ -95,12 +127,21 @@ class Surface:
                 raise InputError(key, "cannot go with positions; give one or the other")
         if self.depth != 0.0:
             raise InputError("depth", "cannot go with positions; give one or the other")
-        if not isinstance(self.positions, (list, tuple, np.ndarray)) or len(self.positions) == 0:
-            raise InputError("positions", f"must be a list of [x, y, z], got {self.positions!r}")
+        if not is_list(self.positions) or len(self.positions) == 0:
+            raise InputError(
+                "positions", f"must be a list of [x, y, z], got {shown(self.positions)}"
+            )
         rows = [vector(f"positions[{i}]", p, size=3) for i, p in enumerate(self.positions)]
         table = np.array(rows)
         table.flags.writeable = False
         return table
+
+    @property
+    def _grid(self) -> tuple[tuple[int, int], tuple[float, float]]:
+        """Shape and spacing; a list has none of the latter."""
+        if self.positions is not None:
+            return (self.count, 1), (0.0, 0.0)
+        return self.shape, self.spacing
 
     @property
     def count(self) -> int:
@@ -117,8 +158,13 @@ class Surface:
         """+1 for a surface that faces down, -1 for one that faces up."""
         return 1.0 if self.facing == "down" else -1.0
 
-    def resting_bobs(self, origin: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> np.ndarray:
-        """(n, 3) places of the resting bobs relative to `origin`, which costs no digits."""
+    def resting_bobs(
+        self, origin: tuple[float, float, float] = (0.0, 0.0, 0.0), seed: Any = 0
+    ) -> np.ndarray:
+        """(n, 3) places of the resting bobs relative to `origin`, which costs no digits.
+
+        `seed` is for heights that are drawn and have none of their own.
+        """
         if self.positions is not None:
             places = self.positions - np.array(origin)
         else:
@@ -127,7 +173,10 @@ class Surface:
             places[:, 0] = (self.bob[0] - origin[0]) + column.ravel() * self.spacing[0]
             places[:, 1] = self.bob[1] - origin[1]
             places[:, 2] = (self.depth - origin[2]) + row.ravel() * self.spacing[1]
-        if self.heights is not None:
+        if isinstance(self.heights, Roughness):
+            rng = np.random.default_rng(seed)
+            places[:, 1] += draw(self.heights, *self._grid, rng)
+        elif self.heights is not None:
             places[:, 1] += self.heights
         return places
 
@@ -140,8 +189,7 @@ class Surface:
         return self.bob[0], self.bob[1], self.depth
 
 
-def surface_from(value: Any) -> Surface:
-    """A surface, or a clear complaint."""
-    if not isinstance(value, Surface):
-        raise InputError("", f"must be a tribo.Surface, got {value!r}")
-    return value
+def _is_name(value: Any) -> bool:
+    """Whether the value can name a surface in files: printable, without a point or a slash."""
+    printable = isinstance(value, str) and value.isprintable() and value.strip() != ""
+    return printable and not {".", "/"} & set(value)

@@ -43,21 +43,29 @@ def time_loop(loop: FunctionType, stamp: str) -> Callable[..., Any]:
 
 # A plug-in is a NamedTuple: numba types it by its class, so its methods are found, and inlined,
 # when the kernel is compiled.
-@overload_method(types.BaseNamedTuple, "energy", strict=False)
-def _energy(self: Any, r: Any) -> Any:
-    return self.instance_class.energy
+def _found_by_class(method: str, arguments: int) -> None:
+    def find(plugin: Any) -> Any:
+        return getattr(plugin.instance_class, method)
+
+    finders: dict[int, Callable[..., Any]] = {
+        0: lambda self: find(self),
+        1: lambda self, a: find(self),
+        2: lambda self, a, b: find(self),
+        4: lambda self, a, b, c, d: find(self),
+        7: lambda self, a, b, c, d, e, f, g: find(self),
+    }
+    overload_method(types.BaseNamedTuple, method, strict=False)(finders[arguments])
 
 
-@overload_method(types.BaseNamedTuple, "force", strict=False)
-def _force(self: Any, r: Any) -> Any:
-    return self.instance_class.force
-
-
-@overload_method(types.BaseNamedTuple, "feature", strict=False)
-def _feature(self: Any) -> Any:
-    return self.instance_class.feature
-
-
-@overload_method(types.BaseNamedTuple, "coupling", strict=False)
-def _coupling(self: Any, one: Any, other: Any) -> Any:
-    return self.instance_class.coupling
+for _method, _arguments in (
+    ("energy", 1),  # of potentials, at r
+    ("force", 1),
+    ("coupling", 2),  # of two charges
+    ("feature", 0),
+    ("range", 0),
+    ("energy_at", 2),  # of fields, at x, y
+    ("force_at", 2),
+    ("force_on_bar", 7),  # of drives, at t, x, y, vx, vy, fx, fy
+    ("end_forces", 4),  # on ends, at t, phi, nu, twist
+):
+    _found_by_class(_method, _arguments)

@@ -1,15 +1,19 @@
 """The equations of motion: M q'' = F(q, t), asperite by asperite.
 
 Coordinates q: the swing theta - rest of every asperite, then phi, x and y of those that have
-them free.  x and y are displacements from the uniform motion that the centre of mass began with;
-where no net force can arise they stay zero, and are no coordinates at all.
+them free, then the baths.  x and y are displacements from the uniform motion that the centre of
+mass began with; where no net force can arise they stay zero, and are no coordinates at all.  A
+bath oscillator's coordinates are its displacement from the resting bar in that same motion.
 """
 
 import math
 
+from numba import literal_unroll
+
 from tribo.kernels.compiled import kernel
 from tribo.kernels.contact import contact_forces
-from tribo.kernels.records import FORCED, PULLED, RIGID
+from tribo.kernels.neighbours import refreshed
+from tribo.kernels.records import CUSTOM, FORCED, PULLED, RIGID
 
 
 @kernel
@@ -27,6 +31,15 @@ def displacement(slot, q):
 
 
 @kernel
+def bar_displacement(asperite, q, swing):
+    """How far the bar is from where it would rest: r2 = r_cm + l2 (-sin theta, cos theta)."""
+    x = displacement(asperite.dof_x, q) - asperite.l2 * asperite.facing * math.sin(swing)
+    half = math.sin(0.5 * swing)
+    y = displacement(asperite.dof_y, q) - asperite.l2 * asperite.facing * 2.0 * half * half
+    return x, y
+
+
+@kernel
 def place_bobs(asperites, bobs, t, q):
     """r1 = r_cm + l1 (sin theta, -cos theta)."""
     for i in range(asperites.shape[0]):
@@ -36,6 +49,103 @@ def place_bobs(asperites, bobs, t, q):
         b.ty = a.facing * math.sin(q[i])
         b.x = a.x + a.vx * t + displacement(a.dof_x, q) + a.l1 * b.ty
         b.y = a.y + a.vy * t + displacement(a.dof_y, q) - a.l1 * b.tx
+
+
+@kernel
+def field_forces(model, fields, t):
+    """The external fields' force on the bobs."""
+    if fields is not None:
+        bobs = model.bobs
+        for i in range(bobs.shape[0]):
+            bobs[i].ex = 0.0
+            bobs[i].ey = 0.0
+        for field in literal_unroll(fields):
+            shift_x = field.origin[0] + field.velocity[0] * t
+            shift_y = field.origin[1] + field.velocity[1] * t
+            for k in range(field.surfaces.shape[0]):
+                s = model.surfaces[field.surfaces[k]]
+                for i in range(s.start, s.stop):
+                    b = bobs[i]
+                    fx, fy = field.potential.force_at(b.x + shift_x, b.y + shift_y)
+                    b.ex += fx
+                    b.ey += fy
+
+
+@kernel
+def field_energy(model, fields, t):
+    """Potential energy of the bobs in the external fields, in place."""
+    energy = 0.0
+    if fields is not None:
+        for field in literal_unroll(fields):
+            shift_x = field.origin[0] + field.velocity[0] * t
+            shift_y = field.origin[1] + field.velocity[1] * t
+            for k in range(field.surfaces.shape[0]):
+                s = model.surfaces[field.surfaces[k]]
+                for i in range(s.start, s.stop):
+                    b = model.bobs[i]
+                    energy += field.potential.energy_at(b.x + shift_x, b.y + shift_y)
+    return energy
+
+
+@kernel
+def clear_internal(bobs):
+    """No internal force on any bar yet."""
+    for i in range(bobs.shape[0]):
+        bobs[i].hx = 0.0
+        bobs[i].hy = 0.0
+
+
+@kernel
+def stretch(bond, asperites, q):
+    """(r2_i - r2_j) - (r2_i - r2_j)_rest of a lattice spring."""
+    xi, yi = bar_displacement(asperites[bond.i], q, q[bond.i])
+    xj, yj = bar_displacement(asperites[bond.j], q, q[bond.j])
+    return xi - xj + bond.x, yi - yj + bond.y
+
+
+@kernel
+def spring_forces(model, bonds, q):
+    """Lattice springs pull on the bars: f = -k (stretch)."""
+    if bonds is not None:
+        for m in range(bonds.shape[0]):
+            bond = bonds[m]
+            x, y = stretch(bond, model.asperites, q)
+            one = model.bobs[bond.i]
+            other = model.bobs[bond.j]
+            one.hx -= bond.stiffness * x
+            one.hy -= bond.stiffness * y
+            other.hx += bond.stiffness * x
+            other.hy += bond.stiffness * y
+
+
+@kernel
+def bath_forces(model, bath, q):
+    """Every oscillator pulls on its bar: f = m w^2 (its displacement from the bar)."""
+    if bath is not None:
+        for i in range(model.asperites.shape[0]):
+            a = model.asperites[i]
+            s = model.surfaces[a.surface]
+            x, y = bar_displacement(a, q, q[i])
+            b = model.bobs[i]
+            for n in range(s.oscillators):
+                o = bath[s.first_oscillator + n]
+                stiffness = o.mass * o.frequency * o.frequency
+                b.hx += stiffness * (q[a.dof_bath + n] - x)
+                b.hy += stiffness * (q[a.dof_bath + s.oscillators + n] - y)
+
+
+@kernel
+def friction_forces(model, langevin, v):
+    """Langevin at the bar: f_T = -gamma (v_bar - u); its noise is the integrator's."""
+    if langevin is not None:
+        for i in range(model.asperites.shape[0]):
+            a = model.asperites[i]
+            b = model.bobs[i]
+            s = model.surfaces[a.surface]
+            x = displacement(a.dof_x, v) - a.l2 * v[i] * b.tx
+            y = displacement(a.dof_y, v) - a.l2 * v[i] * b.ty
+            b.lx = -s.gamma * (x - s.reservoir_x)
+            b.ly = -s.gamma * (y - s.reservoir_y)
 
 
 @kernel
@@ -55,38 +165,165 @@ def drive_forces(asperites, surfaces, bobs, t, q):
             elif s.drive == RIGID:
                 b.gx = a.mass / s.mass * s.fx - b.fx
             elif s.drive == PULLED:
-                stretch = s.speed * t - displacement(a.dof_x, q) + a.l2 * b.ty
-                b.gx = s.stiffness * stretch
+                reach = s.speed * t - displacement(a.dof_x, q) + a.l2 * b.ty
+                b.gx = s.stiffness * reach
             else:
                 b.gx = 0.0
             b.gy = s.load if s.loaded else -b.fy
 
 
 @kernel
-def forces(model, t, q):
-    """Place the bobs; fill in every force on them and on the bars."""
-    place_bobs(model.asperites, model.bobs, t, q)
-    contact_forces(model.contacts, model.surfaces, model.bobs)
-    drive_forces(model.asperites, model.surfaces, model.bobs, t, q)
+def custom_drives(model, drives, t, q, v):
+    """f2 as the user's own function of (t, bar's place and velocity, contact force) has it."""
+    if drives is not None:
+        for drive in literal_unroll(drives):
+            s = model.surfaces[drive.surface]
+            for i in range(s.start, s.stop):
+                a = model.asperites[i]
+                b = model.bobs[i]
+                x = b.x - (a.l1 + a.l2) * b.ty + drive.origin[0] + drive.velocity[0] * t
+                y = b.y + (a.l1 + a.l2) * b.tx + drive.origin[1] + drive.velocity[1] * t
+                vx = a.vx + displacement(a.dof_x, v) - a.l2 * v[i] * b.tx + drive.velocity[0]
+                vy = a.vy + displacement(a.dof_y, v) - a.l2 * v[i] * b.ty + drive.velocity[1]
+                gx, gy = drive.force.force_on_bar(t, x, y, vx, vy, b.fx, b.fy)
+                b.gx = gx
+                b.gy = s.load if s.loaded else gy
 
 
 @kernel
-def accelerations(model, t, q, acceleration):
-    """q'' from the forces in place.  f_L + f_R = 0: clamped ends turn nothing but the bar."""
+def forces(model, neighbours, t, q):
+    """Place the bobs; fill in every force that depends on places alone.
+
+    Returns the neighbours, which may have been listed anew.
+    """
+    place_bobs(model.asperites, model.bobs, t, q)
+    neighbours = refreshed(model, neighbours)
+    contact_forces(model, neighbours)
+    drive_forces(model.asperites, model.surfaces, model.bobs, t, q)
+    field_forces(model, model.fields, t)
+    if model.bonds is not None or model.bath is not None:
+        clear_internal(model.bobs)
+    spring_forces(model, model.bonds, q)
+    return neighbours
+
+
+@kernel
+def own_ends(model, ends, t, q, v, slope):
+    """Bars whose ends bear the user's own forces f_L and f_R: what they add to q''."""
+    if ends is not None:
+        for end in literal_unroll(ends):
+            s = model.surfaces[end.surface]
+            for i in range(s.start, s.stop):
+                a = model.asperites[i]
+                b = model.bobs[i]
+                phi = bar_angle(a, t, q)
+                nu = displacement(a.dof_phi, v)
+                left_x, left_y, right_x, right_y = end.force.end_forces(t, phi, nu, q[i] - phi)
+                fx = left_x + right_x
+                fy = left_y + right_y
+                half = 0.5 * a.bar_length
+                cos = half * math.cos(phi)
+                sin = half * math.sin(phi)
+                torque = cos * (right_y - left_y) - sin * (right_x - left_x)
+                slope[i] -= a.l2 * (b.tx * fx + b.ty * fy) / a.inertia
+                slope[a.dof_phi] += torque / a.i2
+                slope[a.dof_x] += fx / a.mass
+                slope[a.dof_y] += fy / a.mass
+
+
+@kernel
+def bar_forces(model, i):
+    """Everything on bar i but its ends: f2 + f_int + f_T, as far as the scene has them."""
+    b = model.bobs[i]
+    x = b.gx
+    y = b.gy
+    if model.bonds is not None or model.bath is not None:
+        x += b.hx
+        y += b.hy
+    if model.langevin is not None:
+        x += b.lx
+        y += b.ly
+    return x, y
+
+
+@kernel
+def bob_forces(model, i):
+    """Everything on bob i: f1 and the external field."""
+    b = model.bobs[i]
+    if model.fields is not None:
+        return b.fx + b.ex, b.fy + b.ey
+    return b.fx, b.fy
+
+
+@kernel
+def accelerations(model, torsion, t, q, slope):
+    """q'' from the forces in place; `torsion` is 0 where the torsion springs are taken apart.
+
+    Clamped ends, f_L + f_R = 0, turn nothing but the bar.
+    """
     asperites = model.asperites
-    bobs = model.bobs
     for i in range(asperites.shape[0]):
         a = asperites[i]
-        b = bobs[i]
-        torsion = a.kappa * (q[i] - bar_angle(a, t, q))
-        torque = a.l1 * (b.tx * b.fx + b.ty * b.fy) - a.l2 * (b.tx * b.gx + b.ty * b.gy)
-        acceleration[i] = (torque - torsion) / a.inertia
+        b = model.bobs[i]
+        bob_x, bob_y = bob_forces(model, i)
+        bar_x, bar_y = bar_forces(model, i)
+        spring = torsion * a.kappa * (q[i] - bar_angle(a, t, q))
+        torque = a.l1 * (b.tx * bob_x + b.ty * bob_y) - a.l2 * (b.tx * bar_x + b.ty * bar_y)
+        slope[i] = (torque - spring) / a.inertia
         if a.dof_phi >= 0:
-            acceleration[a.dof_phi] = torsion / a.i2
+            slope[a.dof_phi] = spring / a.i2
         if a.dof_x >= 0:
-            acceleration[a.dof_x] = (b.fx + b.gx) / a.mass
+            slope[a.dof_x] = (bob_x + bar_x) / a.mass
         if a.dof_y >= 0:
-            acceleration[a.dof_y] = (b.fy + b.gy) / a.mass
+            slope[a.dof_y] = (bob_y + bar_y) / a.mass
+
+
+@kernel
+def bath_accelerations(model, bath, q, slope):
+    """Oscillators on springs to their bars."""
+    if bath is not None:
+        for i in range(model.asperites.shape[0]):
+            a = model.asperites[i]
+            s = model.surfaces[a.surface]
+            x, y = bar_displacement(a, q, q[i])
+            for n in range(s.oscillators):
+                kx = a.dof_bath + n
+                ky = kx + s.oscillators
+                square = bath[s.first_oscillator + n].frequency ** 2
+                slope[kx] = -square * (q[kx] - x)
+                slope[ky] = -square * (q[ky] - y)
+
+
+@kernel
+def torsional_accelerations(model, torsional, t, q, slope):
+    """Torsional oscillators on their bars, and their torque on the bars."""
+    if torsional is not None:
+        for i in range(model.asperites.shape[0]):
+            a = model.asperites[i]
+            s = model.surfaces[a.surface]
+            torque = 0.0
+            for n in range(s.torsionals):
+                k = a.dof_bath + 2 * s.oscillators + n
+                o = torsional[s.first_torsional + n]
+                twist = q[k] - bar_angle(a, t, q)
+                slope[k] = -o.frequency * o.frequency * twist
+                torque += o.mass * o.frequency * o.frequency * twist
+            if s.torsionals > 0:
+                slope[a.dof_phi] += torque / a.i2
+
+
+@kernel
+def equations_of_motion(model, neighbours, t, q, v, slope):
+    """q'' with every effect of the scene; returns the neighbours."""
+    neighbours = forces(model, neighbours, t, q)
+    bath_forces(model, model.bath, q)
+    friction_forces(model, model.langevin, v)
+    custom_drives(model, model.drives, t, q, v)
+    accelerations(model, 1.0, t, q, slope)
+    own_ends(model, model.ends, t, q, v, slope)
+    bath_accelerations(model, model.bath, q, slope)
+    torsional_accelerations(model, model.torsional, t, q, slope)
+    return neighbours
 
 
 @kernel

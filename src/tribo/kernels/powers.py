@@ -4,53 +4,66 @@ Work is booked in three parts, force by force: the impulse J of the force, its w
 centre of mass, and its pseudowork in the frame of the surface's initial velocity.  With V that
 velocity, work = (about) + V . J + (pseudowork there): no digit is lost in a fast frame.
 
-    contact  Jx, Jy; integrals of f1_x omega t_x and f1_y omega t_y, where t is the unit vector
-             along which a growing theta moves the bob: the work about the centre of mass is l1
-             times their sum
-    slide    pseudowork of f1_x and f1_y, where the centre of mass can leave its uniform motion
-    drive    f2 where it is more than a part of -f1: Jx, Jy, integral of omega t . f2, pseudowork
-    block    pseudowork of all forces on a surface, at the centre of all its masses
-    ends     clamped bars: work of f_L, of f_R, Jx and Jy of f_L (f_R = -f_L), pseudowork of f_L
+    contact    Jx, Jy; integrals of f1_x omega t_x and f1_y omega t_y, where t is the unit vector
+               along which a growing theta moves the bob: the work about the centre of mass is l1
+               times their sum
+    slide      pseudowork of f1_x and f1_y, where the centre of mass can leave its uniform motion
+    drive      f2 where it is more than a part of -f1: Jx, Jy, integral of omega t . f2, pseudowork
+    ends       clamped bars: work of f_L, of f_R about the centre of mass, Jx and Jy of f_L (f_R is
+               -f_L), pseudowork of f_L
+    user_ends  the same of f_L and f_R each: about, about, Jx, Jy, Jx, Jy, pseudowork, pseudowork
+    internal   springs and bath: Jx, Jy, about, pseudowork
+    field      external fields on the bob: Jx, Jy, about, pseudowork
+    thermal    Langevin at the bar: Jx, Jy, about, pseudowork
+    moving     of a field: work done by whatever moves it through the laboratory
+    block      of a surface: pseudowork of all external forces at the centre of all its masses
 """
 
 import math
 
+from numba import literal_unroll
+
 from tribo.kernels.compiled import kernel
 from tribo.kernels.motion import bar_angle, displacement
 
-CONTACT, SLIDE, DRIVE, ENDS = 4, 2, 4, 5  # accounts in each group
+CONTACT, SLIDE, DRIVE, ENDS, USER_ENDS, POINT = 4, 2, 4, 5, 8, 4  # accounts in each group
 
 
 @kernel
-def block_powers(model, v, power):
-    """Power of the whole force on each surface at the velocity of its centre of mass."""
-    for k in range(model.surfaces.shape[0]):
-        s = model.surfaces[k]
-        if s.acc_block < 0:
-            continue
-        fx = 0.0
-        fy = 0.0
-        px = 0.0
-        py = 0.0
-        for i in range(s.start, s.stop):
-            a = model.asperites[i]
-            b = model.bobs[i]
-            fx += b.fx + b.gx
-            fy += b.fy + b.gy
-            px += a.mass * displacement(a.dof_x, v)
-            py += a.mass * displacement(a.dof_y, v)
-        power[s.acc_block] = (fx * px + fy * py) / s.mass
+def at_bar(power, k, fx, fy, a, b, omega, vx, vy):
+    """Jx, Jy, work about the centre of mass and pseudowork of a force at the bar's centre."""
+    power[k] = fx
+    power[k + 1] = fy
+    power[k + 2] = -a.l2 * omega * (b.tx * fx + b.ty * fy)
+    power[k + 3] = fx * vx + fy * vy
 
 
 @kernel
-def powers(model, t, q, v, power):
-    """Fill in the power of every account from the forces in place and the rates v."""
+def clamped_ends(power, k, a, b, t, q, i, omega, vx, vy):
+    """f_L = -f_R = kappa (theta - phi - rest) / bar_length (-sin phi, cos phi)."""
+    phi = bar_angle(a, t, q)
+    end = a.kappa * (q[i] - phi) / a.bar_length
+    end_x = -end * math.sin(phi)
+    end_y = end * math.cos(phi)
+    with_bar = -a.l2 * omega * (end_x * b.tx + end_y * b.ty)
+    turning = -0.5 * a.bar_length * end * a.nu
+    power[k] = with_bar + turning
+    power[k + 1] = -with_bar + turning
+    power[k + 2] = end_x
+    power[k + 3] = end_y
+    power[k + 4] = end_x * vx + end_y * vy
+
+
+@kernel
+def powers(model, torsion, t, q, v, power):
+    """Fill in the power of every account but the blocks', forces in place.
+
+    `torsion` is 0 where the torsion springs, and the ends that hold them, are taken apart.
+    """
     asperites = model.asperites
-    bobs = model.bobs
-    block_powers(model, v, power)
     for i in range(asperites.shape[0]):
         a = asperites[i]
-        b = bobs[i]
+        b = model.bobs[i]
         omega = v[i]
         vx = displacement(a.dof_x, v)
         vy = displacement(a.dof_y, v)
@@ -60,29 +73,175 @@ def powers(model, t, q, v, power):
         power[k + 1] = b.fy
         power[k + 2] = b.fx * omega * b.tx
         power[k + 3] = b.fy * omega * b.ty
-
-        k = a.acc_slide
-        if k >= 0:
-            power[k] = b.fx * vx
-            power[k + 1] = b.fy * vy
-
-        k = a.acc_drive
-        if k >= 0:
+        if a.acc_slide >= 0:
+            power[a.acc_slide] = b.fx * vx
+            power[a.acc_slide + 1] = b.fy * vy
+        if a.acc_drive >= 0:
+            k = a.acc_drive
             power[k] = b.gx
             power[k + 1] = b.gy
             power[k + 2] = omega * (b.tx * b.gx + b.ty * b.gy)
             power[k + 3] = b.gx * vx + b.gy * vy
+        if a.acc_ends >= 0:
+            if torsion != 0.0:
+                clamped_ends(power, a.acc_ends, a, b, t, q, i, omega, vx, vy)
+            else:
+                power[a.acc_ends : a.acc_ends + ENDS] = 0.0
+        if model.fields is not None:
+            if a.acc_field >= 0:
+                k = a.acc_field
+                power[k] = b.ex
+                power[k + 1] = b.ey
+                power[k + 2] = a.l1 * omega * (b.tx * b.ex + b.ty * b.ey)
+                power[k + 3] = b.ex * vx + b.ey * vy
+        if model.bonds is not None or model.bath is not None or model.torsional is not None:
+            if a.acc_internal >= 0:
+                at_bar(power, a.acc_internal, b.hx, b.hy, a, b, omega, vx, vy)
+        if model.langevin is not None:
+            if a.acc_thermal >= 0:
+                at_bar(power, a.acc_thermal, b.lx, b.ly, a, b, omega, vx, vy)
 
-        k = a.acc_ends
-        if k >= 0:
-            phi = bar_angle(a, t, q)
-            end = a.kappa * (q[i] - phi) / a.bar_length
-            end_x = -end * math.sin(phi)
-            end_y = end * math.cos(phi)
-            with_bar = -a.l2 * omega * (end_x * b.tx + end_y * b.ty)
-            turning = -0.5 * a.bar_length * end * a.nu
-            power[k] = with_bar + turning
-            power[k + 1] = -with_bar + turning
-            power[k + 2] = end_x
-            power[k + 3] = end_y
-            power[k + 4] = end_x * vx + end_y * vy
+
+@kernel
+def field_powers(model, fields, t, power):
+    """The power of whatever moves a field through the laboratory."""
+    if fields is not None:
+        for field in literal_unroll(fields):
+            if field.account >= 0:
+                power[field.account] = 0.0
+                shift_x = field.origin[0] + field.velocity[0] * t
+                shift_y = field.origin[1] + field.velocity[1] * t
+                for k in range(field.surfaces.shape[0]):
+                    s = model.surfaces[field.surfaces[k]]
+                    for i in range(s.start, s.stop):
+                        b = model.bobs[i]
+                        fx, fy = field.potential.force_at(b.x + shift_x, b.y + shift_y)
+                        power[field.account] += fx * field.drift[0] + fy * field.drift[1]
+
+
+@kernel
+def own_end_powers(model, ends, t, q, v, power):
+    """The user's own forces on the ends of bars, at r2 + r_L and r2 + r_R."""
+    if ends is not None:
+        for end in literal_unroll(ends):
+            s = model.surfaces[end.surface]
+            for i in range(s.start, s.stop):
+                a = model.asperites[i]
+                b = model.bobs[i]
+                phi = bar_angle(a, t, q)
+                nu = displacement(a.dof_phi, v)
+                vx = displacement(a.dof_x, v)
+                vy = displacement(a.dof_y, v)
+                left_x, left_y, right_x, right_y = end.force.end_forces(t, phi, nu, q[i] - phi)
+                tip_x = -0.5 * a.bar_length * math.sin(phi) * nu
+                tip_y = 0.5 * a.bar_length * math.cos(phi) * nu
+                bar_x = -a.l2 * v[i] * b.tx
+                bar_y = -a.l2 * v[i] * b.ty
+                k = a.acc_user_ends
+                power[k] = left_x * (bar_x - tip_x) + left_y * (bar_y - tip_y)
+                power[k + 1] = right_x * (bar_x + tip_x) + right_y * (bar_y + tip_y)
+                power[k + 2] = left_x
+                power[k + 3] = left_y
+                power[k + 4] = right_x
+                power[k + 5] = right_y
+                power[k + 6] = left_x * vx + left_y * vy
+                power[k + 7] = right_x * vx + right_y * vy
+
+
+@kernel
+def torsional_powers(model, torsional, t, q, v, power):
+    """The torsional oscillators' torque on the bars, at the bars' rate of turning."""
+    if torsional is not None:
+        for i in range(model.asperites.shape[0]):
+            a = model.asperites[i]
+            s = model.surfaces[a.surface]
+            for n in range(s.torsionals):
+                o = torsional[s.first_torsional + n]
+                twist = q[a.dof_bath + 2 * s.oscillators + n] - bar_angle(a, t, q)
+                torque = o.mass * o.frequency * o.frequency * twist
+                power[a.acc_internal + 2] += torque * v[a.dof_phi]
+
+
+@kernel
+def bath_momentum(model, bath, s, v):
+    """Momentum of a surface's bath in the surface's first frame."""
+    px = 0.0
+    py = 0.0
+    if bath is not None:
+        for i in range(s.start, s.stop):
+            k = model.asperites[i].dof_bath
+            for n in range(s.oscillators):
+                mass = bath[s.first_oscillator + n].mass
+                px += mass * v[k + n]
+                py += mass * v[k + s.oscillators + n]
+    return px, py
+
+
+@kernel
+def momentum(model, s, v):
+    """Momentum of a surface, bath and all, in the surface's first frame."""
+    px, py = bath_momentum(model, model.bath, s, v)
+    for i in range(s.start, s.stop):
+        a = model.asperites[i]
+        px += a.mass * displacement(a.dof_x, v)
+        py += a.mass * displacement(a.dof_y, v)
+    return px, py
+
+
+@kernel
+def external_force(model, s):
+    """Sum of f1, f2, field and f_T over a surface, whose ends are clamped or free."""
+    fx = 0.0
+    fy = 0.0
+    for i in range(s.start, s.stop):
+        b = model.bobs[i]
+        fx += b.fx + b.gx
+        fy += b.fy + b.gy
+        if model.fields is not None:
+            fx += b.ex
+            fy += b.ey
+        if model.langevin is not None:
+            fx += b.lx
+            fy += b.ly
+    return fx, fy
+
+
+@kernel
+def end_force(model, ends, k, t, q, v):
+    """Sum of the user's own forces on the ends of surface k's bars."""
+    fx = 0.0
+    fy = 0.0
+    if ends is not None:
+        for end in literal_unroll(ends):
+            if end.surface == k:
+                s = model.surfaces[k]
+                for i in range(s.start, s.stop):
+                    a = model.asperites[i]
+                    phi = bar_angle(a, t, q)
+                    nu = displacement(a.dof_phi, v)
+                    left_x, left_y, right_x, right_y = end.force.end_forces(t, phi, nu, q[i] - phi)
+                    fx += left_x + right_x
+                    fy += left_y + right_y
+    return fx, fy
+
+
+@kernel
+def block_powers(model, t, q, v, power):
+    """Power of the whole external force on each surface at the velocity of its centre of mass."""
+    for k in range(model.surfaces.shape[0]):
+        s = model.surfaces[k]
+        if s.acc_block >= 0:
+            fx, fy = external_force(model, s)
+            end_x, end_y = end_force(model, model.ends, k, t, q, v)
+            px, py = momentum(model, s, v)
+            power[s.acc_block] = ((fx + end_x) * px + (fy + end_y) * py) / s.total_mass
+
+
+@kernel
+def all_powers(model, t, q, v, power):
+    """Every account's power at one instant."""
+    powers(model, 1.0, t, q, v, power)
+    field_powers(model, model.fields, t, power)
+    own_end_powers(model, model.ends, t, q, v, power)
+    torsional_powers(model, model.torsional, t, q, v, power)
+    block_powers(model, t, q, v, power)

@@ -32,27 +32,41 @@ ASPERITE = np.dtype(
         ("dof_x", "i8"),  # slots in the vector of coordinates; the swing's slot is the index
         ("dof_y", "i8"),
         ("dof_phi", "i8"),
+        ("dof_bath", "i8"),  # first of its bath's: all x, all y, then the torsional
         ("acc_contact", "i8"),  # first slots in the vector of accounts, see kernels.powers
         ("acc_slide", "i8"),
         ("acc_drive", "i8"),
         ("acc_ends", "i8"),
+        ("acc_user_ends", "i8"),
+        ("acc_internal", "i8"),
+        ("acc_field", "i8"),
+        ("acc_thermal", "i8"),
     ],
     align=True,
 )
 
-FORCED, FREE, RIGID, PULLED = range(4)
+FORCED, FREE, RIGID, PULLED, CUSTOM = range(5)
 
 SURFACE = np.dtype(
     [
         ("start", "i8"),  # asperites start <= i < stop
         ("stop", "i8"),
-        ("drive", "i8"),  # FORCED, FREE, RIGID, PULLED
+        ("drive", "i8"),  # FORCED, FREE, RIGID, PULLED, CUSTOM
         ("mass", "f8"),  # of all its asperites
+        ("total_mass", "f8"),  # and of their baths
         ("loaded", "i8"),  # 1 where a load stands in place of -f1_y
         ("load", "f8"),  # the y force on each bar
         ("stiffness", "f8"),  # of the pulling spring
         ("speed", "f8"),  # of the pulling stage, relative to the surface's initial velocity
         ("fx", "f8"),  # sum of the contact forces' x components, scratch
+        ("oscillators", "i8"),  # its bath's rows: first <= n < first + oscillators, on every bar
+        ("first_oscillator", "i8"),
+        ("torsionals", "i8"),
+        ("first_torsional", "i8"),
+        ("gamma", "f8"),  # Langevin damping of every bar, 0 if there is none
+        ("temperature", "f8"),  # of the Langevin reservoir
+        ("reservoir_x", "f8"),  # its velocity, relative to the surface's initial one
+        ("reservoir_y", "f8"),
         ("acc_block", "i8"),  # account of the surface's own pseudowork, -1 if absent
     ],
     align=True,
@@ -66,8 +80,14 @@ BOB = np.dtype(
         ("charge", "f8"),
         ("fx", "f8"),  # contact force f1 on the bob
         ("fy", "f8"),
-        ("gx", "f8"),  # drive f2 on the bar above it
+        ("ex", "f8"),  # external field on the bob
+        ("ey", "f8"),
+        ("gx", "f8"),  # drive f2 on the bar
         ("gy", "f8"),
+        ("hx", "f8"),  # f_int on the bar: springs and bath
+        ("hy", "f8"),
+        ("lx", "f8"),  # Langevin friction f_T on the bar, without its noise
+        ("ly", "f8"),
         ("tx", "f8"),  # unit vector along which a growing theta moves the bob
         ("ty", "f8"),
     ],
@@ -90,11 +110,67 @@ CLOCK = np.dtype(
 )
 
 
+BOND = np.dtype(
+    [
+        ("i", "i8"),
+        ("j", "i8"),
+        ("stiffness", "f8"),
+        ("x", "f8"),  # what r2_i - r2_j of the resting bars differs by from its rest
+        ("y", "f8"),
+    ],
+    align=True,
+)
+
+OSCILLATOR = np.dtype([("mass", "f8"), ("frequency", "f8")], align=True)
+
+
 class Contact(NamedTuple):
     """One interaction: a potential, and the pairs of surfaces between which it acts."""
 
     potential: Any
     pairs: np.ndarray  # (n, 2) indices of surfaces
+    rows: np.ndarray  # (n,) first row of each pair in the neighbour list; -1: all pairs
+
+
+class FieldOn(NamedTuple):
+    """One external field, and the surfaces on whose bobs it acts."""
+
+    potential: Any
+    surfaces: np.ndarray  # (n,) indices
+    origin: np.ndarray  # (2,) of the scene, in the field's own frame at t = 0
+    velocity: np.ndarray  # (2,) of the first surface, in the field's own frame
+    drift: np.ndarray  # (2,) velocity of the field in the laboratory
+    account: int  # of the work done by moving it; -1 where it stands
+
+
+class Custom(NamedTuple):
+    """A force of the user's own on the bars of one surface, or on their ends."""
+
+    force: Any
+    surface: int
+    origin: np.ndarray  # (2,) of the scene, in the laboratory
+    velocity: np.ndarray  # (2,) of the first surface, in the laboratory
+
+
+class Box(NamedTuple):
+    """Lengths of a periodic scene; 0 where it is not."""
+
+    x: float
+    z: float
+
+
+class Neighbours(NamedTuple):
+    """Who may be within reach of whom: row by row, in the order of the bobs.
+
+    A row belongs to a bob of a pair's first surface and lists bobs of its second, in ascending
+    order, so that sums over the list are bit for bit the sums over all pairs.
+    """
+
+    start: np.ndarray  # (rows + 1,) where each row begins
+    index: np.ndarray  # the bobs listed, with room to spare
+    place: np.ndarray  # (n, 2) of the bobs when the list was made; nan before
+    skin: float  # how much farther than the cutoff it reaches [length]
+    made: np.ndarray  # (1,) how often
 
 
 class Model(NamedTuple):
@@ -104,3 +180,11 @@ class Model(NamedTuple):
     surfaces: Any  # recarray of SURFACE
     contacts: tuple
     bobs: Any  # recarray of BOB, (n,), scratch
+    box: Any  # Box, or None
+    bonds: Any  # recarray of BOND, or None
+    bath: Any  # recarray of OSCILLATOR, or None
+    torsional: Any  # recarray of OSCILLATOR whose masses are inertias, or None
+    fields: Any  # tuple of FieldOn, or None
+    langevin: Any  # True, or None
+    drives: Any  # tuple of Custom, or None
+    ends: Any  # tuple of Custom, or None

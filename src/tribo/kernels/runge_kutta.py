@@ -10,9 +10,10 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo.kernels.compiled import kernel
-from tribo.kernels.contact import contact_energy, encounter_rate
-from tribo.kernels.motion import accelerations, forces, top_speeds
-from tribo.kernels.powers import powers
+from tribo.kernels.motion import equations_of_motion
+from tribo.kernels.powers import all_powers
+from tribo.kernels.samples import write_sample
+from tribo.kernels.stepping import EPSILON, all_finite, nearness
 from tribo.kernels.status import (
     BOBS_COINCIDE,
     COMPLETED,
@@ -21,25 +22,6 @@ from tribo.kernels.status import (
     PAUSED,
     STEP_UNDERFLOW,
 )
-
-EPSILON = 2.0**-52
-
-
-class State(NamedTuple):
-    """Where a run is: coordinates and rates y = (q, v), accounts s, and what rounding took."""
-
-    y: np.ndarray
-    y_low: np.ndarray
-    s: np.ndarray
-    s_low: np.ndarray
-
-
-class Record(NamedTuple):
-    """Where the samples go, one row a sample."""
-
-    y: np.ndarray
-    s: np.ndarray
-    contact_energy: np.ndarray
 
 
 class Tolerance(NamedTuple):
@@ -50,23 +32,15 @@ class Tolerance(NamedTuple):
 
 
 @kernel
-def rates(model, t, y, slope, power):
-    """y' = (v, q'') and s' at one instant."""
+def rates(model, neighbours, t, y, slope, power):
+    """y' = (v, q'') and s' at one instant; returns the neighbours."""
     n = y.size // 2
     q = y[:n]
     v = y[n:]
-    forces(model, t, q)
     slope[:n] = v
-    accelerations(model, t, q, slope[n:])
-    powers(model, t, q, v, power)
-
-
-@kernel
-def nearness(model, t, y, speeds):
-    """Rate at which the nearest encounter comes, and the smallest distance; bobs in place."""
-    n = y.size // 2
-    top_speeds(model, t, y[:n], y[n:], speeds)
-    return encounter_rate(model.contacts, model.surfaces, model.bobs, speeds)
+    neighbours = equations_of_motion(model, neighbours, t, q, v, slope[n:])
+    all_powers(model, t, q, v, power)
+    return neighbours
 
 
 @kernel
@@ -108,40 +82,21 @@ def largest(h, weights, slopes, scale_of, tolerance):
 
 
 @kernel
-def write_sample(model, clock, state, record):
-    """Record the state as the next sample; the bobs are in place."""
-    k = clock.sample
-    record.y[k] = state.y
-    record.s[k] = state.s
-    record.contact_energy[k] = contact_energy(model.contacts, model.surfaces, model.bobs)
-    clock.sample += 1
-
-
-@kernel
-def all_finite(x):
-    """Whether every component is a number."""
-    for m in range(x.size):
-        if not math.isfinite(x[m]):
-            return False
-    return True
-
-
-@kernel
-def begin(model, clock, state, slope, power, speeds):
+def begin(model, neighbours, clock, state, slope, power, speeds):
     """Rates at the place where a run starts or goes on, and whether it can."""
-    rates(model, clock.t, state.y, slope, power)
+    neighbours = rates(model, neighbours, clock.t, state.y, slope, power)
     clock.evaluations += 1
-    encounter, closest = nearness(model, clock.t, state.y, speeds)
+    encounter, closest = nearness(model, neighbours, clock.t, state.y, speeds)
     clock.closest = min(clock.closest, closest)
     status = COMPLETED
     if closest == 0.0:
         status = BOBS_COINCIDE
     elif not (all_finite(slope) and all_finite(power)):
         status = NOT_FINITE
-    return status, encounter
+    return status, encounter, neighbours
 
 
-def fixed_steps(model, tableau, step, clocks, state, times, record, budget):
+def fixed_steps(model, neighbours, tableau, step, clocks, state, times, record, budget):
     """March through the samples in equal steps of at most `step`; return a status.
 
     Between two samples the steps are equal, and as few as `step` allows.  The step is obeyed
@@ -153,7 +108,9 @@ def fixed_steps(model, tableau, step, clocks, state, times, record, budget):
     slopes = np.empty((stages, state.y.size))
     powers_ = np.empty((stages, state.s.size))
     speeds = np.empty((model.asperites.size, 3))
-    status, encounter = begin(model, clock, state, slopes[0], powers_[0], speeds)
+    status, encounter, neighbours = begin(
+        model, neighbours, clock, state, slopes[0], powers_[0], speeds
+    )
     if status != COMPLETED:
         return status
     unseen = 0.0  # time since the encounters were looked at
@@ -162,7 +119,7 @@ def fixed_steps(model, tableau, step, clocks, state, times, record, budget):
         goal = times[clock.sample]
         left = goal - clock.t
         if left <= 0.0:
-            write_sample(model, clock, state, record)
+            write_sample(model, neighbours, clock, state, record)
             continue
         if done == budget:
             return PAUSED
@@ -173,11 +130,13 @@ def fixed_steps(model, tableau, step, clocks, state, times, record, budget):
             return ENCOUNTER_JUMPED
         for i in range(1, stages):
             combine(state.y, h, tableau.a[i], slopes, y)
-            rates(model, clock.t + tableau.c[i] * h, y, slopes[i], powers_[i])
+            neighbours = rates(
+                model, neighbours, clock.t + tableau.c[i] * h, y, slopes[i], powers_[i]
+            )
         add(state.y, state.y_low, h, tableau.b, slopes)
         add(state.s, state.s_low, h, tableau.b, powers_)
         clock.t = goal if h == left else clock.t + h
-        rates(model, clock.t, state.y, slopes[0], powers_[0])
+        neighbours = rates(model, neighbours, clock.t, state.y, slopes[0], powers_[0])
         clock.evaluations += stages
         clock.steps += 1
         done += 1
@@ -185,13 +144,13 @@ def fixed_steps(model, tableau, step, clocks, state, times, record, budget):
             return NOT_FINITE
         unseen += h
         if (unseen + h) * encounter > 0.25:
-            encounter, closest = nearness(model, clock.t, state.y, speeds)
+            encounter, closest = nearness(model, neighbours, clock.t, state.y, speeds)
             clock.closest = min(clock.closest, closest)
             unseen = 0.0
     return COMPLETED
 
 
-def chosen_steps(model, tableau, tolerance, clocks, state, times, record, budget):
+def chosen_steps(model, neighbours, tableau, tolerance, clocks, state, times, record, budget):
     """March through the samples with steps whose local errors stay within `tolerance`.
 
     No step may carry a pair of bobs more than half way to its next encounter, by the speeds at
@@ -208,7 +167,9 @@ def chosen_steps(model, tableau, tolerance, clocks, state, times, record, budget
     next_slope = np.empty(state.y.size)
     next_power = np.empty(state.s.size)
     speeds = np.empty((model.asperites.size, 3))
-    status, encounter = begin(model, clock, state, slopes[0], powers_[0], speeds)
+    status, encounter, neighbours = begin(
+        model, neighbours, clock, state, slopes[0], powers_[0], speeds
+    )
     if status != COMPLETED:
         return status
     done = 0
@@ -218,7 +179,7 @@ def chosen_steps(model, tableau, tolerance, clocks, state, times, record, budget
         goal = times[clock.sample]
         left = (goal - clock.t) - clock.t_low
         if left <= 0.0:
-            write_sample(model, clock, state, record)
+            write_sample(model, neighbours, clock, state, record)
             continue
         if done == budget:
             return PAUSED
@@ -236,7 +197,9 @@ def chosen_steps(model, tableau, tolerance, clocks, state, times, record, budget
 
         for i in range(1, stages):
             combine(state.y, h, tableau.a[i], slopes, y)
-            rates(model, clock.t + tableau.c[i] * h, y, slopes[i], powers_[i])
+            neighbours = rates(
+                model, neighbours, clock.t + tableau.c[i] * h, y, slopes[i], powers_[i]
+            )
         clock.evaluations += stages - 1
         fifth = max(
             largest(h, tableau.e5, slopes, state.y, tolerance.y),
@@ -263,9 +226,9 @@ def chosen_steps(model, tableau, tolerance, clocks, state, times, record, budget
         add(y, y_low, h, tableau.b, slopes)
         add(s, s_low, h, tableau.b, powers_)
         t = goal if landing else clock.t + (h + clock.t_low)
-        rates(model, t, y, next_slope, next_power)
+        neighbours = rates(model, neighbours, t, y, next_slope, next_power)
         clock.evaluations += 1
-        next_encounter, closest = nearness(model, t, y, speeds)
+        next_encounter, closest = nearness(model, neighbours, t, y, speeds)
         finite = all_finite(next_slope) and all_finite(next_power)
         if not finite or h * next_encounter > 1.0:
             clock.h = 0.5 * h

@@ -1,8 +1,20 @@
 """Interaction potentials: one a file, formula and source first."""
 
 from tribo.potentials.coulomb import Coulomb
+from tribo.potentials.cutoff import ForceShifted, Shifted, Switched, Truncated
 from tribo.potentials.lennard_jones import LennardJones
 from tribo.potentials.morse import Morse
-from tribo.potentials.plugin import BUILT_IN, as_potential, named
+from tribo.potentials.registry import BUILT_IN, as_potential, with_cutoff
 
-__all__ = ["BUILT_IN", "Coulomb", "LennardJones", "Morse", "as_potential", "named"]
+__all__ = [
+    "BUILT_IN",
+    "Coulomb",
+    "ForceShifted",
+    "LennardJones",
+    "Morse",
+    "Shifted",
+    "Switched",
+    "Truncated",
+    "as_potential",
+    "with_cutoff",
+]

@@ -1,0 +1,189 @@
+"""Lists of the bobs that may be within a cutoff, kept correct however far surfaces slide.
+
+Bobs are sorted into cells in x and z.  The list reaches a skin farther than the cutoff and is
+made anew as soon as two bobs together can have crossed the skin: at every evaluation of the
+forces, so that no step of any method sees a list that lacks a pair.
+"""
+
+import math
+
+import numpy as np
+from numba import literal_unroll
+
+from tribo.kernels.compiled import kernel
+from tribo.kernels.records import Neighbours
+
+
+@kernel
+def nearest(d, length):
+    """The nearest image of a separation in a period; as it is where there is none."""
+    if length > 0.0:
+        return d - length * math.floor(d / length + 0.5)
+    return d
+
+
+@kernel
+def image(d, box, along):
+    """The nearest image along x (0) or z (1)."""
+    if box is None:
+        return d
+    return nearest(d, box.x if along == 0 else box.z)
+
+
+@kernel
+def outdated(bobs, neighbours):
+    """Whether any two bobs can have crossed the skin since the list was made."""
+    limit = 0.25 * neighbours.skin * neighbours.skin
+    for i in range(bobs.shape[0]):
+        dx = bobs[i].x - neighbours.place[i, 0]
+        dy = bobs[i].y - neighbours.place[i, 1]
+        if not dx * dx + dy * dy < limit:
+            return True
+    return False
+
+
+@kernel
+def cell_count(extent, size, most, period):
+    """Number of cells of at least `size` in an extent; one where a period has under three."""
+    count = int(min(max(extent / size, 1.0), most))
+    return 1 if period > 0.0 and count < 3 else count
+
+
+@kernel
+def cell_of(place, low, width, count, period):
+    """The cell of a place; outside of the extent, the numbers go on."""
+    if period > 0.0:
+        place = place - period * math.floor(place / period)
+        return min(int(place / width), count - 1)
+    return int(math.floor((place - low) / width))
+
+
+@kernel
+def binned(bobs, start, stop, reach, box_x, box_z):
+    """Sort bobs start <= j < stop into cells: (cells' geometry, first of each cell, order)."""
+    n = stop - start
+    low_x = math.inf
+    low_z = math.inf
+    high_x = -math.inf
+    high_z = -math.inf
+    for j in range(start, stop):
+        low_x = min(low_x, bobs[j].x)
+        high_x = max(high_x, bobs[j].x)
+        low_z = min(low_z, bobs[j].z)
+        high_z = max(high_z, bobs[j].z)
+    extent_x = box_x if box_x > 0.0 else high_x - low_x
+    extent_z = box_z if box_z > 0.0 else high_z - low_z
+    most = 2.0 * n + 16.0
+    nx = cell_count(extent_x, reach, most, box_x)
+    nz = cell_count(extent_z, reach, max(most / nx, 1.0), box_z)
+    width_x = max(extent_x / nx, reach)
+    width_z = max(extent_z / nz, reach)
+    first = np.zeros(nx * nz + 1, np.int64)
+    cell = np.empty(n, np.int64)
+    for j in range(n):
+        b = bobs[start + j]
+        cx = min(max(cell_of(b.x, low_x, width_x, nx, box_x), 0), nx - 1)
+        cz = min(max(cell_of(b.z, low_z, width_z, nz, box_z), 0), nz - 1)
+        cell[j] = cz * nx + cx
+        first[cell[j] + 1] += 1
+    for c in range(nx * nz):
+        first[c + 1] += first[c]
+    order = np.empty(n, np.int64)
+    fill = first[:-1].copy()
+    for j in range(n):
+        order[fill[cell[j]]] = start + j
+        fill[cell[j]] += 1
+    return (low_x, low_z, width_x, width_z, nx, nz), first, order
+
+
+@kernel
+def with_room(index, used, more):
+    """The index with room for `more` entries behind those used."""
+    if used + more <= index.size:
+        return index
+    larger = np.empty(2 * index.size + more, np.int64)
+    larger[:used] = index[:used]
+    return larger
+
+
+@kernel
+def sort_row(index, begin, end):
+    """Put a short row in ascending order, in place."""
+    for k in range(begin + 1, end):
+        value = index[k]
+        m = k
+        while m > begin and index[m - 1] > value:
+            index[m] = index[m - 1]
+            m -= 1
+        index[m] = value
+
+
+@kernel
+def list_pair(bobs, box, one, other, reach, start, index, row, used):
+    """Fill the rows of one pair of surfaces; returns the index and how much of it is used."""
+    box_x = 0.0
+    box_z = 0.0
+    if box is not None:
+        box_x = box.x
+        box_z = box.z
+    cells, first, order = binned(bobs, other.start, other.stop, reach, box_x, box_z)
+    low_x, low_z, width_x, width_z, nx, nz = cells
+    for i in range(one.start, one.stop):
+        a = bobs[i]
+        start[row] = used
+        cx = cell_of(a.x, low_x, width_x, nx, box_x)
+        cz = cell_of(a.z, low_z, width_z, nz, box_z)
+        for kz in range(cz - 1, cz + 2):
+            if box_z > 0.0:
+                if nz == 1 and kz != cz:
+                    continue
+                kz = kz % nz
+            elif kz < 0 or kz >= nz:
+                continue
+            for kx in range(cx - 1, cx + 2):
+                if box_x > 0.0:
+                    if nx == 1 and kx != cx:
+                        continue
+                    kx = kx % nx
+                elif kx < 0 or kx >= nx:
+                    continue
+                c = kz * nx + kx
+                index = with_room(index, used, first[c + 1] - first[c])
+                for m in range(first[c], first[c + 1]):
+                    b = bobs[order[m]]
+                    dx = nearest(a.x - b.x, box_x)
+                    dy = a.y - b.y
+                    dz = nearest(a.z - b.z, box_z)
+                    if dx * dx + dy * dy + dz * dz < reach * reach:
+                        index[used] = order[m]
+                        used += 1
+        sort_row(index, start[row], used)
+        row += 1
+    return index, used
+
+
+@kernel
+def refreshed(model, neighbours):
+    """The neighbours, made anew if the bobs in place ask for it; None stays None."""
+    if neighbours is None:
+        return None
+    bobs = model.bobs
+    if not outdated(bobs, neighbours):
+        return neighbours
+    start, index = neighbours.start, neighbours.index
+    used = 0
+    for contact in literal_unroll(model.contacts):
+        reach = contact.potential.range() + neighbours.skin
+        for k in range(contact.pairs.shape[0]):
+            if contact.rows[k] >= 0:
+                one = model.surfaces[contact.pairs[k, 0]]
+                other = model.surfaces[contact.pairs[k, 1]]
+                index, used = list_pair(
+                    bobs, model.box, one, other, reach, start, index, contact.rows[k], used
+                )
+    start[-1] = used
+    for i in range(bobs.shape[0]):
+        neighbours.place[i, 0] = bobs[i].x
+        neighbours.place[i, 1] = bobs[i].y
+    neighbours.made[0] += 1
+    return Neighbours(start, index, neighbours.place, neighbours.skin, neighbours.made)

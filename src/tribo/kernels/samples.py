@@ -1,0 +1,99 @@
+"""What is recorded of a state: the asperites' coordinates, the accounts, and stored energies."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from tribo.kernels.compiled import kernel
+from tribo.kernels.contact import contact_energy
+from tribo.kernels.motion import bar_angle, bar_displacement, field_energy, stretch
+from tribo.kernels.powers import bath_momentum
+
+SPRINGS, BATH, TORSIONAL, MOMENTUM_X, MOMENTUM_Y, STORED = range(6)
+
+
+class State(NamedTuple):
+    """Where a run is: coordinates and rates y = (q, v), accounts s, and what rounding took."""
+
+    y: np.ndarray
+    y_low: np.ndarray
+    s: np.ndarray
+    s_low: np.ndarray
+
+
+class Record(NamedTuple):
+    """Where the samples go, one row a sample."""
+
+    y: np.ndarray  # (times, 2 coordinates) without the baths
+    s: np.ndarray  # (times, accounts)
+    contact: np.ndarray  # (times,) energy of all contacts
+    field: np.ndarray  # (times,) energy in all external fields
+    stored: np.ndarray  # (times, surfaces, STORED) springs' and baths' energies and momentum
+
+
+@kernel
+def spring_energies(model, bonds, q, stored):
+    """Energy of each surface's lattice springs."""
+    if bonds is not None:
+        for m in range(bonds.shape[0]):
+            bond = bonds[m]
+            x, y = stretch(bond, model.asperites, q)
+            k = model.asperites[bond.i].surface
+            stored[k, SPRINGS] += 0.5 * bond.stiffness * (x * x + y * y)
+
+
+@kernel
+def bath_energies(model, bath, q, v, stored):
+    """Energy of each surface's bath in the surface's first frame, and its momentum there."""
+    if bath is not None:
+        for i in range(model.asperites.shape[0]):
+            a = model.asperites[i]
+            s = model.surfaces[a.surface]
+            x, y = bar_displacement(a, q, q[i])
+            for n in range(s.oscillators):
+                o = bath[s.first_oscillator + n]
+                kx = a.dof_bath + n
+                ky = kx + s.oscillators
+                square = v[kx] ** 2 + v[ky] ** 2
+                square += o.frequency**2 * ((q[kx] - x) ** 2 + (q[ky] - y) ** 2)
+                stored[a.surface, BATH] += 0.5 * o.mass * square
+        for k in range(model.surfaces.shape[0]):
+            px, py = bath_momentum(model, bath, model.surfaces[k], v)
+            stored[k, MOMENTUM_X] = px
+            stored[k, MOMENTUM_Y] = py
+
+
+@kernel
+def torsional_energies(model, torsional, t, q, v, stored):
+    """Energy of each surface's torsional oscillators."""
+    if torsional is not None:
+        for i in range(model.asperites.shape[0]):
+            a = model.asperites[i]
+            s = model.surfaces[a.surface]
+            for n in range(s.torsionals):
+                o = torsional[s.first_torsional + n]
+                k = a.dof_bath + 2 * s.oscillators + n
+                twist = q[k] - bar_angle(a, t, q)
+                stored[a.surface, TORSIONAL] += (
+                    0.5 * o.mass * (v[k] ** 2 + o.frequency**2 * twist**2)
+                )
+
+
+@kernel
+def write_sample(model, neighbours, clock, state, record):
+    """Record the state as the next sample; the bobs are in place."""
+    k = clock.sample
+    n = state.y.size // 2
+    q = state.y[:n]
+    v = state.y[n:]
+    core = record.y.shape[1] // 2
+    record.y[k, :core] = q[:core]
+    record.y[k, core:] = v[:core]
+    record.s[k] = state.s
+    record.contact[k] = contact_energy(model, neighbours)
+    record.field[k] = field_energy(model, model.fields, clock.t)
+    record.stored[k] = 0.0
+    spring_energies(model, model.bonds, q, record.stored[k])
+    bath_energies(model, model.bath, q, v, record.stored[k])
+    torsional_energies(model, model.torsional, clock.t, q, v, record.stored[k])
+    clock.sample += 1

@@ -1,0 +1,361 @@
+"""Symmetric splitting: pendulums turn exactly on their springs, everything else is kicks.
+
+One step of length h is drift(h/2) kick(h) drift(h/2), and compositions of it have higher order.
+
+    drift  every torsion spring rotates its pendulum exactly, centres of mass move uniformly
+    kick   contact, drive, field and lattice springs change the rates at fixed places
+    bath   inside the kick: the bar frozen, every oscillator turns exactly about it, and the bar
+           takes up the opposite momentum
+    noise  Langevin friction and noise on the frozen bars, by its exact solution
+
+Each part books its own work with the mean of the rates before and after it, so that pseudowork
+= delta k_trans and work = delta (k_trans + e_int) hold to round-off at any step.
+
+L. Verlet, Phys. Rev. 159 (1967) 98; G. Strang, SIAM J. Numer. Anal. 5 (1968) 506;
+B. Leimkuhler, C. Matthews, Appl. Math. Res. Express 2013 (2013) 34, for the noise.
+"""
+
+import math
+
+import numpy as np
+
+from tribo.kernels.compiled import kernel
+from tribo.kernels.motion import accelerations, bar_angle, bar_displacement, displacement, forces
+from tribo.kernels.powers import block_powers, field_powers, momentum, powers
+from tribo.kernels.samples import write_sample
+from tribo.kernels.stepping import EPSILON, all_finite, nearness
+from tribo.kernels.status import (
+    BOBS_COINCIDE,
+    COMPLETED,
+    ENCOUNTER_JUMPED,
+    NOT_FINITE,
+    PAUSED,
+    STEP_UNDERFLOW,
+)
+
+# Gauss-Legendre nodes and weights on (0, 1), for the ends of clamped bars that turn.
+_ROOT = math.sqrt(0.6)
+NODES = np.array([0.5 - 0.5 * _ROOT, 0.5, 0.5 + 0.5 * _ROOT])
+WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18.0
+
+
+@kernel
+def turned(x, rate, frequency, tau):
+    """A harmonic oscillator after tau, without the bias of cos^2 + sin^2 != 1."""
+    if frequency == 0.0:
+        return x + rate * tau, rate
+    sin = math.sin(frequency * tau)
+    half = math.sin(0.5 * frequency * tau)
+    less = 2.0 * half * half
+    return (
+        x - less * x + sin / frequency * rate,
+        rate - less * rate - sin * frequency * x,
+    )
+
+
+@kernel
+def arc_work(twist):
+    """sin x - x cos x, the integral of x sin x."""
+    return math.sin(twist) - twist * math.cos(twist)
+
+
+@kernel
+def book_ends(a, twist, rate, new, new_rate, vx, vy, s):
+    """What the ends of a clamped bar at rest do while its pendulum turns from twist to new."""
+    k = a.acc_ends
+    with_bar = arc_work(new) - arc_work(twist)
+    with_bar *= -a.l2 * a.kappa / a.bar_length * a.facing
+    impulse = a.inertia * (rate - new_rate) / a.bar_length
+    end_x = -impulse * math.sin(a.phi)
+    end_y = impulse * math.cos(a.phi)
+    s[k] += with_bar
+    s[k + 1] -= with_bar
+    s[k + 2] += end_x
+    s[k + 3] += end_y
+    s[k + 4] += end_x * vx + end_y * vy
+
+
+@kernel
+def book_turning_ends(a, twist, rate, frequency, t, tau, vx, vy, s):
+    """The same where the bar itself turns uniformly: by Gauss-Legendre quadrature."""
+    k = a.acc_ends
+    pull = a.kappa / a.bar_length
+    for m in range(NODES.size):
+        weight = WEIGHTS[m] * tau
+        now, now_rate = turned(twist, rate, frequency, NODES[m] * tau)
+        phi = a.phi + a.nu * (t + NODES[m] * tau)
+        end_x = -pull * now * math.sin(phi)
+        end_y = pull * now * math.cos(phi)
+        with_bar = -a.l2 * (now_rate + a.nu) * pull * now * a.facing * math.sin(now)
+        s[k] += weight * with_bar
+        s[k + 1] -= weight * with_bar
+        s[k + 2] += weight * end_x
+        s[k + 3] += weight * end_y
+        s[k + 4] += weight * (end_x * vx + end_y * vy)
+
+
+@kernel
+def drift_clamped(a, i, t, tau, q, v, s):
+    """Pendulum on a bar whose angle moves uniformly."""
+    twist = q[i] - (a.phi + a.nu * t)
+    rate = v[i] - a.nu
+    frequency = math.sqrt(a.kappa / a.inertia)
+    new, new_rate = turned(twist, rate, frequency, tau)
+    if a.acc_ends >= 0:
+        vx = displacement(a.dof_x, v)
+        vy = displacement(a.dof_y, v)
+        if a.nu == 0.0:
+            book_ends(a, twist, rate, new, new_rate, vx, vy, s)
+        else:
+            book_turning_ends(a, twist, rate, frequency, t, tau, vx, vy, s)
+            turning = 0.5 * a.nu * a.inertia * (rate - new_rate)
+            s[a.acc_ends] -= turning
+            s[a.acc_ends + 1] -= turning
+    q[i] += (new - twist) + a.nu * tau
+    v[i] += new_rate - rate
+
+
+@kernel
+def drift_free(a, i, tau, q, v):
+    """Pendulum and bar turn against each other about their uniform mean."""
+    j = a.dof_phi
+    twist = q[i] - q[j]
+    rate = v[i] - v[j]
+    frequency = math.sqrt(a.kappa * (1.0 / a.inertia + 1.0 / a.i2))
+    new, new_rate = turned(twist, rate, frequency, tau)
+    share = a.i2 / (a.inertia + a.i2)
+    mean = (a.inertia * v[i] + a.i2 * v[j]) / (a.inertia + a.i2)
+    q[i] += mean * tau + share * (new - twist)
+    q[j] += mean * tau - (1.0 - share) * (new - twist)
+    v[i] += share * (new_rate - rate)
+    v[j] -= (1.0 - share) * (new_rate - rate)
+
+
+@kernel
+def drift(model, t, tau, q, v, s):
+    """Everything that moves by itself moves for tau."""
+    for i in range(model.asperites.shape[0]):
+        a = model.asperites[i]
+        if a.dof_phi >= 0:
+            drift_free(a, i, tau, q, v)
+        else:
+            drift_clamped(a, i, t, tau, q, v, s)
+        if a.dof_x >= 0:
+            q[a.dof_x] += tau * v[a.dof_x]
+        if a.dof_y >= 0:
+            q[a.dof_y] += tau * v[a.dof_y]
+
+
+@kernel
+def kick(model, t, tau, q, v, s, slope, middle, power, core):
+    """The forces in place act for tau; they are booked at the mid-kick rates."""
+    accelerations(model, 0.0, t, q, slope)
+    middle[core:] = v[core:]
+    for m in range(core):
+        middle[m] = v[m] + 0.5 * tau * slope[m]
+        v[m] += tau * slope[m]
+    powers(model, 0.0, t, q, middle, power)
+    field_powers(model, model.fields, t, power)
+    block_powers(model, t, q, middle, power)
+    for m in range(s.size):
+        s[m] += tau * power[m]
+
+
+@kernel
+def push_bar(a, b, px, py, i, v, s, k):
+    """A momentum (px, py) given to bar i, frozen in place, and booked from account k on."""
+    along = b.tx * px + b.ty * py
+    omega = v[i]
+    vx = v[a.dof_x]
+    vy = v[a.dof_y]
+    v[i] -= a.l2 * along / a.inertia
+    v[a.dof_x] += px / a.mass
+    v[a.dof_y] += py / a.mass
+    s[k] += px
+    s[k + 1] += py
+    s[k + 2] -= a.l2 * along * 0.5 * (omega + v[i])
+    s[k + 3] += px * 0.5 * (vx + v[a.dof_x]) + py * 0.5 * (vy + v[a.dof_y])
+
+
+@kernel
+def turn_oscillators(q, v, start, count, about, bath, first, turns):
+    """Turn `count` oscillators about a place; returns the momentum that they gained."""
+    gained = 0.0
+    for n in range(count):
+        k = start + n
+        o = bath[first + n]
+        x = q[k] - about
+        rate = v[k]
+        less = turns[first + n, 0]
+        sin = turns[first + n, 1]
+        change = -less * rate - sin * o.frequency * x
+        q[k] += sin / o.frequency * rate - less * x
+        v[k] += change
+        gained += o.mass * change
+    return gained
+
+
+@kernel
+def turns_of(bath, tau, turns):
+    """1 - cos and sin of every oscillator's turn in tau."""
+    for n in range(bath.shape[0]):
+        half = math.sin(0.5 * bath[n].frequency * tau)
+        turns[n, 0] = 2.0 * half * half
+        turns[n, 1] = math.sin(bath[n].frequency * tau)
+
+
+@kernel
+def turn_bath(model, bath, tau, q, v, s, turns):
+    """Bars frozen, all oscillators turn exactly; the bars take up the opposite momentum."""
+    if bath is not None:
+        turns_of(bath, tau, turns)
+        for i in range(model.asperites.shape[0]):
+            a = model.asperites[i]
+            count = model.surfaces[a.surface].oscillators
+            if count > 0:
+                first = model.surfaces[a.surface].first_oscillator
+                x, y = bar_displacement(a, q, q[i])
+                px = turn_oscillators(q, v, a.dof_bath, count, x, bath, first, turns)
+                py = turn_oscillators(q, v, a.dof_bath + count, count, y, bath, first, turns)
+                push_bar(a, model.bobs[i], -px, -py, i, v, s, a.acc_internal)
+
+
+@kernel
+def turn_torsional(model, torsional, t, tau, q, v, s, turns):
+    """Bars frozen, all torsional oscillators turn exactly; the bars take up the rest."""
+    if torsional is not None:
+        turns_of(torsional, tau, turns)
+        for i in range(model.asperites.shape[0]):
+            a = model.asperites[i]
+            surface = model.surfaces[a.surface]
+            if surface.torsionals > 0:
+                start = a.dof_bath + 2 * surface.oscillators
+                first = surface.first_torsional
+                gained = turn_oscillators(
+                    q, v, start, surface.torsionals, q[a.dof_phi], torsional, first, turns
+                )
+                nu = v[a.dof_phi]
+                v[a.dof_phi] -= gained / a.i2
+                s[a.acc_internal + 2] -= gained * 0.5 * (nu + v[a.dof_phi])
+
+
+@kernel
+def thermal_kick(gamma, temperature, mobility, relative, tau, noise):
+    """Momentum that friction and noise give in tau to a velocity of mass 1 / mobility."""
+    kept = math.exp(-gamma * mobility * tau)
+    change = (kept - 1.0) * relative
+    if temperature > 0.0:
+        change += math.sqrt(temperature * mobility * (1.0 - kept * kept)) * noise.standard_normal()
+    return change / mobility
+
+
+@kernel
+def thermalise(model, langevin, tau, v, s, noise):
+    """Langevin at the frozen bars, exactly: along the bar's arc and across it."""
+    if langevin is not None:
+        for k in range(model.surfaces.shape[0]):
+            surface = model.surfaces[k]
+            if surface.gamma == 0.0:
+                continue
+            before_x, before_y = momentum(model, surface, v)
+            for i in range(surface.start, surface.stop):
+                a = model.asperites[i]
+                b = model.bobs[i]
+                x = v[a.dof_x] - a.l2 * v[i] * b.tx - surface.reservoir_x
+                y = v[a.dof_y] - a.l2 * v[i] * b.ty - surface.reservoir_y
+                arc = 1.0 / a.mass + a.l2 * a.l2 / a.inertia
+                across = 1.0 / a.mass
+                gamma = surface.gamma
+                heat = surface.temperature
+                along = thermal_kick(gamma, heat, arc, b.tx * x + b.ty * y, tau, noise)
+                side = thermal_kick(gamma, heat, across, b.tx * y - b.ty * x, tau, noise)
+                px = along * b.tx - side * b.ty
+                py = along * b.ty + side * b.tx
+                push_bar(a, b, px, py, i, v, s, a.acc_thermal)
+            after_x, after_y = momentum(model, surface, v)
+            px = after_x - before_x
+            py = after_y - before_y
+            s[surface.acc_block] += (
+                0.5 * (px * (before_x + after_x) + py * (before_y + after_y)) / surface.total_mass
+            )
+
+
+def composed_steps(model, neighbours, weights, step, clocks, state, times, record, budget, noise):
+    """March through the samples in equal steps of at most `step`; return a status.
+
+    A step is composed of splitting steps whose lengths are `weights` times its own.  PAUSED
+    after `budget` steps: call again to go on.  `noise` is a random Generator, or None.
+    """
+    clock = clocks[0]
+    n = state.y.size // 2
+    core = record.y.shape[1] // 2
+    q = state.y[:n]
+    v = state.y[n:]
+    s = state.s
+    slope = np.zeros(n)
+    middle = np.empty(n)
+    power = np.zeros(s.size)
+    speeds = np.empty((model.asperites.size, 3))
+    turns = np.empty((0, 2))
+    if model.bath is not None:
+        turns = np.empty((model.bath.size, 2))
+    twists = np.empty((0, 2))
+    if model.torsional is not None:
+        twists = np.empty((model.torsional.size, 2))
+    split = model.bath is not None or model.torsional is not None or model.langevin is not None
+    neighbours = forces(model, neighbours, clock.t, q)
+    clock.evaluations += 1
+    encounter, closest = nearness(model, neighbours, clock.t, state.y, speeds)
+    clock.closest = min(clock.closest, closest)
+    if closest == 0.0:
+        return BOBS_COINCIDE
+    unseen = 0.0
+    done = 0
+    while clock.sample < times.size:
+        goal = times[clock.sample]
+        left = goal - clock.t
+        if left <= 0.0:
+            neighbours = forces(model, neighbours, clock.t, q)
+            write_sample(model, neighbours, clock, state, record)
+            continue
+        if done == budget:
+            return PAUSED
+        h = left / math.ceil(left / step - 1e-9)
+        if h < 4.0 * EPSILON * clock.t:
+            return STEP_UNDERFLOW
+        if h * encounter > 1.0:
+            return ENCOUNTER_JUMPED
+        t = clock.t
+        for m in range(weights.size):
+            tau = weights[m] * h
+            drift(model, t, 0.5 * tau, q, v, s)
+            t += 0.5 * tau
+            neighbours = forces(model, neighbours, t, q)
+            clock.evaluations += 1
+            if split:
+                kick(model, t, 0.5 * tau, q, v, s, slope, middle, power, core)
+                if model.langevin is None:
+                    turn_bath(model, model.bath, tau, q, v, s, turns)
+                    turn_torsional(model, model.torsional, t, tau, q, v, s, twists)
+                else:
+                    turn_bath(model, model.bath, 0.5 * tau, q, v, s, turns)
+                    turn_torsional(model, model.torsional, t, 0.5 * tau, q, v, s, twists)
+                    thermalise(model, model.langevin, tau, v, s, noise)
+                    turn_torsional(model, model.torsional, t, 0.5 * tau, q, v, s, twists)
+                    turn_bath(model, model.bath, 0.5 * tau, q, v, s, turns)
+                kick(model, t, 0.5 * tau, q, v, s, slope, middle, power, core)
+            else:
+                kick(model, t, tau, q, v, s, slope, middle, power, core)
+            drift(model, t, 0.5 * tau, q, v, s)
+            t += 0.5 * tau
+        clock.t = goal if h == left else clock.t + h
+        clock.steps += 1
+        done += 1
+        unseen += h
+        if (unseen + h) * encounter > 0.25:
+            if not all_finite(state.y):
+                return NOT_FINITE
+            encounter, closest = nearness(model, neighbours, clock.t, state.y, speeds)
+            clock.closest = min(clock.closest, closest)
+            unseen = 0.0
+    return COMPLETED if all_finite(state.y) else NOT_FINITE

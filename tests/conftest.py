@@ -1,0 +1,14 @@
+"""Settings shared by all tests."""
+
+from hypothesis import HealthCheck, settings
+
+# The same examples every time, and no clock: the first of them may have a kernel to compile.
+settings.register_profile(
+    "ci",
+    deadline=None,
+    derandomize=True,
+    database=None,
+    max_examples=25,
+    suppress_health_check=[HealthCheck.too_slow],
+)
+settings.load_profile("ci")

@@ -1,0 +1,521 @@
+"""What must not matter: the place, the frame, the direction of time, the units, the view.
+
+Each test changes a scene, and says of every quantity that a run reports what becomes of it.  The
+tolerances are what the two runs say of their own errors.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from strategies import (
+    assert_within,
+    bar,
+    coulombs,
+    drives,
+    dyadic,
+    forced,
+    rigid,
+    run,
+    scenes,
+    vectors,
+)
+
+from tribo import Coulomb, Interaction, LennardJones, Morse, Pulled, simulate
+from tribo.accuracy import REPORTED
+
+POINTS = ("cm", "bob", "bar")
+
+
+def changed(scene, change, **others):
+    """The scene with every surface changed."""
+    return replace(scene, surfaces=tuple(change(s) for s in scene.surfaces), **others)
+
+
+def started(surface, **changes):
+    """The surface's initial angles and rates, some of them changed by a function."""
+    initial = surface.initial
+    given_ones = {k: f(getattr(initial, k)) for k, f in changes.items() if getattr(initial, k) is not None}
+    return replace(initial, **given_ones)
+
+
+def pulled_faster(drive, by):
+    """The drive in a frame in which its stage, if it has one, is faster."""
+    return replace(drive, speed=drive.speed + by) if isinstance(drive, Pulled) else drive
+
+
+def pulled_back(drive):
+    """The drive with its stage, if it has one, moving the other way."""
+    return replace(drive, speed=-drive.speed) if isinstance(drive, Pulled) else drive
+
+
+def tables(result):
+    """Every table of the ledger, with the surface it is of."""
+    books = result.ledger
+    for surface in result.scene.surfaces:
+        yield surface, books.surfaces[surface.name]
+        yield surface, books.blocks[surface.name]
+    yield None, books.system
+
+
+def assert_image(one, other, image=lambda surface, table: {}):
+    """`other` reports what `one` does, but for what `image` says of a table.
+
+    The image is a mapping from names to pairs: what `other` must report, and how uncertain that
+    is on the part of `one`.
+    """
+    theirs = {(s.name if s else None, name): v for s, t in tables(other) for name, v in t.items()}
+    for surface, table in tables(one):
+        images = image(surface, table)
+        for name, values in table.items():
+            want, bound = images.get(name, (values, bar(one, name)))
+            place = surface.name if surface else None
+            assert_within(bound + bar(other, name), theirs[place, name], want, f"{place}.{name}")
+
+
+def negated(result, table, *names):
+    """Images of quantities that change sign, among those that the table has."""
+    return {name: (-table[name], bar(result, name)) for name in names if name in table}
+
+
+def ends_exchanged(result, table):
+    """Images of the works on the ends of the bars where right is left."""
+    pairs = (("wL", "wR"), ("wR", "wL"))
+    return {a: (table[b], bar(result, b)) for a, b in pairs if b in table}
+
+
+def places(axis):
+    """Names of all coordinates along an axis."""
+    return [f"{axis}_{point}" for point in POINTS]
+
+
+def shifted(result, table, axis, by):
+    """Images of all coordinates along an axis, shifted by a number or by a column over time."""
+    return {name: (table[name] + by, bar(result, name)) for name in places(axis) if name in table}
+
+
+# --- translation ---------------------------------------------------------------------------------
+
+
+def translated(scene, by, along_z=0.0):
+    """The scene somewhere else."""
+
+    def move(s):
+        return replace(s, bob=(s.bob[0] + by[0], s.bob[1] + by[1]), depth=s.depth + along_z)
+
+    return changed(scene, move)
+
+
+@given(scenes(), vectors(100.0), dyadic(-10.0, 10.0))
+def test_translation(scene, by, along_z):
+    """Places move along; nothing else knows."""
+    one, other = run(scene), run(translated(scene, by, along_z))
+
+    def image(surface, table):
+        return shifted(one, table, "x", by[0]) | shifted(one, table, "y", by[1])
+
+    assert_image(one, other, image)
+
+
+# --- Galilean boost ------------------------------------------------------------------------------
+
+
+def boosted(scene, u):
+    """The scene seen by an observer who moves at -u; pulling stages are seen from there too."""
+
+    def boost(s):
+        velocity = (s.velocity[0] + u[0], s.velocity[1] + u[1])
+        return replace(s, velocity=velocity, drive=pulled_faster(s.drive, u[0]))
+
+    return changed(scene, boost)
+
+
+def momentum_gained(result, surface):
+    """M (v_cm - its first value) of each asperite: the impulse of all forces on it together."""
+    mass = surface.asperite.for_each(surface.count)["mass"]
+    table = result[surface.name]
+    return [mass * (table[name] - table[name][0]) for name in ("vx_cm", "vy_cm")]
+
+
+def momentum_bars(result, surface):
+    """How uncertain `momentum_gained` is."""
+    mass = np.max(surface.asperite.for_each(surface.count)["mass"])
+    return [2.0 * mass * bar(result, name) for name in ("vx_cm", "vy_cm")]
+
+
+def shift_by_impulse(result, surface, u):
+    """u . J of all forces on each asperite, and its uncertainty."""
+    parts = zip(u, momentum_gained(result, surface), strict=True)
+    bounds = zip(u, momentum_bars(result, surface), strict=True)
+    return sum(a * j for a, j in parts), sum(abs(a) * b for a, b in bounds)
+
+
+@given(scenes(), vectors(2.0))
+def test_boost(scene, u):
+    """w -> w + u . J and w_ps -> w_ps + u . J, J being the impulse of all forces, M delta v."""
+    one, other = run(scene), run(boosted(scene, u))
+    shifts = {s.name: shift_by_impulse(one, s, u) for s in scene.surfaces}
+    of_blocks = {k: (np.sum(j, axis=1), j.shape[1] * b) for k, (j, b) in shifts.items()}
+    of_all = sum(j for j, _ in of_blocks.values()), sum(b for _, b in of_blocks.values())
+
+    def moved(table, shift, *names):
+        by, bound = shift
+        return {n: (table[n] + by, bar(one, n) + bound) for n in names}
+
+    def image(surface, table):
+        if surface is None:
+            return moved(table, of_all, "total_energy_change", "applied_work")
+        if "W" in table:
+            return moved(table, of_blocks[surface.name], "W", "W_ps", "delta_K")
+        images = moved(table, shifts[surface.name], "w", "w_ps", "delta_k_trans")
+        for axis, speed in zip("xy", u, strict=True):
+            images |= shifted(one, table, axis, speed * one.t[:, None])
+            name = f"v{axis}_cm"
+            images[name] = (table[name] + speed, bar(one, name))
+        for name in FORCES:  # see test_boost_of_each_force
+            images |= {name: (table[name], np.inf), f"{name}_ps": (table[name], np.inf)}
+        return images | {name: (table[name], np.inf) for name in ("wL", "wR")}
+
+    assert_image(one, other, image)
+
+
+FORCES = ("w1", "w2", "w_int")  # those whose pseudowork is reported as well
+
+
+@given(scenes(), vectors(2.0))
+def test_boost_of_each_force(scene, u):
+    """Each force has an impulse J of its own, by which its work and pseudowork depend on the frame.
+
+    J is measured by two observers and predicts what a third one sees.  The impulses of contact
+    forces, and of the forces on the ends of a bar, cancel.
+    """
+    runs = [run(boosted(scene, v)) for v in ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0), u)]
+    size = 2.0 * (1.0 + abs(u[0]) + abs(u[1]))  # of the coefficients of works in what follows
+
+    def bound(*names):
+        return size * sum(bar(result, *names) for result in runs)
+
+    def impulse(surface, name):
+        rest, x, y, _ = (result[surface.name][name] for result in runs)
+        return x - rest, y - rest
+
+    contact = np.zeros((2, runs[0].t.size))
+    count = 0
+    for surface in scene.surfaces:
+        table, seen = runs[0][surface.name], runs[3][surface.name]
+        for name in (*FORCES, "wL", "wR"):
+            jx, jy = impulse(surface, name)
+            for entry in (name, f"{name}_ps") if name in FORCES else (name,):
+                law = f"{entry} + u . J"
+                assert_within(bound(entry, name), seen[entry], table[entry] + u[0] * jx + u[1] * jy, law)
+        left, right = impulse(surface, "wL"), impulse(surface, "wR")
+        for one, other in zip(left, right, strict=True):
+            assert_within(bound("wL", "wR"), one, -other, "impulses of the ends")
+        contact += [np.sum(j, axis=1) for j in impulse(surface, "w1")]
+        count += surface.count
+    assert_within(count * bound("w1"), contact, 0.0, "impulses of contact forces")
+
+
+# --- far and fast --------------------------------------------------------------------------------
+
+
+def frame_free(result):
+    """Everything that every observer agrees on, however far away and however fast."""
+    agreed = ("phi", "omega", "nu", "delta_e_int", "delta_E_int", "contact_energy")
+    for surface, table in tables(result):
+        place = surface.name if surface else "system"
+        for name in agreed:
+            if name in table:
+                yield f"{place}.{name}", table[name]
+        for work in ("w", "W", *FORCES):
+            if work in table:
+                yield f"{place}.{work} - {work}_ps", table[work] - table[f"{work}_ps"]
+        if "theta" in table:
+            yield f"{place}.swing", table["theta"] - surface.rest
+
+
+def last_digit(result):
+    """What writing down the works of a run costs, where the largest is a sum of the others."""
+    works = [np.max(np.abs(t[n])) for _, t in tables(result) for n in t if REPORTED[n] == "energy"]
+    return 8.0 * np.finfo(float).eps * max(works)
+
+
+@pytest.mark.parametrize("numerics", [{"accuracy": 1e-12}, {"method": "midpoint", "step": 0.02}])
+@given(scene=scenes(potential=coulombs()), u=st.sampled_from([(1e6, -1e6), (-1e6, 1e6)]))
+def test_far_and_fast(numerics, scene, u):
+    """A place 1e9 away, seen at 1e6: every digit of what observers agree on is still there.
+
+    Only the digits that works of that size cannot hold are missing from their differences.
+    """
+    one = simulate(scene, **numerics)
+    other = simulate(boosted(translated(scene, (1e9, -1e9), 1e9), u), **numerics)
+    lost = last_digit(other)
+    for (name, values), (_, seen) in zip(frame_free(one), frame_free(other), strict=True):
+        bound = 1e-11 * np.max(np.abs(values)) + (lost if "_ps" in name else 0.0)
+        assert_within(bound, values, seen, name)
+
+
+# --- time reversal -------------------------------------------------------------------------------
+
+
+def centres(surface):
+    """x, y, z of the centres of mass at the start."""
+    lift = surface.facing_sign * surface.asperite.for_each(surface.count)["l1"]
+    return surface.resting_bobs() + np.column_stack([0.0 * lift, lift, 0.0 * lift])
+
+
+def placed(surface, r_cm, **others):
+    """The surface with its centres of mass at other places, and other things changed as well."""
+    lift = surface.facing_sign * surface.asperite.for_each(surface.count)["l1"]
+    bobs = np.column_stack([r_cm[:, 0], r_cm[:, 1] - lift, r_cm[:, 2]])
+    no_grid = {"bob": (0.0, 0.0), "shape": (1, 1), "spacing": (0.0, 0.0), "depth": 0.0}
+    return replace(surface, positions=bobs, heights=None, **no_grid, **others)
+
+
+def turned_back(result):
+    """A scene that starts at the end of a run, all velocities reversed.
+
+    A surface starts with one velocity, so this is for surfaces whose asperites keep together.
+    """
+
+    def turn(s):
+        end = {name: values[-1] for name, values in result[s.name].items()}
+        r_cm = np.column_stack([end["x_cm"], end["y_cm"], centres(s)[:, 2]])
+        start = {"theta": end["theta"], "phi": end["phi"], "omega": -end["omega"], "nu": -end["nu"]}
+        velocity = (-end["vx_cm"][0], -end["vy_cm"][0])
+        return placed(s, r_cm, velocity=velocity, initial=replace(s.initial, **start))
+
+    return changed(result.scene, turn)
+
+
+def one_by_one():
+    """Drives under which the asperites of a surface go their own ways; none pulled by a stage."""
+    return drives().filter(lambda drive: not isinstance(drive, Pulled))
+
+
+@given(scenes(drive=forced() | rigid()) | scenes(drive=one_by_one(), counts=[1]))
+def test_time_reversal(scene):
+    """Turned back at its end, a scene returns to its start and gives back all works.
+
+    The way out is made a hundred times finer, for its errors grow on the way back.
+    """
+    one = run(scene, accuracy=1e-11)
+    other = run(turned_back(one))
+
+    def image(surface, table):
+        images = {}
+        for name, values in table.items():
+            back, bound = values[::-1], bar(one, name)
+            if name in ("omega", "nu", "vx_cm", "vy_cm"):
+                back = -back
+            elif REPORTED[name] == "energy" and name != "contact_energy":
+                back, bound = back - values[-1], 2.0 * bound
+            images[name] = (back, bound)
+        return images
+
+    assert_image(one, other, image)
+
+
+# --- units ---------------------------------------------------------------------------------------
+
+
+def kinds(length, mass, time):
+    """What each kind of quantity is multiplied by in other units."""
+    return {
+        "angle": 1.0,
+        "rate": 1.0 / time,
+        "length": length,
+        "velocity": length / time,
+        "energy": mass * length**2 / time**2,
+    }
+
+
+def potential_in_units(potential, length, energy):
+    """The same potential in other units."""
+    if isinstance(potential, Coulomb):
+        return Coulomb(potential.strength * energy * length)
+    if isinstance(potential, Morse):
+        return Morse(potential.D * energy, potential.alpha / length, potential.r0 * length)
+    return LennardJones(potential.epsilon * energy, potential.sigma * length)
+
+
+def drive_in_units(drive, length, mass, time):
+    """The same drive in other units."""
+    if drive.load is not None:
+        drive = replace(drive, load=drive.load * (mass * length / time**2))
+    if isinstance(drive, Pulled):
+        stiffness, speed = drive.stiffness * (mass / time**2), drive.speed * (length / time)
+        drive = replace(drive, stiffness=stiffness, speed=speed)
+    return drive
+
+
+def in_units(scene, length, mass, time):
+    """The same scene in other units: every length is multiplied by `length`, and so on."""
+    energy = mass * length**2 / time**2
+
+    def convert(s):
+        def times(value, factor):
+            return None if value is None else np.multiply(value, factor)
+
+        a = s.asperite
+        asperite = replace(
+            a,
+            m1=times(a.m1, mass),
+            m2=times(a.m2, mass),
+            kappa=times(a.kappa, energy),
+            length=times(a.length, length),
+            bar_length=times(a.bar_length, length),
+            i2=times(a.i2, mass * length**2),
+        )
+        return replace(
+            s,
+            bob=times(s.bob, length),
+            velocity=times(s.velocity, length / time),
+            spacing=times(s.spacing, length),
+            depth=s.depth * length,
+            heights=times(s.heights, length),
+            drive=drive_in_units(s.drive, length, mass, time),
+            asperite=asperite,
+            initial=started(s, omega=lambda w: times(w, 1 / time), nu=lambda w: times(w, 1 / time)),
+        )
+
+    potential = potential_in_units(scene.interactions[0].potential, length, energy)
+    interactions = (Interaction(potential),)
+    return changed(scene, convert, interactions=interactions, duration=scene.duration * time)
+
+
+@given(scenes(), *[st.sampled_from([1e-10, 0.3, 7.0, 1e6])] * 3)
+def test_units(scene, length, mass, time):
+    """In other units every quantity is multiplied by its own factor; errors are as small."""
+    one, other = run(scene), run(in_units(scene, length, mass, time))
+    factors = kinds(length, mass, time)
+
+    def image(surface, table):
+        scaled = {name: factors[REPORTED[name]] for name in table}
+        return {name: (table[name] * f, bar(one, name) * f) for name, f in scaled.items()}
+
+    assert_image(one, other, image)
+
+
+POWERS_OF_TWO = st.integers(-40, 40).map(lambda n: 2.0**n)
+
+
+@given(scenes(potential=coulombs()), POWERS_OF_TWO, POWERS_OF_TWO, POWERS_OF_TWO)
+def test_units_of_powers_of_two(scene, length, mass, time):
+    """Such units change no digit of a run with a given step."""
+    one = simulate(scene, method="midpoint", step=0.03)
+    other = simulate(in_units(scene, length, mass, time), method="midpoint", step=0.03 * time)
+    factors = kinds(length, mass, time)
+    for (_, before), (_, after) in zip(tables(one), tables(other), strict=True):
+        for name, values in before.items():
+            assert np.array_equal(values * factors[REPORTED[name]], after[name]), name
+
+
+# --- views ---------------------------------------------------------------------------------------
+
+
+def reflected(scene):
+    """The scene in a mirror: x -> -x."""
+
+    def reflect(s):
+        mirror = started(
+            s,
+            theta=lambda theta: 2.0 * s.rest - np.asarray(theta),
+            **dict.fromkeys(("phi", "omega", "nu"), np.negative),
+        )
+        return replace(
+            s,
+            bob=(-s.bob[0], s.bob[1]),
+            velocity=(-s.velocity[0], s.velocity[1]),
+            spacing=(-s.spacing[0], s.spacing[1]),
+            drive=pulled_back(s.drive),
+            initial=mirror,
+        )
+
+    return changed(scene, reflect)
+
+
+@given(scenes())
+def test_reflection(scene):
+    """In a mirror the ledger is the same, but for the left and the right end of every bar."""
+    one, other = run(scene), run(reflected(scene))
+
+    def image(surface, table):
+        images = negated(one, table, "phi", "omega", "nu", "vx_cm", *places("x"))
+        if "theta" in table:
+            images["theta"] = (2.0 * surface.rest - table["theta"], bar(one, "theta"))
+        return images | ends_exchanged(one, table)
+
+    assert_image(one, other, image)
+
+
+def upside_down(scene):
+    """The scene turned by pi, with its surfaces in the other order.
+
+    Bars are turned by pi too, that is, their ends change names.
+    """
+
+    def turn(s):
+        return replace(
+            s,
+            facing="up" if s.facing == "down" else "down",
+            bob=(-s.bob[0], -s.bob[1]),
+            velocity=(-s.velocity[0], -s.velocity[1]),
+            spacing=(-s.spacing[0], s.spacing[1]),
+            heights=-s.heights,
+            drive=pulled_back(s.drive),
+            initial=started(s, theta=lambda theta: np.asarray(theta) + np.pi - 2.0 * s.rest),
+        )
+
+    surfaces = tuple(turn(s) for s in reversed(scene.surfaces))
+    return replace(scene, surfaces=surfaces)
+
+
+@given(scenes())
+def test_exchange_of_surfaces(scene):
+    """Turned upside down, the upper surface is the lower one, and the ledger is the same."""
+    one, other = run(scene), run(upside_down(scene))
+
+    def image(surface, table):
+        images = negated(one, table, "vx_cm", "vy_cm", *places("x"), *places("y"))
+        if "theta" in table:
+            images["theta"] = (table["theta"] + np.pi - 2.0 * surface.rest, bar(one, "theta"))
+        return images | ends_exchanged(one, table)
+
+    assert_image(one, other, image)
+
+
+def rotated(scene, angle):
+    """The scene turned by an angle; rest angles, theta - phi, stay."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    matrix = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+
+    def turn(s):
+        start = started(s, theta=lambda a: np.add(a, angle), phi=lambda a: np.add(a, angle))
+        velocity = matrix[:2, :2] @ s.velocity
+        return placed(s, centres(s) @ matrix.T, velocity=velocity, initial=start)
+
+    return changed(scene, turn)
+
+
+@given(scenes(drive=forced()), dyadic(-4.0, 4.0))
+def test_rotation(scene, angle):
+    """Under a forced drive no direction is special."""
+    one, other = run(scene), run(rotated(scene, angle))
+    cos, sin = np.cos(angle), np.sin(angle)
+
+    def image(surface, table):
+        images = {}
+        for name in ("theta", "phi"):
+            if name in table:
+                images[name] = (table[name] + angle, bar(one, name))
+        for x, y in [(f"x_{p}", f"y_{p}") for p in POINTS] + [("vx_cm", "vy_cm")]:
+            if x in table:
+                bound = bar(one, x, y)
+                images[x] = (cos * table[x] - sin * table[y], bound)
+                images[y] = (sin * table[x] + cos * table[y], bound)
+        return images
+
+    assert_image(one, other, image)
