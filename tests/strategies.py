@@ -27,6 +27,9 @@ from tribo import (
     Surface,
     simulate,
 )
+from tribo.fields import Corrugation, Field
+from tribo.langevin import Langevin
+from tribo.springs import Springs
 
 DURATION = 5.0
 SAMPLES = 33
@@ -127,6 +130,41 @@ def initials(count: int, facing: str, turning: bool = True) -> st.SearchStrategy
     )
 
 
+def lattices() -> st.SearchStrategy[dict]:
+    """What lies within a surface: springs between its bars, and a bath on every bar."""
+    oscillator = {"mass": dyadic(0.125, 0.5), "frequency": dyadic(0.5, 3.0)}
+    oscillators = st.lists(st.fixed_dictionaries(oscillator), min_size=1, max_size=2)
+    return st.fixed_dictionaries(
+        {
+            "springs": st.builds(Springs, stiffness=dyadic(0.25, 2.0)),
+            "bath": st.fixed_dictionaries({"oscillators": oscillators}),
+        }
+    )
+
+
+def reservoirs() -> st.SearchStrategy[dict]:
+    """Friction on the bars, in the frame of the surface or in one of its own."""
+    velocity = st.none() | vectors(0.5)
+    return st.fixed_dictionaries(
+        {"langevin": st.builds(Langevin, gamma=dyadic(0.0625, 0.25), velocity=velocity)}
+    )
+
+
+def fields(names: tuple[str, ...]) -> st.SearchStrategy[list[Field]]:
+    """A corrugation, at rest or moving, under some of the surfaces."""
+    return st.lists(
+        st.builds(
+            Field,
+            st.builds(Corrugation, amplitude=dyadic(0.03, 0.25), period=dyadic(1.0, 3.0)),
+            on=st.lists(st.sampled_from(names), min_size=1, unique=True),
+            origin=vectors(1.0),
+            velocity=st.just((0.0, 0.0)) | vectors(0.5),
+        ),
+        min_size=1,
+        max_size=1,
+    )
+
+
 # Of the first resting bob: x, y and depth, and the velocity along x.
 PLACES = {
     "upper": (dyadic(-3.0, -1.5), dyadic(0.6, 1.0), dyadic(0.0, 0.25), dyadic(0.5, 1.25)),
@@ -137,7 +175,9 @@ FACINGS = {"upper": ("down",), "lower": ("up",), "third": ("down", "up")}
 
 
 @st.composite
-def surfaces(draw, name, drive, bars=("clamped", "free"), counts=(1, 2, 3), turning=True):
+def surfaces(
+    draw, name, drive, bars=("clamped", "free"), counts=(1, 2, 3), turning=True, inside=None
+):
     """A row along x or along z of asperites with different heights."""
     x, y, depth, speed = PLACES[name]
     facing = draw(st.sampled_from(FACINGS[name]))
@@ -155,11 +195,12 @@ def surfaces(draw, name, drive, bars=("clamped", "free"), counts=(1, 2, 3), turn
         bars=draw(st.sampled_from(bars)),
         asperite=draw(asperites(count)),
         initial=draw(initials(count, facing, turning)),
+        **({} if inside is None else draw(inside)),
     )
 
 
 @st.composite
-def scenes(draw, potential=None, drive=None, **of_surfaces):
+def scenes(draw, potential=None, drive=None, field=None, **of_surfaces):
     """Two or three surfaces that pass each other; the keywords restrict what they can be."""
     drive = drives() if drive is None else drive
     names = draw(st.sampled_from([("upper", "lower"), ("upper", "lower", "third")]))
@@ -167,5 +208,23 @@ def scenes(draw, potential=None, drive=None, **of_surfaces):
         tuple(draw(surfaces(name, drive, **of_surfaces)) for name in names),
         (Interaction(draw(potentials() if potential is None else potential)),),
         DURATION,
+        fields=() if field is None else draw(field(names)),
         output=Output(samples=SAMPLES),
     )
+
+
+def lattice_scenes(**restricted):
+    """Scenes whose surfaces are lattices with baths."""
+    few = {"potential": coulombs(), "counts": (2, 3), "inside": lattices()}
+    return scenes(**few | restricted)
+
+
+def open_scenes(**restricted):
+    """Scenes with external fields and reservoirs."""
+    few = {"potential": coulombs(), "inside": reservoirs(), "field": fields}
+    return scenes(**few | restricted)
+
+
+def all_scenes():
+    """Scenes of every kind, mostly without extras."""
+    return st.one_of(scenes(), scenes(), lattice_scenes(), open_scenes())

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
 from strategies import (
     assert_within,
     bar,
@@ -22,7 +23,6 @@ from strategies import (
     scenes,
     vectors,
 )
-
 from tribo import Coulomb, Interaction, LennardJones, Morse, Pulled, simulate
 from tribo.accuracy import REPORTED
 
@@ -37,7 +37,9 @@ def changed(scene, change, **others):
 def started(surface, **changes):
     """The surface's initial angles and rates, some of them changed by a function."""
     initial = surface.initial
-    given_ones = {k: f(getattr(initial, k)) for k, f in changes.items() if getattr(initial, k) is not None}
+    given_ones = {
+        k: f(getattr(initial, k)) for k, f in changes.items() if getattr(initial, k) is not None
+    }
     return replace(initial, **given_ones)
 
 
@@ -209,7 +211,9 @@ def test_boost_of_each_force(scene, u):
             jx, jy = impulse(surface, name)
             for entry in (name, f"{name}_ps") if name in FORCES else (name,):
                 law = f"{entry} + u . J"
-                assert_within(bound(entry, name), seen[entry], table[entry] + u[0] * jx + u[1] * jy, law)
+                assert_within(
+                    bound(entry, name), seen[entry], table[entry] + u[0] * jx + u[1] * jy, law
+                )
         left, right = impulse(surface, "wL"), impulse(surface, "wR")
         for one, other in zip(left, right, strict=True):
             assert_within(bound("wL", "wR"), one, -other, "impulses of the ends")

@@ -1,30 +1,164 @@
-"""stand-in"""
+"""Baths: oscillators that hang on every bar of a surface, and take its energy and give it back.
+
+A point oscillator is a mass m in the plane, tied to the bar's centre by a spring of stiffness m w^2
+and zero rest length.  A torsional one is a moment of inertia tied to the bar's angle phi.
+"""
+
 from __future__ import annotations
-from dataclasses import dataclass
+
+from dataclasses import dataclass, field
 from typing import Any
+
 import numpy as np
-from tribo.checks import NOT_NEGATIVE, POSITIVE, inside, known_keys, number
+
+from tribo.checks import NOT_NEGATIVE, POSITIVE, choice, inside, known_keys, number, vector
+from tribo.errors import InputError
+from tribo.spectra import KINDS, Spectrum
+
+SPECTRAL = ("gamma", "cutoff", "n")  # what a spectrum needs besides its name
+
+
+def _none() -> np.ndarray:
+    return np.empty(0)
+
 
 @dataclass(frozen=True, eq=False)
 class Bath:
-    masses: np.ndarray
-    frequencies: np.ndarray
-    inertias: np.ndarray
-    torsional_frequencies: np.ndarray
-    temperature: float = 0.0
-    spectrum: Any = None
-    def __bool__(self): return self.masses.size + self.inertias.size > 0
+    """What hangs on every bar of a surface: n point oscillators, k torsional ones.
 
-def as_bath(value):
-    if isinstance(value, Bath): return value
-    value = value or {}
-    o = value.get("oscillators", []); t = value.get("torsional", [])
-    return Bath(np.array([i["mass"] for i in o], float), np.array([i["frequency"] for i in o], float), np.array([i["inertia"] for i in t], float), np.array([i["frequency"] for i in t], float), value.get("temperature", 0.0))
+    With a `spectrum`, masses and frequencies are those of its oscillators and need not be given.
+    """
 
-def as_table(bath): return {"oscillators": [{"mass": float(m), "frequency": float(f)} for m, f in zip(bath.masses, bath.frequencies)]}
+    masses: np.ndarray = field(default_factory=_none)  # (n,)
+    frequencies: np.ndarray = field(default_factory=_none)  # (n,) angular [rad / time]
+    inertias: np.ndarray = field(default_factory=_none)  # (k,) moments of inertia
+    torsional_frequencies: np.ndarray = field(default_factory=_none)  # (k,) [rad / time]
+    temperature: float = 0.0  # that they start from [energy], k_B = 1
+    spectrum: Spectrum | None = None  # that the point oscillators stand for
 
-def thermal_start(bath, rng, count):
-    z = np.zeros((count, bath.masses.size)); return z, z.copy(), z.copy(), z.copy()
+    def __post_init__(self) -> None:
+        put = object.__setattr__
+        for sizes, rates in (("masses", "frequencies"), ("inertias", "torsional_frequencies")):
+            put(self, sizes, vector(sizes, getattr(self, sizes), POSITIVE))
+            count = getattr(self, sizes).size
+            put(self, rates, vector(rates, getattr(self, rates), POSITIVE, size=count))
+        put(self, "temperature", number("temperature", self.temperature, NOT_NEGATIVE))
+        if self.spectrum is not None:
+            self._take_from_spectrum()
 
-def thermal_torsional_start(bath, rng, count):
-    z = np.zeros((count, bath.inertias.size)); return z, z.copy()
+    def _take_from_spectrum(self) -> None:
+        if not isinstance(self.spectrum, Spectrum):
+            raise InputError("spectrum", f"must be a tribo.Spectrum, got {self.spectrum!r}")
+        own = self.spectrum.oscillators()
+        given = (self.masses, self.frequencies)
+        if self.masses.size and not all(map(np.array_equal, given, own)):
+            raise InputError("masses", "cannot go with spectrum; give one or the other")
+        for name, values in zip(("masses", "frequencies"), own, strict=True):
+            values.flags.writeable = False
+            object.__setattr__(self, name, values)
+
+    def __bool__(self) -> bool:
+        return self.masses.size + self.inertias.size > 0
+
+    @property
+    def stiffnesses(self) -> np.ndarray:
+        """(n,) of the springs to the bar's centre [force / length]."""
+        return self.masses * self.frequencies**2
+
+    @property
+    def torsional_stiffnesses(self) -> np.ndarray:
+        """(k,) of the torsion springs to the bar [torque / rad]."""
+        return self.inertias * self.torsional_frequencies**2
+
+
+def as_bath(value: Any) -> Bath:
+    """A bath from a table of a scene file, None (no bath), or itself."""
+    if value is None:
+        return Bath()
+    if isinstance(value, Bath):
+        return value
+    table = known_keys(value, ["oscillators", "torsional", "temperature", "spectrum", *SPECTRAL])
+    settings: dict[str, Any] = {"temperature": table.get("temperature", 0.0)}
+    if "spectrum" in table:
+        settings["spectrum"] = _spectrum(table)
+    else:
+        for key in SPECTRAL:
+            if key in table:
+                raise InputError("spectrum", f"is missing; {key} is nothing without it")
+        settings["masses"], settings["frequencies"] = _listed(table, "oscillators", "mass")
+    settings["inertias"], settings["torsional_frequencies"] = _listed(table, "torsional", "inertia")
+    return Bath(**settings)
+
+
+def _spectrum(table: dict[str, Any]) -> Spectrum:
+    kind = choice("spectrum", table["spectrum"], KINDS)
+    if "oscillators" in table:
+        raise InputError("oscillators", "cannot go with spectrum; give one or the other")
+    known_keys(table, table, SPECTRAL)
+    return Spectrum(kind, *(table[key] for key in SPECTRAL))
+
+
+def _listed(table: dict[str, Any], key: str, size: str) -> tuple[list[float], list[float]]:
+    """Sizes (masses or moments of inertia) and frequencies of a list of oscillators."""
+    items = table.get(key, [])
+    if not isinstance(items, (list, tuple)):
+        raise InputError(key, f"must be a list of {{{size}, frequency}}, got {items!r}")
+    columns: tuple[list[float], list[float]] = ([], [])
+    for i, item in enumerate(items):
+        with inside(f"{key}[{i}]"):
+            known_keys(item, [size, "frequency"], [size, "frequency"])
+            for column, name in zip(columns, (size, "frequency"), strict=True):
+                column.append(number(name, item[name], POSITIVE))
+    return columns
+
+
+def as_table(bath: Bath) -> dict[str, Any]:
+    """The bath's table in a scene file."""
+    table: dict[str, Any] = {}
+    if bath.spectrum is None:
+        pairs = zip(bath.masses.tolist(), bath.frequencies.tolist(), strict=True)
+        table["oscillators"] = [{"mass": m, "frequency": w} for m, w in pairs]
+    else:
+        table["spectrum"] = bath.spectrum.kind
+        table |= {key: getattr(bath.spectrum, key) for key in SPECTRAL}
+    if bath.inertias.size:
+        pairs = zip(bath.inertias.tolist(), bath.torsional_frequencies.tolist(), strict=True)
+        table["torsional"] = [{"inertia": i, "frequency": w} for i, w in pairs]
+    if bath.temperature:
+        table["temperature"] = bath.temperature
+    return table
+
+
+def thermal_start(
+    bath: Bath, rng: np.random.Generator, count: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Displacements x, y and velocities x, y of the oscillators of `count` bars, each (count, n).
+
+    Drawn from the bath's temperature T, about the bar's centre and relative to the surface's
+    velocity: variances T / (m w^2) and T / m in each direction, all independent.
+    """
+    spread, speed = _thermal_spreads(bath.temperature, bath.masses, bath.frequencies)
+    shape = (count, bath.masses.size)
+    dx, dy = spread * rng.standard_normal(shape), spread * rng.standard_normal(shape)
+    vx, vy = speed * rng.standard_normal(shape), speed * rng.standard_normal(shape)
+    return dx, dy, vx, vy
+
+
+def thermal_torsional_start(
+    bath: Bath, rng: np.random.Generator, count: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Angles relative to phi [rad] and rates of the torsional oscillators, each (count, k).
+
+    Variances T / (I w^2) and T / I.
+    """
+    spread, speed = _thermal_spreads(bath.temperature, bath.inertias, bath.torsional_frequencies)
+    shape = (count, bath.inertias.size)
+    return spread * rng.standard_normal(shape), speed * rng.standard_normal(shape)
+
+
+def _thermal_spreads(
+    temperature: float, sizes: np.ndarray, frequencies: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Standard deviations of displacement and velocity at a temperature."""
+    speed = np.sqrt(temperature / sizes)
+    return speed / frequencies, speed

@@ -63,7 +63,16 @@ class Layout:
         """An empty neighbour list, to be made when the forces are first wanted."""
         if self.rows == 0:
             return None
+        contacts = self.model.contacts
+        listed = [
+            (one, other, row, contact.potential.range() + self.skin)
+            for contact in contacts
+            for (one, other), row in zip(contact.pairs.tolist(), contact.rows.tolist(), strict=True)
+            if row >= 0
+        ]
         return Neighbours(
+            pairs=np.array([pair[:3] for pair in listed], dtype=np.int64),
+            reach=np.array([pair[3] for pair in listed]),
             start=np.zeros(self.rows + 1, np.int64),
             index=np.zeros(16 * self.rows, np.int64),
             place=np.full((self.scene.count, 2), np.nan),
@@ -96,14 +105,17 @@ def laid_out(scene: Scene) -> Layout:
     fields, accounts = _fields(scene, accounts)
     contacts, rows, skin = _contacts(scene)
     bobs = np.zeros(scene.count, records.BOB)
-    bobs["z"] = asperites["z"]
-    bobs["charge"] = asperites["charge"]
+    for k, surface in enumerate(scene.surfaces):
+        part = parts[surface.name]
+        bobs["z"][part] = _resting_bobs(scene, k)[:, 2]
+        bobs["charge"][part] = surface.asperite.for_each(surface.count)["charge"]
     start = _start(asperites, scene, parts, core, coordinates)
     model = Model(
         asperites=asperites.view(np.recarray),
         surfaces=surfaces.view(np.recarray),
         contacts=contacts,
         bobs=bobs.view(np.recarray),
+        bars=np.zeros(scene.count, records.BAR).view(np.recarray),
         box=Box(scene.periodic.x or 0.0, scene.periodic.z or 0.0) if scene.periodic else None,
         bonds=_bonds(scene, parts, asperites),
         bath=oscillators,
@@ -132,16 +144,21 @@ def _origin(scene: Scene) -> np.ndarray:
     return np.array(scene.surfaces[0].first_bob[:2])
 
 
+def _resting_bobs(scene: Scene, index: int) -> np.ndarray:
+    """(n, 3) resting bobs of a surface, relative to the first surface's first."""
+    origin = scene.surfaces[0].first_bob
+    return scene.surfaces[index].resting_bobs(origin, seed=[scene.seed, index, 0])
+
+
 def _fill_asperites(asperites: np.ndarray, scene: Scene, index: int) -> None:
     surface, first = scene.surfaces[index], scene.surfaces[0]
     each = surface.asperite.for_each(surface.count)
-    for name in ("mass", "inertia", "kappa", "l1", "l2", "i2", "bar_length", "charge"):
+    for name in ("mass", "inertia", "kappa", "l1", "l2", "i2", "bar_length"):
         asperites[name] = each[name]
-    bobs = surface.resting_bobs(first.first_bob, seed=[scene.seed, index, 0])
+    bobs = _resting_bobs(scene, index)
     asperites["facing"] = surface.facing_sign
     asperites["x"] = bobs[:, 0]
     asperites["y"] = bobs[:, 1] + surface.facing_sign * each["l1"]
-    asperites["z"] = bobs[:, 2]
     asperites["vx"] = surface.velocity[0] - first.velocity[0]
     asperites["vy"] = surface.velocity[1] - first.velocity[1]
 

@@ -87,7 +87,6 @@ def _at_rest(layout: Layout, start: np.ndarray, first_step: float) -> tuple[Any,
     """A clock at zero, and the state at the start."""
     clocks = np.zeros(1, CLOCK).view(np.recarray)
     clocks.h = first_step
-    clocks.closest = np.inf
     s = np.zeros(layout.accounts)
     return clocks, State(start.copy(), np.zeros(start.size), s, s.copy())
 

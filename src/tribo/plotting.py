@@ -41,7 +41,16 @@ SIDES = ("left", "right", "bottom", "top")
 INK = "#1a1a1a"
 STEEL = {"down": "#c9d9ee", "up": "#d9dde3"}  # of bars and bobs, by where the surface faces
 ROD, MASS_CENTRE = "#fbf3d0", "#d7301f"
-COLOURS = {"w1": "#0b62a4", "w2": "#d55e00", "wL": "#2fae8c", "wR": "#7d2f86", "w": INK}
+WORKS = {  # subscript and colour of each; a pseudowork has its work's
+    "w1": ("1", "#0b62a4"),
+    "w2": ("2", "#d55e00"),
+    "wL": ("L", "#2fae8c"),
+    "wR": ("R", "#7d2f86"),
+    "w_int": (r"{\rm int}", "#8a6f00"),
+    "w_field": (r"{\rm field}", "#c2185b"),
+    "w_T": ("T", "#607d8b"),
+    "w": ("", INK),
+}
 GUIDES = {"bar": ":", "cm": (0, (6, 1.5, 1, 1.5)), "bob": (0, (4, 2))}  # line styles
 SUBSCRIPTS = {"bar": "2", "cm": r"{\rm cm}", "bob": "1"}
 
@@ -461,7 +470,7 @@ def angle_curve(
     """theta(t) of an asperite [rad]; returns the line."""
     theta = result[surface].theta[:, asperite]
     facing = {s.name: s.facing for s in result.scene.surfaces}[surface]
-    (line,) = ax.plot(result.t, theta, **({"color": COLOURS["w1"]} | properties))
+    (line,) = ax.plot(result.t, theta, **({"color": WORKS["w1"][1]} | properties))
     ax.set_xlabel("$t$")
     ax.set_ylabel(r"$\theta$ (rad)" if facing == "down" else r"$\Theta$ (rad)")
     ax.set_xlim(result.t[0], result.t[-1])
@@ -483,30 +492,25 @@ def work_curves(
 
     series = result[surface]
     span = span or (float(result.t[0]), float(result.t[-1]))
-    lines = {}
-    for name in ("w1", "w2", "wL", "wR", "w", "w1_ps", "w2_ps"):
-        values = series[name][:, asperite]
-        if not np.any(values):
-            continue
-        work, _, pseudo = name.partition("_")
-        look: dict[str, Any] = {"color": COLOURS[work], "linestyle": (0, (4, 2)) if pseudo else "-"}
-        if name == "w":
-            look |= {"linewidth": 1.6, "zorder": 3}
-        (lines[name],) = ax.plot(result.t, values, **look)
+    lines, labels = {}, []
+    for suffix, ending in (("", ""), ("_ps", r"{,}{\rm ps}")):
+        for work, (subscript, colour) in WORKS.items():
+            name = work + suffix
+            if name == "w_ps" or name not in series or not np.any(series[name][:, asperite]):
+                continue
+            look: dict[str, Any] = {"linestyle": (0, (4, 2))} if suffix else {}
+            look |= {"linewidth": 1.6, "zorder": 3} if name == "w" else {}
+            values = series[name][:, asperite]
+            (lines[name],) = ax.plot(result.t, values, color=colour, **look)
+            labels.append(f"$w_{{{subscript}{ending}}}$")
     ax.axhline(0.0, color="0.6", linewidth=0.5, zorder=0)
     ax.set_xlabel("$t$")
     ax.set_ylabel("work")
     ax.set_xlim(*span)
     ax.xaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 5, 10]))
-    _label_ends(ax, {_symbol(name): line for name, line in lines.items()}, span[1])
+    if lines:
+        _label_ends(ax, dict(zip(labels, lines.values(), strict=True)), span[1])
     return lines
-
-
-def _symbol(work: str) -> str:
-    """A work's name as it is printed: w1_ps has the subscript 1,ps."""
-    force, _, pseudo = work[1:].partition("_")
-    subscript = "{,}".join(filter(None, [force, r"{\rm ps}" if pseudo else ""]))
-    return f"$w_{{{subscript}}}$" if subscript else "$w$"
 
 
 def _label_ends(ax: Axes, lines: dict[str, Any], t: float) -> None:

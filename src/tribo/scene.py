@@ -138,7 +138,7 @@ class Scene:
         for name, kind in (("output", Output), ("numerics", Numerics)):
             value = getattr(self, name)
             if not isinstance(value, kind):
-                raise InputError(name, f"must be a {kind.__name__}, got {shown(value)}")
+                raise InputError(name, f"must be a tribo.{kind.__name__}, got {shown(value)}")
         put(self, "surfaces", self._checked_surfaces())
         put(self, "interactions", self._checked_interactions())
         put(self, "fields", self._checked_fields())
@@ -154,7 +154,7 @@ class Scene:
             raise InputError("surface", "is missing; a scene has at least one surface")
         for i, surface in enumerate(self.surfaces):
             if not isinstance(surface, Surface):
-                raise InputError(f"surface[{i}]", f"must be a Surface, got {shown(surface)}")
+                raise InputError(f"surface[{i}]", f"must be a tribo.Surface, got {shown(surface)}")
             if surface.name in [s.name for s in self.surfaces[:i]]:
                 raise InputError(f"surface[{i}].name", f'"{surface.name}" is taken; give another')
         return tuple(self.surfaces)

@@ -92,12 +92,12 @@ class Surface:
         put(self, "velocity", tuple(vector("velocity", self.velocity, size=2).tolist()))
         vector("shape", self.shape, size=2)
         put(self, "shape", tuple(whole(f"shape[{i}]", n, 1) for i, n in enumerate(self.shape)))
-        if self.count > MANY:
-            raise InputError("shape", f"must be at most {MANY} asperites, got {self.count}")
         put(self, "spacing", tuple(vector("spacing", self.spacing, size=2).tolist()))
         put(self, "depth", number("depth", self.depth))
         if self.positions is not None:
             put(self, "positions", self._listed_positions())
+        if self.count > MANY:
+            raise InputError("shape", f"must be at most {MANY} asperites, got {self.count}")
         with inside("drive"):
             put(self, "drive", as_drive(self.drive))
         put(self, "heights", as_heights(self.heights, *self._grid))
@@ -117,7 +117,7 @@ class Surface:
         for key, kind in (("asperite", Asperite), ("initial", Initial)):
             value = getattr(self, key)
             if not isinstance(value, kind):
-                raise InputError(key, f"must be a {kind.__name__}, got {shown(value)}")
+                raise InputError(key, f"must be a tribo.{kind.__name__}, got {shown(value)}")
             with inside(key):
                 value.for_each(self.count)
 

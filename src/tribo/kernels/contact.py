@@ -130,13 +130,27 @@ def encounter_rate(model, neighbours, speeds):
                     closest = min(closest, r)
                     rate = max(rate, speed / max(length, r - min(reach, end)))
             if neighbours is not None and contact.rows[k] >= 0:
-                rate = max(rate, unlisted_rate(one, other, speeds, neighbours))
+                rate = max(rate, closing_speed(one, other, speeds) / neighbours.skin)
     return rate, closest
 
 
 @kernel
-def unlisted_rate(one, other, speeds, neighbours):
-    """Rate at which two bobs that are in no row together can cross the skin."""
+def widest_rate(model, speeds):
+    """A bound on the encounter rate without looking at pairs; infinite where there is none."""
+    shortest = np.inf
+    for contact in literal_unroll(model.contacts):
+        length, _ = contact.potential.feature()
+        shortest = min(shortest, length)
+    fastest = 0.0
+    for k in range(model.surfaces.shape[0]):
+        for m in range(k):
+            fastest = max(fastest, closing_speed(model.surfaces[k], model.surfaces[m], speeds))
+    return fastest / shortest
+
+
+@kernel
+def closing_speed(one, other, speeds):
+    """The fastest that any bob of one surface can approach any of another."""
     low_x = math.inf
     low_y = math.inf
     high_x = -math.inf
@@ -149,4 +163,4 @@ def unlisted_rate(one, other, speeds, neighbours):
             low_y = min(low_y, speeds[i, 1])
             high_y = max(high_y, speeds[i, 1])
             swing = max(swing, speeds[i, 2])
-    return (math.hypot(high_x - low_x, high_y - low_y) + 2.0 * swing) / neighbours.skin
+    return math.hypot(high_x - low_x, high_y - low_y) + 2.0 * swing

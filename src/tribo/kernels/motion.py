@@ -55,10 +55,10 @@ def place_bobs(asperites, bobs, t, q):
 def field_forces(model, fields, t):
     """The external fields' force on the bobs."""
     if fields is not None:
-        bobs = model.bobs
-        for i in range(bobs.shape[0]):
-            bobs[i].ex = 0.0
-            bobs[i].ey = 0.0
+        bars = model.bars
+        for i in range(bars.shape[0]):
+            bars[i].ex = 0.0
+            bars[i].ey = 0.0
         for field in literal_unroll(fields):
             shift_x = field.origin[0] + field.velocity[0] * t
             shift_y = field.origin[1] + field.velocity[1] * t
@@ -67,8 +67,9 @@ def field_forces(model, fields, t):
                 for i in range(s.start, s.stop):
                     b = bobs[i]
                     fx, fy = field.potential.force_at(b.x + shift_x, b.y + shift_y)
-                    b.ex += fx
-                    b.ey += fy
+                    d = model.bars[i]
+                    d.ex += fx
+                    d.ey += fy
 
 
 @kernel
@@ -88,11 +89,11 @@ def field_energy(model, fields, t):
 
 
 @kernel
-def clear_internal(bobs):
+def clear_internal(bars):
     """No internal force on any bar yet."""
-    for i in range(bobs.shape[0]):
-        bobs[i].hx = 0.0
-        bobs[i].hy = 0.0
+    for i in range(bars.shape[0]):
+        bars[i].hx = 0.0
+        bars[i].hy = 0.0
 
 
 @kernel
@@ -110,8 +111,8 @@ def spring_forces(model, bonds, q):
         for m in range(bonds.shape[0]):
             bond = bonds[m]
             x, y = stretch(bond, model.asperites, q)
-            one = model.bobs[bond.i]
-            other = model.bobs[bond.j]
+            one = model.bars[bond.i]
+            other = model.bars[bond.j]
             one.hx -= bond.stiffness * x
             one.hy -= bond.stiffness * y
             other.hx += bond.stiffness * x
@@ -126,12 +127,12 @@ def bath_forces(model, bath, q):
             a = model.asperites[i]
             s = model.surfaces[a.surface]
             x, y = bar_displacement(a, q, q[i])
-            b = model.bobs[i]
+            d = model.bars[i]
             for n in range(s.oscillators):
                 o = bath[s.first_oscillator + n]
                 stiffness = o.mass * o.frequency * o.frequency
-                b.hx += stiffness * (q[a.dof_bath + n] - x)
-                b.hy += stiffness * (q[a.dof_bath + s.oscillators + n] - y)
+                d.hx += stiffness * (q[a.dof_bath + n] - x)
+                d.hy += stiffness * (q[a.dof_bath + s.oscillators + n] - y)
 
 
 @kernel
@@ -144,12 +145,13 @@ def friction_forces(model, langevin, v):
             s = model.surfaces[a.surface]
             x = displacement(a.dof_x, v) - a.l2 * v[i] * b.tx
             y = displacement(a.dof_y, v) - a.l2 * v[i] * b.ty
-            b.lx = -s.gamma * (x - s.reservoir_x)
-            b.ly = -s.gamma * (y - s.reservoir_y)
+            d = model.bars[i]
+            d.lx = -s.gamma * (x - s.reservoir_x)
+            d.ly = -s.gamma * (y - s.reservoir_y)
 
 
 @kernel
-def drive_forces(asperites, surfaces, bobs, t, q):
+def drive_forces(asperites, surfaces, bobs, bars, t, q):
     """f2 on every bar, which knows the contact force f1."""
     for k in range(surfaces.shape[0]):
         s = surfaces[k]
@@ -160,16 +162,17 @@ def drive_forces(asperites, surfaces, bobs, t, q):
         for i in range(s.start, s.stop):
             a = asperites[i]
             b = bobs[i]
+            d = bars[i]
             if s.drive == FORCED:
-                b.gx = -b.fx
+                d.gx = -b.fx
             elif s.drive == RIGID:
-                b.gx = a.mass / s.mass * s.fx - b.fx
+                d.gx = a.mass / s.mass * s.fx - b.fx
             elif s.drive == PULLED:
                 reach = s.speed * t - displacement(a.dof_x, q) + a.l2 * b.ty
-                b.gx = s.stiffness * reach
+                d.gx = s.stiffness * reach
             else:
-                b.gx = 0.0
-            b.gy = s.load if s.loaded else -b.fy
+                d.gx = 0.0
+            d.gy = s.load if s.loaded else -b.fy
 
 
 @kernel
@@ -186,8 +189,9 @@ def custom_drives(model, drives, t, q, v):
                 vx = a.vx + displacement(a.dof_x, v) - a.l2 * v[i] * b.tx + drive.velocity[0]
                 vy = a.vy + displacement(a.dof_y, v) - a.l2 * v[i] * b.ty + drive.velocity[1]
                 gx, gy = drive.force.force_on_bar(t, x, y, vx, vy, b.fx, b.fy)
-                b.gx = gx
-                b.gy = s.load if s.loaded else gy
+                d = model.bars[i]
+                d.gx = gx
+                d.gy = s.load if s.loaded else gy
 
 
 @kernel
@@ -199,10 +203,10 @@ def forces(model, neighbours, t, q):
     place_bobs(model.asperites, model.bobs, t, q)
     neighbours = refreshed(model, neighbours)
     contact_forces(model, neighbours)
-    drive_forces(model.asperites, model.surfaces, model.bobs, t, q)
+    drive_forces(model.asperites, model.surfaces, model.bobs, model.bars, t, q)
     field_forces(model, model.fields, t)
     if model.bonds is not None or model.bath is not None:
-        clear_internal(model.bobs)
+        clear_internal(model.bars)
     spring_forces(model, model.bonds, q)
     return neighbours
 
@@ -234,15 +238,15 @@ def own_ends(model, ends, t, q, v, slope):
 @kernel
 def bar_forces(model, i):
     """Everything on bar i but its ends: f2 + f_int + f_T, as far as the scene has them."""
-    b = model.bobs[i]
-    x = b.gx
-    y = b.gy
+    d = model.bars[i]
+    x = d.gx
+    y = d.gy
     if model.bonds is not None or model.bath is not None:
-        x += b.hx
-        y += b.hy
+        x += d.hx
+        y += d.hy
     if model.langevin is not None:
-        x += b.lx
-        y += b.ly
+        x += d.lx
+        y += d.ly
     return x, y
 
 
@@ -251,7 +255,7 @@ def bob_forces(model, i):
     """Everything on bob i: f1 and the external field."""
     b = model.bobs[i]
     if model.fields is not None:
-        return b.fx + b.ex, b.fy + b.ey
+        return b.fx + model.bars[i].ex, b.fy + model.bars[i].ey
     return b.fx, b.fy
 
 

@@ -8,7 +8,6 @@ forces, so that no step of any method sees a list that lacks a pair.
 import math
 
 import numpy as np
-from numba import literal_unroll
 
 from tribo.kernels.compiled import kernel
 from tribo.kernels.records import Neighbours
@@ -170,20 +169,26 @@ def refreshed(model, neighbours):
     bobs = model.bobs
     if not outdated(bobs, neighbours):
         return neighbours
-    start, index = neighbours.start, neighbours.index
+    start = neighbours.start
+    index = neighbours.index
     used = 0
-    for contact in literal_unroll(model.contacts):
-        reach = contact.potential.range() + neighbours.skin
-        for k in range(contact.pairs.shape[0]):
-            if contact.rows[k] >= 0:
-                one = model.surfaces[contact.pairs[k, 0]]
-                other = model.surfaces[contact.pairs[k, 1]]
-                index, used = list_pair(
-                    bobs, model.box, one, other, reach, start, index, contact.rows[k], used
-                )
+    for k in range(neighbours.reach.size):
+        one = model.surfaces[neighbours.pairs[k, 0]]
+        other = model.surfaces[neighbours.pairs[k, 1]]
+        row = neighbours.pairs[k, 2]
+        reach = neighbours.reach[k]
+        index, used = list_pair(bobs, model.box, one, other, reach, start, index, row, used)
     start[-1] = used
     for i in range(bobs.shape[0]):
         neighbours.place[i, 0] = bobs[i].x
         neighbours.place[i, 1] = bobs[i].y
     neighbours.made[0] += 1
-    return Neighbours(start, index, neighbours.place, neighbours.skin, neighbours.made)
+    return Neighbours(
+        neighbours.pairs,
+        neighbours.reach,
+        start,
+        index,
+        neighbours.place,
+        neighbours.skin,
+        neighbours.made,
+    )

@@ -64,6 +64,7 @@ def powers(model, torsion, t, q, v, power):
     for i in range(asperites.shape[0]):
         a = asperites[i]
         b = model.bobs[i]
+        d = model.bars[i]
         omega = v[i]
         vx = displacement(a.dof_x, v)
         vy = displacement(a.dof_y, v)
@@ -78,10 +79,10 @@ def powers(model, torsion, t, q, v, power):
             power[a.acc_slide + 1] = b.fy * vy
         if a.acc_drive >= 0:
             k = a.acc_drive
-            power[k] = b.gx
-            power[k + 1] = b.gy
-            power[k + 2] = omega * (b.tx * b.gx + b.ty * b.gy)
-            power[k + 3] = b.gx * vx + b.gy * vy
+            power[k] = d.gx
+            power[k + 1] = d.gy
+            power[k + 2] = omega * (b.tx * d.gx + b.ty * d.gy)
+            power[k + 3] = d.gx * vx + d.gy * vy
         if a.acc_ends >= 0:
             if torsion != 0.0:
                 clamped_ends(power, a.acc_ends, a, b, t, q, i, omega, vx, vy)
@@ -90,16 +91,16 @@ def powers(model, torsion, t, q, v, power):
         if model.fields is not None:
             if a.acc_field >= 0:
                 k = a.acc_field
-                power[k] = b.ex
-                power[k + 1] = b.ey
-                power[k + 2] = a.l1 * omega * (b.tx * b.ex + b.ty * b.ey)
-                power[k + 3] = b.ex * vx + b.ey * vy
+                power[k] = d.ex
+                power[k + 1] = d.ey
+                power[k + 2] = a.l1 * omega * (b.tx * d.ex + b.ty * d.ey)
+                power[k + 3] = d.ex * vx + d.ey * vy
         if model.bonds is not None or model.bath is not None or model.torsional is not None:
             if a.acc_internal >= 0:
-                at_bar(power, a.acc_internal, b.hx, b.hy, a, b, omega, vx, vy)
+                at_bar(power, a.acc_internal, d.hx, d.hy, a, b, omega, vx, vy)
         if model.langevin is not None:
             if a.acc_thermal >= 0:
-                at_bar(power, a.acc_thermal, b.lx, b.ly, a, b, omega, vx, vy)
+                at_bar(power, a.acc_thermal, d.lx, d.ly, a, b, omega, vx, vy)
 
 
 @kernel
@@ -195,14 +196,15 @@ def external_force(model, s):
     fy = 0.0
     for i in range(s.start, s.stop):
         b = model.bobs[i]
-        fx += b.fx + b.gx
-        fy += b.fy + b.gy
+        d = model.bars[i]
+        fx += b.fx + d.gx
+        fy += b.fy + d.gy
         if model.fields is not None:
-            fx += b.ex
-            fy += b.ey
+            fx += d.ex
+            fy += d.ey
         if model.langevin is not None:
-            fx += b.lx
-            fy += b.ly
+            fx += d.lx
+            fy += d.ly
     return fx, fy
 
 

@@ -19,28 +19,26 @@ ASPERITE = np.dtype(
         ("l2", "f8"),  # centre of mass to bar
         ("i2", "f8"),  # the bar's moment of inertia
         ("bar_length", "f8"),
-        ("charge", "f8"),
         ("facing", "f8"),  # +1 hangs down (rest angle 0), -1 stands up (rest angle pi)
         ("x", "f8"),  # centre of mass at t = 0
         ("y", "f8"),
-        ("z", "f8"),  # depth, fixed
         ("vx", "f8"),  # the surface's initial velocity
         ("vy", "f8"),
         ("phi", "f8"),  # the bar's angle at t = 0, and its rate: all there is of a clamped bar
         ("nu", "f8"),
-        ("surface", "i8"),
-        ("dof_x", "i8"),  # slots in the vector of coordinates; the swing's slot is the index
-        ("dof_y", "i8"),
-        ("dof_phi", "i8"),
-        ("dof_bath", "i8"),  # first of its bath's: all x, all y, then the torsional
-        ("acc_contact", "i8"),  # first slots in the vector of accounts, see kernels.powers
-        ("acc_slide", "i8"),
-        ("acc_drive", "i8"),
-        ("acc_ends", "i8"),
-        ("acc_user_ends", "i8"),
-        ("acc_internal", "i8"),
-        ("acc_field", "i8"),
-        ("acc_thermal", "i8"),
+        ("surface", "i4"),
+        ("dof_x", "i4"),  # slots in the vector of coordinates; the swing's slot is the index
+        ("dof_y", "i4"),
+        ("dof_phi", "i4"),
+        ("dof_bath", "i4"),  # first of its bath's: all x, all y, then the torsional
+        ("acc_contact", "i4"),  # first slots in the vector of accounts, see kernels.powers
+        ("acc_slide", "i4"),
+        ("acc_drive", "i4"),
+        ("acc_ends", "i4"),
+        ("acc_user_ends", "i4"),
+        ("acc_internal", "i4"),
+        ("acc_field", "i4"),
+        ("acc_thermal", "i4"),
     ],
     align=True,
 )
@@ -72,24 +70,31 @@ SURFACE = np.dtype(
     align=True,
 )
 
+# One cache line a bob: all that the loop over pairs looks at.
 BOB = np.dtype(
     [
         ("x", "f8"),
         ("y", "f8"),
         ("z", "f8"),
         ("charge", "f8"),
-        ("fx", "f8"),  # contact force f1 on the bob
+        ("fx", "f8"),  # contact force f1
         ("fy", "f8"),
-        ("ex", "f8"),  # external field on the bob
-        ("ey", "f8"),
-        ("gx", "f8"),  # drive f2 on the bar
-        ("gy", "f8"),
-        ("hx", "f8"),  # f_int on the bar: springs and bath
-        ("hy", "f8"),
-        ("lx", "f8"),  # Langevin friction f_T on the bar, without its noise
-        ("ly", "f8"),
         ("tx", "f8"),  # unit vector along which a growing theta moves the bob
         ("ty", "f8"),
+    ],
+    align=True,
+)
+
+BAR = np.dtype(
+    [
+        ("gx", "f8"),  # drive f2
+        ("gy", "f8"),
+        ("hx", "f8"),  # f_int: springs and bath
+        ("hy", "f8"),
+        ("lx", "f8"),  # Langevin friction f_T, without its noise
+        ("ly", "f8"),
+        ("ex", "f8"),  # external field on the bob below
+        ("ey", "f8"),
     ],
     align=True,
 )
@@ -99,12 +104,12 @@ CLOCK = np.dtype(
     [
         ("t", "f8"),
         ("t_low", "f8"),  # what rounding took from t
+        ("owed", "f8"),  # time by which a splitting method's drift is behind t
         ("h", "f8"),  # the step the controller wants next; 0: not chosen yet
         ("sample", "i8"),  # next sample to be recorded
         ("steps", "i8"),
         ("rejected", "i8"),
         ("evaluations", "i8"),  # of all forces
-        ("closest", "f8"),  # smallest distance of interacting bobs seen at the end of a step
     ],
     align=True,
 )
@@ -166,6 +171,8 @@ class Neighbours(NamedTuple):
     order, so that sums over the list are bit for bit the sums over all pairs.
     """
 
+    pairs: np.ndarray  # (m, 3) first and second surface of each listed pair, and its first row
+    reach: np.ndarray  # (m,) how far each pair's rows reach: cutoff and skin [length]
     start: np.ndarray  # (rows + 1,) where each row begins
     index: np.ndarray  # the bobs listed, with room to spare
     place: np.ndarray  # (n, 2) of the bobs when the list was made; nan before
@@ -179,7 +186,8 @@ class Model(NamedTuple):
     asperites: Any  # recarray of ASPERITE, (n,)
     surfaces: Any  # recarray of SURFACE
     contacts: tuple
-    bobs: Any  # recarray of BOB, (n,), scratch
+    bobs: Any  # recarray of BOB, (n,), scratch but for z and charge
+    bars: Any  # recarray of BAR, (n,), scratch
     box: Any  # Box, or None
     bonds: Any  # recarray of BOND, or None
     bath: Any  # recarray of OSCILLATOR, or None

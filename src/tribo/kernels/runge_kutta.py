@@ -13,7 +13,7 @@ from tribo.kernels.compiled import kernel
 from tribo.kernels.motion import equations_of_motion
 from tribo.kernels.powers import all_powers
 from tribo.kernels.samples import write_sample
-from tribo.kernels.stepping import EPSILON, all_finite, nearness
+from tribo.kernels.stepping import EPSILON, all_finite, glance, nearness
 from tribo.kernels.status import (
     BOBS_COINCIDE,
     COMPLETED,
@@ -87,7 +87,6 @@ def begin(model, neighbours, clock, state, slope, power, speeds):
     neighbours = rates(model, neighbours, clock.t, state.y, slope, power)
     clock.evaluations += 1
     encounter, closest = nearness(model, neighbours, clock.t, state.y, speeds)
-    clock.closest = min(clock.closest, closest)
     status = COMPLETED
     if closest == 0.0:
         status = BOBS_COINCIDE
@@ -144,8 +143,7 @@ def fixed_steps(model, neighbours, tableau, step, clocks, state, times, record, 
             return NOT_FINITE
         unseen += h
         if (unseen + h) * encounter > 0.25:
-            encounter, closest = nearness(model, neighbours, clock.t, state.y, speeds)
-            clock.closest = min(clock.closest, closest)
+            encounter = glance(model, neighbours, clock.t, state.y, speeds, h)
             unseen = 0.0
     return COMPLETED
 
@@ -228,7 +226,7 @@ def chosen_steps(model, neighbours, tableau, tolerance, clocks, state, times, re
         t = goal if landing else clock.t + (h + clock.t_low)
         neighbours = rates(model, neighbours, t, y, next_slope, next_power)
         clock.evaluations += 1
-        next_encounter, closest = nearness(model, neighbours, t, y, speeds)
+        next_encounter, _ = nearness(model, neighbours, t, y, speeds)
         finite = all_finite(next_slope) and all_finite(next_power)
         if not finite or h * next_encounter > 1.0:
             clock.h = 0.5 * h
@@ -239,7 +237,6 @@ def chosen_steps(model, neighbours, tableau, tolerance, clocks, state, times, re
         clock.t_low = 0.0 if landing else (h + clock.t_low) - (t - clock.t)
         clock.t = t
         clock.steps += 1
-        clock.closest = min(clock.closest, closest)
         state.y[:] = y
         state.s[:] = s
         state.y_low[:] = y_low

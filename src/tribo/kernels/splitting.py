@@ -23,7 +23,7 @@ from tribo.kernels.compiled import kernel
 from tribo.kernels.motion import accelerations, bar_angle, bar_displacement, displacement, forces
 from tribo.kernels.powers import block_powers, field_powers, momentum, powers
 from tribo.kernels.samples import write_sample
-from tribo.kernels.stepping import EPSILON, all_finite, nearness
+from tribo.kernels.stepping import EPSILON, all_finite, glance, nearness
 from tribo.kernels.status import (
     BOBS_COINCIDE,
     COMPLETED,
@@ -196,6 +196,14 @@ def turn_oscillators(q, v, start, count, about, bath, first, turns):
 
 
 @kernel
+def room_for_turns(bath):
+    """(oscillators, 2) for `turns_of` to fill."""
+    if bath is None:
+        return np.empty((0, 2))
+    return np.empty((bath.size, 2))
+
+
+@kernel
 def turns_of(bath, tau, turns):
     """1 - cos and sin of every oscillator's turn in tau."""
     for n in range(bath.shape[0]):
@@ -280,11 +288,26 @@ def thermalise(model, langevin, tau, v, s, noise):
             )
 
 
+@kernel
+def inner_turns(model, t, tau, q, v, s, turns, twists, noise):
+    """Baths and reservoirs for tau, bars and bobs frozen: symmetric in time."""
+    if model.langevin is None:
+        turn_bath(model, model.bath, tau, q, v, s, turns)
+        turn_torsional(model, model.torsional, t, tau, q, v, s, twists)
+    else:
+        turn_bath(model, model.bath, 0.5 * tau, q, v, s, turns)
+        turn_torsional(model, model.torsional, t, 0.5 * tau, q, v, s, twists)
+        thermalise(model, model.langevin, tau, v, s, noise)
+        turn_torsional(model, model.torsional, t, 0.5 * tau, q, v, s, twists)
+        turn_bath(model, model.bath, 0.5 * tau, q, v, s, turns)
+
+
 def composed_steps(model, neighbours, weights, step, clocks, state, times, record, budget, noise):
     """March through the samples in equal steps of at most `step`; return a status.
 
     A step is composed of splitting steps whose lengths are `weights` times its own.  PAUSED
-    after `budget` steps: call again to go on.  `noise` is a random Generator, or None.
+    after `budget` steps: call again to go on.  The drift that ends a step is done together with
+    the one that begins the next.  `noise` is a random Generator.
     """
     clock = clocks[0]
     n = state.y.size // 2
@@ -296,17 +319,12 @@ def composed_steps(model, neighbours, weights, step, clocks, state, times, recor
     middle = np.empty(n)
     power = np.zeros(s.size)
     speeds = np.empty((model.asperites.size, 3))
-    turns = np.empty((0, 2))
-    if model.bath is not None:
-        turns = np.empty((model.bath.size, 2))
-    twists = np.empty((0, 2))
-    if model.torsional is not None:
-        twists = np.empty((model.torsional.size, 2))
+    turns = room_for_turns(model.bath)
+    twists = room_for_turns(model.torsional)
     split = model.bath is not None or model.torsional is not None or model.langevin is not None
     neighbours = forces(model, neighbours, clock.t, q)
     clock.evaluations += 1
     encounter, closest = nearness(model, neighbours, clock.t, state.y, speeds)
-    clock.closest = min(clock.closest, closest)
     if closest == 0.0:
         return BOBS_COINCIDE
     unseen = 0.0
@@ -315,6 +333,8 @@ def composed_steps(model, neighbours, weights, step, clocks, state, times, recor
         goal = times[clock.sample]
         left = goal - clock.t
         if left <= 0.0:
+            drift(model, clock.t - clock.owed, clock.owed, q, v, s)
+            clock.owed = 0.0
             neighbours = forces(model, neighbours, clock.t, q)
             write_sample(model, neighbours, clock, state, record)
             continue
@@ -328,26 +348,18 @@ def composed_steps(model, neighbours, weights, step, clocks, state, times, recor
         t = clock.t
         for m in range(weights.size):
             tau = weights[m] * h
-            drift(model, t, 0.5 * tau, q, v, s)
+            drift(model, t - clock.owed, clock.owed + 0.5 * tau, q, v, s)
             t += 0.5 * tau
             neighbours = forces(model, neighbours, t, q)
             clock.evaluations += 1
             if split:
                 kick(model, t, 0.5 * tau, q, v, s, slope, middle, power, core)
-                if model.langevin is None:
-                    turn_bath(model, model.bath, tau, q, v, s, turns)
-                    turn_torsional(model, model.torsional, t, tau, q, v, s, twists)
-                else:
-                    turn_bath(model, model.bath, 0.5 * tau, q, v, s, turns)
-                    turn_torsional(model, model.torsional, t, 0.5 * tau, q, v, s, twists)
-                    thermalise(model, model.langevin, tau, v, s, noise)
-                    turn_torsional(model, model.torsional, t, 0.5 * tau, q, v, s, twists)
-                    turn_bath(model, model.bath, 0.5 * tau, q, v, s, turns)
+                inner_turns(model, t, tau, q, v, s, turns, twists, noise)
                 kick(model, t, 0.5 * tau, q, v, s, slope, middle, power, core)
             else:
                 kick(model, t, tau, q, v, s, slope, middle, power, core)
-            drift(model, t, 0.5 * tau, q, v, s)
             t += 0.5 * tau
+            clock.owed = 0.5 * tau
         clock.t = goal if h == left else clock.t + h
         clock.steps += 1
         done += 1
@@ -355,7 +367,6 @@ def composed_steps(model, neighbours, weights, step, clocks, state, times, recor
         if (unseen + h) * encounter > 0.25:
             if not all_finite(state.y):
                 return NOT_FINITE
-            encounter, closest = nearness(model, neighbours, clock.t, state.y, speeds)
-            clock.closest = min(clock.closest, closest)
+            encounter = glance(model, neighbours, clock.t, state.y, speeds, h)
             unseen = 0.0
     return COMPLETED if all_finite(state.y) else NOT_FINITE

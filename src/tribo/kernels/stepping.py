@@ -3,7 +3,7 @@
 import math
 
 from tribo.kernels.compiled import kernel
-from tribo.kernels.contact import encounter_rate
+from tribo.kernels.contact import encounter_rate, widest_rate
 from tribo.kernels.motion import top_speeds
 
 EPSILON = 2.0**-52
@@ -15,6 +15,22 @@ def nearness(model, neighbours, t, y, speeds):
     n = y.size // 2
     top_speeds(model, t, y[:n], y[n:], speeds)
     return encounter_rate(model, neighbours, speeds)
+
+
+@kernel
+def glance(model, neighbours, t, y, speeds, h):
+    """Rate at which the nearest encounter comes, looked at pair by pair only where it matters.
+
+    If the fastest bobs could not cross a potential's feature in a quarter of the step h, no pair
+    need be looked at.
+    """
+    n = y.size // 2
+    top_speeds(model, t, y[:n], y[n:], speeds)
+    bound = widest_rate(model, speeds)
+    if h * bound <= 0.25:
+        return bound
+    rate, _ = encounter_rate(model, neighbours, speeds)
+    return rate
 
 
 @kernel

@@ -1,0 +1,300 @@
+"""Friction from many oscillators: spectra of baths, and for how long a finite one is believed.
+
+A bar of mass M on a spring of angular frequency w0 (0: a free bar) drags point oscillators along,
+of stiffness k_j = m_j w_j^2, all released at the bar's place and at rest.  It obeys the generalised
+Langevin equation (R. Zwanzig, J. Stat. Phys. 9, 215 (1973); U. Weiss, *Quantum Dissipative
+Systems*, chapter 3), here at T = 0, without noise; velocities are relative to the surface's:
+
+    M x'' = -M w0^2 x - integral_0^t Gamma(t - s) x'(s) ds ,    Gamma(t) = sum_j k_j cos(w_j t) .
+
+A continuum of oscillators keeps the energy that it takes.  A finite number gives it back in the
+end, and :func:`believed_until` measures when.  All of this is linear, so that the bar's motion is a
+sum of exponentials: oscillating ones with n oscillators, decaying ones with the continuum.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from tribo.checks import NOT_NEGATIVE, POSITIVE, choice, number, vector, whole
+
+KINDS = ("drude", "ohmic", "debye")
+
+TOLERATED = 0.01  # of the bar's initial energy: how far off a bath may be and still be believed
+RECURRENCES = 4.0  # recurrence times that the search for the end of belief covers at least,
+AFFORDABLE = 4_000_000  # or as many as come to so many terms of a sum
+SAMPLING = 0.4  # radians of the fastest oscillation that matters from one sample to the next
+SIDE = 64  # samples are taken in blocks of SIDE x SIDE
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """A damping kernel to aim at, and the n oscillators that stand for it.
+
+    With w_c the cutoff, x_j = (j - 1/2)/n for j = 1 ... n, and J(w) the spectral density, such that
+    Gamma(t) = (2/pi) integral_0^inf J(w)/w cos(w t) dw (Weiss, chapter 3):
+
+        drude   J = gamma w / (1 + (w/w_c)^2)       Gamma = gamma w_c exp(-w_c t)
+                w_j = w_c tan(pi x_j / 2)           k_j = gamma w_c / n
+        ohmic   J = gamma w exp(-w/w_c)             Gamma = (2/pi) gamma w_c / (1 + (w_c t)^2)
+                w_j = -2 w_c log(1 - x_j)           k_j = (4/pi) gamma w_c (1 - x_j) / n
+        debye   J = gamma w for w < w_c             Gamma = (2/pi) gamma sin(w_c t) / t
+                w_j = w_c x_j                       k_j = (2/pi) gamma w_c / n
+
+    Drude and debye oscillators share the stiffness Gamma(0) evenly, at the quantiles of J(w)/w.
+    The ohmic ones sit at the quantiles of its square root: an even share leaves so few of them
+    above the cutoff that strong damping (gamma = 10 M w_c) is believed 2 to 10 times less long;
+    the price is up to half of the time where damping is weak and w0 far below the cutoff.
+    """
+
+    kind: str  # "drude", "ohmic" or "debye"
+    gamma: float  # of the force -gamma v that slow motion meets [mass / time]
+    cutoff: float  # w_c [rad / time]
+    n: int  # how many oscillators
+
+    def __post_init__(self) -> None:
+        choice("kind", self.kind, KINDS)
+        object.__setattr__(self, "gamma", number("gamma", self.gamma, POSITIVE))
+        object.__setattr__(self, "cutoff", number("cutoff", self.cutoff, POSITIVE))
+        object.__setattr__(self, "n", whole("n", self.n, 1))
+
+    def oscillators(self) -> tuple[np.ndarray, np.ndarray]:
+        """Masses (n,) and angular frequencies (n,)."""
+        x = (np.arange(self.n) + 0.5) / self.n
+        if self.kind == "drude":
+            w, share = np.tan(np.pi / 2.0 * x), np.ones(self.n)
+        elif self.kind == "ohmic":
+            w, share = -2.0 * np.log1p(-x), 4.0 / np.pi * (1.0 - x)
+        else:
+            w, share = x, np.full(self.n, 2.0 / np.pi)
+        return self.gamma / (self.cutoff * self.n) * share / w**2, self.cutoff * w
+
+    def kernel(self, t: np.ndarray | float) -> np.ndarray:
+        """Gamma(t) of the continuum [mass / time^2], in the shape of t."""
+        wt = self.cutoff * np.abs(np.asarray(t, dtype=float))
+        strength = self.gamma * self.cutoff
+        if self.kind == "drude":
+            return strength * np.exp(-wt)
+        if self.kind == "ohmic":
+            return 2.0 / np.pi * strength / (1.0 + wt**2)
+        return 2.0 / np.pi * strength * np.sinc(wt / np.pi)
+
+
+def exact_decay(spectrum: Spectrum, mass: float, frequency: float, t: np.ndarray) -> np.ndarray:
+    """Energy (t.size,) at times t >= 0 of a bar that drags the continuum along.
+
+    The bar, of mass `mass` on a spring of angular frequency `frequency`, starts with unit velocity;
+    its energy mass/2 (v^2 + frequency^2 x^2) starts as mass/2.  Each exponential in the kernel
+    (:func:`_exponentials`) is one more variable of a linear system without memory, whose matrix
+    exponential is taken by its eigenvalues.
+    """
+    mass, frequency, t = _checked(mass, frequency, t)
+    friction = spectrum.gamma / (mass * spectrum.cutoff)
+    motion = _with_continuum(spectrum.kind, friction, frequency / spectrum.cutoff, 1e-12)
+    return 0.5 * mass * motion.energy(spectrum.cutoff * t)
+
+
+def discrete_decay(
+    masses: np.ndarray, frequencies: np.ndarray, mass: float, frequency: float, t: np.ndarray
+) -> np.ndarray:
+    """The same energy (t.size,), of a bar that drags oscillators (n,) along."""
+    mass, frequency, t = _checked(mass, frequency, t)
+    masses = vector("masses", masses, POSITIVE)
+    frequencies = vector("frequencies", frequencies, POSITIVE, size=masses.size)
+    return 0.5 * mass * _with_oscillators(masses / mass, frequencies, frequency).energy(t)
+
+
+def believed_until(spectrum: Spectrum, mass: float, frequency: float) -> float:
+    """The time up to which a spectrum's n oscillators do to a bar what the continuum would.
+
+    Up to then the bar's energy, starting with unit velocity, is that of :func:`exact_decay`
+    within 1 % of the initial energy.  Measured on the normal modes, from sample to sample.  Where
+    the search, over four recurrences at least, finds no end, it returns how far it came.
+    """
+    mass, frequency, _ = _checked(mass, frequency, np.zeros(1))
+    friction = spectrum.gamma / (mass * spectrum.cutoff)
+    end = _end_of_belief(spectrum.kind, spectrum.n, friction, frequency / spectrum.cutoff)
+    return end / spectrum.cutoff
+
+
+def normal_modes(
+    masses: np.ndarray, frequencies: np.ndarray, mass: float, frequency: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Angular frequencies W and weights a of the normal modes of a bar and oscillators (n,).
+
+    A bar that starts with unit velocity has v(t) = sum of a cos(W t); the weights sum to 1.
+    There are n + 1 modes, less those in which the bar does not move because oscillators share a
+    frequency.  With kappa_j = k_j / mass, the W are the roots of the secular equation
+
+        S(W^2) = 1 + sum_j kappa_j / (w_j^2 - W^2) = 0 ,     a = 1 / (W^2 S'(W^2)) ,
+
+    where the bar's own spring counts as an oscillator of frequency 0 (infinitely heavy, with
+    kappa = frequency^2); without that spring, W = 0 is a mode too.  Right to round-off, mode by
+    mode, where an eigenvalue routine's errors are relative to the highest frequency.
+    """
+    poles = np.append(frequencies, frequency * 0.0)
+    kappa = np.append(masses / mass * frequencies**2, frequency**2)
+    poles, which = np.unique(poles[kappa > 0.0], return_inverse=True)
+    kappa = np.bincount(which, weights=kappa[kappa > 0.0], minlength=poles.size)
+    parts = np.array_split(np.arange(poles.size), 1 + poles.size**2 // 2**17)  # as the cache likes
+    roots = [_roots_above(poles, kappa, part) for part in parts if part.size]
+    if frequency == 0.0:
+        roots.insert(0, (np.zeros(1), np.array([1.0 / (1.0 + np.sum(kappa / poles**2))])))
+    found, weights = zip(*roots, strict=True)
+    return np.concatenate(found), np.concatenate(weights)
+
+
+def _checked(mass: float, frequency: float, t: np.ndarray) -> tuple[float, float, np.ndarray]:
+    return (
+        number("mass", mass, POSITIVE),
+        number("frequency", frequency, NOT_NEGATIVE),
+        vector("t", np.atleast_1d(t), NOT_NEGATIVE),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Motion:
+    """v = Re sum velocity exp(rates t) and w0 x = Re sum stretch exp(rates t), over k terms."""
+
+    rates: np.ndarray  # (k,) complex [1 / time]
+    velocity: np.ndarray  # (k,) complex
+    stretch: np.ndarray  # (k,) complex [velocity]
+
+    def energy(self, t: np.ndarray) -> np.ndarray:
+        """v^2 + (w0 x)^2 at times t (m,); it starts as 1."""
+        pieces = []
+        for piece in np.array_split(t, 1 + t.size * self.rates.size // 500_000):
+            waves = np.exp(np.outer(piece, self.rates))
+            pieces.append((waves @ self.velocity).real ** 2 + (waves @ self.stretch).real ** 2)
+        return np.concatenate(pieces)
+
+    def without_traces(self, total: float) -> _Motion:
+        """Without the smallest terms, which come to `total` together."""
+        size = np.abs(self.velocity) + np.abs(self.stretch)
+        order = np.argsort(size)
+        kept = np.sort(order[np.searchsorted(np.cumsum(size[order]), total) :])
+        return _Motion(self.rates[kept], self.velocity[kept], self.stretch[kept])
+
+    def blocks(self, step: float) -> Iterator[np.ndarray]:
+        """The energy at 0, step, 2 step and so on, for ever, SIDE^2 samples at a time.
+
+        As exp(r (t + s)) = exp(r t) exp(r s), a block is a product of two small matrices.
+        """
+        rates, weights = self.rates, np.stack([self.velocity, self.stretch])
+        fine = np.exp(np.outer(rates, step * np.arange(SIDE)))
+        coarse = np.exp(np.outer(step * SIDE * np.arange(SIDE), rates))
+        onward = np.exp(step * SIDE**2 * rates)
+        while True:
+            left = (weights[:, None, :] * coarse).reshape(2 * SIDE, -1)
+            waves = left.real @ fine.real - left.imag @ fine.imag
+            yield waves[:SIDE].ravel() ** 2 + waves[SIDE:].ravel() ** 2
+            coarse = coarse * onward
+            alive = np.abs(coarse[0]) > 1e-12
+            if not alive.all():
+                weights, fine = weights[:, alive], fine[alive]
+                coarse, onward = coarse[:, alive], onward[alive]
+
+
+# The end of belief ------------------------------------------------------------------------------
+
+
+@lru_cache(maxsize=256)
+def _end_of_belief(kind: str, n: int, friction: float, frequency: float) -> float:
+    """:func:`believed_until` for a bar of mass 1 and a cutoff of 1."""
+    masses, frequencies = Spectrum(kind, friction, 1.0, n).oscillators()
+    modes, weights = normal_modes(masses, frequencies, 1.0, frequency)
+    discrete = _swing(modes, weights, frequency).without_traces(1e-5)
+    exact = _with_continuum(kind, friction, frequency, 1e-8).without_traces(1e-5)
+    step = SAMPLING / _fastest(modes, weights)
+    horizon = max(
+        RECURRENCES * _recurrence(modes, weights), step * AFFORDABLE / discrete.rates.size
+    )
+    pairs = zip(discrete.blocks(step), exact.blocks(step), strict=False)
+    for first, (one, other) in enumerate(pairs):
+        off = np.flatnonzero(np.abs(one - other) > TOLERATED)
+        start = step * SIDE**2 * first
+        if off.size:
+            return _first_excess(discrete, exact, start + step * off[0], step)
+        if start + step * SIDE**2 > horizon:
+            break
+    return horizon
+
+
+def _fastest(modes: np.ndarray, weights: np.ndarray) -> float:
+    """The frequency below which 99 % of the weight lies."""
+    return float(modes[np.searchsorted(np.cumsum(weights), 0.99)])
+
+
+def _recurrence(modes: np.ndarray, weights: np.ndarray) -> float:
+    """2 pi over the spacing of modes where the weight is."""
+    if modes.size < 2:
+        return 0.0
+    i = min(int(np.argmax(weights)), modes.size - 2)
+    return float(2.0 * np.pi / (modes[i + 1] - modes[i]))
+
+
+def _first_excess(one: _Motion, other: _Motion, t: float, step: float) -> float:
+    """The last time before the energies part, knowing that they have done so by t."""
+    times = np.linspace(max(t - 8.0 * step, 0.0), t, 129)
+    off = np.flatnonzero(np.abs(one.energy(times) - other.energy(times)) > TOLERATED)
+    return float(times[max(off[0] - 1, 0)])
+
+
+# With n oscillators: the secular equation -------------------------------------------------------
+
+
+def _with_oscillators(masses: np.ndarray, frequencies: np.ndarray, frequency: float) -> _Motion:
+    """Motion of a bar of mass 1."""
+    return _swing(*normal_modes(masses, frequencies, 1.0, frequency), frequency)
+
+
+def _swing(modes: np.ndarray, weights: np.ndarray, frequency: float) -> _Motion:
+    """v = sum a cos(W t), and so w0 x = sum (a w0 / W) sin(W t)."""
+    lag = np.divide(frequency, modes, out=np.zeros_like(modes), where=modes > 0.0)
+    return _Motion(1j * modes, weights.astype(complex), -1j * weights * lag)
+
+
+def _secular(
+    poles: np.ndarray, kappa: np.ndarray, base: np.ndarray, shift: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """S and S' at the frequencies base + shift; no digits are lost next to a pole at the base."""
+    inverse = (poles - base[:, None]) - shift[:, None]
+    inverse *= poles + (base + shift)[:, None]
+    np.reciprocal(inverse, out=inverse)
+    value = 1.0 + inverse @ kappa
+    inverse *= inverse
+    return value, inverse @ kappa
+
+
+def _roots_above(
+    poles: np.ndarray, kappa: np.ndarray, chosen: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """The roots W just above each of the chosen poles, and their weights.
+
+    S rises from -inf to inf between two poles, and from -inf to 1 above the last; there, another
+    pole without strength is put where no root can be.  Roots are counted from the nearer pole.  A
+    step solves S with that pole as it is, one at the other end of the gap and a constant, the
+    two of them fitted to S and S' (the "fixed weight" of R.-C. Li, LAPACK Working Note 89).
+    """
+    ends = np.append(poles, np.sqrt(poles[-1] ** 2 + 2.0 * np.sum(kappa)))
+    strengths = np.append(kappa, 0.0)
+    half = 0.5 * (ends[chosen + 1] - ends[chosen])
+    value, _ = _secular(poles, kappa, ends[chosen], half)
+    from_below = (value > 0.0) | (chosen == poles.size - 1)
+    near, far = np.where(from_below, chosen, chosen + 1), np.where(from_below, chosen + 1, chosen)
+    base, other, strength = ends[near], ends[far], strengths[near]
+    shift = np.where(from_below, half, -half)
+    low = np.where(from_below, 0.0, -half)
+    high = np.where(from_below, np.where(chosen == poles.size - 1, 2.0 * half, half), 0.0)
+
+    slope = np.ones(chosen.size)
+    open_ = np.arange(chosen.size)
+    weight = strengths[far]  # at first, the other pole as it is
+    for _ in range(60):
+        ...
+    omega = base + shift
+    return omega, 1.0 / (omega**2 * slope)
