@@ -65,8 +65,10 @@ def vectors(size: float) -> st.SearchStrategy[tuple[float, float]]:
     return st.tuples(dyadic(-size, size), dyadic(-size, size))
 
 
-def each(count: int, values: st.SearchStrategy[float]) -> st.SearchStrategy[list[float]]:
-    """One value per asperite."""
+def each(count: int | None, values: st.SearchStrategy[float]) -> st.SearchStrategy:
+    """One value per asperite, or one number for all."""
+    if count is None:
+        return values
     return st.lists(values, min_size=count, max_size=count)
 
 
@@ -104,8 +106,8 @@ def rigid() -> st.SearchStrategy[Free]:
     return st.just(Free(rigid=True))
 
 
-def asperites(count: int) -> st.SearchStrategy[Asperite]:
-    """Parameters of its own for every asperite."""
+def asperites(count: int | None) -> st.SearchStrategy[Asperite]:
+    """Parameters of its own for every asperite; for None, the same for all."""
     return st.builds(
         Asperite,
         m1=each(count, dyadic(0.5, 2.0)),
@@ -176,9 +178,16 @@ FACINGS = {"upper": ("down",), "lower": ("up",), "third": ("down", "up")}
 
 @st.composite
 def surfaces(
-    draw, name, drive, bars=("clamped", "free"), counts=(1, 2, 3), turning=True, inside=None
+    draw,
+    name,
+    drive,
+    bars=("clamped", "free"),
+    counts=(1, 2, 3),
+    turning=True,
+    alike=False,
+    inside=None,
 ):
-    """A row along x or along z of asperites with different heights."""
+    """A row along x or along z of asperites, of different kinds or alike, at different heights."""
     x, y, depth, speed = PLACES[name]
     facing = draw(st.sampled_from(FACINGS[name]))
     count = draw(st.sampled_from(counts))
@@ -193,7 +202,7 @@ def surfaces(
         heights=draw(each(count, dyadic(-0.1, 0.1))),
         drive=draw(drive),
         bars=draw(st.sampled_from(bars)),
-        asperite=draw(asperites(count)),
+        asperite=draw(asperites(None if alike else count)),
         initial=draw(initials(count, facing, turning)),
         **({} if inside is None else draw(inside)),
     )

@@ -228,7 +228,7 @@ WRONG = [
     ("field[0]", 5, "must be a table, got 5"),
     ("field[0].on", "upper", "must be a list of surfaces' names, got 'upper'"),
     ("field[0].on", [], "must be a list of surfaces' names, got []"),
-    ("field[0].on", [5], "must be a list of surfaces' names, got [5]"),
+    ("field[0].on", [5], 'names no surface "5"; there are'),
     ("output", 5, "must be a table, got 5"),
     ("numerics", 5, "must be a table, got 5"),
     ("periodic", 5, "must be a table, got 5"),

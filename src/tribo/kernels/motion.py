@@ -65,7 +65,7 @@ def field_forces(model, fields, t):
             for k in range(field.surfaces.shape[0]):
                 s = model.surfaces[field.surfaces[k]]
                 for i in range(s.start, s.stop):
-                    b = bobs[i]
+                    b = model.bobs[i]
                     fx, fy = field.potential.force_at(b.x + shift_x, b.y + shift_y)
                     d = model.bars[i]
                     d.ex += fx

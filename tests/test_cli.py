@@ -1,0 +1,249 @@
+"""The command line: what is printed, what is written, and with which status it ends."""
+
+import json
+import subprocess
+import sys
+from importlib.metadata import entry_points
+
+import numpy as np
+import pytest
+
+import tribo
+from tribo import Coulomb, Numerics, Output, Scene, Surface
+from tribo.cli import main
+
+# The keys of `tribo run --json`: names that people's programs rely on.
+TOP = {
+    *("status", "t", "method", "steps", "force_evaluations", "wall_seconds", "compile_seconds"),
+    *("surfaces", "blocks", "system", "error_estimate"),
+}
+MORE = {"accuracy", "accuracy_met", "notes"}
+SURFACE = set(
+    "theta phi omega nu x_cm y_cm vx_cm vy_cm x_bob y_bob x_bar y_bar w1 w2 wL wR w_int w "
+    "w1_ps w2_ps w_int_ps w_ps delta_k_trans delta_e_int".split()
+)
+BLOCK = {"W", "W_ps", "delta_K", "delta_E_int"}
+SYSTEM = {"contact_energy", "total_energy_change", "applied_work"}
+
+SCENE = """
+title = "A short pass"
+duration = 4.0
+[interaction]
+potential = "coulomb"
+strength = 0.2
+[[surface]]
+name = "upper"
+bob = [-1.0, 0.0]
+velocity = [0.5, 0.0]
+[[surface]]
+name = "lower"
+facing = "up"
+"""
+LEAVING_NUMBERS = """
+import math
+from typing import NamedTuple
+class Broken(NamedTuple):
+    s: float
+    def energy(self, r): return self.s / r if r > 0.5 else math.nan
+    def force(self, r): return self.s / r**2 if r > 0.5 else math.nan
+"""
+
+# What a scene is changed into, the status that its run stops with, and a time by which it does.
+STOPS = {
+    "BobsCoincide": ([("[-1.0, 0.0]", "[0.0, 0.0]")], 0.0),
+    "NotFinite": ([('"coulomb"\nstrength', '"broken.py:Broken"\ns')], 4.0),
+    "EncounterJumped": ([("duration = 4.0", "duration = 4.0\nnumerics = { step = 3.0 }")], 0.0),
+}
+
+
+@pytest.fixture
+def run(tmp_path, capsys):
+    """Write a scene file, run it with some options; returns status, stdout and stderr."""
+
+    def call(text, *options):
+        path = tmp_path / "scene.toml"
+        path.write_text(text)
+        (tmp_path / "broken.py").write_text(LEAVING_NUMBERS)
+        status = main(["run", str(path), *options])
+        return status, *capsys.readouterr()
+
+    return call
+
+
+def strictly(text):
+    """The data in a JSON text without NaN or Infinity."""
+
+    def refuse(word):
+        raise ValueError(f"{word} is not JSON")
+
+    return json.loads(text, parse_constant=refuse)
+
+
+def test_text(run):
+    """Without --json: one line on the run, one a surface."""
+    status, out, err = run(SCENE)
+    assert status == 0 and err == ""
+    first, *rest = out.splitlines()
+    assert first.startswith("A short pass: completed at t = 4; dop853, ")
+    assert [line.split(":")[0].strip() for line in rest] == ["upper", "lower"]
+
+
+def test_json(run):
+    """The keys are those of the contract, and every value is of its kind."""
+    status, out, err = run(SCENE, "--json")
+    end = strictly(out)
+    assert status == 0 and err == ""
+    assert set(end) == TOP | MORE
+    assert (end["status"], end["t"], end["method"]) == ("completed", 4.0, "dop853")
+    assert all(isinstance(end[key], int) and end[key] > 0 for key in ("steps", "force_evaluations"))
+    assert list(end["surfaces"]) == list(end["blocks"]) == ["upper", "lower"]
+    for name in ("upper", "lower"):
+        assert set(end["surfaces"][name]) == SURFACE
+        assert set(end["blocks"][name]) == BLOCK
+        for values in end["surfaces"][name].values():
+            assert len(values) == 1 and isinstance(values[0], float)
+    assert set(end["system"]) == SYSTEM
+    assert set(end["error_estimate"]) == SURFACE | BLOCK | SYSTEM
+    assert all(0.0 <= bound < 1e-6 for bound in end["error_estimate"].values())
+
+
+def test_field_and_reservoir_add_their_own(run):
+    """Where a field or a reservoir is present, so are its works."""
+    more = '[[field]]\nkind = "corrugation"\non = ["upper"]\namplitude = 0.1\nperiod = 2.0\n'
+    _, out, _ = run(more + SCENE.replace('"up"', '"up"\nlangevin = { gamma = 0.1 }'), "--json")
+    end = strictly(out)
+    own = {"w_field", "w_field_ps", "w_T", "w_T_ps"}
+    for name in ("upper", "lower"):
+        assert set(end["surfaces"][name]) - SURFACE <= own
+    everything = {key for table in end["surfaces"].values() for key in table}
+    assert everything == SURFACE | own
+    assert set(end["error_estimate"]) == everything | BLOCK | SYSTEM
+
+
+def test_own_step_has_no_error_estimate(run):
+    """A method and a step of one's own: the bounds are null."""
+    status, out, _ = run("numerics = { method = 'midpoint', step = 0.01 }\n" + SCENE, "--json")
+    end = strictly(out)
+    assert status == 0 and end["method"] == "midpoint" and end["steps"] == 400
+    assert set(end["error_estimate"]) == SURFACE | BLOCK | SYSTEM
+    assert set(end["error_estimate"].values()) == {None}
+
+
+def test_out(run, tmp_path):
+    """--out writes a file that loads again and holds what was printed, and leaves nothing else."""
+    status, out, _ = run(SCENE, "--json", "--out", str(tmp_path / "run.nc"))
+    assert status == 0
+    loaded = tribo.load_result(tmp_path / "run.nc")
+    assert json.loads(loaded.to_json()) == strictly(out)
+    assert loaded.t.size == 401
+    assert {p.name for p in tmp_path.iterdir()} == {"scene.toml", "broken.py", "run.nc"}
+
+
+@pytest.mark.parametrize("name", STOPS)
+def test_run_that_stops(run, tmp_path, name):
+    """Status 1; what was reached is printed and kept, and says why."""
+    changes, latest = STOPS[name]
+    text = SCENE
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    status, out, err = run(text, "--json", "--out", str(tmp_path / "run.nc"))
+    end = strictly(out)
+    assert status == 1 and err == ""
+    assert end["status"] == name and 0.0 <= end["t"] <= latest and end["t"] < 4.0
+    assert set(end["surfaces"]["upper"]) == SURFACE
+    loaded = tribo.load_result(tmp_path / "run.nc")
+    assert (loaded.status, loaded.t[-1]) == (name, end["t"])
+    status, out, _ = run(text)
+    assert status == 1 and f": {name} at t = " in out.splitlines()[0]
+    assert out.splitlines()[1].strip() == tribo.result.MEANINGS[name]
+
+
+def test_step_underflow(tmp_path, capsys):
+    """Attraction with bars that overlap in y: the bobs loop ever closer round each other."""
+    scene = tribo.paper.scene("B")
+    lower = tribo.paper.replace(scene.surfaces[1], bob=(0.0, 0.0096))
+    tribo.paper.replace(scene, surfaces=(scene.surfaces[0], lower), duration=60.0).save(
+        tmp_path / "scene.toml"
+    )
+    assert main(["run", str(tmp_path / "scene.toml"), "--json"]) == 1
+    end = strictly(capsys.readouterr().out)
+    assert end["status"] == "StepUnderflow" and 15.0 < end["t"] < 60.0
+
+
+def test_paper(capsys):
+    """The table of a case as text and as JSON."""
+    assert main(["paper", "D"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == "D  free sliding, attractive: 8 of 8 printed numbers agree"
+    assert lines[-1] == "8 of 8 printed numbers agree."
+    assert main(["paper", "A", "--json"]) == 0
+    table = strictly(capsys.readouterr().out)
+    assert list(table) == ["A"]
+    keys = {"where", "t", "quantity", "printed", "computed", "agrees", "note"}
+    for row in table["A"]:
+        assert keys <= set(row) <= keys | {"error"}
+        assert isinstance(row["agrees"], bool) and isinstance(row["computed"], float)
+        assert isinstance(row["printed"], str)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [[], ["jump"], ["run"], ["run", "a.toml", "--fast"], ["paper", "F"], ["run", "a.toml", "b.toml"]],
+)
+def test_wrong_arguments(capsys, arguments):
+    """argparse says how to use it, and ends with status 2."""
+    with pytest.raises(SystemExit) as caught:
+        main(arguments)
+    assert caught.value.code == 2
+    assert "usage: tribo" in capsys.readouterr().err
+
+
+def test_version(capsys):
+    """--version prints the package's own."""
+    with pytest.raises(SystemExit) as caught:
+        main(["--version"])
+    assert caught.value.code == 0
+    assert capsys.readouterr().out == f"tribo {tribo.__version__}\n"
+
+
+def test_program():
+    """The program that is installed is this `main`."""
+    (program,) = entry_points(group="console_scripts", name="tribo")
+    assert program.load() is main
+
+
+def test_scene_from_python_gives_the_same(run, tmp_path):
+    """The command line prints what `simulate` returns for the same scene."""
+    surfaces = (
+        Surface("upper", bob=(-1.0, 0.0), velocity=(0.5, 0.0)),
+        Surface("lower", facing="up"),
+    )
+    scene = Scene(surfaces, Coulomb(0.2), 4.0, title="A short pass")
+    _, out, _ = run(SCENE, "--json")
+    printed, end = strictly(out), tribo.simulate(scene).end
+    for key in ("surfaces", "blocks", "system", "error_estimate", "steps", "force_evaluations"):
+        assert printed[key] == end[key]
+
+
+def test_broken_pipe_is_quiet(tmp_path):
+    """A reader that goes away is no reason for a traceback."""
+    path = tmp_path / "scene.toml"
+    path.write_text(SCENE)
+    code = f"import sys; from tribo.cli import main; sys.exit(main(['run', {str(path)!r}, '--json']))"
+    with subprocess.Popen(
+        [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        process.stdout.close()
+        assert "Traceback" not in process.stderr.read()
+
+
+def test_output_travels_with_the_file(run, tmp_path):
+    """Samples and numerics of the file are obeyed."""
+    text = SCENE + "[output]\ntimes = [0.5, 1.0]\n[numerics]\naccuracy = 1e-4\n"
+    run(text, "--out", str(tmp_path / "run.nc"))
+    loaded = tribo.load_result(tmp_path / "run.nc")
+    assert np.array_equal(loaded.t, [0.0, 0.5, 1.0, 4.0])
+    assert loaded.accuracy == 1e-4
+    assert loaded.scene.output == Output(times=(0.5, 1.0))
+    assert loaded.scene.numerics == Numerics(accuracy=1e-4)
