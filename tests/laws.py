@@ -1,13 +1,6 @@
 """The laws of the ledger: what kind every reported quantity is of, and how they hang together."""
 
-EXTERNAL = (
-    "w1",
-    "w2",
-    "wL",
-    "wR",
-    "w_field",
-    "w_T",
-)  # works of what acts on a surface from outside
+EXTERNAL = ("w1", "w2", "wL", "wR", "w_field", "w_T")  # all but the work within the surface
 FORCES = ("w1", "w2", "w_int", "w_field", "w_T")  # works whose pseudowork is reported as well
 
 KINDS = {
@@ -35,7 +28,7 @@ def kind(name):
 
 
 def tables(result):
-    """Every table of a result's ledger: asperites and block of each surface, then the system."""
+    """Every table of a ledger and whose it is: asperites and block of each surface, the system."""
     books = result.ledger
     for surface in result.scene.surfaces:
         yield surface, books.surfaces[surface.name]
@@ -43,9 +36,9 @@ def tables(result):
     yield None, books.system
 
 
-def identities(result):
-    """Every identity of a ledger: law, names of the quantities, the two sides."""
-    for _, table in tables(result):
+def identities(tables):
+    """Every identity in some tables of a ledger: law, names of the quantities, the two sides."""
+    for table in tables:
         for law, (whole, *parts) in IDENTITIES.items():
             if whole in table:
                 present = [name for name in parts if name in table]

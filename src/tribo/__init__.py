@@ -8,13 +8,20 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from tribo.archive import load_result
     from tribo.asperite import Asperite
-    from tribo.drives import Forced, Free, Pulled
+    from tribo.bath import Bath
+    from tribo.drives import Custom, Ends, Forced, Free, Pulled
     from tribo.errors import InputError
-    from tribo.potentials import Coulomb, LennardJones, Morse
+    from tribo.fields import Corrugation, Field
+    from tribo.langevin import Langevin
+    from tribo.potentials import Coulomb, LennardJones, Morse, with_cutoff
     from tribo.result import Result
-    from tribo.scene import Interaction, Numerics, Output, Scene
+    from tribo.roughness import Roughness
+    from tribo.rows import commensurate_rows, incommensurate_rows, periodic_rows
+    from tribo.scene import Interaction, Numerics, Output, Periodic, Scene
     from tribo.scene_file import load_scene
     from tribo.simulation import Simulation, prepare, simulate
+    from tribo.spectra import Spectrum
+    from tribo.springs import Springs
     from tribo.surface import Initial, Surface
 
 __version__ = "0.1.0"
@@ -22,25 +29,39 @@ __version__ = "0.1.0"
 # Each public name and the module that has it; loaded when first used.
 _HOME = {
     "Asperite": "tribo.asperite",
+    "Bath": "tribo.bath",
+    "commensurate_rows": "tribo.rows",
+    "Corrugation": "tribo.fields",
     "Coulomb": "tribo.potentials",
+    "Custom": "tribo.drives",
+    "Ends": "tribo.drives",
+    "Field": "tribo.fields",
     "Forced": "tribo.drives",
     "Free": "tribo.drives",
+    "incommensurate_rows": "tribo.rows",
     "Initial": "tribo.surface",
     "InputError": "tribo.errors",
     "Interaction": "tribo.scene",
+    "Langevin": "tribo.langevin",
     "LennardJones": "tribo.potentials",
+    "load_result": "tribo.archive",
+    "load_scene": "tribo.scene_file",
     "Morse": "tribo.potentials",
     "Numerics": "tribo.scene",
     "Output": "tribo.scene",
+    "Periodic": "tribo.scene",
+    "periodic_rows": "tribo.rows",
+    "prepare": "tribo.simulation",
     "Pulled": "tribo.drives",
     "Result": "tribo.result",
+    "Roughness": "tribo.roughness",
     "Scene": "tribo.scene",
-    "Simulation": "tribo.simulation",
-    "Surface": "tribo.surface",
-    "load_result": "tribo.archive",
-    "load_scene": "tribo.scene_file",
-    "prepare": "tribo.simulation",
     "simulate": "tribo.simulation",
+    "Simulation": "tribo.simulation",
+    "Spectrum": "tribo.spectra",
+    "Springs": "tribo.springs",
+    "Surface": "tribo.surface",
+    "with_cutoff": "tribo.potentials",
 }
 
 __all__ = [*_HOME, "__version__"]

@@ -125,7 +125,7 @@ def _top(values: np.ndarray) -> float:
 
 
 def _account_weights(layout: Layout) -> np.ndarray:
-    """What an account is multiplied by to become a work; 0 for impulses, which are of another kind."""
+    """What an account is multiplied by to become a work; 0 for impulses, which are none."""
     weights = np.ones(layout.accounts)
     a = layout.model.asperites
     length = a.l1 + a.l2

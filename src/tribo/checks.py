@@ -39,7 +39,7 @@ def number(field: str, value: Any, condition: Condition = ANY) -> float:
         raise InputError(field, f"must be a number, got {shown(value)}")
     if isinstance(value, (float, np.floating)) and not math.isfinite(value):
         raise InputError(field, f"must be a finite number, got {value}")
-    if abs(value) > LARGEST:
+    if not -LARGEST <= value <= LARGEST:
         raise InputError(field, f"must be at most {LARGEST:g} in magnitude, got {shown(value)}")
     if not condition[1](float(value)):
         raise InputError(field, f"{condition[0]}, got {value}")
@@ -66,8 +66,8 @@ def vector(
         array = value.astype(float)
     else:
         array = np.array([number(f"{field}[{i}]", item) for i, item in enumerate(value)])
-    for i in np.flatnonzero(~(np.abs(array) <= LARGEST)):
-        number(f"{field}[{i}]", array[i])
+    for k in np.flatnonzero(~(np.abs(array) <= LARGEST)):
+        number(f"{field}[{k}]", array[k])
     if condition is not ANY:
         for i, item in enumerate(array.tolist()):
             if not condition[1](item):

@@ -380,7 +380,7 @@ def set_bath(
     v: np.ndarray,
     rng: np.random.Generator,
 ) -> None:
-    """Start a surface's oscillators where its bars are, or drawn about that from the temperature."""
+    """Start a surface's oscillators where its bars are, or drawn about that from their T."""
     bath, first = surface.bath, asperites["dof_bath"]
     n = bath.masses.size
     if n:

@@ -78,7 +78,26 @@ class Samples:
 
     def at(self, times: np.ndarray) -> Samples:
         """The samples at some of the times."""
-        k = np.isin(self.t, times)
+        return self._rows(np.isin(self.t, times))
+
+    def first(self) -> Samples:
+        """The start alone."""
+        return self._rows(np.array([0]))
+
+    def last(self) -> Samples:
+        """The end alone."""
+        return self._rows(np.array([-1]))
+
+    def ends(self) -> Samples:
+        """The start and the end."""
+        return self._rows(np.unique([0, self.t.size - 1]))
+
+    def then(self, later: Samples) -> Samples:
+        """These samples and later ones."""
+        pairs = ((getattr(self, f.name), getattr(later, f.name)) for f in fields(self))
+        return Samples(*(np.concatenate(pair) for pair in pairs))
+
+    def _rows(self, k: np.ndarray) -> Samples:
         return Samples(*(getattr(self, f.name)[k] for f in fields(self)))
 
 
@@ -240,9 +259,9 @@ def _works(layout: Layout, accounts: dict[str, Account]) -> Table:
     pseudo = {f"{name}_ps": account.pseudowork(velocity) for name, account in accounts.items()}
     return (
         {name: works[name] for name in ("w1", "w2", "wL", "wR", "w_int")}
-        | {"w": sum(works.values())}
+        | {"w": np.sum(list(works.values()), axis=0)}
         | {name: pseudo[name] for name in ("w1_ps", "w2_ps", "w_int_ps")}
-        | {"w_ps": sum(pseudo.values())}
+        | {"w_ps": np.sum(list(pseudo.values()), axis=0)}
     )
 
 

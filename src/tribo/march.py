@@ -15,11 +15,59 @@ from tribo.kernels.records import CLOCK
 from tribo.kernels.samples import STORED, Record, State, write_sample
 from tribo.kernels.status import COMPLETED, NAMES, PAUSED
 from tribo.layout import Layout
-from tribo.ledger import Samples
+from tribo.ledger import ASPERITE_KINDS, OPTIONAL_KINDS, Ledger, Samples, Table, ledger
 from tribo.methods import Method
 
 Progress = Callable[[float], None]  # told the time reached, a few times a second
 CHUNK_SECONDS = 0.1  # between two looks at the keyboard
+SERIES_BYTES = 2**30  # of asperites' series, above which only their first and last are kept
+PORTION_BYTES = 2**27  # of samples taken in at a time then
+
+
+class Digest:
+    """What is kept of a run whose samples are too many to hold: all but the asperites' series."""
+
+    def __init__(self, layout: Layout) -> None:
+        self._layout = layout
+        self._times: list[np.ndarray] = []
+        self._portions: list[Ledger] = []
+
+    @staticmethod
+    def wanted(layout: Layout, times: int) -> bool:
+        """Whether that many samples of all asperites are too many to hold."""
+        return times * _row_bytes(layout) > SERIES_BYTES
+
+    def add(self, samples: Samples) -> None:
+        """Take in a portion, whose first sample is the run's first."""
+        books = ledger(self._layout, samples)
+        new = slice(1 if self._portions else 0, None)
+        blocks = {name: _rows(table, new) for name, table in books.blocks.items()}
+        self._portions.append(Ledger({}, blocks, _rows(books.system, new)))
+        self._times.append(samples.t[new])
+
+    def series(self) -> tuple[np.ndarray, dict[str, Table], Table]:
+        """Times, and the series of the surfaces as wholes and of the system."""
+        portions = self._portions
+        blocks = {
+            name: _joined([portion.blocks[name] for portion in portions])
+            for name in portions[0].blocks
+        }
+        system = _joined([portion.system for portion in portions])
+        return np.concatenate(self._times), blocks, system
+
+
+def _rows(table: Table, rows: slice) -> Table:
+    return {name: values[rows] for name, values in table.items()}
+
+
+def _joined(tables: list[Table]) -> Table:
+    return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
+
+
+def _row_bytes(layout: Layout) -> int:
+    """Memory of one sample, raw and as the ledger."""
+    reported = len(ASPERITE_KINDS) + len(OPTIONAL_KINDS)
+    return 8 * (2 * layout.core + layout.accounts + 2 * reported * layout.scene.count)
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,37 +90,63 @@ def march(
     times: np.ndarray,
     first_step: float,
     progress: Progress | None = None,
+    digest: Digest | None = None,
 ) -> March:
     """Integrate from `start` through `times`; `setting` is a step, or a Tolerance.
 
     Ends with the last time, or with whatever stops it: then the state reached is the last sample.
+    With a `digest`, samples are handed to it in portions, and only the first and the last kept.
     """
     began = time.perf_counter()
     clocks, state = _at_rest(layout, start, first_step)
-    record = _room(layout, times.size + 1)
+    rows = times.size if digest is None else max(1, PORTION_BYTES // _row_bytes(layout))
+    record = _room(layout, min(rows, times.size) + 1)
     call = _bound(layout, method, loop, setting)
+    samples: Samples | None = None
+    status = NAMES[COMPLETED]
+    for first in range(0, times.size, rows):
+        portion = times[first : first + rows]
+        clocks.sample = 0
+        status = _through(call, clocks, state, portion, record, progress)
+        reached = portion[: int(clocks.sample[0])]
+        if status != NAMES[COMPLETED] and (not reached.size or reached[-1] != clocks.t[0]):
+            _record_now(layout, clocks, state, record)
+            reached = np.append(reached, clocks.t[0])
+        new = Samples(reached, *(column[: reached.size] for column in record))
+        if digest is not None:
+            digest.add(new if samples is None else samples.first().then(new))
+            samples = new.ends() if samples is None else samples.first().then(new.last())
+        else:
+            samples = new
+        if status != NAMES[COMPLETED]:
+            break
+    assert samples is not None
+    seconds = time.perf_counter() - began
+    return March(samples, status, int(clocks.steps[0]), int(clocks.evaluations[0]), seconds)
+
+
+def _through(
+    call: Callable[..., int],
+    clocks: Any,
+    state: State,
+    times: np.ndarray,
+    record: Record,
+    progress: Progress | None,
+) -> str:
+    """Run through the times in chunks short enough to look at the keyboard between them."""
     budget = 256
     code = PAUSED
     try:
         while code == PAUSED:
-            chunk_began = time.perf_counter()
+            began = time.perf_counter()
             code = call(clocks, state, times, record, budget)
-            taken = time.perf_counter() - chunk_began
+            taken = time.perf_counter() - began
             budget = int(np.clip(budget * CHUNK_SECONDS / max(taken, 1e-6), 16, 1e9))
             if progress is not None:
                 progress(float(clocks.t[0]))
-        status = NAMES[code]
     except KeyboardInterrupt:
-        status = "Interrupted"
-    seconds = time.perf_counter() - began
-    done = int(clocks.sample[0])
-    now = float(clocks.t[0])
-    reached = times[:done]
-    if done == 0 or reached[-1] != now:
-        _record_now(layout, clocks, state, record)
-        reached = np.append(reached, now)
-    samples = Samples(reached, *(column[: reached.size] for column in record))
-    return March(samples, status, int(clocks.steps[0]), int(clocks.evaluations[0]), seconds)
+        return "Interrupted"
+    return NAMES[code]
 
 
 def compile_loop(layout: Layout, method: Method, loop: Callable[..., Any], setting: Any) -> float:

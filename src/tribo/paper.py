@@ -156,8 +156,8 @@ class Run:
         from scipy.optimize import brentq
 
         t = self.result.t
-        k = np.flatnonzero(values[:-1] * values[1:] < 0.0)
-        k = int(k[np.argmin(np.abs(t[k] - near))])
+        changes = np.flatnonzero(values[:-1] * values[1:] < 0.0)
+        k = int(changes[np.argmin(np.abs(t[changes] - near))])
         spline = make_interp_spline(t, values, k=7)
         return float(brentq(spline, t[k], t[k + 1], xtol=1e-12))
 
@@ -246,7 +246,7 @@ def _value_row(run: Run, row: dict[str, str], printed_rows: list[dict[str, str]]
 
 
 def _own_places(run: Run, row: dict[str, str], printed_rows: list[dict[str, str]]) -> list[str]:
-    """What the angles and places that the paper prints for the same times make of a displacement."""
+    """What the places and angles printed for the same times make of a displacement."""
     if ".." not in row["t"]:
         return []
     printed = {
@@ -288,7 +288,7 @@ _SHIFTS = [
 
 
 def _why_not(run: Run, quantity: str, times: tuple[float, ...], printed: str) -> list[str]:
-    """Where the printed number comes from: an unrounded time, or the error of the paper's method."""
+    """Where a printed number comes from: an unrounded time, or the paper's method's error."""
     notes = []
     for k, t in enumerate(times):
         near = [round(t + shift, 4) for shift in _SHIFTS if t + shift <= LAST]
@@ -391,7 +391,8 @@ def report(tables: dict[str, list[Row]]) -> str:
         agreeing = sum(row.agrees for row in rows)
         lines += [f"{case}  {CASES[case]}: {agreeing} of {len(rows)} printed numbers agree", ""]
         lines.append(
-            f"  {'where':<30} {'t':<11} {'quantity':<29} {'printed':>9} {'computed':>14} {'error':>8}"
+            f"  {'where':<30} {'t':<11} {'quantity':<29} {'printed':>9} "
+            f"{'computed':>14} {'error':>8}"
         )
         for row in rows:
             computed = row.computed if isinstance(row.computed, str) else f"{row.computed:.8f}"

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from tribo.checks import MANY, POSITIVE, inside, is_list, number, shown, vector, whole
+from tribo.checks import MANY, POSITIVE, inside, is_list, known_keys, number, shown, vector, whole
 from tribo.drives import Custom, Ends, Forced, Pulled
 from tribo.errors import InputError
 from tribo.fields import Field
@@ -49,6 +49,14 @@ class Periodic:
 
     def __bool__(self) -> bool:
         return self.x is not None or self.z is not None
+
+
+def as_periodic(value: Any) -> Periodic:
+    """A period from its table in a scene file, or itself."""
+    if isinstance(value, Periodic):
+        return value
+    with inside("periodic"):
+        return Periodic(**known_keys(value, ["x", "z"]))
 
 
 @dataclass(frozen=True)
@@ -142,6 +150,7 @@ class Scene:
         put(self, "surfaces", self._checked_surfaces())
         put(self, "interactions", self._checked_interactions())
         put(self, "fields", self._checked_fields())
+        put(self, "periodic", as_periodic(self.periodic))
         self._check_period()
         times = self.output.times
         if times is not None and times[-1] > self.duration:
@@ -198,8 +207,6 @@ class Scene:
 
     def _check_period(self) -> None:
         """Nearest images are right only up to half the box."""
-        if not isinstance(self.periodic, Periodic):
-            raise InputError("periodic", f"must be a tribo.Periodic, got {self.periodic!r}")
         for name in ("x", "z"):
             length = getattr(self.periodic, name)
             for i, interaction in enumerate(self.interactions):
@@ -237,7 +244,7 @@ class Scene:
 
     @property
     def effects(self) -> frozenset[str]:
-        """The effects that the scene calls for, by their names in EFFECTS; no other is simulated."""
+        """The effects that the scene calls for, named as in EFFECTS; no other is simulated."""
         present = {"swing"}
         if any(self.pairs(i) for i in self.interactions):
             present.add("contact")

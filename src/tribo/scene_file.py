@@ -19,7 +19,7 @@ from tribo.errors import InputError
 from tribo.fields import Field
 from tribo.potentials import registry
 from tribo.roughness import Roughness
-from tribo.scene import Interaction, Numerics, Output, Periodic, Scene
+from tribo.scene import Interaction, Numerics, Output, Scene, as_periodic
 from tribo.surface import Initial, Surface
 
 SURFACE_KEYS = [f.name for f in fields_of(Surface)]
@@ -58,11 +58,9 @@ def scene_from(table: dict[str, Any], folder: Path = Path()) -> Scene:
         output = Output(**known_keys(table.get("output", {}), ["samples", "times"]))
     with inside("numerics"):
         numerics = Numerics(**known_keys(table.get("numerics", {}), ["accuracy", "method", "step"]))
-    with inside("periodic"):
-        periodic = Periodic(**known_keys(table.get("periodic", {}), ["x", "z"]))
     return Scene(
         surfaces=tuple(_surface(i, item, folder) for i, item in enumerate(surfaces)),
-        periodic=periodic,
+        periodic=as_periodic(table.get("periodic", {})),
         fields=_fields(table.get("field", []), folder),
         interactions=_interactions(table.get("interaction", []), folder),
         duration=table["duration"],

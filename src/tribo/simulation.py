@@ -13,10 +13,11 @@ from tribo.checks import POSITIVE, number, number_or_each
 from tribo.errors import InputError
 from tribo.kernels.compiled import time_loop
 from tribo.layout import laid_out, set_bath
-from tribo.ledger import ledger
-from tribo.march import March, Progress, compile_loop, march
+from tribo.ledger import Ledger, ledger
+from tribo.march import Digest, March, Progress, compile_loop, march
 from tribo.result import Cost, Result
 from tribo.scene import Scene, check_accuracy
+from tribo.spectra import believed_until
 
 DEFAULT_ACCURACY = 1e-8
 PILOT = 1e-3  # tolerance level of the first run, which finds out the scales
@@ -24,6 +25,7 @@ CHECKS = 8  # equal parts of the duration, after each of which two runs are comp
 PARTS = 32  # the finer run lands on these and the samples: its steps are never the other's
 FIRST_LEVEL = 0.03  # tolerance of the coarser run, in units of the accuracy
 ROUNDS = 6  # of tightening, before a request is called out of reach
+NOISY_STEP = 2.0  # of a run with noise, in units of the first step of one without
 PERTURBATION = 1e-11  # of the start, to see what the scene makes of it
 
 
@@ -54,7 +56,14 @@ class Simulation:
         self.compile_seconds = compile_loop(self.layout, method, self._loop, self._setting)
         self._coarse: Any = None
         self._tuning: list[March] = []
+        self._warnings = _warnings(scene)
         if accuracy is not None:
+            if self._digests:
+                raise InputError(
+                    "output.samples",
+                    f"{self._times.size} samples of {scene.count} asperites are too many to "
+                    "compare two runs; give fewer samples, or a method and a step",
+                )
             self._tune(accuracy)
 
     def run(self, start: Mapping[str, Any] | None = None, estimate: bool = True) -> Result:
@@ -67,14 +76,21 @@ class Simulation:
         runs = []
         if estimate and self._coarse is not None:
             runs.append(self._march(y, self._coarse, self._check_times))
-        runs.append(self._march(y, self._setting, self._times))
-        return self._result(runs)
+        digest = Digest(self.layout) if self._digests else None
+        runs.append(self._march(y, self._setting, self._times, digest))
+        return self._result(runs, digest)
 
     def first_result(self) -> Result:
         """The result of the runs that fixed the step, or of a run if none was needed."""
         return self._result(self._tuning) if self._tuning else self.run()
 
-    def _march(self, start: np.ndarray, setting: Any, times: np.ndarray) -> March:
+    @property
+    def _digests(self) -> bool:
+        return Digest.wanted(self.layout, self._times.size)
+
+    def _march(
+        self, start: np.ndarray, setting: Any, times: np.ndarray, digest: Digest | None = None
+    ) -> March:
         return march(
             self.layout,
             self.method,
@@ -84,6 +100,7 @@ class Simulation:
             times,
             self._first_step,
             self._progress,
+            digest,
         )
 
     def _tune(self, accuracy: float) -> None:
@@ -145,23 +162,29 @@ class Simulation:
             set_bath(bars, surface, part, y[:n], y[n:], rng)
         return y
 
-    def _result(self, runs: list[March]) -> Result:
+    def _result(self, runs: list[March], digest: Digest | None = None) -> Result:
         """The last run as a result, its error estimated from the one before it."""
         fine = runs[-1]
         kept = np.union1d(np.intersect1d(fine.samples.t, self.scene.times), fine.samples.t[-1:])
         books = ledger(self.layout, fine.samples.at(kept))
         bounds: dict[str, float | None] = {name: None for name in acc.KINDS if books.series(name)}
+        t = kept
+        if digest is not None:
+            t, blocks, system = digest.series()
+            books = Ledger(books.surfaces, blocks, system)
         met = None
-        notes: tuple[str, ...] = ()
+        notes = list(self._warnings)
+        if digest is not None:
+            notes.append("of the asperites' series only the first and the last sample are kept")
         if len(runs) > 1 and self.accuracy is not None:
             estimated, scales = self._estimated(fine, runs[-2])
             met = acc.excess(estimated, scales, self.accuracy) <= 1.0
             bounds.update(estimated)
             if not met and fine.status == "completed":
-                notes = (self._out_of_reach(fine, estimated, scales),)
+                notes.append(self._out_of_reach(fine, estimated, scales))
         return Result(
             scene=self.scene,
-            t=kept,
+            t=t,
             ledger=books,
             status=fine.status,
             method=self.method.name,
@@ -174,7 +197,7 @@ class Simulation:
             error_estimate=bounds,
             accuracy=self.accuracy,
             met=met,
-            notes=notes,
+            notes=tuple(notes),
         )
 
     def _out_of_reach(self, fine: March, bounds: dict[str, float], scales: acc.Scales) -> str:
@@ -186,11 +209,28 @@ class Simulation:
         change = acc.excess(self._estimated(fine, other)[0], scales, 1.0) / acc.SAFETY
         reached = acc.excess(bounds, scales, 1.0)
         return (
-            f"accuracy {self.accuracy:.1e} is out of reach: errors are estimated at {reached:.1e} of "
-            f"their scale; a change of {PERTURBATION:.0e} in the start grows to {change:.1e}, "
+            f"accuracy {self.accuracy:.1e} is out of reach: errors are estimated at {reached:.1e} "
+            f"of their scale; a change of {PERTURBATION:.0e} in the start grows to {change:.1e}, "
             f"and round-off of {acc.EPSILON:.1e} with it to about "
             f"{acc.EPSILON * change / PERTURBATION:.1e}"
         )
+
+
+def _warnings(scene: Scene) -> list[str]:
+    """Baths that stand for a continuum are to be believed only for a time."""
+    warnings = []
+    for surface in scene.surfaces:
+        if surface.bath.spectrum is None:
+            continue
+        each = surface.asperite.for_each(surface.count)
+        frequency = float(np.max(np.sqrt(each["kappa"] / each["inertia"])))
+        until = believed_until(surface.bath.spectrum, float(np.min(each["mass"])), frequency)
+        if until < scene.duration:
+            warnings.append(
+                f'the bath of "{surface.name}" stands for a continuum until t = {until:.4g}; the '
+                f"run lasts {scene.duration:g}, so give it more oscillators"
+            )
+    return warnings
 
 
 def prepare(
@@ -212,7 +252,11 @@ def prepare(
     if method is None and step is None:
         step = wanted.step if accuracy is None else None
         method = wanted.method if accuracy is None or wanted.step is None else None
-    chosen = methods.named(method or ("midpoint" if step is not None else "dop853"))
+    if method is None:
+        method = "midpoint" if step is not None else "dop853"
+        if _noisy(scene):
+            method, step = "verlet", step or NOISY_STEP * acc.first_step(laid_out(scene))
+    chosen = methods.named(method)
     _refuse(scene, chosen)
     if chosen.adaptive:
         if step is not None:
@@ -228,10 +272,14 @@ def prepare(
     return Simulation(scene, None, chosen, number("step", step, POSITIVE), progress)
 
 
+def _noisy(scene: Scene) -> bool:
+    """Whether a reservoir's noise acts somewhere."""
+    return any(s.langevin is not None and s.langevin.temperature > 0.0 for s in scene.surfaces)
+
+
 def _refuse(scene: Scene, method: methods.Method) -> None:
     """What a method cannot do is said, not done wrong."""
-    noisy = any(s.langevin and s.langevin.temperature > 0.0 for s in scene.surfaces)
-    if noisy and method.name != "verlet":
+    if _noisy(scene) and method.name != "verlet":
         raise InputError(
             "method", f'must be "verlet" for noise from a reservoir, got "{method.name}"'
         )

@@ -127,11 +127,10 @@ class Surface:
                 raise InputError(key, "cannot go with positions; give one or the other")
         if self.depth != 0.0:
             raise InputError("depth", "cannot go with positions; give one or the other")
-        if not is_list(self.positions) or len(self.positions) == 0:
-            raise InputError(
-                "positions", f"must be a list of [x, y, z], got {shown(self.positions)}"
-            )
-        rows = [vector(f"positions[{i}]", p, size=3) for i, p in enumerate(self.positions)]
+        places: Any = self.positions
+        if not is_list(places) or len(places) == 0:
+            raise InputError("positions", f"must be a list of [x, y, z], got {shown(places)}")
+        rows = [vector(f"positions[{i}]", place, size=3) for i, place in enumerate(places)]
         table = np.array(rows)
         table.flags.writeable = False
         return table

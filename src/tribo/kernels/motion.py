@@ -13,7 +13,7 @@ from numba import literal_unroll
 from tribo.kernels.compiled import kernel
 from tribo.kernels.contact import contact_forces
 from tribo.kernels.neighbours import refreshed
-from tribo.kernels.records import CUSTOM, FORCED, PULLED, RIGID
+from tribo.kernels.records import FORCED, PULLED, RIGID
 
 
 @kernel

@@ -13,7 +13,6 @@ from tribo.kernels.compiled import kernel
 from tribo.kernels.motion import equations_of_motion
 from tribo.kernels.powers import all_powers
 from tribo.kernels.samples import write_sample
-from tribo.kernels.stepping import EPSILON, all_finite, glance, nearness
 from tribo.kernels.status import (
     BOBS_COINCIDE,
     COMPLETED,
@@ -22,6 +21,7 @@ from tribo.kernels.status import (
     PAUSED,
     STEP_UNDERFLOW,
 )
+from tribo.kernels.stepping import EPSILON, all_finite, glance, nearness
 
 
 class Tolerance(NamedTuple):

@@ -20,10 +20,9 @@ import math
 import numpy as np
 
 from tribo.kernels.compiled import kernel
-from tribo.kernels.motion import accelerations, bar_angle, bar_displacement, displacement, forces
+from tribo.kernels.motion import accelerations, bar_displacement, displacement, forces
 from tribo.kernels.powers import block_powers, field_powers, momentum, powers
 from tribo.kernels.samples import write_sample
-from tribo.kernels.stepping import EPSILON, all_finite, glance, nearness
 from tribo.kernels.status import (
     BOBS_COINCIDE,
     COMPLETED,
@@ -32,6 +31,7 @@ from tribo.kernels.status import (
     PAUSED,
     STEP_UNDERFLOW,
 )
+from tribo.kernels.stepping import EPSILON, all_finite, glance, nearness
 
 # Gauss-Legendre nodes and weights on (0, 1), for the ends of clamped bars that turn.
 _ROOT = math.sqrt(0.6)

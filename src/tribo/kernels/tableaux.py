@@ -12,7 +12,7 @@ import numpy as np
 
 
 class Tableau(NamedTuple):
-    """Explicit Runge-Kutta: stage i at t + c_i h from y + h sum_j a_ij k_j, then y + h sum b_i k_i."""
+    """Explicit Runge-Kutta: k_i at t + c_i h from y + h sum_j a_ij k_j, then y + h sum b_i k_i."""
 
     a: np.ndarray  # (stages, stages), strictly lower triangular
     b: np.ndarray  # (stages,)

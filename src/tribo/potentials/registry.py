@@ -127,8 +127,8 @@ def class_named(name: Any, folder: Path) -> Any:
 
 def as_table(potential: Any) -> dict[str, Any]:
     """The table of a scene file that `from_table` reads."""
+    table: dict[str, Any] = potential._asdict()
     for word, kind in AT_CUTOFF.items():
         if type(potential) is kind:
-            ending = dict(zip(potential._fields[1:], potential[1:], strict=True))
-            return as_table(potential.potential) | ending | {"at_cutoff": word}
-    return {"potential": plugins.name_of(potential, BUILT_IN)} | potential._asdict()
+            return as_table(table.pop("potential")) | table | {"at_cutoff": word}
+    return {"potential": plugins.name_of(potential, BUILT_IN)} | table

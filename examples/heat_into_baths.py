@@ -1,0 +1,112 @@
+"""Heat: where the internal energy of the pendulums goes once their bars have baths.
+
+The paper's case A: two asperites repel each other as they pass, and swing on for ever.  Here each
+bar also drags n oscillators along, with Drude's damping kernel gamma w_c exp(-w_c t), and the
+swing dies away.  A finite bath gives the energy back in the end; up to when it is to be believed
+is its own statement.
+
+The exact answer has the continuum in place of the oscillators.  Its pull p on the bar remembers
+where the bar has been, and for this kernel that is one more equation of motion for each direction,
+
+    p' = -w_c p - gamma w_c (v_bar - V) .
+
+R. Zwanzig, J. Stat. Phys. 9 (1973) 215.
+"""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from tribo import Output, paper, plotting, simulate
+from tribo.bath import Bath
+from tribo.spectra import Spectrum, believed_until
+
+GAMMA, CUTOFF = 1.0, 2.0
+FEW, MANY = 40, 160  # oscillators on every bar
+CASE = replace(paper.scene("A"), duration=120.0, output=Output(samples=1201))
+UPPER = CASE.surfaces[0]
+KAPPA, M1, M2, M, I, L, L1, L2 = (
+    UPPER.asperite.for_each(1)[name].item()
+    for name in ("kappa", "m1", "m2", "mass", "inertia", "length", "l1", "l2")
+)
+CLOSEST = -UPPER.bob[0] / UPPER.velocity[0]  # time at which the resting bobs are closest
+
+
+def internal_energy(n):
+    """e_int of the upper asperite over time, with n bath oscillators on every bar."""
+    bath = Bath(spectrum=Spectrum("drude", GAMMA, CUTOFF, n)) if n else Bath()
+    bathed = tuple(replace(surface, bath=bath) for surface in CASE.surfaces)
+    result = simulate(replace(CASE, surfaces=bathed), method="verlet", step=0.01)
+    return result["upper"].delta_e_int[:, 0]
+
+
+def continuum(t):
+    """The same with a continuum of oscillators: the equations of motion of the upper asperite.
+
+    The lower one is its mirror image in the point between them, which is the origin here.
+    """
+    strength = CASE.interactions[0].potential.strength
+    speed = 0.5 * UPPER.velocity[0]
+
+    def rates(t, state):
+        theta, omega = state[:2]
+        shift, velocity, pull = state[2:].reshape(3, 2)  # of the centre of mass, seen from V
+        across = np.array([np.cos(theta), np.sin(theta)])
+        bob = np.array([0.5 * UPPER.bob[0] + speed * t, 0.0]) + shift
+        bob += L1 * np.array([np.sin(theta), 1.0 - np.cos(theta)])
+        contact = strength * 2.0 * bob / np.hypot(*(2.0 * bob)) ** 3
+        torque = (L * contact - L2 * pull) @ across - KAPPA * theta
+        bar = velocity - L2 * omega * across
+        memory = -CUTOFF * (pull + GAMMA * bar)
+        return np.concatenate([[omega, torque / I], velocity, pull / M, memory])
+
+    swing = solve_ivp(rates, (0.0, t[-1]), np.zeros(8), "DOP853", t, rtol=1e-9, atol=1e-12).y
+    return 0.5 * (I * swing[1] ** 2 + KAPPA * swing[0] ** 2)
+
+
+def believed(n):
+    """Until when n oscillators are to be believed, counted from the encounter."""
+    spectrum = Spectrum("drude", GAMMA, CUTOFF, n)
+    return CLOSEST + believed_until(spectrum, M2, np.sqrt(KAPPA / I))
+
+
+def draw(path, t, runs, exact):
+    """e_int over time."""
+    with plotting.style():
+        ax = plotting.axes(plotting.WIDE, 2.6)
+        looks = {0: ("0.55", "no bath"), FEW: ("#0b62a4", None), MANY: ("#d55e00", None)}
+        for n, (colour, label) in looks.items():
+            ax.plot(t, runs[n], color=colour, label=label or f"{n} oscillators on each bar")
+        ax.plot(t, exact, color=plotting.INK, lw=0.8, ls=(0, (3, 3)), label="continuum, exact")
+        ax.axvline(believed(FEW), color="#0b62a4", lw=0.6, ls=":")
+        place = (believed(FEW), 0.93 * runs[0].max())
+        plotting.note(ax, place, f"{FEW} believed until here", (-4.0, 0.0), ha="right", size=8)
+        ax.set(xlabel="$t$", ylabel=r"$e_{\rm int}$", xlim=(t[0], t[-1]), ylim=(0.0, None))
+        ax.legend(frameon=False)
+        ax.get_figure().savefig(path)
+
+
+def main(folder=None):
+    """What is left of the internal energy, and how far the bath is from the continuum."""
+    t = CASE.times
+    runs = {n: internal_energy(n) for n in (0, FEW, MANY)}
+    exact = continuum(t)
+    if folder is not None:
+        draw(Path(folder) / "heat_into_baths.png", t, runs, exact)
+    after = t > 60.0
+    error = {n: np.abs(runs[n] - exact)[t < believed(n)].max() / exact.max() for n in (FEW, MANY)}
+    return {
+        "e_int without a bath at the end": runs[0][-1],
+        "its change since t = 60": np.ptp(runs[0][after]),
+        f"e_int with {MANY} oscillators at the end": runs[MANY][-1],
+        "largest distance from the continuum": error[MANY],
+        f"{FEW} oscillators are believed until": believed(FEW),
+        "their largest distance until then": error[FEW],
+    }
+
+
+if __name__ == "__main__":
+    for name, value in main(".").items():
+        print(f"{name:40} {value:.6g}")

@@ -1,0 +1,96 @@
+"""Compiled kernels do what their source says: uncompiled, it gives the same numbers to round-off."""
+
+import os
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import tribo
+from tribo import Asperite, Coulomb, Field, Free, Initial, Output, Pulled, Scene, Springs, Surface
+from tribo.paper import scene as case
+
+ROUND_OFF = 1e-12  # relative to the largest value of a quantity
+
+
+def rows():
+    """Two rows with turning bars, loads, springs, a stage and a field, pressed together."""
+    upper = Surface(
+        "upper",
+        bob=(-1.5, 0.3),
+        velocity=(0.5, 0.0),
+        shape=(2, 1),
+        spacing=(1.0, 0.0),
+        heights=(0.0, 0.05),
+        drive=Pulled(stiffness=1.0, speed=0.6, load=0.05),
+        bars="free",
+        springs=Springs(2.0),
+        asperite=Asperite(m1=(1.0, 1.5), charge=(1.0, -0.5)),
+        initial=Initial(theta=0.1, nu=0.2),
+    )
+    lower = Surface("lower", facing="up", shape=(2, 1), spacing=(0.8, 0.0), drive=Free(rigid=True))
+    field = Field(tribo.Corrugation(0.1, 0.8), on=("upper",))
+    return Scene((upper, lower), Coulomb(0.2), 1.0, fields=(field,), output=Output(samples=5))
+
+
+SCENES = {
+    "A": replace(case("A"), duration=24.0, output=Output(times=(20.0, 22.0))),
+    "C": replace(case("C"), duration=24.0, output=Output(times=(20.0, 22.0))),
+    "rows": rows(),
+}
+HOW = {
+    "midpoint": {"method": "midpoint", "step": 0.05},
+    "dop853": {"accuracy": 1e-6},
+    "verlet": {"method": "verlet", "step": 0.05},
+}
+
+UNCOMPILED = f"""
+import sys
+sys.path.insert(0, {os.path.dirname(__file__)!r})
+import numpy as np
+from numba import config
+from test_kernels import HOW, SCENES, series
+assert config.DISABLE_JIT
+for scene in SCENES:
+    for how in HOW:
+        np.savez(sys.argv[1] + f"/{{scene}}-{{how}}.npz", **series(scene, how))
+"""
+
+
+def series(scene, how):
+    """Every series of a run, by names that a file can have."""
+    result = tribo.simulate(SCENES[scene], **HOW[how])
+    assert result.status == "completed"
+    system = {f"system-{key}": values for key, values in result.system.items()}
+    return system | {
+        f"{name}-{key}": values
+        for name in result.ledger.surfaces
+        for key, values in result[name].items()
+    }
+
+
+@pytest.fixture(scope="module")
+def uncompiled(tmp_path_factory):
+    """The folder in which a process without a compiler left its numbers."""
+    folder = tmp_path_factory.mktemp("uncompiled")
+    subprocess.run(
+        [sys.executable, "-c", UNCOMPILED, str(folder)],
+        env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
+        check=True,
+    )
+    return folder
+
+
+@pytest.mark.parametrize("how", HOW)
+@pytest.mark.parametrize("scene", SCENES)
+def test_compiled_is_as_written(uncompiled, scene, how):
+    """Every quantity at every sample."""
+    written = dict(np.load(uncompiled / f"{scene}-{how}.npz"))
+    compiled = series(scene, how)
+    assert set(compiled) == set(written)
+    for name, values in compiled.items():
+        bound = ROUND_OFF * max(1.0, np.max(np.abs(values)))
+        worst = np.max(np.abs(values - written[name]))
+        assert worst <= bound, f"{name} differs by {worst:.1e}"
