@@ -74,17 +74,21 @@ def believed(n):
 
 def draw(path, t, runs, exact):
     """e_int over time."""
+    grey, blue, red = "0.55", plotting.WORKS["w1"][1], plotting.WORKS["w2"][1]
     with plotting.style():
         ax = plotting.axes(plotting.WIDE, 2.6)
-        looks = {0: ("0.55", "no bath"), FEW: ("#0b62a4", None), MANY: ("#d55e00", None)}
-        for n, (colour, label) in looks.items():
-            ax.plot(t, runs[n], color=colour, label=label or f"{n} oscillators on each bar")
-        ax.plot(t, exact, color=plotting.INK, lw=0.8, ls=(0, (3, 3)), label="continuum, exact")
-        ax.axvline(believed(FEW), color="#0b62a4", lw=0.6, ls=":")
-        place = (believed(FEW), 0.93 * runs[0].max())
-        plotting.note(ax, place, f"{FEW} believed until here", (-4.0, 0.0), ha="right", size=8)
-        ax.set(xlabel="$t$", ylabel=r"$e_{\rm int}$", xlim=(t[0], t[-1]), ylim=(0.0, None))
-        ax.legend(frameon=False)
+        for n, colour in zip(runs, (grey, blue, red), strict=True):
+            ax.plot(t, runs[n], color=colour)
+        ax.plot(t, exact, color=plotting.INK, lw=0.8, ls=(0, (3, 3)))
+        ax.axvline(believed(FEW), color=blue, lw=0.8, ls=":")
+        for place, text, colour in (
+            ((48.0, 0.54), "no bath", grey),
+            ((36.5, 0.16), f"{MANY} oscillators on each bar;\ndashed: the continuum", red),
+            ((84.0, 0.33), f"{FEW} oscillators on each bar", blue),
+            ((believed(FEW) + 1.0, 0.47), "from here not to be believed", blue),
+        ):
+            plotting.note(ax, place, text, color=colour, ha="left")
+        ax.set(xlabel="$t$", ylabel=r"$e_{\rm int}$", xlim=(t[0], t[-1]), ylim=(0.0, 0.6))
         ax.get_figure().savefig(path)
 
 

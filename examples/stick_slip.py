@@ -27,28 +27,28 @@ from tribo.langevin import Langevin
 A, PERIOD, ROD = 1.0, 1.0, 10.0
 Q = 2.0 * np.pi / PERIOD
 ETAS = np.array([0.4, 0.7, 0.9, 1.0, 1.1, 1.3, 1.6, 2.0, 2.5, 3.0, 3.5, 4.0])
-FAST, SLOW = 0.02, 0.001  # speeds of the stage
+FAST, SLOW = 0.02, 0.002  # speeds of the stage
 SAMPLES = 400  # in each of the three periods pulled
 
 
-def tip(eta, speed, share=0.5, damping=1.0):
-    """One asperite on the corrugation; the torsion spring has `share` of the compliance 1/K."""
+def tip(eta, speed, damping=1.0):
+    """One asperite on the corrugation; pull and torsion have half of the compliance 1/K each."""
     K = Q**2 * A / eta
     surface = Surface(
         "tip",
-        asperite=Asperite(m1=1.0, m2=1.0, length=ROD, kappa=K * ROD**2 / share),
-        drive=Pulled(stiffness=K / (1.0 - share), speed=speed),
-        langevin=Langevin(gamma=damping * np.sqrt(K), velocity=(0.0, 0.0)),
+        asperite=Asperite(m1=1.0, m2=1.0, length=ROD, kappa=2.0 * K * ROD**2),
+        drive=Pulled(stiffness=2.0 * K, speed=speed),
+        langevin=Langevin(gamma=damping * np.sqrt(K)),  # at rest, as the surface is at first
     )
     field = Field(Corrugation(A, PERIOD), on=["tip"])
     output = Output(samples=3 * SAMPLES + 1)
     return Scene([surface], [], 3.0 * PERIOD / abs(speed), fields=[field], output=output)
 
 
-def pull(eta, speed):
+def pull(eta, speed, damping=1.0):
     """Stage positions, pulling forces, and the work of the pull in the last period."""
-    scene = tip(eta, speed)
-    result = simulate(scene, accuracy=1e-5)
+    scene = tip(eta, speed, damping)
+    result = simulate(scene, accuracy=1e-4)
     stage, series = speed * result.t, result["tip"]
     force = scene.surfaces[0].drive.stiffness * (stage - series.x_bar[:, 0])
     return stage, force, series.w2[-1, 0] - series.w2[-1 - SAMPLES, 0]
@@ -65,48 +65,9 @@ def cost_of_a_jump(eta):
     return before - after
 
 
-def draw(path, loops, works):
+def draw(path, works):
     """Left the loops of force against stage, right the work in a period against eta."""
-    from matplotlib.figure import Figure
-
+    blue, red = (plotting.WORKS[name][1] for name in ("w1", "w2"))
     with plotting.style():
-        figure = Figure(figsize=(6.9, 2.7), layout="constrained")
-        left, right = figure.subplots(1, 2)
-        blue, red = (plotting.WORKS[name][1] for name in ("w1", "w2"))
-        for (eta, (forth, back)), colour in zip(loops.items(), (blue, red), strict=True):
-            x = np.linspace(0.0, 5.0 * PERIOD, 2000)
-            left.plot(x + eta / Q * np.sin(Q * x), np.sin(Q * x), ":", lw=0.7, color=colour)
-            left.plot(forth[0], forth[1] / (Q * A), color=colour, label=rf"$\eta = {eta}$")
-            left.plot(back[0] + 4.0 * PERIOD, back[1] / (Q * A), color=colour)
-        left.set(xlim=(PERIOD, 3.0 * PERIOD), ylim=(-1.35, 1.35), xlabel="stage position $/a$")
-        left.set_ylabel(r"pulling force $/\,(2\pi A/a)$")
-        left.legend(loc="upper center", ncols=2, frameon=False)
-        fine = np.linspace(ETAS[0], ETAS[-1], 500)
-        right.plot(fine, [cost_of_a_jump(eta) / A for eta in fine], color=red, label="statics")
-        for (speed, work), fill in zip(works.items(), ("none", plotting.INK), strict=True):
-            label = f"stage speed {speed}"
-            right.plot(ETAS, work / A, "o", ms=3.5, mfc=fill, color=plotting.INK, label=label)
-        right.axvline(1.0, color="0.6", lw=0.5, zorder=0)
-        right.set(xlabel=r"$\eta$", ylabel="work in a period $/A$")
-        right.legend(frameon=False)
+        left, right = plotting.panels(1, 2)
         figure.savefig(path)
-
-
-def main(folder=None):
-    """Work in a period on either side of eta = 1, and how far it is from the statics."""
-    works = {v: np.array([pull(eta, v)[2] for eta in ETAS]) for v in (FAST, SLOW)}
-    if folder is not None:
-        loops = {eta: [pull(eta, v) for v in (SLOW, -SLOW)] for eta in (0.7, 4.0)}
-        draw(Path(folder) / "stick_slip.png", loops, works)
-    slow = dict(zip(ETAS, works[SLOW], strict=True))
-    return {
-        "work in a period, eta = 0.7": slow[0.7],
-        "the same at a speed of 0": cost_of_a_jump(0.7),
-        "work in a period, eta = 4": slow[4.0],
-        "the same by statics": cost_of_a_jump(4.0),
-    }
-
-
-if __name__ == "__main__":
-    for name, value in main(".").items():
-        print(f"{name:40} {value:.6g}")

@@ -1,4 +1,4 @@
-"""Compiled kernels do what their source says: uncompiled, it gives the same numbers to round-off."""
+"""Compiled kernels do what their source says: uncompiled, it gives the same numbers."""
 
 import os
 import subprocess

@@ -59,6 +59,7 @@ LOWER = {
     "name": "lower",
     "facing": "up",
     "bob": [0.1, -0.1],
+    "depth": -0.1,
     "velocity": [-0.3, 0.2],
     "asperite": {
         "m1": 0.9,
@@ -69,8 +70,9 @@ LOWER = {
         "i2": 0.7,
         "charge": 1.3,
     },
-    "initial": {"theta": 3.6, "phi": 0.2, "omega": -0.5, "nu": 0.7},
+    "initial": {"theta": 3.6, "phi": 0.2, "omega": -0.5},
 }
+TURNING = {"initial": LOWER["initial"] | {"nu": 0.7}}
 CORRUGATION = {"kind": "corrugation", "amplitude": 0.3, "period": 1.7}
 
 
@@ -87,9 +89,14 @@ def scene(upper, lower, **others):
 
 
 SCENES = {
-    "slid": scene({}, {"drive": "free", "bars": "free"}),
+    "slid": scene({}, {"drive": "free", "bars": "free"} | TURNING),
     "pulled": scene(
-        {"drive": {"kind": "free", "rigid": True, "load": 0.3}, "bars": "free"},
+        {
+            "drive": {"kind": "free", "rigid": True, "load": 0.3},
+            "bars": "free",
+            "shape": [1, 2],
+            "spacing": [0.0, 0.5],
+        },
         {"drive": {"kind": "pulled", "stiffness": 1.2, "speed": 0.5, "load": 0.2}},
     ),
     "lattice": scene(
@@ -102,7 +109,7 @@ SCENES = {
                 ]
             },
         },
-        {"bars": "free"},
+        TURNING,
         field=[CORRUGATION | {"on": ["upper", "lower"]}],
     ),
 }
@@ -116,7 +123,7 @@ MUTATIONS = {
         "for_each": [
             'each["l1"] = length * m2 -> each["l1"] = length * m1',
             'each["l2"] = length * m1 -> each["l2"] = length * m2',
-            'm1 * each["l1"] ** 2 + -> m1 * each["l1"] ** 2 -',
+            'm1 * each["l1"] ** 2 -> m2 * each["l1"] ** 2',
             'm2 * each["l2"] ** 2 -> m1 * each["l2"] ** 2',
         ],
     },
@@ -152,8 +159,10 @@ MUTATIONS = {
             "image(a.x - b.x -> image(a.x + b.x",
             "a.y - b.y -> a.y + b.y",
             "a.z - b.z -> a.z + b.z",
-            "    fx += f * dx -> fx -= f * dx",
-            "    fy += f * dy -> fy -= f * dy",
+            "fx += f * dx -> fx -= f * dx",
+            "fy += f * dy -> fy -= f * dy",
+            "a.fx += -> a.fx -=",
+            "a.fy += -> a.fy -=",
             "b.fx -= -> b.fx +=",
             "b.fy -= -> b.fy +=",
             "potential.force(r) / r -> potential.force(r)",
@@ -218,7 +227,7 @@ MUTATIONS = {
             "else -b.fy -> else b.fy",
         ],
         "bar_forces": ["x += d.hx -> x -= d.hx", "y += d.hy -> y -= d.hy"],
-        "bob_forces": ["b.fx + -> b.fx -", "b.fy + -> b.fy -"],
+        "bob_forces": ["b.fx + -> b.fx -"],
         "accelerations": [
             "spring = torsion -> spring = -torsion",
             "q[i] - bar_angle -> q[i] + bar_angle",
@@ -283,10 +292,9 @@ MUTATIONS = {
             "b.tx * d.gx + -> b.tx * d.gx -",
             "d.gx * vx + -> d.gx * vx -",
             "= d.ex\n -> = -d.ex\n",
-            "= d.ey\n -> = -d.ey\n",
             "a.l1 * omega -> a.l2 * omega",
-            "b.tx * d.ex + -> b.tx * d.ex -",
-            "d.ex * vx + -> d.ex * vx -",
+            "(b.tx * d.ex -> (-b.tx * d.ex",
+            "d.ex * vx -> -d.ex * vx",
         ],
         "bath_momentum": ["px += -> px -=", "py += -> py -="],
         "momentum": ["px += -> px -=", "py += -> py -="],
@@ -294,7 +302,6 @@ MUTATIONS = {
             "b.fx + d.gx -> b.fx - d.gx",
             "b.fy + d.gy -> b.fy - d.gy",
             "+= d.ex -> -= d.ex",
-            "+= d.ey -> -= d.ey",
         ],
         "block_powers": ["* px + -> * px -", "s.total_mass -> s.mass"],
     },
@@ -352,7 +359,7 @@ MUTATIONS = {
         "drift_free": [
             "q[i] - q[j] -> q[i] + q[j]",
             "v[i] - v[j] -> v[i] + v[j]",
-            "1.0 / a.inertia + -> 1.0 / a.inertia -",
+            "1.0 / a.inertia + -> 0.0 +",
             "share = a.i2 -> share = a.inertia",
             "a.inertia * v[i] + -> a.inertia * v[i] -",
             "tau + share -> tau - share",

@@ -152,23 +152,39 @@ def ledger(layout: Layout, samples: Samples) -> Ledger:
     """Put together the ledger from raw samples, the first of which is the start."""
     motion = _motion(layout, samples)
     accounts = _accounts(layout, motion, samples.s)
-    energies = _energies(layout, motion)
-    whole = _places(layout, motion) | _works(layout, accounts) | energies
-    surfaces, blocks = {}, {}
+    whole = _places(layout, motion) | _works(layout, accounts) | _energies(layout, motion)
+    surfaces = {}
     for k, surface in enumerate(layout.scene.surfaces):
         part = layout.parts[surface.name]
         extra = _optional(layout, k, accounts)
-        table = {name: values[:, part] for name, values in (whole | extra).items()}
-        surfaces[surface.name] = table
-        blocks[surface.name] = _block(layout, k, motion, accounts, energies, samples)
-    return Ledger(surfaces, blocks, _system(layout, whole, accounts, blocks, samples))
+        surfaces[surface.name] = {name: v[:, part] for name, v in (whole | extra).items()}
+    bulk = bulk_ledger(layout, samples)
+    return Ledger(surfaces, bulk.blocks, bulk.system)
+
+
+def bulk_ledger(layout: Layout, samples: Samples) -> Ledger:
+    """The ledger without the asperites' series: the surfaces as wholes, and the system."""
+    motion = _motion(layout, samples)
+    accounts = _accounts(layout, motion, samples.s)
+    energies = _energies(layout, motion)
+    blocks = {
+        surface.name: _block(layout, k, motion, accounts, energies, samples)
+        for k, surface in enumerate(layout.scene.surfaces)
+    }
+    return Ledger({}, blocks, _system(layout, accounts, blocks, samples))
 
 
 def _columns(slots: np.ndarray, table: np.ndarray, absent: np.ndarray | float = 0.0) -> np.ndarray:
     """Columns of a table by slot; `absent` where the slot is -1."""
-    values = np.empty((table.shape[0], slots.size))
+    shape = (table.shape[0], slots.size)
+    present = slots >= 0
+    if not np.any(present):
+        return np.broadcast_to(np.asarray(absent), shape)
+    if np.all(present):
+        return table[:, slots]
+    values = np.empty(shape)
     values[:] = absent
-    values[:, slots >= 0] = table[:, slots[slots >= 0]]
+    values[:, present] = table[:, slots[present]]
     return values
 
 
@@ -330,7 +346,6 @@ def _block(
 
 def _system(
     layout: Layout,
-    whole: Table,
     accounts: dict[str, Account],
     blocks: dict[str, Table],
     samples: Samples,
@@ -338,8 +353,8 @@ def _system(
     """Energy of everything, and the work done on it from outside."""
     stored = sum(block["delta_K"] + block["delta_E_int"] for block in blocks.values())
     potential = samples.contact + samples.field
-    thermal = accounts["w_T"].work(layout.velocity)
-    applied = np.sum(whole["w2"] + whole["wL"] + whole["wR"] + thermal, axis=1)
+    outside = (accounts[name].work(layout.velocity) for name in ("w2", "wL", "wR", "w_T"))
+    applied = np.sum(np.sum(list(outside), axis=0), axis=1)
     for field in layout.model.fields or ():
         if field.account >= 0:
             applied = applied + samples.s[:, field.account]

@@ -15,7 +15,7 @@ from tribo.kernels.records import CLOCK
 from tribo.kernels.samples import STORED, Record, State, write_sample
 from tribo.kernels.status import COMPLETED, NAMES, PAUSED
 from tribo.layout import Layout
-from tribo.ledger import ASPERITE_KINDS, OPTIONAL_KINDS, Ledger, Samples, Table, ledger
+from tribo.ledger import ASPERITE_KINDS, OPTIONAL_KINDS, Ledger, Samples, Table, bulk_ledger
 from tribo.methods import Method
 
 Progress = Callable[[float], None]  # told the time reached, a few times a second
@@ -39,7 +39,7 @@ class Digest:
 
     def add(self, samples: Samples) -> None:
         """Take in a portion, whose first sample is the run's first."""
-        books = ledger(self._layout, samples)
+        books = bulk_ledger(self._layout, samples)
         new = slice(1 if self._portions else 0, None)
         blocks = {name: _rows(table, new) for name, table in books.blocks.items()}
         self._portions.append(Ledger({}, blocks, _rows(books.system, new)))

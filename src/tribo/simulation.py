@@ -274,7 +274,7 @@ def prepare(
 
 def _noisy(scene: Scene) -> bool:
     """Whether a reservoir's noise acts somewhere."""
-    return any(s.langevin is not None and s.langevin.temperature > 0.0 for s in scene.surfaces)
+    return any(s.langevin and s.langevin.temperature > 0.0 for s in scene.surfaces)
 
 
 def _refuse(scene: Scene, method: methods.Method) -> None:

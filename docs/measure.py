@@ -1,0 +1,339 @@
+"""The measured tables of accuracy.md: what accuracy costs, and whether error bars are honest.
+
+    python docs/measure.py [TABLE ...]
+
+Each function measures one table and its name is that of the file in docs/measured.  Errors are
+the largest over all reported quantities and recorded times, relative to the scale of their kind.
+Where the documents say "independent", the other solution is that of tests/reference.py: SciPy's
+DOP853 on the equations written down a second time, which shares no code with the package.
+"""
+
+import sys
+import tempfile
+import time
+import tomllib
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+import tribo
+from tribo import accuracy, paper
+from tribo.scene_file import scene_text
+
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent / "tests"))
+sys.dont_write_bytecode = True
+
+import reference  # noqa: E402
+
+FEW = tribo.Output(samples=9)  # so that steps are not cut short by samples
+COLUMNS = (1e-3, 1e-6, 1e-9, 1e-12)  # errors of the table of costs
+
+
+def error(result: tribo.Result, truth: tribo.Result) -> float:
+    """The largest difference of two results, each in units of its kind's scale."""
+    return max(gaps(result, truth).values())
+
+
+def gaps(result: tribo.Result, truth: tribo.Result) -> dict[str, float]:
+    """Quantity by quantity."""
+    layout = tribo.prepare(truth.scene, method="verlet", step=1.0).layout
+    scales = accuracy.reported_scales(layout, truth.ledger)
+    found = {}
+    for name, kind in accuracy.KINDS.items():
+        pairs = zip(result.ledger.series(name), truth.ledger.series(name), strict=True)
+        differences = [float(np.max(np.abs(one - other))) for one, other in pairs]
+        if differences:
+            found[name] = max(differences) / scales.of(kind)
+    return found
+
+
+def case(letter: str) -> tribo.Scene:
+    """A case of the paper, recorded at a few times."""
+    return replace(paper.scene(letter), output=FEW)
+
+
+def costs() -> Iterator[list[str]]:
+    """Evaluations of all forces for a given error."""
+    yield ["method", *(f"{c}, {e:.0e}" for c in "AC" for e in COLUMNS)]
+    truth = {c: tribo.simulate(case(c), accuracy=1e-13) for c in "AC"}
+    for method in ("midpoint", "verlet", "kahan-li-6", "dop853"):
+        cells = []
+        for letter in "AC":
+            curve = list(work_precision(letter, method, truth[letter]))
+            cells += [_at(curve, wanted) for wanted in COLUMNS]
+        yield [f"`{method}`", *cells]
+
+
+def work_precision(
+    letter: str, method: str, truth: tribo.Result
+) -> Iterator[tuple[float, float]]:
+    """(error, evaluations) of a method on a case, coarse to fine."""
+    scene = case(letter)
+    if method == "dop853":
+        for wanted in 10.0 ** np.arange(-1.0, -13.1, -0.5):
+            run = tribo.prepare(scene, accuracy=float(wanted)).run(estimate=False)
+            yield error(run, truth), run.cost.force_evaluations
+        return
+    for step in 0.8 * 0.5 ** np.arange(0.0, 14.5, 0.5):
+        run = tribo.simulate(scene, method=method, step=float(step))
+        if run.status == "completed":
+            yield error(run, truth), run.cost.force_evaluations
+
+
+def _at(curve: list[tuple[float, float]], wanted: float) -> str:
+    """Evaluations from which on the error stays below, between points of the curve."""
+    above = [k for k, (err, _) in enumerate(curve) if err > wanted]
+    last = above[-1] if above else -1
+    if last == len(curve) - 1:
+        return "-"
+    if last < 0:
+        return f"< {_short(curve[0][1])}"
+    (e0, n0), (e1, n1) = curve[last], curve[last + 1]
+    share = np.log(e0 / wanted) / np.log(e0 / e1)
+    return _short(float(n0 * (n1 / n0) ** share))
+
+
+def _short(n: float) -> str:
+    """Two digits are all that such a number deserves."""
+    if n < 1000:
+        return f"{float(f'{n:.2g}'):.0f}"
+    return f"{n / 1000:.1f}k" if n < 10_000 else f"{float(f'{n / 1000:.2g}'):.0f}k"
+
+
+def hard_scenes() -> dict[str, tribo.Scene]:
+    """Scenes that are rougher than the paper's."""
+    soft = tribo.Asperite(kappa=0.5)
+    row = {"shape": (5, 1), "spacing": (1.1, 0.0)}
+    upper = tribo.Surface("upper", bob=(-6.0, 0.9), velocity=(0.8, 0.0), asperite=soft, **row)
+    lower = tribo.Surface("lower", facing="up", asperite=soft, **row)
+    jones = tribo.with_cutoff(tribo.LennardJones(0.3, 1.0), 2.5)
+    one = {"asperite": tribo.Asperite(charge=1.0)}
+    left = tribo.Surface("upper", bob=(-4.0, 0.6), velocity=(0.6, 0.0), bars="free", **one)
+    right = tribo.Surface("lower", facing="up", **one)
+    rows = (
+        replace(upper, drive=tribo.Free(rigid=True)),
+        replace(lower, springs=tribo.Springs(4.0)),
+    )
+    return {
+        "two rows of five, Lennard-Jones with a switch, soft": tribo.Scene(
+            (upper, lower), jones, 12.0, output=FEW
+        ),
+        "the same, one rigid and free, one with springs": tribo.Scene(rows, jones, 12.0, output=FEW),
+        "a short Morse bond, bars free": tribo.Scene(
+            (left, right), tribo.Morse(0.5, 5.0, 0.5), 16.0, output=FEW
+        ),
+    }
+
+
+def bars() -> Iterator[list[str]]:
+    """Error bars beside true errors, by the independent solution."""
+    yield ["scene", "asked for", "runs", "error <= bar", "error <= asked", "smallest bar / error"]
+    scenes = {f"the paper's case {c}": paper.scene(c) for c in "ABCDE"} | hard_scenes()
+    for name, scene in scenes.items():
+        truth = reference.solve(tomllib.loads(scene_text(replace(scene, output=FEW))))
+        for wanted in (1e-4, 1e-7, 1e-10):
+            honest, kept, ratio, count = judged(scene, wanted, truth)
+            yield [name, f"{wanted:.0e}", str(count), str(honest), str(kept), f"{ratio:.1f}"]
+
+
+def judged(scene: tribo.Scene, wanted: float, truth: dict) -> tuple[int, int, float, int]:
+    """How many quantities' bars hold, how many meet the request, and the tightest bar."""
+    result = tribo.simulate(scene, accuracy=wanted)
+    floor = 3e-12  # of the scale, to which the other solution is to be believed
+    honest = kept = count = 0
+    ratio = np.inf
+    for part in ("surfaces", "blocks"):
+        for name, table in truth[part].items():
+            for key, values in table.items():
+                off = np.max(np.abs(np.array(result.end[part][name][key]) - values))
+                scale = truth["scales"][accuracy.KINDS[key]]
+                bar = result.error_estimate[key] or 0.0
+                count += 1
+                honest += bool(off <= bar + floor * scale)
+                kept += bool(off <= (wanted + floor) * scale)
+                if off > 10.0 * floor * scale:
+                    ratio = min(ratio, bar / off)
+    return honest, kept, ratio, count
+
+
+def closure() -> Iterator[list[str]]:
+    """How well the ledger closes beside how wrong it is."""
+    yield ["case", "method", "step", "w - w_ps - delta_e_int", "w_ps - delta_k_trans", "true error"]
+    for letter in "AC":
+        truth = tribo.simulate(case(letter), accuracy=1e-12)
+        for method, step in (
+            ("midpoint", 0.05),
+            ("verlet", 0.1),
+            ("verlet", 0.01),
+            ("kahan-li-6", 0.1),
+        ):
+            run = tribo.simulate(case(letter), method=method, step=step)
+            upper = run["upper"]
+            first = np.max(np.abs(upper.w - upper.w_ps - upper.delta_e_int))
+            second = np.max(np.abs(upper.w_ps - upper.delta_k_trans))
+            wrong = max(
+                float(np.max(np.abs(upper[name] - truth["upper"][name])))
+                for name in ("w1", "w2", "w", "w_ps", "delta_e_int")
+            )
+            numbers = (f"{x:.0e}" for x in (first, second, wrong))
+            yield [letter, f"`{method}`", str(step), *numbers]
+
+
+def frames() -> Iterator[list[str]]:
+    """The same physics far away and in a fast frame."""
+    yield ["case C", "w - w_ps", "largest change", "w1_ps", "off the boost's formula"]
+    still = tribo.simulate(case("C"), accuracy=1e-10)
+    for name, place, speed in (
+        ("where the paper has it", 0.0, 0.0),
+        ("at x = 10^6", 1e6, 0.0),
+        ("at x = 10^12", 1e12, 0.0),
+        ("in a frame that moves at 10^6", 0.0, 1e6),
+    ):
+        surfaces = tuple(
+            replace(
+                s,
+                bob=(s.bob[0] + place, s.bob[1]),
+                velocity=(s.velocity[0] + speed, s.velocity[1]),
+            )
+            for s in case("C").surfaces
+        )
+        run = tribo.simulate(replace(case("C"), surfaces=surfaces), accuracy=1e-10)
+        old, new = still["upper"], run["upper"]
+        change = np.max(np.abs((new.w - new.w_ps) - (old.w - old.w_ps)))
+        change = max(change, np.max(np.abs(new.delta_e_int - old.delta_e_int)))
+        impulse = 12.0 * (old.vx_cm - old.vx_cm[0])
+        boosted = old.w1_ps + speed * impulse
+        off = np.max(np.abs(new.w1_ps - boosted)) / np.max(np.abs(boosted))
+        work = f"{(new.w - new.w_ps)[-1, 0]:.9f}"
+        yield [name, work, f"{change:.0e}", f"{new.w1_ps[-1, 0]:.6g}", f"{off:.0e}"]
+
+
+def orders() -> Iterator[list[str]]:
+    """What a cutoff does to a method's order: the fitted slope of error against step."""
+    yield ["at_cutoff", "`verlet`", "`kahan-li-6`"]
+    surfaces = tuple(
+        replace(surface, asperite=tribo.Asperite(kappa=20.0))
+        for surface in hard_scenes()["a short Morse bond, bars free"].surfaces
+    )
+    for kind in ("truncate", "shift", "force-shift", "switch"):
+        options = {"switch_from": 1.5} if kind == "switch" else {}
+        potential = tribo.with_cutoff(tribo.LennardJones(0.05, 1.0), 2.5, kind, **options)
+        scene = tribo.Scene(surfaces, potential, 12.0, output=tribo.Output(samples=2))
+        cells = []
+        for method, steps in (
+            ("verlet", 0.02 * 0.75 ** np.arange(14)),
+            ("kahan-li-6", 0.08 * 0.85 ** np.arange(14)),
+        ):
+            runs = [tribo.simulate(scene, method=method, step=float(h)) for h in steps]
+            fine = tribo.simulate(scene, method=method, step=float(steps[-1] / 4.0))
+            errors = [error(run, fine) for run in runs]
+            cells.append(f"{np.polyfit(np.log(steps), np.log(errors), 1)[0]:.1f}")
+        yield [f'`"{kind}"`', *cells]
+
+
+def outcomes() -> Iterator[list[str]]:
+    """Hard scenes and what becomes of them."""
+    yield ["scene", "how it is run", "status", "accuracy met", "worst error bar / scale"]
+    b = paper.scene("B")
+    upper, lower = b.surfaces
+    short = tribo.Morse(0.5, 40.0, 0.05)
+    fast = tuple(replace(s, velocity=(20.0 * s.velocity[0], 0.0)) for s in (upper, lower))
+    near = replace(lower, bob=(0.0, 0.0096))
+    gapless = replace(lower, bob=(0.0, 0.0))
+    together = replace(lower, bob=upper.bob)
+    many = hard_scenes()["two rows of five, Lennard-Jones with a switch, soft"]
+    for name, scene, how in (
+        ("case B", b, {"accuracy": 1e-8}),
+        ("case B with no gap between the bobs' lines", _with(b, lower=gapless), {"accuracy": 1e-8}),
+        ("case B, the bobs' lines overlapping by 0.0096", _with(b, lower=near), {"accuracy": 1e-8}),
+        ("case B, both bobs at one place", _with(b, lower=together), {"accuracy": 1e-8}),
+        (
+            "a Morse bond of width 1/40 met at speed 10",
+            replace(b, surfaces=fast, interactions=short, duration=4.0),
+            {"accuracy": 1e-8},
+        ),
+        (
+            "the same",
+            replace(b, surfaces=fast, interactions=short, duration=4.0),
+            {"method": "midpoint", "step": 0.1},
+        ),
+        ("two rows of five for longer", replace(many, duration=60.0), {"accuracy": 1e-8}),
+        ("two rows of five for longer still", replace(many, duration=400.0), {"accuracy": 1e-8}),
+    ):
+        result = tribo.simulate(scene, **how)
+        met = {True: "yes", False: "no", None: "-"}[result.met]
+        yield [name, _said(how), f"`{result.status}`", met, _worst(result)]
+
+
+def _with(scene: tribo.Scene, lower: tribo.Surface) -> tribo.Scene:
+    return replace(scene, surfaces=(scene.surfaces[0], lower))
+
+
+def _said(how: dict) -> str:
+    return ", ".join(f"{key} {value}" for key, value in how.items())
+
+
+def _worst(result: tribo.Result) -> str:
+    """The largest error bar in units of its scale."""
+    layout = tribo.prepare(result.scene, method="verlet", step=1.0).layout
+    scales = accuracy.reported_scales(layout, result.ledger)
+    worst = [
+        bar / scales.of(accuracy.KINDS[name])
+        for name, bar in result.error_estimate.items()
+        if bar is not None and scales.of(accuracy.KINDS[name]) > 0.0
+    ]
+    return f"{max(worst):.0e}" if worst else "-"
+
+
+def times() -> Iterator[list[str]]:
+    """What a run of case A takes once everything is compiled."""
+    yield ["case A", "steps", "force evaluations", "milliseconds"]
+    for name, how in (
+        ("accuracy 1e-4", {"accuracy": 1e-4}),
+        ("accuracy 1e-8", {"accuracy": 1e-8}),
+        ("accuracy 1e-12", {"accuracy": 1e-12}),
+        ("`verlet`, step 0.01", {"method": "verlet", "step": 0.01}),
+    ):
+        simulation = tribo.prepare(case("A"), **how)
+        best, result = np.inf, simulation.run()
+        for _ in range(20):
+            began = time.perf_counter()
+            result = simulation.run()
+            best = min(best, time.perf_counter() - began)
+        cost = result.cost
+        yield [name, str(cost.steps), str(cost.force_evaluations), f"{1e3 * best:.2g}"]
+
+
+TABLES: tuple[Callable[[], Iterator[list[str]]], ...] = (
+    costs,
+    bars,
+    closure,
+    frames,
+    orders,
+    outcomes,
+    times,
+)
+
+
+def write(table: Callable[[], Iterator[list[str]]]) -> None:
+    """Measure a table and write it, whole or not at all."""
+    head, *rows = table()
+    lines = [head, ["---"] * len(head), *rows]
+    text = "".join("| " + " | ".join(cells) + " |\n" for cells in lines)
+    folder = HERE / "measured"
+    folder.mkdir(exist_ok=True)
+    with tempfile.NamedTemporaryFile("w", dir=folder, delete=False) as file:
+        file.write(text)
+    Path(file.name).chmod(0o644)
+    Path(file.name).replace(folder / f"{table.__name__}.md")
+    print(f"{table.__name__}\n{text}", flush=True)
+
+
+if __name__ == "__main__":
+    wanted = sys.argv[1:] or [table.__name__ for table in TABLES]
+    for table in TABLES:
+        if table.__name__ in wanted:
+            write(table)

@@ -1,0 +1,234 @@
+"""Scenes that trip naive integrators, digits to compare with, and every way in which a run stops."""
+
+import math
+import time
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+import tribo
+import tribo.march
+from tribo import (
+    Asperite,
+    Coulomb,
+    Free,
+    Initial,
+    InputError,
+    LennardJones,
+    Morse,
+    Output,
+    Scene,
+    Surface,
+)
+from tribo.paper import scene as case
+
+PATIENCE = 20.0  # seconds that a run may take before it is taken for one that hangs
+
+
+def simulate(scene, **how):
+    """Like tribo.simulate, but for a run that would not end: that fails."""
+    began = None
+
+    def watch(t):
+        nonlocal began
+        began = began or time.monotonic()
+        assert time.monotonic() - began < PATIENCE, f"still at t = {t} after {PATIENCE} s"
+
+    return tribo.simulate(scene, progress=watch, **how)
+
+
+def changed(name, duration=40.0, potential=None, start=None, gap=None, speed=None, kappa=None):
+    """A case of the paper with some things changed; only its end is recorded."""
+    scene = case(name)
+    upper, lower = scene.surfaces
+    if start is not None:
+        upper = replace(upper, bob=(start, 0.0))
+    if speed is not None:
+        upper = replace(upper, velocity=(speed, 0.0))
+    if gap is not None:
+        lower = replace(lower, bob=(0.0, -gap))
+    if kappa is not None:
+        upper, lower = (replace(s, asperite=Asperite(kappa=kappa)) for s in (upper, lower))
+    return Scene(
+        (upper, lower),
+        scene.interactions if potential is None else potential,
+        duration,
+        output=Output(samples=2),
+    )
+
+
+# A scene, and what delta_e_int of its upper asperite ends at.
+HARD = {
+    "a deep Morse well": (changed("A", 40.0, Morse(50.0, 20.0, 0.3), gap=0.25), 2.06392267),
+    "B without its gap": (changed("B", 40.0, gap=0.0), 1.62892284),
+    "a hard core at speed": (changed("A", 2.0, LennardJones(1.0, 0.1), speed=20.0), 300.007232),
+    "stiff springs": (changed("A", 20.0, start=-5.0, gap=0.3, kappa=1e4), 4.7557e-8),
+}
+
+
+@pytest.mark.parametrize("name", HARD)
+def test_hard_scene(name):
+    """Right to 1e-6 of its scale, and so says the estimate."""
+    scene, expected = HARD[name]
+    result = simulate(scene, accuracy=1e-8)
+    assert result.status == "completed" and result.met
+    found = result["upper"].delta_e_int[-1, 0]
+    # 4.7557e-8 is all the digits there are of the last one.
+    assert found == pytest.approx(expected, rel=1e-6 if expected > 1e-3 else 2e-5)
+    finer = simulate(scene, accuracy=1e-11)["upper"].delta_e_int[-1, 0]
+    assert abs(found - finer) <= 1.1 * result.error_estimate["delta_e_int"]
+
+
+# Reference digits at the end of a case's run.
+DIGITS = {
+    ("A", 40.0, "theta"): 0.261760416587400463,
+    ("C", 50.0, "w1"): -0.517720441542645418,
+}
+
+
+@pytest.mark.parametrize(("name", "end", "quantity"), DIGITS)
+def test_reference_digits(name, end, quantity):
+    """Nine digits at an accuracy of 1e-10, and the error is within what is estimated."""
+    result = simulate(changed(name, end), accuracy=1e-10)
+    error = abs(result["upper"][quantity][-1, 0] - DIGITS[name, end, quantity])
+    assert error <= min(1e-9, result.error_estimate[quantity])
+
+
+def test_weak_coupling():
+    """Works of 1e-8 and less are right relative to their own size."""
+    scene = changed("A", 40.0, Coulomb(1e-8))
+    rough, fine = (simulate(scene, accuracy=accuracy) for accuracy in (1e-6, 1e-11))
+    works = ("w1", "w2", "w1_ps", "w2_ps", "w", "delta_e_int")
+    scale = max(np.max(np.abs(fine["upper"][w])) for w in works)
+    assert 0.0 < scale < 1e-7
+    for work in works:
+        error = np.max(np.abs(rough["upper"][work] - fine["upper"][work]))
+        assert error <= 1e-6 * scale
+        assert error <= 1.1 * rough.error_estimate[work]
+
+
+class Broken(NamedTuple):
+    """Repulsion that has no value nearer than `end`."""
+
+    strength: float
+    end: float
+
+    def energy(self, r):
+        """U(r)."""
+        return self.strength / r if r > self.end else math.nan
+
+    def force(self, r):
+        """-dU/dr."""
+        return self.strength / (r * r) if r > self.end else math.nan
+
+
+def side_by_side(drive=None):
+    """Two that hang side by side and attract each other collide head on."""
+    surfaces = (
+        Surface(name, bob=(x, 0.0), drive=drive or "forced")
+        for name, x in (("left", -1.0), ("right", 1.0))
+    )
+    return Scene(tuple(surfaces), Coulomb(-1.0), 20.0, output=Output(samples=201))
+
+
+# A scene, how it is run, and the status that it ends with.
+STOPS = {
+    "bobs at one place": (changed("A", start=0.0), {}, "BobsCoincide"),
+    "bobs at one place, own step": (changed("A", start=0.0), {"step": 0.1}, "BobsCoincide"),
+    "head on": (side_by_side(), {}, "StepUnderflow"),
+    "head on, roughly": (side_by_side(), {"accuracy": 1e-2}, "StepUnderflow"),
+    "head on and free": (side_by_side(Free()), {}, "StepUnderflow"),
+    "head on, own step": (side_by_side(), {"step": 0.001}, "EncounterJumped"),
+    "head on and free, own step": (side_by_side(Free()), {"step": 0.001}, "EncounterJumped"),
+    "no value": (changed("A", potential=Broken(0.2, 0.5)), {}, "NotFinite"),
+    "no value at the start": (changed("A", potential=Broken(0.2, 20.0)), {}, "NotFinite"),
+    "no value, own step": (changed("A", potential=Broken(0.2, 0.5)), {"step": 0.01}, "NotFinite"),
+    "a step too long": (changed("A"), {"step": 30.0}, "EncounterJumped"),
+    "a step too short": (changed("A"), {"step": 1e-30}, "StepUnderflow"),
+}
+
+
+@pytest.mark.parametrize("name", STOPS)
+def test_run_that_stops(name):
+    """A named status, the state that was reached, and no error estimate for what it left out."""
+    scene, how, status = STOPS[name]
+    result = simulate(scene, **how)
+    assert result.status == status
+    assert 0.0 <= result.t[-1] < scene.duration
+    assert np.all(np.diff(result.t) > 0.0)
+    assert all(
+        values.shape[0] == result.t.size
+        for values in result["upper" if "upper" in result.ledger.surfaces else "left"].values()
+    )
+    assert not result.met
+
+
+def test_collision_is_where_it_should_be():
+    """The time at which a head-on collision stops a run does not depend on the accuracy."""
+    times = [simulate(side_by_side(), accuracy=a).t[-1] for a in (1e-4, 1e-6, 1e-8)]
+    assert max(times) - min(times) < 1e-4
+
+
+# Numbers that make sense one by one, and no scene that can be followed.
+ABSURD = {
+    "a huge angle": {"initial": Initial(theta=1e90)},
+    "a huge rate": {"initial": Initial(omega=1e90)},
+    "a bar that spins": {"initial": Initial(nu=1e90)},
+    "a stiff spring": {"asperite": Asperite(kappa=1e90)},
+    "a huge charge": {"asperite": Asperite(charge=1e90)},
+    "a tiny mass": {"asperite": Asperite(m1=1e-90)},
+    "tiny": {"asperite": Asperite(m1=1e-90, m2=1e-90, length=1e-90)},
+    "huge": {"asperite": Asperite(m1=1e90, m2=1e90, length=1e90)},
+    "a subnormal mass": {"asperite": Asperite(m1=1e-310)},
+    "a huge speed": {"velocity": (1e90, 0.0)},
+    "far away": {"bob": (-1e90, 0.0)},
+}
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+@pytest.mark.parametrize("name", ABSURD)
+def test_no_run_hangs(name):
+    """However absurd the numbers, a run ends soon: complete, with a named status, or refused."""
+    scene = changed("A", 10.0, start=-1.0)
+    upper, lower = scene.surfaces
+    try:
+        result = simulate(replace(scene, surfaces=(replace(upper, **ABSURD[name]), lower)))
+    except InputError:
+        return
+    assert result.status in tribo.result.MEANINGS
+
+
+@pytest.mark.parametrize(
+    ("scene", "how"),
+    [
+        (changed("B", gap=0.0), {"accuracy": 1e-6}),
+        (changed("A", potential=LennardJones(1.0, 0.1), speed=2.0), {"accuracy": 1e-6}),
+        (changed("A"), {"step": 0.01}),
+        (side_by_side(), {"step": 0.001}),
+    ],
+    ids=["B", "hard core", "own step", "head on"],
+)
+def test_result_does_not_depend_on_the_clock(monkeypatch, scene, how):
+    """However often a run pauses to look at the keyboard, it ends the same, to the last bit."""
+    results = []
+    for seconds in (0.0, 1e9):
+        monkeypatch.setattr(tribo.march, "CHUNK_SECONDS", seconds)
+        results.append(tribo.simulate(scene, **how))
+    one, other = results
+    assert (one.status, one.cost.steps) == (other.status, other.cost.steps)
+    assert np.array_equal(one.t, other.t)
+    for name in one.ledger.surfaces:
+        for key in one[name]:
+            assert np.array_equal(one[name][key], other[name][key]), key
+
+
+def test_short_contact_is_not_jumped():
+    """From far away, a contact that is short against the step is seen; with and without a range."""
+    near, far = (
+        changed("A", 60.0 + x / 0.5, Morse(1.0, 20.0, 0.3), start=-x, gap=0.25) for x in (10, 200)
+    )
+    near, far = (simulate(scene, accuracy=1e-6)["upper"] for scene in (near, far))
+    assert near.delta_e_int[-1, 0] > 1e-3
+    assert far.w1_ps[-1, 0] == pytest.approx(near.w1_ps[-1, 0], abs=1e-4)

@@ -1,0 +1,140 @@
+"""The house: imports run downward only, kernels stand on nothing, and `import tribo` is light."""
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import tribo
+
+ROOT = Path(tribo.__file__).parent
+
+# Every module, from the ground up: each may import those before it in this list, and no other.
+KERNELS = [
+    *("kernels", "kernels.status", "kernels.tableaux", "kernels.records", "kernels.compiled"),
+    *("kernels.neighbours", "kernels.contact", "kernels.motion", "kernels.powers"),
+    *("kernels.samples", "kernels.stepping", "kernels.runge_kutta", "kernels.splitting"),
+]
+POTENTIALS = [
+    *("potentials.coulomb", "potentials.lennard_jones", "potentials.morse", "potentials.cutoff"),
+    *("potentials.registry", "potentials"),
+]
+ORDER = [
+    *("errors", "checks"),
+    *KERNELS,
+    *("plugins", *POTENTIALS),
+    *("fields", "drives", "springs", "spectra", "bath", "langevin", "roughness"),
+    *("asperite", "surface", "rows", "scene", "scene_file"),
+    *("layout", "methods", "ledger", "march", "accuracy", "result", "archive", "simulation"),
+    *("plotting", "paper", "paper_figures", "cli"),
+]
+
+# Methods of convenience, whose work is done by a module further up that is loaded when called.
+UPWARD = {("scene", "scene_file"), ("result", "archive")}
+
+
+def modules():
+    """Every module's name below `tribo`, and its file; the package itself is the empty name."""
+    for path in sorted(ROOT.rglob("*.py")):
+        name = ".".join(path.relative_to(ROOT).with_suffix("").parts)
+        yield "" if name == "__init__" else name.removesuffix(".__init__"), path
+
+
+FILES = dict(modules())
+
+
+def imported(node):
+    """Full names that are imported within a node, but for those that only type checkers see."""
+    for child in ast.iter_child_nodes(node):
+        if isinstance(child, ast.If) and ast.unparse(child.test) == "TYPE_CHECKING":
+            continue
+        if isinstance(child, ast.Import):
+            yield from (alias.name for alias in child.names)
+        elif isinstance(child, ast.ImportFrom):
+            assert child.level == 0, "imports are absolute here"
+            yield from (f"{child.module}.{alias.name}" for alias in child.names)
+        else:
+            yield from imported(child)
+
+
+def of_this_package(name):
+    """The modules of this package that a module imports, inside functions or not."""
+    for full in imported(ast.parse(FILES[name].read_text(encoding="utf-8"))):
+        top, _, inner = full.partition(".")
+        if top == "tribo":
+            while inner not in FILES:
+                inner = inner.rpartition(".")[0]
+            yield inner
+
+
+def test_every_module_has_its_place():
+    """A new module is given one, and what is gone leaves the list."""
+    assert sorted(ORDER) == sorted(name for name in FILES if name)
+
+
+@pytest.mark.parametrize("name", [name for name in FILES if name])
+def test_imports_run_downward(name):
+    """No module imports one that is built on it; the version, at the bottom, is for all."""
+    below = {"", *ORDER[: ORDER.index(name)]}
+    up = {other for other in of_this_package(name) if other not in below}
+    assert {(name, other) for other in up} <= UPWARD
+
+
+@pytest.mark.parametrize("name", [name for name in FILES if name.startswith("kernels")])
+def test_kernels_see_no_scene(name):
+    """Compiled code imports compiled code, numpy and numba: floats and arrays, nothing above."""
+    assert all(other.startswith("kernels") for other in of_this_package(name))
+    tree = ast.parse(FILES[name].read_text(encoding="utf-8"))
+    tops = {full.partition(".")[0] for full in imported(tree)}
+    assert tops - set(sys.stdlib_module_names) <= {"tribo", "numpy", "numba"}
+
+
+@pytest.mark.parametrize("name", ["coulomb", "lennard_jones", "morse", "cutoff"])
+def test_potentials_are_formulae(name):
+    """A potential is what a user could have written: it needs nothing of this package."""
+    assert not list(of_this_package(f"potentials.{name}"))
+
+
+HEAVY = {"ase", "matplotlib", "xarray", "h5netcdf", "scipy", "tqdm", "numba", "tomli_w"}
+
+
+@pytest.mark.parametrize(
+    ("statement", "loaded"),
+    [
+        ("import tribo", set()),
+        ("import tribo; tribo.Asperite, tribo.load_scene, tribo.Scene, tribo.Coulomb", set()),
+        ("from tribo.cli import main", set()),
+        ("from tribo import *", {"numba", "scipy"}),  # numba itself loads scipy
+    ],
+)
+def test_what_an_import_loads(statement, loaded):
+    """A scene can be described without waiting for a compiler, or for what draws and saves."""
+    code = f"{statement}\nimport sys; print(*{HEAVY} & sys.modules.keys())"
+    words = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    assert set(words.stdout.split()) <= loaded
+
+
+def test_public_names():
+    """Every name in __all__ is there, has its home in the package, and nothing else is."""
+    for name in tribo.__all__:
+        assert getattr(tribo, name) is not None
+    assert sorted(dir(tribo)) == sorted(tribo.__all__)
+    assert len(set(tribo.__all__)) == len(tribo.__all__)
+    assert not hasattr(tribo, "no_such_name")
+
+
+def test_public_names_are_typed():
+    """What type checkers are told of is what there is."""
+    tree = ast.parse(FILES[""].read_text(encoding="utf-8"))
+    (block,) = [n for n in tree.body if isinstance(n, ast.If)]
+    told = {alias.name for node in block.body for alias in node.names}
+    assert told == set(tribo.__all__) - {"__version__"}
+
+
+def test_every_module_says_what_it_is():
+    """One sentence at least at the head of each file that is not empty."""
+    for name, path in FILES.items():
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        assert not tree.body or ast.get_docstring(tree), f"{name} has no docstring"

@@ -1,0 +1,114 @@
+"""The paper's method: second-order Runge-Kutta, with works summed from half-step powers."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import tribo
+from tribo import Output
+from tribo.paper import scene as case
+
+STEPS = 0.01 / 2.0 ** np.arange(5)
+ENDS = {"A": 26.0, "C": 32.0}  # soon after the encounter, when everything is still in motion
+
+
+def at_end(name, **how):
+    """theta and w1 of the upper asperite."""
+    scene = replace(case(name), duration=ENDS[name], output=Output(samples=2))
+    upper = tribo.simulate(scene, **how)["upper"]
+    return np.array([upper.theta[-1, 0], upper.w1[-1, 0]])
+
+
+@pytest.mark.parametrize("name", ENDS)
+def test_midpoint_is_of_second_order(name):
+    """Over four halvings of the step the errors fall as its square."""
+    exact = at_end(name, accuracy=1e-12)
+    errors = [np.abs(at_end(name, method="midpoint", step=h) - exact) for h in STEPS]
+    for error in np.transpose(errors):
+        slope = np.polyfit(np.log(STEPS), np.log(error), 1)[0]
+        assert slope == pytest.approx(2.0, abs=0.05)
+
+
+def by_hand(scene, steps):
+    """The paper's scheme for two asperites, force by force in the laboratory.
+
+    One row an asperite, upper first.  Returns theta, v_cm, and the works and pseudoworks.
+    """
+    h = scene.duration / steps
+    each = [
+        s.asperite.for_each(1) | {"rest": s.rest, "sign": s.facing_sign} for s in scene.surfaces
+    ]
+    p = {key: np.array([float(np.squeeze(e[key])) for e in each]) for key in each[0]}
+    forced = np.array([type(s.drive).__name__ == "Forced" for s in scene.surfaces])
+    strength = scene.interactions[0].potential.strength
+    bobs = np.array([s.bob for s in scene.surfaces])
+
+    def up(angle, length):  # from the bob towards the bar
+        return length[:, None] * np.stack([-np.sin(angle), np.cos(angle)], axis=1)
+
+    def turning(rate, arm):  # velocity of the end of an arm
+        return rate[:, None] * np.stack([-arm[:, 1], arm[:, 0]], axis=1)
+
+    def look(y):
+        """Rates of change of the state, and the powers of f1, f2, fL, fR at v and at v_cm."""
+        r, v, theta, omega = y[:, :2], y[:, 2:4], y[:, 4], y[:, 5]
+        bob, bar = -up(theta, p["l1"]), up(theta, p["l2"])
+        apart = (r + bob)[0] - (r + bob)[1]
+        push = strength * apart / np.hypot(*apart) ** 3
+        f1 = np.array([push, -push])
+        f2 = -f1 * np.stack([forced, np.ones(2)], axis=1)
+        torque = p["kappa"] * (theta - p["rest"])
+        left = np.stack([np.zeros(2), torque / p["bar_length"]], axis=1)  # phi = nu = 0
+        moment = bob[:, 0] * f1[:, 1] - bob[:, 1] * f1[:, 0] + bar[:, 0] * f2[:, 1]
+        moment += -bar[:, 1] * f2[:, 0] - torque
+        rates = [
+            v,
+            (f1 + f2) / p["mass"][:, None],
+            omega[:, None],
+            (moment / p["inertia"])[:, None],
+        ]
+        at_bob, at_bar = v + turning(omega, bob), v + turning(omega, bar)
+        pairs = [(f1, at_bob), (f2, at_bar), (left, at_bar), (-left, at_bar), (f1, v), (f2, v)]
+        return np.hstack(rates), np.array([np.sum(f * u, axis=1) for f, u in pairs])
+
+    rest = np.zeros(2) + p["rest"]
+    y = np.column_stack(
+        [bobs + up(rest, p["l1"]), [s.velocity for s in scene.surfaces], rest, rest]
+    )
+    y[:, 5] = 0.0
+    works = np.zeros((6, 2))
+    for _ in range(steps):
+        rates, powers = look(y + 0.5 * h * look(y)[0])
+        y = y + h * rates
+        works = works + h * powers
+    return (
+        y[:, 4],
+        y[:, 2:4],
+        dict(zip(["w1", "w2", "wL", "wR", "w1_ps", "w2_ps"], works, strict=True)),
+    )
+
+
+@pytest.mark.parametrize("name", "ABCDE")
+def test_midpoint_is_the_scheme_of_the_paper(name):
+    """Angles, velocities, and every work are those of the scheme written out, to round-off."""
+    steps = 500
+    start = {s.name: s for s in case(name).surfaces}
+    nearer = replace(start["upper"], bob=(-1.0, 0.0))
+    scene = replace(
+        case(name),
+        surfaces=(nearer, start["lower"]),
+        duration=5.0,
+        output=Output(samples=2),
+    )
+    result = tribo.simulate(scene, method="midpoint", step=scene.duration / steps)
+    assert result.cost.steps == steps
+    theta, velocity, works = by_hand(scene, steps)
+    for k, surface in enumerate(("upper", "lower")):
+        end = {key: values[-1] for key, values in result[surface].items()}
+        assert end["theta"] == pytest.approx(theta[k], abs=1e-12)
+        assert end["vx_cm"] == pytest.approx(velocity[k, 0], abs=1e-12)
+        assert end["vy_cm"] == pytest.approx(velocity[k, 1], abs=1e-12)
+        for key, values in works.items():
+            assert end[key] == pytest.approx(values[k], abs=1e-12), key
+        assert end["w"] == pytest.approx(sum(works[w][k] for w in ("w1", "w2", "wL", "wR")))
