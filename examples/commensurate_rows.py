@@ -71,7 +71,7 @@ def draw(path, fits, does_not):
     with plotting.style():
         ax = plotting.axes(plotting.COLUMN, 2.6)
         n = np.arange(1, 701)
-        ax.plot(n, fits[0] * rigid(n), ".", ms=1.2, mew=0.0, color=RED, zorder=1)
+        ax.plot(n, fits[0] * rigid(n), ".", ms=1.8, mew=0.0, color=RED, zorder=1)
         ax.plot(SIZES, fits, "o", ms=4, color=BLUE, clip_on=False)
         ax.plot(SIZES, does_not, "s", ms=4, color=RED)
         ax.axhline(fits[0], color=BLUE, lw=0.5, zorder=0)

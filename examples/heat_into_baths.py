@@ -2,11 +2,11 @@
 
 The paper's case A: two asperites repel each other as they pass, and swing on for ever.  Here each
 bar also drags n oscillators along, with Drude's damping kernel gamma w_c exp(-w_c t), and the
-swing dies away.  A finite bath gives the energy back in the end; up to when it is to be believed
-is its own statement.
+swing dies away.  A finite bath gives the energy back in the end, and says until when it is to be
+believed.
 
 The exact answer has the continuum in place of the oscillators.  Its pull p on the bar remembers
-where the bar has been, and for this kernel that is one more equation of motion for each direction,
+where the bar has been, and for this kernel that is one more equation of motion in each direction,
 
     p' = -w_c p - gamma w_c (v_bar - V) .
 
@@ -27,11 +27,10 @@ GAMMA, CUTOFF = 1.0, 2.0
 FEW, MANY = 40, 160  # oscillators on every bar
 CASE = replace(paper.scene("A"), duration=120.0, output=Output(samples=1201))
 UPPER = CASE.surfaces[0]
-KAPPA, M1, M2, M, I, L, L1, L2 = (
+KAPPA, BAR, MASS, INERTIA, LENGTH, L1, L2 = (
     UPPER.asperite.for_each(1)[name].item()
-    for name in ("kappa", "m1", "m2", "mass", "inertia", "length", "l1", "l2")
+    for name in ("kappa", "m2", "mass", "inertia", "length", "l1", "l2")
 )
-CLOSEST = -UPPER.bob[0] / UPPER.velocity[0]  # time at which the resting bobs are closest
 
 
 def internal_energy(n):
@@ -43,12 +42,11 @@ def internal_energy(n):
 
 
 def continuum(t):
-    """The same with a continuum of oscillators: the equations of motion of the upper asperite.
+    """The same with the continuum: the equations of motion of the upper asperite.
 
     The lower one is its mirror image in the point between them, which is the origin here.
     """
-    strength = CASE.interactions[0].potential.strength
-    speed = 0.5 * UPPER.velocity[0]
+    strength, speed = CASE.interactions[0].potential.strength, 0.5 * UPPER.velocity[0]
 
     def rates(t, state):
         theta, omega = state[:2]
@@ -57,24 +55,24 @@ def continuum(t):
         bob = np.array([0.5 * UPPER.bob[0] + speed * t, 0.0]) + shift
         bob += L1 * np.array([np.sin(theta), 1.0 - np.cos(theta)])
         contact = strength * 2.0 * bob / np.hypot(*(2.0 * bob)) ** 3
-        torque = (L * contact - L2 * pull) @ across - KAPPA * theta
-        bar = velocity - L2 * omega * across
-        memory = -CUTOFF * (pull + GAMMA * bar)
-        return np.concatenate([[omega, torque / I], velocity, pull / M, memory])
+        torque = (LENGTH * contact - L2 * pull) @ across - KAPPA * theta
+        memory = -CUTOFF * (pull + GAMMA * (velocity - L2 * omega * across))
+        return np.concatenate([[omega, torque / INERTIA], velocity, pull / MASS, memory])
 
     swing = solve_ivp(rates, (0.0, t[-1]), np.zeros(8), "DOP853", t, rtol=1e-9, atol=1e-12).y
-    return 0.5 * (I * swing[1] ** 2 + KAPPA * swing[0] ** 2)
+    return 0.5 * (INERTIA * swing[1] ** 2 + KAPPA * swing[0] ** 2)
 
 
 def believed(n):
     """Until when n oscillators are to be believed, counted from the encounter."""
     spectrum = Spectrum("drude", GAMMA, CUTOFF, n)
-    return CLOSEST + believed_until(spectrum, M2, np.sqrt(KAPPA / I))
+    encounter = -UPPER.bob[0] / UPPER.velocity[0]
+    return encounter + believed_until(spectrum, BAR, np.sqrt(KAPPA / INERTIA))
 
 
 def draw(path, t, runs, exact):
     """e_int over time."""
-    grey, blue, red = "0.55", plotting.WORKS["w1"][1], plotting.WORKS["w2"][1]
+    grey, blue, red = "0.55", "#0b62a4", "#d55e00"
     with plotting.style():
         ax = plotting.axes(plotting.WIDE, 2.6)
         for n, colour in zip(runs, (grey, blue, red), strict=True):
@@ -83,7 +81,7 @@ def draw(path, t, runs, exact):
         ax.axvline(believed(FEW), color=blue, lw=0.8, ls=":")
         for place, text, colour in (
             ((48.0, 0.54), "no bath", grey),
-            ((36.5, 0.16), f"{MANY} oscillators on each bar;\ndashed: the continuum", red),
+            ((36.0, 0.17), f"{MANY} oscillators\n(dashed: the continuum)", red),
             ((84.0, 0.33), f"{FEW} oscillators on each bar", blue),
             ((believed(FEW) + 1.0, 0.47), "from here not to be believed", blue),
         ):
@@ -93,24 +91,22 @@ def draw(path, t, runs, exact):
 
 
 def main(folder=None):
-    """What is left of the internal energy, and how far the bath is from the continuum."""
+    """What is left of the internal energy, and how far the baths are from the continuum."""
     t = CASE.times
-    runs = {n: internal_energy(n) for n in (0, FEW, MANY)}
-    exact = continuum(t)
+    runs, exact = {n: internal_energy(n) for n in (0, FEW, MANY)}, continuum(t)
     if folder is not None:
         draw(Path(folder) / "heat_into_baths.png", t, runs, exact)
-    after = t > 60.0
-    error = {n: np.abs(runs[n] - exact)[t < believed(n)].max() / exact.max() for n in (FEW, MANY)}
+    off = {n: np.abs(runs[n] - exact)[t < believed(n)].max() / exact.max() for n in (FEW, MANY)}
     return {
         "e_int without a bath at the end": runs[0][-1],
-        "its change since t = 60": np.ptp(runs[0][after]),
+        "its change since t = 60": np.ptp(runs[0][t > 60.0]),
         f"e_int with {MANY} oscillators at the end": runs[MANY][-1],
-        "largest distance from the continuum": error[MANY],
+        "their largest distance from the continuum / its largest e_int": off[MANY],
         f"{FEW} oscillators are believed until": believed(FEW),
-        "their largest distance until then": error[FEW],
+        "their largest distance until then": off[FEW],
     }
 
 
 if __name__ == "__main__":
     for name, value in main(".").items():
-        print(f"{name:40} {value:.6g}")
+        print(f"{name:64} {value:.6g}")

@@ -22,7 +22,7 @@ from tribo.roughness import Roughness
 
 REPULSION = Shifted(LennardJones(epsilon=0.05, sigma=1.0), cutoff=2.0 ** (1.0 / 6.0))
 SPEED, TRAVEL = 0.3, 24.0
-COLOURS = ("#eaa879", "#7fadd0", "#117a5d")  # of heat, energy of the surfaces and of the contact
+COLOURS = ("#117a5d", "#7fadd0", "#eaa879")  # of the contact, of the surfaces, of heat
 
 
 def surface(name, n, **settings):
@@ -40,7 +40,7 @@ def surface(name, n, **settings):
 
 def scene():
     """Fourteen asperites over 32."""
-    upper, lower = (Roughness(rms=0.35, hurst=0.8, seed=seed) for seed in (46, 47))
+    upper, lower = (Roughness(rms=0.35, hurst=0.8, seed=seed) for seed in (10, 11))
     surfaces = (
         surface("upper", 14, facing="down", bob=(0.75, 1.6), velocity=(SPEED, 0.0), heights=upper),
         surface("lower", 32, facing="up", bob=(-1.5, 0.0), heights=lower),
@@ -53,9 +53,9 @@ def budget(result):
     both = [result[s.name] for s in result.scene.surfaces]
     contact = result.system["contact_energy"]
     went = {
-        "heat": sum(s.heat.sum(axis=1) for s in both),
-        "kinetic and internal energy": sum(s.delta_K + s.delta_E_int for s in both),
         "contact energy": contact - contact[0],
+        "kinetic and internal energy": sum(s.delta_K + s.delta_E_int for s in both),
+        "heat": sum(s.heat.sum(axis=1) for s in both),
     }
     # The reservoirs' forces do the work w_T: what moves them along puts in w_T + heat.
     put_in = sum((s.w2 + s.wL + s.wR + s.w_T + s.heat).sum(axis=1) for s in both)

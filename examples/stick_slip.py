@@ -18,40 +18,36 @@ L. Prandtl, Z. angew. Math. Mech. 8 (1928) 85; G. A. Tomlinson, Phil. Mag. 7 (19
 from pathlib import Path
 
 import numpy as np
+from matplotlib.figure import Figure
 from scipy.optimize import brentq
 
 from tribo import Asperite, Output, Pulled, Scene, Surface, plotting, simulate
 from tribo.fields import Corrugation, Field
 from tribo.langevin import Langevin
 
-A, PERIOD, ROD = 1.0, 1.0, 10.0
-Q = 2.0 * np.pi / PERIOD
+A = PERIOD = 1.0
+Q, ROD = 2.0 * np.pi / PERIOD, 10.0 * PERIOD
 ETAS = np.array([0.4, 0.7, 0.9, 1.0, 1.1, 1.3, 1.6, 2.0, 2.5, 3.0, 3.5, 4.0])
 FAST, SLOW = 0.02, 0.002  # speeds of the stage
 SAMPLES = 400  # in each of the three periods pulled
 
 
-def tip(eta, speed, damping=1.0):
-    """One asperite on the corrugation; pull and torsion have half of the compliance 1/K each."""
-    K = Q**2 * A / eta
-    surface = Surface(
-        "tip",
-        asperite=Asperite(m1=1.0, m2=1.0, length=ROD, kappa=2.0 * K * ROD**2),
-        drive=Pulled(stiffness=2.0 * K, speed=speed),
-        langevin=Langevin(gamma=damping * np.sqrt(K)),  # at rest, as the surface is at first
-    )
-    field = Field(Corrugation(A, PERIOD), on=["tip"])
-    output = Output(samples=3 * SAMPLES + 1)
-    return Scene([surface], [], 3.0 * PERIOD / abs(speed), fields=[field], output=output)
-
-
 def pull(eta, speed, damping=1.0):
     """Stage positions, pulling forces, and the work of the pull in the last period."""
-    scene = tip(eta, speed, damping)
+    K = Q**2 * A / eta
+    k, kappa = 2.0 * K, 2.0 * K * ROD**2
+    tip = Surface(
+        "tip",
+        asperite=Asperite(m1=1.0, m2=1.0, length=ROD, kappa=kappa),
+        drive=Pulled(stiffness=k, speed=speed),
+        langevin=Langevin(gamma=damping * np.sqrt(K)),  # at rest, as the tip is at first
+    )
+    corrugation = Field(Corrugation(A, PERIOD), on=["tip"])
+    output = Output(samples=3 * SAMPLES + 1)
+    scene = Scene([tip], [], 3.0 * PERIOD / abs(speed), fields=[corrugation], output=output)
     result = simulate(scene, accuracy=1e-4)
-    stage, series = speed * result.t, result["tip"]
-    force = scene.surfaces[0].drive.stiffness * (stage - series.x_bar[:, 0])
-    return stage, force, series.w2[-1, 0] - series.w2[-1 - SAMPLES, 0]
+    stage, work = speed * result.t, result["tip"].w2[:, 0]
+    return stage, k * (stage - result["tip"].x_bar[:, 0]), work[-1] - work[-1 - SAMPLES]
 
 
 def cost_of_a_jump(eta):
@@ -67,7 +63,41 @@ def cost_of_a_jump(eta):
 
 def draw(path, works):
     """Left the loops of force against stage, right the work in a period against eta."""
-    blue, red = (plotting.WORKS[name][1] for name in ("w1", "w2"))
+    blue, red, ink = "#0b62a4", "#d55e00", plotting.INK
     with plotting.style():
-        left, right = plotting.panels(1, 2)
+        figure = Figure(figsize=(6.9, 2.7), layout="constrained")
+        left, right = figure.subplots(1, 2)
+        for eta, colour in ((0.7, blue), (4.0, red)):
+            x = np.linspace(0.0, 5.0, 2000) * PERIOD
+            left.plot(x + eta / Q * np.sin(Q * x), np.sin(Q * x), ":", lw=0.7, color=colour)
+            for speed, shift in ((SLOW, 0.0), (-SLOW, 4.0 * PERIOD)):
+                stage, force, _ = pull(eta, speed)
+                (line,) = left.plot(stage + shift, force / (Q * A), color=colour)
+            line.set_label(rf"$\eta = {eta}$")
+        left.set(xlim=(PERIOD, 3.0 * PERIOD), ylim=(-1.4, 1.4), xlabel="stage position $/a$")
+        left.set(xticks=np.arange(1.0, 3.1, 0.5), ylabel=r"pulling force $/\,(2\pi A/a)$")
+        fine = np.linspace(ETAS[0], ETAS[-1], 500)
+        right.plot(fine, [cost_of_a_jump(eta) / A for eta in fine], color=red, label="statics")
+        for (speed, work), fill in zip(works.items(), ("none", ink), strict=True):
+            right.plot(ETAS, work / A, "o", ms=3.5, mfc=fill, color=ink, label=f"speed {speed}")
+        right.set(xlabel=r"$\eta$", ylabel="work in a period $/A$")
+        left.legend(loc="upper center", ncols=2, frameon=False)
+        right.legend(frameon=False)
         figure.savefig(path)
+
+
+def main(folder=None):
+    """Work in a period on either side of eta = 1, by slow pull and by statics."""
+    works = {v: np.array([pull(eta, v)[2] for eta in ETAS]) for v in (FAST, SLOW)}
+    if folder is not None:
+        draw(Path(folder) / "stick_slip.png", works)
+    slow = dict(zip(ETAS, works[SLOW], strict=True))
+    numbers = {f"work in a period, eta = {eta}": slow[eta] for eta in (0.7, 4.0)}
+    return numbers | {
+        f"the same by statics, eta = {eta}": cost_of_a_jump(eta) for eta in (0.7, 4.0)
+    }
+
+
+if __name__ == "__main__":
+    for name, value in main(".").items():
+        print(f"{name:40} {value:.6g}")

@@ -184,8 +184,7 @@ def decay_by_fourier(kind, gamma, frequency, t):
     return 0.5 * (v**2 + stretch**2)
 
 
-@pytest.mark.parametrize("frequency", [0.0, 0.3, 2.0])
-@pytest.mark.parametrize("gamma", [0.3, 3.0])
+@pytest.mark.parametrize(("gamma", "frequency"), [(0.3, 0.0), (0.3, 2.0), (3.0, 0.3)])
 @pytest.mark.parametrize("kind", ["ohmic", "debye"])
 def test_exact_decay_against_fourier_inversion(kind, gamma, frequency):
     t = np.linspace(0.0, 40.0, 101)
@@ -222,7 +221,7 @@ def test_a_bath_is_believed_as_long_as_it_is_right(kind, gamma, frequency, n):
     mass, cutoff = 2.0, 3.0
     spectrum = Spectrum(kind, gamma * mass * cutoff, cutoff, n)
     until = believed_until(spectrum, mass, frequency * cutoff)
-    before = np.linspace(0.0, until, 4000)
+    before = np.linspace(0.0, until, 2500)
     assert np.max(deviation(spectrum, mass, frequency * cutoff, before)) < 0.0102
     soon = until + np.linspace(0.0, 1.0 / cutoff, 50)
     assert np.max(deviation(spectrum, mass, frequency * cutoff, soon)) > 0.0099
@@ -262,7 +261,7 @@ def test_where_no_end_is_found_the_search_covers_two_recurrences():
     spectrum = Spectrum("debye", 0.01, 1.0, 10)
     until = believed_until(spectrum, 1.0, 10.0)
     assert until > 2 * 2 * np.pi * 10
-    assert np.max(deviation(spectrum, 1.0, 10.0, np.linspace(0.0, until, 20_000))) < 0.01
+    assert np.max(deviation(spectrum, 1.0, 10.0, np.linspace(0.0, until, 4000))) < 0.01
 
 
 # Baths -------------------------------------------------------------------------------------------

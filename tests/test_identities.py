@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.integrate import simpson
 
 from laws import EXTERNAL, identities, tables
 from strategies import (
@@ -20,6 +21,7 @@ from strategies import (
     dyadic,
     forced,
     lattice_scenes,
+    open_scenes,
     potentials,
     run,
     scenes,
@@ -57,6 +59,22 @@ def test_energy_of_the_system_is_all_there_is(scene):
     bound += bar(result, "total_energy_change") + 2.0 * bar(result, "contact_energy")
     change = result.system["total_energy_change"]
     assert_within(bound, change, energy + contact - contact[0], "total_energy_change")
+
+
+@given(open_scenes())
+def test_heat_is_friction_times_slip_squared(scene):
+    """A reservoir at temperature 0 takes the integral of gamma (v_bar - u)^2."""
+    result = run(replace(scene, output=Output(samples=513)))
+    for surface in scene.surfaces:
+        table, langevin = result[surface.name], surface.langevin
+        u = surface.velocity if langevin.velocity is None else langevin.velocity
+        arm = surface.asperite.for_each(surface.count)["l2"] * table["omega"]
+        slip_x = table["vx_cm"] - arm * np.cos(table["theta"]) - u[0]
+        slip_y = table["vy_cm"] - arm * np.sin(table["theta"]) - u[1]
+        rate = langevin.gamma * (slip_x**2 + slip_y**2)
+        fine, coarse = simpson(rate, result.t, axis=0), simpson(rate[::2], result.t[::2], axis=0)
+        bound = bar(result, "heat") + np.max(np.abs(fine - coarse))
+        assert_within(bound, table["heat"][-1], fine, f"heat of {surface.name}")
 
 
 @given(scenes(drive=forced(), bars=["clamped"], turning=False))

@@ -25,6 +25,7 @@ from tribo.kernels.records import (
     Model,
     Neighbours,
 )
+from tribo.potentials import Coulomb, as_potential
 from tribo.scene import Scene
 from tribo.surface import Surface
 
@@ -56,7 +57,7 @@ class Layout:
     def plugins(self) -> list[Any]:
         """Every plug-in that the kernels are compiled with."""
         model = self.model
-        own = [custom.force for custom in (*(model.drives or ()), *(model.ends or ()))]
+        own = [custom.plugin for custom in (*(model.drives or ()), *(model.ends or ()))]
         return [item.potential for item in (*model.contacts, *(model.fields or ()))] + own
 
     def neighbours(self) -> Neighbours | None:
@@ -312,6 +313,9 @@ def _contacts(scene: Scene) -> tuple[tuple[Contact, ...], int, float]:
                 np.array(first, dtype=np.int64),
             )
         )
+    if not contacts:  # kernels cannot walk through an empty tuple: an interaction of no pairs
+        nothing = np.empty(0, dtype=np.int64)
+        contacts.append(Contact(as_potential(Coulomb(0.0)), nothing.reshape(0, 2), nothing))
     return tuple(contacts), rows, SKIN * longest
 
 

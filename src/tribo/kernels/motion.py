@@ -188,7 +188,7 @@ def custom_drives(model, drives, t, q, v):
                 y = b.y + (a.l1 + a.l2) * b.tx + drive.origin[1] + drive.velocity[1] * t
                 vx = a.vx + displacement(a.dof_x, v) - a.l2 * v[i] * b.tx + drive.velocity[0]
                 vy = a.vy + displacement(a.dof_y, v) - a.l2 * v[i] * b.ty + drive.velocity[1]
-                gx, gy = drive.force.force_on_bar(t, x, y, vx, vy, b.fx, b.fy)
+                gx, gy = drive.plugin.force_on_bar(t, x, y, vx, vy, b.fx, b.fy)
                 d = model.bars[i]
                 d.gx = gx
                 d.gy = s.load if s.loaded else gy
@@ -222,7 +222,7 @@ def own_ends(model, ends, t, q, v, slope):
                 b = model.bobs[i]
                 phi = bar_angle(a, t, q)
                 nu = displacement(a.dof_phi, v)
-                left_x, left_y, right_x, right_y = end.force.end_forces(t, phi, nu, q[i] - phi)
+                left_x, left_y, right_x, right_y = end.plugin.end_forces(t, phi, nu, q[i] - phi)
                 fx = left_x + right_x
                 fy = left_y + right_y
                 half = 0.5 * a.bar_length

@@ -133,7 +133,7 @@ def own_end_powers(model, ends, t, q, v, power):
                 nu = displacement(a.dof_phi, v)
                 vx = displacement(a.dof_x, v)
                 vy = displacement(a.dof_y, v)
-                left_x, left_y, right_x, right_y = end.force.end_forces(t, phi, nu, q[i] - phi)
+                left_x, left_y, right_x, right_y = end.plugin.end_forces(t, phi, nu, q[i] - phi)
                 tip_x = -0.5 * a.bar_length * math.sin(phi) * nu
                 tip_y = 0.5 * a.bar_length * math.cos(phi) * nu
                 bar_x = -a.l2 * v[i] * b.tx
@@ -221,7 +221,7 @@ def end_force(model, ends, k, t, q, v):
                     a = model.asperites[i]
                     phi = bar_angle(a, t, q)
                     nu = displacement(a.dof_phi, v)
-                    left_x, left_y, right_x, right_y = end.force.end_forces(t, phi, nu, q[i] - phi)
+                    left_x, left_y, right_x, right_y = end.plugin.end_forces(t, phi, nu, q[i] - phi)
                     fx += left_x + right_x
                     fy += left_y + right_y
     return fx, fy

@@ -151,7 +151,7 @@ class FieldOn(NamedTuple):
 class Custom(NamedTuple):
     """A force of the user's own on the bars of one surface, or on their ends."""
 
-    force: Any
+    plugin: Any
     surface: int
     origin: np.ndarray  # (2,) of the scene, in the laboratory
     velocity: np.ndarray  # (2,) of the first surface, in the laboratory

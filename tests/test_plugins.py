@@ -1,0 +1,139 @@
+"""Drives, ends and fields of the user's own: they do what built-ins that say the same do."""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+import tribo
+from tribo import paper
+from tribo.drives import Custom, Ends
+from tribo.errors import InputError
+from tribo.scene_file import load_scene
+
+
+class Opposed(NamedTuple):
+    """f2 = -share f1 along x, -f1 along y: the forced drive for share = 1, the free one for 0."""
+
+    share: float
+
+    def force_on_bar(self, t, x, y, vx, vy, fx, fy):
+        return -self.share * fx, -fy
+
+
+class Spring(NamedTuple):
+    """The pulled drive."""
+
+    stiffness: float
+    anchor: float
+    speed: float
+
+    def force_on_bar(self, t, x, y, vx, vy, fx, fy):
+        return self.stiffness * (self.anchor + self.speed * t - x), -fy
+
+
+class Held(NamedTuple):
+    """The clamped bar's f_L = -f_R."""
+
+    kappa: float
+    bar_length: float
+
+    def end_forces(self, t, phi, nu, twist):
+        end = self.kappa * twist / self.bar_length
+        return -end * np.sin(phi), end * np.cos(phi), end * np.sin(phi), -end * np.cos(phi)
+
+
+class Waves(NamedTuple):
+    """A corrugation without a force of its own."""
+
+    amplitude: float
+    period: float
+
+    def energy_at(self, x, y):
+        return -self.amplitude * np.cos(2.0 * np.pi * x / self.period)
+
+
+def case(**upper) -> tribo.Scene:
+    """The paper's case A around the encounter, with some of the upper surface changed."""
+    scene = replace(paper.scene("A"), duration=12.0, output=tribo.Output(samples=4))
+    return replace(
+        scene,
+        surfaces=(replace(scene.surfaces[0], bob=(-4.0, 0.0), **upper), scene.surfaces[1]),
+    )
+
+
+def assert_alike(one: tribo.Scene, other: tribo.Scene) -> None:
+    """Every quantity of the two scenes agrees within their error estimates."""
+    first, second = (tribo.simulate(scene, accuracy=1e-9) for scene in (one, other))
+    for name in ("upper", "lower"):
+        for quantity, values in first[name].items():
+            bound = first.error_estimate[quantity] + second.error_estimate[quantity]
+            assert np.max(np.abs(values - second[name][quantity])) <= bound, (name, quantity)
+
+
+def test_a_forced_drive_of_ones_own():
+    assert_alike(case(drive=Custom(force=Opposed(1.0))), case(drive=tribo.Forced()))
+
+
+def test_a_free_drive_of_ones_own():
+    assert_alike(case(drive=Custom(force=Opposed(0.0))), case(drive=tribo.Free()))
+
+
+def test_a_pulled_drive_of_ones_own():
+    own = Custom(force=Spring(0.5, -4.0, 0.4))
+    assert_alike(case(drive=own), case(drive=tribo.Pulled(stiffness=0.5, speed=0.4)))
+
+
+def test_ends_of_ones_own():
+    kicked = {"initial": tribo.Initial(theta=0.3, phi=0.1, omega=-0.2)}
+    assert_alike(case(bars=Ends(Held(2.0, 3.0)), **kicked), case(bars="clamped", **kicked))
+
+
+def test_a_field_of_ones_own():
+    own, built_in = (
+        replace(case(), fields=[tribo.Field(waves, ["upper"])])
+        for waves in (Waves(0.05, 1.3), tribo.Corrugation(0.05, 1.3))
+    )
+    assert_alike(own, built_in)
+
+
+def test_what_depends_on_velocities_is_refused_by_splitting():
+    scene = case(drive=Custom(force=Opposed(1.0)))
+    with pytest.raises(InputError, match=r"^method: .*verlet"):
+        tribo.simulate(scene, method="verlet", step=0.01)
+
+
+SCENE = """
+duration = 12.0
+[output]
+samples = 4
+[interaction]
+potential = "coulomb"
+strength = 0.2
+[[surface]]
+name = "upper"
+bob = [-4.0, 0.0]
+velocity = [0.5, 0.0]
+drive = {kind = "own.py:Opposed", share = 1.0}
+[[surface]]
+name = "lower"
+facing = "up"
+"""
+
+
+def test_a_drive_from_a_file(tmp_path):
+    """The path is relative to the scene file, and a saved scene finds the class again."""
+    (tmp_path / "own.py").write_text(
+        "from typing import NamedTuple\n"
+        "class Opposed(NamedTuple):\n"
+        "    share: float\n"
+        "    def force_on_bar(self, t, x, y, vx, vy, fx, fy):\n"
+        "        return -self.share * fx, -fy\n"
+    )
+    (tmp_path / "scene.toml").write_text(SCENE)
+    scene = load_scene(tmp_path / "scene.toml")
+    scene.save(tmp_path / "again.toml")
+    again = load_scene(tmp_path / "again.toml")
+    assert again.surfaces[0].drive == scene.surfaces[0].drive
+    assert_alike(again, case(drive=tribo.Forced()))
