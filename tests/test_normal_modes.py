@@ -97,13 +97,20 @@ def test_a_free_bar_with_torsional_oscillators(settings):
 
 
 def test_thousands_of_oscillators_have_no_stability_limit():
-    """Frequencies thousands of times above 1 / step are turned exactly: the energy stays."""
-    step = 0.05
+    """Frequencies thousands of times above 1 / step are turned exactly.
+
+    The bar moves in steps under them, which feeds them energy in proportion to the step, but
+    nothing blows up, and the ledger closes.
+    """
     bath = tribo.Bath(spectrum=tribo.Spectrum("drude", gamma=0.5, cutoff=20.0, n=2000))
-    assert np.max(bath.frequencies) * step > 1000.0
-    result = tribo.simulate(alone(bath=bath), method="verlet", step=step)
-    assert result.status == "completed"
-    upper = result["upper"]
     start = 0.5 * 2.0 * SMALL**2
-    assert np.max(np.abs(upper.delta_E_int)) < 0.01 * start
-    assert np.max(np.abs(upper.w - upper.w_ps - upper.delta_e_int)) < 1e-11 * start
+    gains = []
+    for step in (0.05, 0.0125):
+        assert np.max(bath.frequencies) * step > 300.0
+        result = tribo.simulate(alone(bath=bath), method="verlet", step=step)
+        assert result.status == "completed"
+        upper = result["upper"]
+        gains.append(np.max(np.abs(upper.delta_E_int)) / start)
+        assert np.max(np.abs(upper.w - upper.w_ps - upper.delta_e_int)) < 1e-11 * start
+    assert gains[0] < 0.2
+    assert gains[1] < 0.5 * gains[0]
