@@ -2,7 +2,7 @@
 
 Two surfaces of asperites with self-affine heights, their bars tied to neighbours by lattice
 springs, repel where their tips meet.  The upper one is dragged at constant speed.  On every bar
-a reservoir at T = 0 damps what vibrates; it travels with its surface, at no cost to the drive.
+a reservoir at T = 0 damps what vibrates; it travels with its surface.
 
 The budget: the work that the drive puts in (with what moves the reservoirs along) is kinetic and
 internal energy of the surfaces, or energy of the contact, or heat that has left.  The one side is
@@ -14,6 +14,7 @@ B. N. J. Persson et al., J. Phys.: Condens. Matter 17 (2005) R1.
 from pathlib import Path
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from tribo import Asperite, LennardJones, Output, Scene, Surface, plotting, simulate
 from tribo.langevin import Langevin
@@ -64,8 +65,6 @@ def budget(result):
 
 def draw(path, result, work, went):
     """The surfaces half-way, and the budget over time."""
-    from matplotlib.figure import Figure
-
     with plotting.style():
         figure = Figure(figsize=(6.9, 4.0), layout="constrained")
         above, below = figure.subplots(2, height_ratios=(1.0, 1.7))

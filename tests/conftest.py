@@ -5,7 +5,7 @@ import os
 # Linear algebra on small matrices: threads only get in one another's way.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-from hypothesis import HealthCheck, settings  # noqa: E402
+from hypothesis import HealthCheck, settings
 
 # The same examples every time, and no clock: the first of them may have a kernel to compile.
 settings.register_profile(

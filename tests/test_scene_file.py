@@ -9,9 +9,9 @@ import pytest
 import tomli_w
 from hypothesis import given
 from hypothesis import strategies as st
-from strategies import scenes
 
 import tribo
+from strategies import scenes
 from tribo import Coulomb, Interaction, LennardJones, Morse, Numerics, Output, Scene, Surface
 from tribo.layout import laid_out
 from tribo.scene_file import scene_from, scene_table, scene_text

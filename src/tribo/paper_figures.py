@@ -16,7 +16,8 @@ import numpy as np
 
 from tribo import paper, plotting
 from tribo.errors import InputError
-from tribo.plotting import COLUMN, INK, WIDE, Pose, arrow, note
+from tribo.plotting import COLUMN, INK, WIDE, arrow, note
+from tribo.pose import Pose, Poses, poses
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -68,10 +69,10 @@ def _snapshots(case: str, times: tuple[float, ...]) -> Axes:
     """Snapshots side by side, and through each a line where the lower centre of mass stays."""
     ax = plotting.axes(WIDE)
     result = paper.Run.followed(case).result
-    drawn: list[plotting.Poses] = []
+    drawn: list[Poses] = []
     right = 0.0
     for t in times:
-        left = plotting.extent(plotting.poses(result, t))[0]
+        left = plotting.extent(poses(result, t))[0]
         drawn.append(plotting.snapshot(ax, result, t, shift=(right - left, 0.0)))
         right = plotting.extent(drawn[-1])[1] + GUTTER
     box = plotting.extent(*drawn)

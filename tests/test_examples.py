@@ -1,0 +1,56 @@
+"""Every example runs, draws its picture, and shows the one number that it is about."""
+
+import importlib.util
+from pathlib import Path
+
+import pytest
+
+FOLDER = Path(__file__).resolve().parents[1] / "examples"
+EXAMPLES = sorted(path.stem for path in FOLDER.glob("*.py"))
+
+
+def example(name):
+    """The example as a module."""
+    spec = importlib.util.spec_from_file_location(name, FOLDER / f"{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def commensurate_rows(shown):
+    """512 that fit have the friction of one each; 512 that do not, of one together."""
+    one = shown["friction of one asperite"]
+    assert shown["commensurate, of each of 512"] == pytest.approx(one, rel=0.01)
+    assert shown["the same, all 512 together"] == pytest.approx(1.05 * one, rel=0.02)
+
+
+def heat_into_baths(shown):
+    """The continuum's decay, within 1 % for as long as is claimed."""
+    assert shown["their largest distance until then"] < 0.01
+    assert shown["e_int with 160 oscillators at the end"] < 1e-6
+
+
+def rough_surface(shown):
+    """Nothing is lost."""
+    assert shown["largest gap in the budget / work"] < 1e-8
+    assert shown["heat"] > 0.8 * shown["work put in"]
+
+
+def stick_slip(shown):
+    """Below eta = 1 a slow pull costs next to nothing, above what the statics say."""
+    assert shown["work in a period, eta = 0.7"] < 0.02
+    statics = shown["the same by statics, eta = 4.0"]
+    assert shown["work in a period, eta = 4.0"] == pytest.approx(statics, rel=0.02)
+
+
+CHECKS = {
+    check.__name__: check
+    for check in (commensurate_rows, heat_into_baths, rough_surface, stick_slip)
+}
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_example(name, tmp_path):
+    shown = example(name).main(tmp_path)
+    assert [path.suffix for path in tmp_path.iterdir()] == [".png"]
+    CHECKS[name](shown)
