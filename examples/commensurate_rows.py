@@ -29,7 +29,7 @@ from tribo.rows import GOLDEN_MEAN, commensurate_rows, incommensurate_rows
 SIZES = (1, 2, 4, 8, 16, 32, 64, 128, 256, 512)
 CONTACT = Switched(Morse(D=0.1, alpha=3.0, r0=1.0), cutoff=3.0, switch_from=2.5)
 STIFF = 20.0  # springs; the contact has 0.2 [force / length]
-SPEED, SAMPLES = 0.02, 200  # of the stage, and in each of the two periods
+SPEED, SAMPLES = 0.04, 200  # of the stage, and in each of the two periods
 BLUE, RED = plotting.WORKS["w1"][1], plotting.WORKS["w2"][1]
 
 

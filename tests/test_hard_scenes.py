@@ -13,6 +13,7 @@ import tribo.march
 from tribo import (
     Asperite,
     Coulomb,
+    Forced,
     Free,
     Initial,
     InputError,
@@ -123,11 +124,10 @@ class Broken(NamedTuple):
         return self.strength / (r * r) if r > self.end else math.nan
 
 
-def side_by_side(drive=None):
+def side_by_side(drive):
     """Two that hang side by side and attract each other collide head on."""
     surfaces = (
-        Surface(name, bob=(x, 0.0), drive=drive or "forced")
-        for name, x in (("left", -1.0), ("right", 1.0))
+        Surface(name, bob=(x, 0.0), drive=drive) for name, x in (("left", -1.0), ("right", 1.0))
     )
     return Scene(tuple(surfaces), Coulomb(-1.0), 20.0, output=Output(samples=201))
 
@@ -136,10 +136,10 @@ def side_by_side(drive=None):
 STOPS = {
     "bobs at one place": (changed("A", start=0.0), {}, "BobsCoincide"),
     "bobs at one place, own step": (changed("A", start=0.0), {"step": 0.1}, "BobsCoincide"),
-    "head on": (side_by_side(), {}, "StepUnderflow"),
-    "head on, roughly": (side_by_side(), {"accuracy": 1e-2}, "StepUnderflow"),
+    "head on": (side_by_side(Forced()), {}, "StepUnderflow"),
+    "head on, roughly": (side_by_side(Forced()), {"accuracy": 1e-2}, "StepUnderflow"),
     "head on and free": (side_by_side(Free()), {}, "StepUnderflow"),
-    "head on, own step": (side_by_side(), {"step": 0.001}, "EncounterJumped"),
+    "head on, own step": (side_by_side(Forced()), {"step": 0.001}, "EncounterJumped"),
     "head on and free, own step": (side_by_side(Free()), {"step": 0.001}, "EncounterJumped"),
     "no value": (changed("A", potential=Broken(0.2, 1.0)), {}, "NotFinite"),
     "no value at the start": (changed("A", potential=Broken(0.2, 20.0)), {}, "NotFinite"),
@@ -162,10 +162,13 @@ def test_run_that_stops(name):
     assert not result.met
 
 
-def test_collision_is_where_it_should_be():
-    """The time at which a head-on collision stops a run does not depend on the accuracy."""
-    times = [simulate(side_by_side(), accuracy=a).t[-1] for a in (1e-4, 1e-6, 1e-8)]
+@pytest.mark.parametrize("drive", [Forced(), Free()], ids=["forced", "free"])
+def test_collision_is_where_it_should_be(drive):
+    """When a head-on collision stops a run depends neither on the accuracy nor on the method."""
+    scene = side_by_side(drive)
+    times = [simulate(scene, accuracy=accuracy).t[-1] for accuracy in (1e-4, 1e-6, 1e-8)]
     assert max(times) - min(times) < 1e-4
+    assert simulate(scene, step=0.001).t[-1] == pytest.approx(times[-1], abs=0.01)
 
 
 # Numbers that make sense one by one, and no scene that can be followed.
@@ -213,7 +216,7 @@ def test_contact_far_out_of_reach_does_not_hang():
         (changed("B", gap=0.0), {"accuracy": 1e-6}),
         (changed("A", potential=LennardJones(1.0, 0.1), speed=2.0), {"accuracy": 1e-6}),
         (changed("A"), {"step": 0.01}),
-        (side_by_side(), {"step": 0.001}),
+        (side_by_side(Forced()), {"step": 0.001}),
     ],
     ids=["B", "hard core", "own step", "head on"],
 )

@@ -1,0 +1,37 @@
+"""How the documents are built: ``sphinx-build -W docs docs/_build``."""
+
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE))
+sys.dont_write_bytecode = True
+
+import comments  # noqa: E402
+import generate  # noqa: E402
+
+import tribo  # noqa: E402
+
+project = "tribo"
+author = "The tribo authors"
+copyright = "2026, the tribo authors"
+release = version = tribo.__version__
+
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax"]
+myst_enable_extensions = ["dollarmath", "amsmath", "colon_fence"]
+myst_heading_anchors = 3
+exclude_patterns = ["_build", "_generated", "measured"]
+
+autodoc_member_order = "bysource"
+autodoc_typehints = "signature"
+autodoc_preserve_defaults = True
+
+html_theme = "furo"
+html_title = "tribo"
+html_copy_source = False
+
+
+def setup(app):
+    """Make what the pages include, and let comments beside fields speak for them."""
+    app.connect("builder-inited", lambda app: generate.everything(HERE / "_generated"))
+    app.connect("autodoc-process-docstring", comments.add_fields)

@@ -1,0 +1,115 @@
+"""What the pages take from the package itself, made anew when its sources have changed.
+
+Figures and the table of the paper's numbers, the pictures that the pages' own code draws, and
+tables of methods, effects, statuses and files: so that none of them can be behind the code.
+"""
+
+import ast
+import re
+import shutil
+from collections.abc import Iterable
+from dataclasses import fields
+from pathlib import Path
+
+import examples_in_pages
+import numpy as np
+
+import tribo
+from tribo import methods, paper, paper_figures, roughness, scene
+from tribo.kernels.compiled import package_stamp
+from tribo.kernels.status import MEANINGS
+
+HERE = Path(__file__).resolve().parent
+PAGES_WITH_CODE = (HERE.parent / "README.md", HERE / "tutorial.md", HERE / "scene_file.md")
+
+
+def everything(folder: Path) -> None:
+    """Fill the folder, unless it was made from these very sources and pages."""
+    stamp = folder / "stamp"
+    own = [*HERE.glob("*.py"), *PAGES_WITH_CODE]
+    now = package_stamp() + "".join(file.read_text(encoding="utf-8") for file in sorted(own))
+    if stamp.exists() and stamp.read_text(encoding="utf-8") == now:
+        return
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir()
+    documented_keys(HERE / "scene_file.md")
+    for page in PAGES_WITH_CODE:
+        examples_in_pages.run(page, folder)
+    paper_figures.draw(folder, paper.CASES)
+    tables = paper.compare(paper.CASES)
+    (folder / "paper.txt").write_text(paper.report(tables) + "\n", encoding="utf-8")
+    for name, rows in {
+        "agreement": agreement(tables),
+        "methods": table_of_methods(),
+        "effects": table_of_effects(),
+        "statuses": table_of_statuses(),
+        "files": table_of_files(),
+    }.items():
+        (folder / f"{name}.md").write_text(markdown(rows), encoding="utf-8")
+    stamp.write_text(now, encoding="utf-8")
+
+
+def markdown(rows: Iterable[Iterable[str]]) -> str:
+    """A table, its first row the head."""
+    head, *rest = (list(row) for row in rows)
+    lines = [head, ["---"] * len(head), *rest]
+    return "".join("| " + " | ".join(cells) + " |\n" for cells in lines)
+
+
+def agreement(tables: dict[str, list[paper.Row]]) -> Iterable[Iterable[str]]:
+    """How many of the printed numbers agree, case by case."""
+    yield "case", "", "numbers printed", "agree"
+    for case, rows in tables.items():
+        yield case, paper.CASES[case], str(len(rows)), str(sum(row.agrees for row in rows))
+
+
+def table_of_methods() -> Iterable[Iterable[str]]:
+    """Every method and what it is good for."""
+    yield "method", "order", "steps", "good for", "source"
+    for method in methods.METHODS.values():
+        steps = "chooses its own" if method.adaptive else "equal"
+        yield f"`{method.name}`", str(method.order), steps, method.use, method.source
+
+
+def table_of_effects() -> Iterable[Iterable[str]]:
+    """Every effect by its name."""
+    yield "effect", ""
+    for name, meaning in scene.EFFECTS.items():
+        yield f"`{name}`", meaning
+
+
+def table_of_statuses() -> Iterable[Iterable[str]]:
+    """Every way in which a run ends."""
+    yield "status", ""
+    for name, meaning in MEANINGS.items():
+        yield f"`{name}`", meaning
+
+
+def table_of_files() -> Iterable[Iterable[str]]:
+    """Every file of the package and the first sentence of its docstring."""
+    yield "file", ""
+    root = Path(tribo.__file__).parent
+    files = [file for file in root.rglob("*.py") if file.read_text(encoding="utf-8")]
+    for file in sorted(files, key=lambda f: (len(f.relative_to(root).parts), f)):
+        doc = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
+        first = re.split(r"(?<=[.:])\s|\n\n", doc)[0].replace("\n", " ").rstrip(":.")
+        yield f"`{file.relative_to(root)}`", re.sub(r"\s+", " ", first).replace("|", "\\|")
+
+
+def documented_keys(page: Path) -> None:
+    """Complain about a key of scene files that the page on them does not have."""
+    text = page.read_text(encoding="utf-8")
+    kinds = (
+        *(tribo.Scene, tribo.Surface, tribo.Asperite, tribo.Initial, tribo.Output),
+        *(tribo.Numerics, tribo.Springs, tribo.Langevin, tribo.Periodic, roughness.Roughness),
+    )
+    files_names = {"surfaces": "surface", "interactions": "interaction", "fields": "field"}
+    keys = {files_names.get(f.name, f.name) for kind in kinds for f in fields(kind)}
+    missing = sorted(key for key in keys if not re.search(rf"`\[*{key}\b", text))
+    if missing:
+        raise AssertionError(f"{page.name} says nothing of {', '.join(missing)}")
+
+
+if __name__ == "__main__":
+    np.seterr(all="raise")
+    everything(HERE / "_generated")

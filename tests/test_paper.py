@@ -1,0 +1,98 @@
+"""The paper's numbers beside ours: every row is there, and what is said of it is true."""
+
+import csv
+from decimal import Decimal
+from importlib.resources import files
+
+import pytest
+
+from tribo import paper
+
+AGREE = 76  # of the 103 numbers; the others come from rounded times, or from the paper's method
+
+
+@pytest.fixture(scope="module")
+def tables():
+    """All five cases, compared once."""
+    return paper.compare(paper.CASES)
+
+
+def printed():
+    """The file of published values that comes with the package."""
+    text = files("tribo").joinpath("data/published_values.csv").read_text(encoding="utf-8")
+    return list(csv.DictReader(text.splitlines()))
+
+
+def test_every_row_is_there(tables):
+    """One row of ours for every row of the file, in its order."""
+    keys = ("where", "t", "quantity", "printed")
+    for case in "ABCDE":
+        rows = [row for row in printed() if row["case"] == case]
+        assert paper.published(case) == rows
+        theirs = [tuple(row[key] for key in keys) for row in rows]
+        ours = [tuple(getattr(row, key) for key in keys) for row in tables[case]]
+        assert ours == theirs
+    assert list(tables) == list("ABCDE")
+    assert sum(map(len, tables.values())) == len(printed()) == 103
+
+
+def test_agreement_is_what_it_says(tables):
+    """Within half a unit of the last digit printed, and not beyond it."""
+    for rows in tables.values():
+        for row in rows:
+            if isinstance(row.computed, str):
+                assert row.agrees == (row.computed == row.printed)
+                continue
+            half = 0.5 * 10.0 ** Decimal(row.printed).as_tuple().exponent
+            off = abs(row.computed - float(row.printed))
+            assert row.agrees == (off <= half * (1.0 + 1e-9))
+
+
+def test_agreement(tables):
+    """At least as many agree as are known to; all of case D, and all given at the end of a run."""
+    rows = [row for table in tables.values() for row in table]
+    assert sum(row.agrees for row in rows) >= AGREE
+    assert all(row.agrees for row in tables["D"])
+    assert all(row.agrees for row in rows if row.t == "end")
+
+
+def test_what_differs_says_why(tables):
+    """A row that does not agree has a note; and what it proposes is a time or the paper's step."""
+    for rows in tables.values():
+        for row in rows:
+            assert row.agrees or row.note
+            assert row.error is None or row.error < 1e-7
+
+
+def test_noted_times_are_true(tables):
+    """Where a note says that another time would give the number, it does."""
+    runs = {case: paper.Run.followed(case) for case in "AC"}
+    found = 0
+    for case, run in runs.items():
+        for row in tables[case]:
+            if ".." in row.t or "agrees with t = " not in row.note:
+                continue
+            time = float(row.note.split("agrees with t = ")[1].split(" in place of ")[0])
+            half = 0.5 * 10.0 ** Decimal(row.printed).as_tuple().exponent
+            assert abs(float(run.at(row.quantity, time)) - float(row.printed)) <= half * 1.000001
+            found += 1
+    assert found >= 3
+
+
+@pytest.mark.parametrize(("attractive", "still"), [(False, "C"), (True, "D")])
+def test_moving_table_is_a_boost(attractive, still):
+    """E is C, or D if attractive, seen from a moving frame: every quantity, at every time."""
+    moving = paper.Run.followed("E", attractive=attractive)
+    assert paper.boost_gap(moving, paper.Run.followed(still)) < 1e-9
+
+
+def test_report(tables):
+    """The text has a line a row, and the sum at its end."""
+    lines = paper.report(tables).splitlines()
+    for case, rows in tables.items():
+        agree = sum(row.agrees for row in rows)
+        title = f"{case}  {paper.CASES[case]}: {agree} of {len(rows)} printed numbers agree"
+        assert title in lines
+    assert sum("DIFFERS" in line for line in lines) == 103 - sum(
+        row.agrees for rows in tables.values() for row in rows
+    )
