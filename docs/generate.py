@@ -12,7 +12,6 @@ from dataclasses import fields
 from pathlib import Path
 
 import examples_in_pages
-import numpy as np
 
 import tribo
 from tribo import methods, paper, paper_figures, roughness, scene
@@ -110,6 +109,3 @@ def documented_keys(page: Path) -> None:
         raise AssertionError(f"{page.name} says nothing of {', '.join(missing)}")
 
 
-if __name__ == "__main__":
-    np.seterr(all="raise")
-    everything(HERE / "_generated")

@@ -8,6 +8,8 @@ Where the documents say "independent", the other solution is that of tests/refer
 DOP853 on the equations written down a second time, which shares no code with the package.
 """
 
+import os
+import subprocess
 import sys
 import tempfile
 import time
@@ -311,6 +313,36 @@ def times() -> Iterator[list[str]]:
         yield [name, str(cost.steps), str(cost.force_evaluations), f"{1e3 * best:.2g}"]
 
 
+FRESH = """
+import time, sys
+sys.path.insert(0, {folder!r})
+import measure
+scene = {{"A": measure.case("A")}} | measure.hard_scenes()
+began = time.perf_counter()
+measure.tribo.simulate(list(scene.values())[{index}])
+print(time.perf_counter() - began)
+"""
+
+
+def compiling() -> Iterator[list[str]]:
+    """Seconds of a first run, in a process that compiles and in one that finds it done."""
+    yield ["scene", "first process", "later processes"]
+    for index, name in enumerate(["case A", *hard_scenes()]):
+        with tempfile.TemporaryDirectory() as cache:
+            cells = [f"{_fresh_run(index, cache):.2g} s" for _ in range(2)]
+        yield [name, *cells]
+
+
+def _fresh_run(index: int, cache: str) -> float:
+    """Seconds of `simulate` in a process of its own."""
+    program = FRESH.format(folder=str(HERE), index=index)
+    place = os.environ | {"NUMBA_CACHE_DIR": cache}
+    done = subprocess.run(
+        [sys.executable, "-c", program], env=place, capture_output=True, text=True, check=True
+    )
+    return float(done.stdout)
+
+
 TABLES: tuple[Callable[[], Iterator[list[str]]], ...] = (
     costs,
     bars,
@@ -319,6 +351,7 @@ TABLES: tuple[Callable[[], Iterator[list[str]]], ...] = (
     cutoffs,
     outcomes,
     times,
+    compiling,
 )
 
 

@@ -66,10 +66,11 @@ class Workplace:
         (folder / "scene.toml").write_text(SCENE)
         (folder / "own.py").write_text(plugin)
 
-    def run(self, *names):
+    def run(self, *names, **environment):
         """theta at the end of each scene, all of them run by one new process."""
         scenes = [self.root / name / "scene.toml" for name in names]
-        return [float(word) for word in python(RUN, *scenes, NUMBA_CACHE_DIR=self.cache)]
+        words = python(RUN, *scenes, NUMBA_CACHE_DIR=self.cache, **environment)
+        return [float(word) for word in words]
 
     @property
     def compiled(self):
@@ -100,6 +101,26 @@ def test_edited_plugin_is_compiled_again(place):
     place.write("one", PLUGIN)
     assert place.run("one") == first
     assert place.compiled == compiled
+
+
+def test_moved_plugin_is_found(place):
+    """A scene and its plug-in can be copied elsewhere, and run with what is compiled already."""
+    place.write("one", PLUGIN)
+    first = place.run("one")
+    place.write("two", PLUGIN)
+    assert place.run("two") == first
+    assert place.run("two", "one") == first * 2
+
+
+def test_edited_import_of_a_plugin_is_seen(place):
+    """What a plug-in imports from a file of the user's own is part of it."""
+    plugin = PLUGIN.replace("POWER = 1", "from powers import POWER")
+    place.write("one", plugin)
+    found = []
+    for power in (1, 2):
+        (place.root / "powers.py").write_text(f"POWER = {power}\n")
+        found += place.run("one", PYTHONPATH=place.root)
+    assert found[0] != found[1]
 
 
 def test_same_name_in_another_file(place):

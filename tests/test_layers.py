@@ -28,7 +28,7 @@ ORDER = [
     *("fields", "drives", "springs", "spectra", "bath", "langevin", "roughness"),
     *("asperite", "surface", "rows", "scene", "scene_file"),
     *("layout", "methods", "ledger", "march", "accuracy", "result", "archive", "simulation"),
-    *("plotting", "paper", "paper_figures", "cli"),
+    *("pose", "plotting", "paper", "paper_figures", "cli"),
 ]
 
 # Methods of convenience, whose work is done by a module further up that is loaded when called.

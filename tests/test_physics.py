@@ -92,39 +92,37 @@ def test_a_drude_bath_takes_internal_energy_as_the_continuum_does():
 TEMPERATURE = 0.3
 
 
-@pytest.fixture(scope="module")
 def warm():
     """Rows of asperites that do not meet: on reservoirs, and on baths as warm as they."""
     spectrum = Spectrum("drude", gamma=2.0, cutoff=2.0, n=150)
+    bath = Bath(temperature=TEMPERATURE, spectrum=spectrum)
     row = {"spacing": (5.0, 0.0), "drive": Free()}
     surfaces = [
         Surface("reservoir", shape=(1000, 1), langevin=Langevin(2.0, TEMPERATURE), **row),
-        Surface(
-            "bath", shape=(300, 1), bath=Bath(temperature=TEMPERATURE, spectrum=spectrum), **row
-        ),
+        Surface("bath", shape=(300, 1), bath=bath, **row),
     ]
     output = Output(times=np.arange(20.0, 121.0))
     result = simulate(Scene(surfaces, [], 120.0, output=output), method="verlet", step=0.1)
-    return {name: {key: v[1:] for key, v in result[name].items()} for name in ("reservoir", "bath")}
+    for surface in surfaces:  # the start is cold
+        yield {key: values[1:] for key, values in result[surface.name].items()}
 
 
-@pytest.mark.parametrize("name", ["reservoir", "bath"])
-def test_equipartition(warm, name):
+def test_equipartition():
     """I <omega^2> = M <v^2> = T, and bars, which move with v and omega, have T / mobility.
 
     Asperites are independent, which gives the standard error; what the cold pendulums took from a
     bath of 300 degrees of freedom at first is 1 % of its warmth.
     """
-    series = warm[name]
     mass, inertia, l2 = (Asperite().for_each(1)[key][0] for key in ("mass", "inertia", "l2"))
-    omega, theta, vx, vy = (series[key] for key in ("omega", "theta", "vx_cm", "vy_cm"))
-    bar = (vx - l2 * omega * np.cos(theta)) ** 2 + (vy - l2 * omega * np.sin(theta)) ** 2
     mobility = 2.0 / mass + l2**2 / inertia
-    for squares in (inertia * omega**2, mass * vx**2, mass * vy**2, bar / mobility):
-        each = squares.mean(axis=0) / TEMPERATURE
-        error = each.std() / np.sqrt(each.size)
-        assert error < 0.02
-        assert each.mean() == pytest.approx(1.0, abs=4.0 * error + 0.01)
+    for series in warm():
+        omega, theta, vx, vy = (series[key] for key in ("omega", "theta", "vx_cm", "vy_cm"))
+        bar = (vx - l2 * omega * np.cos(theta)) ** 2 + (vy - l2 * omega * np.sin(theta)) ** 2
+        for squares in (inertia * omega**2, mass * vx**2, mass * vy**2, bar / mobility):
+            each = squares.mean(axis=0) / TEMPERATURE
+            error = each.std() / np.sqrt(each.size)
+            assert error < 0.02
+            assert each.mean() == pytest.approx(1.0, abs=4.0 * error + 0.01)
 
 
 # --- momentum ------------------------------------------------------------------------------------

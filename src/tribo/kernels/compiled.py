@@ -17,8 +17,10 @@ from numba import njit, types
 from numba.extending import overload_method
 
 # What kernels are made of.  Division by zero gives inf or nan, as in numpy, which the time loops
-# turn into a named status.
-kernel = njit(error_model="numpy")
+# turn into a named status.  Most are called by other kernels only: the wrappers by which Python
+# would call them cost a quarter of the compile time.
+kernel = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
+shared_kernel = njit(error_model="numpy")
 
 
 @functools.cache

@@ -10,7 +10,7 @@ import math
 
 from numba import literal_unroll
 
-from tribo.kernels.compiled import kernel
+from tribo.kernels.compiled import kernel, shared_kernel
 from tribo.kernels.contact import contact_forces
 from tribo.kernels.neighbours import refreshed
 from tribo.kernels.records import FORCED, PULLED, RIGID
@@ -39,7 +39,7 @@ def bar_displacement(asperite, q, swing):
     return x, y
 
 
-@kernel
+@shared_kernel
 def place_bobs(asperites, bobs, t, q):
     """r1 = r_cm + l1 (sin theta, -cos theta)."""
     for i in range(asperites.shape[0]):

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from tribo.kernels.compiled import kernel
+from tribo.kernels.compiled import kernel, shared_kernel
 from tribo.kernels.records import Neighbours
 
 
@@ -161,7 +161,7 @@ def list_pair(bobs, box, one, other, reach, start, index, row, used):
     return index, used
 
 
-@kernel
+@shared_kernel
 def refreshed(model, neighbours):
     """The neighbours, made anew if the bobs in place ask for it; None stays None."""
     if neighbours is None:

@@ -109,6 +109,7 @@ CLOCK = np.dtype(
         ("sample", "i8"),  # next sample to be recorded
         ("steps", "i8"),
         ("rejected", "i8"),
+        ("held", "i8"),  # 1 where the next step may not be longer than the last one tried
         ("evaluations", "i8"),  # of all forces
     ],
     align=True,

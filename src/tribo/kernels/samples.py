@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tribo.kernels.compiled import kernel
+from tribo.kernels.compiled import kernel, shared_kernel
 from tribo.kernels.contact import contact_energy
 from tribo.kernels.motion import bar_angle, bar_displacement, field_energy, stretch
 from tribo.kernels.powers import bath_momentum
@@ -79,7 +79,7 @@ def torsional_energies(model, torsional, t, q, v, stored):
                 )
 
 
-@kernel
+@shared_kernel
 def write_sample(model, neighbours, clock, state, record):
     """Record the state as the next sample; the bobs are in place."""
     k = clock.sample

@@ -323,7 +323,6 @@ def composed_steps(model, neighbours, weights, step, clocks, state, times, recor
     twists = room_for_turns(model.torsional)
     split = model.bath is not None or model.torsional is not None or model.langevin is not None
     neighbours = forces(model, neighbours, clock.t, q)
-    clock.evaluations += 1
     encounter, closest = nearness(model, neighbours, clock.t, state.y, speeds)
     if closest == 0.0:
         return BOBS_COINCIDE
