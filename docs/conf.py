@@ -23,12 +23,15 @@ myst_heading_anchors = 3
 exclude_patterns = ["_build", "_generated", "measured"]
 
 autodoc_member_order = "bysource"
-autodoc_typehints = "signature"
+autodoc_typehints = "description"
+autodoc_typehints_description_target = "documented"
 autodoc_preserve_defaults = True
 
 html_theme = "furo"
 html_title = "tribo"
 html_copy_source = False
+html_static_path = ["static"]
+html_css_files = ["pages.css"]
 
 
 def setup(app):

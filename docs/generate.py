@@ -32,6 +32,7 @@ def everything(folder: Path) -> None:
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir()
     documented_keys(HERE / "scene_file.md")
+    documented_names(HERE / "api.md")
     for page in PAGES_WITH_CODE:
         examples_in_pages.run(page, folder)
     paper_figures.draw(folder, paper.CASES)
@@ -91,7 +92,7 @@ def table_of_files() -> Iterable[Iterable[str]]:
     files = [file for file in root.rglob("*.py") if file.read_text(encoding="utf-8")]
     for file in sorted(files, key=lambda f: (len(f.relative_to(root).parts), f)):
         doc = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
-        first = re.split(r"(?<=[.:])\s|\n\n", doc)[0].replace("\n", " ").rstrip(":.")
+        first = re.split(r"(?<=\.)\s|\n\n", doc)[0].rstrip(":.")
         yield f"`{file.relative_to(root)}`", re.sub(r"\s+", " ", first).replace("|", "\\|")
 
 
@@ -109,3 +110,13 @@ def documented_keys(page: Path) -> None:
         raise AssertionError(f"{page.name} says nothing of {', '.join(missing)}")
 
 
+def documented_names(page: Path) -> None:
+    """Complain about a public name that the page on Python does not have."""
+    text = page.read_text(encoding="utf-8")
+    missing = [
+        name
+        for name in tribo.__all__
+        if name != "__version__" and not re.search(rf"^\.\. auto\w+:: {name}\b", text, re.MULTILINE)
+    ]
+    if missing:
+        raise AssertionError(f"{page.name} says nothing of {', '.join(missing)}")

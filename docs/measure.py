@@ -69,9 +69,7 @@ def costs() -> Iterator[list[str]]:
         yield [f"`{method}`", *cells]
 
 
-def work_precision(
-    letter: str, method: str, truth: tribo.Result
-) -> Iterator[tuple[float, float]]:
+def work_precision(letter: str, method: str, truth: tribo.Result) -> Iterator[tuple[float, float]]:
     """(error, evaluations) of a method on a case, coarse to fine."""
     scene = case(letter)
     if method == "dop853":
@@ -123,7 +121,9 @@ def hard_scenes() -> dict[str, tribo.Scene]:
         "two rows of five, Lennard-Jones with a switch, soft": tribo.Scene(
             (upper, lower), jones, 12.0, output=FEW
         ),
-        "the same, one rigid and free, one with springs": tribo.Scene(rows, jones, 12.0, output=FEW),
+        "the same, one rigid and free, one with springs": tribo.Scene(
+            rows, jones, 12.0, output=FEW
+        ),
         "a short Morse bond, bars free": tribo.Scene(
             (left, right), tribo.Morse(0.5, 5.0, 0.5), 16.0, output=FEW
         ),

@@ -119,7 +119,7 @@ def test_edited_import_of_a_plugin_is_seen(place):
     found = []
     for power in (1, 2):
         (place.root / "powers.py").write_text(f"POWER = {power}\n")
-        found += place.run("one", PYTHONPATH=place.root)
+        found += place.run("one", PYTHONPATH=os.pathsep.join([str(place.root), *sys.path]))
     assert found[0] != found[1]
 
 

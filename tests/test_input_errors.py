@@ -243,7 +243,7 @@ WRONG = [
     ("field[0]", 5, "must be a table, got 5"),
     ("field[0].on", "upper", "must be a list of surfaces' names, got 'upper'"),
     ("field[0].on", [], "must be a list of surfaces' names, got []"),
-    ("field[0].on", [5], 'names no surface "5"; there are'),
+    ("field[0].on", [5], "names no surface 5; there are"),
     ("output", 5, "must be a table, got 5"),
     ("numerics", 5, "must be a table, got 5"),
     ("periodic", 5, "must be a table, got 5"),
@@ -317,11 +317,11 @@ WRONG = [
     ("surface[0].name", "a\nb", "must be a word"),
     ("surface[1].name", "upper", '"upper" is taken; give another'),
     ("interaction[0].potential", "mose", 'must be "coulomb", "morse", "lennard-jones"'),
-    ("interaction[0].between", ["upper", "middle"], 'names no surface "middle"; there are'),
+    ("interaction[0].between", ["upper", "middle"], "names no surface 'middle'; there are"),
     ("interaction[0].between", ["upper"], "must be the names of two surfaces, got ['upper']"),
     ("interaction[0].between", "upper", "must be the names of two surfaces, got 'upper'"),
     ("interaction[0].between", [], "must be the names of two surfaces, got []"),
-    ("field[0].on", ["middle"], 'names no surface "middle"; there are'),
+    ("field[0].on", ["middle"], "names no surface 'middle'; there are"),
     ("field[0].kind", "corugation", 'must be "corrugation"'),
     # one or the other
     ("surface[1].bath.oscillators", [], "cannot go with spectrum; give one or the other"),
@@ -652,7 +652,8 @@ def is_a_scene_or_refused(table):
 @example(value=[[]])
 @example(value=[HUGE, HUGE])
 @example(value=[True, False])
-@example(value={"kind": []})
+@example(value={"kind": ["x.py:Y"]})
+@example(value=["\n", "x.py:Y"])
 def test_any_value_in_the_place_of_any_other(path, value):
     """Numbers of all sizes, words, lists and tables where something else should be."""
     is_a_scene_or_refused(changed((path, value)))

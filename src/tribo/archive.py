@@ -69,6 +69,8 @@ def load_result(path: Any) -> Result:
         data = xarray.load_dataset(path, engine="h5netcdf")
     except OSError as error:
         raise InputError(str(path), f"cannot be read ({error.strerror or error})") from None
+    if "scene" not in data.attrs:
+        raise InputError(str(path), "is not a result that tribo has written")
     scene = scene_from(tomllib.loads(data.attrs["scene"]), path.parent)
     surfaces: dict[str, dict[str, np.ndarray]] = {s.name: {} for s in scene.surfaces}
     blocks: dict[str, dict[str, np.ndarray]] = {s.name: {} for s in scene.surfaces}

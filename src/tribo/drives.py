@@ -100,7 +100,8 @@ def as_drive(value: Any, folder: Path = Path()) -> Drive:
         return value
     if isinstance(value, str):
         return KINDS[choice("", value, KINDS)]()
-    if isinstance(value, dict) and ".py:" in str(value.get("kind")):
+    wanted = value.get("kind") if isinstance(value, dict) else None
+    if isinstance(wanted, str) and ".py:" in wanted:
         parameters = dict(value)
         name, load = parameters.pop("kind"), parameters.pop("load", None)
         cls = plugins.class_in_file("kind", name, folder)

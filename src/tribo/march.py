@@ -8,7 +8,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numba.core.errors import NumbaError
 
+from tribo.errors import InputError
 from tribo.kernels.motion import place_bobs
 from tribo.kernels.neighbours import refreshed
 from tribo.kernels.records import CLOCK
@@ -153,8 +155,18 @@ def compile_loop(layout: Layout, method: Method, loop: Callable[..., Any], setti
     """Have the loop compiled for this scene, or loaded from the disk cache; returns the seconds."""
     began = time.perf_counter()
     clocks, state = _at_rest(layout, layout.start, 0.0)
-    _bound(layout, method, loop, setting)(clocks, state, np.ones(1), _room(layout, 1), 0)
+    try:
+        _bound(layout, method, loop, setting)(clocks, state, np.ones(1), _room(layout, 1), 0)
+    except NumbaError as error:
+        names = ", ".join(sorted({type(plugin).__name__ for plugin in layout.plugins}))
+        reason = next((line for line in str(error).splitlines() if _tells(line)), "")
+        raise InputError("potential", f"{names} does not compile: {reason.strip()}") from None
     return time.perf_counter() - began
+
+
+def _tells(line: str) -> bool:
+    """Whether a line of the compiler's message says what is wrong."""
+    return bool(line.strip()) and not line.startswith(("Failed in nopython", "During"))
 
 
 def _at_rest(layout: Layout, start: np.ndarray, first_step: float) -> tuple[Any, State]:

@@ -43,12 +43,15 @@ def instance(cls: Any, parameters: dict[str, Any]) -> Any:
 def class_in_file(field: str, name: str, folder: Path) -> Any:
     """The class that ``file.py:Class`` names, the path being relative to `folder`."""
     place, _, class_name = name.rpartition(":")
-    path = (folder / place).resolve()
+    try:
+        path = (folder / place).resolve()
+    except (OSError, ValueError):
+        raise InputError(field, f"must name a file, got {name!r}") from None
     try:
         module = _load(path)
     except FileNotFoundError:
         raise InputError(field, f"there is no file {path}") from None
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         reason = f"{type(error).__name__}: {error}"
         raise InputError(field, f"{path} cannot be loaded ({reason})") from None
     if not hasattr(module, class_name):

@@ -184,7 +184,9 @@ class Scene:
             with inside(f"interaction[{i}]"):
                 for name in interaction.between or ():
                     if name not in names:
-                        raise InputError("between", f'names no surface "{name}"; there are {names}')
+                        raise InputError(
+                            "between", f"names no surface {shown(name)}; there are {names}"
+                        )
                 if interaction.between and interaction.between[0] == interaction.between[1]:
                     raise InputError("between", "must name two different surfaces")
         self._refuse_two_for_one_pair(interactions)
@@ -193,15 +195,15 @@ class Scene:
     def _checked_fields(self) -> tuple[Field, ...]:
         value = [self.fields] if isinstance(self.fields, Field) else self.fields
         if not isinstance(value, (list, tuple)):
-            raise InputError("field", f"must be a list of fields, got {value!r}")
+            raise InputError("field", f"must be a list of fields, got {shown(value)}")
         names = [s.name for s in self.surfaces]
         for i, item in enumerate(value):
             if not isinstance(item, Field):
-                raise InputError(f"field[{i}]", f"must be a tribo.Field, got {item!r}")
+                raise InputError(f"field[{i}]", f"must be a tribo.Field, got {shown(item)}")
             for name in item.on:
                 if name not in names:
                     raise InputError(
-                        f"field[{i}].on", f'names no surface "{name}"; there are {names}'
+                        f"field[{i}].on", f"names no surface {shown(name)}; there are {names}"
                     )
         return tuple(value)
 

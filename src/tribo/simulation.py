@@ -139,9 +139,11 @@ class Simulation:
         y = self.layout.start.copy()
         n = self.layout.coordinates
         for key, value in start.items():
-            name, _, quantity = key.rpartition(".")
+            name, _, quantity = str(key).rpartition(".")
             if name not in self.layout.parts or quantity not in ("theta", "phi", "omega", "nu"):
-                raise InputError(key, 'must be "surface.theta", or phi, omega or nu of a surface')
+                raise InputError(
+                    str(key), 'must be "surface.theta", or phi, omega or nu of a surface'
+                )
             part = self.layout.parts[name]
             values = np.asarray(number_or_each(key, value))
             surface = next(s for s in self.scene.surfaces if s.name == name)
@@ -178,9 +180,10 @@ class Simulation:
             notes.append("of the asperites' series only the first and the last sample are kept")
         if len(runs) > 1 and self.accuracy is not None:
             estimated, scales = self._estimated(fine, runs[-2])
-            met = acc.excess(estimated, scales, self.accuracy) <= 1.0
+            reached = fine.status == "completed"
+            met = reached and acc.excess(estimated, scales, self.accuracy) <= 1.0
             bounds.update(estimated)
-            if not met and fine.status == "completed":
+            if reached and not met:
                 notes.append(self._out_of_reach(fine, estimated, scales))
         return Result(
             scene=self.scene,
@@ -263,7 +266,9 @@ def prepare(
             raise InputError(
                 "step", f"cannot go with {chosen.name}, which chooses its own; give accuracy"
             )
-        accuracy = check_accuracy(accuracy or wanted.accuracy or DEFAULT_ACCURACY)
+        if accuracy is None:
+            accuracy = DEFAULT_ACCURACY if wanted.accuracy is None else wanted.accuracy
+        accuracy = check_accuracy(accuracy)
         return Simulation(scene, accuracy, chosen, None, progress)
     if step is None:
         raise InputError("step", f"is missing; {chosen.name} goes in equal steps")

@@ -34,6 +34,8 @@ class Springs:
         flag("wrap", self.wrap)
         put(self, "turned", number("turned", self.turned))
         if self.pairs is not None:
+            if not isinstance(self.pairs, (list, tuple, np.ndarray)):
+                raise InputError("pairs", f"must be a list of pairs, got {self.pairs!r}")
             put(self, "pairs", tuple(self._pair(i, p) for i, p in enumerate(self.pairs)))
             if self.wrap:
                 raise InputError("wrap", "cannot go with pairs; list the pairs that close the row")

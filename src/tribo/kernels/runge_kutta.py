@@ -21,7 +21,7 @@ from tribo.kernels.status import (
     PAUSED,
     STEP_UNDERFLOW,
 )
-from tribo.kernels.stepping import EPSILON, all_finite, glance, nearness
+from tribo.kernels.stepping import EPSILON, all_finite, glance, looks, nearness
 
 
 class Tolerance(NamedTuple):
@@ -114,6 +114,7 @@ def fixed_steps(model, neighbours, tableau, step, clocks, state, times, record, 
     if status != COMPLETED:
         return status
     unseen = 0.0  # time since the encounters were looked at
+    stride = looks(model)
     done = 0
     while clock.sample < times.size:
         goal = times[clock.sample]
@@ -124,7 +125,7 @@ def fixed_steps(model, neighbours, tableau, step, clocks, state, times, record, 
         if done == budget:
             return PAUSED
         h = left / math.ceil(left / step - 1e-9)
-        if h < 4.0 * EPSILON * clock.t:
+        if h < EPSILON * times[-1]:
             return STEP_UNDERFLOW
         if h * encounter > 1.0:
             return ENCOUNTER_JUMPED
@@ -143,7 +144,7 @@ def fixed_steps(model, neighbours, tableau, step, clocks, state, times, record, 
         if not all_finite(slopes[0]) or not all_finite(state.s):
             return NOT_FINITE
         unseen += h
-        if (unseen + h) * encounter > 0.25:
+        if clock.steps % stride == 0 or (unseen + h) * encounter > 0.25:
             encounter = glance(model, neighbours, clock.t, state.y, speeds, h)
             unseen = 0.0
     return COMPLETED
@@ -190,7 +191,7 @@ def chosen_steps(model, neighbours, tableau, tolerance, clocks, state, times, re
             h = left
         elif 2.0 * h > left:
             h = 0.5 * left
-        if h < 16.0 * EPSILON * clock.t and not landing:
+        if h < 16.0 * EPSILON * times[-1] and not landing:
             return STEP_UNDERFLOW if finite else NOT_FINITE
 
         for i in range(1, stages):

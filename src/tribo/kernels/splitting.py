@@ -31,7 +31,7 @@ from tribo.kernels.status import (
     PAUSED,
     STEP_UNDERFLOW,
 )
-from tribo.kernels.stepping import EPSILON, all_finite, glance, nearness
+from tribo.kernels.stepping import EPSILON, all_finite, glance, looks, nearness
 
 # Gauss-Legendre nodes and weights on (0, 1), for the ends of clamped bars that turn.
 _ROOT = math.sqrt(0.6)
@@ -327,6 +327,7 @@ def composed_steps(model, neighbours, weights, step, clocks, state, times, recor
     if closest == 0.0:
         return BOBS_COINCIDE
     unseen = 0.0
+    stride = looks(model)
     done = 0
     while clock.sample < times.size:
         goal = times[clock.sample]
@@ -340,7 +341,7 @@ def composed_steps(model, neighbours, weights, step, clocks, state, times, recor
         if done == budget:
             return PAUSED
         h = left / math.ceil(left / step - 1e-9)
-        if h < 4.0 * EPSILON * clock.t:
+        if h < EPSILON * times[-1]:
             return STEP_UNDERFLOW
         if h * encounter > 1.0:
             return ENCOUNTER_JUMPED
@@ -363,7 +364,7 @@ def composed_steps(model, neighbours, weights, step, clocks, state, times, recor
         clock.steps += 1
         done += 1
         unseen += h
-        if (unseen + h) * encounter > 0.25:
+        if clock.steps % stride == 0 or (unseen + h) * encounter > 0.25:
             if not all_finite(state.y):
                 return NOT_FINITE
             encounter = glance(model, neighbours, clock.t, state.y, speeds, h)

@@ -18,6 +18,12 @@ def nearness(model, neighbours, t, y, speeds):
 
 
 @kernel
+def looks(model):
+    """Every how many steps to look for encounters at least: bobs at rest may be about to fall."""
+    return 1 if model.asperites.size <= 64 else 8
+
+
+@kernel
 def glance(model, neighbours, t, y, speeds, h):
     """Rate at which the nearest encounter comes, looked at pair by pair only where it matters.
 
