@@ -6,6 +6,7 @@ NamedTuple by its class, finds its methods when a kernel is compiled, and inline
 
 from __future__ import annotations
 
+import ast
 import hashlib
 import importlib.util
 import inspect
@@ -72,13 +73,40 @@ def stamp(plugin: Any) -> str:
     """Hash of the sources that a plug-in's classes come from; empty for those of this package."""
     cls = type(plugin)
     inner = "".join(stamp(item) for item in plugin if hasattr(item, "_fields"))
-    if cls.__module__.startswith("tribo."):
+    if is_own(cls):
         return inner
+    digest = hashlib.blake2b(f"{cls.__module__}.{cls.__qualname__}".encode(), digest_size=8)
+    sources: dict[str, bytes] = {}
+    _collect_sources(sys.modules.get(cls.__module__), sources)
+    for place in sorted(sources):
+        digest.update(sources[place])
+    if not sources:
+        digest.update(repr(cls).encode())
+    return inner + digest.hexdigest()
+
+
+def is_own(cls: type) -> bool:
+    """Whether a class is this package's."""
+    return cls.__module__.startswith("tribo.")
+
+
+def _collect_sources(module: ModuleType | None, sources: dict[str, bytes]) -> None:
+    """The source of a user's module, and of all of the user's own that it imports from."""
+    place = getattr(module, "__file__", None)
+    name = getattr(module, "__name__", "")
+    installed = place is None or place.startswith((sys.prefix, sys.base_prefix))
+    if module is None or installed or place in sources or name.split(".")[0] == "tribo":
+        return
     try:
-        source = Path(inspect.getsourcefile(cls) or "").read_bytes()
-    except (OSError, TypeError):
-        source = repr(cls).encode()
-    return inner + hashlib.blake2b(source + cls.__qualname__.encode(), digest_size=8).hexdigest()
+        sources[str(place)] = Path(str(place)).read_bytes()
+    except OSError:
+        return
+    for node in ast.walk(ast.parse(sources[str(place)])):
+        if isinstance(node, ast.ImportFrom):
+            _collect_sources(sys.modules.get(node.module or ""), sources)
+        elif isinstance(node, ast.Import):
+            for alias in node.names:
+                _collect_sources(sys.modules.get(alias.name), sources)
 
 
 def _load(path: Path) -> ModuleType:

@@ -9,7 +9,7 @@ import numpy as np
 
 from tribo import accuracy as acc
 from tribo import methods, plugins
-from tribo.checks import POSITIVE, number, number_or_each
+from tribo.checks import POSITIVE, inside, number, number_or_each
 from tribo.errors import InputError
 from tribo.kernels.compiled import time_loop
 from tribo.layout import laid_out, set_bath
@@ -24,6 +24,7 @@ PILOT = 1e-3  # tolerance level of the first run, which finds out the scales
 CHECKS = 8  # equal parts of the duration, after each of which two runs are compared
 PARTS = 32  # the finer run lands on these and the samples: its steps are never the other's
 FIRST_LEVEL = 0.03  # tolerance of the coarser run, in units of the accuracy
+STALLED = 0.5  # of the estimate before: less gained than that, and round-off is the limit
 ROUNDS = 6  # of tightening, before a request is called out of reach
 NOISY_STEP = 2.0  # of a run with noise, in units of the first step of one without
 PERTURBATION = 1e-11  # of the start, to see what the scene makes of it
@@ -112,6 +113,7 @@ class Simulation:
         layout, start = self.layout, self.layout.start
         runs = [self._march(start, self._setting, self._check_times)]
         level = FIRST_LEVEL * accuracy
+        before = np.inf
         for _ in range(ROUNDS):
             scales = acc.inner_scales(layout, runs[-1].samples)
             self._coarse = acc.tolerances(layout, scales, level)
@@ -121,8 +123,9 @@ class Simulation:
             if runs[-1].status == "Interrupted":
                 break
             excess = acc.excess(*self._estimated(runs[-1], runs[-2]), accuracy)
-            if excess <= 1.0 or level <= acc.FLOOR:
+            if excess <= 1.0 or level <= acc.FLOOR or excess > STALLED * before:
                 break
+            before = excess
             level = max(level * min(0.1, 0.3 / excess), acc.FLOOR)
         self._tuning = runs
 
@@ -136,6 +139,8 @@ class Simulation:
 
     def _changed(self, start: Mapping[str, Any]) -> np.ndarray:
         """y at t = 0 with some initial values replaced."""
+        if not isinstance(start, Mapping):
+            raise InputError("start", f"must map names to values, got {start!r}")
         y = self.layout.start.copy()
         n = self.layout.coordinates
         for key, value in start.items():
@@ -251,14 +256,26 @@ def prepare(
     """
     if not isinstance(scene, Scene):
         raise InputError("scene", f"must be a tribo.Scene, got {scene!r}")
-    wanted = scene.numerics
-    if method is None and step is None:
-        step = wanted.step if accuracy is None else None
-        method = wanted.method if accuracy is None or wanted.step is None else None
+    own = any(item is not None for item in (accuracy, method, step))
+    if own:
+        how = _how(scene, accuracy, method, step)
+    else:
+        wanted = scene.numerics
+        with inside("numerics"):
+            how = _how(scene, wanted.accuracy, wanted.method, wanted.step)
+    return Simulation(scene, *how, progress)
+
+
+def _how(
+    scene: Scene, accuracy: float | None, method: str | None, step: float | None
+) -> tuple[float | None, methods.Method, float | None]:
+    """Accuracy or step, and the method, from what was asked for; complains if they do not fit."""
     if method is None:
-        method = "midpoint" if step is not None else "dop853"
+        method = "dop853" if step is None else "midpoint"
         if _noisy(scene):
-            method, step = "verlet", step or NOISY_STEP * acc.first_step(laid_out(scene))
+            method = "verlet"
+            if step is None and accuracy is None:
+                step = NOISY_STEP * acc.first_step(laid_out(scene))
     chosen = methods.named(method)
     _refuse(scene, chosen)
     if chosen.adaptive:
@@ -266,15 +283,12 @@ def prepare(
             raise InputError(
                 "step", f"cannot go with {chosen.name}, which chooses its own; give accuracy"
             )
-        if accuracy is None:
-            accuracy = DEFAULT_ACCURACY if wanted.accuracy is None else wanted.accuracy
-        accuracy = check_accuracy(accuracy)
-        return Simulation(scene, accuracy, chosen, None, progress)
+        return check_accuracy(DEFAULT_ACCURACY if accuracy is None else accuracy), chosen, None
+    if accuracy is not None and step is not None:
+        raise InputError("accuracy", f"cannot go with a step of one's own for {chosen.name}")
     if step is None:
         raise InputError("step", f"is missing; {chosen.name} goes in equal steps")
-    if accuracy is not None:
-        raise InputError("accuracy", f"cannot go with a step of one's own for {chosen.name}")
-    return Simulation(scene, None, chosen, number("step", step, POSITIVE), progress)
+    return None, chosen, number("step", step, POSITIVE)
 
 
 def _noisy(scene: Scene) -> bool:

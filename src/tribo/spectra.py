@@ -20,7 +20,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from tribo.checks import NOT_NEGATIVE, POSITIVE, choice, number, vector, whole
+from tribo.checks import MANY, NOT_NEGATIVE, POSITIVE, choice, number, vector, whole
 
 KINDS = ("drude", "ohmic", "debye")
 
@@ -61,7 +61,7 @@ class Spectrum:
         choice("kind", self.kind, KINDS)
         object.__setattr__(self, "gamma", number("gamma", self.gamma, POSITIVE))
         object.__setattr__(self, "cutoff", number("cutoff", self.cutoff, POSITIVE))
-        object.__setattr__(self, "n", whole("n", self.n, 1))
+        object.__setattr__(self, "n", whole("n", self.n, 1, MANY))
 
     def oscillators(self) -> tuple[np.ndarray, np.ndarray]:
         """Masses (n,) and angular frequencies (n,)."""

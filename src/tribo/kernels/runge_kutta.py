@@ -124,7 +124,7 @@ def fixed_steps(model, neighbours, tableau, step, clocks, state, times, record, 
             continue
         if done == budget:
             return PAUSED
-        h = left / math.ceil(left / step - 1e-9)
+        h = left / max(1.0, math.ceil(left / step - 1e-9))
         if h < EPSILON * times[-1]:
             return STEP_UNDERFLOW
         if h * encounter > 1.0:
@@ -210,7 +210,7 @@ def chosen_steps(model, neighbours, tableau, tolerance, clocks, state, times, re
         )
         error = fifth
         if fifth > 0.0:
-            error = fifth * fifth / math.sqrt(fifth * fifth + 0.01 * third * third)
+            error = fifth * (fifth / math.hypot(fifth, 0.1 * third))
         finite = math.isfinite(error)
         if not error <= 1.0:
             clock.h = h * (max(0.2, 0.9 * error**-0.125) if finite else 0.2)
