@@ -503,7 +503,7 @@ MUTATIONS = {
         "_system": [
             'block["delta_K"] + -> block["delta_K"] -',
             "samples.contact + -> samples.contact -",
-            "stored + ( -> stored - (",
+            "stored + change -> stored - change",
             "accounts[name] -> -1.0 * accounts[name]",
             '"w2" -> "w1"',
             '"wL" -> "wR"',

@@ -124,7 +124,7 @@ def fixed_steps(model, neighbours, tableau, step, clocks, state, times, record, 
             continue
         if done == budget:
             return PAUSED
-        h = left / max(1.0, math.ceil(left / step - 1e-9))
+        h = left / max(1.0, np.ceil(left / step - 1e-9))
         if h < EPSILON * times[-1]:
             return STEP_UNDERFLOW
         if h * encounter > 1.0:

@@ -340,7 +340,7 @@ def composed_steps(model, neighbours, weights, step, clocks, state, times, recor
             continue
         if done == budget:
             return PAUSED
-        h = left / max(1.0, math.ceil(left / step - 1e-9))
+        h = left / max(1.0, np.ceil(left / step - 1e-9))
         if h < EPSILON * times[-1]:
             return STEP_UNDERFLOW
         if h * encounter > 1.0:
