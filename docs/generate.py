@@ -5,6 +5,7 @@ tables of methods, effects, statuses and files: so that none of them can be behi
 """
 
 import ast
+import logging
 import re
 import shutil
 from collections.abc import Iterable
@@ -29,6 +30,7 @@ def everything(folder: Path) -> None:
     now = package_stamp() + "".join(file.read_text(encoding="utf-8") for file in sorted(own))
     if stamp.exists() and stamp.read_text(encoding="utf-8") == now:
         return
+    logging.getLogger("fontTools").setLevel(logging.WARNING)  # which tells of every glyph in a PDF
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir()
     documented_keys(HERE / "scene_file.md")
