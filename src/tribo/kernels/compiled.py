@@ -53,6 +53,7 @@ def _found_by_class(method: str, arguments: int) -> None:
         0: lambda self: find(self),
         1: lambda self, a: find(self),
         2: lambda self, a, b: find(self),
+        3: lambda self, a, b, c: find(self),
         4: lambda self, a, b, c, d: find(self),
         7: lambda self, a, b, c, d, e, f, g: find(self),
     }
@@ -63,6 +64,8 @@ for _method, _arguments in (
     ("energy", 1),  # of potentials, at r
     ("force", 1),
     ("coupling", 2),  # of two charges
+    ("energy_between", 3),  # at r, of two charges
+    ("force_between", 3),
     ("feature", 0),
     ("range", 0),
     ("energy_at", 2),  # of fields, at x, y

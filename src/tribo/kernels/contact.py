@@ -64,7 +64,7 @@ def contact_forces(model, neighbours):
                     dy = a.y - b.y
                     r = separation(dx, dy, image(a.z - b.z, box, 1))
                     if r < end:
-                        f = potential.coupling(a.charge, b.charge) * potential.force(r) / r
+                        f = potential.force_between(r, a.charge, b.charge) / r
                         fx += f * dx
                         fy += f * dy
                         b.fx -= f * dx
@@ -92,7 +92,7 @@ def contact_energy(model, neighbours):
                     dx = image(a.x - b.x, model.box, 0)
                     r = separation(dx, a.y - b.y, image(a.z - b.z, model.box, 1))
                     if r < end:
-                        energy += potential.coupling(a.charge, b.charge) * potential.energy(r)
+                        energy += potential.energy_between(r, a.charge, b.charge)
     return energy
 
 

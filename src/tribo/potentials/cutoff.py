@@ -41,6 +41,10 @@ class Truncated(NamedTuple):
         """Distance from which U and force are zero."""
         return self.cutoff
 
+    def smoothness(self):
+        """At the cutoff U jumps."""
+        return min(-1, self.potential.smoothness())
+
 
 class Shifted(NamedTuple):
     """U - U(cutoff), cut off."""
@@ -67,6 +71,10 @@ class Shifted(NamedTuple):
     def range(self):
         """Distance from which U and force are zero."""
         return self.cutoff
+
+    def smoothness(self):
+        """At the cutoff the force jumps."""
+        return min(0, self.potential.smoothness())
 
 
 class ForceShifted(NamedTuple):
@@ -96,6 +104,10 @@ class ForceShifted(NamedTuple):
     def range(self):
         """Distance from which U and force are zero."""
         return self.cutoff
+
+    def smoothness(self):
+        """At the cutoff the force has a kink."""
+        return min(1, self.potential.smoothness())
 
 
 class Switched(NamedTuple):
@@ -130,6 +142,10 @@ class Switched(NamedTuple):
     def range(self):
         """Distance from which U and force are zero."""
         return self.cutoff
+
+    def smoothness(self):
+        """How many derivatives of U are continuous at the cutoff."""
+        return min(2, self.potential.smoothness())
 
 
 AT_CUTOFF = {

@@ -9,7 +9,14 @@ A potential is a NamedTuple of floats with ``energy(self, r)``.  It may say more
     coupling(self, one, other)
                      what U is multiplied by for bobs of charges one and other, as one * other;
                      otherwise 1
+    energy_between(self, r, one, other), force_between(self, r, one, other)
+                     U and -dU/dr for bobs of charges one and other, where that is more than
+                     coupling times energy and force
     range(self)      distance from which U is zero; otherwise there is none
+    smoothness(self) how many derivatives of U are continuous at every r > 0: -1 where U jumps;
+                     otherwise all of them are
+    minimum(self)    (r, U, d2U/dr2) at the minimum, to be checked against U
+    domain(self)     (least r, largest r) for which the potential is meant
 """
 
 from __future__ import annotations
@@ -46,11 +53,26 @@ def _no_range(self: Any) -> Any:
     return math.inf
 
 
+def _energy_between(self: Any, r: Any, one: Any, other: Any) -> Any:
+    return self.coupling(one, other) * self.energy(r)
+
+
+def _force_between(self: Any, r: Any, one: Any, other: Any) -> Any:
+    return self.coupling(one, other) * self.force(r)
+
+
+def _smooth(self: Any) -> Any:
+    return math.inf
+
+
 DEFAULTS = {
     "force": _complex_step,
     "feature": _no_feature,
     "coupling": _no_coupling,
+    "energy_between": _energy_between,
+    "force_between": _force_between,
     "range": _no_range,
+    "smoothness": _smooth,
 }
 
 
