@@ -14,12 +14,18 @@ ROOT = Path(tribo.__file__).parent
 # Every module, from the ground up: each may import those before it in this list, and no other.
 KERNELS = [
     *("kernels", "kernels.status", "kernels.tableaux", "kernels.records", "kernels.compiled"),
-    *("kernels.neighbours", "kernels.contact", "kernels.motion", "kernels.powers"),
+    *(
+        "kernels.external",
+        "kernels.neighbours",
+        "kernels.contact",
+        "kernels.motion",
+        "kernels.powers",
+    ),
     *("kernels.samples", "kernels.stepping", "kernels.runge_kutta", "kernels.splitting"),
 ]
 POTENTIALS = [
     *("potentials.coulomb", "potentials.lennard_jones", "potentials.morse", "potentials.cutoff"),
-    *("potentials.registry", "potentials"),
+    *("potentials.from_ase", "potentials.registry", "potentials"),
 ]
 ORDER = [
     *("errors", "checks"),
@@ -88,7 +94,7 @@ def test_kernels_see_no_scene(name):
     assert all(other.startswith("kernels") for other in of_this_package(name))
     tree = ast.parse(FILES[name].read_text(encoding="utf-8"))
     tops = {full.partition(".")[0] for full in imported(tree)}
-    assert tops - set(sys.stdlib_module_names) <= {"tribo", "numpy", "numba"}
+    assert tops - set(sys.stdlib_module_names) <= {"tribo", "numpy", "numba", "llvmlite"}
 
 
 @pytest.mark.parametrize("name", ["coulomb", "lennard_jones", "morse", "cutoff"])

@@ -16,5 +16,6 @@ MEANINGS = {
     "StepUnderflow": "the motion asks for steps below the spacing of floating-point times",
     "NotFinite": "a force or an energy is not a finite number",
     "EncounterJumped": "the given step would carry bobs past an encounter; a smaller one would do",
+    "CalculatorFailed": "an ASE calculator raised an error, which the notes tell",
     "Interrupted": "the run was interrupted; what it had reached is kept",
 }

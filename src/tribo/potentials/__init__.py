@@ -2,6 +2,7 @@
 
 from tribo.potentials.coulomb import Coulomb
 from tribo.potentials.cutoff import ForceShifted, Shifted, Switched, Truncated
+from tribo.potentials.from_ase import live
 from tribo.potentials.lennard_jones import LennardJones
 from tribo.potentials.morse import Morse
 from tribo.potentials.registry import BUILT_IN, as_potential, with_cutoff
@@ -16,5 +17,6 @@ __all__ = [
     "Switched",
     "Truncated",
     "as_potential",
+    "live",
     "with_cutoff",
 ]

@@ -28,6 +28,7 @@ from typing import Any
 from tribo import plugins
 from tribo.checks import POSITIVE, choice, number
 from tribo.errors import InputError
+from tribo.potentials import from_ase
 from tribo.potentials.coulomb import Coulomb
 from tribo.potentials.cutoff import AT_CUTOFF, Switched
 from tribo.potentials.lennard_jones import LennardJones
@@ -122,6 +123,8 @@ def from_table(table: dict[str, Any], folder: Path) -> Any:
     if "potential" not in parameters:
         raise InputError("potential", "is missing")
     name = parameters.pop("potential")
+    if name == "ase":
+        return from_ase.from_table(parameters)
     ending = {
         key: parameters.pop(key)
         for key in ("cutoff", "at_cutoff", "switch_from")
@@ -149,6 +152,8 @@ def class_named(name: Any, folder: Path) -> Any:
 
 def as_table(potential: Any) -> dict[str, Any]:
     """The table of a scene file that `from_table` reads."""
+    if isinstance(potential, from_ase.Live):
+        return {"potential": "ase"} | from_ase.as_table(potential)
     table: dict[str, Any] = potential._asdict()
     for word, kind in AT_CUTOFF.items():
         if type(potential) is kind:
