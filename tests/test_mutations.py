@@ -186,7 +186,7 @@ MUTATIONS = {
             "a.fy += -> a.fy -=",
             "b.fx -= -> b.fx +=",
             "b.fy -= -> b.fy +=",
-            "potential.force(r) / r -> potential.force(r)",
+            "b.charge) / r -> b.charge)",
         ],
         "contact_energy": [
             "a.x - b.x -> a.x + b.x",
