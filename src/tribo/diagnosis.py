@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from typing import Any
 
-import numpy as np
 from numba import njit
 from numba.core.errors import NumbaError, UnsupportedBytecodeError
 
@@ -20,22 +19,25 @@ Refusals = (NumbaError, UnsupportedBytecodeError)  # what the compiler raises
 
 def complaint(layout: Layout, error: Exception) -> InputError:
     """What to say when the loop for a scene does not compile: whose fault it is, and why."""
-    for field, plugin in _own(layout):
+    own = [(field, plugin) for field, plugin in _placed(layout) if not is_own(type(plugin))]
+    for field, plugin in own:
         for method in METHODS:
-            reason = _fault(plugin, method)
-            if reason is not None:
-                return InputError(field, reason)
-    names = ", ".join(type(plugin).__name__ for _, plugin in _own(layout))
+            try:
+                _try(plugin, field, method)
+            except InputError as found:
+                return found
+    names = ", ".join(type(plugin).__name__ for _, plugin in own)
     return InputError("plug-in", f"{names or 'the scene'} does not compile: {_reason(error)}")
 
 
-def _own(layout: Layout) -> list[tuple[str, Any]]:
-    """Every plug-in of the user's own, those inside others too, and its field in the scene."""
-    contacts = layout.model.contacts
-    places = [(f"interaction[{i}].potential", c.potential) for i, c in enumerate(contacts)]
-    within = [(field, part) for field, item in places for part in _parts(item)]
-    rest = [("plug-in", item) for item in layout.plugins[len(contacts) :]]
-    return [(field, item) for field, item in within + rest if not is_own(type(item))]
+def _placed(layout: Layout) -> list[tuple[str, Any]]:
+    """Every plug-in, those inside others too, with its field in the scene."""
+    model = layout.model
+    places = [(f"interaction[{i}].potential", c.potential) for i, c in enumerate(model.contacts)]
+    places += [(f"field[{i}].kind", f.potential) for i, f in enumerate(model.fields or ())]
+    places += [(f"surface[{c.surface}].drive", c.plugin) for c in model.drives or ()]
+    places += [(f"surface[{c.surface}].bars", c.plugin) for c in model.ends or ()]
+    return [(field, part) for field, plugin in places for part in _parts(plugin)]
 
 
 def _parts(plugin: Any) -> list[Any]:
@@ -44,26 +46,35 @@ def _parts(plugin: Any) -> list[Any]:
     return [plugin, *held]
 
 
-def _fault(plugin: Any, method: str) -> str | None:
-    """What is wrong with a method, found by calling it and then by compiling it alone."""
+def _try(plugin: Any, field: str, method: str) -> None:
+    """Complain about what is wrong with a method, by calling it and then by compiling it alone."""
     function = getattr(type(plugin), method, None)
     if function is None or function.__module__.startswith("tribo."):
-        return None
+        return
     arguments = (1.0,) * METHODS[method]
-    try:
-        with np.errstate(all="ignore"):
-            value = function(plugin, *arguments)
-    except Exception as error:
-        return plugins.failed(plugin, method, error)
-    for item in value if isinstance(value, tuple) else (value,):
-        if not isinstance(item, (int, float, np.integer, np.floating)):
-            reason = f"gives {type(item).__name__} where a number is wanted"
-            return plugins.at_line(plugin, method, None, reason)
+    plugins.numbers(plugin, field, method, *arguments)
+    _compile(plugin, field, method, arguments)
+    derived = {"energy": "force", "energy_at": "force_at"}.get(method)
+    if derived and getattr(type(plugin), derived).__module__.startswith("tribo."):
+        step = (1.0 + 1e-100j,) * len(arguments)
+        try:
+            plugins.called(plugin, field, method, *step)
+            _compile(plugin, field, method, step)
+        except InputError as error:
+            raise InputError(
+                field,
+                f"{error.problem}; for want of a {derived}(self, ...) it is called with complex "
+                "numbers, which numpy's functions take",
+            ) from None
+
+
+def _compile(plugin: Any, field: str, method: str, arguments: tuple[Any, ...]) -> None:
+    function = getattr(type(plugin), method)
     try:
         njit(error_model="numpy")(function)(plugin, *arguments)
     except Refusals as error:
-        return plugins.at_line(plugin, method, _line(function, error), _reason(error))
-    return None
+        reason = plugins.at_line(plugin, method, _line(function, error), _reason(error))
+        raise InputError(field, reason) from None
 
 
 def _line(function: Any, error: Exception) -> int | None:

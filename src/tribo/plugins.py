@@ -7,6 +7,7 @@ NamedTuple by its class, finds its methods when a kernel is compiled, and inline
 from __future__ import annotations
 
 import linecache
+import re
 import traceback
 from pathlib import Path
 from typing import Any
@@ -14,8 +15,10 @@ from typing import Any
 import numpy as np
 
 from tribo import sources
-from tribo.checks import known_keys, number
+from tribo.checks import known_keys, number, shown
 from tribo.errors import InputError
+
+GIVES = {"feature": 2, "domain": 2, "force_at": 2, "force_on_bar": 2, "end_forces": 4}  # or 1
 
 
 def check_class(cls: Any, field: str, method: str) -> None:
@@ -41,22 +44,24 @@ def instance(cls: Any, parameters: dict[str, Any]) -> Any:
 
 
 def is_named(name: Any) -> bool:
-    """Whether a name is that of a class in a file or in a module: it has a colon."""
-    return isinstance(name, str) and ":" in name
+    """Whether a name is that of a class in a file or in a module."""
+    in_module = r"[\w.]+:\w+"
+    return isinstance(name, str) and (".py:" in name or bool(re.fullmatch(in_module, name)))
 
 
 def class_named(field: str, name: str, folder: Path) -> Any:
     """The class of ``file.py:Class``, relative to `folder`, or of ``package.module:Class``."""
     place, _, class_name = name.rpartition(":")
     try:
-        if place.endswith(".py"):
+        if ".py:" in name:
             module = sources.module_in_file(folder / place)
+            place = str(module.__file__)
         else:
             module = sources.module_named(place)
     except InputError as error:
         raise error.under(field) from None
     if not hasattr(module, class_name):
-        raise InputError(field, f"{getattr(module, '__file__', place)} defines no {class_name}")
+        raise InputError(field, f"{place} defines no {class_name}")
     return getattr(module, class_name)
 
 
@@ -75,6 +80,19 @@ def called(plugin: Any, field: str, method: str, *arguments: Any) -> Any:
             return getattr(plugin, method)(*arguments)
     except Exception as error:
         raise InputError(field, failed(plugin, method, error)) from None
+
+
+def numbers(plugin: Any, field: str, method: str, *arguments: Any) -> Any:
+    """What a method gives, which has to be as many real numbers as that method should."""
+    value = called(plugin, field, method, *arguments)
+    wanted = GIVES.get(method, 1)
+    items = value if isinstance(value, tuple) else (value,)
+    kinds = (int, float, np.integer, np.floating)
+    if len(items) != wanted or not all(isinstance(item, kinds) for item in items):
+        what = "a number is" if wanted == 1 else f"{wanted} numbers are"
+        reason = f"gives {shown(value)} where {what} wanted"
+        raise InputError(field, at_line(plugin, method, None, reason))
+    return value
 
 
 def failed(plugin: Any, method: str, error: Exception) -> str:

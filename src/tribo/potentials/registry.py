@@ -32,7 +32,7 @@ import math
 from typing import Any
 
 from tribo import plugins
-from tribo.checks import choice, number
+from tribo.checks import choice, number, shown
 from tribo.errors import InputError
 from tribo.potentials.born_mayer import BornMayer
 from tribo.potentials.buckingham import Buckingham
@@ -145,10 +145,22 @@ def as_potential(value: Any) -> Any:
             for name, item in value._asdict().items()
         }
     )
-    for name, will_do, problem in plugins.called(value, "potential", "demands"):
-        if not will_do:
-            raise InputError(name, f"{problem}, got {getattr(value, name)}")
+    _check(value)
     return value
+
+
+def _check(potential: Any) -> None:
+    """Complain about parameters that make no sense, and about what a class says of itself."""
+    demands = plugins.called(potential, "potential", "demands")
+    try:
+        wrong = [(name, problem) for name, will_do, problem in demands if not will_do]
+    except (TypeError, ValueError):
+        reason = "must give (name, whether it will do, what would) for each"
+        raise InputError("potential", plugins.at_line(potential, "demands", None, reason)) from None
+    for name, problem in wrong:
+        raise InputError(name, f"{problem}, got {shown(getattr(potential, name))}")
+    for method in ("range", "feature", "smoothness", "smoothness_within"):
+        plugins.numbers(potential, "potential", method)
 
 
 def with_cutoff(
