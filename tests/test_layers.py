@@ -24,16 +24,35 @@ KERNELS = [
     *("kernels.samples", "kernels.stepping", "kernels.runge_kutta", "kernels.splitting"),
 ]
 POTENTIALS = [
-    *("potentials.coulomb", "potentials.lennard_jones", "potentials.morse", "potentials.cutoff"),
-    *("potentials.from_ase", "potentials.registry", "potentials"),
+    *("potentials.born_mayer", "potentials.buckingham", "potentials.coulomb"),
+    *("potentials.lennard_jones", "potentials.mie", "potentials.morse", "potentials.plummer"),
+    *("potentials.weeks_chandler_andersen", "potentials.yukawa"),
+    *("potentials.cutoff", "potentials.sum", "potentials.table"),
+    *(
+        "potentials.from_ase",
+        "potentials.registry",
+        "potentials.expression",
+        "potentials.written",
+        "potentials",
+    ),
 ]
 ORDER = [
     *("errors", "checks"),
     *KERNELS,
-    *("plugins", *POTENTIALS),
+    *("sources", "plugins", *POTENTIALS),
     *("fields", "drives", "springs", "spectra", "bath", "langevin", "roughness"),
     *("asperite", "surface", "rows", "scene", "scene_file"),
-    *("layout", "methods", "ledger", "march", "accuracy", "result", "archive", "simulation"),
+    *(
+        "layout",
+        "methods",
+        "ledger",
+        "diagnosis",
+        "march",
+        "accuracy",
+        "result",
+        "archive",
+        "simulation",
+    ),
     *("pose", "plotting", "paper", "paper_figures", "cli"),
 ]
 

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numba.core.errors import NumbaError
 
-from tribo.errors import InputError
+from tribo.diagnosis import Refusals, complaint
 from tribo.kernels.motion import place_bobs
 from tribo.kernels.neighbours import refreshed
 from tribo.kernels.records import CLOCK
@@ -19,7 +18,6 @@ from tribo.kernels.status import COMPLETED, NAMES, PAUSED
 from tribo.layout import Layout
 from tribo.ledger import ASPERITE_KINDS, OPTIONAL_KINDS, Ledger, Samples, Table, bulk_ledger
 from tribo.methods import Method
-from tribo.plugins import is_own
 from tribo.potentials.from_ase import Call
 
 Progress = Callable[[float], None]  # told the time reached, a few times a second
@@ -166,27 +164,9 @@ def compile_loop(layout: Layout, method: Method, loop: Callable[..., Any], setti
     clocks, state = _at_rest(layout, method, layout.start, 0.0)
     try:
         _bound(layout, method, loop, setting)(clocks, state, np.ones(1), _room(layout, 1), 0)
-    except NumbaError as error:
-        field, name = _suspect(layout)
-        reason = next((line for line in str(error).splitlines() if _tells(line)), "")
-        raise InputError(field, f"{name} does not compile: {reason.strip()}") from None
+    except Refusals as error:
+        raise complaint(layout, error) from None
     return time.perf_counter() - began
-
-
-def _suspect(layout: Layout) -> tuple[str, str]:
-    """The first plug-in of the user's own: its field in the scene, and its name."""
-    for i, contact in enumerate(layout.model.contacts):
-        for potential in (contact.potential, getattr(contact.potential, "potential", None)):
-            if potential is not None and not is_own(type(potential)):
-                return f"interaction[{i}].potential", type(potential).__name__
-    names = [type(plugin).__name__ for plugin in layout.plugins if not is_own(type(plugin))]
-    return "plug-in", ", ".join(names)
-
-
-def _tells(line: str) -> bool:
-    """Whether a line of the compiler's message says what is wrong."""
-    noise = ("Failed in nopython", "During", "- Resolution failure")
-    return bool(line.strip()) and not line.startswith(noise)
 
 
 def _at_rest(

@@ -24,6 +24,7 @@ class Method:
     coefficients: Any
     use: str
     source: str
+    smoothness: int = 1  # continuous derivatives of U that its order needs
 
 
 def _symmetric(*first: float) -> np.ndarray:
@@ -53,6 +54,7 @@ METHODS = {
             tableaux.DOP853,
             "few asperites, any drive, accuracies from 1e-3 to 1e-12",
             "Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993), II.10",
+            smoothness=0,  # its steps find a jump of the force, and shorten there
         ),
         Method(
             "verlet",
@@ -79,6 +81,7 @@ METHODS = {
             ),
             "long runs without reservoirs at accuracies from 1e-5 to 1e-10",
             "W. Kahan, R.-C. Li, Math. Comput. 66 (1997) 1089",
+            smoothness=2,
         ),
     )
 }

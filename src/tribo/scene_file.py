@@ -17,7 +17,7 @@ from tribo.asperite import Asperite
 from tribo.checks import as_path, inside, known_keys, shown
 from tribo.errors import InputError
 from tribo.fields import Field
-from tribo.potentials import registry
+from tribo.potentials import written
 from tribo.roughness import Roughness
 from tribo.scene import Interaction, Numerics, Output, Scene, as_periodic
 from tribo.surface import Initial, Surface
@@ -99,7 +99,7 @@ def _interaction(table: Any, folder: Path) -> Interaction:
         raise InputError("", f"must be a table, got {shown(table)}")
     parameters = dict(table)
     between, species = parameters.pop("between", None), parameters.pop("species", None)
-    return Interaction(registry.from_table(parameters, folder), between, species)
+    return Interaction(written.from_table(parameters, folder), between, species)
 
 
 def _surface(index: int, table: Any, folder: Path) -> Surface:
@@ -147,7 +147,7 @@ def scene_table(scene: Scene) -> dict[str, Any]:
     table["numerics"] = _given(scene.numerics)
     table["periodic"] = _given(scene.periodic)
     table["interaction"] = [
-        registry.as_table(i.potential)
+        written.as_table(i.potential)
         | {
             key: list(names)
             for key, names in (("between", i.between), ("species", i.species))

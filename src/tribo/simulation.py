@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 
 from tribo import accuracy as acc
-from tribo import methods, plugins
-from tribo.checks import POSITIVE, inside, number, number_or_each
+from tribo import methods, sources
+from tribo.checks import POSITIVE, inside, number, number_or_each, shown
 from tribo.errors import InputError
 from tribo.kernels.compiled import time_loop
 from tribo.layout import laid_out, set_bath
 from tribo.ledger import Ledger, ledger
 from tribo.march import Digest, March, Progress, compile_loop, march
+from tribo.potentials.written import as_table
 from tribo.result import Cost, Result
 from tribo.scene import Scene, check_accuracy
 from tribo.spectra import believed_until
@@ -48,7 +49,7 @@ class Simulation:
         self.layout = laid_out(scene)
         self._progress = progress
         self._first_step = acc.first_step(self.layout)
-        self._loop = time_loop(method.loop, "".join(map(plugins.stamp, self.layout.plugins)))
+        self._loop = time_loop(method.loop, sources.stamp(self.layout.plugins))
         self._times = scene.times
         self._check_times = np.linspace(0.0, scene.duration, CHECKS + 1)
         self._setting: Any = step
@@ -58,7 +59,7 @@ class Simulation:
         self.compile_seconds = compile_loop(self.layout, method, self._loop, self._setting)
         self._coarse: Any = None
         self._tuning: list[March] = []
-        self._warnings = _warnings(scene)
+        self._warnings = _roughness(scene, method) + _warnings(scene)
         if accuracy is not None:
             if self._digests:
                 raise InputError(
@@ -231,6 +232,25 @@ class Simulation:
             f"and round-off of {acc.EPSILON:.1e} with it to about "
             f"{acc.EPSILON * change / PERTURBATION:.1e}"
         )
+
+
+def _roughness(scene: Scene, method: methods.Method) -> list[str]:
+    """Potentials that are less smooth than a method needs them to be."""
+    notes = []
+    for interaction in scene.interactions:
+        smoothness = interaction.potential.smoothness()
+        name = shown(as_table(interaction.potential)["potential"])
+        if smoothness < 0:
+            notes.append(
+                f"the energy of {name} jumps, for which no force accounts: the books do not close "
+                "where bobs cross the jump"
+            )
+        elif smoothness < method.smoothness:
+            notes.append(
+                f"{name} has {smoothness} continuous derivatives; {method.name} needs "
+                f"{method.smoothness} for errors of order {method.order}"
+            )
+    return notes
 
 
 def _warnings(scene: Scene) -> list[str]:

@@ -198,8 +198,7 @@ def encounter_of(model, contact, neighbours, speeds):
     bobs = model.bobs
     rate = 0.0
     closest = np.inf
-    length, reach = contact.potential.feature()
-    end = contact.potential.range()
+    potential = contact.potential
     for k in range(contact.pairs.shape[0]):
         one = model.surfaces[contact.pairs[k, 0]]
         other = model.surfaces[contact.pairs[k, 1]]
@@ -220,7 +219,7 @@ def encounter_of(model, contact, neighbours, speeds):
                     + speeds[j, 2]
                 )
                 closest = min(closest, r)
-                rate = max(rate, speed / max(length, r - min(reach, end)))
+                rate = max(rate, speed / potential.clearance(r))
         if neighbours is not None and contact.rows[k] >= 0:
             rate = max(rate, closing_speed(one, other, speeds) / neighbours.skin)
     return rate, closest
@@ -231,9 +230,9 @@ def encounter_rate(model, neighbours, speeds):
     """Largest of (relative speed) / (distance to the next change of force) over all pairs.
 
     `speeds` (n, 3) holds the velocity of each centre of mass and the fastest its pendulum can
-    swing the bob about it.  A potential's feature() is the length over which its force changes,
-    and the distance out to which it does so.  Pairs that are not listed are at least the rest of
-    the skin away from mattering.  Returns the rate [1 / time] and the smallest distance of a pair.
+    swing the bob about it.  A potential's clearance(r) is how far a pair at r may move before its
+    force is another.  Pairs that are not listed are at least the rest of the skin away from
+    mattering.  Returns the rate [1 / time] and the smallest distance of a pair.
     """
     rate = 0.0
     closest = np.inf
