@@ -14,12 +14,18 @@ ROOT = Path(tribo.__file__).parent
 # Every module, from the ground up: each may import those before it in this list, and no other.
 KERNELS = [
     *("kernels", "kernels.status", "kernels.tableaux", "kernels.records", "kernels.compiled"),
-    *("kernels.neighbours", "kernels.contact", "kernels.motion", "kernels.powers"),
-    *("kernels.samples", "kernels.stepping", "kernels.runge_kutta", "kernels.splitting"),
+    *("kernels.neighbours", "kernels.contact", "kernels.probe", "kernels.motion"),
+    *("kernels.powers", "kernels.samples", "kernels.stepping", "kernels.runge_kutta"),
+    "kernels.splitting",
 ]
 POTENTIALS = [
     *("potentials.coulomb", "potentials.lennard_jones", "potentials.morse", "potentials.cutoff"),
     *("potentials.registry", "potentials"),
+]
+REPORT_CARD = [
+    *("report_card.card", "report_card.specimen", "report_card.derivatives"),
+    *("report_card.smoothness", "report_card.limits", "report_card.agreement"),
+    *("report_card.invariances", "report_card.ase_peers", "report_card.motion", "report_card"),
 ]
 ORDER = [
     *("errors", "checks"),
@@ -28,11 +34,15 @@ ORDER = [
     *("fields", "drives", "springs", "spectra", "bath", "langevin", "roughness"),
     *("asperite", "surface", "rows", "scene", "scene_file"),
     *("layout", "methods", "ledger", "march", "accuracy", "result", "archive", "simulation"),
-    *("pose", "plotting", "paper", "paper_figures", "cli"),
+    *REPORT_CARD,
+    *("pose", "plotting", "report_card.figure", "paper", "paper_figures", "cli"),
 ]
 
 # Methods of convenience, whose work is done by a module further up that is loaded when called.
-UPWARD = {("scene", "scene_file"), ("result", "archive")}
+UPWARD = {
+    *{("scene", "scene_file"), ("result", "archive")},
+    *{("potentials", "report_card"), ("report_card.card", "report_card.figure")},
+}
 
 
 def modules():

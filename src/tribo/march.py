@@ -160,9 +160,13 @@ def compile_loop(layout: Layout, method: Method, loop: Callable[..., Any], setti
         _bound(layout, method, loop, setting)(clocks, state, np.ones(1), _room(layout, 1), 0)
     except NumbaError as error:
         field, name = _suspect(layout)
-        reason = next((line for line in str(error).splitlines() if _tells(line)), "")
-        raise InputError(field, f"{name} does not compile: {reason.strip()}") from None
+        raise InputError(field, f"{name} does not compile: {reason(error)}") from None
     return time.perf_counter() - began
+
+
+def reason(error: NumbaError) -> str:
+    """What the compiler complains of, on one line."""
+    return next((line.strip() for line in str(error).splitlines() if _tells(line)), "")
 
 
 def _suspect(layout: Layout) -> tuple[str, str]:
