@@ -1,5 +1,9 @@
 """Interaction potentials: one a file, formula and source first."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
 from tribo.potentials.born_mayer import BornMayer
 from tribo.potentials.buckingham import Buckingham
 from tribo.potentials.coulomb import Coulomb
@@ -16,6 +20,9 @@ from tribo.potentials.table import Table, from_csv, from_points, tabulated
 from tribo.potentials.weeks_chandler_andersen import WeeksChandlerAndersen
 from tribo.potentials.written import named
 from tribo.potentials.yukawa import Yukawa
+
+if TYPE_CHECKING:
+    from tribo.report_card import Report
 
 __all__ = [
     "BUILT_IN",
@@ -36,6 +43,7 @@ __all__ = [
     "WeeksChandlerAndersen",
     "Yukawa",
     "as_potential",
+    "check",
     "expression",
     "from_csv",
     "from_points",
@@ -46,3 +54,16 @@ __all__ = [
     "total",
     "with_cutoff",
 ]
+
+
+def check(potential: Any, ase: Any = None, symbols: Any = "H2") -> Report:
+    """A report card: everything that a run relies on in a potential, checked and graded.
+
+    `ase` is a calculator of the Atomic Simulation Environment to compare with, in eV and Angstrom,
+    on two atoms named by `symbols`; Coulomb, LennardJones and Morse have theirs.  The card is
+    printed by ``print``, and has ``passed``, ``checks``, ``to_json()`` and ``save_figure(path)``.
+    Raises InputError for what is no potential, or does not compile.
+    """
+    from tribo.report_card import report
+
+    return report(potential, ase, symbols)
