@@ -15,7 +15,8 @@ ROOT = Path(tribo.__file__).parent
 KERNELS = [
     *("kernels", "kernels.status", "kernels.tableaux", "kernels.records", "kernels.compiled"),
     *("kernels.neighbours", "kernels.contact", "kernels.motion", "kernels.powers"),
-    *("kernels.samples", "kernels.stepping", "kernels.runge_kutta", "kernels.splitting"),
+    *("kernels.samples", "kernels.stepping", "kernels.sums", "kernels.nystrom_tableaux"),
+    *("kernels.runge_kutta", "kernels.nystrom", "kernels.splitting"),
 ]
 POTENTIALS = [
     *("potentials.coulomb", "potentials.lennard_jones", "potentials.morse", "potentials.cutoff"),

@@ -101,7 +101,7 @@ def march(
     With a `digest`, samples are handed to it in portions, and only the first and the last kept.
     """
     began = time.perf_counter()
-    clocks, state = _at_rest(layout, start, first_step)
+    clocks, state = _at_rest(layout, method, start, first_step)
     rows = times.size if digest is None else max(1, PORTION_BYTES // _row_bytes(layout))
     record = _room(layout, min(rows, times.size) + 1)
     call = _bound(layout, method, loop, setting)
@@ -155,7 +155,7 @@ def _through(
 def compile_loop(layout: Layout, method: Method, loop: Callable[..., Any], setting: Any) -> float:
     """Have the loop compiled for this scene, or loaded from the disk cache; returns the seconds."""
     began = time.perf_counter()
-    clocks, state = _at_rest(layout, layout.start, 0.0)
+    clocks, state = _at_rest(layout, method, layout.start, 0.0)
     try:
         _bound(layout, method, loop, setting)(clocks, state, np.ones(1), _room(layout, 1), 0)
     except NumbaError as error:
@@ -181,12 +181,15 @@ def _tells(line: str) -> bool:
     return bool(line.strip()) and not line.startswith(noise)
 
 
-def _at_rest(layout: Layout, start: np.ndarray, first_step: float) -> tuple[Any, State]:
+def _at_rest(
+    layout: Layout, method: Method, start: np.ndarray, first_step: float
+) -> tuple[Any, State]:
     """A clock at zero, and the state at the start."""
     clocks = np.zeros(1, CLOCK).view(np.recarray)
     clocks.h = first_step
     s = np.zeros(layout.accounts)
-    return clocks, State(start.copy(), np.zeros(start.size), s, s.copy())
+    memory = np.zeros((method.remembers, layout.coordinates))
+    return clocks, State(start.copy(), np.zeros(start.size), s, s.copy(), memory)
 
 
 def _room(layout: Layout, times: int) -> Record:
