@@ -16,7 +16,8 @@ KERNELS = [
     *("kernels", "kernels.status", "kernels.tableaux", "kernels.records", "kernels.compiled"),
     *("kernels.neighbours", "kernels.contact", "kernels.motion", "kernels.powers"),
     *("kernels.samples", "kernels.stepping", "kernels.sums", "kernels.nystrom_tableaux"),
-    *("kernels.runge_kutta", "kernels.nystrom", "kernels.splitting"),
+    *("kernels.collocation_tableaux", "kernels.runge_kutta", "kernels.nystrom"),
+    *("kernels.collocation", "kernels.splitting"),
 ]
 POTENTIALS = [
     *("potentials.coulomb", "potentials.lennard_jones", "potentials.morse", "potentials.cutoff"),

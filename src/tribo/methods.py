@@ -7,7 +7,15 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from tribo.checks import choice
-from tribo.kernels import nystrom, nystrom_tableaux, runge_kutta, splitting, tableaux
+from tribo.kernels import (
+    collocation,
+    collocation_tableaux,
+    nystrom,
+    nystrom_tableaux,
+    runge_kutta,
+    splitting,
+    tableaux,
+)
 from tribo.kernels.splitting import alternating, composed
 
 # Effects that a method refuses, and why, as the end of a sentence that begins with its name.
@@ -90,6 +98,26 @@ METHODS = {
             refuses=_OWN_FORCES | _NO_FRICTION,
         ),
         Method(
+            "gauss-radau-15",
+            15,
+            True,
+            collocation.chosen_collocation,
+            collocation_tableaux.RADAU_15,
+            "any drive, accuracies from 1e-8 to 1e-13",
+            "E. Everhart (1985); H. Rein, D. S. Spiegel, Mon. Not. R. Astron. Soc. 446 (2015) 1424",
+            remembers=8,
+        ),
+        Method(
+            "gauss-8",
+            8,
+            False,
+            collocation.equal_collocation,
+            collocation_tableaux.GAUSS_8,
+            "checks: any drive, and a step back undoes a step",
+            "J. C. Butcher, Math. Comput. 18 (1964) 50",
+            remembers=4,
+        ),
+        Method(
             "verlet",
             2,
             False,
@@ -145,21 +173,17 @@ METHODS = {
             splitting.composed_steps,
             alternating(
                 (
-                    0.0378593198406116,
-                    0.102635633102435,
-                    -0.0258678882665587,
-                    0.314241403071447,
-                    -0.130144459517415,
-                    0.106417700369543,
-                    -0.00879424312851058,
+                    0.0502627644003922,
+                    0.413514300428344,
+                    0.0450798897943977,
+                    -0.188054853819569,
+                    0.541960678450780,
                 ),
                 (
-                    0.09171915262446165,
-                    0.183983170005006,
-                    -0.05653436583288827,
-                    0.004914688774712854,
-                    0.143761127168358,
-                    0.328567693746804,
+                    0.148816447901042,
+                    -0.132385865767784,
+                    0.067307604692185,
+                    0.432666402578175,
                 ),
             ),
             "long runs without baths or reservoirs at accuracies from 1e-3 to 1e-10",

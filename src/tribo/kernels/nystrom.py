@@ -30,6 +30,7 @@ from tribo.kernels.stepping import (
     nearness,
     next_step,
     rates,
+    time_left,
     turn_back,
 )
 from tribo.kernels.sums import add, add_twice, combine, combine_twice, largest
@@ -118,7 +119,7 @@ def nystrom_steps(model, neighbours, tableau, tolerance, clocks, state, times, r
     finite = True
     while clock.sample < times.size:
         goal = times[clock.sample]
-        left = (goal - clock.t) - clock.t_low
+        left = time_left(clock, goal)
         if left <= 0.0:
             write_sample(model, neighbours, clock, state, record)
             continue

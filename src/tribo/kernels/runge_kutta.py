@@ -19,9 +19,11 @@ from tribo.kernels.status import (
 )
 from tribo.kernels.stepping import (
     EPSILON,
+    advance,
     all_finite,
     begin,
     end_of_step,
+    equal_step,
     glance,
     go_on,
     growth_of,
@@ -29,6 +31,7 @@ from tribo.kernels.stepping import (
     nearness,
     next_step,
     rates,
+    time_left,
     turn_back,
 )
 from tribo.kernels.sums import add, combine, largest
@@ -66,13 +69,13 @@ def fixed_steps(model, neighbours, tableau, step, clocks, state, times, record, 
     done = 0
     while clock.sample < times.size:
         goal = times[clock.sample]
-        left = goal - clock.t
+        left = time_left(clock, goal)
         if left <= 0.0:
             write_sample(model, neighbours, clock, state, record)
             continue
         if done == budget:
             return PAUSED
-        h = left / max(1.0, np.ceil(left / step - 1e-9))
+        h = equal_step(left, step)
         if h < EPSILON * times[-1]:
             return STEP_UNDERFLOW
         if h * encounter > 1.0:
@@ -84,10 +87,9 @@ def fixed_steps(model, neighbours, tableau, step, clocks, state, times, record, 
             )
         add(state.y, state.y_low, h, tableau.b, slopes)
         add(state.s, state.s_low, h, tableau.b, powers_)
-        clock.t = goal if h == left else clock.t + h
+        advance(clock, end_of_step(clock, goal, h, h == left), h, h == left)
         neighbours = slopes_at(model, neighbours, clock.t, state.y, slopes[0], powers_[0])
         clock.evaluations += stages
-        clock.steps += 1
         done += 1
         if not all_finite(slopes[0]) or not all_finite(state.s):
             return NOT_FINITE
@@ -124,7 +126,7 @@ def chosen_steps(model, neighbours, tableau, tolerance, clocks, state, times, re
     finite = True
     while clock.sample < times.size:
         goal = times[clock.sample]
-        left = (goal - clock.t) - clock.t_low
+        left = time_left(clock, goal)
         if left <= 0.0:
             write_sample(model, neighbours, clock, state, record)
             continue

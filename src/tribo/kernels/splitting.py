@@ -33,7 +33,17 @@ from tribo.kernels.status import (
     PAUSED,
     STEP_UNDERFLOW,
 )
-from tribo.kernels.stepping import EPSILON, all_finite, glance, looks, nearness
+from tribo.kernels.stepping import (
+    EPSILON,
+    advance,
+    all_finite,
+    end_of_step,
+    equal_step,
+    glance,
+    looks,
+    nearness,
+    time_left,
+)
 
 # Gauss-Legendre nodes and weights on (0, 1), for the ends of clamped bars that turn.
 _ROOT = math.sqrt(0.6)
@@ -356,7 +366,7 @@ def composed_steps(model, neighbours, splitting, step, clocks, state, times, rec
     done = 0
     while clock.sample < times.size:
         goal = times[clock.sample]
-        left = goal - clock.t
+        left = time_left(clock, goal)
         if left <= 0.0:
             drift(model, clock.t - clock.owed, clock.owed, q, v, s)
             clock.owed = 0.0
@@ -365,7 +375,7 @@ def composed_steps(model, neighbours, splitting, step, clocks, state, times, rec
             continue
         if done == budget:
             return PAUSED
-        h = left / max(1.0, np.ceil(left / step - 1e-9))
+        h = equal_step(left, step)
         if h < EPSILON * times[-1]:
             return STEP_UNDERFLOW
         if h * encounter > 1.0:
@@ -386,8 +396,7 @@ def composed_steps(model, neighbours, splitting, step, clocks, state, times, rec
             else:
                 kick(model, t, tau, q, v, s, slope, middle, power, core)
         clock.owed = splitting.drifts[-1] * h
-        clock.t = goal if h == left else clock.t + h
-        clock.steps += 1
+        advance(clock, end_of_step(clock, goal, h, h == left), h, h == left)
         done += 1
         unseen += h
         if clock.steps % stride == 0 or (unseen + h) * encounter > 0.25:

@@ -87,6 +87,18 @@ def begin(model, neighbours, clock, state, slope, power, speeds):
 
 
 @kernel
+def time_left(clock, goal):
+    """How long it is until the next sample."""
+    return (goal - clock.t) - clock.t_low
+
+
+@kernel
+def equal_step(left, step):
+    """The step, at most `step`, that divides what is left until the next sample."""
+    return left / max(1.0, np.ceil(left / step - 1e-9))
+
+
+@kernel
 def next_step(clock, encounter, left):
     """The step to try, and whether it ends with the sample that is `left` ahead.
 
@@ -127,11 +139,17 @@ def end_of_step(clock, goal, h, landing):
 
 
 @kernel
-def go_on(clock, t, h, landing, growth):
-    """The step h that ends at t is taken; the next may be `growth` times as long."""
+def advance(clock, t, h, landing):
+    """The step h that ends at t is taken; what rounding takes from t is kept."""
     clock.t_low = 0.0 if landing else (h + clock.t_low) - (t - clock.t)
     clock.t = t
     clock.steps += 1
+
+
+@kernel
+def go_on(clock, t, h, landing, growth):
+    """The step h that ends at t is taken; the next may be `growth` times as long."""
+    advance(clock, t, h, landing)
     if clock.held == 1:
         growth = min(growth, 1.0)
     clock.h = max(clock.h, h * growth) if h < clock.h and growth > 1.0 else h * growth
