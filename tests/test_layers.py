@@ -16,7 +16,8 @@ LAYERS = """
 errors checks
 kernels kernels.status kernels.tableaux kernels.records kernels.compiled kernels.external
 kernels.neighbours kernels.contact kernels.probe kernels.motion kernels.powers kernels.samples
-kernels.stepping kernels.runge_kutta kernels.splitting
+kernels.stepping kernels.sums kernels.nystrom_tableaux kernels.collocation_tableaux
+kernels.runge_kutta kernels.nystrom kernels.collocation kernels.splitting
 sources plugins
 potentials.born_mayer potentials.buckingham potentials.coulomb potentials.lennard_jones
 potentials.mie potentials.morse potentials.plummer potentials.weeks_chandler_andersen

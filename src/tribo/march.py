@@ -177,7 +177,10 @@ def _at_rest(
     clocks.h = first_step
     low = 0 if method.splits else 1
     s = np.zeros(layout.accounts)
-    return clocks, State(start.copy(), np.zeros(low * start.size), s, np.zeros(low * s.size))
+    memory = np.zeros((method.remembers, layout.coordinates))
+    return clocks, State(
+        start.copy(), np.zeros(low * start.size), s, np.zeros(low * s.size), memory
+    )
 
 
 def _room(layout: Layout, times: int) -> Record:

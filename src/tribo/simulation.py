@@ -331,15 +331,9 @@ def _refuse(scene: Scene, method: methods.Method) -> None:
         raise InputError(
             "method", f'must be "verlet" for noise from a reservoir, got "{method.name}"'
         )
-    if method.splits:
-        for effect, why in (
-            ("own drive", "a drive of the user's own may depend on velocities"),
-            ("own ends", "forces of the user's own on the ends of bars may depend on velocities"),
-        ):
-            if effect in scene.effects:
-                raise InputError("method", f'"{method.name}" is for forces of places alone; {why}')
-    if "langevin" in scene.effects and method.splits and method.name != "verlet":
-        raise InputError("method", f'"{method.name}" steps back in time, which no reservoir can')
+    for effect, why in method.refuses.items():
+        if effect in scene.effects:
+            raise InputError("method", f'"{method.name}" {why}')
 
 
 def simulate(

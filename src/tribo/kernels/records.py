@@ -106,6 +106,7 @@ CLOCK = np.dtype(
         ("t_low", "f8"),  # what rounding took from t
         ("owed", "f8"),  # time by which a splitting method's drift is behind t
         ("h", "f8"),  # the step the controller wants next; 0: not chosen yet
+        ("last", "f8"),  # the last step of a method that remembers it; 0: none yet
         ("sample", "i8"),  # next sample to be recorded
         ("steps", "i8"),
         ("rejected", "i8"),

@@ -20,6 +20,7 @@ class State(NamedTuple):
     y_low: np.ndarray
     s: np.ndarray
     s_low: np.ndarray
+    memory: np.ndarray  # (k, coordinates) what a method wants to remember of its last step
 
 
 class Record(NamedTuple):
@@ -30,6 +31,27 @@ class Record(NamedTuple):
     contact: np.ndarray  # (times,) energy of all contacts
     field: np.ndarray  # (times,) energy in all external fields
     stored: np.ndarray  # (times, surfaces, STORED) what is kept inside, and the baths' momentum
+
+
+@kernel
+def blank(state):
+    """Room for another state."""
+    return State(
+        np.empty_like(state.y),
+        np.empty_like(state.y_low),
+        np.empty_like(state.s),
+        np.empty_like(state.s_low),
+        state.memory,
+    )
+
+
+@kernel
+def copy_state(source, target):
+    """Make one state equal to another; what a method remembers is its own business."""
+    target.y[:] = source.y
+    target.y_low[:] = source.y_low
+    target.s[:] = source.s
+    target.s_low[:] = source.s_low
 
 
 @kernel
