@@ -17,7 +17,6 @@ from tribo.cli import main
 from tribo.errors import InputError
 from tribo.potentials import (
     BUILT_IN,
-    Coulomb,
     LennardJones,
     Morse,
     as_potential,
@@ -344,11 +343,13 @@ def test_a_wrong_file(run, tmp_path):
 
 def test_json(run):
     """The keys of the contract; a cutoff is given as in a scene file."""
-    status, out, _ = run("coulomb", "strength=0.2", "cutoff=3", "at_cutoff=shift", "--json")
+    status, out, _ = run(
+        *("lennard-jones", "epsilon=1", "sigma=1", "cutoff=3", "at_cutoff=shift", "--json")
+    )
     card = json.loads(out)
     assert status == 0
     assert set(card) == {"potential", "passed", "checks"}
-    assert card["potential"] == "coulomb strength=0.2 cutoff=3 at_cutoff=shift"
+    assert card["potential"] == "lennard-jones epsilon=1 sigma=1 cutoff=3 at_cutoff=shift"
     for line in card["checks"]:
         assert {"name", "passed", "value", "bound", "grade"} <= set(line)
         assert isinstance(line["passed"], bool) and isinstance(line["value"], float)
@@ -400,7 +401,7 @@ def test_figure_shows_what_there_is():
     """Energy, force and disagreement at the card's own distances, and the cutoff."""
     from tribo.report_card.figure import draw
 
-    report = check(with_cutoff(Coulomb(1.0), 3.0))
+    report = check(with_cutoff(LennardJones(1.0, 1.0), 3.0))
     energy, force, disagreement = draw(report).axes
     for ax, values in ((energy, report.curves.energy), (force, report.curves.force)):
         line = max(ax.get_lines(), key=lambda line: len(line.get_xdata()))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from tribo.potentials.registry import BUILT_IN, as_potential
+from tribo.potentials.registry import as_potential
 from tribo.potentials.written import as_table
 from tribo.report_card.agreement import check_agreement
 from tribo.report_card.ase_peers import check_ase
@@ -41,12 +41,24 @@ def report(potential: Any, ase: Any = None, symbols: Any = "H2") -> Report:
 
 def _name(potential: Any) -> str:
     """The potential's name and parameters, as on a command line."""
-    table = as_table(potential)
-    name = str(table.pop("potential"))
-    if name not in BUILT_IN:
+    return _written(as_table(potential))
+
+
+def _written(table: dict[str, Any]) -> str:
+    values = dict(table)
+    name = str(values.pop("potential"))
+    if ".py:" in name:
         name = name.rpartition("/")[2]
-    return " ".join([name, *(f"{key}={_shown(value)}" for key, value in table.items())])
+    return " ".join([name, *(f"{key}={_shown(value)}" for key, value in values.items())])
 
 
 def _shown(value: Any) -> str:
-    return f"{value:g}" if isinstance(value, float) else str(value)
+    """A parameter: a number, a word, another potential, several of them, or many numbers."""
+    if isinstance(value, float):
+        return f"{value:g}"
+    if isinstance(value, dict):
+        return f"({_written(value)})"
+    if isinstance(value, list):
+        dicts = [item for item in value if isinstance(item, dict)]
+        return " + ".join(map(_shown, dicts)) if dicts else f"[{len(value)} numbers]"
+    return str(value)
