@@ -35,6 +35,15 @@ from tribo.report_card.specimen import Specimen
 PARAMETERS = {
     "coulomb": [{"strength": 0.2}, {"strength": -2.3e-28}],
     "lennard-jones": [{"epsilon": 1.0, "sigma": 1.0}, {"epsilon": 1.65e-21, "sigma": 3.4e-10}],
+    "yukawa": [{"strength": 0.2, "screening": 0.7}, {"strength": -1.0, "screening": 12.0}],
+    "buckingham": [{"A": 1388.8, "rho": 0.36, "C": 175.0}, {"A": 2.0, "rho": 0.3, "C": 0.0}],
+    "born-mayer": [{"A": 1000.0, "rho": 0.3}, {"A": 1e-17, "rho": 2e-11}],
+    "weeks-chandler-andersen": [{"epsilon": 1.0, "sigma": 1.0}, {"epsilon": 0.01, "sigma": 3.4}],
+    "mie": [
+        {"epsilon": 1.0, "sigma": 1.0, "n": 9.0, "m": 6.0},
+        {"epsilon": 0.2, "sigma": 2.0, "n": 50.0, "m": 6.0},
+    ],
+    "plummer": [{"strength": 0.2, "softening": 0.5}, {"strength": -3.0, "softening": 0.01}],
     "morse": [{"D": 1.0, "alpha": 2.0, "r0": 1.5}, {"D": 4.7, "alpha": 50.0, "r0": 1.0}],
 }
 
@@ -230,14 +239,14 @@ class Own(NamedTuple):
 STALE = """
 import sys
 from pathlib import Path
-from tribo import plugins
+from tribo import sources
 from tribo.potentials import as_potential
 from tribo.potentials.cutoff import AT_CUTOFF
 from tribo.potentials.written import from_table
 from tribo.report_card.agreement import check_agreement
 from tribo.report_card.specimen import Specimen
 if sys.argv[2] == "wrong":
-    plugins.stamp = lambda plugin: "always-the-same"
+    sources.stamp = lambda plugins: "always-the-same"
 own = from_table({"potential": "own.py:Own", "s": 1.0}, Path(sys.argv[1]))
 print(*(line.name for line in check_agreement(Specimen(own)) if not line.passed))
 """
@@ -364,7 +373,10 @@ def test_json(run):
         (["coulomb", "strength=strong"], "strength: must be a number, got 'strong'"),
         (["coulomb", "strength=1", "cutoff=3", "at_cutoff=bend"], "at_cutoff: must be "),
         (["none.py:None", "s=1"], "potential: there is no file"),
-        (["broken.py:Broken", "s=1"], "potential: Broken does not compile: "),
+        (
+            ["broken.py:Broken", "s=1"],
+            "interaction[0].potential: Broken.energy fails in line 4",
+        ),
         (["coulomb", "strength=1", "--figure", "card.txt"], "--figure: must end on .png"),
         (["coulomb", "strength=1", "--figure", "none/card.png"], "--figure: there is no folder"),
     ],
