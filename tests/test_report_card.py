@@ -63,9 +63,13 @@ def test_every_built_in_has_an_entry():
 )
 def test_built_in(name, parameters, tmp_path):
     """The whole card."""
-    report = check(from_table({"potential": name} | parameters, tmp_path))
+    potential = from_table({"potential": name} | parameters, tmp_path)
+    report = check(potential)
     assert report.passed, str(report)
-    assert {"verlet", "kahan-li-6"} <= {line.name for line in report.checks}
+    # A run of order six needs a smooth potential, and room: not a barrier close by.
+    smooth = potential.smoothness() >= 2 and potential.domain()[0] == 0.0
+    runs = {"verlet", "kahan-li-6"} if smooth else {"verlet"}
+    assert runs <= {line.name for line in report.checks}
 
 
 @pytest.mark.parametrize("at_cutoff", AT_CUTOFF)
