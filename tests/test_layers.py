@@ -25,11 +25,12 @@ potentials.yukawa potentials.cutoff potentials.sum potentials.table potentials.f
 potentials.dimers potentials.registry potentials.to_ase potentials.expression potentials.written
 potentials
 fields drives springs spectra bath langevin roughness asperite surface rows scene scene_file
-layout methods ledger diagnosis march accuracy result archive simulation
+layout methods ledger diagnosis march accuracy tuning costs plan result archive simulation
+work_precision
 report_card.card report_card.specimen report_card.derivatives report_card.smoothness
 report_card.limits report_card.agreement report_card.invariances report_card.ase_peers
 report_card.motion report_card
-pose plotting report_card.figure paper paper_figures cli
+pose plotting report_card.figure work_precision_figure paper paper_figures cli
 """
 ORDER = LAYERS.split()
 
@@ -37,6 +38,7 @@ ORDER = LAYERS.split()
 UPWARD = {
     *{("scene", "scene_file"), ("result", "archive")},
     ("potentials", "potentials.to_ase"),
+    ("work_precision", "work_precision_figure"),
     *{("potentials", "report_card"), ("report_card.card", "report_card.figure")},
 }
 

@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tribo import plotting
-from tribo.checks import as_path
-from tribo.errors import InputError
 from tribo.plotting import COLUMN, INK
 from tribo.report_card.card import EPSILON, Curves, Report
 
@@ -18,23 +16,13 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 ENERGY, FORCE, BOUND = "#0b62a4", "#d55e00", "#a50f15"
-KINDS = (".png", ".pdf", ".svg")
 DEPTHS = 2.5  # typical values shown above zero and below
 
 
 def save(report: Report, path: Any) -> Path:
     """Draw the figure into a file whose name ends on .png, .pdf or .svg; returns its path."""
-    place = as_path(path)
-    if place.suffix.lower() not in KINDS:
-        raise InputError("--figure", f"must end on {', '.join(KINDS)}, got {str(path)!r}")
     with plotting.style():
-        figure = draw(report)
-        try:
-            figure.savefig(place)
-        except OSError as error:
-            why = error.strerror or str(error)
-            raise InputError("--figure", f"{place} cannot be written ({why})") from None
-    return place
+        return plotting.write(draw(report), path)
 
 
 def draw(report: Report) -> Figure:
