@@ -49,7 +49,7 @@ def draw(found: WorkPrecision) -> Figure:
     figure.legend(
         handles=[*handles, front[0]],
         labels=[*labels, names[0]],
-        loc="outside right",
+        loc="outside right",  # type: ignore[arg-type]
         fontsize=7.5,
         frameon=False,
     )
