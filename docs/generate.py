@@ -20,7 +20,10 @@ from tribo.kernels.compiled import package_stamp
 from tribo.kernels.status import MEANINGS
 
 HERE = Path(__file__).resolve().parent
-PAGES_WITH_CODE = (HERE.parent / "README.md", HERE / "tutorial.md", HERE / "scene_file.md")
+PAGES_WITH_CODE = (
+    HERE.parent / "README.md",
+    *(HERE / name for name in ("tutorial.md", "potentials.md", "scene_file.md")),
+)
 
 
 def everything(folder: Path) -> None:
