@@ -68,7 +68,7 @@ class Rules:
                 first: ast.expr = ast.Constant(0)
                 if self.moves(u):
                     first = filled("u/v", u=self.derivative(u), v=v)
-                second = product(filled("-u/v/v", u=u, v=v), self.derivative(v))
+                second = product(filled("-(u/v)/v", u=u, v=v), self.derivative(v))
                 return total(first, second)
             case ast.BinOp(u, ast.Add() | ast.Sub() as op, v):
                 return total(self.derivative(u), self.derivative(v), op)
