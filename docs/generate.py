@@ -13,11 +13,13 @@ from dataclasses import fields
 from pathlib import Path
 
 import examples_in_pages
+import slip as slip_page
 
 import tribo
 from tribo import methods, paper, paper_figures, roughness, scene
 from tribo.kernels.compiled import package_stamp
 from tribo.kernels.status import MEANINGS
+from tribo.potentials import LennardJones, check, with_cutoff
 
 HERE = Path(__file__).resolve().parent
 PAGES_WITH_CODE = (
@@ -40,6 +42,7 @@ def everything(folder: Path) -> None:
     documented_names(HERE / "api.md")
     for page in PAGES_WITH_CODE:
         examples_in_pages.run(page, folder)
+    report_cards(folder)
     paper_figures.draw(folder, paper.CASES)
     tables = paper.compare(paper.CASES)
     (folder / "paper.txt").write_text(paper.report(tables) + "\n", encoding="utf-8")
@@ -52,6 +55,17 @@ def everything(folder: Path) -> None:
     }.items():
         (folder / f"{name}.md").write_text(markdown(rows), encoding="utf-8")
     stamp.write_text(now, encoding="utf-8")
+
+
+def report_cards(folder: Path) -> None:
+    """What the page on report cards shows: one that is passed, and one that is not."""
+    report = check(with_cutoff(LennardJones(1.0, 1.0), 2.5))
+    report.save_figure(folder / "card.png")
+    slip = check(slip_page.Ions(1.0))
+    if not report.passed or slip["force"].passed:
+        raise AssertionError("a report card is not what the page on them says")
+    for name, card in {"card": report, "slip": slip}.items():
+        (folder / f"{name}.txt").write_text(f"{card}\n", encoding="utf-8")
 
 
 def markdown(rows: Iterable[Iterable[str]]) -> str:

@@ -1,4 +1,4 @@
-"""The command line: ``tribo run``, ``tribo paper``."""
+"""The command line: ``tribo run``, ``tribo paper``, ``tribo check``."""
 
 from __future__ import annotations
 
@@ -6,12 +6,14 @@ import argparse
 import json
 import os
 import sys
+import tomllib
 from pathlib import Path
 from typing import Any
 
 from tribo.errors import InputError
 
 COMPLETED, STOPPED, WRONG_INPUT = 0, 1, 2  # exit statuses
+FAILED = 1  # of a check
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -51,6 +53,20 @@ def _parser() -> argparse.ArgumentParser:
     paper.add_argument("--json", action="store_true", help="one object a printed number")
     paper.add_argument("--figures", type=Path, metavar="DIR", help="draw the paper's figures")
     paper.set_defaults(command=_paper)
+
+    check = commands.add_parser("check", help="a report card for a potential")
+    check.add_argument("potential", metavar="POTENTIAL", help="its name, or file.py:Class")
+    check.add_argument(
+        "parameters",
+        nargs="*",
+        metavar="NAME=VALUE",
+        help="parameters, and cutoff, at_cutoff, switch_from, as in [interaction]",
+    )
+    check.add_argument("--json", action="store_true", help="print the card as JSON")
+    check.add_argument(
+        "--figure", type=Path, metavar="FILE", help="draw energy, force and their disagreement"
+    )
+    check.set_defaults(command=_check)
     return parser
 
 
@@ -60,7 +76,7 @@ def _run(options: argparse.Namespace) -> int:
 
     scene = load_scene(options.scene)
     if options.out is not None:
-        _check_place(options.out.absolute())
+        _check_place("--out", options.out.absolute())
     with _Bar(scene.duration) as bar:
         result = simulate(scene, progress=bar)
     if options.out is not None:
@@ -69,14 +85,14 @@ def _run(options: argparse.Namespace) -> int:
     return COMPLETED if result.status == "completed" else STOPPED
 
 
-def _check_place(path: Path) -> None:
+def _check_place(option: str, path: Path) -> None:
     """Complain before the run, not after it, about a file that could not be written."""
     if not path.parent.is_dir():
-        raise InputError("--out", f"there is no folder {path.parent}")
+        raise InputError(option, f"there is no folder {path.parent}")
     if path.is_dir():
-        raise InputError("--out", f"is a folder, {path}; give the name of a file")
+        raise InputError(option, f"is a folder, {path}; give the name of a file")
     if not os.access(path.parent, os.W_OK):
-        raise InputError("--out", f"nothing can be written in {path.parent}")
+        raise InputError(option, f"nothing can be written in {path.parent}")
 
 
 def _paper(options: argparse.Namespace) -> int:
@@ -98,6 +114,35 @@ def _paper(options: argparse.Namespace) -> int:
     else:
         print(paper.report(tables))
     return COMPLETED
+
+
+def _check(options: argparse.Namespace) -> int:
+    from tribo import potentials
+    from tribo.potentials.written import from_table
+
+    if options.figure is not None:
+        _check_place("--figure", options.figure.absolute())
+    table = {"potential": options.potential} | dict(map(_parameter, options.parameters))
+    report = potentials.check(from_table(table, Path.cwd()))
+    if options.figure is not None:
+        report.save_figure(options.figure)
+    print(report.to_json() if options.json else report)
+    return COMPLETED if report.passed else FAILED
+
+
+def _parameter(text: str) -> tuple[str, Any]:
+    """A name and its value: a number, else what a scene file would take it for, else a word."""
+    name, sign, value = text.partition("=")
+    if not sign:
+        raise InputError(text, "must be name=value")
+    try:
+        return name, float(value)
+    except ValueError:
+        pass
+    try:
+        return name, tomllib.loads(f"value = {value}")["value"]
+    except tomllib.TOMLDecodeError:
+        return name, value
 
 
 class _Bar:

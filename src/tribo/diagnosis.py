@@ -12,6 +12,7 @@ from tribo import plugins
 from tribo.errors import InputError
 from tribo.kernels.compiled import METHODS
 from tribo.layout import Layout
+from tribo.potentials.from_ase import Live
 from tribo.sources import is_own
 
 Refusals = (NumbaError, UnsupportedBytecodeError)  # what the compiler raises
@@ -33,7 +34,11 @@ def complaint(layout: Layout, error: Exception) -> InputError:
 def _placed(layout: Layout) -> list[tuple[str, Any]]:
     """Every plug-in, those inside others too, with its field in the scene."""
     model = layout.model
-    places = [(f"interaction[{i}].potential", c.potential) for i, c in enumerate(model.contacts)]
+    places = [
+        (f"interaction[{i}].potential", item.potential)
+        for i, item in enumerate(layout.scene.interactions)
+        if not isinstance(item.potential, Live)
+    ]
     places += [(f"field[{i}].kind", f.potential) for i, f in enumerate(model.fields or ())]
     places += [(f"surface[{c.surface}].drive", c.plugin) for c in model.drives or ()]
     places += [(f"surface[{c.surface}].bars", c.plugin) for c in model.ends or ()]

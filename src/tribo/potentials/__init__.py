@@ -1,10 +1,16 @@
 """Interaction potentials: one a file, formula and source first."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
 from tribo.potentials.born_mayer import BornMayer
 from tribo.potentials.buckingham import Buckingham
 from tribo.potentials.coulomb import Coulomb
 from tribo.potentials.cutoff import ForceShifted, Shifted, Switched, Truncated
+from tribo.potentials.dimers import from_dimer
 from tribo.potentials.expression import expression
+from tribo.potentials.from_ase import live
 from tribo.potentials.lennard_jones import LennardJones
 from tribo.potentials.mie import Mie
 from tribo.potentials.morse import Morse
@@ -15,6 +21,9 @@ from tribo.potentials.table import Table, from_csv, from_points, tabulated
 from tribo.potentials.weeks_chandler_andersen import WeeksChandlerAndersen
 from tribo.potentials.written import named
 from tribo.potentials.yukawa import Yukawa
+
+if TYPE_CHECKING:
+    from tribo.report_card import Report
 
 __all__ = [
     "BUILT_IN",
@@ -34,13 +43,42 @@ __all__ = [
     "Truncated",
     "WeeksChandlerAndersen",
     "Yukawa",
+    "as_calculator",
     "as_potential",
+    "check",
     "expression",
     "from_csv",
+    "from_dimer",
     "from_points",
+    "live",
     "named",
     "scaled",
     "tabulated",
     "total",
     "with_cutoff",
 ]
+
+
+def as_calculator(potential: Any) -> Any:
+    """A potential as a calculator of the Atomic Simulation Environment, in eV and Angstrom.
+
+    `potential` is for all atoms, or a mapping from two elements, as ("Cu", "O"), to the potential
+    between them.  Energies, forces and stresses; with neighbour lists where there is a cutoff.
+    Raises InputError.
+    """
+    from tribo.potentials.to_ase import PairCalculator
+
+    return PairCalculator(potential)
+
+
+def check(potential: Any, ase: Any = None, symbols: Any = "H2") -> Report:
+    """A report card: everything that a run relies on in a potential, checked and graded.
+
+    `ase` is a calculator of the Atomic Simulation Environment to compare with, in eV and Angstrom,
+    on two atoms named by `symbols`; Coulomb, LennardJones and Morse have theirs.  The card is
+    printed by ``print``, and has ``passed``, ``checks``, ``to_json()`` and ``save_figure(path)``.
+    Raises InputError for what is no potential, or does not compile.
+    """
+    from tribo.report_card import report
+
+    return report(potential, ase, symbols)

@@ -8,7 +8,9 @@ from typing import Any
 from tribo import plugins
 from tribo.checks import inside, is_list, known_keys, shown
 from tribo.errors import InputError
+from tribo.potentials import from_ase
 from tribo.potentials.cutoff import AT_CUTOFF
+from tribo.potentials.dimers import from_dimer
 from tribo.potentials.expression import class_of, is_expression
 from tribo.potentials.registry import (
     BUILT_IN,
@@ -41,6 +43,8 @@ def from_table(table: Any, folder: Path) -> Any:
     if "potential" not in parameters:
         raise InputError("potential", "is missing")
     name = parameters.pop("potential")
+    if name == "ase":
+        return from_ase.from_table(parameters)
     ending = {key: parameters.pop(key) for key in ENDING if key in parameters}
     if isinstance(name, str) and name in MADE:
         potential = MADE[name](parameters, folder)
@@ -63,7 +67,7 @@ def class_named(name: Any, folder: Path) -> Any:
         return BUILT_IN[name]
     if is_expression(name):
         return complete(class_of(name))
-    known = ", ".join(f'"{known}"' for known in (*BUILT_IN, *MADE))
+    known = ", ".join(f'"{known}"' for known in (*BUILT_IN, *MADE, "ase"))
     raise InputError(
         "potential",
         f'must be {known}, "yourfile.py:YourClass", "package.module:YourClass" or an expression '
@@ -73,6 +77,8 @@ def class_named(name: Any, folder: Path) -> Any:
 
 def as_table(potential: Any) -> dict[str, Any]:
     """The table of a scene file that `from_table` reads."""
+    if isinstance(potential, from_ase.Live):
+        return {"potential": "ase"} | from_ase.as_table(potential)
     for word, kind in AT_CUTOFF.items():
         if type(potential) is kind:
             ending: dict[str, Any] = potential._asdict() | {"at_cutoff": word}
@@ -124,4 +130,9 @@ def _table(parameters: dict[str, Any], folder: Path) -> Any:
     return from_points(**known_keys(parameters, ["r", "energy", "error"], ["r", "energy"]))
 
 
-MADE = {"sum": _sum, "scaled": _scaled, "table": _table}
+def _dimer(parameters: dict[str, Any], folder: Path) -> Any:
+    required = ["calculator", "symbols", "low", "high", "accuracy"]
+    return from_dimer(**known_keys(parameters, [*required, "arguments", "many_body"], required))
+
+
+MADE = {"sum": _sum, "scaled": _scaled, "table": _table, "ase-dimer": _dimer}

@@ -1,0 +1,98 @@
+"""The same potentials in the Atomic Simulation Environment, and any calculator of one's own.
+
+There energies are in eV, lengths in Angstrom and charges in e; a potential's numbers are taken to
+be in these.  Two atoms stand where two bobs of charge 1 would.
+
+A. H. Larsen et al., J. Phys.: Condens. Matter 29 (2017) 273002.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from tribo.errors import InputError
+from tribo.potentials import Coulomb, LennardJones, Morse
+from tribo.report_card.card import Check
+from tribo.report_card.specimen import Specimen
+
+ROUND_OFF = 1e-12  # relative to the scale around
+PLACES = 40  # distances compared
+OUT_OF_THE_WAY = 1e4  # times the potential's own length: where a peer's cutoff is put
+
+
+def coulomb(potential: Coulomb, rc: float | None = None) -> Any:
+    """Two ions whose charges give k_c q_1 q_2 = strength; k_c = e^2 / (4 pi eps0) [eV Angstrom]."""
+    from ase.calculators.counterions import AtomicCounterIon, k_c
+
+    q = np.sqrt(abs(potential.strength) / k_c)
+    charges = [q, np.copysign(q, potential.strength)]
+    reach = OUT_OF_THE_WAY if rc is None else rc
+    return AtomicCounterIon(charges, epsilon=0.0, sigma=1.0, sites_per_mol=2, rc=reach)
+
+
+def lennard_jones(potential: LennardJones, rc: float | None = None) -> Any:
+    """epsilon and sigma as here; the energy is shifted to be zero at rc."""
+    from ase.calculators.lj import LennardJones as Peer
+
+    reach = OUT_OF_THE_WAY * potential.sigma if rc is None else rc
+    return Peer(epsilon=potential.epsilon, sigma=potential.sigma, rc=reach)
+
+
+def morse(potential: Morse, rcut1: float | None = None, rcut2: float | None = None) -> Any:
+    """rho0 = alpha r0; between rcut1 and rcut2, in units of r0, the energy is smoothed to zero."""
+    from ase.calculators.morse import MorsePotential
+
+    return MorsePotential(
+        epsilon=potential.D,
+        r0=potential.r0,
+        rho0=potential.alpha * potential.r0,
+        rcut1=OUT_OF_THE_WAY if rcut1 is None else rcut1,
+        rcut2=2.0 * OUT_OF_THE_WAY if rcut2 is None else rcut2,
+    )
+
+
+PEERS: dict[Any, Callable[..., Any]] = {Coulomb: coulomb, LennardJones: lennard_jones, Morse: morse}
+
+
+def pair(calculator: Any, symbols: Any, r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A calculator's energy of two atoms [eV], and the force between them [eV / Angstrom]."""
+    from ase import Atoms
+
+    energies, forces = np.empty(r.size), np.empty(r.size)
+    for k, x in enumerate(r):
+        atoms = Atoms(symbols, positions=[[0.0, 0.0, 0.0], [x, 0.0, 0.0]], calculator=calculator)
+        energies[k] = atoms.get_potential_energy()
+        forces[k] = atoms.get_forces()[1, 0]
+    return energies, forces
+
+
+def check_ase(specimen: Specimen, calculator: Any, symbols: Any) -> list[Check]:
+    """Energy and force beside those of the calculator given, or else of the potential's peer."""
+    if calculator is None:
+        peer = PEERS.get(type(specimen.potential))
+        if peer is None:
+            return []
+        calculator = peer(specimen.potential)
+    r = specimen.r[specimen.r < specimen.cutoff]
+    r = r[:: max(1, r.size // PLACES)]
+    try:
+        energy, force = pair(calculator, symbols, r)
+    except Exception as error:
+        name = type(calculator).__name__
+        raise InputError("ase", f"{name} fails on {symbols!r}: {error}") from None
+    ours = specimen.compiled(r)
+    scale = specimen.scale(r)
+    errors = np.maximum(np.abs(ours[0] - energy) / (scale * r), np.abs(ours[1] - force) / scale)
+    worst = int(np.argmax(errors))
+    return [
+        Check(
+            "ase",
+            f"{type(calculator).__name__} of ASE, at {r.size} distances",
+            float(errors[worst]),
+            ROUND_OFF,
+            float(r[worst]),
+        )
+    ]

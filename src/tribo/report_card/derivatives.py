@@ -1,0 +1,134 @@
+"""Force against the derivative of the energy, which comes with its own uncertainty; minima."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from tribo.report_card.card import Check, Curves
+from tribo.report_card.specimen import Specimen
+
+BOUND = 1e-10  # of force + dU/dr, relative to the scale around
+TRUSTED = 10.0  # uncertainties that a disagreement must exceed to be one
+KNOWN = 0.9  # of the distances at which the derivative must be known to within the bound
+REACH = 0.1  # of r: the first difference is taken over twice that
+LEVELS = 12  # of differences, each over half the distance of the one before
+MINIMUM = 1e-9  # relative error of a declared minimum
+
+Rule = Callable[[Any], Any]  # of a distance h, something whose limit at h = 0 is wanted
+
+
+def limit(rule: Rule, h: Any, ratio: float) -> tuple[float, float]:
+    """The limit of rule(h) at h = 0, and its uncertainty, from h, h/2, h/4 ...
+
+    `ratio` is that of successive terms of the error when h is halved: 4 if the error is a series
+    in h^2, 2 in h.  Of all extrapolations the one is taken that changes least from those it was
+    made of, and the change is the uncertainty.
+
+    C. J. F. Ridders, Adv. Eng. Softw. 4 (1982) 75.
+    """
+    best, uncertainty = math.nan, math.inf
+    above: list[Any] = []
+    for _ in range(LEVELS):
+        row = [rule(h)]
+        for k, before in enumerate(above):
+            row.append(row[k] + (row[k] - before) / (ratio ** (k + 1) - 1.0))
+            change = float(max(abs(row[k + 1] - row[k]), abs(row[k + 1] - before)))
+            if change < uncertainty:
+                best, uncertainty = float(row[k + 1]), change
+        above, h = row, 0.5 * h
+    return best, uncertainty
+
+
+def slope(function: Rule, r: float, reach: float) -> tuple[float, float]:
+    """f'(r) and its uncertainty, by central differences in extended precision."""
+    x = np.longdouble(r)
+
+    def rule(h: Any) -> Any:
+        return (function(x + h) - function(x - h)) / ((x + h) - (x - h))
+
+    return limit(rule, np.longdouble(reach), 4.0)
+
+
+def curvature(function: Rule, r: float, reach: float) -> tuple[float, float]:
+    """f''(r) and its uncertainty, likewise."""
+    x = np.longdouble(r)
+    middle = function(x)
+    return limit(
+        lambda h: ((function(x + h) - middle) - (middle - function(x - h))) / (h * h),
+        np.longdouble(reach),
+        4.0,
+    )
+
+
+def curves(specimen: Specimen) -> Curves:
+    """Energy, force, and how far the force is from minus the energy's derivative."""
+    r, end = specimen.r, specimen.cutoff
+    reach = np.minimum(REACH * r, np.where(r < end, 0.9 * np.abs(end - r), REACH * r))
+    with np.errstate(all="ignore"):
+        found = [slope(specimen.written_energy, *both) for both in zip(r, reach, strict=True)]
+        derivative, uncertainty = np.array(found).T
+        scale = specimen.scale(r)
+        return Curves(
+            r=r,
+            energy=specimen.energy,
+            force=specimen.force,
+            disagreement=np.abs(specimen.force + derivative) / scale,
+            uncertainty=uncertainty / scale,
+            bound=BOUND,
+            cutoff=end,
+            length=specimen.length,
+        )
+
+
+def check_force(found: Curves) -> Check:
+    """Where the derivative is known well enough, the force has to be minus that."""
+    inside = found.r < found.cutoff
+    known = inside & (TRUSTED * found.uncertainty <= BOUND)
+    share = float(np.count_nonzero(known)) / max(1, int(np.count_nonzero(inside)))
+    errors = np.where(known & np.isfinite(found.disagreement), found.disagreement, 0.0)
+    worst = int(np.argmax(errors))
+    best = float(np.median(found.uncertainty[known])) if known.any() else math.inf
+    return Check(
+        "force",
+        f"with -dU/dr, known to {best:.1e}",
+        float(errors[worst]),
+        BOUND,
+        float(found.r[worst]),
+        says="" if share >= KNOWN else f"dU/dr is known at {share:.0%} of the distances only",
+        failed=share < KNOWN,
+    )
+
+
+def check_minimum(specimen: Specimen) -> list[Check]:
+    """The place, depth and curvature of the minimum, where the potential declares them."""
+    if not hasattr(specimen.potential, "minimum"):
+        return []
+    r, depth, stiffness = (float(x) for x in specimen.potential.minimum())
+    if not math.isfinite(r):
+        return []
+    with np.errstate(all="ignore"):
+        first, _ = slope(specimen.written_energy, r, REACH * r)
+        second, _ = curvature(specimen.written_energy, r, REACH * r)
+        energy = float(specimen.written_energy(np.float64(r)))
+    scale = max(abs(depth), float(specimen.scale(r)) * r)
+    errors = {
+        "place": abs(first) * r / scale,
+        "depth": abs(energy - depth) / scale,
+        "curvature": abs(second - stiffness) * r * r / max(abs(second) * r * r, scale),
+    }
+    worst = max(errors, key=lambda name: np.nan_to_num(errors[name], nan=np.inf))
+    return [
+        Check(
+            "minimum",
+            "declared place, depth and curvature",
+            errors[worst],
+            MINIMUM,
+            r,
+            says=f"the {worst} is the worst of them" if second > 0.0 else "U has no minimum there",
+            failed=not second > 0.0,
+        )
+    ]
