@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 import tribo
+from tribo.potentials import BUILT_IN
 
 ROOT = Path(tribo.__file__).parent
 
@@ -21,7 +22,8 @@ kernels.runge_kutta kernels.nystrom kernels.collocation kernels.splitting
 sources plugins
 potentials.born_mayer potentials.buckingham potentials.coulomb potentials.lennard_jones
 potentials.mie potentials.morse potentials.plummer potentials.weeks_chandler_andersen
-potentials.yukawa potentials.cutoff potentials.sum potentials.table potentials.from_ase
+potentials.yukawa potentials.cutoff potentials.sum potentials.table potentials.derivative
+potentials.from_ase
 potentials.dimers potentials.registry potentials.to_ase potentials.expression potentials.written
 potentials
 fields drives springs spectra bath langevin roughness asperite surface rows scene scene_file
@@ -99,7 +101,10 @@ def test_kernels_see_no_scene(name):
     assert tops - set(sys.stdlib_module_names) <= {"tribo", "numpy", "numba", "llvmlite"}
 
 
-@pytest.mark.parametrize("name", ["coulomb", "lennard_jones", "morse", "cutoff"])
+FORMULAE = [cls.__module__.rpartition(".")[2] for cls in BUILT_IN.values()]
+
+
+@pytest.mark.parametrize("name", [*FORMULAE, "cutoff", "sum", "derivative"])
 def test_potentials_are_formulae(name):
     """A potential is what a user could have written: it needs nothing of this package."""
     assert not list(of_this_package(f"potentials.{name}"))
