@@ -14,6 +14,7 @@ import numpy as np
 from numba.core.errors import NumbaError
 
 from tribo import plugins
+from tribo.checks import LARGEST
 from tribo.errors import InputError
 from tribo.kernels.compiled import time_loop
 from tribo.kernels.probe import contact_probe
@@ -23,6 +24,7 @@ from tribo.scene import Scene
 from tribo.surface import Surface
 
 CELLS = 400  # of equal ratio, from the least distance looked at to the largest
+PER_FEATURE, FINE = 8, 80  # finer cells in each length on which the force changes, each way
 INWARD, OUTWARD = 3.0, 6.0  # how far past a potential's own lengths to look
 WIDEST = 1e3  # and how far from the typical one at most, whatever the domain
 AROUND = 3  # cells on either side, over which a scale is the largest value
@@ -33,7 +35,7 @@ NOTHING = 1e-280  # scales below that are none
 class Specimen:
     """A potential, the distances from `low` to `high` at which it is looked at, and its scales.
 
-    `edges` (CELLS + 1,) divide them, `r` (CELLS,) lie between the edges, and `special` are those
+    `edges` (n + 1,) divide them into cells, `r` (n,) lie within the cells, and `special` are those
     at which a slip is likely: parameters, their sums and multiples, whole and half numbers, the
     ends.  `length` is a typical distance, that of a minimum if there is one.
     """
@@ -49,9 +51,9 @@ class Specimen:
         self.declared = _domain(potential)
         low, high = self._within(low, high)
         self.length = self._typical(low, high)
-        self.low = max(low, self.length / WIDEST)
+        self.low = self._without_overflow(max(low, self.length / WIDEST))
         self.high = min(high, self.length * WIDEST)
-        self.edges = np.geomspace(self.low, self.high, CELLS + 1)
+        self.edges = self._edges()
         self.r = np.sqrt(self.edges[:-1] * self.edges[1:])
         self.energy, self.force = self.compiled(self.r)
         self.special = np.array(sorted(self._special()))
@@ -98,7 +100,7 @@ class Specimen:
 
     def scale(self, r: Any) -> np.ndarray:
         """What errors of the force at r are relative to: the largest |F| + |U| / r around."""
-        cell = np.clip(np.searchsorted(self.edges, r) - 1, 0, CELLS - 1)
+        cell = np.clip(np.searchsorted(self.edges, r) - 1, 0, self.r.size - 1)
         return np.asarray(self._scale[cell])
 
     @property
@@ -151,6 +153,28 @@ class Specimen:
         if math.isfinite(self.cutoff):
             middle = min(middle, max(NEAR_END * self.cutoff, low))
         return turns[0] if turns else middle
+
+    def _without_overflow(self, low: float) -> float:
+        """The least distance to look at, farther out than where energy or force grow too large."""
+        if self.declared[0] > 0.0:
+            return low
+        r = np.geomspace(low, self.length, CELLS)
+        huge = np.any(np.abs(self.compiled(r)) > LARGEST, axis=0)
+        return float(r[min(int(np.flatnonzero(huge)[-1]) + 1, CELLS - 1)]) if huge.any() else low
+
+    def _edges(self) -> np.ndarray:
+        """Cells of equal ratio, and finer ones about the typical distance if the force asks for it.
+
+        That is where it changes within a few percent of the distance.
+        """
+        edges = np.geomspace(self.low, self.high, CELLS + 1)
+        feature = float(self.potential.feature()[0])
+        around = np.arange(-FINE, FINE + 1) / PER_FEATURE * feature + self.length
+        if not 0.0 < feature / PER_FEATURE < self.length * (edges[1] / edges[0] - 1.0):
+            return edges
+        within = (edges > around[0]) & (edges < around[-1])
+        around = around[(around > self.low) & (around < self.high)]
+        return np.union1d(edges[~within], around)
 
     def _special(self) -> set[float]:
         """Distances at which a slip is likely, each with its two neighbours among floats."""
