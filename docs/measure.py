@@ -22,6 +22,7 @@ import numpy as np
 
 import tribo
 from tribo import accuracy, paper
+from tribo.methods import METHODS
 from tribo.scene_file import scene_text
 
 HERE = Path(__file__).resolve().parent
@@ -61,7 +62,7 @@ def costs() -> Iterator[list[str]]:
     """Evaluations of all forces for a given error."""
     yield ["method", *(f"{c}, {e:.0e}" for c in "AC" for e in COLUMNS)]
     truth = {c: tribo.simulate(case(c), accuracy=1e-13) for c in "AC"}
-    for method in ("midpoint", "verlet", "kahan-li-6", "dop853"):
+    for method in METHODS:
         cells = []
         for letter in "AC":
             curve = list(work_precision(letter, method, truth[letter]))
@@ -72,9 +73,13 @@ def costs() -> Iterator[list[str]]:
 def work_precision(letter: str, method: str, truth: tribo.Result) -> Iterator[tuple[float, float]]:
     """(error, evaluations) of a method on a case, coarse to fine."""
     scene = case(letter)
-    if method == "dop853":
-        for wanted in 10.0 ** np.arange(-1.0, -13.1, -0.5):
-            run = tribo.prepare(scene, accuracy=float(wanted)).run(estimate=False)
+    if METHODS[method].adaptive:
+        simulation = tribo.prepare(scene, method=method)
+        layout = simulation.layout
+        scales = accuracy.inner_scales(layout, simulation._tuning[-1].samples)
+        for level in 10.0 ** np.arange(-1.0, -15.1, -0.5):
+            setting = accuracy.tolerances(layout, scales, float(level))
+            run = simulation._result([simulation._march(layout.start, setting, scene.times)])
             yield error(run, truth), run.cost.force_evaluations
         return
     for step in 0.8 * 0.5 ** np.arange(0.0, 14.5, 0.5):

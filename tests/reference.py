@@ -110,6 +110,9 @@ class Surface:
         self.load = drive.get("load")
         self.stiffness, self.speed = drive.get("stiffness", 0.0), drive.get("speed", 0.0)
 
+        species = table.get("species", "")
+        self.species = [species] * n if isinstance(species, str) else list(species)
+
         self.bars = table.get("bars", "clamped")
         if self.bars not in ("clamped", "free"):
             raise NotImplementedError(f"bars {self.bars!r}")
@@ -169,6 +172,10 @@ class Contact:
             raise NotImplementedError(f"potential {self.kind!r}")
         names = sorted(table["between"]) if "between" in table else None
         self.pairs: list[tuple[int, int, bool]] = []
+
+        def met(table: dict, one: str, other: str) -> bool:
+            return "species" not in table or sorted(table["species"]) == sorted((one, other))
+
         for a, A in enumerate(surfaces):
             for b, B in enumerate(surfaces[a:], a):
                 if a == b if names is None else names != sorted((A.name, B.name)):
@@ -177,7 +184,7 @@ class Contact:
                     (starts[a] + i, starts[b] + j, a == b)
                     for i in range(A.n)
                     for j in range(B.n)
-                    if a != b or i < j
+                    if (a != b or i < j) and met(table, A.species[i], B.species[j])
                 ]
         first, second = [p[0] for p in self.pairs], [p[1] for p in self.pairs]
         self.within = np.array([p[2] for p in self.pairs], bool)

@@ -134,6 +134,112 @@ def test_same_name_in_another_file(place):
     assert place.compiled == compiled
 
 
+def test_edited_module_is_seen(place):
+    """A class that is found by its module's name, and what that imports from its own package."""
+    package = place.root / "own_package"
+    (package / "deep").mkdir(parents=True)
+    (package / "__init__.py").touch()
+    (package / "deep" / "__init__.py").touch()
+    (package / "deep" / "own.py").write_text(
+        PLUGIN.replace("POWER = 1", "from ..powers import POWER")
+    )
+    place.write("one", "")
+    scene = place.root / "one" / "scene.toml"
+    scene.write_text(SCENE.replace("own.py:Own", "own_package.deep.own:Own"))
+    path = os.pathsep.join([str(place.root), *sys.path])
+    found = []
+    for power in (1, 2, 1):
+        (package / "powers.py").write_text(f"POWER = {power}\n")
+        found += place.run("one", PYTHONPATH=path, PYTHONDONTWRITEBYTECODE=1)
+    assert found[0] == found[2] != found[1]
+
+
+def test_expressions_are_kept_apart(place):
+    """Another expression is another class; the same is found in the cache by a new process."""
+    found = []
+    for text in ("s/r", "s/r**2", "s/r"):
+        place.write("one", "")
+        scene = place.root / "one" / "scene.toml"
+        scene.write_text(SCENE.replace("own.py:Own", text))
+        found += place.run("one")
+    compiled = place.compiled
+    assert found[0] == found[2] != found[1]
+    assert place.run("one") == found[2:]
+    assert place.compiled == compiled
+
+
+TYPED_IN = """
+import sys, tribo
+{plugin}
+scene = tribo.load_scene(sys.argv[1])
+from dataclasses import replace
+scene = replace(scene, interactions=Own(0.2))
+print(tribo.simulate(scene)["upper"].theta[-1, 0])
+"""
+
+
+def test_a_class_that_is_typed_in(place):
+    """It works, edited or not, and leaves nothing on disk that could be served for another."""
+    place.write("one", PLUGIN)
+    scene = place.root / "one" / "scene.toml"
+    expected = place.run("one")
+    place.write("one", PLUGIN.replace("POWER = 1", "POWER = 2"))
+    expected += place.run("one")
+    compiled = place.compiled
+    found = []
+    for power in (1, 2, 1):
+        plugin = PLUGIN.replace("POWER = 1", f"POWER = {power}")
+        told = subprocess.run(
+            [sys.executable, "-", str(scene)],
+            input=TYPED_IN.format(plugin=plugin),
+            env=os.environ | {"NUMBA_CACHE_DIR": str(place.cache)},
+            check=True,
+            capture_output=True,
+            text=True,
+        )
+        found.append(float(told.stdout))
+    assert found == [*expected, expected[0]]
+    assert place.compiled == compiled
+
+
+CASE_A = """
+import sys
+from dataclasses import replace
+import tribo
+from tribo import paper
+from tribo.potentials import named
+for strength in map(float, sys.argv[2:]):
+    potential = named(sys.argv[1], strength=strength)
+    scene = replace(paper.scene("A"), interactions=potential, output=tribo.Output(samples=2))
+    result = tribo.simulate(scene, accuracy=1e-10)
+    for works in (result["upper"], result["lower"]):
+        print(*(works[name][-1, 0] for name in ("w1", "w2", "wL", "wR", "w1_ps", "w2_ps")))
+"""
+
+
+def works(potential, *strengths, **environment):
+    """All works of case A of the paper, by a new process."""
+    return [float(word) for word in python(CASE_A, potential, *strengths, **environment)]
+
+
+def test_an_energy_of_ones_own_has_the_works_of_case_a(tmp_path):
+    """To 1e-8; and edited to half its strength, those of half the strength."""
+    path = tmp_path / "own.py"
+    text = (
+        "from typing import NamedTuple\n"
+        "class Own(NamedTuple):\n"
+        "    strength: float\n"
+        "    def energy(self, r): return self.strength / r\n"
+    )
+    path.write_text(text)
+    full = works(f"{path}:Own", 0.2)
+    path.write_text(text.replace("self.strength / r", "self.strength / (2.0 * r)"))
+    half = works(f"{path}:Own", 0.2)
+    expected = works("coulomb", 0.2, 0.1)
+    assert full + half == pytest.approx(expected, abs=1e-8)
+    assert max(abs(one - other) for one, other in zip(full, half, strict=True)) > 1e-2
+
+
 def test_edited_package_is_another(tmp_path):
     """An edit of any source of the package changes the stamp that its kernels are kept under."""
     package = tmp_path / "tribo"

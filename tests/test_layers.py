@@ -12,31 +12,25 @@ import tribo
 ROOT = Path(tribo.__file__).parent
 
 # Every module, from the ground up: each may import those before it in this list, and no other.
-KERNELS = [
-    *("kernels", "kernels.status", "kernels.tableaux", "kernels.records", "kernels.compiled"),
-    *("kernels.neighbours", "kernels.contact", "kernels.probe", "kernels.motion"),
-    *("kernels.powers", "kernels.samples", "kernels.stepping", "kernels.runge_kutta"),
-    "kernels.splitting",
-]
-POTENTIALS = [
-    *("potentials.coulomb", "potentials.lennard_jones", "potentials.morse", "potentials.cutoff"),
-    *("potentials.registry", "potentials"),
-]
-REPORT_CARD = [
-    *("report_card.card", "report_card.specimen", "report_card.derivatives"),
-    *("report_card.smoothness", "report_card.limits", "report_card.agreement"),
-    *("report_card.invariances", "report_card.ase_peers", "report_card.motion", "report_card"),
-]
-ORDER = [
-    *("errors", "checks"),
-    *KERNELS,
-    *("plugins", *POTENTIALS),
-    *("fields", "drives", "springs", "spectra", "bath", "langevin", "roughness"),
-    *("asperite", "surface", "rows", "scene", "scene_file"),
-    *("layout", "methods", "ledger", "march", "accuracy", "result", "archive", "simulation"),
-    *REPORT_CARD,
-    *("pose", "plotting", "report_card.figure", "paper", "paper_figures", "cli"),
-]
+LAYERS = """
+errors checks
+kernels kernels.status kernels.tableaux kernels.records kernels.compiled kernels.external
+kernels.neighbours kernels.contact kernels.probe kernels.motion kernels.powers kernels.samples
+kernels.stepping kernels.sums kernels.nystrom_tableaux kernels.collocation_tableaux
+kernels.runge_kutta kernels.nystrom kernels.collocation kernels.splitting
+sources plugins
+potentials.born_mayer potentials.buckingham potentials.coulomb potentials.lennard_jones
+potentials.mie potentials.morse potentials.plummer potentials.weeks_chandler_andersen
+potentials.yukawa potentials.cutoff potentials.sum potentials.table potentials.from_ase
+potentials.registry potentials.expression potentials.written potentials
+fields drives springs spectra bath langevin roughness asperite surface rows scene scene_file
+layout methods ledger diagnosis march accuracy result archive simulation
+report_card.card report_card.specimen report_card.derivatives report_card.smoothness
+report_card.limits report_card.agreement report_card.invariances report_card.ase_peers
+report_card.motion report_card
+pose plotting report_card.figure paper paper_figures cli
+"""
+ORDER = LAYERS.split()
 
 # Methods of convenience, whose work is done by a module further up that is loaded when called.
 UPWARD = {
@@ -98,7 +92,7 @@ def test_kernels_see_no_scene(name):
     assert all(other.startswith("kernels") for other in of_this_package(name))
     tree = ast.parse(FILES[name].read_text(encoding="utf-8"))
     tops = {full.partition(".")[0] for full in imported(tree)}
-    assert tops - set(sys.stdlib_module_names) <= {"tribo", "numpy", "numba"}
+    assert tops - set(sys.stdlib_module_names) <= {"tribo", "numpy", "numba", "llvmlite"}
 
 
 @pytest.mark.parametrize("name", ["coulomb", "lennard_jones", "morse", "cutoff"])

@@ -1,4 +1,4 @@
-"""The paper's method: second-order Runge-Kutta, with works summed from half-step powers."""
+"""Declared orders, of motion and ledger; and the paper's own scheme, step by step."""
 
 from dataclasses import replace
 
@@ -6,8 +6,137 @@ import numpy as np
 import pytest
 
 import tribo
-from tribo import Output
+from tribo import (
+    Asperite,
+    Bath,
+    Coulomb,
+    Field,
+    Free,
+    Initial,
+    Output,
+    Pulled,
+    Scene,
+    Springs,
+    Surface,
+)
+from tribo.kernels.stepping import Tolerance
+from tribo.methods import METHODS
 from tribo.paper import scene as case
+
+END = 4.0
+# In how many equal steps each method goes there, and by how much its slope may fall short.
+COUNTS = {
+    "midpoint": ((40, 80, 160, 320), 0.1),
+    "rk4": ((20, 40, 80, 160), 0.2),
+    "dop853": ((20, 28, 40, 56), 0.5),
+    "rkn8": ((14, 20, 28, 40), 1.0),
+    "rkn12": ((8, 9, 10, 12, 14), 1.5),
+    "gauss-radau-15": ((6, 7, 8, 9, 10), 2.5),
+    "gauss-8": ((16, 20, 24, 28, 32), 1.0),
+    "verlet": ((40, 80, 160, 320), 0.1),
+    "kahan-li-6": ((20, 28, 40, 56), 0.3),
+    "kahan-li-8": ((14, 16, 20, 24, 28), 1.0),
+    "blanes-moan-6": ((20, 28, 40, 56), 0.5),
+}
+ACCOUNTS = ("contact", "slide", "drive", "ends", "internal", "field")
+
+
+def everything(bath):
+    """Two and two asperites with every kind of account that depends on places alone."""
+    upper = Surface(
+        "upper",
+        bob=(-1.5, 2.5),
+        velocity=(0.4, 0.0),
+        shape=(2, 1),
+        spacing=(1.0, 0.0),
+        heights=(0.0, 0.05),
+        drive=Pulled(stiffness=1.0, speed=0.6, load=0.05),
+        bars="free",
+        springs=Springs(0.8),
+        asperite=Asperite(m1=(1.0, 1.5), charge=(1.0, 0.7)),
+        initial=Initial(theta=0.3, nu=0.2, omega=-0.2),
+    )
+    lower = Surface(
+        "lower",
+        facing="up",
+        shape=(2, 1),
+        spacing=(0.9, 0.0),
+        drive=Free(),
+        bath=Bath(masses=(0.2,), frequencies=(0.8,)) if bath else None,
+        initial=Initial(nu=0.3, phi=0.1),
+    )
+    field = Field(tribo.Corrugation(0.1, 1.5), on=("upper", "lower"), velocity=(0.2, 0.0))
+    return Scene((upper, lower), Coulomb(4.0), END, fields=(field,), output=Output(samples=2))
+
+
+def in_steps(simulation, count):
+    """The state and the accounts after `count` equal steps.
+
+    A method that chooses its steps is given a sample after each, and no reason for more: no
+    tolerance, or, where it iterates, one of round-off that no error is compared with.
+    """
+    times = END / count * np.arange(1, count + 1)
+    setting = END / count
+    if simulation.method.adaptive:
+        iterates = simulation.method.remembers > 0
+        y, s = (np.full(n, 1e-15 if iterates else np.inf) for n in sizes(simulation.layout))
+        setting = Tolerance(y, s, 0.0)
+        simulation._first_step = END
+    run = simulation._march(simulation.layout.start, setting, times)
+    assert (run.status, run.steps) == ("completed", count)
+    return run.samples.y[-1], run.samples.s[-1]
+
+
+def sizes(layout):
+    """Of y and of s."""
+    return layout.start.size, layout.accounts
+
+
+def families(layout):
+    """Slots of the accounts of each kind, over all asperites."""
+    widths = {"contact": 4, "slide": 2, "drive": 4, "ends": 5, "internal": 4, "field": 4}
+    assert widths.keys() == set(ACCOUNTS)
+    for name, width in widths.items():
+        first = layout.model.asperites[f"acc_{name}"]
+        first = first[first >= 0]
+        if first.size:
+            yield name, (first[:, None] + np.arange(width)).ravel()
+    blocks = layout.model.surfaces.acc_block
+    yield "block", blocks[blocks >= 0]
+    yield "moving", np.array([field.account for field in layout.model.fields])
+
+
+@pytest.fixture(scope="module")
+def exact():
+    """The end of `everything`, without a bath and with one, as round-off allows."""
+
+    def end(bath):
+        simulation = tribo.prepare(everything(bath), accuracy=1e-13)
+        tight = Tolerance(*(np.full(n, 1e-15) for n in sizes(simulation.layout)), 1e-15)
+        run = simulation._march(simulation.layout.start, tight, np.array([END]))
+        return run.samples.y[-1], run.samples.s[-1]
+
+    return [end(bath) for bath in (False, True)]
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_order_of_motion_and_ledger(exact, name):
+    """Errors fall as the declared power of the step: of the motion, and of accounts of any kind."""
+    method = METHODS[name]
+    bath = "bath" not in method.refuses
+    given = {"accuracy": 1e-2} if method.adaptive else {"step": 0.1}
+    simulation = tribo.prepare(everything(bath), method=name, **given)
+    counts, slack = COUNTS[name]
+    y, s = exact[bath]
+    ends = [in_steps(simulation, count) for count in counts]
+    errors = {"motion": [np.max(np.abs(one[0][: y.size] - y)) for one in ends]}
+    for family, slots in families(simulation.layout):
+        errors[family] = [np.max(np.abs(one[1] - s)[slots]) for one in ends]
+    assert {"motion", "block", "moving", *ACCOUNTS} - {"internal"} <= errors.keys()
+    for family, error in errors.items():
+        slope = -np.polyfit(np.log(counts), np.log(error), 1)[0]
+        assert slope > method.order - slack, family
+
 
 STEPS = 0.01 / 2.0 ** np.arange(5)
 ENDS = {"A": 26.0, "C": 32.0}  # soon after the encounter, when everything is still in motion

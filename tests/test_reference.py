@@ -147,3 +147,41 @@ def test_random_scenes(seed, potential):
 def test_scenes_with_everything(seed):
     """Up to 6 + 6 asperites with every effect at once."""
     assert_agrees(rich_scene(seed))
+
+
+def scene_of_species(seed: int) -> dict:
+    """Rich, with two species of bobs, and contact among the bobs of each surface as well."""
+    scene = rich_scene(seed)
+    for surface in scene["surface"]:
+        count = surface["shape"][0] * surface["shape"][1]
+        surface["species"] = ["A" if i % 3 else "B" for i in range(count)]
+    ending = {"cutoff": 2.6, "at_cutoff": "switch"}
+    between, weak = {"between": ["lower", "upper"]}, dict(POTENTIALS["lennard-jones"]) | ending
+    scene["interaction"] = [
+        scene["interaction"] | between | {"species": ["A", "A"]},
+        weak | between | {"species": ["A", "B"]},
+        weak | {"epsilon": 0.02, "between": ["upper", "upper"]},
+        dict(POTENTIALS["coulomb"])
+        | {"strength": 0.05, "between": ["lower", "lower"], "species": ["B", "A"]}
+        | ending,
+    ]
+    return scene
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_species_and_contact_within_a_surface(seed):
+    """Each pair of bobs by its own potential; contact within is internal to the surface."""
+    assert_agrees(scene_of_species(seed))
+
+
+def test_contact_within_alone():
+    """A forced pair of rows without springs or baths, whose own bobs push each other."""
+    scene = random_scene(3, "morse")
+    for surface in scene["surface"]:
+        surface |= {"shape": [3, 1], "spacing": [0.9, 0.0], "heights": [0.0, 0.05, -0.05]}
+        surface |= {"asperite": {}, "initial": {}, "drive": "forced", "bars": "clamped"}
+    inner = dict(POTENTIALS["coulomb"]) | {"strength": 0.02}
+    scene["interaction"] = [scene["interaction"] | {"between": ["upper", "lower"]}] + [
+        inner | {"between": [name, name]} for name in ("upper", "lower")
+    ]
+    assert_agrees(scene)

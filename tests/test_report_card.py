@@ -23,7 +23,8 @@ from tribo.potentials import (
     check,
     with_cutoff,
 )
-from tribo.potentials.registry import AT_CUTOFF, from_table
+from tribo.potentials.cutoff import AT_CUTOFF
+from tribo.potentials.written import from_table
 from tribo.report_card.agreement import check_agreement
 from tribo.report_card.derivatives import check_force, curvature, curves, slope
 from tribo.report_card.invariances import check_laws, check_work
@@ -231,7 +232,8 @@ import sys
 from pathlib import Path
 from tribo import plugins
 from tribo.potentials import as_potential
-from tribo.potentials.registry import AT_CUTOFF, from_table
+from tribo.potentials.cutoff import AT_CUTOFF
+from tribo.potentials.written import from_table
 from tribo.report_card.agreement import check_agreement
 from tribo.report_card.specimen import Specimen
 if sys.argv[2] == "wrong":

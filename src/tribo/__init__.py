@@ -13,7 +13,18 @@ if TYPE_CHECKING:
     from tribo.errors import InputError
     from tribo.fields import Corrugation, Field
     from tribo.langevin import Langevin
-    from tribo.potentials import Coulomb, LennardJones, Morse, with_cutoff
+    from tribo.potentials import (
+        BornMayer,
+        Buckingham,
+        Coulomb,
+        LennardJones,
+        Mie,
+        Morse,
+        Plummer,
+        WeeksChandlerAndersen,
+        Yukawa,
+        with_cutoff,
+    )
     from tribo.result import Result
     from tribo.roughness import Roughness
     from tribo.rows import commensurate_rows, incommensurate_rows, periodic_rows
@@ -30,6 +41,8 @@ __version__ = "0.1.0"
 _HOME = {
     "Asperite": "tribo.asperite",
     "Bath": "tribo.bath",
+    "BornMayer": "tribo.potentials",
+    "Buckingham": "tribo.potentials",
     "commensurate_rows": "tribo.rows",
     "Corrugation": "tribo.fields",
     "Coulomb": "tribo.potentials",
@@ -46,11 +59,13 @@ _HOME = {
     "LennardJones": "tribo.potentials",
     "load_result": "tribo.archive",
     "load_scene": "tribo.scene_file",
+    "Mie": "tribo.potentials",
     "Morse": "tribo.potentials",
     "Numerics": "tribo.scene",
     "Output": "tribo.scene",
     "Periodic": "tribo.scene",
     "periodic_rows": "tribo.rows",
+    "Plummer": "tribo.potentials",
     "prepare": "tribo.simulation",
     "Pulled": "tribo.drives",
     "Result": "tribo.result",
@@ -61,7 +76,9 @@ _HOME = {
     "Spectrum": "tribo.spectra",
     "Springs": "tribo.springs",
     "Surface": "tribo.surface",
+    "WeeksChandlerAndersen": "tribo.potentials",
     "with_cutoff": "tribo.potentials",
+    "Yukawa": "tribo.potentials",
 }
 
 __all__ = [*_HOME, "__version__"]

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tribo.kernels.runge_kutta import Tolerance
+from tribo.kernels.stepping import Tolerance
 from tribo.layout import Layout
 from tribo.ledger import (
     ASPERITE_KINDS,
@@ -172,7 +172,7 @@ def tolerances(layout: Layout, scales: InnerScales, level: float) -> Tolerance:
     weights = _account_weights(layout)
     impulse = level * min(scales.impulse, scales.energy / scales.velocity)
     s = np.where(weights > 0.0, energy / np.where(weights > 0.0, weights, 1.0), impulse)
-    return Tolerance(np.concatenate([q, v]), s)
+    return Tolerance(np.concatenate([q, v]), s, level)
 
 
 def _positive(values: np.ndarray) -> np.ndarray:

@@ -118,7 +118,7 @@ def _paper(options: argparse.Namespace) -> int:
 
 def _check(options: argparse.Namespace) -> int:
     from tribo import potentials
-    from tribo.potentials.registry import from_table
+    from tribo.potentials.written import from_table
 
     if options.figure is not None:
         _check_place("--figure", options.figure.absolute())

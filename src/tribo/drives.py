@@ -101,10 +101,10 @@ def as_drive(value: Any, folder: Path = Path()) -> Drive:
     if isinstance(value, str):
         return KINDS[choice("", value, KINDS)]()
     wanted = value.get("kind") if isinstance(value, dict) else None
-    if isinstance(wanted, str) and ".py:" in wanted:
+    if plugins.is_named(wanted):
         parameters = dict(value)
         name, load = parameters.pop("kind"), parameters.pop("load", None)
-        cls = plugins.class_in_file("kind", name, folder)
+        cls = plugins.class_named("kind", name, folder)
         plugins.check_class(cls, "kind", "force_on_bar(self, t, x, y, vx, vy, fx, fy)")
         return Custom(load, plugins.instance(cls, parameters))
     table = known_keys(value, ["kind", "load", "rigid", "stiffness", "speed"], ["kind"])
@@ -131,7 +131,7 @@ def as_bars(value: Any, folder: Path = Path()) -> str | Ends:
         parameters = dict(value)
         if not isinstance(parameters.get("ends"), str):
             raise InputError("ends", 'is missing; give "yourfile.py:YourClass"')
-        cls = plugins.class_in_file("ends", parameters.pop("ends"), folder)
+        cls = plugins.class_named("ends", parameters.pop("ends"), folder)
         plugins.check_class(cls, "ends", "end_forces(self, t, phi, nu, twist)")
         return Ends(plugins.instance(cls, parameters))
     return choice("", value, ["clamped", "free"])

@@ -83,8 +83,8 @@ def from_table(table: Any, folder: Path) -> Field:
             raise InputError(key, "is missing")
     place = {k: parameters.pop(k) for k in ("on", "origin", "velocity") if k in parameters}
     kind = parameters.pop("kind")
-    if isinstance(kind, str) and ".py:" in kind:
-        cls = plugins.class_in_file("kind", kind, folder)
+    if plugins.is_named(kind):
+        cls = plugins.class_named("kind", kind, folder)
         plugins.check_class(cls, "kind", "energy_at(self, x, y)")
     else:
         cls = BUILT_IN[choice("kind", kind, BUILT_IN)]

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from tribo.bath import thermal_start, thermal_torsional_start
+from tribo.checks import inside
 from tribo.drives import Custom as CustomDrive
 from tribo.drives import Ends, Forced, Free, Pulled
 from tribo.kernels import records
@@ -19,6 +20,7 @@ from tribo.kernels.records import (
     PULLED,
     RIGID,
     Box,
+    Calculator,
     Contact,
     Custom,
     FieldOn,
@@ -26,7 +28,9 @@ from tribo.kernels.records import (
     Neighbours,
 )
 from tribo.potentials import Coulomb, as_potential
-from tribo.scene import Scene
+from tribo.potentials.from_ase import Call, Live, Unfelt, elements
+from tribo.potentials.registry import complete
+from tribo.scene import Interaction, Scene
 from tribo.surface import Surface
 
 SKIN = 0.3  # of the largest cutoff: how much farther a neighbour list reaches
@@ -50,6 +54,7 @@ class Layout:
     velocity: np.ndarray  # (n, 2) initial velocity of each asperite's surface, in the laboratory
     origin: np.ndarray  # (2,) the place that positions are relative to
     parts: dict[str, slice]  # the asperites of each surface
+    calls: tuple[Call, ...]  # calculators that are not compiled
     rows: int  # rows of the neighbour list; 0 where there is none
     skin: float
 
@@ -58,21 +63,24 @@ class Layout:
         """Every plug-in that the kernels are compiled with."""
         model = self.model
         own = [custom.plugin for custom in (*(model.drives or ()), *(model.ends or ()))]
-        return [item.potential for item in (*model.contacts, *(model.fields or ()))] + own
+        acting = (*model.contacts, *(model.within or ()), *(model.fields or ()))
+        return [item.potential for item in acting] + own
 
     def neighbours(self) -> Neighbours | None:
         """An empty neighbour list, to be made when the forces are first wanted."""
         if self.rows == 0:
             return None
-        contacts = self.model.contacts
+        contacts = (*self.model.contacts, *(self.model.within or ()))
+        anyone = (-1, -1)
         listed = [
-            (one, other, row, contact.potential.range() + self.skin)
+            (one, other, row, contact.potential.range() + self.skin, contact.species)
             for contact in contacts
             for (one, other), row in zip(contact.pairs.tolist(), contact.rows.tolist(), strict=True)
             if row >= 0
         ]
         return Neighbours(
             pairs=np.array([pair[:3] for pair in listed], dtype=np.int64),
+            species=np.array([anyone if pair[4] is None else pair[4] for pair in listed], np.int64),
             reach=np.array([pair[3] for pair in listed]),
             start=np.zeros(self.rows + 1, np.int64),
             index=np.zeros(16 * self.rows, np.int64),
@@ -104,7 +112,8 @@ def laid_out(scene: Scene) -> Layout:
     coordinates = _give_bath(asperites, surfaces, core)
     accounts = _give_accounts(asperites, surfaces, scene)
     fields, accounts = _fields(scene, accounts)
-    contacts, rows, skin = _contacts(scene)
+    contacts, within, rows, skin = _contacts(scene)
+    calls = _calls(scene)
     bobs = np.zeros(scene.count, records.BOB)
     for k, surface in enumerate(scene.surfaces):
         part = parts[surface.name]
@@ -115,7 +124,11 @@ def laid_out(scene: Scene) -> Layout:
         asperites=asperites.view(np.recarray),
         surfaces=surfaces.view(np.recarray),
         contacts=contacts,
+        within=within,
+        calculators=_calculators(scene, calls),
+        species=_species(scene),
         bobs=bobs.view(np.recarray),
+        inner=np.zeros(scene.count, records.PUSH).view(np.recarray) if within else None,
         bars=np.zeros(scene.count, records.BAR).view(np.recarray),
         box=Box(scene.periodic.x or 0.0, scene.periodic.z or 0.0) if scene.periodic else None,
         bonds=_bonds(scene, parts, asperites),
@@ -136,6 +149,7 @@ def laid_out(scene: Scene) -> Layout:
         velocity=np.repeat([surface.velocity for surface in scene.surfaces], counts, axis=0),
         origin=_origin(scene),
         parts=parts,
+        calls=calls,
         rows=rows,
         skin=skin,
     )
@@ -246,7 +260,10 @@ def _give_accounts(asperites: np.ndarray, surfaces: np.ndarray, scene: Scene) ->
     kind = surfaces[asperites["surface"]]
     driven = np.isin(kind["drive"], (RIGID, PULLED, CUSTOM)) | (kind["loaded"] == 1)
     held = (asperites["dof_phi"] < 0) & (asperites["kappa"] > 0.0)
-    inside = [bool(s.springs) or s.bath.masses.size + s.bath.inertias.size > 0 for s in own]
+    inside = [
+        bool(s.springs) or s.bath.masses.size + s.bath.inertias.size > 0 or scene.meets_itself(s)
+        for s in own
+    ]
     field = [any(s.name in item.on for item in scene.fields) for s in own]
     stop = 0
     for name, wanted, width in (
@@ -287,12 +304,15 @@ def _fields(scene: Scene, accounts: int) -> tuple[tuple[FieldOn, ...] | None, in
     return tuple(fields) or None, accounts
 
 
-def _contacts(scene: Scene) -> tuple[tuple[Contact, ...], int, float]:
-    """The interactions, how many rows their neighbour lists have, and the lists' skin.
+def _contacts(
+    scene: Scene,
+) -> tuple[tuple[Contact, ...], tuple[Contact, ...] | None, int, float]:
+    """Contacts between surfaces, those within one, how many rows their lists have, and the skin.
 
     An interaction with a cutoff has a list where its bobs are many.
     """
-    contacts = []
+    between: list[Contact] = []
+    within: list[Contact] = []
     rows = 0
     longest = 0.0
     for interaction in scene.interactions:
@@ -306,17 +326,75 @@ def _contacts(scene: Scene) -> tuple[tuple[Contact, ...], int, float]:
             if listed:
                 rows += count
                 longest = max(longest, reach)
-        contacts.append(
+        inner = any(one == other for one, other in pairs)
+        potential = interaction.potential
+        if isinstance(potential, Live):
+            potential = complete(Unfelt)(potential.length, potential.reach)
+        (within if inner else between).append(
             Contact(
-                interaction.potential,
+                potential,
                 np.array(pairs, dtype=np.int64).reshape(-1, 2),
                 np.array(first, dtype=np.int64),
+                _kinds(scene, interaction),
             )
         )
-    if not contacts:  # kernels cannot walk through an empty tuple: an interaction of no pairs
+    if not between:  # kernels cannot walk through an empty tuple: an interaction of no pairs
         nothing = np.empty(0, dtype=np.int64)
-        contacts.append(Contact(as_potential(Coulomb(0.0)), nothing.reshape(0, 2), nothing))
-    return tuple(contacts), rows, SKIN * longest
+        between.append(Contact(as_potential(Coulomb(0.0)), nothing.reshape(0, 2), nothing, None))
+    return tuple(between), tuple(within) or None, rows, SKIN * longest
+
+
+def _calls(scene: Scene) -> tuple[Call, ...]:
+    """What compiled code calls for the interactions that ASE's calculators compute."""
+    calls = []
+    for i, interaction in enumerate(scene.interactions):
+        if isinstance(interaction.potential, Live):
+            meeting = _meeting(scene, interaction)
+            surfaces = [scene.surfaces[k] for k in meeting]
+            with inside(f"interaction[{i}]"):
+                symbols = elements([name for s in surfaces for name in s.species_of_each.tolist()])
+            calls.append(
+                Call(
+                    interaction.potential.calculator,
+                    symbols,
+                    np.concatenate([_resting_bobs(scene, k)[:, 2] for k in meeting]),
+                    [s.count for s in surfaces],
+                    (scene.periodic.x or 0.0, scene.periodic.z or 0.0),
+                )
+            )
+    return tuple(calls)
+
+
+def _meeting(scene: Scene, interaction: Interaction) -> list[int]:
+    """Indices of the surfaces that an interaction is between."""
+    return sorted({k for pair in scene.pairs(interaction) for k in pair})
+
+
+def _calculators(scene: Scene, calls: tuple[Call, ...]) -> tuple[Calculator, ...] | None:
+    """The same as kernels see it; None without any."""
+    live = [item for item in scene.interactions if isinstance(item.potential, Live)]
+    calculators = [
+        Calculator(
+            call.address, np.array(_meeting(scene, item)), call.place, call.force, call.energy
+        )
+        for item, call in zip(live, calls, strict=True)
+    ]
+    return tuple(calculators) or None
+
+
+def _kinds(scene: Scene, interaction: Interaction) -> np.ndarray | None:
+    """Numbers of the two species that an interaction is between; None where it is for all."""
+    if interaction.species is None:
+        return None
+    return np.searchsorted(scene.species, interaction.species)
+
+
+def _species(scene: Scene) -> np.ndarray | None:
+    """(n,) number of each bob's species; None where no interaction asks."""
+    if all(interaction.species is None for interaction in scene.interactions):
+        return None
+    names = np.concatenate([surface.species_of_each for surface in scene.surfaces])
+    return np.searchsorted(scene.species, names)
 
 
 def _bonds(scene: Scene, parts: dict[str, slice], asperites: np.ndarray) -> Any:

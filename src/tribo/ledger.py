@@ -12,12 +12,14 @@ work = (about the centre of mass) + V . J + (pseudowork in that frame).
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 
 from tribo.kernels.records import FORCED
-from tribo.kernels.samples import BATH, MOMENTUM_X, MOMENTUM_Y, SPRINGS, TORSIONAL
+from tribo.kernels.samples import BATH, MOMENTUM_X, MOMENTUM_Y, SPRINGS, TORSIONAL, WITHIN
 from tribo.layout import Layout
 
 # What each reported quantity is, which fixes the scale that its accuracy is relative to.
@@ -63,6 +65,7 @@ SYSTEM_KINDS = {
 }
 
 Table = dict[str, np.ndarray]
+MANY = 50_000  # asperites of a surface, above which its ledger is made out in parts
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,6 +105,17 @@ class Samples:
 
 
 @dataclass(frozen=True, eq=False)
+class Part:
+    """Some asperites of one surface: the ledger is made out part by part, to need little room."""
+
+    index: int  # of the surface
+    place: slice  # of the asperites among all
+    surface: Any  # record of kernels.records.SURFACE
+    asperites: Any  # recarray of kernels.records.ASPERITE
+    velocity: np.ndarray  # (2,) initial velocity of the surface, in the laboratory
+
+
+@dataclass(frozen=True, eq=False)
 class Motion:
     """The raw motion in each surface's first frame, every array (times, asperites)."""
 
@@ -126,12 +140,29 @@ class Account:
     pseudo: np.ndarray  # pseudowork in the surface's first frame
 
     def pseudowork(self, velocity: np.ndarray) -> np.ndarray:
-        """In the laboratory, where the surface's first velocity is `velocity` (asperites, 2)."""
-        return self.pseudo + velocity[:, 0] * self.jx + velocity[:, 1] * self.jy
+        """In the laboratory, where the surface's first velocity is `velocity` (2,)."""
+        return self.pseudo + velocity[0] * self.jx + velocity[1] * self.jy
 
     def work(self, velocity: np.ndarray) -> np.ndarray:
         """In the laboratory."""
         return self.about + self.pseudowork(velocity)
+
+
+@dataclass(frozen=True, eq=False)
+class Sums:
+    """What the ledger of a surface as a whole is made of; arrays (times,)."""
+
+    px: np.ndarray  # momentum in the surface's first frame, without its bath's
+    py: np.ndarray
+    moving: np.ndarray  # kinetic energy of the centres of mass there
+    internal: np.ndarray  # change of the asperites' internal energy
+    work: np.ndarray  # of the external forces, in the surface's first frame
+    jx: np.ndarray  # impulse of the external forces
+    jy: np.ndarray
+    outside: np.ndarray  # work of f2, f_L, f_R and f_T in the laboratory
+
+    def __add__(self, other: Sums) -> Sums:
+        return Sums(*(getattr(self, f.name) + getattr(other, f.name) for f in fields(self)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,28 +181,59 @@ class Ledger:
 
 def ledger(layout: Layout, samples: Samples) -> Ledger:
     """Put together the ledger from raw samples, the first of which is the start."""
-    motion = _motion(layout, samples)
-    accounts = _accounts(layout, motion, samples.s)
-    whole = _places(layout, motion) | _works(layout, accounts) | _energies(layout, motion)
-    surfaces = {}
-    for k, surface in enumerate(layout.scene.surfaces):
-        part = layout.parts[surface.name]
-        extra = _optional(layout, k, accounts)
-        surfaces[surface.name] = {name: v[:, part] for name, v in (whole | extra).items()}
-    bulk = bulk_ledger(layout, samples)
-    return Ledger(surfaces, bulk.blocks, bulk.system)
+    return _made_out(layout, samples, series=True)
 
 
 def bulk_ledger(layout: Layout, samples: Samples) -> Ledger:
     """The ledger without the asperites' series: the surfaces as wholes, and the system."""
-    motion = _motion(layout, samples)
-    accounts = _accounts(layout, motion, samples.s)
-    energies = _energies(layout, motion)
-    blocks = {
-        surface.name: _block(layout, k, motion, accounts, energies, samples)
-        for k, surface in enumerate(layout.scene.surfaces)
+    return _made_out(layout, samples, series=False)
+
+
+def _made_out(layout: Layout, samples: Samples, series: bool) -> Ledger:
+    surfaces: dict[str, Table] = {}
+    blocks: dict[str, Table] = {}
+    outside: Any = 0.0
+    for k, surface in enumerate(layout.scene.surfaces):
+        tables = []
+        sums = []
+        for part in _parts(layout, k):
+            motion = _motion(layout, part, samples)
+            accounts = _accounts(part, samples.s)
+            energies = _energies(part, motion)
+            sums.append(_sums(part, motion, accounts, energies))
+            if series:
+                works = _works(part, accounts) | _optional(layout, part, accounts)
+                tables.append(_places(layout, part, motion) | works | energies)
+        whole = sum(sums[1:], start=sums[0])
+        blocks[surface.name] = _block(layout, k, whole, samples)
+        outside = outside + whole.outside
+        if series:
+            surfaces[surface.name] = _side_by_side(tables)
+    return Ledger(surfaces, blocks, _system(layout, outside, blocks, samples))
+
+
+def _parts(layout: Layout, index: int) -> Iterator[Part]:
+    """The asperites of a surface, at most MANY at a time."""
+    whole = layout.parts[layout.scene.surfaces[index].name]
+    for start in range(whole.start, whole.stop, MANY):
+        place = slice(start, min(start + MANY, whole.stop))
+        yield Part(
+            index,
+            place,
+            layout.model.surfaces[index],
+            layout.model.asperites[place],
+            np.array(layout.scene.surfaces[index].velocity),
+        )
+
+
+def _side_by_side(tables: list[Table]) -> Table:
+    """One table from those of the parts; theirs are given up one by one."""
+    if len(tables) == 1:
+        return tables[0]
+    return {
+        name: np.concatenate([table.pop(name) for table in tables], axis=1)
+        for name in list(tables[0])
     }
-    return Ledger({}, blocks, _system(layout, accounts, blocks, samples))
 
 
 def _columns(slots: np.ndarray, table: np.ndarray, absent: np.ndarray | float = 0.0) -> np.ndarray:
@@ -188,15 +250,15 @@ def _columns(slots: np.ndarray, table: np.ndarray, absent: np.ndarray | float = 
     return values
 
 
-def _motion(layout: Layout, samples: Samples) -> Motion:
-    a = layout.model.asperites
+def _motion(layout: Layout, part: Part, samples: Samples) -> Motion:
+    a = part.asperites
     q, v = samples.y[:, : layout.core], samples.y[:, layout.core :]
     time = samples.t[:, None]
     return Motion(
         t=time,
-        swing=q[:, : a.size],
+        swing=q[:, part.place],
         phi=_columns(a.dof_phi, q, a.phi + a.nu * time),
-        omega=v[:, : a.size],
+        omega=v[:, part.place],
         nu=_columns(a.dof_phi, v, a.nu),
         x=_columns(a.dof_x, q),
         y=_columns(a.dof_y, q),
@@ -205,13 +267,12 @@ def _motion(layout: Layout, samples: Samples) -> Motion:
     )
 
 
-def _places(layout: Layout, m: Motion) -> Table:
+def _places(layout: Layout, part: Part, m: Motion) -> Table:
     """Angles, rates, places and velocities; r1 = r_cm + l1 (sin theta, -cos theta)."""
-    a = layout.model.asperites
+    a = part.asperites
     rest = np.where(a.facing > 0.0, 0.0, np.pi)
-    velocity = layout.velocity
-    x = layout.origin[0] + (a.x + velocity[:, 0] * m.t + m.x)
-    y = layout.origin[1] + (a.y + velocity[:, 1] * m.t + m.y)
+    x = layout.origin[0] + (a.x + part.velocity[0] * m.t + m.x)
+    y = layout.origin[1] + (a.y + part.velocity[1] * m.t + m.y)
     sin, cos = a.facing * np.sin(m.swing), a.facing * np.cos(m.swing)
     return {
         "theta": m.swing + rest,
@@ -220,8 +281,8 @@ def _places(layout: Layout, m: Motion) -> Table:
         "nu": m.nu,
         "x_cm": x,
         "y_cm": y,
-        "vx_cm": velocity[:, 0] + m.vx,
-        "vy_cm": velocity[:, 1] + m.vy,
+        "vx_cm": part.velocity[0] + m.vx,
+        "vy_cm": part.velocity[1] + m.vy,
         "x_bob": x + a.l1 * sin,
         "y_bob": y - a.l1 * cos,
         "x_bar": x - a.l2 * sin,
@@ -229,10 +290,9 @@ def _places(layout: Layout, m: Motion) -> Table:
     }
 
 
-def _accounts(layout: Layout, m: Motion, s: np.ndarray) -> dict[str, Account]:
+def _accounts(part: Part, s: np.ndarray) -> dict[str, Account]:
     """Every force's account, by the name of its work."""
-    a = layout.model.asperites
-    surface = layout.model.surfaces[a.surface]
+    a = part.asperites
 
     def column(slots: np.ndarray, k: int) -> np.ndarray:
         return _columns(np.where(slots >= 0, slots + k, -1), s)
@@ -247,7 +307,7 @@ def _accounts(layout: Layout, m: Motion, s: np.ndarray) -> dict[str, Account]:
 
     # f2 = -(held f1_x, f1_y), with held = 1 for a forced drive and 0 for a free one, unless the
     # drive has an account of its own.
-    held = np.where(surface.drive == FORCED, 1.0, 0.0)
+    held = 1.0 if part.surface.drive == FORCED else 0.0
     own = a.acc_drive >= 0
     drive = Account(
         np.where(own, -a.l2 * column(a.acc_drive, 2), a.l2 * (held * about_x + about_y)),
@@ -269,10 +329,9 @@ def _accounts(layout: Layout, m: Motion, s: np.ndarray) -> dict[str, Account]:
     }
 
 
-def _works(layout: Layout, accounts: dict[str, Account]) -> Table:
-    velocity = layout.velocity
-    works = {name: account.work(velocity) for name, account in accounts.items()}
-    pseudo = {f"{name}_ps": account.pseudowork(velocity) for name, account in accounts.items()}
+def _works(part: Part, accounts: dict[str, Account]) -> Table:
+    works = {name: account.work(part.velocity) for name, account in accounts.items()}
+    pseudo = {f"{name}_ps": account.pseudowork(part.velocity) for name, account in accounts.items()}
     return (
         {name: works[name] for name in ("w1", "w2", "wL", "wR", "w_int")}
         | {"w": np.sum(list(works.values()), axis=0)}
@@ -281,80 +340,80 @@ def _works(layout: Layout, accounts: dict[str, Account]) -> Table:
     )
 
 
-def _optional(layout: Layout, k: int, accounts: dict[str, Account]) -> Table:
-    """What is reported of surface k because it has a field or a reservoir."""
-    surface, velocity = layout.scene.surfaces[k], layout.velocity
+def _optional(layout: Layout, part: Part, accounts: dict[str, Account]) -> Table:
+    """What is reported of a surface because it has a field or a reservoir."""
+    surface = layout.scene.surfaces[part.index]
     table = {}
     if any(surface.name in item.on for item in layout.scene.fields):
-        table["w_field"] = accounts["w_field"].work(velocity)
-        table["w_field_ps"] = accounts["w_field"].pseudowork(velocity)
+        table["w_field"] = accounts["w_field"].work(part.velocity)
+        table["w_field_ps"] = accounts["w_field"].pseudowork(part.velocity)
     if surface.langevin:
-        account, record = accounts["w_T"], layout.model.surfaces[k]
-        table["w_T"] = account.work(velocity)
-        table["w_T_ps"] = account.pseudowork(velocity)
+        account, record = accounts["w_T"], part.surface
+        table["w_T"] = account.work(part.velocity)
+        table["w_T_ps"] = account.pseudowork(part.velocity)
         reservoir = record.reservoir_x * account.jx + record.reservoir_y * account.jy
         table["heat"] = reservoir - account.about - account.pseudo
     return table
 
 
-def _energies(layout: Layout, m: Motion) -> Table:
-    a = layout.model.asperites
-    velocity = layout.velocity
+def _energies(part: Part, m: Motion) -> Table:
+    a = part.asperites
     internal = 0.5 * (a.inertia * m.omega**2 + a.i2 * m.nu**2 + a.kappa * (m.swing - m.phi) ** 2)
-    lag = velocity[:, 0] * m.vx + velocity[:, 1] * m.vy + 0.5 * (m.vx**2 + m.vy**2)
+    lag = part.velocity[0] * m.vx + part.velocity[1] * m.vy + 0.5 * (m.vx**2 + m.vy**2)
     return {
         "delta_k_trans": a.mass * lag,
         "delta_e_int": internal - internal[0],
     }
 
 
-def _block(
-    layout: Layout,
-    k: int,
-    m: Motion,
-    accounts: dict[str, Account],
-    energies: Table,
-    samples: Samples,
-) -> Table:
-    """The ledger of surface k as a whole; V is the velocity of the centre of all its masses."""
-    part = layout.parts[layout.scene.surfaces[k].name]
-    record = layout.model.surfaces[k]
-    mass = layout.model.asperites.mass[part]
-    velocity = layout.velocity[part.start]
-    vx, vy = m.vx[:, part], m.vy[:, part]
-    stored = samples.stored[:, k]
-    lag_x = (vx @ mass + stored[:, MOMENTUM_X]) / record.total_mass
-    lag_y = (vy @ mass + stored[:, MOMENTUM_Y]) / record.total_mass
-    bulk = 0.5 * record.total_mass * (lag_x**2 + lag_y**2)
-    moving = record.total_mass * (velocity[0] * lag_x + velocity[1] * lag_y) + bulk
-    within = 0.5 * (vx**2 + vy**2) @ mass + np.sum(energies["delta_e_int"][:, part], axis=1)
-    within = within + stored[:, SPRINGS] + stored[:, BATH] + stored[:, TORSIONAL] - bulk
+def _sums(part: Part, m: Motion, accounts: dict[str, Account], energies: Table) -> Sums:
+    """What the part adds to its surface."""
+    mass = part.asperites.mass
 
-    def total(values: np.ndarray) -> np.ndarray:
-        return np.sum(values[:, part], axis=1)
+    def total(*values: np.ndarray) -> np.ndarray:
+        return np.sum(sum(values), axis=1)
 
     external = [account for name, account in accounts.items() if name != "w_int"]
-    boost = sum(velocity[0] * total(e.jx) + velocity[1] * total(e.jy) for e in external)
+    outside = [accounts[name].work(part.velocity) for name in ("w2", "wL", "wR", "w_T")]
+    return Sums(
+        px=m.vx @ mass,
+        py=m.vy @ mass,
+        moving=0.5 * (m.vx**2 + m.vy**2) @ mass,
+        internal=total(energies["delta_e_int"]),
+        work=total(*(e.about + e.pseudo for e in external)),
+        jx=total(*(e.jx for e in external)),
+        jy=total(*(e.jy for e in external)),
+        outside=total(*outside),
+    )
+
+
+def _block(layout: Layout, k: int, sums: Sums, samples: Samples) -> Table:
+    """The ledger of surface k as a whole; V is the velocity of the centre of all its masses."""
+    record = layout.model.surfaces[k]
+    velocity = layout.scene.surfaces[k].velocity
+    stored = samples.stored[:, k]
+    lag_x = (sums.px + stored[:, MOMENTUM_X]) / record.total_mass
+    lag_y = (sums.py + stored[:, MOMENTUM_Y]) / record.total_mass
+    bulk = 0.5 * record.total_mass * (lag_x**2 + lag_y**2)
+    moving = record.total_mass * (velocity[0] * lag_x + velocity[1] * lag_y) + bulk
+    within = sums.moving + sums.internal - bulk
+    for kept in (SPRINGS, BATH, TORSIONAL, WITHIN):
+        within = within + stored[:, kept]
+    boost = velocity[0] * sums.jx + velocity[1] * sums.jy
     pseudowork = samples.s[:, record.acc_block] if record.acc_block >= 0 else 0.0
     return {
-        "W": sum(total(e.about + e.pseudo) for e in external) + boost,
+        "W": sums.work + boost,
         "W_ps": pseudowork + boost,
         "delta_K": moving - moving[0],
         "delta_E_int": within - within[0],
     }
 
 
-def _system(
-    layout: Layout,
-    accounts: dict[str, Account],
-    blocks: dict[str, Table],
-    samples: Samples,
-) -> Table:
+def _system(layout: Layout, outside: Any, blocks: dict[str, Table], samples: Samples) -> Table:
     """Energy of everything, and the work done on it from outside."""
     stored = sum(block["delta_K"] + block["delta_E_int"] for block in blocks.values())
     potential = samples.contact + samples.field
-    outside = (accounts[name].work(layout.velocity) for name in ("w2", "wL", "wR", "w_T"))
-    applied = np.sum(np.sum(list(outside), axis=0), axis=1)
+    applied = outside
     for field in layout.model.fields or ():
         if field.account >= 0:
             applied = applied + samples.s[:, field.account]

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numba.core.errors import NumbaError
 
-from tribo.errors import InputError
+from tribo.diagnosis import Refusals, complaint
 from tribo.kernels.motion import place_bobs
 from tribo.kernels.neighbours import refreshed
 from tribo.kernels.records import CLOCK
@@ -19,7 +18,7 @@ from tribo.kernels.status import COMPLETED, NAMES, PAUSED
 from tribo.layout import Layout
 from tribo.ledger import ASPERITE_KINDS, OPTIONAL_KINDS, Ledger, Samples, Table, bulk_ledger
 from tribo.methods import Method
-from tribo.plugins import is_own
+from tribo.potentials.from_ase import Call
 
 Progress = Callable[[float], None]  # told the time reached, a few times a second
 CHUNK_SECONDS = 0.1  # between two looks at the keyboard
@@ -101,7 +100,7 @@ def march(
     With a `digest`, samples are handed to it in portions, and only the first and the last kept.
     """
     began = time.perf_counter()
-    clocks, state = _at_rest(layout, start, first_step)
+    clocks, state = _at_rest(layout, method, start, first_step)
     rows = times.size if digest is None else max(1, PORTION_BYTES // _row_bytes(layout))
     record = _room(layout, min(rows, times.size) + 1)
     call = _bound(layout, method, loop, setting)
@@ -110,7 +109,7 @@ def march(
     for first in range(0, times.size, rows):
         portion = times[first : first + rows]
         clocks.sample = 0
-        status = _through(call, clocks, state, portion, record, progress)
+        status = _through(call, layout.calls, clocks, state, portion, record, progress)
         reached = portion[: int(clocks.sample[0])]
         if status != NAMES[COMPLETED] and (not reached.size or reached[-1] != clocks.t[0]):
             _record_now(layout, clocks, state, record)
@@ -130,6 +129,7 @@ def march(
 
 def _through(
     call: Callable[..., int],
+    calls: tuple[Call, ...],
     clocks: Any,
     state: State,
     times: np.ndarray,
@@ -139,11 +139,17 @@ def _through(
     """Run through the times in chunks short enough to look at the keyboard between them."""
     budget = 256
     code = PAUSED
+    for item in calls:
+        item.error, item.interrupted = None, False
     try:
         while code == PAUSED:
             began = time.perf_counter()
             code = call(clocks, state, times, record, budget)
             taken = time.perf_counter() - began
+            if any(item.error is not None for item in calls):
+                return "CalculatorFailed"
+            if any(item.interrupted for item in calls):
+                return "Interrupted"
             budget = int(np.clip(budget * CHUNK_SECONDS / max(taken, 1e-6), 16, 1e9))
             if progress is not None:
                 progress(float(clocks.t[0]))
@@ -155,42 +161,26 @@ def _through(
 def compile_loop(layout: Layout, method: Method, loop: Callable[..., Any], setting: Any) -> float:
     """Have the loop compiled for this scene, or loaded from the disk cache; returns the seconds."""
     began = time.perf_counter()
-    clocks, state = _at_rest(layout, layout.start, 0.0)
+    clocks, state = _at_rest(layout, method, layout.start, 0.0)
     try:
         _bound(layout, method, loop, setting)(clocks, state, np.ones(1), _room(layout, 1), 0)
-    except NumbaError as error:
-        field, name = _suspect(layout)
-        raise InputError(field, f"{name} does not compile: {reason(error)}") from None
+    except Refusals as error:
+        raise complaint(layout, error) from None
     return time.perf_counter() - began
 
 
-def reason(error: NumbaError) -> str:
-    """What the compiler complains of, on one line."""
-    return next((line.strip() for line in str(error).splitlines() if _tells(line)), "")
-
-
-def _suspect(layout: Layout) -> tuple[str, str]:
-    """The first plug-in of the user's own: its field in the scene, and its name."""
-    for i, contact in enumerate(layout.model.contacts):
-        for potential in (contact.potential, getattr(contact.potential, "potential", None)):
-            if potential is not None and not is_own(type(potential)):
-                return f"interaction[{i}].potential", type(potential).__name__
-    names = [type(plugin).__name__ for plugin in layout.plugins if not is_own(type(plugin))]
-    return "plug-in", ", ".join(names)
-
-
-def _tells(line: str) -> bool:
-    """Whether a line of the compiler's message says what is wrong."""
-    noise = ("Failed in nopython", "During", "- Resolution failure")
-    return bool(line.strip()) and not line.startswith(noise)
-
-
-def _at_rest(layout: Layout, start: np.ndarray, first_step: float) -> tuple[Any, State]:
-    """A clock at zero, and the state at the start."""
+def _at_rest(
+    layout: Layout, method: Method, start: np.ndarray, first_step: float
+) -> tuple[Any, State]:
+    """A clock at zero, and the state at the start; splitting keeps no account of rounding."""
     clocks = np.zeros(1, CLOCK).view(np.recarray)
     clocks.h = first_step
+    low = 0 if method.splits else 1
     s = np.zeros(layout.accounts)
-    return clocks, State(start.copy(), np.zeros(start.size), s, s.copy())
+    memory = np.zeros((method.remembers, layout.coordinates))
+    return clocks, State(
+        start.copy(), np.zeros(low * start.size), s, np.zeros(low * s.size), memory
+    )
 
 
 def _room(layout: Layout, times: int) -> Record:

@@ -6,17 +6,19 @@ NamedTuple by its class, finds its methods when a kernel is compiled, and inline
 
 from __future__ import annotations
 
-import ast
-import hashlib
-import importlib.util
-import inspect
-import sys
+import linecache
+import re
+import traceback
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
-from tribo.checks import known_keys, number
+import numpy as np
+
+from tribo import sources
+from tribo.checks import known_keys, number, shown
 from tribo.errors import InputError
+
+GIVES = {"feature": 2, "domain": 2, "force_at": 2, "force_on_bar": 2, "end_forces": 4}  # or 1
 
 
 def check_class(cls: Any, field: str, method: str) -> None:
@@ -41,22 +43,25 @@ def instance(cls: Any, parameters: dict[str, Any]) -> Any:
     return cls(**known_keys(parameters, cls._fields, required))
 
 
-def class_in_file(field: str, name: str, folder: Path) -> Any:
-    """The class that ``file.py:Class`` names, the path being relative to `folder`."""
+def is_named(name: Any) -> bool:
+    """Whether a name is that of a class in a file or in a module."""
+    in_module = r"[\w.]+:\w+"
+    return isinstance(name, str) and (".py:" in name or bool(re.fullmatch(in_module, name)))
+
+
+def class_named(field: str, name: str, folder: Path) -> Any:
+    """The class of ``file.py:Class``, relative to `folder`, or of ``package.module:Class``."""
     place, _, class_name = name.rpartition(":")
     try:
-        path = (folder / place).resolve()
-    except (OSError, ValueError):
-        raise InputError(field, f"must name a file, got {name!r}") from None
-    try:
-        module = _load(path)
-    except FileNotFoundError:
-        raise InputError(field, f"there is no file {path}") from None
-    except (Exception, SystemExit) as error:
-        reason = f"{type(error).__name__}: {error}"
-        raise InputError(field, f"{path} cannot be loaded ({reason})") from None
+        if ".py:" in name:
+            module = sources.module_in_file(folder / place)
+            place = str(module.__file__)
+        else:
+            module = sources.module_named(place)
+    except InputError as error:
+        raise error.under(field) from None
     if not hasattr(module, class_name):
-        raise InputError(field, f"{path} defines no {class_name}")
+        raise InputError(field, f"{place} defines no {class_name}")
     return getattr(module, class_name)
 
 
@@ -65,64 +70,43 @@ def name_of(plugin: Any, built_in: dict[str, Any]) -> str:
     for name, cls in built_in.items():
         if type(plugin) is cls:
             return name
-    source = inspect.getsourcefile(type(plugin))
-    return f"{source}:{type(plugin).__qualname__}"
+    return f"{sources.place_of(type(plugin))}:{type(plugin).__qualname__}"
 
 
-def stamp(plugin: Any) -> str:
-    """Hash of the sources that a plug-in's classes come from; empty for those of this package."""
-    cls = type(plugin)
-    inner = "".join(stamp(item) for item in plugin if hasattr(item, "_fields"))
-    if is_own(cls):
-        return inner
-    digest = hashlib.blake2b(f"{cls.__module__}.{cls.__qualname__}".encode(), digest_size=8)
-    sources: dict[str, bytes] = {}
-    _collect_sources(sys.modules.get(cls.__module__), sources)
-    for place in sorted(sources):
-        digest.update(sources[place])
-    if not sources:
-        digest.update(repr(cls).encode())
-    return inner + digest.hexdigest()
-
-
-def is_own(cls: type) -> bool:
-    """Whether a class is this package's."""
-    return cls.__module__.startswith("tribo.")
-
-
-def _collect_sources(module: ModuleType | None, sources: dict[str, bytes]) -> None:
-    """The source of a user's module, and of all of the user's own that it imports from."""
-    place = getattr(module, "__file__", None)
-    name = getattr(module, "__name__", "")
-    installed = place is None or place.startswith((sys.prefix, sys.base_prefix))
-    if module is None or installed or place in sources or name.split(".")[0] == "tribo":
-        return
+def called(plugin: Any, field: str, method: str, *arguments: Any) -> Any:
+    """What a method of a plug-in gives; a complaint that names the line if it gives nothing."""
     try:
-        sources[str(place)] = Path(str(place)).read_bytes()
-    except OSError:
-        return
-    for node in ast.walk(ast.parse(sources[str(place)])):
-        if isinstance(node, ast.ImportFrom):
-            _collect_sources(sys.modules.get(node.module or ""), sources)
-        elif isinstance(node, ast.Import):
-            for alias in node.names:
-                _collect_sources(sys.modules.get(alias.name), sources)
+        with np.errstate(all="ignore"):
+            return getattr(plugin, method)(*arguments)
+    except Exception as error:
+        raise InputError(field, failed(plugin, method, error)) from None
 
 
-def _load(path: Path) -> ModuleType:
-    """The module in a file, under a name of its own by which the disk cache finds it again."""
-    source = path.read_bytes()
-    label = hashlib.blake2b(str(path).encode() + source, digest_size=8).hexdigest()
-    name = f"tribo_plugin_{label}"
-    if name in sys.modules:
-        return sys.modules[name]
-    spec = importlib.util.spec_from_file_location(name, path)
-    assert spec is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
-    try:
-        exec(compile(source, str(path), "exec"), module.__dict__)
-    except BaseException:
-        del sys.modules[name]
-        raise
-    return module
+def numbers(plugin: Any, field: str, method: str, *arguments: Any) -> Any:
+    """What a method gives, which has to be as many real numbers as that method should."""
+    value = called(plugin, field, method, *arguments)
+    wanted = GIVES.get(method, 1)
+    items = value if isinstance(value, tuple) else (value,)
+    kinds = (int, float, np.integer, np.floating)
+    if len(items) != wanted or not all(isinstance(item, kinds) for item in items):
+        what = "a number is" if wanted == 1 else f"{wanted} numbers are"
+        reason = f"gives {shown(value)} where {what} wanted"
+        raise InputError(field, at_line(plugin, method, None, reason))
+    return value
+
+
+def failed(plugin: Any, method: str, error: Exception) -> str:
+    """One sentence on the line of a plug-in's source that raised an error, and why."""
+    code = getattr(type(plugin), method).__code__
+    frames = traceback.extract_tb(error.__traceback__)
+    line = next((f.lineno for f in reversed(frames) if f.filename == code.co_filename), None)
+    return at_line(plugin, method, line, f"{type(error).__name__}: {error}")
+
+
+def at_line(plugin: Any, method: str, line: int | None, reason: str) -> str:
+    """One sentence on a line of a method's source, by default its first."""
+    code = getattr(type(plugin), method).__code__
+    line = line or code.co_firstlineno
+    text = linecache.getline(code.co_filename, line).strip()
+    name = f"{type(plugin).__name__}.{method}"
+    return f'{name} fails in line {line} of {code.co_filename}, "{text}": {reason}'

@@ -99,8 +99,7 @@ def contact_force(result: Result, there: Poses, surface: str, asperite: int) -> 
                     away = separation(scene, mine, other)
                     r = float(np.linalg.norm(away))
                     if r < potential.range():
-                        strength = potential.coupling(charge, its_charge) * potential.force(r)
-                        force += strength / r * away[:2]
+                        force += potential.force_between(r, charge, its_charge) / r * away[:2]
     return force
 
 

@@ -12,6 +12,7 @@ from tribo.checks import MANY, POSITIVE, inside, is_list, known_keys, number, sh
 from tribo.drives import Custom, Ends, Forced, Pulled
 from tribo.errors import InputError
 from tribo.fields import Field
+from tribo.potentials.from_ase import Live
 from tribo.potentials.registry import as_potential
 from tribo.surface import Surface
 
@@ -30,6 +31,8 @@ EFFECTS = {
     "torsional bath": "torsional oscillators on every bar",
     "langevin": "damping and noise at every bar",
     "field": "external fields on bobs",
+    "calculator": "contact computed by an ASE calculator, at its own cost",
+    "contact within": "forces among the bobs of one surface",
     "cutoff": "interactions that end at a distance, by neighbour lists where there are many bobs",
     "periodic": "nearest images along x or z",
 }
@@ -61,20 +64,35 @@ def as_periodic(value: Any) -> Periodic:
 
 @dataclass(frozen=True)
 class Interaction:
-    """A potential, and the two surfaces whose bobs it acts between (None: every two)."""
+    """A potential, and the two surfaces whose bobs it acts between (None: every two).
+
+    `between` one surface and itself is contact among its own bobs, which is internal to it.
+    With `species` it acts only between a bob of the one species and a bob of the other.
+    """
 
     potential: Any
     between: tuple[str, str] | None = None
+    species: tuple[str, str] | None = None
 
     def __post_init__(self) -> None:
         put = object.__setattr__
-        put(self, "potential", as_potential(self.potential))
-        names = self.between
-        if names is None:
-            return
-        if not is_list(names) or len(names) != 2 or not all(isinstance(n, str) for n in names):
-            raise InputError("between", f"must be the names of two surfaces, got {shown(names)}")
-        put(self, "between", tuple(names))
+        if isinstance(self.potential, Live):
+            self._check_live()
+        else:
+            put(self, "potential", as_potential(self.potential))
+        for key, what in (("between", "surfaces"), ("species", "species")):
+            names = getattr(self, key)
+            if names is None:
+                continue
+            if not is_list(names) or len(names) != 2 or not all(isinstance(n, str) for n in names):
+                raise InputError(key, f"must be the names of two {what}, got {shown(names)}")
+            put(self, key, tuple(names))
+
+    def _check_live(self) -> None:
+        if self.species is not None:
+            raise InputError("species", "cannot go with a calculator; it knows the elements itself")
+        if self.between is not None and self.between[0] == self.between[1]:
+            raise InputError("between", "must name two surfaces; a calculator acts between them")
 
 
 @dataclass(frozen=True)
@@ -170,7 +188,7 @@ class Scene:
 
     def _checked_interactions(self) -> tuple[Interaction, ...]:
         value: Any = self.interactions
-        if isinstance(value, Interaction) or hasattr(value, "energy"):
+        if isinstance(value, (Interaction, Live)) or hasattr(value, "energy"):
             value = [value]
         if not isinstance(value, (list, tuple)):
             raise InputError(
@@ -187,8 +205,11 @@ class Scene:
                         raise InputError(
                             "between", f"names no surface {shown(name)}; there are {names}"
                         )
-                if interaction.between and interaction.between[0] == interaction.between[1]:
-                    raise InputError("between", "must name two different surfaces")
+                for name in interaction.species or ():
+                    if name not in self.species:
+                        raise InputError(
+                            "species", f"names no species {shown(name)}; there are {self.species}"
+                        )
         self._refuse_two_for_one_pair(interactions)
         return interactions
 
@@ -220,16 +241,18 @@ class Scene:
                     )
 
     def _refuse_two_for_one_pair(self, interactions: tuple[Interaction, ...]) -> None:
-        seen: set[tuple[int, int]] = set()
+        seen: dict[tuple[int, int], list[set[str] | None]] = {}
         for i, interaction in enumerate(interactions):
+            kinds = set(interaction.species) if interaction.species else None
             for pair in self.pairs(interaction):
-                if pair in seen:
+                before = seen.setdefault(pair, [])
+                if before and (kinds is None or None in before or kinds in before):
                     names = tuple(self.surfaces[k].name for k in pair)
                     raise InputError(
                         f"interaction[{i}].between",
                         f"{names} interact already; give each pair once",
                     )
-                seen.add(pair)
+                before.append(kinds)
 
     def pairs(self, interaction: Interaction) -> list[tuple[int, int]]:
         """Indices of the pairs of surfaces between which an interaction acts."""
@@ -240,6 +263,15 @@ class Scene:
         return [(one, other)]
 
     @property
+    def species(self) -> list[str]:
+        """The species of the bobs, in alphabetical order."""
+        return sorted({name for s in self.surfaces for name in s.species_of_each.tolist()})
+
+    def meets_itself(self, surface: Surface) -> bool:
+        """Whether the surface's own bobs interact."""
+        return any(i.between == (surface.name, surface.name) for i in self.interactions)
+
+    @property
     def count(self) -> int:
         """How many asperites there are."""
         return sum(surface.count for surface in self.surfaces)
@@ -248,8 +280,13 @@ class Scene:
     def effects(self) -> frozenset[str]:
         """The effects that the scene calls for, named as in EFFECTS; no other is simulated."""
         present = {"swing"}
-        if any(self.pairs(i) for i in self.interactions):
+        pairs = [pair for i in self.interactions for pair in self.pairs(i)]
+        if any(one != other for one, other in pairs):
             present.add("contact")
+        if any(one == other for one, other in pairs):
+            present.add("contact within")
+        if any(isinstance(i.potential, Live) for i in self.interactions):
+            present.add("calculator")
         for s in self.surfaces:
             if self.slides_along_x(s) or self.slides_along_y(s):
                 present.add("sliding")
@@ -285,6 +322,7 @@ class Scene:
         """Whether forces that no drive cancels act on the surface's asperites."""
         fields = any(surface.name in item.on for item in self.fields)
         lattice = bool(surface.springs) or surface.bath.masses.size > 0
+        lattice = lattice or self.meets_itself(surface)
         return fields or lattice or bool(surface.langevin) or isinstance(surface.bars, Ends)
 
     def slides_along_x(self, surface: Surface) -> bool:

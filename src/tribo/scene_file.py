@@ -17,7 +17,7 @@ from tribo.asperite import Asperite
 from tribo.checks import as_path, inside, known_keys, shown
 from tribo.errors import InputError
 from tribo.fields import Field
-from tribo.potentials import registry
+from tribo.potentials import written
 from tribo.roughness import Roughness
 from tribo.scene import Interaction, Numerics, Output, Scene, as_periodic
 from tribo.surface import Initial, Surface
@@ -98,13 +98,8 @@ def _interaction(table: Any, folder: Path) -> Interaction:
     if not isinstance(table, dict):
         raise InputError("", f"must be a table, got {shown(table)}")
     parameters = dict(table)
-    between = parameters.pop("between", None)
-    if between is not None and not (
-        isinstance(between, list) and len(between) == 2 and all(isinstance(b, str) for b in between)
-    ):
-        raise InputError("between", f"must be the names of two surfaces, got {shown(between)}")
-    potential = registry.from_table(parameters, folder)
-    return Interaction(potential, tuple(between) if between else None)
+    between, species = parameters.pop("between", None), parameters.pop("species", None)
+    return Interaction(written.from_table(parameters, folder), between, species)
 
 
 def _surface(index: int, table: Any, folder: Path) -> Surface:
@@ -152,7 +147,12 @@ def scene_table(scene: Scene) -> dict[str, Any]:
     table["numerics"] = _given(scene.numerics)
     table["periodic"] = _given(scene.periodic)
     table["interaction"] = [
-        registry.as_table(i.potential) | ({"between": list(i.between)} if i.between else {})
+        written.as_table(i.potential)
+        | {
+            key: list(names)
+            for key, names in (("between", i.between), ("species", i.species))
+            if names
+        }
         for i in scene.interactions
     ]
     table["field"] = [fields.as_table(item) for item in scene.fields]

@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 
 from tribo import accuracy as acc
-from tribo import methods, plugins
-from tribo.checks import POSITIVE, inside, number, number_or_each
+from tribo import methods, sources
+from tribo.checks import POSITIVE, inside, number, number_or_each, shown
 from tribo.errors import InputError
 from tribo.kernels.compiled import time_loop
 from tribo.layout import laid_out, set_bath
 from tribo.ledger import Ledger, ledger
 from tribo.march import Digest, March, Progress, compile_loop, march
+from tribo.potentials.written import as_table
 from tribo.result import Cost, Result
 from tribo.scene import Scene, check_accuracy
 from tribo.spectra import believed_until
@@ -27,6 +28,7 @@ FIRST_LEVEL = 0.03  # tolerance of the coarser run, in units of the accuracy
 STALLED = 0.5  # of the estimate before: less gained than that, and round-off is the limit
 ROUNDS = 6  # of tightening, before a request is called out of reach
 NOISY_STEP = 2.0  # of a run with noise, in units of the first step of one without
+HALTED = ("Interrupted", "CalculatorFailed")  # what ends a run that another would not mend
 PERTURBATION = 1e-11  # of the start, to see what the scene makes of it
 
 
@@ -47,7 +49,7 @@ class Simulation:
         self.layout = laid_out(scene)
         self._progress = progress
         self._first_step = acc.first_step(self.layout)
-        self._loop = time_loop(method.loop, "".join(map(plugins.stamp, self.layout.plugins)))
+        self._loop = time_loop(method.loop, sources.stamp(self.layout.plugins))
         self._times = scene.times
         self._check_times = np.linspace(0.0, scene.duration, CHECKS + 1)
         self._setting: Any = step
@@ -57,7 +59,7 @@ class Simulation:
         self.compile_seconds = compile_loop(self.layout, method, self._loop, self._setting)
         self._coarse: Any = None
         self._tuning: list[March] = []
-        self._warnings = _warnings(scene)
+        self._warnings = _roughness(scene, method) + _warnings(scene)
         if accuracy is not None:
             if self._digests:
                 raise InputError(
@@ -118,9 +120,13 @@ class Simulation:
             scales = acc.inner_scales(layout, runs[-1].samples)
             self._coarse = acc.tolerances(layout, scales, level)
             self._setting = acc.tolerances(layout, scales, 0.1 * level)
-            runs.append(self._march(start, self._coarse, self._check_times))
-            runs.append(self._march(start, self._setting, self._times))
-            if runs[-1].status == "Interrupted":
+            for setting, times in (
+                (self._coarse, self._check_times),
+                (self._setting, self._times),
+            ):
+                if runs[-1].status not in HALTED:
+                    runs.append(self._march(start, setting, times))
+            if runs[-1].status in HALTED:
                 break
             excess = acc.excess(*self._estimated(runs[-1], runs[-2]), accuracy)
             if excess <= 1.0 or level <= acc.FLOOR or excess > STALLED * before:
@@ -183,13 +189,17 @@ class Simulation:
         notes = list(self._warnings)
         if digest is not None:
             notes.append("of the asperites' series only the first and the last sample are kept")
+        for call in self.layout.calls:
+            if call.error is not None:
+                notes.append(f"the calculator raised {type(call.error).__name__}: {call.error}")
         if len(runs) > 1 and self.accuracy is not None:
-            estimated, scales = self._estimated(fine, runs[-2])
-            reached = fine.status == "completed"
-            met = reached and acc.excess(estimated, scales, self.accuracy) <= 1.0
-            bounds.update(estimated)
-            if reached and not met:
-                notes.append(self._out_of_reach(fine, estimated, scales))
+            met = False
+            if fine.status == "completed":  # of the end of any other run nothing is known
+                estimated, scales = self._estimated(fine, runs[-2])
+                met = acc.excess(estimated, scales, self.accuracy) <= 1.0
+                bounds.update(estimated)
+                if not met:
+                    notes.append(self._out_of_reach(fine, estimated, scales))
         return Result(
             scene=self.scene,
             t=t,
@@ -222,6 +232,25 @@ class Simulation:
             f"and round-off of {acc.EPSILON:.1e} with it to about "
             f"{acc.EPSILON * change / PERTURBATION:.1e}"
         )
+
+
+def _roughness(scene: Scene, method: methods.Method) -> list[str]:
+    """Potentials that are less smooth than a method needs them to be."""
+    notes = []
+    for interaction in scene.interactions:
+        smoothness = interaction.potential.smoothness()
+        name = shown(as_table(interaction.potential)["potential"])
+        if smoothness < 0:
+            notes.append(
+                f"the energy of {name} jumps, for which no force accounts: the books do not close "
+                "where bobs cross the jump"
+            )
+        elif smoothness < method.smoothness:
+            notes.append(
+                f"{name} has {smoothness} continuous derivatives; {method.name} needs "
+                f"{method.smoothness} for errors of order {method.order}"
+            )
+    return notes
 
 
 def _warnings(scene: Scene) -> list[str]:
@@ -302,15 +331,9 @@ def _refuse(scene: Scene, method: methods.Method) -> None:
         raise InputError(
             "method", f'must be "verlet" for noise from a reservoir, got "{method.name}"'
         )
-    if method.splits:
-        for effect, why in (
-            ("own drive", "a drive of the user's own may depend on velocities"),
-            ("own ends", "forces of the user's own on the ends of bars may depend on velocities"),
-        ):
-            if effect in scene.effects:
-                raise InputError("method", f'"{method.name}" is for forces of places alone; {why}')
-    if "langevin" in scene.effects and method.splits and method.name != "verlet":
-        raise InputError("method", f'"{method.name}" steps back in time, which no reservoir can')
+    for effect, why in method.refuses.items():
+        if effect in scene.effects:
+            raise InputError("method", f'"{method.name}" {why}')
 
 
 def simulate(

@@ -80,6 +80,7 @@ class Surface:
     springs: Springs = field(default_factory=Springs)
     bath: Bath = field(default_factory=lambda: as_bath(None))
     langevin: Langevin | None = None
+    species: str | tuple[str, ...] = ""  # of the bobs, by which interactions may tell them apart
     asperite: Asperite = field(default_factory=Asperite)
     initial: Initial = field(default_factory=Initial)
 
@@ -114,6 +115,7 @@ class Surface:
                 raise InputError("torsional", 'has nothing to turn on clamped bars; bars = "free"')
         with inside("langevin"):
             put(self, "langevin", as_langevin(self.langevin))
+        put(self, "species", self._checked_species())
         for key, kind in (("asperite", Asperite), ("initial", Initial)):
             value = getattr(self, key)
             if not isinstance(value, kind):
@@ -134,6 +136,21 @@ class Surface:
         table = np.array(rows)
         table.flags.writeable = False
         return table
+
+    def _checked_species(self) -> str | tuple[str, ...]:
+        value: Any = self.species
+        if isinstance(value, str):
+            return value
+        if not is_list(value) or not all(isinstance(name, str) for name in value):
+            raise InputError("species", f"must be a name, or one per asperite, got {shown(value)}")
+        if len(value) != self.count:
+            raise InputError("species", f"has {len(value)} names for {self.count} asperites")
+        return tuple(str(name) for name in value)
+
+    @property
+    def species_of_each(self) -> np.ndarray:
+        """(n,) name of each bob's species."""
+        return np.broadcast_to(np.array(self.species), (self.count,))
 
     @property
     def _grid(self) -> tuple[tuple[int, int], tuple[float, float]]:

@@ -35,8 +35,13 @@ def package_stamp() -> str:
 
 
 @functools.cache
-def time_loop(loop: FunctionType, stamp: str) -> Callable[..., Any]:
-    """The function `loop` compiled and cached on disk under its own name and `stamp`."""
+def time_loop(loop: FunctionType, stamp: str | None) -> Callable[..., Any]:
+    """The function `loop` compiled and cached on disk under its own name and `stamp`.
+
+    Without a stamp it is not kept on disk.
+    """
+    if stamp is None:
+        return njit(error_model="numpy")(loop)
     name = f"{loop.__name__}_{package_stamp()}_{stamp}"
     clone = FunctionType(loop.__code__, loop.__globals__, name, loop.__defaults__)
     clone.__qualname__ = name
@@ -60,17 +65,21 @@ def _found_by_class(method: str, arguments: int) -> None:
     overload_method(types.BaseNamedTuple, method, strict=False)(finders[arguments])
 
 
-for _method, _arguments in (
-    ("energy", 1),  # of potentials, at r
-    ("force", 1),
-    ("coupling", 2),  # of two charges
-    ("energy_between", 3),  # at r, of two charges
-    ("force_between", 3),
-    ("feature", 0),
-    ("range", 0),
-    ("energy_at", 2),  # of fields, at x, y
-    ("force_at", 2),
-    ("force_on_bar", 7),  # of drives, at t, x, y, vx, vy, fx, fy
-    ("end_forces", 4),  # on ends, at t, phi, nu, twist
-):
+METHODS = {  # of plug-ins, and how many arguments each has after self
+    "energy": 1,  # of potentials, at r
+    "force": 1,
+    "coupling": 2,  # of two charges
+    "energy_between": 3,  # at r, of two charges
+    "force_between": 3,
+    "feature": 0,
+    "clearance": 1,  # at r
+    "range": 0,
+    "interval": 1,  # of tables, at r
+    "defined": 1,
+    "energy_at": 2,  # of fields, at x, y
+    "force_at": 2,
+    "force_on_bar": 7,  # of drives, at t, x, y, vx, vy, fx, fy
+    "end_forces": 4,  # on ends, at t, phi, nu, twist
+}
+for _method, _arguments in METHODS.items():
     _found_by_class(_method, _arguments)

@@ -11,7 +11,7 @@ import math
 from numba import literal_unroll
 
 from tribo.kernels.compiled import kernel, shared_kernel
-from tribo.kernels.contact import contact_forces
+from tribo.kernels.contact import contact_forces, force_within
 from tribo.kernels.neighbours import refreshed
 from tribo.kernels.records import FORCED, PULLED, RIGID
 
@@ -252,11 +252,15 @@ def bar_forces(model, i):
 
 @kernel
 def bob_forces(model, i):
-    """Everything on bob i: f1 and the external field."""
+    """Everything on bob i: f1, contact within the surface, and the external field."""
     b = model.bobs[i]
+    x, y = force_within(model.inner, i)
+    x += b.fx
+    y += b.fy
     if model.fields is not None:
-        return b.fx + model.bars[i].ex, b.fy + model.bars[i].ey
-    return b.fx, b.fy
+        x += model.bars[i].ex
+        y += model.bars[i].ey
+    return x, y
 
 
 @kernel

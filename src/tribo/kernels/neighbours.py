@@ -118,8 +118,33 @@ def sort_row(index, begin, end):
 
 
 @kernel
-def list_pair(bobs, box, one, other, reach, start, index, row, used):
-    """Fill the rows of one pair of surfaces; returns the index and how much of it is used."""
+def may_meet(species, kinds, i):
+    """Which species bob i may meet in a contact of two kinds: -1 for any, -2 for none."""
+    if species is None:
+        return -1
+    if kinds is None:
+        return -1
+    if kinds[0] < 0:
+        return -1
+    if species[i] == kinds[0]:
+        return kinds[1]
+    return kinds[0] if species[i] == kinds[1] else -2
+
+
+@kernel
+def is_met(species, wanted, j):
+    """Whether bob j is of the species wanted."""
+    if species is None:
+        return True
+    return wanted == -1 or species[j] == wanted
+
+
+@kernel
+def list_pair(bobs, species, box, one, other, kinds, reach, start, index, row, used):
+    """Fill the rows of one pair of surfaces; returns the index and how much of it is used.
+
+    Within one surface every pair of bobs is listed once, in the row of the first.
+    """
     box_x = 0.0
     box_z = 0.0
     if box is not None:
@@ -130,6 +155,7 @@ def list_pair(bobs, box, one, other, reach, start, index, row, used):
     for i in range(one.start, one.stop):
         a = bobs[i]
         start[row] = used
+        wanted = may_meet(species, kinds, i)
         cx = cell_of(a.x, low_x, width_x, nx, box_x)
         cz = cell_of(a.z, low_z, width_z, nz, box_z)
         for kz in range(cz - 1, cz + 2):
@@ -149,12 +175,15 @@ def list_pair(bobs, box, one, other, reach, start, index, row, used):
                 c = kz * nx + kx
                 index = with_room(index, used, first[c + 1] - first[c])
                 for m in range(first[c], first[c + 1]):
-                    b = bobs[order[m]]
+                    j = order[m]
+                    if j <= i or not is_met(species, wanted, j):
+                        continue
+                    b = bobs[j]
                     dx = nearest(a.x - b.x, box_x)
                     dy = a.y - b.y
                     dz = nearest(a.z - b.z, box_z)
                     if dx * dx + dy * dy + dz * dz < reach * reach:
-                        index[used] = order[m]
+                        index[used] = j
                         used += 1
         sort_row(index, start[row], used)
         row += 1
@@ -177,7 +206,10 @@ def refreshed(model, neighbours):
         other = model.surfaces[neighbours.pairs[k, 1]]
         row = neighbours.pairs[k, 2]
         reach = neighbours.reach[k]
-        index, used = list_pair(bobs, model.box, one, other, reach, start, index, row, used)
+        kinds = neighbours.species[k]
+        index, used = list_pair(
+            bobs, model.species, model.box, one, other, kinds, reach, start, index, row, used
+        )
     start[-1] = used
     for i in range(bobs.shape[0]):
         neighbours.place[i, 0] = bobs[i].x
@@ -185,6 +217,7 @@ def refreshed(model, neighbours):
     neighbours.made[0] += 1
     return Neighbours(
         neighbours.pairs,
+        neighbours.species,
         neighbours.reach,
         start,
         index,

@@ -12,7 +12,7 @@ velocity, work = (about) + V . J + (pseudowork there): no digit is lost in a fas
     ends       clamped bars: work of f_L, of f_R about the centre of mass, Jx and Jy of f_L (f_R is
                -f_L), pseudowork of f_L
     user_ends  the same of f_L and f_R each: about, about, Jx, Jy, Jx, Jy, pseudowork, pseudowork
-    internal   springs and bath: Jx, Jy, about, pseudowork
+    internal   springs and bath on the bar, contact within on the bob: Jx, Jy, about, pseudowork
     field      external fields on the bob: Jx, Jy, about, pseudowork
     thermal    Langevin at the bar: Jx, Jy, about, pseudowork
     moving     of a field: work done by whatever moves it through the laboratory
@@ -24,6 +24,7 @@ import math
 from numba import literal_unroll
 
 from tribo.kernels.compiled import kernel
+from tribo.kernels.contact import force_within
 from tribo.kernels.motion import bar_angle, displacement
 
 CONTACT, SLIDE, DRIVE, ENDS, USER_ENDS, POINT = 4, 2, 4, 5, 8, 4  # accounts in each group
@@ -36,6 +37,15 @@ def at_bar(power, k, fx, fy, a, b, omega, vx, vy):
     power[k + 1] = fy
     power[k + 2] = -a.l2 * omega * (b.tx * fx + b.ty * fy)
     power[k + 3] = fx * vx + fy * vy
+
+
+@kernel
+def book_bob(power, k, fx, fy, a, b, omega, vx, vy):
+    """The same of a force on the bob, added to what is booked."""
+    power[k] += fx
+    power[k + 1] += fy
+    power[k + 2] += a.l1 * omega * (b.tx * fx + b.ty * fy)
+    power[k + 3] += fx * vx + fy * vy
 
 
 @kernel
@@ -95,9 +105,13 @@ def powers(model, torsion, t, q, v, power):
                 power[k + 1] = d.ey
                 power[k + 2] = a.l1 * omega * (b.tx * d.ex + b.ty * d.ey)
                 power[k + 3] = d.ex * vx + d.ey * vy
-        if model.bonds is not None or model.bath is not None or model.torsional is not None:
-            if a.acc_internal >= 0:
+        if a.acc_internal >= 0:
+            if model.bonds is not None or model.bath is not None or model.torsional is not None:
                 at_bar(power, a.acc_internal, d.hx, d.hy, a, b, omega, vx, vy)
+            else:
+                power[a.acc_internal : a.acc_internal + POINT] = 0.0
+            fx, fy = force_within(model.inner, i)
+            book_bob(power, a.acc_internal, fx, fy, a, b, omega, vx, vy)
         if model.langevin is not None:
             if a.acc_thermal >= 0:
                 at_bar(power, a.acc_thermal, d.lx, d.ly, a, b, omega, vx, vy)

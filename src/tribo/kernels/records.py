@@ -106,6 +106,7 @@ CLOCK = np.dtype(
         ("t_low", "f8"),  # what rounding took from t
         ("owed", "f8"),  # time by which a splitting method's drift is behind t
         ("h", "f8"),  # the step the controller wants next; 0: not chosen yet
+        ("last", "f8"),  # the last step of a method that remembers it; 0: none yet
         ("sample", "i8"),  # next sample to be recorded
         ("steps", "i8"),
         ("rejected", "i8"),
@@ -130,12 +131,19 @@ BOND = np.dtype(
 OSCILLATOR = np.dtype([("mass", "f8"), ("frequency", "f8")], align=True)
 
 
+PUSH = np.dtype([("fx", "f8"), ("fy", "f8")], align=True)
+
+
 class Contact(NamedTuple):
-    """One interaction: a potential, and the pairs of surfaces between which it acts."""
+    """One interaction: a potential, and the pairs of surfaces between which it acts.
+
+    A pair that names one surface twice is contact among that surface's bobs.
+    """
 
     potential: Any
-    pairs: np.ndarray  # (n, 2) indices of surfaces
+    pairs: np.ndarray  # (n, 2) indices of surfaces, the first not above the second
     rows: np.ndarray  # (n,) first row of each pair in the neighbour list; -1: all pairs
+    species: Any  # (2,) between bobs of which species; None: of any
 
 
 class FieldOn(NamedTuple):
@@ -158,6 +166,16 @@ class Custom(NamedTuple):
     velocity: np.ndarray  # (2,) of the first surface, in the laboratory
 
 
+class Calculator(NamedTuple):
+    """Contact that is computed outside of the kernels, for all bobs of some surfaces at once."""
+
+    address: int  # of a function without arguments that fills in `push` and `held`
+    surfaces: np.ndarray  # (k,) indices
+    place: np.ndarray  # (m, 2) x and y of the surfaces' bobs, to be filled in before the call
+    push: np.ndarray  # (m, 2) force on each of them
+    held: np.ndarray  # (1,) their potential energy
+
+
 class Box(NamedTuple):
     """Lengths of a periodic scene; 0 where it is not."""
 
@@ -173,6 +191,7 @@ class Neighbours(NamedTuple):
     """
 
     pairs: np.ndarray  # (m, 3) first and second surface of each listed pair, and its first row
+    species: np.ndarray  # (m, 2) between bobs of which species; -1: of any
     reach: np.ndarray  # (m,) how far each pair's rows reach: cutoff and skin [length]
     start: np.ndarray  # (rows + 1,) where each row begins
     index: np.ndarray  # the bobs listed, with room to spare
@@ -186,8 +205,12 @@ class Model(NamedTuple):
 
     asperites: Any  # recarray of ASPERITE, (n,)
     surfaces: Any  # recarray of SURFACE
-    contacts: tuple
+    contacts: tuple  # of Contact between different surfaces
+    within: Any  # tuple of Contact among the bobs of one surface, or None
+    calculators: Any  # tuple of Calculator, or None
+    species: Any  # (n,) of each bob, or None
     bobs: Any  # recarray of BOB, (n,), scratch but for z and charge
+    inner: Any  # recarray of PUSH, (n,), scratch: contact within on each bob; or None
     bars: Any  # recarray of BAR, (n,), scratch
     box: Any  # Box, or None
     bonds: Any  # recarray of BOND, or None

@@ -5,95 +5,44 @@ quadrature, and add every step's increment with compensation, so that round-off 
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
 from tribo.kernels.compiled import kernel
-from tribo.kernels.motion import equations_of_motion
-from tribo.kernels.powers import all_powers
-from tribo.kernels.samples import write_sample
+from tribo.kernels.samples import blank, copy_state, write_sample
 from tribo.kernels.status import (
-    BOBS_COINCIDE,
     COMPLETED,
     ENCOUNTER_JUMPED,
     NOT_FINITE,
     PAUSED,
     STEP_UNDERFLOW,
 )
-from tribo.kernels.stepping import EPSILON, all_finite, glance, looks, nearness
-
-
-class Tolerance(NamedTuple):
-    """The largest local error wanted in each component of y and of s."""
-
-    y: np.ndarray
-    s: np.ndarray
+from tribo.kernels.stepping import (
+    EPSILON,
+    advance,
+    all_finite,
+    begin,
+    end_of_step,
+    equal_step,
+    glance,
+    go_on,
+    growth_of,
+    looks,
+    nearness,
+    next_step,
+    rates,
+    time_left,
+    turn_back,
+)
+from tribo.kernels.sums import add, combine, largest
 
 
 @kernel
-def rates(model, neighbours, t, y, slope, power):
+def slopes_at(model, neighbours, t, y, slope, power):
     """y' = (v, q'') and s' at one instant; returns the neighbours."""
     n = y.size // 2
-    q = y[:n]
-    v = y[n:]
-    slope[:n] = v
-    neighbours = equations_of_motion(model, neighbours, t, q, v, slope[n:])
-    all_powers(model, t, q, v, power)
-    return neighbours
-
-
-@kernel
-def combine(y, h, row, slopes, out):
-    """out = y + h sum_j row_j slopes_j."""
-    out[:] = y
-    for j in range(row.size):
-        if row[j] != 0.0:
-            weight = h * row[j]
-            for m in range(y.size):
-                out[m] += weight * slopes[j, m]
-
-
-@kernel
-def add(x, low, h, weights, slopes):
-    """x += h sum_j weights_j slopes_j, with the rounding error kept in `low`."""
-    for m in range(x.size):
-        total = 0.0
-        for j in range(weights.size):
-            total += weights[j] * slopes[j, m]
-        step = h * total + low[m]
-        new = x[m] + step
-        low[m] = step - (new - x[m])
-        x[m] = new
-
-
-@kernel
-def largest(h, weights, slopes, scale_of, tolerance):
-    """Largest |h sum_j weights_j slopes_j| in units of the tolerance (never below round-off)."""
-    worst = 0.0
-    for m in range(scale_of.size):
-        total = 0.0
-        for j in range(weights.size):
-            total += weights[j] * slopes[j, m]
-        error = abs(h * total) / (tolerance[m] + 2.0 * EPSILON * abs(scale_of[m]))
-        if not error <= worst:  # keeps nan
-            worst = error
-    return worst
-
-
-@kernel
-def begin(model, neighbours, clock, state, slope, power, speeds):
-    """Rates at the place where a run starts or goes on, and whether it can."""
-    neighbours = rates(model, neighbours, clock.t, state.y, slope, power)
-    if clock.evaluations == 0:  # going on after a pause costs one more, which is nobody's business
-        clock.evaluations = 1
-    encounter, closest = nearness(model, neighbours, clock.t, state.y, speeds)
-    status = COMPLETED
-    if closest == 0.0:
-        status = BOBS_COINCIDE
-    elif not (all_finite(slope) and all_finite(power)):
-        status = NOT_FINITE
-    return status, encounter, neighbours
+    slope[:n] = y[n:]
+    return rates(model, neighbours, t, y, slope[n:], power)
 
 
 def fixed_steps(model, neighbours, tableau, step, clocks, state, times, record, budget):
@@ -108,9 +57,11 @@ def fixed_steps(model, neighbours, tableau, step, clocks, state, times, record, 
     slopes = np.empty((stages, state.y.size))
     powers_ = np.empty((stages, state.s.size))
     speeds = np.empty((model.asperites.size, 3))
+    n = state.y.size // 2
     status, encounter, neighbours = begin(
-        model, neighbours, clock, state, slopes[0], powers_[0], speeds
+        model, neighbours, clock, state, slopes[0, n:], powers_[0], speeds
     )
+    slopes[0, :n] = state.y[n:]
     if status != COMPLETED:
         return status
     unseen = 0.0  # time since the encounters were looked at
@@ -118,28 +69,27 @@ def fixed_steps(model, neighbours, tableau, step, clocks, state, times, record, 
     done = 0
     while clock.sample < times.size:
         goal = times[clock.sample]
-        left = goal - clock.t
+        left = time_left(clock, goal)
         if left <= 0.0:
             write_sample(model, neighbours, clock, state, record)
             continue
         if done == budget:
             return PAUSED
-        h = left / max(1.0, np.ceil(left / step - 1e-9))
+        h = equal_step(left, step)
         if h < EPSILON * times[-1]:
             return STEP_UNDERFLOW
         if h * encounter > 1.0:
             return ENCOUNTER_JUMPED
         for i in range(1, stages):
             combine(state.y, h, tableau.a[i], slopes, y)
-            neighbours = rates(
+            neighbours = slopes_at(
                 model, neighbours, clock.t + tableau.c[i] * h, y, slopes[i], powers_[i]
             )
         add(state.y, state.y_low, h, tableau.b, slopes)
         add(state.s, state.s_low, h, tableau.b, powers_)
-        clock.t = goal if h == left else clock.t + h
-        neighbours = rates(model, neighbours, clock.t, state.y, slopes[0], powers_[0])
+        advance(clock, end_of_step(clock, goal, h, h == left), h, h == left)
+        neighbours = slopes_at(model, neighbours, clock.t, state.y, slopes[0], powers_[0])
         clock.evaluations += stages
-        clock.steps += 1
         done += 1
         if not all_finite(slopes[0]) or not all_finite(state.s):
             return NOT_FINITE
@@ -159,44 +109,37 @@ def chosen_steps(model, neighbours, tableau, tolerance, clocks, state, times, re
     clock = clocks[0]
     stages = tableau.b.size
     y = np.empty_like(state.y)
-    s = np.empty_like(state.s)
-    y_low = np.empty_like(state.y)
-    s_low = np.empty_like(state.s)
+    trial = blank(state)
     slopes = np.empty((stages, state.y.size))
     powers_ = np.empty((stages, state.s.size))
     next_slope = np.empty(state.y.size)
     next_power = np.empty(state.s.size)
     speeds = np.empty((model.asperites.size, 3))
+    n = state.y.size // 2
     status, encounter, neighbours = begin(
-        model, neighbours, clock, state, slopes[0], powers_[0], speeds
+        model, neighbours, clock, state, slopes[0, n:], powers_[0], speeds
     )
+    slopes[0, :n] = state.y[n:]
     if status != COMPLETED:
         return status
     done = 0
     finite = True
     while clock.sample < times.size:
         goal = times[clock.sample]
-        left = (goal - clock.t) - clock.t_low
+        left = time_left(clock, goal)
         if left <= 0.0:
             write_sample(model, neighbours, clock, state, record)
             continue
         if done == budget:
             return PAUSED
         done += 1
-        h = clock.h
-        if h * encounter > 0.5:
-            h = 0.5 / encounter
-        landing = h >= left
-        if landing:
-            h = left
-        elif 2.0 * h > left:
-            h = 0.5 * left
+        h, landing = next_step(clock, encounter, left)
         if h < 16.0 * EPSILON * times[-1] and not landing:
             return STEP_UNDERFLOW if finite else NOT_FINITE
 
         for i in range(1, stages):
             combine(state.y, h, tableau.a[i], slopes, y)
-            neighbours = rates(
+            neighbours = slopes_at(
                 model, neighbours, clock.t + tableau.c[i] * h, y, slopes[i], powers_[i]
             )
         clock.evaluations += stages - 1
@@ -213,43 +156,24 @@ def chosen_steps(model, neighbours, tableau, tolerance, clocks, state, times, re
             error = fifth * (fifth / math.hypot(fifth, 0.1 * third))
         finite = math.isfinite(error)
         if not error <= 1.0:
-            clock.h = h * (max(0.2, 0.9 * error**-0.125) if finite else 0.2)
-            clock.rejected += 1
-            clock.held = 1
+            turn_back(clock, h * growth_of(error, 8.0))
             continue
 
-        y[:] = state.y
-        s[:] = state.s
-        y_low[:] = state.y_low
-        s_low[:] = state.s_low
-        add(y, y_low, h, tableau.b, slopes)
-        add(s, s_low, h, tableau.b, powers_)
-        t = goal if landing else clock.t + (h + clock.t_low)
-        neighbours = rates(model, neighbours, t, y, next_slope, next_power)
+        copy_state(state, trial)
+        add(trial.y, trial.y_low, h, tableau.b, slopes)
+        add(trial.s, trial.s_low, h, tableau.b, powers_)
+        t = end_of_step(clock, goal, h, landing)
+        neighbours = slopes_at(model, neighbours, t, trial.y, next_slope, next_power)
         clock.evaluations += 1
-        next_encounter, _ = nearness(model, neighbours, t, y, speeds)
+        next_encounter, _ = nearness(model, neighbours, t, trial.y, speeds)
         finite = all_finite(next_slope) and all_finite(next_power)
         if not finite or h * next_encounter > 1.0:
-            clock.h = 0.5 * h
-            clock.rejected += 1
-            clock.held = 1
+            turn_back(clock, 0.5 * h)
             continue
 
-        clock.t_low = 0.0 if landing else (h + clock.t_low) - (t - clock.t)
-        clock.t = t
-        clock.steps += 1
-        state.y[:] = y
-        state.s[:] = s
-        state.y_low[:] = y_low
-        state.s_low[:] = s_low
+        go_on(clock, t, h, landing, growth_of(error, 8.0))
+        copy_state(trial, state)
         slopes[0] = next_slope
         powers_[0] = next_power
         encounter = next_encounter
-        growth = 6.0
-        if error > 0.0:
-            growth = min(6.0, max(0.2, 0.9 * error**-0.125))
-        if clock.held == 1:
-            growth = min(growth, 1.0)
-        clock.h = max(clock.h, h * growth) if h < clock.h and growth > 1.0 else h * growth
-        clock.held = 0
     return COMPLETED

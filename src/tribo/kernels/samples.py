@@ -3,13 +3,14 @@
 from typing import NamedTuple
 
 import numpy as np
+from numba import literal_unroll
 
 from tribo.kernels.compiled import kernel, shared_kernel
-from tribo.kernels.contact import contact_energy
+from tribo.kernels.contact import contact_energy, pair_energy
 from tribo.kernels.motion import bar_angle, bar_displacement, field_energy, stretch
 from tribo.kernels.powers import bath_momentum
 
-SPRINGS, BATH, TORSIONAL, MOMENTUM_X, MOMENTUM_Y, STORED = range(6)
+SPRINGS, BATH, TORSIONAL, WITHIN, MOMENTUM_X, MOMENTUM_Y, STORED = range(7)
 
 
 class State(NamedTuple):
@@ -19,6 +20,7 @@ class State(NamedTuple):
     y_low: np.ndarray
     s: np.ndarray
     s_low: np.ndarray
+    memory: np.ndarray  # (k, coordinates) what a method wants to remember of its last step
 
 
 class Record(NamedTuple):
@@ -28,7 +30,28 @@ class Record(NamedTuple):
     s: np.ndarray  # (times, accounts)
     contact: np.ndarray  # (times,) energy of all contacts
     field: np.ndarray  # (times,) energy in all external fields
-    stored: np.ndarray  # (times, surfaces, STORED) springs' and baths' energies and momentum
+    stored: np.ndarray  # (times, surfaces, STORED) what is kept inside, and the baths' momentum
+
+
+@kernel
+def blank(state):
+    """Room for another state."""
+    return State(
+        np.empty_like(state.y),
+        np.empty_like(state.y_low),
+        np.empty_like(state.s),
+        np.empty_like(state.s_low),
+        state.memory,
+    )
+
+
+@kernel
+def copy_state(source, target):
+    """Make one state equal to another; what a method remembers is its own business."""
+    target.y[:] = source.y
+    target.y_low[:] = source.y_low
+    target.s[:] = source.s
+    target.s_low[:] = source.s_low
 
 
 @kernel
@@ -64,6 +87,16 @@ def bath_energies(model, bath, q, v, stored):
 
 
 @kernel
+def energies_within(model, within, neighbours, stored):
+    """Energy of the contact among each surface's own bobs."""
+    if within is not None:
+        for contact in literal_unroll(within):
+            for k in range(contact.pairs.shape[0]):
+                owner = contact.pairs[k, 0]
+                stored[owner, WITHIN] += pair_energy(model, contact, k, neighbours)
+
+
+@kernel
 def torsional_energies(model, torsional, t, q, v, stored):
     """Energy of each surface's torsional oscillators."""
     if torsional is not None:
@@ -94,6 +127,7 @@ def write_sample(model, neighbours, clock, state, record):
     record.field[k] = field_energy(model, model.fields, clock.t)
     record.stored[k] = 0.0
     spring_energies(model, model.bonds, q, record.stored[k])
+    energies_within(model, model.within, neighbours, record.stored[k])
     bath_energies(model, model.bath, q, v, record.stored[k])
     torsional_energies(model, model.torsional, clock.t, q, v, record.stored[k])
     clock.sample += 1

@@ -1,6 +1,7 @@
 """Symmetric splitting: pendulums turn exactly on their springs, everything else is kicks.
 
-One step of length h is drift(h/2) kick(h) drift(h/2), and compositions of it have higher order.
+One step of length h is drift(h/2) kick(h) drift(h/2), and compositions of it have higher order;
+so have other sequences of drifts and kicks, see :class:`Splitting`.
 
     drift  every torsion spring rotates its pendulum exactly, centres of mass move uniformly
     kick   contact, drive, field and lattice springs change the rates at fixed places
@@ -16,6 +17,7 @@ B. Leimkuhler, C. Matthews, Appl. Math. Res. Express 2013 (2013) 34, for the noi
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -31,12 +33,46 @@ from tribo.kernels.status import (
     PAUSED,
     STEP_UNDERFLOW,
 )
-from tribo.kernels.stepping import EPSILON, all_finite, glance, looks, nearness
+from tribo.kernels.stepping import (
+    EPSILON,
+    advance,
+    all_finite,
+    end_of_step,
+    equal_step,
+    glance,
+    looks,
+    nearness,
+    time_left,
+)
 
 # Gauss-Legendre nodes and weights on (0, 1), for the ends of clamped bars that turn.
 _ROOT = math.sqrt(0.6)
 NODES = np.array([0.5 - 0.5 * _ROOT, 0.5, 0.5 + 0.5 * _ROOT])
 WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18.0
+
+
+class Splitting(NamedTuple):
+    """A step as drifts and kicks in turn, drifts first and last, in parts of the step."""
+
+    drifts: np.ndarray  # (kicks + 1,), a palindrome
+    kicks: np.ndarray  # (kicks,), a palindrome
+
+
+def composed(*first: float) -> Splitting:
+    """The palindrome of leapfrog steps with these lengths, the last of them in the middle."""
+    weights = np.array([*first, *reversed(first[:-1])])
+    half = 0.5 * np.concatenate([[0.0], weights, [0.0]])
+    return Splitting(half[:-1] + half[1:], weights)
+
+
+def alternating(drifts: tuple[float, ...], kicks: tuple[float, ...]) -> Splitting:
+    """Palindromes from the first drifts and kicks; the drift and kicks in the middle make up 1."""
+    middle = 1.0 - 2.0 * sum(drifts)
+    last = 0.5 - sum(kicks)
+    return Splitting(
+        np.array([*drifts, middle, *reversed(drifts)]),
+        np.array([*kicks, last, last, *reversed(kicks)]),
+    )
 
 
 @kernel
@@ -302,12 +338,11 @@ def inner_turns(model, t, tau, q, v, s, turns, twists, noise):
         turn_bath(model, model.bath, 0.5 * tau, q, v, s, turns)
 
 
-def composed_steps(model, neighbours, weights, step, clocks, state, times, record, budget, noise):
+def composed_steps(model, neighbours, splitting, step, clocks, state, times, record, budget, noise):
     """March through the samples in equal steps of at most `step`; return a status.
 
-    A step is composed of splitting steps whose lengths are `weights` times its own.  PAUSED
-    after `budget` steps: call again to go on.  The drift that ends a step is done together with
-    the one that begins the next.  `noise` is a random Generator.
+    PAUSED after `budget` steps: call again to go on.  The drift that ends a step is done together
+    with the one that begins the next.  `noise` is a random Generator.
     """
     clock = clocks[0]
     n = state.y.size // 2
@@ -331,7 +366,7 @@ def composed_steps(model, neighbours, weights, step, clocks, state, times, recor
     done = 0
     while clock.sample < times.size:
         goal = times[clock.sample]
-        left = goal - clock.t
+        left = time_left(clock, goal)
         if left <= 0.0:
             drift(model, clock.t - clock.owed, clock.owed, q, v, s)
             clock.owed = 0.0
@@ -340,16 +375,18 @@ def composed_steps(model, neighbours, weights, step, clocks, state, times, recor
             continue
         if done == budget:
             return PAUSED
-        h = left / max(1.0, np.ceil(left / step - 1e-9))
+        h = equal_step(left, step)
         if h < EPSILON * times[-1]:
             return STEP_UNDERFLOW
         if h * encounter > 1.0:
             return ENCOUNTER_JUMPED
         t = clock.t
-        for m in range(weights.size):
-            tau = weights[m] * h
-            drift(model, t - clock.owed, clock.owed + 0.5 * tau, q, v, s)
-            t += 0.5 * tau
+        for m in range(splitting.kicks.size):
+            tau = splitting.kicks[m] * h
+            ahead = splitting.drifts[m] * h
+            drift(model, t - clock.owed, clock.owed + ahead, q, v, s)
+            clock.owed = 0.0
+            t += ahead
             neighbours = forces(model, neighbours, t, q)
             clock.evaluations += 1
             if split:
@@ -358,10 +395,8 @@ def composed_steps(model, neighbours, weights, step, clocks, state, times, recor
                 kick(model, t, 0.5 * tau, q, v, s, slope, middle, power, core)
             else:
                 kick(model, t, tau, q, v, s, slope, middle, power, core)
-            t += 0.5 * tau
-            clock.owed = 0.5 * tau
-        clock.t = goal if h == left else clock.t + h
-        clock.steps += 1
+        clock.owed = splitting.drifts[-1] * h
+        advance(clock, end_of_step(clock, goal, h, h == left), h, h == left)
         done += 1
         unseen += h
         if clock.steps % stride == 0 or (unseen + h) * encounter > 0.25:

@@ -1,12 +1,26 @@
-"""What all time loops share: how near the next encounter is, and whether numbers are numbers."""
+"""What all time loops share: how a run goes on, how near the next encounter is, steps chosen."""
 
 import math
+from typing import NamedTuple
+
+import numpy as np
 
 from tribo.kernels.compiled import kernel
 from tribo.kernels.contact import encounter_rate, widest_rate
-from tribo.kernels.motion import top_speeds
+from tribo.kernels.motion import equations_of_motion, top_speeds
+from tribo.kernels.powers import all_powers
+from tribo.kernels.status import BOBS_COINCIDE, COMPLETED, NOT_FINITE
 
 EPSILON = 2.0**-52
+SHRINK, GROW = 0.2, 6.0  # bounds on the ratio of two steps
+
+
+class Tolerance(NamedTuple):
+    """The largest local error wanted in each component of y and of s."""
+
+    y: np.ndarray
+    s: np.ndarray
+    level: float  # what these are of the scales of their components
 
 
 @kernel
@@ -46,3 +60,97 @@ def all_finite(x):
         if not math.isfinite(x[m]):
             return False
     return True
+
+
+@kernel
+def rates(model, neighbours, t, y, slope, power):
+    """q'' and s' at one instant; returns the neighbours."""
+    n = y.size // 2
+    neighbours = equations_of_motion(model, neighbours, t, y[:n], y[n:], slope)
+    all_powers(model, t, y[:n], y[n:], power)
+    return neighbours
+
+
+@kernel
+def begin(model, neighbours, clock, state, slope, power, speeds):
+    """q'' and s' at the place where a run starts or goes on, and whether it can."""
+    neighbours = rates(model, neighbours, clock.t, state.y, slope, power)
+    if clock.evaluations == 0:  # going on after a pause costs one more, which is nobody's business
+        clock.evaluations = 1
+    encounter, closest = nearness(model, neighbours, clock.t, state.y, speeds)
+    status = COMPLETED
+    if closest == 0.0:
+        status = BOBS_COINCIDE
+    elif not (all_finite(state.y) and all_finite(slope) and all_finite(power)):
+        status = NOT_FINITE
+    return status, encounter, neighbours
+
+
+@kernel
+def time_left(clock, goal):
+    """How long it is until the next sample."""
+    return (goal - clock.t) - clock.t_low
+
+
+@kernel
+def equal_step(left, step):
+    """The step, at most `step`, that divides what is left until the next sample."""
+    return left / max(1.0, np.ceil(left / step - 1e-9))
+
+
+@kernel
+def next_step(clock, encounter, left):
+    """The step to try, and whether it ends with the sample that is `left` ahead.
+
+    No step may carry a pair of bobs more than half way to its next encounter.
+    """
+    h = clock.h
+    if h * encounter > 0.5:
+        h = 0.5 / encounter
+    if h >= left:
+        return left, True
+    if 2.0 * h > left:
+        h = 0.5 * left
+    return h, False
+
+
+@kernel
+def growth_of(error, order):
+    """What a step is to be multiplied by, whose error was found and grows as h^order."""
+    if not math.isfinite(error):
+        return SHRINK
+    if error == 0.0:
+        return GROW
+    return min(GROW, max(SHRINK, 0.9 * error ** (-1.0 / order)))
+
+
+@kernel
+def turn_back(clock, h):
+    """The step that was tried is not taken; the next may be no longer than h."""
+    clock.h = h
+    clock.rejected += 1
+    clock.held = 1
+
+
+@kernel
+def end_of_step(clock, goal, h, landing):
+    """The time at which the step ends."""
+    return goal if landing else clock.t + (h + clock.t_low)
+
+
+@kernel
+def advance(clock, t, h, landing):
+    """The step h that ends at t is taken; what rounding takes from t is kept."""
+    clock.t_low = 0.0 if landing else (h + clock.t_low) - (t - clock.t)
+    clock.t = t
+    clock.steps += 1
+
+
+@kernel
+def go_on(clock, t, h, landing, growth):
+    """The step h that ends at t is taken; the next may be `growth` times as long."""
+    advance(clock, t, h, landing)
+    if clock.held == 1:
+        growth = min(growth, 1.0)
+    clock.h = max(clock.h, h * growth) if h < clock.h and growth > 1.0 else h * growth
+    clock.held = 0

@@ -14,6 +14,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+# All four are linear in U, so they act on what a potential is between any two charges.
+
 
 class Truncated(NamedTuple):
     """U, cut off."""
@@ -22,28 +24,48 @@ class Truncated(NamedTuple):
     cutoff: float  # [length]
 
     def energy(self, r):
-        """U(r)."""
-        return (r < self.cutoff) * self.potential.energy(r)
+        """U(r) between charges of 1."""
+        return self.energy_between(r, 1.0, 1.0)
 
     def force(self, r):
-        """-dU/dr."""
-        return (r < self.cutoff) * self.potential.force(r)
+        """-dU/dr between charges of 1."""
+        return self.force_between(r, 1.0, 1.0)
 
-    def coupling(self, one, other):
-        """As the potential has it."""
-        return self.potential.coupling(one, other)
+    def energy_between(self, r, one, other):
+        """U(r) between two charges."""
+        return (r < self.cutoff) * self.potential.energy_between(r, one, other)
+
+    def force_between(self, r, one, other):
+        """-dU/dr between two charges."""
+        return (r < self.cutoff) * self.potential.force_between(r, one, other)
 
     def feature(self):
         """As the potential has it."""
         return self.potential.feature()
 
+    def clearance(self, r):
+        """How far a pair may move before the force is another."""
+        return max(self.potential.clearance(r), r - self.cutoff)
+
     def range(self):
         """Distance from which U and force are zero."""
-        return self.cutoff
+        return min(self.cutoff, self.potential.range())
 
     def smoothness(self):
         """At the cutoff U jumps."""
-        return min(-1, self.potential.smoothness())
+        return min(-1, smoothness_below(self.potential, self.cutoff))
+
+    def smoothness_within(self):
+        """As the potential has it."""
+        return self.potential.smoothness_within()
+
+    def domain(self):
+        """As the potential has it."""
+        return self.potential.domain()
+
+    def demands(self):
+        """Each parameter's name, whether it will do, and what would."""
+        return demands_of(self)
 
 
 class Shifted(NamedTuple):
@@ -53,28 +75,49 @@ class Shifted(NamedTuple):
     cutoff: float  # [length]
 
     def energy(self, r):
-        """U(r)."""
-        return (r < self.cutoff) * (self.potential.energy(r) - self.potential.energy(self.cutoff))
+        """U(r) between charges of 1."""
+        return self.energy_between(r, 1.0, 1.0)
 
     def force(self, r):
-        """-dU/dr."""
-        return (r < self.cutoff) * self.potential.force(r)
+        """-dU/dr between charges of 1."""
+        return self.force_between(r, 1.0, 1.0)
 
-    def coupling(self, one, other):
-        """As the potential has it."""
-        return self.potential.coupling(one, other)
+    def energy_between(self, r, one, other):
+        """U(r) between two charges."""
+        end = self.potential.energy_between(self.cutoff, one, other)
+        return (r < self.cutoff) * (self.potential.energy_between(r, one, other) - end)
+
+    def force_between(self, r, one, other):
+        """-dU/dr between two charges."""
+        return (r < self.cutoff) * self.potential.force_between(r, one, other)
 
     def feature(self):
         """As the potential has it."""
         return self.potential.feature()
 
+    def clearance(self, r):
+        """How far a pair may move before the force is another."""
+        return max(self.potential.clearance(r), r - self.cutoff)
+
     def range(self):
         """Distance from which U and force are zero."""
-        return self.cutoff
+        return min(self.cutoff, self.potential.range())
 
     def smoothness(self):
         """At the cutoff the force jumps."""
-        return min(0, self.potential.smoothness())
+        return min(0, smoothness_below(self.potential, self.cutoff))
+
+    def smoothness_within(self):
+        """As the potential has it."""
+        return self.potential.smoothness_within()
+
+    def domain(self):
+        """As the potential has it."""
+        return self.potential.domain()
+
+    def demands(self):
+        """Each parameter's name, whether it will do, and what would."""
+        return demands_of(self)
 
 
 class ForceShifted(NamedTuple):
@@ -84,30 +127,52 @@ class ForceShifted(NamedTuple):
     cutoff: float  # [length]
 
     def energy(self, r):
-        """U(r)."""
-        end = self.potential.energy(self.cutoff)
-        slope = self.potential.force(self.cutoff)
-        return (r < self.cutoff) * (self.potential.energy(r) - end + (r - self.cutoff) * slope)
+        """U(r) between charges of 1."""
+        return self.energy_between(r, 1.0, 1.0)
 
     def force(self, r):
-        """-dU/dr."""
-        return (r < self.cutoff) * (self.potential.force(r) - self.potential.force(self.cutoff))
+        """-dU/dr between charges of 1."""
+        return self.force_between(r, 1.0, 1.0)
 
-    def coupling(self, one, other):
-        """As the potential has it."""
-        return self.potential.coupling(one, other)
+    def energy_between(self, r, one, other):
+        """U(r) between two charges."""
+        end = self.potential.energy_between(self.cutoff, one, other)
+        slope = self.potential.force_between(self.cutoff, one, other)
+        plain = self.potential.energy_between(r, one, other)
+        return (r < self.cutoff) * (plain - end + (r - self.cutoff) * slope)
+
+    def force_between(self, r, one, other):
+        """-dU/dr between two charges."""
+        end = self.potential.force_between(self.cutoff, one, other)
+        return (r < self.cutoff) * (self.potential.force_between(r, one, other) - end)
 
     def feature(self):
         """As the potential has it."""
         return self.potential.feature()
 
+    def clearance(self, r):
+        """How far a pair may move before the force is another."""
+        return max(self.potential.clearance(r), r - self.cutoff)
+
     def range(self):
         """Distance from which U and force are zero."""
-        return self.cutoff
+        return min(self.cutoff, self.potential.range())
 
     def smoothness(self):
         """At the cutoff the force has a kink."""
-        return min(1, self.potential.smoothness())
+        return min(1, smoothness_below(self.potential, self.cutoff))
+
+    def smoothness_within(self):
+        """As the potential has it."""
+        return self.potential.smoothness_within()
+
+    def domain(self):
+        """As the potential has it."""
+        return self.potential.domain()
+
+    def demands(self):
+        """Each parameter's name, whether it will do, and what would."""
+        return demands_of(self)
 
 
 class Switched(NamedTuple):
@@ -118,37 +183,84 @@ class Switched(NamedTuple):
     switch_from: float  # [length]
 
     def energy(self, r):
-        """U(r)."""
-        u = (r - self.switch_from) / (self.cutoff - self.switch_from)
-        u = np.minimum(np.maximum(u, 0.0), 1.0)
-        return self.potential.energy(r) * (1.0 - u * u * u * (10.0 - u * (15.0 - 6.0 * u)))
+        """U(r) between charges of 1."""
+        return self.energy_between(r, 1.0, 1.0)
 
     def force(self, r):
-        """-dU/dr."""
+        """-dU/dr between charges of 1."""
+        return self.force_between(r, 1.0, 1.0)
+
+    def energy_between(self, r, one, other):
+        """U(r) between two charges."""
+        u = (r - self.switch_from) / (self.cutoff - self.switch_from)
+        u = np.minimum(np.maximum(u, 0.0), 1.0)
+        switch = 1.0 - u * u * u * (10.0 - u * (15.0 - 6.0 * u))
+        return self.potential.energy_between(r, one, other) * switch
+
+    def force_between(self, r, one, other):
+        """-dU/dr between two charges."""
         width = self.cutoff - self.switch_from
         u = np.minimum(np.maximum((r - self.switch_from) / width, 0.0), 1.0)
         switch = 1.0 - u * u * u * (10.0 - u * (15.0 - 6.0 * u))
         slope = -30.0 * u * u * (1.0 - u) * (1.0 - u) / width
-        return self.potential.force(r) * switch - self.potential.energy(r) * slope
-
-    def coupling(self, one, other):
-        """As the potential has it."""
-        return self.potential.coupling(one, other)
+        force = self.potential.force_between(r, one, other)
+        return force * switch - self.potential.energy_between(r, one, other) * slope
 
     def feature(self):
         """As the potential has it."""
         return self.potential.feature()
 
+    def clearance(self, r):
+        """How far a pair may move before the force is another."""
+        return max(self.potential.clearance(r), r - self.cutoff)
+
     def range(self):
         """Distance from which U and force are zero."""
-        return self.cutoff
+        return min(self.cutoff, self.potential.range())
 
     def smoothness(self):
         """How many derivatives of U are continuous at the cutoff."""
-        return min(2, self.potential.smoothness())
+        return min(2, smoothness_below(self.potential, self.cutoff))
+
+    def smoothness_within(self):
+        """How many derivatives of U are continuous where the switch begins."""
+        return min(2, self.potential.smoothness_within())
+
+    def domain(self):
+        """As the potential has it."""
+        return self.potential.domain()
+
+    def demands(self):
+        """Each parameter's name, whether it will do, and what would."""
+        return (
+            *demands_of(self),
+            ("switch_from", self.switch_from > 0.0, "must be positive"),
+            (
+                "switch_from",
+                self.switch_from < self.cutoff,
+                f"must be below the cutoff {self.cutoff:g}",
+            ),
+        )
 
 
-AT_CUTOFF = {
+def smoothness_below(potential, cutoff):
+    """How many derivatives of a potential are continuous at every r < cutoff."""
+    if cutoff <= potential.range():
+        return potential.smoothness_within()
+    return potential.smoothness()
+
+
+def demands_of(ended):
+    """What every cutoff demands of its parameters, each as in a potential's demands()."""
+    again = type(ended.potential) in AT_CUTOFF.values()
+    return (
+        ("potential", hasattr(ended.potential, "energy"), "must be a potential"),
+        ("cutoff", ended.cutoff > 0.0, "must be positive"),
+        ("cutoff", not again, "must be given once; the potential has one already"),
+    )
+
+
+AT_CUTOFF: dict[str, Any] = {
     "switch": Switched,
     "truncate": Truncated,
     "shift": Shifted,

@@ -25,3 +25,15 @@ class LennardJones(NamedTuple):
     def feature(self):
         """Length over which the force changes, and distance out to which it is felt."""
         return self.sigma / 6.0, 2.0 * self.sigma
+
+    def minimum(self):
+        """(r, U, d2U/dr2) at the minimum."""
+        r = 2.0 ** (1.0 / 6.0) * self.sigma
+        return r, -self.epsilon, 72.0 * self.epsilon / (r * r)
+
+    def demands(self):
+        """Each parameter's name, whether it will do, and what would."""
+        return (
+            ("epsilon", self.epsilon >= 0.0, "must not be negative"),
+            ("sigma", self.sigma > 0.0, "must be positive"),
+        )

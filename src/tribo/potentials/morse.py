@@ -28,3 +28,14 @@ class Morse(NamedTuple):
     def feature(self):
         """Length over which the force changes, and distance out to which it is felt."""
         return 1.0 / self.alpha, self.r0 + 6.0 / self.alpha
+
+    def minimum(self):
+        """(r, U, d2U/dr2) at the minimum."""
+        return self.r0, -self.D, 2.0 * self.D * self.alpha * self.alpha
+
+    def demands(self):
+        """Each parameter's name, whether it will do, and what would."""
+        return (
+            ("D", self.D >= 0.0, "must not be negative"),
+            ("alpha", self.alpha > 0.0, "must be positive"),
+        )

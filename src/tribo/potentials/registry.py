@@ -1,4 +1,4 @@
-"""What makes a class a potential, and how one is found by its name.
+"""What makes a class a potential, and what is made of potentials.
 
 A potential is a NamedTuple of floats with ``energy(self, r)``.  It may say more:
 
@@ -6,6 +6,9 @@ A potential is a NamedTuple of floats with ``energy(self, r)``.  It may say more
     feature(self)    (length over which the force changes, distance out to which it is felt), by
                      which no step jumps an encounter; otherwise the force is taken to change on
                      the scale of r itself
+    clearance(self, r)
+                     how far a pair at distance r may move before the force is another; otherwise
+                     as feature and range have it
     coupling(self, one, other)
                      what U is multiplied by for bobs of charges one and other, as one * other;
                      otherwise 1
@@ -15,26 +18,36 @@ A potential is a NamedTuple of floats with ``energy(self, r)``.  It may say more
     range(self)      distance from which U is zero; otherwise there is none
     smoothness(self) how many derivatives of U are continuous at every r > 0: -1 where U jumps;
                      otherwise all of them are
+    smoothness_within(self)
+                     the same at every 0 < r < range; otherwise as smoothness
     minimum(self)    (r, U, d2U/dr2) at the minimum, to be checked against U
-    domain(self)     (least r, largest r) for which the potential is meant
+    domain(self)     (least r, largest r) for which the potential is meant; otherwise any r > 0
+    demands(self)    for each parameter that is not any number (its name, whether it will do,
+                     what would), as ("sigma", self.sigma > 0.0, "must be positive")
 """
 
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import Any
 
 from tribo import plugins
-from tribo.checks import POSITIVE, choice, number
+from tribo.checks import choice, number, shown
 from tribo.errors import InputError
+from tribo.potentials.born_mayer import BornMayer
+from tribo.potentials.buckingham import Buckingham
 from tribo.potentials.coulomb import Coulomb
 from tribo.potentials.cutoff import AT_CUTOFF, Switched
 from tribo.potentials.lennard_jones import LennardJones
+from tribo.potentials.mie import Mie
 from tribo.potentials.morse import Morse
+from tribo.potentials.plummer import Plummer
+from tribo.potentials.sum import Scaled, Sum
+from tribo.potentials.table import Table, from_points
+from tribo.potentials.weeks_chandler_andersen import WeeksChandlerAndersen
+from tribo.potentials.yukawa import Yukawa
 
-BUILT_IN: dict[str, Any] = {"coulomb": Coulomb, "morse": Morse, "lennard-jones": LennardJones}
-SWITCH_FROM = 0.9  # of the cutoff, where a file does not say
+SWITCH_FROM = 0.9  # of the cutoff, where it is not said
 
 
 def _complex_step(self: Any, r: Any) -> Any:
@@ -43,6 +56,11 @@ def _complex_step(self: Any, r: Any) -> Any:
 
 def _no_feature(self: Any) -> Any:
     return 0.0, 0.0
+
+
+def _clearance(self: Any, r: Any) -> Any:
+    length, reach = self.feature()
+    return max(length, r - min(reach, self.range()))
 
 
 def _no_coupling(self: Any, one: Any, other: Any) -> Any:
@@ -65,14 +83,30 @@ def _smooth(self: Any) -> Any:
     return math.inf
 
 
+def _smoothness(self: Any) -> Any:
+    return self.smoothness()
+
+
+def _anywhere(self: Any) -> Any:
+    return 0.0, math.inf
+
+
+def _no_demands(self: Any) -> Any:
+    return ()
+
+
 DEFAULTS = {
     "force": _complex_step,
     "feature": _no_feature,
+    "clearance": _clearance,
     "coupling": _no_coupling,
     "energy_between": _energy_between,
     "force_between": _force_between,
     "range": _no_range,
     "smoothness": _smooth,
+    "smoothness_within": _smoothness,
+    "domain": _anywhere,
+    "demands": _no_demands,
 }
 
 
@@ -85,29 +119,60 @@ def complete(cls: Any) -> Any:
     return cls
 
 
+BUILT_IN: dict[str, Any] = {
+    "coulomb": complete(Coulomb),
+    "morse": complete(Morse),
+    "lennard-jones": complete(LennardJones),
+    "yukawa": complete(Yukawa),
+    "buckingham": complete(Buckingham),
+    "born-mayer": complete(BornMayer),
+    "weeks-chandler-andersen": complete(WeeksChandlerAndersen),
+    "mie": complete(Mie),
+    "plummer": complete(Plummer),
+}
+for _cls in (Sum, Scaled, Table, *AT_CUTOFF.values()):
+    complete(_cls)
+
+
 def as_potential(value: Any) -> Any:
-    """An instance whose class is complete and whose fields are finite numbers."""
+    """An instance whose class is complete, and whose fields are numbers that make sense."""
     complete(type(value))
-    if type(value) in AT_CUTOFF.values():
-        inner = as_potential(value.potential)
-        rest = {
-            name: number(name, item, POSITIVE)
-            for name, item in zip(value._fields[1:], value[1:], strict=True)
+    if isinstance(value, Table):
+        return from_points(value.r, value.values, value.error)
+    value = type(value)(
+        **{
+            name: as_potential(item) if hasattr(item, "_fields") else number(name, item)
+            for name, item in value._asdict().items()
         }
-        if isinstance(value, Switched) and rest["switch_from"] >= rest["cutoff"]:
-            raise InputError(
-                "switch_from", f"must be below the cutoff {value.cutoff}, got {value.switch_from}"
-            )
-        return type(value)(inner, **rest)
-    return plugins.with_numbers(value)
+    )
+    _check(value)
+    return value
+
+
+def _check(potential: Any) -> None:
+    """Complain about parameters that make no sense, and about what a class says of itself."""
+    demands = plugins.called(potential, "potential", "demands")
+    try:
+        wrong = [(name, problem) for name, will_do, problem in demands if not will_do]
+    except (TypeError, ValueError):
+        reason = "must give (name, whether it will do, what would) for each"
+        raise InputError("potential", plugins.at_line(potential, "demands", None, reason)) from None
+    for name, problem in wrong:
+        raise InputError(name, f"{problem}, got {shown(getattr(potential, name))}")
+    for method in ("range", "feature", "smoothness", "smoothness_within"):
+        plugins.numbers(potential, "potential", method)
 
 
 def with_cutoff(
     potential: Any, cutoff: float, at_cutoff: str = "switch", switch_from: float | None = None
 ) -> Any:
-    """A potential that ends at `cutoff`, in one of the ways of AT_CUTOFF."""
+    """A potential that ends at `cutoff` [length].
+
+    `at_cutoff` is one of "switch", "force-shift", "shift" and "truncate"; a switch begins at
+    `switch_from` [length], or at 0.9 cutoff.  Raises InputError.
+    """
     kind = AT_CUTOFF[choice("at_cutoff", at_cutoff, AT_CUTOFF)]
-    cutoff = number("cutoff", cutoff, POSITIVE)
+    cutoff = number("cutoff", cutoff)
     if kind is not Switched:
         if switch_from is not None:
             raise InputError("switch_from", f'cannot go with at_cutoff = "{at_cutoff}"')
@@ -116,41 +181,15 @@ def with_cutoff(
     return as_potential(Switched(potential, cutoff, begin))
 
 
-def from_table(table: dict[str, Any], folder: Path) -> Any:
-    """The potential that a table of a scene file describes, with its parameters and cutoff."""
-    parameters = dict(table)
-    if "potential" not in parameters:
-        raise InputError("potential", "is missing")
-    name = parameters.pop("potential")
-    ending = {
-        key: parameters.pop(key)
-        for key in ("cutoff", "at_cutoff", "switch_from")
-        if key in parameters
-    }
-    potential = as_potential(plugins.instance(class_named(name, folder), parameters))
-    if not ending:
-        return potential
-    if "cutoff" not in ending:
-        raise InputError(next(iter(ending)), "needs a cutoff")
-    return with_cutoff(potential, **ending)
+def total(*parts: Any) -> Any:
+    """The sum of two or more potentials.  Raises InputError."""
+    if len(parts) < 2:
+        raise InputError("of", f"must be two potentials or more, got {len(parts)}")
+    first, *rest = parts
+    second = rest[0] if len(rest) == 1 else total(*rest)
+    return as_potential(Sum(as_potential(first), as_potential(second)))
 
 
-def class_named(name: Any, folder: Path) -> Any:
-    """The class of a built-in name, or of ``file.py:Class`` with the path relative to `folder`."""
-    if not isinstance(name, str):
-        raise InputError("potential", f"must be a name, got {name!r}")
-    if ".py:" in name:
-        return complete(plugins.class_in_file("potential", name, folder))
-    if name not in BUILT_IN:
-        known = ", ".join(f'"{k}"' for k in BUILT_IN)
-        raise InputError("potential", f'must be {known} or "yourfile.py:YourClass", got {name!r}')
-    return complete(BUILT_IN[name])
-
-
-def as_table(potential: Any) -> dict[str, Any]:
-    """The table of a scene file that `from_table` reads."""
-    table: dict[str, Any] = potential._asdict()
-    for word, kind in AT_CUTOFF.items():
-        if type(potential) is kind:
-            return as_table(table.pop("potential")) | table | {"at_cutoff": word}
-    return {"potential": plugins.name_of(potential, BUILT_IN)} | table
+def scaled(potential: Any, factor: float) -> Any:
+    """A potential times a number, which may be negative.  Raises InputError."""
+    return as_potential(Scaled(as_potential(potential), factor))

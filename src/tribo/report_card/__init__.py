@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from tribo.potentials.registry import as_potential, as_table
+from tribo.potentials.registry import as_potential
+from tribo.potentials.written import as_table
 from tribo.report_card.agreement import check_agreement
 from tribo.report_card.ase_peers import check_ase
 from tribo.report_card.card import Check, Report

@@ -11,15 +11,14 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
-from numba.core.errors import NumbaError
 
-from tribo import plugins
+from tribo import sources
 from tribo.checks import LARGEST
+from tribo.diagnosis import Refusals, complaint
 from tribo.errors import InputError
 from tribo.kernels.compiled import time_loop
 from tribo.kernels.probe import contact_probe
 from tribo.layout import laid_out
-from tribo.march import reason
 from tribo.scene import Scene
 from tribo.surface import Surface
 
@@ -200,18 +199,15 @@ class _Bench:
         row = {"shape": (count, 1), "spacing": (1.0, 0.0)}
         surfaces = (Surface("one", **row), Surface("other", facing="up", **row))  # type: ignore
         self._layout = laid_out(Scene(surfaces, potential, 1.0))
-        stamp = "".join(map(plugins.stamp, self._layout.plugins))
+        stamp = sources.stamp(self._layout.plugins)
         self._probe: Callable[..., None] = time_loop(contact_probe, stamp)
-        self._name = type(potential).__name__
 
     def __call__(self, places: np.ndarray, charges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         energies, forces = np.empty(len(places)), np.empty((*places.shape[:2], 2))
         try:
             self._probe(self._layout.model, places, charges, energies, forces)
-        except NumbaError as error:
-            raise InputError(
-                "potential", f"{self._name} does not compile: {reason(error)}"
-            ) from None
+        except Refusals as error:
+            raise complaint(self._layout, error) from None
         return energies, forces
 
 

@@ -1,0 +1,109 @@
+"""Why compiled code could not be made of a plug-in: which of its lines it is, and what is wrong."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from numba import njit
+from numba.core.errors import NumbaError, UnsupportedBytecodeError
+
+from tribo import plugins
+from tribo.errors import InputError
+from tribo.kernels.compiled import METHODS
+from tribo.layout import Layout
+from tribo.potentials.from_ase import Live
+from tribo.sources import is_own
+
+Refusals = (NumbaError, UnsupportedBytecodeError)  # what the compiler raises
+
+
+def complaint(layout: Layout, error: Exception) -> InputError:
+    """What to say when the loop for a scene does not compile: whose fault it is, and why."""
+    own = [(field, plugin) for field, plugin in _placed(layout) if not is_own(type(plugin))]
+    for field, plugin in own:
+        for method in METHODS:
+            try:
+                _try(plugin, field, method)
+            except InputError as found:
+                return found
+    names = ", ".join(type(plugin).__name__ for _, plugin in own)
+    return InputError("plug-in", f"{names or 'the scene'} does not compile: {_reason(error)}")
+
+
+def _placed(layout: Layout) -> list[tuple[str, Any]]:
+    """Every plug-in, those inside others too, with its field in the scene."""
+    model = layout.model
+    places = [
+        (f"interaction[{i}].potential", item.potential)
+        for i, item in enumerate(layout.scene.interactions)
+        if not isinstance(item.potential, Live)
+    ]
+    places += [(f"field[{i}].kind", f.potential) for i, f in enumerate(model.fields or ())]
+    places += [(f"surface[{c.surface}].drive", c.plugin) for c in model.drives or ()]
+    places += [(f"surface[{c.surface}].bars", c.plugin) for c in model.ends or ()]
+    return [(field, part) for field, plugin in places for part in _parts(plugin)]
+
+
+def _parts(plugin: Any) -> list[Any]:
+    """A plug-in and all that it holds."""
+    held = [part for item in plugin if hasattr(item, "_fields") for part in _parts(item)]
+    return [plugin, *held]
+
+
+def _try(plugin: Any, field: str, method: str) -> None:
+    """Complain about what is wrong with a method, by calling it and then by compiling it alone."""
+    function = getattr(type(plugin), method, None)
+    if function is None or function.__module__.startswith("tribo."):
+        return
+    arguments = (1.0,) * METHODS[method]
+    plugins.numbers(plugin, field, method, *arguments)
+    _compile(plugin, field, method, arguments)
+    derived = {"energy": "force", "energy_at": "force_at"}.get(method)
+    if derived and getattr(type(plugin), derived).__module__.startswith("tribo."):
+        step = (1.0 + 1e-100j,) * len(arguments)
+        try:
+            plugins.called(plugin, field, method, *step)
+            _compile(plugin, field, method, step)
+        except InputError as error:
+            raise InputError(
+                field,
+                f"{error.problem}; for want of a {derived}(self, ...) it is called with complex "
+                "numbers, which numpy's functions take",
+            ) from None
+
+
+def _compile(plugin: Any, field: str, method: str, arguments: tuple[Any, ...]) -> None:
+    function = getattr(type(plugin), method)
+    try:
+        njit(error_model="numpy")(function)(plugin, *arguments)
+    except Refusals as error:
+        reason = plugins.at_line(plugin, method, _line(function, error), _reason(error))
+        raise InputError(field, reason) from None
+
+
+def _line(function: Any, error: Exception) -> int | None:
+    """The line of a function's source that the compiler complains about, if it says so."""
+    place = getattr(error, "loc", None)
+    file = function.__code__.co_filename
+    if place is not None and place.filename == file:
+        return int(place.line)
+    missing = re.search(r"NameError: name '(\w+)'", str(error))
+    if missing:
+        return None
+    found = re.search(r'File ".*", line (\d+)|\((\d+)\)\s*$', str(error), re.MULTILINE)
+    return int(found[1] or found[2]) if found else None
+
+
+def _reason(error: Exception) -> str:
+    """What a compiler's message says is wrong, on one line."""
+    noise = ("Failed in nopython", "During", "- Resolution failure")
+    lines = [line.strip() for line in str(error).splitlines()]
+    lines = [line for line in lines if line and not line.startswith(noise)]
+    reason = lines[0] if lines else type(error).__name__
+    if reason.endswith(":") and len(lines) > 1:
+        reason += " " + lines[1].removeprefix(">>>").strip()
+    reason = re.sub(r"\.*\s*Raised from .*", "", reason)
+    if "type of <class 'function'>" in reason:
+        reason += "; a function that it calls must be compiled too, by @numba.njit"
+    return reason

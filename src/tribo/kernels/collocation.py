@@ -1,0 +1,286 @@
+"""Collocation: over a step q'' is a polynomial whose values at nodes are found by iteration.
+
+Velocities are known at every node, so that powers are booked there, and forces may depend on
+velocities.  With Gauss nodes and equal steps a step back undoes a step; with Radau nodes steps are
+chosen by the polynomial's highest term.
+
+J. C. Butcher, Math. Comput. 18 (1964) 50; E. Hairer, R. I. McLachlan, A. Razakarivony, BIT 48
+(2008) 231, on iterating down to round-off; E. Everhart, in Dynamics of Comets, Reidel 1985, p. 185;
+H. Rein, D. S. Spiegel, Mon. Not. R. Astron. Soc. 446 (2015) 1424.
+"""
+
+import math
+
+import numpy as np
+
+from tribo.kernels.compiled import kernel
+from tribo.kernels.motion import equations_of_motion
+from tribo.kernels.powers import all_powers
+from tribo.kernels.samples import blank, copy_state, write_sample
+from tribo.kernels.status import (
+    COMPLETED,
+    ENCOUNTER_JUMPED,
+    NOT_CONVERGED,
+    NOT_FINITE,
+    PAUSED,
+    STEP_UNDERFLOW,
+)
+from tribo.kernels.stepping import (
+    EPSILON,
+    advance,
+    all_finite,
+    begin,
+    end_of_step,
+    equal_step,
+    glance,
+    go_on,
+    growth_of,
+    looks,
+    nearness,
+    next_step,
+    rates,
+    time_left,
+    turn_back,
+)
+from tribo.kernels.sums import add, add_twice, combine, combine_twice, largest
+
+SWEEPS = 40  # through the nodes, after which an iteration is given up
+ROUNDED = 1e6  # times round-off: an iteration that stalls below has converged
+FARTHEST = 4.0  # steps, that a polynomial is continued beyond its own
+SHARE = 0.05  # of the tolerance, for what an iteration leaves
+SHARP = 10.0  # highest term of q'' that goes with a level of 1, in units of the scales
+
+
+@kernel
+def unknowns(method):
+    """How many nodes there are but the start."""
+    return method.c.size - 1 if method.c[0] == 0.0 else method.c.size
+
+
+@kernel
+def foretell(method, clock, h, memory, slopes):
+    """Values at the nodes to begin with: those of the last step's polynomial, or of the start."""
+    ratio = h / clock.last if clock.last > 0.0 else math.inf
+    for i in range(method.c.size):
+        if ratio > FARTHEST:
+            slopes[i] = slopes[0]
+        elif method.c[i] > 0.0:
+            x = 1.0 + ratio * method.c[i]
+            whole = 1.0
+            for k in range(method.c.size):
+                whole *= x - method.c[k]
+            slopes[i] = 0.0
+            for j in range(method.c.size):
+                weight = whole * method.pole[j] / (x - method.c[j])
+                for m in range(slopes.shape[1]):
+                    slopes[i, m] += weight * memory[j, m]
+
+
+@kernel
+def at_node(model, neighbours, method, i, t, h, y, slopes, node, slope):
+    """q'' at node i, from the values so far; `node` becomes (q, v) there."""
+    n = y.size // 2
+    combine_twice(y[:n], h, method.c[i], y[n:], method.a[i], slopes, node[:n])
+    combine(y[n:], h, method.r[i], slopes, node[n:])
+    return equations_of_motion(model, neighbours, t + method.c[i] * h, node[:n], node[n:], slope)
+
+
+@kernel
+def sweep(model, neighbours, method, t, h, y, slopes, node, slope, unit):
+    """Renew the values at all nodes; returns by how much, times h, in units of `unit`."""
+    change = 0.0
+    for i in range(method.c.size):
+        if method.c[i] > 0.0:
+            neighbours = at_node(model, neighbours, method, i, t, h, y, slopes, node, slope)
+            for m in range(slope.size):
+                new = h * abs(slope[m] - slopes[i, m]) / unit[m]
+                if not new <= change:  # keeps nan
+                    change = new
+            slopes[i] = slope
+    return change, neighbours
+
+
+@kernel
+def solve(model, neighbours, method, clock, h, y, slopes, node, slope, unit, enough, stall):
+    """Sweep until another would change less than `enough`, or less than `stall` no more.
+
+    Returns whether that came about.
+    """
+    before = 0.0
+    for _ in range(SWEEPS):
+        change, neighbours = sweep(
+            model, neighbours, method, clock.t, h, y, slopes, node, slope, unit
+        )
+        clock.evaluations += unknowns(method)
+        if change <= enough or change * change <= enough * before:
+            return True, neighbours
+        if 0.0 < before <= change <= stall:
+            return True, neighbours
+        if not math.isfinite(change):
+            return False, neighbours
+        before = change
+    return False, neighbours
+
+
+@kernel
+def book(model, neighbours, method, t, h, y, slopes, node, slope, powers_):
+    """A last sweep, which looks at the powers as well."""
+    n = y.size // 2
+    for i in range(method.c.size):
+        if method.c[i] > 0.0:
+            neighbours = at_node(model, neighbours, method, i, t, h, y, slopes, node, slope)
+            all_powers(model, t + method.c[i] * h, node[:n], node[n:], powers_[i])
+            slopes[i] = slope
+    return neighbours
+
+
+@kernel
+def finish(method, h, state, slopes, powers_):
+    """The state at the end of the step."""
+    n = state.y.size // 2
+    add_twice(state.y[:n], state.y_low[:n], h, state.y[n:], state.y_low[n:], method.b, slopes)
+    add(state.y[n:], state.y_low[n:], h, method.v, slopes)
+    add(state.s, state.s_low, h, method.v, powers_)
+
+
+def equal_collocation(model, neighbours, method, step, clocks, state, times, record, budget):
+    """March through the samples in equal steps of at most `step`; return a status.
+
+    As :func:`tribo.kernels.runge_kutta.fixed_steps`.  Every step is solved to round-off.
+    """
+    clock = clocks[0]
+    n = state.y.size // 2
+    node = np.empty_like(state.y)
+    slopes = np.empty((method.c.size, n))
+    powers_ = np.empty((method.c.size, state.s.size))
+    slope = np.empty(n)
+    power = np.empty(state.s.size)
+    unit = np.empty(n)
+    speeds = np.empty((model.asperites.size, 3))
+    status, encounter, neighbours = begin(model, neighbours, clock, state, slope, power, speeds)
+    if status != COMPLETED:
+        return status
+    unseen = 0.0  # time since the encounters were looked at
+    stride = looks(model)
+    done = 0
+    while clock.sample < times.size:
+        goal = times[clock.sample]
+        left = time_left(clock, goal)
+        if left <= 0.0:
+            write_sample(model, neighbours, clock, state, record)
+            continue
+        if done == budget:
+            return PAUSED
+        h = equal_step(left, step)
+        if h < EPSILON * times[-1]:
+            return STEP_UNDERFLOW
+        if h * encounter > 1.0:
+            return ENCOUNTER_JUMPED
+        unit[:] = EPSILON * (np.max(np.abs(state.y[n:])) + h * np.max(np.abs(slope)))
+        slopes[0] = slope
+        foretell(method, clock, h, state.memory, slopes)
+        converged, neighbours = solve(
+            model, neighbours, method, clock, h, state.y, slopes, node, slope, unit, 0.0, ROUNDED
+        )
+        if not converged:
+            return NOT_CONVERGED if all_finite(slope) else NOT_FINITE
+        neighbours = book(
+            model, neighbours, method, clock.t, h, state.y, slopes, node, slope, powers_
+        )
+        finish(method, h, state, slopes, powers_)
+        state.memory[:] = slopes
+        clock.last = h
+        advance(clock, end_of_step(clock, goal, h, h == left), h, h == left)
+        neighbours = rates(model, neighbours, clock.t, state.y, slope, power)
+        clock.evaluations += unknowns(method) + 1
+        done += 1
+        if not all_finite(slope) or not all_finite(state.s):
+            return NOT_FINITE
+        unseen += h
+        if clock.steps % stride == 0 or (unseen + h) * encounter > 0.25:
+            encounter = glance(model, neighbours, clock.t, state.y, speeds, h)
+            unseen = 0.0
+    return COMPLETED
+
+
+def chosen_collocation(model, neighbours, method, tolerance, clocks, state, times, record, budget):
+    """March through the samples with steps whose local errors stay within `tolerance`.
+
+    As :func:`tribo.kernels.runge_kutta.chosen_steps`, encounters and statuses included.  The
+    first node is the start of the step.  Errors are about as the square of the polynomial's
+    highest term, both in units of the scales of velocities and of accounts.
+    """
+    clock = clocks[0]
+    n = state.y.size // 2
+    nodes = method.c.size
+    trial = blank(state)
+    node = np.empty_like(state.y)
+    slopes = np.empty((nodes, n))
+    powers_ = np.empty((nodes, state.s.size))
+    slope = np.empty(n)
+    next_slope = np.empty(n)
+    next_power = np.empty(state.s.size)
+    unit = np.empty(n)
+    speeds = np.empty((model.asperites.size, 3))
+    sharpness = math.sqrt(tolerance.level) / SHARP
+    status, encounter, neighbours = begin(
+        model, neighbours, clock, state, slopes[0], powers_[0], speeds
+    )
+    if status != COMPLETED:
+        return status
+    done = 0
+    finite = True
+    while clock.sample < times.size:
+        goal = times[clock.sample]
+        left = time_left(clock, goal)
+        if left <= 0.0:
+            write_sample(model, neighbours, clock, state, record)
+            continue
+        if done == budget:
+            return PAUSED
+        done += 1
+        h, landing = next_step(clock, encounter, left)
+        if h < 16.0 * EPSILON * times[-1] and not landing:
+            return STEP_UNDERFLOW if finite else NOT_FINITE
+
+        unit[:] = tolerance.y[n:] + 2.0 * EPSILON * np.abs(state.y[n:])
+        foretell(method, clock, h, state.memory, slopes)
+        converged, neighbours = solve(
+            model, neighbours, method, clock, h, state.y, slopes, node, slope, unit, SHARE, 1.0
+        )
+        if not converged:
+            finite = all_finite(slope)
+            turn_back(clock, 0.5 * h)
+            continue
+        neighbours = book(
+            model, neighbours, method, clock.t, h, state.y, slopes, node, slope, powers_
+        )
+        clock.evaluations += unknowns(method)
+        error = sharpness * (
+            largest(h, method.last, slopes, state.y[n:], tolerance.y[n:])
+            + largest(h, method.last, powers_, state.s, tolerance.s)
+        )
+        finite = math.isfinite(error)
+        if not error <= 1.0:
+            turn_back(clock, h * growth_of(error, nodes))
+            continue
+
+        copy_state(state, trial)
+        finish(method, h, trial, slopes, powers_)
+        t = end_of_step(clock, goal, h, landing)
+        neighbours = rates(model, neighbours, t, trial.y, next_slope, next_power)
+        clock.evaluations += 1
+        next_encounter, _ = nearness(model, neighbours, t, trial.y, speeds)
+        finite = all_finite(next_slope) and all_finite(next_power)
+        if not finite or h * next_encounter > 1.0:
+            turn_back(clock, 0.5 * h)
+            continue
+
+        go_on(clock, t, h, landing, min(FARTHEST, growth_of(error, nodes)))
+        clock.last = h
+        copy_state(trial, state)
+        state.memory[:] = slopes
+        slopes[0] = next_slope
+        powers_[0] = next_power
+        encounter = next_encounter
+    return COMPLETED

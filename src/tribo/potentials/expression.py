@@ -1,0 +1,229 @@
+"""A potential from an expression in r, as "D*(exp(-2*a*(r - r0)) - 2*exp(-a*(r - r0)))".
+
+The expression is parsed, never evaluated as it stands: only arithmetic, numbers, names and the
+functions below pass.  Its derivative is taken term by term, and both are written into the source
+of a class such as a user would write, so that it is compiled, and kept on disk, as those are.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+from functools import cache
+from typing import Any
+
+from tribo import plugins, sources
+from tribo.checks import shown
+from tribo.errors import InputError
+from tribo.potentials.registry import as_potential
+
+# What each function is differentiated to; u stands for its argument.
+FUNCTIONS = {
+    "exp": "exp(u)",
+    "log": "1/u",
+    "sqrt": "0.5/sqrt(u)",
+    "sin": "cos(u)",
+    "cos": "-sin(u)",
+    "tan": "1/cos(u)**2",
+    "sinh": "cosh(u)",
+    "cosh": "sinh(u)",
+    "tanh": "1/cosh(u)**2",
+}
+OPERATORS = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow)
+TAKEN = (  # names that a parameter cannot have: of a potential's methods, of a scene file's keys
+    *("energy", "force", "feature", "clearance", "coupling", "energy_between", "force_between"),
+    *("range", "smoothness", "smoothness_within", "minimum", "domain", "demands", "count", "index"),
+    *(
+        "potential",
+        "between",
+        "cutoff",
+        "at_cutoff",
+        "switch_from",
+        "self",
+        "np",
+        "expression_text",
+    ),
+)
+HEAD = '''"""A potential that was given as an expression."""
+from typing import NamedTuple
+import numpy as np
+class Expression(NamedTuple):
+    """{text}"""
+'''
+BODY = '''
+    def energy(self, r):
+        """U(r)."""
+        return {energy}
+    def force(self, r):
+        """-dU/dr."""
+        return -({slope})
+Expression.expression_text = {text!r}
+'''
+
+
+def expression(text: str, /, **parameters: float) -> Any:
+    """The potential U(r) that a text says, with a number for each other name in it.
+
+    The text may have ``+ - * / **``, brackets, numbers, ``r``, ``pi``, and the functions exp, log,
+    sqrt, sin, cos, tan, sinh, cosh and tanh.  Raises InputError.
+    """
+    return as_potential(plugins.instance(class_of(text), parameters))
+
+
+def is_expression(text: str) -> bool:
+    """Whether a text is meant as an expression rather than as a potential's name."""
+    if any(sign in text for sign in "()*+/"):
+        return True
+    try:
+        return not text.isidentifier() and "r" in _names(ast.parse(text, mode="eval"))
+    except (SyntaxError, ValueError):
+        return False
+
+
+@cache
+def class_of(text: str) -> Any:
+    """The class whose energy an expression is, and whose fields are the names in it."""
+    tree = _parsed(text)
+    fields = [name for name in _names(tree) if name not in ("r", "pi", *FUNCTIONS)]
+    for name in fields:
+        if name in TAKEN or name.startswith("_"):
+            raise _refusal(text, f'another name for the parameter "{name}"')
+    if "r" not in _names(tree):
+        raise _refusal(text, "the distance r in it")
+    source = HEAD.format(text=text.replace("\\", "").replace('"', ""))
+    source += "".join(f"    {name}: float\n" for name in fields)
+    source += BODY.format(energy=_compiled(tree), slope=_compiled(_derivative(tree)), text=text)
+    return sources.load(source.encode(), f"<{text}>").Expression
+
+
+def _parsed(text: str) -> ast.expr:
+    """The tree of an expression; a complaint about anything that does not belong in one."""
+    try:
+        tree = ast.parse(text.strip(), mode="eval").body
+    except SyntaxError as error:
+        problem = f"an expression that can be read ({error.msg}, at its character {error.offset})"
+        raise _refusal(text, problem) from None
+    except (ValueError, RecursionError, MemoryError):
+        raise _refusal(text, "an expression that can be read") from None
+    _check(tree, text)
+    return tree
+
+
+def _check(node: ast.expr, text: str) -> None:
+    """Complain about the first thing in a tree that is not allowed."""
+    match node:
+        case ast.BinOp(left, op, right) if isinstance(op, OPERATORS):
+            _check(left, text)
+            _check(right, text)
+        case ast.BinOp(op=ast.BitXor()):
+            raise _refusal(text, "** for powers instead of ^")
+        case ast.UnaryOp(ast.USub() | ast.UAdd(), operand):
+            _check(operand, text)
+        case ast.Call(ast.Name(name), [argument], []) if name in FUNCTIONS:
+            _check(argument, text)
+        case ast.Name(name) if name not in FUNCTIONS:
+            pass
+        case ast.Constant(float() | int() as value) if not isinstance(value, bool):
+            if not math.isfinite(value):
+                raise _refusal(text, "finite numbers")
+        case _:
+            found = ast.get_source_segment(text.strip(), node) or "what it has"
+            raise _refusal(
+                text,
+                f"arithmetic, r, pi, parameters and {', '.join(FUNCTIONS)} alone, "
+                f"not {shown(found)} at its character {node.col_offset + 1}",
+            )
+
+
+def _refusal(text: str, wanted: str) -> InputError:
+    return InputError("potential", f'must have {wanted}, got "{text}"')
+
+
+def _names(tree: ast.AST) -> list[str]:
+    """Every name in a tree, once, in the order in which they come."""
+    nodes = [node for node in ast.walk(tree) if isinstance(node, ast.Name)]
+    nodes.sort(key=lambda node: (node.lineno, node.col_offset))
+    return list(dict.fromkeys(node.id for node in nodes))
+
+
+def _compiled(tree: ast.expr) -> str:
+    """The source of an expression in a method: parameters of self, functions of numpy."""
+
+    class Rename(ast.NodeTransformer):
+        def visit_Name(self, node: ast.Name) -> ast.expr:
+            if node.id == "r":
+                return node
+            if node.id == "pi" or node.id in FUNCTIONS:
+                return ast.Attribute(ast.Name("np"), node.id)
+            return ast.Attribute(ast.Name("self"), node.id)
+
+    return ast.unparse(Rename().visit(ast.parse(ast.unparse(tree), mode="eval").body))
+
+
+def _derivative(node: ast.expr) -> ast.expr:
+    """d/dr of an expression, as another."""
+    if "r" not in _names(node):
+        return ast.Constant(0)
+    match node:
+        case ast.Name():
+            return ast.Constant(1)
+        case ast.UnaryOp(op, operand):
+            return ast.UnaryOp(op, _derivative(operand))
+        case ast.Call(ast.Name(name), [u]):
+            return _product(_filled(FUNCTIONS[name], u=u), _derivative(u))
+        case ast.BinOp(u, ast.Pow(), v):
+            return _of_power(u, v)
+        case ast.BinOp(u, ast.Mult(), v):
+            return _sum(_product(_derivative(u), v), _product(u, _derivative(v)))
+        case ast.BinOp(u, ast.Div(), v):
+            there = _filled("u/v", u=_derivative(u), v=v) if _moves(u) else ast.Constant(0)
+            if not _moves(v):
+                return there
+            return _sum(there, _product(_filled("-u/v/v", u=u, v=v), _derivative(v)))
+        case ast.BinOp(u, op, v):
+            return _sum(_derivative(u), _derivative(v), op)
+    raise AssertionError(ast.dump(node))
+
+
+def _of_power(u: ast.expr, v: ast.expr) -> ast.expr:
+    """d/dr of u**v."""
+    less: ast.expr = _filled("v - 1", v=v)
+    if isinstance(v, ast.Constant) and isinstance(v.value, (int, float)):
+        less = ast.Constant(v.value - 1)
+    base = _product(_filled("v*u**w", u=u, v=v, w=less), _derivative(u))
+    if not _moves(v):
+        return base
+    return _sum(base, _product(_filled("u**v*log(u)", u=u, v=v), _derivative(v)))
+
+
+def _moves(node: ast.expr) -> bool:
+    return "r" in _names(node)
+
+
+def _product(u: ast.expr, v: ast.expr) -> ast.expr:
+    """u v, without factors of one and terms of zero."""
+    for one, other in ((u, v), (v, u)):
+        if isinstance(one, ast.Constant) and one.value in (0, 1):
+            return other if one.value == 1 else one
+    return ast.BinOp(u, ast.Mult(), v)
+
+
+def _sum(u: ast.expr, v: ast.expr, op: ast.operator | None = None) -> ast.expr:
+    """u + v, or u - v, without terms of zero."""
+    op = op or ast.Add()
+    if isinstance(v, ast.Constant) and v.value == 0:
+        return u
+    if isinstance(u, ast.Constant) and u.value == 0:
+        return v if isinstance(op, ast.Add) else ast.UnaryOp(ast.USub(), v)
+    return ast.BinOp(u, op, v)
+
+
+def _filled(pattern: str, **parts: ast.expr) -> ast.expr:
+    """The expression of a pattern, with others in the places of its names."""
+
+    class Fill(ast.NodeTransformer):
+        def visit_Name(self, node: ast.Name) -> ast.expr:
+            return parts.get(node.id, node)
+
+    filled: ast.expr = Fill().visit(ast.parse(pattern, mode="eval").body)
+    return filled

@@ -1,0 +1,132 @@
+"""Potentials as scene files and command lines write them: a name, or an expression, and numbers."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from tribo import plugins
+from tribo.checks import inside, is_list, known_keys, shown
+from tribo.errors import InputError
+from tribo.potentials import from_ase
+from tribo.potentials.cutoff import AT_CUTOFF
+from tribo.potentials.expression import class_of, is_expression
+from tribo.potentials.registry import (
+    BUILT_IN,
+    as_potential,
+    complete,
+    scaled,
+    total,
+    with_cutoff,
+)
+from tribo.potentials.sum import Scaled, Sum
+from tribo.potentials.table import Table, from_csv, from_points
+
+ENDING = ("cutoff", "at_cutoff", "switch_from")
+
+
+def named(name: str, /, **parameters: Any) -> Any:
+    """The potential of a name, with its parameters.
+
+    The name is that of a built-in, ``file.py:Class`` or ``package.module:Class`` for one of your
+    own, or an expression.  Raises InputError.
+    """
+    return from_table({"potential": name} | parameters, Path())
+
+
+def from_table(table: Any, folder: Path) -> Any:
+    """The potential that a table of a scene file describes, with its parameters and cutoff."""
+    if not isinstance(table, dict):
+        raise InputError("", f"must be a table, got {shown(table)}")
+    parameters = dict(table)
+    if "potential" not in parameters:
+        raise InputError("potential", "is missing")
+    name = parameters.pop("potential")
+    if name == "ase":
+        return from_ase.from_table(parameters)
+    ending = {key: parameters.pop(key) for key in ENDING if key in parameters}
+    if isinstance(name, str) and name in MADE:
+        potential = MADE[name](parameters, folder)
+    else:
+        potential = as_potential(plugins.instance(class_named(name, folder), parameters))
+    if not ending:
+        return potential
+    if "cutoff" not in ending:
+        raise InputError(next(iter(ending)), "needs a cutoff")
+    return with_cutoff(potential, **ending)
+
+
+def class_named(name: Any, folder: Path) -> Any:
+    """The class of a built-in's name, of one in a file or a module, or of an expression."""
+    if not isinstance(name, str):
+        raise InputError("potential", f"must be a name, got {name!r}")
+    if plugins.is_named(name):
+        return complete(plugins.class_named("potential", name, folder))
+    if name in BUILT_IN:
+        return BUILT_IN[name]
+    if is_expression(name):
+        return complete(class_of(name))
+    known = ", ".join(f'"{known}"' for known in (*BUILT_IN, *MADE, "ase"))
+    raise InputError(
+        "potential",
+        f'must be {known}, "yourfile.py:YourClass", "package.module:YourClass" or an expression '
+        f"in r, got {shown(name)}",
+    )
+
+
+def as_table(potential: Any) -> dict[str, Any]:
+    """The table of a scene file that `from_table` reads."""
+    if isinstance(potential, from_ase.Live):
+        return {"potential": "ase"} | from_ase.as_table(potential)
+    for word, kind in AT_CUTOFF.items():
+        if type(potential) is kind:
+            ending: dict[str, Any] = potential._asdict() | {"at_cutoff": word}
+            return as_table(ending.pop("potential")) | ending
+    if isinstance(potential, Sum):
+        return {"potential": "sum", "of": [as_table(part) for part in _parts(potential)]}
+    if isinstance(potential, Scaled):
+        of = as_table(potential.potential)
+        return {"potential": "scaled", "factor": potential.factor, "of": of}
+    if isinstance(potential, Table):
+        points = {"r": potential.r.tolist(), "energy": potential.values.tolist()}
+        return {"potential": "table", "error": potential.error} | points
+    name = getattr(potential, "expression_text", None) or plugins.name_of(potential, BUILT_IN)
+    table: dict[str, Any] = potential._asdict()
+    return {"potential": name} | table
+
+
+def _parts(potential: Any) -> list[Any]:
+    """What a sum is of."""
+    if not isinstance(potential, Sum):
+        return [potential]
+    return [potential.first, *_parts(potential.second)]
+
+
+def _sum(parameters: dict[str, Any], folder: Path) -> Any:
+    items = known_keys(parameters, ["of"], ["of"])["of"]
+    if not is_list(items):
+        raise InputError("of", f"must be a list of potentials, got {shown(items)}")
+    parts = []
+    for i, item in enumerate(items):
+        with inside(f"of[{i}]"):
+            parts.append(from_table(item, folder))
+    return total(*parts)
+
+
+def _scaled(parameters: dict[str, Any], folder: Path) -> Any:
+    parameters = known_keys(parameters, ["factor", "of"], ["factor", "of"])
+    with inside("of"):
+        potential = from_table(parameters["of"], folder)
+    return scaled(potential, parameters["factor"])
+
+
+def _table(parameters: dict[str, Any], folder: Path) -> Any:
+    if "file" in parameters:
+        parameters = known_keys(parameters, ["file", "error"])
+        if not isinstance(parameters["file"], str):
+            raise InputError("file", f"must be a name, got {shown(parameters['file'])}")
+        return from_csv(folder / parameters.pop("file"), **parameters)
+    return from_points(**known_keys(parameters, ["r", "energy", "error"], ["r", "energy"]))
+
+
+MADE = {"sum": _sum, "scaled": _scaled, "table": _table}

@@ -1,0 +1,187 @@
+"""Potentials of the user's own that cannot be used: one sentence with the line, and why."""
+
+import re
+from typing import NamedTuple
+
+import pytest
+
+import tribo
+import tribo.potentials
+from tribo.errors import InputError
+from tribo.scene_file import scene_from
+
+HEAD = """import math
+import numba
+import scipy.special
+from typing import NamedTuple
+def helper(x):
+    return 1.0 / x
+@numba.njit
+def compiled(x):
+    return 1.0 / x
+class Own(NamedTuple):
+    s: float
+"""
+ENERGY = ["def energy(self, r):", "    return self.s / r"]
+
+# The class's lines, the line that is named, and what is said of it.
+FAULTS = {
+    "an unknown name": (
+        ["def energy(self, r):", "    x = self.s", "    return x / r + y"],
+        "return x / r + y",
+        "NameError: name 'y' is not defined",
+    ),
+    "an unknown parameter": (
+        ["def energy(self, r):", "    return self.t / r"],
+        "return self.t / r",
+        "AttributeError: 'Own' object has no attribute 't'",
+    ),
+    "text": (
+        ["def energy(self, r):", "    return 'a'"],
+        "def energy(self, r):",
+        "gives 'a' where a number is wanted",
+    ),
+    "nothing": (
+        ["def energy(self, r):", "    self.s / r"],
+        "def energy(self, r):",
+        "gives None where a number is wanted",
+    ),
+    "two numbers": (
+        ["def energy(self, r):", "    return self.s, r"],
+        "def energy(self, r):",
+        "gives (1.0, 1.0) where a number is wanted",
+    ),
+    "no r": (
+        ["def energy(self):", "    return self.s"],
+        "def energy(self):",
+        "TypeError: Own.energy() takes 1 positional argument but 2 were given",
+    ),
+    "one argument too many": (
+        ["def energy(self, r, charge):", "    return self.s"],
+        "def energy(self, r, charge):",
+        "TypeError: Own.energy() missing 1 required positional argument: 'charge'",
+    ),
+    "a function that is not compiled": (
+        ["def energy(self, r):", "    return self.s * helper(r)"],
+        "return self.s * helper(r)",
+        "must be compiled too, by @numba.njit",
+    ),
+    "a library that is not compiled": (
+        ["def energy(self, r):", "    return scipy.special.erf(r)"],
+        "return scipy.special.erf(r)",
+        "Unknown attribute 'erf' of type Module",
+    ),
+    "a statement that is not compiled": (
+        [
+            *("def energy(self, r):", "    try:", "        return self.s / r"),
+            *("    except ValueError as error:", "        raise"),
+        ],
+        "except ValueError as error:",
+        "Exception object cannot be stored into variable",
+    ),
+    "now text, now a number": (
+        [
+            "def energy(self, r):",
+            "    if r > 5.0:",
+            "        return 'far'",
+            "    return self.s / r",
+        ],
+        "return self.s / r",
+        "Can't unify return type",
+    ),
+    "an energy that takes no complex numbers": (
+        ["def energy(self, r):", "    return self.s * math.exp(-r)"],
+        "return self.s * math.exp(-r)",
+        "for want of a force(self, ...) it is called with complex numbers",
+    ),
+    "a force that does not compile": (
+        [*ENERGY, "def force(self, r):", "    return helper(r)"],
+        "return helper(r)",
+        "must be compiled too, by @numba.njit",
+    ),
+    "a range that is none": (
+        [*ENERGY, "def range(self):", "    return self.end"],
+        "return self.end",
+        "AttributeError: 'Own' object has no attribute 'end'",
+    ),
+    "a feature that is none": (
+        [*ENERGY, "def feature(self):", "    return self.s"],
+        "def feature(self):",
+        "gives 1.0 where 2 numbers are wanted",
+    ),
+    "demands that are none": (
+        [*ENERGY, "def demands(self):", "    return self.s"],
+        "def demands(self):",
+        "must give (name, whether it will do, what would) for each",
+    ),
+}
+
+
+def scene(potential, tmp_path):
+    """A scene file's table with the potential, as it is read."""
+    table = {
+        "duration": 0.2,
+        "output": {"samples": 2},
+        "numerics": {"method": "midpoint", "step": 0.1},
+        "interaction": [{"potential": potential, "s": 1.0}],
+        "surface": [{"name": "upper", "bob": [-3.0, 0.0]}, {"name": "lower", "facing": "up"}],
+    }
+    return scene_from(table, tmp_path)
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_plugin_that_fails(tmp_path, fault):
+    """The field, the line, its text and the reason, in one sentence."""
+    lines, line, reason = FAULTS[fault]
+    path = tmp_path / "own.py"
+    path.write_text(HEAD + "".join(f"    {text}\n" for text in lines))
+    count = HEAD.count("\n") + 1 + [text.strip() for text in lines].index(line)
+    with pytest.raises(InputError) as caught:
+        tribo.simulate(scene("own.py:Own", tmp_path))
+    said = str(caught.value)
+    place = re.escape(f' fails in line {count} of {path}, "{line}": ')
+    assert re.match(rf"interaction\[0\]\.potential: Own\.\w+{place}", said), said
+    assert reason in said and "\n" not in said
+
+
+def test_a_plugin_inside_a_cutoff(tmp_path):
+    """It is found wherever it is."""
+    (tmp_path / "own.py").write_text(HEAD + "    def energy(self, r): return helper(r)\n")
+    own = scene("own.py:Own", tmp_path).interactions[0].potential
+    inside = tribo.potentials.total(tribo.Coulomb(1.0), tribo.with_cutoff(own, 2.0))
+    upper = tribo.Surface("upper", bob=(-3.0, 0.0))
+    lower = tribo.Surface("lower", facing="up")
+    with pytest.raises(InputError, match=r"Own\.energy fails in line 12 of .*own\.py"):
+        tribo.simulate(tribo.Scene((upper, lower), inside, 1.0), method="midpoint", step=0.1)
+
+
+class Broken(NamedTuple):
+    """A field whose force is one number of the two."""
+
+    s: float
+
+    def energy_at(self, x, y):
+        return self.s * x
+
+    def force_at(self, x, y):
+        return self.s
+
+
+def test_a_field_that_fails():
+    """Other plug-ins are looked through in the same way."""
+    upper = tribo.Surface("upper")
+    field = tribo.Field(Broken(1.0), on=["upper"])
+    described = tribo.Scene((upper,), (), 1.0, fields=[field])
+    with pytest.raises(InputError, match=r"^field\[0\]\.kind: Broken\.force_at fails in line \d+"):
+        tribo.simulate(described, method="midpoint", step=0.1)
+
+
+def test_demands_of_ones_own(tmp_path):
+    """A class says which numbers make sense, and the sentence names the parameter."""
+    (tmp_path / "own.py").write_text(
+        HEAD + "    def energy(self, r): return compiled(r)\n"
+        "    def demands(self): return (('s', self.s > 2.0, 'must be above 2'),)\n"
+    )
+    with pytest.raises(InputError) as caught:
+        scene("own.py:Own", tmp_path)
+    assert str(caught.value) == "interaction[0].s: must be above 2, got 1.0"
