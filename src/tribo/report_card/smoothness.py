@@ -36,27 +36,31 @@ Function = Callable[[np.ndarray], np.ndarray]
 
 
 def check_smoothness(specimen: Specimen) -> list[Check]:
-    """Energy and force have as many continuous derivatives as the potential declares."""
-    promised = float(specimen.potential.smoothness())
-
-    def line(name: str, least: int, found: np.ndarray, bound: float) -> Check:
+    """Nearer than its end, the potential has as many continuous derivatives as it declares."""
+    promised = float(specimen.potential.smoothness_within())
+    inside = specimen.edges[2:] < specimen.cutoff
+    energy = strengths(specimen, lambda r: specimen.compiled(r)[0], 1)[:, inside]
+    force = strengths(specimen, lambda r: specimen.compiled(r)[1], 0)[:, inside]
+    lines = []
+    for least, (name, found, bound) in enumerate(
+        [
+            ("jumps of energy", energy[0], JUMP),
+            ("jumps of force", force[0], JUMP),
+            ("kinks of force", force[1], KINK),
+        ]
+    ):
         worst = int(np.argmax(found))
         kept = promised >= least
-        return Check(
-            name,
-            f"{len(found)} cells, zoomed into" + ("" if kept else NOT_PROMISED),
-            float(found[worst]),
-            bound if kept else None,
-            float(specimen.edges[worst + 1]),
+        lines.append(
+            Check(
+                name,
+                f"{len(found)} cells, zoomed into" + ("" if kept else NOT_PROMISED),
+                float(found[worst]),
+                bound if kept else None,
+                float(specimen.edges[worst + 1]),
+            )
         )
-
-    energy = strengths(specimen, lambda r: specimen.compiled(r)[0], 1)
-    force = strengths(specimen, lambda r: specimen.compiled(r)[1], 0)
-    return [
-        line("jumps of energy", 0, energy[0], JUMP),
-        line("jumps of force", 1, force[0], JUMP),
-        line("kinks of force", 2, force[1], KINK),
-    ]
+    return lines
 
 
 def smooth_stretch(specimen: Specimen) -> tuple[float, float]:

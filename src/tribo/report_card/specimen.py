@@ -120,7 +120,7 @@ class Specimen:
     def _own_lengths(self) -> list[float]:
         """Lengths that the potential knows of, in ascending order; 1 if there is none.
 
-        Those that it declares; otherwise those where its force changes sign.
+        Those that it declares; otherwise the distances of its minima.
         """
         declared = sorted({x for part in _parts(self.potential) for x in _declared_lengths(part)})
         if declared:
@@ -128,10 +128,9 @@ class Specimen:
         return self._turning_points(np.geomspace(1e-20, 1e20, 20 * CELLS)) or [1.0]
 
     def _turning_points(self, r: np.ndarray) -> list[float]:
-        """Where the force changes from push to pull, or back."""
+        """Where a push turns into a pull: minima of the energy."""
         _, force = self.compiled(r)
-        with np.errstate(invalid="ignore"):
-            turns = np.flatnonzero(np.sign(force[1:]) * np.sign(force[:-1]) < 0.0)
+        turns = np.flatnonzero((force[:-1] > 0.0) & (force[1:] < 0.0))
         return [float(x) for x in r[turns]]
 
     def _within(self, low: float, high: float) -> tuple[float, float]:
@@ -207,7 +206,7 @@ class _Bench:
         try:
             self._probe(self._layout.model, places, charges, energies, forces)
         except Refusals as error:
-            raise complaint(self._layout, error) from None
+            raise InputError("potential", complaint(self._layout, error).problem) from None
         return energies, forces
 
 
