@@ -12,6 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from tribo.cli import main
 from tribo.errors import InputError
@@ -177,6 +179,15 @@ def test_slip(slip):
     assert meant in failed(report), str(report)
     assert failed(report) <= {meant} | others, str(report)
     assert not report.passed
+
+
+@given(st.floats(-9.0, -2.0), st.sampled_from([-1.0, 1.0]))
+def test_size_of_a_slip(digits, sign):
+    """The card's error is that of the force, where the force is most of the scale around."""
+    off = sign * 10.0**digits
+    line = check_force(curves(Specimen(as_potential(Slip(force_off=off)))))
+    assert not line.passed
+    assert 0.3 * abs(off) < line.value < 1.01 * abs(off)
 
 
 @pytest.mark.parametrize(
