@@ -23,6 +23,7 @@ from tribo.potentials import (
     Morse,
     as_potential,
     check,
+    live,
     with_cutoff,
 )
 from tribo.potentials.cutoff import AT_CUTOFF
@@ -419,8 +420,33 @@ def test_wrong_input(run, tmp_path, arguments, complaint):
 
 
 def test_what_is_no_potential():
-    with pytest.raises(InputError, match=r"^potential: "):
-        check(3.0)
+    for value in (3.0, live("ase.calculators.emt:EMT")):
+        with pytest.raises(InputError, match=r"^potential: "):
+            check(value)
+
+
+class Odd(NamedTuple):
+    """A narrow hill, by itself, with holes, or with a refusal of its own."""
+
+    place: float
+    hole: float = 0.0  # nearer than which there is no number
+    end: float = 0.0  # from where it raises, if not 0
+
+    def energy(self, r):
+        if 0.0 < self.end < r:
+            raise ValueError("too far")
+        return np.exp(-(((r - self.place) / 0.1) ** 2)) / np.where(r < self.hole, np.nan, 1.0)
+
+    def force(self, r):
+        return 200.0 * (r - self.place) * self.energy(r)
+
+
+def test_odd_potentials():
+    """Next to nothing is not judged by its digits; nothing at all fails; what raises is refused."""
+    assert failed(check(Odd(3.0))) == set()
+    assert {"finite", "force"} <= failed(check(Odd(3.0, hole=1e90)))
+    with pytest.raises(InputError, match=r"^potential: Odd raises ValueError: too far"):
+        check(Odd(3.0, end=5.0))
 
 
 @pytest.mark.parametrize("kind", ["png", "pdf", "svg"])

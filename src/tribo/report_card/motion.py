@@ -62,7 +62,8 @@ def passage(specimen: Specimen, end: float) -> Scene:
     farthest = max(min(closest + PASSAGE * rod, end), closest + SPACE * rod)
     start = math.sqrt(farthest**2 - closest**2)
     on_the_way = np.linspace(max(closest - SPACE * rod, specimen.low), farthest, 64)
-    pull = float(np.max(np.abs(specimen.compiled(on_the_way)[1]))) or 1.0
+    force = np.abs(specimen.compiled(on_the_way)[1])
+    pull = float(np.max(force, initial=0.0, where=np.isfinite(force))) or 1.0
     kappa = STIFFNESS * rod * pull
     mass = 2.0 * kappa / rod**2
     asperite = Asperite(m1=mass, m2=mass, kappa=kappa, length=rod, bar_length=rod)

@@ -28,7 +28,8 @@ INWARD, OUTWARD = 3.0, 6.0  # how far past a potential's own lengths to look
 WIDEST = 1e3  # and how far from the typical one at most, whatever the domain
 AROUND = 3  # cells on either side, over which a scale is the largest value
 NEAR_END = 0.6  # of the range: typical distances are at most that
-NOTHING = 1e-280  # scales below that are none
+NOTHING = 1e-280  # the least that a scale can be
+FAINT = 1e-30  # of the largest scale at the typical distance and beyond: less counts as that
 
 
 class Specimen:
@@ -113,7 +114,8 @@ class Specimen:
         here = np.where(np.isfinite(here), here, 0.0)
         padded = np.pad(here, AROUND, mode="edge")
         windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * AROUND + 1)
-        return np.maximum(windows.max(axis=1), NOTHING)
+        outer = float(np.max(here[self.r >= self.length], initial=0.0))
+        return np.maximum(windows.max(axis=1), max(FAINT * outer, NOTHING))
 
     # --- where to look ---------------------------------------------------------------------------
 
@@ -199,6 +201,7 @@ class _Bench:
         surfaces = (Surface("one", **row), Surface("other", facing="up", **row))  # type: ignore
         self._layout = laid_out(Scene(surfaces, potential, 1.0))
         stamp = sources.stamp(self._layout.plugins)
+        self._name = type(potential).__name__
         self._probe: Callable[..., None] = time_loop(contact_probe, stamp)
 
     def __call__(self, places: np.ndarray, charges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -207,6 +210,9 @@ class _Bench:
             self._probe(self._layout.model, places, charges, energies, forces)
         except Refusals as error:
             raise InputError("potential", complaint(self._layout, error).problem) from None
+        except Exception as error:
+            reason = f"{self._name} raises {type(error).__name__}: {error}"
+            raise InputError("potential", f"{reason}; give nan where there is no energy") from None
         return energies, forces
 
 
