@@ -43,6 +43,9 @@ SCENES = {
 HOW = {
     "midpoint": {"method": "midpoint", "step": 0.05},
     "dop853": {"accuracy": 1e-6},
+    "rkn12": {"method": "rkn12", "accuracy": 1e-6},
+    "gauss-radau-15": {"method": "gauss-radau-15", "accuracy": 1e-6},
+    "gauss-8": {"method": "gauss-8", "step": 0.1},
     "verlet": {"method": "verlet", "step": 0.05},
 }
 

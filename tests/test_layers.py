@@ -22,7 +22,8 @@ sources plugins
 potentials.born_mayer potentials.buckingham potentials.coulomb potentials.lennard_jones
 potentials.mie potentials.morse potentials.plummer potentials.weeks_chandler_andersen
 potentials.yukawa potentials.cutoff potentials.sum potentials.table potentials.from_ase
-potentials.registry potentials.expression potentials.written potentials
+potentials.dimers potentials.registry potentials.to_ase potentials.expression potentials.written
+potentials
 fields drives springs spectra bath langevin roughness asperite surface rows scene scene_file
 layout methods ledger diagnosis march accuracy result archive simulation
 report_card.card report_card.specimen report_card.derivatives report_card.smoothness
@@ -35,6 +36,7 @@ ORDER = LAYERS.split()
 # Methods of convenience, whose work is done by a module further up that is loaded when called.
 UPWARD = {
     *{("scene", "scene_file"), ("result", "archive")},
+    ("potentials", "potentials.to_ase"),
     *{("potentials", "report_card"), ("report_card.card", "report_card.figure")},
 }
 

@@ -6,6 +6,7 @@ import pytest
 import reference
 import tribo
 from tribo.accuracy import KINDS
+from tribo.methods import METHODS
 from tribo.scene_file import scene_from
 
 ACCURACY = 1e-8
@@ -115,9 +116,9 @@ def rich_scene(seed: int) -> dict:
     return scene
 
 
-def assert_agrees(scene: dict) -> None:
+def assert_agrees(scene: dict, method: str = "dop853") -> None:
     """Surfaces, blocks and system, every quantity that either reports."""
-    end = tribo.simulate(scene_from(scene), accuracy=ACCURACY).end
+    end = tribo.simulate(scene_from(scene), accuracy=ACCURACY, method=method).end
     truth = reference.solve(scene)
     assert end["status"] == "completed"
     for part in ("surfaces", "blocks"):
@@ -185,3 +186,9 @@ def test_contact_within_alone():
         inner | {"between": [name, name]} for name in ("upper", "lower")
     ]
     assert_agrees(scene)
+
+
+@pytest.mark.parametrize("method", [m.name for m in METHODS.values() if m.adaptive])
+def test_methods_that_choose_their_steps(method):
+    """Each of them, on a scene with every effect at once."""
+    assert_agrees(rich_scene(1), method)

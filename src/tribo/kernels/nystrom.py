@@ -11,6 +11,7 @@ stage by stage, until the step is complete.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -36,61 +37,70 @@ from tribo.kernels.stepping import (
 from tribo.kernels.sums import add, add_twice, combine, combine_twice, largest
 
 
+class Stages(NamedTuple):
+    """What is known of a step's stages; slopes and powers have one row more, for its end."""
+
+    places: np.ndarray  # (stages, coordinates)
+    slopes: np.ndarray  # (stages + 1, coordinates) q''
+    powers: np.ndarray  # (stages + 1, accounts)
+    bobs: np.ndarray  # (stages, asperites) of BOB; the first row is that of the end
+    bars: np.ndarray  # (stages, asperites) of BAR; the first row is that of the end
+
+
 @kernel
-def keep(model, bobs, bars, i):
+def keep(model, stages, i):
     """Keep the forces in place as those of stage i."""
     for m in range(model.bobs.size):
-        bobs[i, m] = model.bobs[m]
-        bars[i, m] = model.bars[m]
+        stages.bobs[i, m] = model.bobs[m]
+        stages.bars[i, m] = model.bars[m]
 
 
 @kernel
-def put_back(model, bobs, bars, i):
+def put_back(model, stages, i):
     """Put the forces of stage i in place."""
     for m in range(model.bobs.size):
-        model.bobs[m] = bobs[i, m]
-        model.bars[m] = bars[i, m]
+        model.bobs[m] = stages.bobs[i, m]
+        model.bars[m] = stages.bars[i, m]
 
 
 @kernel
-def try_step(model, neighbours, tableau, t, h, end, y, places, slopes, bobs, bars, trial, power):
-    """Forces at all stages, the state at the end of the step and, last of all, forces there."""
+def try_step(model, neighbours, tableau, t, h, end, y, stages, trial):
+    """Forces at all stages, places and rates at the end of the step, forces and powers there."""
     n = y.size // 2
-    stages = tableau.c.size
-    q = y[:n]
-    v = y[n:]
-    for i in range(1, stages):
-        combine_twice(q, h, tableau.c[i], v, tableau.a[i, :i], slopes, places[i])
+    last = tableau.c.size
+    for i in range(1, last):
+        place = stages.places[i]
+        combine_twice(y[:n], h, tableau.c[i], y[n:], tableau.a[i, :i], stages.slopes, place)
         neighbours = equations_of_motion(
-            model, neighbours, t + tableau.c[i] * h, places[i], v, slopes[i]
+            model, neighbours, t + tableau.c[i] * h, place, y[n:], stages.slopes[i]
         )
-        keep(model, bobs, bars, i)
-    add_twice(trial.y[:n], trial.y_low[:n], h, v, trial.y_low[n:], tableau.b, slopes)
-    add(trial.y[n:], trial.y_low[n:], h, tableau.v, slopes)
-    neighbours = rates(model, neighbours, end, trial.y, slopes[stages], power)
-    keep(model, bobs, bars, 0)
+        keep(model, stages, i)
+    add_twice(trial.y[:n], trial.y_low[:n], h, y[n:], trial.y_low[n:], tableau.b, stages.slopes)
+    add(trial.y[n:], trial.y_low[n:], h, tableau.v, stages.slopes)
+    neighbours = rates(model, neighbours, end, trial.y, stages.slopes[last], stages.powers[last])
+    keep(model, stages, 0)
     return neighbours
 
 
 @kernel
-def book(model, tableau, t, h, y, places, slopes, bobs, bars, rate, powers_):
+def book(model, tableau, t, h, y, stages, rate):
     """The powers at all stages that count; the forces at the end of the step are in place again."""
     n = y.size // 2
     for m in range(tableau.booked.size):
         i = tableau.booked[m]
-        put_back(model, bobs, bars, i)
-        combine(y[n:], h, tableau.r[i], slopes, rate)
-        all_powers(model, t + tableau.c[i] * h, places[i], rate, powers_[i])
-    put_back(model, bobs, bars, 0)
+        put_back(model, stages, i)
+        combine(y[n:], h, tableau.r[i], stages.slopes, rate)
+        all_powers(model, t + tableau.c[i] * h, stages.places[i], rate, stages.powers[i])
+    put_back(model, stages, 0)
 
 
 @kernel
-def error_of(tableau, h, state, slopes, powers_, tolerance):
+def error_of(tableau, h, state, stages, tolerance):
     """The step's error by the embedded method, in units of the tolerance."""
     n = state.y.size // 2
-    places = largest(h * h, tableau.eb, slopes, state.y[:n], tolerance.y[:n])
-    velocities = largest(h, tableau.ev, slopes, state.y[n:], tolerance.y[n:])
-    accounts = largest(h, tableau.ev, powers_, state.s, tolerance.s)
+    places = largest(h * h, tableau.eb, stages.slopes, state.y[:n], tolerance.y[:n])
+    velocities = largest(h, tableau.ev, stages.slopes, state.y[n:], tolerance.y[n:])
+    accounts = largest(h, tableau.ev, stages.powers, state.s, tolerance.s)
     return places + velocities + accounts  # keeps nan
 
 
@@ -101,17 +111,19 @@ def nystrom_steps(model, neighbours, tableau, tolerance, clocks, state, times, r
     """
     clock = clocks[0]
     n = state.y.size // 2
-    stages = tableau.c.size
+    last = tableau.c.size
+    stages = Stages(
+        np.empty((last, n)),
+        np.empty((last + 1, n)),
+        np.zeros((last + 1, state.s.size)),
+        np.empty((last, model.bobs.size), BOB),
+        np.empty((last, model.bobs.size), BAR),
+    )
     trial = blank(state)
-    places = np.empty((stages, n))
     rate = np.empty(n)
-    slopes = np.empty((stages + 1, n))  # the last at the end of the step
-    powers_ = np.zeros((stages + 1, state.s.size))
-    bobs = np.empty((stages, model.bobs.size), BOB)  # the first at the end of the step
-    bars = np.empty((stages, model.bobs.size), BAR)
     speeds = np.empty((model.asperites.size, 3))
     status, encounter, neighbours = begin(
-        model, neighbours, clock, state, slopes[0], powers_[0], speeds
+        model, neighbours, clock, state, stages.slopes[0], stages.powers[0], speeds
     )
     if status != COMPLETED:
         return status
@@ -130,41 +142,26 @@ def nystrom_steps(model, neighbours, tableau, tolerance, clocks, state, times, r
         if h < 16.0 * EPSILON * times[-1] and not landing:
             return STEP_UNDERFLOW if finite else NOT_FINITE
 
-        t = clock.t
         end = end_of_step(clock, goal, h, landing)
         copy_state(state, trial)
-        neighbours = try_step(
-            model,
-            neighbours,
-            tableau,
-            t,
-            h,
-            end,
-            state.y,
-            places,
-            slopes,
-            bobs,
-            bars,
-            trial,
-            powers_[stages],
-        )
-        clock.evaluations += stages
-        book(model, tableau, t, h, state.y, places, slopes, bobs, bars, rate, powers_)
-        error = error_of(tableau, h, state, slopes, powers_, tolerance)
+        neighbours = try_step(model, neighbours, tableau, clock.t, h, end, state.y, stages, trial)
+        clock.evaluations += last
+        book(model, tableau, clock.t, h, state.y, stages, rate)
+        error = error_of(tableau, h, state, stages, tolerance)
         finite = math.isfinite(error)
         if not error <= 1.0:
             turn_back(clock, h * growth_of(error, tableau.order))
             continue
         next_encounter, _ = nearness(model, neighbours, end, trial.y, speeds)
-        finite = all_finite(slopes[stages]) and all_finite(powers_[stages])
+        finite = all_finite(stages.slopes[last]) and all_finite(stages.powers[last])
         if not finite or h * next_encounter > 1.0:
             turn_back(clock, 0.5 * h)
             continue
 
-        add(trial.s, trial.s_low, h, tableau.v, powers_)
+        add(trial.s, trial.s_low, h, tableau.v, stages.powers)
         go_on(clock, end, h, landing, growth_of(error, tableau.order))
         copy_state(trial, state)
-        slopes[0] = slopes[stages]
-        powers_[0] = powers_[stages]
+        stages.slopes[0] = stages.slopes[last]
+        stages.powers[0] = stages.powers[last]
         encounter = next_encounter
     return COMPLETED

@@ -8,6 +8,7 @@ from tribo.potentials.born_mayer import BornMayer
 from tribo.potentials.buckingham import Buckingham
 from tribo.potentials.coulomb import Coulomb
 from tribo.potentials.cutoff import ForceShifted, Shifted, Switched, Truncated
+from tribo.potentials.dimers import from_dimer
 from tribo.potentials.expression import expression
 from tribo.potentials.from_ase import live
 from tribo.potentials.lennard_jones import LennardJones
@@ -42,10 +43,12 @@ __all__ = [
     "Truncated",
     "WeeksChandlerAndersen",
     "Yukawa",
+    "as_calculator",
     "as_potential",
     "check",
     "expression",
     "from_csv",
+    "from_dimer",
     "from_points",
     "live",
     "named",
@@ -54,6 +57,18 @@ __all__ = [
     "total",
     "with_cutoff",
 ]
+
+
+def as_calculator(potential: Any) -> Any:
+    """A potential as a calculator of the Atomic Simulation Environment, in eV and Angstrom.
+
+    `potential` is for all atoms, or a mapping from two elements, as ("Cu", "O"), to the potential
+    between them.  Energies, forces and stresses; with neighbour lists where there is a cutoff.
+    Raises InputError.
+    """
+    from tribo.potentials.to_ase import PairCalculator
+
+    return PairCalculator(potential)
 
 
 def check(potential: Any, ase: Any = None, symbols: Any = "H2") -> Report:

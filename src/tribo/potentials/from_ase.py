@@ -79,15 +79,26 @@ class Unfelt(NamedTuple):
 
 def live(calculator: Any, length: float = 0.0, reach: float = math.inf, **arguments: Any) -> Live:
     """A calculator, or the ``module:Class`` of one and the arguments to make it with."""
-    if isinstance(calculator, str):
-        return Live(_named(calculator, arguments), length, reach, arguments)
-    if arguments:
-        raise InputError(next(iter(arguments)), "cannot go with a calculator that is made already")
-    return Live(calculator, length, reach, dict(getattr(calculator, "parameters", {})))
+    instance = made(calculator, arguments)
+    if not isinstance(calculator, str):
+        arguments = dict(getattr(calculator, "parameters", {}))
+    return Live(instance, length, reach, arguments)
 
 
-def _named(name: str, arguments: dict[str, Any]) -> Any:
-    """The calculator of a class that is named by its module."""
+def made(calculator: Any, arguments: dict[str, Any]) -> Any:
+    """A calculator as it is, or that of a class named by its module, with its arguments."""
+    if not isinstance(calculator, str):
+        if not callable(getattr(calculator, "get_potential_energy", None)):
+            raise InputError("calculator", f"must be one of ASE's, got {shown(calculator)}")
+        if arguments:
+            name = next(iter(arguments))
+            raise InputError(name, "cannot go with a calculator that is made already")
+        return calculator
+    name = calculator
+    if ":" not in name:
+        raise InputError(
+            "calculator", f'must be "module:Class", as "ase.calculators.emt:EMT", got {shown(name)}'
+        )
     module, _, cls = name.partition(":")
     try:
         return getattr(importlib.import_module(module), cls)(**arguments)
@@ -101,10 +112,8 @@ def from_table(table: dict[str, Any]) -> Live:
     """The calculator that a table of a scene file describes."""
     table = known_keys(table, ["calculator", "arguments", "length", "reach"], ["calculator"])
     name, arguments = table.pop("calculator"), table.pop("arguments", {})
-    if not isinstance(name, str) or ":" not in name:
-        raise InputError(
-            "calculator", f'must be "module:Class", as "ase.calculators.emt:EMT", got {shown(name)}'
-        )
+    if not isinstance(name, str):
+        raise InputError("calculator", f'must be "module:Class", got {shown(name)}')
     if not isinstance(arguments, dict):
         raise InputError("arguments", f"must be a table, got {shown(arguments)}")
     return live(name, **table, **arguments)

@@ -10,6 +10,7 @@ from tribo.checks import inside, is_list, known_keys, shown
 from tribo.errors import InputError
 from tribo.potentials import from_ase
 from tribo.potentials.cutoff import AT_CUTOFF
+from tribo.potentials.dimers import from_dimer
 from tribo.potentials.expression import class_of, is_expression
 from tribo.potentials.registry import (
     BUILT_IN,
@@ -129,4 +130,9 @@ def _table(parameters: dict[str, Any], folder: Path) -> Any:
     return from_points(**known_keys(parameters, ["r", "energy", "error"], ["r", "energy"]))
 
 
-MADE = {"sum": _sum, "scaled": _scaled, "table": _table}
+def _dimer(parameters: dict[str, Any], folder: Path) -> Any:
+    required = ["calculator", "symbols", "low", "high", "accuracy"]
+    return from_dimer(**known_keys(parameters, [*required, "arguments", "many_body"], required))
+
+
+MADE = {"sum": _sum, "scaled": _scaled, "table": _table, "ase-dimer": _dimer}

@@ -1,0 +1,98 @@
+"""Any potential as an ASE calculator, for ASE's own tools: optimisers, dynamics, bulk structures.
+
+    E = 1/2 sum_ij q_ij U(r_ij),   F_i = sum_j q_ij F(r_ij) (r_i - r_j)/r_ij,
+    stress = 1/(2 V) sum_ij -q_ij F(r_ij) (r_ij x r_ij)/r_ij
+
+over all pairs within the potential's range, images among them.  A potential's numbers are taken to
+be in eV and Angstrom; potentials that tell charges apart take the atoms' initial charges, in the
+unit that makes `strength` an energy times a length.
+
+A. H. Larsen et al., J. Phys.: Condens. Matter 29 (2017) 273002.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from ase.calculators.calculator import Calculator, all_changes
+from ase.neighborlist import neighbor_list
+from ase.stress import full_3x3_to_voigt_6_stress
+
+from tribo.checks import shown
+from tribo.errors import InputError
+from tribo.potentials.registry import as_potential
+
+
+class PairCalculator(Calculator):
+    """A potential for all atoms, or one for each pair of elements, as ``{("Cu", "O"): ...}``."""
+
+    implemented_properties = ["energy", "energies", "free_energy", "forces", "stress"]  # noqa: RUF012
+
+    def __init__(self, potential: Any, **settings: Any) -> None:
+        super().__init__(**settings)
+        self._potentials = _by_elements(potential)
+
+    def calculate(
+        self, atoms: Any = None, properties: Any = ("energy",), system_changes: Any = all_changes
+    ) -> None:
+        """Energy [eV], per atom too, forces [eV / Angstrom], and stress where there is a volume."""
+        super().calculate(atoms, properties, system_changes)
+        atoms = self.atoms
+        n = len(atoms)
+        energies, forces, virial = np.zeros(n), np.zeros((n, 3)), np.zeros((3, 3))
+        i, j, d, r = self._pairs(atoms)
+        names = np.array(atoms.get_chemical_symbols())
+        charges = atoms.get_initial_charges()
+        for elements, potential in self._potentials.items():
+            k = _between(names[i], names[j], elements)
+            k &= r < potential.range()
+            pair = (r[k], charges[i[k]], charges[j[k]])
+            pull = (potential.force_between(*pair) / r[k])[:, None] * d[k]
+            np.add.at(energies, i[k], 0.5 * potential.energy_between(*pair))
+            np.add.at(forces, i[k], -pull)
+            virial -= 0.5 * pull.T @ d[k]
+        self.results = {
+            "energy": float(np.sum(energies)),
+            "free_energy": float(np.sum(energies)),
+            "energies": energies,
+            "forces": forces,
+        }
+        if atoms.cell.rank == 3:
+            self.results["stress"] = full_3x3_to_voigt_6_stress(virial / atoms.get_volume())
+
+    def _pairs(self, atoms: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Atoms i and j of all ordered pairs, r_j - r_i, and its length."""
+        reach = max(potential.range() for potential in self._potentials.values())
+        if math.isfinite(reach):
+            i, j, d, r = neighbor_list("ijDd", atoms, reach)
+            return i, j, d, r
+        if np.any(atoms.pbc):
+            raise InputError(
+                "potential", "has no cutoff, which periodic atoms need; see tribo.with_cutoff"
+            )
+        i, j = np.nonzero(~np.eye(len(atoms), dtype=bool))
+        d = atoms.positions[j] - atoms.positions[i]
+        return i, j, d, np.linalg.norm(d, axis=1)
+
+
+def _by_elements(potential: Any) -> dict[tuple[str, str] | None, Any]:
+    """Potentials by the two elements that each is for; None for all."""
+    if not isinstance(potential, Mapping):
+        return {None: as_potential(potential)}
+    table: dict[tuple[str, str] | None, Any] = {}
+    for key, item in potential.items():
+        if not isinstance(key, tuple) or len(key) != 2:
+            raise InputError("potential", f"must be by two elements, got {shown(key)}")
+        table[key] = as_potential(item)
+    return table
+
+
+def _between(one: np.ndarray, other: np.ndarray, elements: tuple[str, str] | None) -> np.ndarray:
+    """Which of the pairs are of those elements, in either order."""
+    if elements is None:
+        return np.ones(one.size, dtype=bool)
+    first, second = elements
+    return ((one == first) & (other == second)) | ((one == second) & (other == first))
