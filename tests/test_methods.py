@@ -72,7 +72,7 @@ def test_agrees_with_dop853(letter, name):
     """On the paper's cases, every quantity of the ledger."""
     scene = replace(case(letter), output=Output(samples=9))
     truth = tribo.simulate(scene, accuracy=1e-13)
-    result = tribo.simulate(scene, **how(name))
+    result = simulate(scene, **how(name))
     assert result.status == "completed"
     assert largest_error(result, truth) < (1e-9 if METHODS[name].adaptive else STEPS[name][1])
     if METHODS[name].adaptive:
