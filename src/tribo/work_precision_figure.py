@@ -46,13 +46,8 @@ def draw(found: WorkPrecision) -> Figure:
     left.set_ylabel("largest error, in units of its scale")
     handles, labels = right.get_legend_handles_labels()
     front, names = left.get_legend_handles_labels()
-    figure.legend(
-        handles=[*handles, front[0]],
-        labels=[*labels, names[0]],
-        loc="outside right",  # type: ignore[arg-type]
-        fontsize=7.5,
-        frameon=False,
-    )
+    style: Any = {"loc": "outside right", "fontsize": 7.5, "frameon": False}
+    figure.legend(handles=[*handles, front[0]], labels=[*labels, names[0]], **style)
     return figure
 
 
