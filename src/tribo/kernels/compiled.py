@@ -19,8 +19,13 @@ from numba.extending import overload_method
 # What kernels are made of.  Division by zero gives inf or nan, as in numpy, which the time loops
 # turn into a named status.  Most are called by other kernels only: the wrappers by which Python
 # would call them cost a quarter of the compile time.
-kernel = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
-shared_kernel = njit(error_model="numpy")
+#
+# Most kernels neither make arrays nor hand any on, and do without the counting of references: for
+# a pair of asperites that is more than half of the time.
+kernel = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False)
+shared_kernel = njit(error_model="numpy", _nrt=False)
+owning_kernel = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=True)
+shared_owning_kernel = njit(error_model="numpy", _nrt=True)
 
 
 @functools.cache
