@@ -93,7 +93,7 @@ class Pair:
     def tolerance(self, wanted: Tolerance) -> np.ndarray:
         """(2, 8) tolerances of the loop's own variables, such that all of the layout's are met."""
         everything = np.concatenate([wanted.y, wanted.s])
-        factors = np.abs(np.concatenate([self.places, self.books]))[:, : ENERGY]
+        factors = np.abs(np.concatenate([self.places, self.books]))[:, :ENERGY]
         with np.errstate(divide="ignore"):
             own = np.min(everything[:, None] / factors, axis=0)
         table = np.zeros((2, LANES))

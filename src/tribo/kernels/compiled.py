@@ -20,6 +20,9 @@ from numba.extending import overload_method
 # turn into a named status.  Most are called by other kernels only: the wrappers by which Python
 # would call them cost a quarter of the compile time.
 kernel = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
+inlined = njit(
+    error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline=True
+)
 shared_kernel = njit(error_model="numpy")
 
 

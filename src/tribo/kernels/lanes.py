@@ -11,9 +11,9 @@ from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
-from numba.extending import intrinsic, lower_builtin, models, register_model
+from numba.extending import intrinsic, lower_builtin, models, overload, register_model
 
-from tribo.kernels.compiled import kernel
+from tribo.kernels.compiled import inlined
 
 LANES = 8
 _FLOAT, _INDEX = ir.DoubleType(), ir.IntType(32)
@@ -48,7 +48,7 @@ def _spread(builder: Any, x: Any) -> Any:
 
 def _arithmetic(operation: Any, instruction: str) -> None:
     @infer_global(operation)
-    class _(AbstractTemplate):
+    class Typing(AbstractTemplate):
         def generic(self, args: Any, kws: Any) -> Any:
             known = all(isinstance(arg, (LanesType, types.Float)) for arg in args)
             return signature(lanes, *args) if known and lanes in args else None
@@ -109,10 +109,16 @@ def total(typing_context: Any, x: Any) -> Any:
 
 @intrinsic
 def highest(typing_context: Any, x: Any) -> Any:
-    """The largest of the eight; nan if any is."""
+    """The largest of the eight, none of which is nan."""
 
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return _llvm(builder, "vector.reduce.fmaximum", _FLOAT, list(args))
+        x = args[0]
+        for half in (4, 2, 1):
+            swap = [(i + half) % LANES for i in range(LANES)]
+            mask = ir.Constant(ir.VectorType(_INDEX, LANES), swap)
+            other = builder.shuffle_vector(x, x, mask)
+            x = builder.select(builder.fcmp_ordered(">", x, other), x, other)
+        return builder.extract_element(x, ir.Constant(_INDEX, 0))
 
     return types.float64(lanes), build
 
@@ -148,31 +154,93 @@ def put(typing_context: Any, x: Any, i: Any, value: Any) -> Any:
     return lanes(lanes, types.intp, types.float64), build
 
 
-def _row(context: Any, builder: Any, array_type: Any, array: Any, row: Any) -> Any:
-    data = context.make_array(array_type)(context, builder, array).data
-    place = builder.gep(data, [builder.mul(row, ir.Constant(row.type, LANES))])
-    return builder.bitcast(place, _VECTOR.as_pointer())
+class RowsType(types.Type):
+    """numba's name for the rows of an array (n, 8), which somebody else keeps alive."""
+
+    def __init__(self) -> None:
+        super().__init__(name="Rows")
+
+
+rows = RowsType()
+
+
+@register_model(RowsType)
+class _RowsModel(models.PrimitiveModel):
+    def __init__(self, manager: Any, numba_type: Any) -> None:
+        super().__init__(manager, numba_type, _FLOAT.as_pointer())
 
 
 @intrinsic
-def load(typing_context: Any, array: Any, row: Any) -> Any:
-    """Row `row` of a C-contiguous array (rows, 8)."""
+def rows_of(typing_context: Any, array: Any) -> Any:
+    """The rows of a C-contiguous array (n, 8): ``rows[k, i]`` is the number in row k, lane i.
+
+    Arrays are counted wherever they are handed on, which costs more than what is done here.
+    """
 
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return builder.load(_row(context, builder, sig.args[0], *args), align=8)
+        return context.make_array(sig.args[0])(context, builder, args[0]).data
 
-    return lanes(array, types.intp), build
+    good = isinstance(array, types.Array) and array.ndim == 2 and array.layout == "C"
+    return (rows(array), build) if good else None
+
+
+def _element(builder: Any, data: Any, row: Any, i: Any = None) -> Any:
+    place = builder.mul(row, ir.Constant(row.type, LANES))
+    return builder.gep(data, [place if i is None else builder.add(place, i)])
 
 
 @intrinsic
-def store(typing_context: Any, array: Any, row: Any, x: Any) -> Any:
-    """Write to row `row` of a C-contiguous array (rows, 8)."""
-
+def _get(typing_context: Any, data: Any, row: Any, i: Any) -> Any:
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        builder.store(args[2], _row(context, builder, sig.args[0], *args[:2]), align=8)
+        return builder.load(_element(builder, *args))
+
+    return types.float64(rows, types.intp, types.intp), build
+
+
+@intrinsic
+def _set(typing_context: Any, data: Any, row: Any, i: Any, value: Any) -> Any:
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        builder.store(args[3], _element(builder, *args[:3]))
         return context.get_dummy_value()
 
-    return types.void(array, types.intp, lanes), build
+    return types.void(rows, types.intp, types.intp, types.float64), build
+
+
+@overload(operator.getitem)
+def _getitem(data, at):
+    if isinstance(data, RowsType):
+        return lambda data, at: _get(data, at[0], at[1])
+    return None
+
+
+@overload(operator.setitem)
+def _setitem(data, at, value):
+    if isinstance(data, RowsType):
+        return lambda data, at, value: _set(data, at[0], at[1], value)
+    return None
+
+
+@intrinsic
+def load(typing_context: Any, data: Any, row: Any) -> Any:
+    """Row `row` of Rows."""
+
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        place = builder.bitcast(_element(builder, *args), _VECTOR.as_pointer())
+        return builder.load(place, align=8)
+
+    return lanes(rows, types.intp), build
+
+
+@intrinsic
+def store(typing_context: Any, data: Any, row: Any, x: Any) -> Any:
+    """Write to row `row` of Rows."""
+
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        place = builder.bitcast(_element(builder, *args[:2]), _VECTOR.as_pointer())
+        builder.store(args[2], place, align=8)
+        return context.get_dummy_value()
+
+    return types.void(rows, types.intp, lanes), build
 
 
 ROUNDING = 1.5 * 2.0**52  # x + this - this is x rounded to a whole number
@@ -180,7 +248,7 @@ TURN = 1.5707963267948966  # pi / 2, and what is missing from it
 REST_OF_TURN = 6.123233995736766e-17
 
 
-@kernel
+@inlined
 def sine_cosine(x):
     """sin x and cos x to round-off, for |x| up to 1e6 or so.
 

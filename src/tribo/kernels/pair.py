@@ -16,28 +16,35 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
+from numba import njit, types
+from numba.core.errors import NumbaError
+from numba.extending import overload
 
-from tribo.kernels.collocation import FARTHEST, SHARE, SHARP, SWEEPS
-from tribo.kernels.compiled import kernel
+from tribo.kernels.collocation import FARTHEST, SHARP, SWEEPS
+from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.contact import separation
 from tribo.kernels.lanes import (
     LANES,
     highest,
     lane,
+    lanes,
     load,
     magnitude,
     put,
     root,
+    rows_of,
     sine_cosine,
     store,
     total,
+    where_less,
 )
 from tribo.kernels.status import BOBS_COINCIDE, COMPLETED, NOT_FINITE, PAUSED, STEP_UNDERFLOW
 from tribo.kernels.stepping import (
     EPSILON,
+    GROW,
+    SHRINK,
     end_of_step,
     go_on,
-    growth_of,
     next_step,
     time_left,
     turn_back,
@@ -64,6 +71,8 @@ PAIR = np.dtype(
     ],
     align=True,
 )
+
+SHARE = 1e-3  # of the tolerance, for what an iteration leaves: no sweep follows its last
 
 # Rows of a pair's state: eight numbers each.
 PLACE, LOW, START, BEGINNING, MEMORY = 0, 1, 2, 3, 4
@@ -104,7 +113,7 @@ def table(method):
     return rows
 
 
-@kernel
+@inlined
 def summed(method, first, f):
     """sum_j a_ij f_j in lane i; `first` is the row of a_i0."""
     even = load(method, first) * lane(f, 0)
@@ -115,21 +124,37 @@ def summed(method, first, f):
     return even + odd
 
 
-@kernel
-def pushes(pair, potential, r):
-    """Contact force over distance, lane by lane: a potential knows one distance at a time."""
-    end = potential.range()
+def forces_at(potential, r, one, other):
+    """The force at eight distances: as its formula stands where that is arithmetic alone."""
+    raise NotImplementedError
+
+
+@overload(forces_at, strict=False)
+def _forces_at(potential, r, one, other):
+    formula = njit(error_model="numpy")(potential.instance_class.force_between)
+    try:
+        formula.compile((potential, lanes, types.float64, types.float64))
+    except NumbaError:
+        return _one_by_one
+    return lambda potential, r, one, other: potential.force_between(r, one, other)
+
+
+def _one_by_one(potential, r, one, other):
     f = r
     for i in range(LANES):
-        x = lane(r, i)
-        push = 0.0
-        if x < end:
-            push = potential.force_between(x, pair.charge1, pair.charge2) / x
-        f = put(f, i, push)
+        f = put(f, i, potential.force_between(lane(r, i), one, other))
     return f
 
 
-@kernel
+@inlined
+def pushes(pair, potential, r):
+    """Contact force over distance, lane by lane: a potential knows one distance at a time."""
+    end = potential.range()
+    push = forces_at(potential, r, pair.charge1, pair.charge2) * (1.0 / r)
+    return where_less(r, end, push, 0.0)
+
+
+@inlined
 def seen(pair, potential, t, q1, q2, k):
     """The contact force at eight times and places."""
     sin1, cos1 = sine_cosine(q1)
@@ -141,7 +166,7 @@ def seen(pair, potential, t, q1, q2, k):
     return Sight(sin1, cos1, sin2, cos2, f * dx, f * dy, r)
 
 
-@kernel
+@inlined
 def slopes(pair, sight, q1, q2):
     """q1'' and q2''; k'' is f_x."""
     one = sight.cos1 * (pair.turn_x1 * sight.fx) + sight.sin1 * (pair.turn_y1 * sight.fy)
@@ -149,7 +174,7 @@ def slopes(pair, sight, q1, q2):
     return one - pair.square1 * q1, two - pair.square2 * q2
 
 
-@kernel
+@inlined
 def foretell(method, clock, h, work):
     """Slopes at the nodes to begin with: those of the last step's polynomials, or of the start."""
     ratio = h / clock.last if clock.last > 0.0 else math.inf
@@ -180,7 +205,7 @@ def foretell(method, clock, h, work):
     return f1, f2, fk
 
 
-@kernel
+@inlined
 def solve(pair, potential, method, clock, h, tolerance, work, f1, f2, fk):
     """Sweep until another would change less than SHARE of the tolerance.
 
@@ -200,38 +225,39 @@ def solve(pair, potential, method, clock, h, tolerance, work, f1, f2, fk):
     rest2 = q2 + v2 * ahead
     restk = k + j * ahead
     before = 0.0
-    settled = False
+    springs1 = square * pair.square1
+    springs2 = square * pair.square2
     for _ in range(SWEEPS):
         place1 = rest1 + square * summed(method, A, f1)
         place2 = rest2 + square * summed(method, A, f2)
         placek = restk + square * summed(method, A, fk)
         sight = seen(pair, potential, t, place1, place2, placek)
         new1, new2 = slopes(pair, sight, place1, place2)
+        newk = put(sight.fx, 0, startk)
+        late1 = put(new1, 0, start1) - f1
+        late2 = put(new2, 0, start2) - f2
+        latek = newk - fk
+        new1 = new1 - springs1 * summed(method, A, late1)
+        new2 = new2 - springs2 * summed(method, A, late2)
         work[POWERS, 0] = lane(new1, 0)
         work[POWERS, 1] = lane(new2, 0)
         work[POWERS, 2] = lane(sight.fx, 0)
-        new1 = put(new1, 0, start1)
-        new2 = put(new2, 0, start2)
-        newk = put(sight.fx, 0, startk)
         change = highest(
-            unit1 * magnitude(new1 - f1)
-            + unit2 * magnitude(new2 - f2)
-            + unitk * magnitude(newk - fk)
+            unit1 * magnitude(late1) + unit2 * magnitude(late2) + unitk * magnitude(latek)
         )
         clock.evaluations += LANES
-        f1 = new1
-        f2 = new2
+        f1 = put(new1, 0, start1)
+        f2 = put(new2, 0, start2)
         fk = newk
-        if settled or change <= SHARE or 0.0 < before <= change <= 1.0:
+        if change <= SHARE or change * change <= SHARE * before or 0.0 < before <= change <= 1.0:
             return True, f1, f2, fk, place1, place2, sight
         if not math.isfinite(change):
             break
-        settled = change * change <= SHARE * before
         before = change
     return False, f1, f2, fk, rest1, rest2, sight
 
 
-@kernel
+@inlined
 def book(method, h, work, f1, f2, fk, q1, q2, sight):
     """Powers at the nodes into POWERS, and those at the end of the step, account by account."""
     omega1 = work[PLACE, V1] + h * summed(method, R, f1)
@@ -252,13 +278,13 @@ def book(method, h, work, f1, f2, fk, q1, q2, sight):
     return end
 
 
-@kernel
+@inlined
 def miss(x, v, tolerance):
     """|x| in units of the tolerance of v (never below round-off)."""
     return abs(x) / (tolerance + 2.0 * EPSILON * abs(v))
 
 
-@kernel
+@inlined
 def error_of(method, h, work, tolerance, f1, f2, fk):
     """The integrals of the polynomials' highest terms, in units of the tolerances."""
     last = load(method, LAST)
@@ -271,7 +297,16 @@ def error_of(method, h, work, tolerance, f1, f2, fk):
     return worst + highest(h * magnitude(wrong) * load(tolerance, 1))
 
 
-@kernel
+@inlined
+def growth_of_eighth(error):
+    """As :func:`tribo.kernels.stepping.growth_of` of an error that grows as h^8."""
+    growth = 0.9 / math.sqrt(math.sqrt(math.sqrt(error)))
+    if not growth >= SHRINK:  # nan too
+        return SHRINK
+    return min(GROW, growth)
+
+
+@inlined
 def plus(x, low, step):
     """x + step, and what rounding took, of which `low` was left before."""
     step = step + low
@@ -279,18 +314,18 @@ def plus(x, low, step):
     return new, step - (new - x)
 
 
-@kernel
+@inlined
 def finish(method, h, work, f1, f2, fk, once):
     """Places, rates and accounts at the end of the step, rounding errors kept."""
     b = load(method, B)
     v = load(method, V)
-    place, low = work[PLACE], work[LOW]
     twice = total(b * f1), total(b * f2), total(b * fk)
     for m in range(3):
-        rate = place[m + 3] + (low[m + 3] + h * twice[m])
-        place[m], low[m] = plus(place[m], low[m], h * rate)
-    for m in range(3):
-        place[m + 3], low[m + 3] = plus(place[m + 3], low[m + 3], h * once[m])
+        rate = work[PLACE, m + 3] + (work[LOW, m + 3] + h * twice[m])
+        new = plus(work[PLACE, m], work[LOW, m], h * rate)
+        work[PLACE, m], work[LOW, m] = new
+        new = plus(work[PLACE, m + 3], work[LOW, m + 3], h * once[m])
+        work[PLACE, m + 3], work[LOW, m + 3] = new
     for account in range(LANES):
         step = h * (v * load(work, POWERS + account))
         new, left = plus(load(work, ACCOUNTS + account), load(work, REMAINDERS + account), step)
@@ -298,7 +333,7 @@ def finish(method, h, work, f1, f2, fk, once):
         store(work, REMAINDERS + account, left)
 
 
-@kernel
+@inlined
 def encounter_of(pair, potential, r, q1, q2, v1, v2, j):
     """As :func:`tribo.kernels.contact.encounter_rate`, of bobs that are r apart."""
     swing1 = math.sqrt(v1 * v1 + pair.square1 * q1 * q1)
@@ -310,26 +345,28 @@ def encounter_of(pair, potential, r, q1, q2, v1, v2, j):
 
 
 @kernel
-def distance(pair, t, place):
+def distance(pair, t, work):
     """Distance of the bobs."""
-    dx = pair.gap_x + pair.speed_x * t + pair.ease * place[K]
-    dx += pair.arm1 * math.sin(place[Q1]) - pair.arm2 * math.sin(place[Q2])
+    q1, q2 = work[PLACE, Q1], work[PLACE, Q2]
+    dx = pair.gap_x + pair.speed_x * t + pair.ease * work[PLACE, K]
+    dx += pair.arm1 * math.sin(q1) - pair.arm2 * math.sin(q2)
     dy = pair.gap_y + pair.speed_y * t
-    dy -= pair.arm1 * math.cos(place[Q1]) - pair.arm2 * math.cos(place[Q2])
+    dy -= pair.arm1 * math.cos(q1) - pair.arm2 * math.cos(q2)
     return separation(dx, dy, math.sqrt(pair.square_z))
 
 
 @kernel
 def write(pair, potential, clock, work, record):
     """Record the state as the next sample."""
-    row = record[clock.sample]
-    row[: J + 1] = work[PLACE, : J + 1]
+    k = clock.sample
+    for m in range(J + 1):
+        record[k, m] = work[PLACE, m]
     for account in range(LANES):
-        row[J + 1 + account] = total(load(work, ACCOUNTS + account))
-    r = distance(pair, clock.t, work[PLACE])
-    row[ENERGY] = 0.0
+        record[k, J + 1 + account] = total(load(work, ACCOUNTS + account))
+    r = distance(pair, clock.t, work)
+    record[k, ENERGY] = 0.0
     if r < potential.range():
-        row[ENERGY] = potential.energy_between(r, pair.charge1, pair.charge2)
+        record[k, ENERGY] = potential.energy_between(r, pair.charge1, pair.charge2)
     clock.sample += 1
 
 
@@ -338,7 +375,7 @@ def begin(pair, potential, method, tolerance, clock, work):
     """Slopes and powers at the very start, and whether it is one."""
     if clock.evaluations > 0:
         return COMPLETED
-    if distance(pair, clock.t, work[PLACE]) == 0.0:
+    if distance(pair, clock.t, work) == 0.0:
         return BOBS_COINCIDE
     nothing = 0.0 * load(method, AT)
     q1 = nothing + work[PLACE, Q1]
@@ -354,20 +391,30 @@ def begin(pair, potential, method, tolerance, clock, work):
     return COMPLETED if math.isfinite(total(f1 + f2)) and math.isfinite(total(end)) else NOT_FINITE
 
 
-def pair_collocation(pairs, potential, method, tolerance, clocks, work, times, record, budget):
-    """March through the samples with steps whose local errors stay within `tolerance`.
+def pair_collocation(pairs, potential, tables, limits, clocks, state, times, record, budget):
+    """March through the samples with steps whose local errors stay within `limits`.
 
-    `tolerance` (2, 8) has those of omega1, omega2 and j, and the level, then the accounts'
-    reciprocals; `record` (times + 1, COLUMNS) is filled in row by row, and where the run stops
-    has that place last.  As :func:`tribo.kernels.collocation.chosen_collocation` else.
+    `limits` (2, 8) has the tolerances of omega1, omega2 and j, and the level, then the accounts'
+    reciprocals; `tables` is the method's; `state` (ROWS, 8) is what a run goes on from; `record`
+    (times + 1, COLUMNS) is filled in row by row, and where the run stops has that place last.
+    As :func:`tribo.kernels.collocation.chosen_collocation` else.
     """
     pair = pairs[0]
     clock = clocks[0]
-    place = work[PLACE]
+    method = rows_of(tables)
+    tolerance = rows_of(limits)
+    work = rows_of(state)
     status = begin(pair, potential, method, tolerance, clock, work)
-    r = distance(pair, clock.t, place)
+    r = distance(pair, clock.t, work)
     encounter = encounter_of(
-        pair, potential, r, place[Q1], place[Q2], place[V1], place[V2], place[J]
+        pair,
+        potential,
+        r,
+        work[PLACE, Q1],
+        work[PLACE, Q2],
+        work[PLACE, V1],
+        work[PLACE, V2],
+        work[PLACE, J],
     )
     sharpness = math.sqrt(tolerance[0, 3]) / SHARP
     done = 0
@@ -399,7 +446,7 @@ def pair_collocation(pairs, potential, method, tolerance, clocks, work, times, r
         error = sharpness * error_of(method, h, work, tolerance, f1, f2, fk)
         finite = math.isfinite(error) and math.isfinite(total(end) + (next1 + next2))
         if not error <= 1.0 or not finite:
-            turn_back(clock, h * growth_of(error, LANES))
+            turn_back(clock, h * growth_of_eighth(error))
             continue
 
         v = load(method, V)
@@ -410,16 +457,16 @@ def pair_collocation(pairs, potential, method, tolerance, clocks, work, times, r
             lane(sight.r, 0),
             lane(q1, 0),
             lane(q2, 0),
-            place[V1] + h * once[0],
-            place[V2] + h * once[1],
-            place[J] + h * once[2],
+            work[PLACE, V1] + h * once[0],
+            work[PLACE, V2] + h * once[1],
+            work[PLACE, J] + h * once[2],
         )
         if h * next_encounter > 1.0:
             turn_back(clock, 0.5 * h)
             continue
         finish(method, h, work, f1, f2, fk, once)
         t = end_of_step(clock, goal, h, landing)
-        go_on(clock, t, h, landing, min(FARTHEST, growth_of(error, LANES)))
+        go_on(clock, t, h, landing, min(FARTHEST, growth_of_eighth(error)))
         clock.last = h
         store(work, MEMORY, f1)
         store(work, MEMORY + 1, f2)
