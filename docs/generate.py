@@ -22,7 +22,10 @@ from tribo.kernels.status import MEANINGS
 from tribo.potentials import LennardJones, check, with_cutoff
 
 HERE = Path(__file__).resolve().parent
-PAGES_WITH_CODE = (HERE.parent / "README.md", HERE / "tutorial.md", HERE / "scene_file.md")
+PAGES_WITH_CODE = (
+    HERE.parent / "README.md",
+    *(HERE / name for name in ("tutorial.md", "potentials.md", "scene_file.md")),
+)
 
 
 def everything(folder: Path) -> None:

@@ -72,20 +72,26 @@ def costs() -> Iterator[list[str]]:
 
 def work_precision(letter: str, method: str, truth: tribo.Result) -> Iterator[tuple[float, float]]:
     """(error, evaluations) of a method on a case, coarse to fine."""
-    scene = case(letter)
-    if METHODS[method].adaptive:
-        simulation = tribo.prepare(scene, method=method)
-        layout = simulation.layout
-        scales = accuracy.inner_scales(layout, simulation._tuning[-1].samples)
-        for level in 10.0 ** np.arange(-1.0, -15.1, -0.5):
-            setting = accuracy.tolerances(layout, scales, float(level))
-            run = simulation._result([simulation._march(layout.start, setting, scene.times)])
-            yield error(run, truth), run.cost.force_evaluations
-        return
-    for step in 0.8 * 0.5 ** np.arange(0.0, 14.5, 0.5):
-        run = tribo.simulate(scene, method=method, step=float(step))
+    for run in _finer_and_finer(case(letter), method):
         if run.status == "completed":
-            yield error(run, truth), run.cost.force_evaluations
+            found = error(run, truth)
+            yield found, run.cost.force_evaluations
+            if found < 0.1 * COLUMNS[-1]:
+                return
+
+
+def _finer_and_finer(scene: tribo.Scene, method: str) -> Iterator[tribo.Result]:
+    """Runs with lower and lower tolerances, or with shorter and shorter steps."""
+    if not METHODS[method].adaptive:
+        for step in 0.8 * 0.5 ** np.arange(0.0, 14.5, 0.5):
+            yield tribo.simulate(scene, method=method, step=float(step))
+        return
+    simulation = tribo.prepare(scene, method=method)
+    layout = simulation.layout
+    scales = accuracy.inner_scales(layout, simulation._tuning[-1].samples)
+    for level in 10.0 ** np.arange(-1.0, -15.1, -0.5):
+        setting = accuracy.tolerances(layout, scales, float(level))
+        yield simulation._result([simulation._march(layout.start, setting, scene.times)])
 
 
 def _at(curve: list[tuple[float, float]], wanted: float) -> str:

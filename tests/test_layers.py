@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 import tribo
+from tribo.potentials import BUILT_IN
 
 ROOT = Path(tribo.__file__).parent
 
@@ -21,15 +22,17 @@ kernels.runge_kutta kernels.nystrom kernels.collocation kernels.splitting
 sources plugins
 potentials.born_mayer potentials.buckingham potentials.coulomb potentials.lennard_jones
 potentials.mie potentials.morse potentials.plummer potentials.weeks_chandler_andersen
-potentials.yukawa potentials.cutoff potentials.sum potentials.table potentials.from_ase
+potentials.yukawa potentials.cutoff potentials.sum potentials.table potentials.derivative
+potentials.from_ase
 potentials.dimers potentials.registry potentials.to_ase potentials.expression potentials.written
 potentials
 fields drives springs spectra bath langevin roughness asperite surface rows scene scene_file
-layout methods ledger diagnosis march accuracy result archive simulation
+layout methods ledger diagnosis march accuracy tuning costs plan result archive simulation
+work_precision
 report_card.card report_card.specimen report_card.derivatives report_card.smoothness
 report_card.limits report_card.agreement report_card.invariances report_card.ase_peers
 report_card.motion report_card
-pose plotting report_card.figure paper paper_figures cli
+pose plotting report_card.figure work_precision_figure paper paper_figures cli
 """
 ORDER = LAYERS.split()
 
@@ -37,6 +40,7 @@ ORDER = LAYERS.split()
 UPWARD = {
     *{("scene", "scene_file"), ("result", "archive")},
     ("potentials", "potentials.to_ase"),
+    ("work_precision", "work_precision_figure"),
     *{("potentials", "report_card"), ("report_card.card", "report_card.figure")},
 }
 
@@ -97,7 +101,10 @@ def test_kernels_see_no_scene(name):
     assert tops - set(sys.stdlib_module_names) <= {"tribo", "numpy", "numba", "llvmlite"}
 
 
-@pytest.mark.parametrize("name", ["coulomb", "lennard_jones", "morse", "cutoff"])
+FORMULAE = [cls.__module__.rpartition(".")[2] for cls in BUILT_IN.values()]
+
+
+@pytest.mark.parametrize("name", [*FORMULAE, "cutoff", "sum", "derivative"])
 def test_potentials_are_formulae(name):
     """A potential is what a user could have written: it needs nothing of this package."""
     assert not list(of_this_package(f"potentials.{name}"))

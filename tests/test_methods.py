@@ -24,6 +24,7 @@ from tribo import (
     Surface,
 )
 from tribo.accuracy import KINDS, reported_scales
+from tribo.kernels.stepping import Tolerance
 from tribo.layout import laid_out
 from tribo.methods import METHODS
 from tribo.paper import scene as case
@@ -72,7 +73,7 @@ def test_agrees_with_dop853(letter, name):
     """On the paper's cases, every quantity of the ledger."""
     scene = replace(case(letter), output=Output(samples=9))
     truth = tribo.simulate(scene, accuracy=1e-13)
-    result = tribo.simulate(scene, **how(name))
+    result = simulate(scene, **how(name))
     assert result.status == "completed"
     assert largest_error(result, truth) < (1e-9 if METHODS[name].adaptive else STEPS[name][1])
     if METHODS[name].adaptive:
@@ -100,6 +101,30 @@ def test_weak_coupling_is_followed(name):
     scale = max(np.max(np.abs(truth[w])) for w in ("w1", "w2", "w", "delta_e_int"))
     for quantity in ("w1", "w2", "w1_ps", "w2_ps", "w", "delta_e_int"):
         assert np.max(np.abs(rough[quantity] - truth[quantity])) <= 1e-6 * scale, quantity
+
+
+@pytest.mark.parametrize("name", ADAPTIVE)
+def test_accounts_are_looked_at(name):
+    """Less error wanted in the accounts alone, and steps are shorter."""
+    simulation = tribo.prepare(changed("A", 40.0), accuracy=1e-2, method=name)
+    layout = simulation.layout
+    steps = []
+    for wanted in (1e-4, 1e-12):
+        y, s = np.full(layout.start.size, 1e-4), np.full(layout.accounts, wanted)
+        run = simulation._march(layout.start, Tolerance(y, s, 1e-4), np.array([40.0]))
+        steps.append(run.steps)
+    assert steps[1] > 1.2 * steps[0]
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_samples_are_of_one_instant(name):
+    """The contact energy that is recorded is that of the bobs where they are recorded."""
+    scene = replace(case("A"), duration=30.0, output=Output(samples=31))
+    result = simulate(scene, **how(name, accuracy=1e-4))
+    upper, lower = result["upper"], result["lower"]
+    apart = np.hypot(upper.x_bob - lower.x_bob, upper.y_bob - lower.y_bob)[:, 0]
+    energy = scene.interactions[0].potential.energy(apart)
+    assert np.allclose(result.system["contact_energy"], energy, rtol=1e-13, atol=0.0)
 
 
 @pytest.mark.parametrize("name", ADAPTIVE)
@@ -136,13 +161,14 @@ def test_iteration_that_does_not_converge():
 @pytest.mark.parametrize("name", METHODS)
 def test_pauses_change_nothing(monkeypatch, name):
     """However often a run looks at the keyboard, it ends the same, to the last bit."""
-    scene = replace(case("A"), duration=30.0, output=Output(samples=4))
+    scene = replace(case("A"), duration=30.0, output=Output(samples=601))
     results = []
     for seconds in (0.0, 1e9):
         monkeypatch.setattr(tribo.march, "CHUNK_SECONDS", seconds)
         results.append(tribo.simulate(scene, **how(name)))
     one, other = results
     assert (one.status, one.cost.steps) == (other.status, other.cost.steps)
+    assert one.cost.steps >= 600  # more than are done before the first look
     for surface in one.ledger.surfaces:
         for quantity in one[surface]:
             assert np.array_equal(one[surface][quantity], other[surface][quantity]), quantity

@@ -34,7 +34,7 @@ from tribo.potentials import (
     with_cutoff,
 )
 from tribo.potentials.cutoff import AT_CUTOFF
-from tribo.potentials.expression import FUNCTIONS
+from tribo.potentials.derivative import FUNCTIONS
 from tribo.potentials.written import as_table
 from tribo.scene_file import scene_from, scene_text
 

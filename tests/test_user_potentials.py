@@ -8,6 +8,7 @@ import pytest
 import tribo
 import tribo.potentials
 from tribo.errors import InputError
+from tribo.potentials import as_potential
 from tribo.scene_file import scene_from
 
 HEAD = """import math
@@ -90,8 +91,11 @@ FAULTS = {
         "Can't unify return type",
     ),
     "an energy that takes no complex numbers": (
-        ["def energy(self, r):", "    return self.s * math.exp(-r)"],
-        "return self.s * math.exp(-r)",
+        [
+            *("def energy(self, r):", "    for _ in range(1):", "        u = math.exp(-r)"),
+            "    return self.s * u",
+        ],
+        "u = math.exp(-r)",
         "for want of a force(self, ...) it is called with complex numbers",
     ),
     "a force that does not compile": (
@@ -115,6 +119,65 @@ FAULTS = {
         "must give (name, whether it will do, what would) for each",
     ),
 }
+
+
+# Energies, and whether their force is taken from their source.
+ENERGIES = {
+    "a quotient": (["return self.s / r"], True),
+    "steps": (["x = self.s / r", "x = x * x - r", "y = 3.0", "return y * x**3 / (x - 7.0)"], True),
+    "numpy": (["e = np.exp(-r) * np.sqrt(r + self.s)", "return e * np.tanh(e) - np.cos(r)"], True),
+    "math": (["return self.s * math.log(1.0 + r) / math.cosh(r)"], True),
+    "a comparison": (["return (r < 1.5) * (1.5 - r) ** 3 * self.s"], True),
+    "constants and helpers of none": (["return -TWO * +r * np.pi * compiled(self.s)"], True),
+    "a power of r": (["return self.s**r + r**-self.s"], False),
+    "a loop": (["u = 0.0", "for k in range(3):", "    u = u + r**k", "return u"], False),
+    "a sum in place": (["u = self.s", "u += r", "return u * r"], False),
+    "a function of ones own": (["return compiled(r)"], False),
+    "a function without a rule": (["return np.arctan(r)"], False),
+}
+
+
+@pytest.mark.parametrize("name", ENERGIES)
+def test_forces_of_energies_alone(tmp_path, name):
+    """From the source where that is a formula, and the derivative in any case."""
+    lines, is_formula = ENERGIES[name]
+    head = HEAD.replace("import numba", "import numba\nimport numpy as np\nTWO = 2.0")
+    body = "".join(f"        {line}\n" for line in lines)
+    (tmp_path / "own.py").write_text(head + "    def energy(self, r):\n" + body)
+    own = scene("own.py:Own", tmp_path).interactions[0].potential
+    assert (type(own).force.__module__ == "tribo.potentials.derivative") == is_formula
+    for r in (0.4, 1.1, 2.7):
+        if name == "a function of ones own":
+            exact = 1.0 / r**2
+        else:
+            weights = ((1, 0.75), (2, -0.15), (3, 1.0 / 60.0))
+            h = 1e-3
+            exact = (
+                -sum(w * (own.energy(r + k * h) - own.energy(r - k * h)) for k, w in weights) / h
+            )
+        force = own.force(r)
+        assert force == pytest.approx(exact, rel=1e-6, abs=1e-9)
+        if "math" not in name and name != "a comparison":
+            step = -own.energy(r + 1e-100j).imag / 1e-100
+            assert force == pytest.approx(step, rel=1e-13, abs=1e-14)
+
+
+def test_a_source_that_was_edited_is_not_the_energy(tmp_path, monkeypatch):
+    """A force is never taken from a text that the energy was not made from."""
+    import importlib
+    import linecache
+
+    head = "from typing import NamedTuple\nclass Own(NamedTuple):\n    s: float\n"
+    path = tmp_path / "edited_since.py"
+    path.write_text(head + "    def energy(self, r): return self.s / r\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    module = importlib.import_module("edited_since")
+    path.write_text(head + "    def energy(self, r): return self.s / r**2\n")
+    linecache.checkcache()
+    own = as_potential(module.Own(1.0))
+    assert own.energy(2.0) == 0.5
+    assert own.force(2.0) == pytest.approx(0.25, rel=1e-14)
+    assert type(own).force.__name__ == "_complex_step"
 
 
 def scene(potential, tmp_path):

@@ -7,10 +7,12 @@ closes: each of those can be wrong by orders of magnitude.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
+from tribo.errors import InputError
 from tribo.kernels.stepping import Tolerance
 from tribo.layout import Layout
 from tribo.ledger import (
@@ -189,14 +191,56 @@ def first_step(layout: Layout) -> float:
     return min(0.05 / fastest if fastest > 0.0 else np.inf, 1e-3 * layout.scene.duration)
 
 
-def estimate(books: Ledger, fine: Ledger, coarse: Ledger) -> dict[str, float]:
+def unit_step(layout: Layout) -> float:
+    """The time of a radian of the fastest pendulum: the unit of equal steps."""
+    a = layout.model.asperites
+    inverse = 1.0 / a.inertia + np.where(a.dof_phi >= 0, 1.0 / a.i2, 0.0)
+    fastest = float(np.max(np.sqrt(a.kappa * inverse)))
+    return min(1.0 / fastest if fastest > 0.0 else np.inf, 0.01 * layout.scene.duration)
+
+
+def kind_of(name: str) -> str:
+    """The kind of a quantity, "w1" or "upper.w1"."""
+    return KINDS[name.rpartition(".")[2]]
+
+
+def check_observables(layout: Layout, names: Iterable[str], field: str = "accuracy") -> None:
+    """Complain about names of nothing that is reported."""
+    for name in names:
+        surface, _, quantity = name.rpartition(".")
+        if quantity not in KINDS or (surface and surface not in layout.parts):
+            raise InputError(
+                f"{field}.{name}",
+                'names nothing that is reported; give a quantity, as "w1", or a surface\'s, as '
+                f'"{next(iter(layout.parts))}.W"',
+            )
+
+
+def distance(one: Ledger, other: Ledger, scales: Scales, names: Iterable[str] = ()) -> float:
+    """The largest difference of two runs at the same times, each in units of its scale.
+
+    Of the quantities named, or of everything.
+    """
+    worst = 0.0
+    for name in names or KINDS:
+        for mine, theirs in zip(one.series(name), other.series(name), strict=True):
+            gap, scale = _top(mine - theirs), scales.of(kind_of(name))
+            if gap > 0.0:
+                worst = max(worst, gap / scale if scale > 0.0 else np.inf)
+    return worst
+
+
+def estimate(
+    books: Ledger, fine: Ledger, coarse: Ledger, names: Iterable[str] = ()
+) -> dict[str, float]:
     """A bound on the error of each reported quantity, over asperites and recorded times.
 
     `fine` and `coarse` are two runs at the times that both recorded, `books` the finer one at all
     of its times.  To three times the largest difference comes what writing the numbers down costs.
+    `names` are further ones, as "upper.W".
     """
     bounds = {}
-    for name in KINDS:
+    for name in dict.fromkeys([*KINDS, *names]):
         whole = books.series(name)
         if whole:
             pairs = zip(fine.series(name), coarse.series(name), strict=True)
@@ -206,11 +250,14 @@ def estimate(books: Ledger, fine: Ledger, coarse: Ledger) -> dict[str, float]:
     return bounds
 
 
-def excess(bounds: dict[str, float], scales: Scales, accuracy: float) -> float:
+def excess(
+    bounds: Mapping[str, float], scales: Scales, wanted: float | Mapping[str, float]
+) -> float:
     """The largest estimate in units of what was asked for; at most 1 where the request is met."""
     worst = 0.0
-    for name, bound in bounds.items():
-        scale = scales.of(KINDS[name])
+    for name in wanted if isinstance(wanted, Mapping) else bounds:
+        bound, scale = bounds[name], scales.of(kind_of(name))
+        accuracy = wanted[name] if isinstance(wanted, Mapping) else wanted
         if bound > 0.0:
             worst = max(worst, bound / (accuracy * scale) if scale > 0.0 else np.inf)
     return worst

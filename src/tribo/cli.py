@@ -54,6 +54,17 @@ def _parser() -> argparse.ArgumentParser:
     paper.add_argument("--figures", type=Path, metavar="DIR", help="draw the paper's figures")
     paper.set_defaults(command=_paper)
 
+    accuracy = commands.add_parser("accuracy", help="error against time, for every method")
+    accuracy.add_argument("scene", type=Path, metavar="SCENE.toml")
+    accuracy.add_argument("--json", action="store_true", help="print rows as JSON")
+    accuracy.add_argument("--figure", type=Path, metavar="FILE", help="draw both diagrams")
+    accuracy.add_argument("--methods", nargs="+", metavar="NAME", help="these alone")
+    accuracy.add_argument(
+        "--observables", nargs="+", metavar="NAME", help='errors of these alone, as "upper.W"'
+    )
+    accuracy.add_argument("--seconds", type=float, default=30.0, help="for all runs together")
+    accuracy.set_defaults(command=_accuracy)
+
     check = commands.add_parser("check", help="a report card for a potential")
     check.add_argument("potential", metavar="POTENTIAL", help="its name, or file.py:Class")
     check.add_argument(
@@ -113,6 +124,23 @@ def _paper(options: argparse.Namespace) -> int:
         )
     else:
         print(paper.report(tables))
+    return COMPLETED
+
+
+def _accuracy(options: argparse.Namespace) -> int:
+    from tribo.scene_file import load_scene
+    from tribo.work_precision import work_precision
+
+    scene = load_scene(options.scene)
+    if options.figure is not None:
+        _check_place("--figure", options.figure.absolute())
+    told = (lambda name: print(name, file=sys.stderr)) if sys.stderr.isatty() else None
+    found = work_precision(
+        scene, options.methods, options.observables or (), options.seconds, progress=told
+    )
+    if options.figure is not None:
+        found.save_figure(options.figure)
+    print(found.to_json() if options.json else found)
     return COMPLETED
 
 

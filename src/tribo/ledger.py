@@ -174,8 +174,14 @@ class Ledger:
     system: Table  # quantity -> (times,)
 
     def series(self, name: str) -> list[np.ndarray]:
-        """Every series of that name: of each surface that has it, or of the system."""
+        """Every series of that name: of each surface that has it, or of the system.
+
+        A surface's alone if it is named too, as "upper.w1".
+        """
+        surface, _, name = name.rpartition(".")
         tables = [self.system, *self.surfaces.values(), *self.blocks.values()]
+        if surface:
+            tables = [self.surfaces.get(surface, {}), self.blocks.get(surface, {})]
         return [table[name] for table in tables if name in table]
 
 

@@ -17,6 +17,7 @@ from tribo.kernels import (
     tableaux,
 )
 from tribo.kernels.splitting import alternating, composed
+from tribo.scene import Scene
 
 # Effects that a method refuses, and why, as the end of a sentence that begins with its name.
 _PLACES = "is for forces of places alone; "
@@ -43,6 +44,7 @@ class Method:
     use: str
     source: str
     splits: bool = False  # takes the torsion springs, baths and reservoirs apart from other forces
+    first_level: float = 0.03  # of settings first tried, in units of the accuracy
     remembers: int = 0  # vectors of a last step, by which the next is begun
     refuses: Mapping[str, str] = field(default_factory=dict)  # effect -> why
     smoothness: int = 1  # continuous derivatives of U that its order needs
@@ -203,6 +205,21 @@ METHODS = {
         ),
     )
 }
+
+
+def noisy(scene: Scene) -> bool:
+    """Whether a reservoir's noise acts somewhere."""
+    return any(s.langevin and s.langevin.temperature > 0.0 for s in scene.surfaces)
+
+
+def refusal(method: Method, scene: Scene) -> str | None:
+    """Why a method cannot run a scene, as the end of a sentence; None if it can."""
+    if noisy(scene) and method.name != "verlet":
+        return f'must be "verlet" for noise from a reservoir, got "{method.name}"'
+    for effect, why in method.refuses.items():
+        if effect in scene.effects:
+            return f'"{method.name}" {why}'
+    return None
 
 
 def named(name: Any) -> Method:

@@ -22,6 +22,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tribo.checks import as_path
+from tribo.errors import InputError
 from tribo.pose import Pose, Poses, contact_force, poses, separation
 from tribo.result import Result
 
@@ -30,6 +32,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COLUMN, WIDE = 3.375, 5.1  # one and one-and-a-half columns of a journal [inch]
+FILES = (".png", ".pdf", ".svg")  # kinds that a figure can be written as
 POINTS_PER_INCH = 72.0
 LINE = 14.0  # from one line of labels to the next [points]
 EDGE = 4.0  # of paper around a drawing [points]
@@ -70,6 +73,19 @@ STYLE: Any = {
     "savefig.dpi": 300,
     "pdf.fonttype": 42,  # letters stay letters, as journals ask for
 }
+
+
+def write(figure: Figure, path: Any) -> Path:
+    """Write a figure into a file whose name ends on .png, .pdf or .svg.  Raises InputError."""
+    place = as_path(path)
+    if place.suffix.lower() not in FILES:
+        raise InputError("--figure", f"must end on {', '.join(FILES)}, got {str(path)!r}")
+    try:
+        figure.savefig(place)
+    except OSError as error:
+        why = error.strerror or str(error)
+        raise InputError("--figure", f"{place} cannot be written ({why})") from None
+    return place
 
 
 def style() -> AbstractContextManager[None]:

@@ -54,6 +54,8 @@ class Cost:
     force_evaluations: int  # of the run delivered and of those made to estimate its error
     wall_seconds: float
     compile_seconds: float
+    digit_more: float | None = None  # seconds that one more digit would take; None: not known
+    digit_fewer: float | None = None  # and one fewer
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,9 +69,10 @@ class Result:
     method: str
     cost: Cost
     error_estimate: dict[str, float | None]
-    accuracy: float | None = None  # what was asked for
+    accuracy: Any = None  # what was asked for: a number, or one by the name of each observable
     met: bool | None = None  # whether every estimate is within it; None where there is none
     notes: tuple[str, ...] = field(default=())
+    why: str = ""  # the method was chosen; empty where it was given
 
     def __getitem__(self, surface: str) -> Series:
         if surface not in self.ledger.surfaces:
@@ -94,6 +97,9 @@ class Result:
             "force_evaluations": self.cost.force_evaluations,
             "wall_seconds": self.cost.wall_seconds,
             "compile_seconds": self.cost.compile_seconds,
+            "seconds_for_digit_more": self.cost.digit_more,
+            "seconds_for_digit_fewer": self.cost.digit_fewer,
+            "why": self.why,
             "accuracy": self.accuracy,
             "accuracy_met": self.met,
             "notes": list(self.notes),
@@ -120,7 +126,7 @@ class Result:
         lines = [
             f"{self.scene.title or 'scene'}: {self.status} at t = {self.t[-1]:g}; {self.method}, "
             f"{cost.steps} steps, {cost.force_evaluations} force evaluations, "
-            f"{cost.wall_seconds:.3g} s; {error}"
+            f"{cost.wall_seconds:.3g} s{self._digits()}; {error}"
         ]
         if self.status != "completed":
             lines.append(f"  {MEANINGS[self.status]}")
@@ -130,6 +136,13 @@ class Result:
                 f"internal energy {block['delta_E_int'][-1]:+.6g}"
             )
         return "\n".join(lines + [f"  note: {note}" for note in self.notes])
+
+    def _digits(self) -> str:
+        """What a digit more or fewer would take."""
+        if self.cost.digit_more is None or self.cost.digit_fewer is None:
+            return ""
+        more, fewer = self.cost.digit_more, self.cost.digit_fewer
+        return f" (one digit more {more:.2g} s, one fewer {fewer:.2g} s)"
 
     def to_xarray(self) -> xarray.Dataset:
         """All series as a labelled data set; names are ``surface.quantity``."""

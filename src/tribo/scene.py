@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -115,13 +116,13 @@ class Output:
 class Numerics:
     """How to compute, as a file may say it; :func:`tribo.simulate` has the last word."""
 
-    accuracy: float | None = None
+    accuracy: float | dict[str, float] | None = None  # of everything, or of observables by name
     method: str | None = None
     step: float | None = None
 
     def __post_init__(self) -> None:
         if self.accuracy is not None:
-            check_accuracy(self.accuracy)
+            object.__setattr__(self, "accuracy", check_accuracy(self.accuracy))
         if self.method is not None and (not isinstance(self.method, str) or not self.method):
             raise InputError("method", f"must be a method's name, got {shown(self.method)}")
         if self.step is not None:
@@ -130,11 +131,20 @@ class Numerics:
                 raise InputError("accuracy", "cannot go with a step; give one or the other")
 
 
-def check_accuracy(value: Any) -> float:
-    """An accuracy that double precision can hold out."""
-    accuracy = number("accuracy", value, POSITIVE)
+def check_accuracy(value: Any) -> float | dict[str, float]:
+    """An accuracy that double precision can hold out, or one for each observable."""
+    if isinstance(value, Mapping):
+        if not value:
+            raise InputError("accuracy", "must be a number, or name at least one observable")
+        with inside("accuracy"):
+            return {str(name): _accuracy(str(name), item) for name, item in value.items()}
+    return _accuracy("accuracy", value)
+
+
+def _accuracy(field: str, value: Any) -> float:
+    accuracy = number(field, value, POSITIVE)
     if not 1e-13 <= accuracy <= 0.1:
-        raise InputError("accuracy", f"must be from 1e-13 to 0.1, got {value}")
+        raise InputError(field, f"must be from 1e-13 to 0.1, got {value}")
     return accuracy
 
 

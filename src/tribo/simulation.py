@@ -9,65 +9,81 @@ import numpy as np
 
 from tribo import accuracy as acc
 from tribo import methods, sources
-from tribo.checks import POSITIVE, inside, number, number_or_each, shown
+from tribo.checks import inside, number_or_each, shown
 from tribo.errors import InputError
 from tribo.kernels.compiled import time_loop
 from tribo.layout import laid_out, set_bath
 from tribo.ledger import Ledger, ledger
 from tribo.march import Digest, March, Progress, compile_loop, march
+from tribo.plan import plan_for
 from tribo.potentials.written import as_table
 from tribo.result import Cost, Result
-from tribo.scene import Scene, check_accuracy
+from tribo.scene import Scene
 from tribo.spectra import believed_until
+from tribo.tuning import (
+    PILOT,
+    Tuned,
+    Wanted,
+    amplification,
+    estimated,
+    out_of_reach,
+    setting_at,
+    tightest,
+    tune,
+)
 
-DEFAULT_ACCURACY = 1e-8
-PILOT = 1e-3  # tolerance level of the first run, which finds out the scales
 CHECKS = 8  # equal parts of the duration, after each of which two runs are compared
 PARTS = 32  # the finer run lands on these and the samples: its steps are never the other's
-FIRST_LEVEL = 0.03  # tolerance of the coarser run, in units of the accuracy
-STALLED = 0.5  # of the estimate before: less gained than that, and round-off is the limit
-ROUNDS = 6  # of tightening, before a request is called out of reach
-NOISY_STEP = 2.0  # of a run with noise, in units of the first step of one without
-HALTED = ("Interrupted", "CalculatorFailed")  # what ends a run that another would not mend
-PERTURBATION = 1e-11  # of the start, to see what the scene makes of it
 
 
 class Simulation:
     """A scene with method and step fixed and everything compiled; made by :func:`prepare`."""
 
     def __init__(
-        self,
-        scene: Scene,
-        accuracy: float | None,
-        method: methods.Method,
-        step: float | None,
-        progress: Progress | None = None,
+        self, scene: Scene, method: methods.Method, progress: Progress | None = None, why: str = ""
     ) -> None:
+        """Lay out the scene and have its time loop compiled; how to run it is still open."""
         self.scene = scene
         self.method = method
-        self.accuracy = accuracy
+        self.why = why
+        self.accuracy: Wanted | None = None
         self.layout = laid_out(scene)
         self._progress = progress
         self._first_step = acc.first_step(self.layout)
         self._loop = time_loop(method.loop, sources.stamp(self.layout.plugins))
         self._times = scene.times
         self._check_times = np.linspace(0.0, scene.duration, CHECKS + 1)
-        self._setting: Any = step
-        if accuracy is not None:
-            self._times = np.union1d(self._times, np.linspace(0.0, scene.duration, PARTS + 1))
-            self._setting = acc.tolerances(self.layout, acc.first_guess(self.layout), PILOT)
+        self._setting = setting_at(self.layout, method, acc.first_guess(self.layout), PILOT)
         self.compile_seconds = compile_loop(self.layout, method, self._loop, self._setting)
         self._coarse: Any = None
-        self._tuning: list[March] = []
+        self._tuned: Tuned | None = None
         self._warnings = _roughness(scene, method) + _warnings(scene)
-        if accuracy is not None:
-            if self._digests:
-                raise InputError(
-                    "output.samples",
-                    f"{self._times.size} samples of {scene.count} asperites are too many to "
-                    "compare two runs; give fewer samples, or a method and a step",
-                )
-            self._tune(accuracy)
+
+    def with_step(self, step: float) -> Simulation:
+        """Go in equal steps, as large as that."""
+        self._setting = step
+        return self
+
+    def within(self, accuracy: Wanted) -> Simulation:
+        """Find the settings that keep an accuracy.  Raises InputError."""
+        if isinstance(accuracy, Mapping):
+            acc.check_observables(self.layout, accuracy)
+        self.accuracy = accuracy
+        self._times = np.union1d(self._times, np.linspace(0.0, self.scene.duration, PARTS + 1))
+        if self._digests:
+            raise InputError(
+                "output.samples",
+                f"{self._times.size} samples of {self.scene.count} asperites are too many to "
+                "compare two runs; give fewer samples, or a method and a step",
+            )
+        self._tuned = tune(self.layout, self.method, accuracy, self.attempt)
+        self._coarse, self._setting = self._tuned.coarse, self._tuned.fine
+        return self
+
+    def attempt(self, setting: Any, checks: bool = False, start: np.ndarray | None = None) -> March:
+        """One run with a step or tolerances, recorded at the scene's times or at a few checks."""
+        times = self._check_times if checks else self._times
+        return self._march(self.layout.start if start is None else start, setting, times)
 
     def run(self, start: Mapping[str, Any] | None = None, estimate: bool = True) -> Result:
         """Run from the scene's start, or with some initial values changed.
@@ -85,7 +101,14 @@ class Simulation:
 
     def first_result(self) -> Result:
         """The result of the runs that fixed the step, or of a run if none was needed."""
-        return self._result(self._tuning) if self._tuning else self.run()
+        return self._result(list(self._tuned.runs)) if self._tuned else self.run()
+
+    @property
+    def finest(self) -> March:
+        """The run that fixed the settings.  Raises InputError where none did."""
+        if self._tuned is None:
+            raise InputError("accuracy", "is missing; without one no run fixed the settings")
+        return self._tuned.runs[-1]
 
     @property
     def _digests(self) -> bool:
@@ -105,43 +128,6 @@ class Simulation:
             self._progress,
             digest,
         )
-
-    def _tune(self, accuracy: float) -> None:
-        """Find two tolerances a decade apart whose runs agree within the accuracy.
-
-        A pilot finds the scales; then the level is lowered until the estimate meets the request,
-        or has reached what double precision can do.
-        """
-        layout, start = self.layout, self.layout.start
-        runs = [self._march(start, self._setting, self._check_times)]
-        level = FIRST_LEVEL * accuracy
-        before = np.inf
-        for _ in range(ROUNDS):
-            scales = acc.inner_scales(layout, runs[-1].samples)
-            self._coarse = acc.tolerances(layout, scales, level)
-            self._setting = acc.tolerances(layout, scales, 0.1 * level)
-            for setting, times in (
-                (self._coarse, self._check_times),
-                (self._setting, self._times),
-            ):
-                if runs[-1].status not in HALTED:
-                    runs.append(self._march(start, setting, times))
-            if runs[-1].status in HALTED:
-                break
-            excess = acc.excess(*self._estimated(runs[-1], runs[-2]), accuracy)
-            if excess <= 1.0 or level <= acc.FLOOR or excess > STALLED * before:
-                break
-            before = excess
-            level = max(level * min(0.1, 0.3 / excess), acc.FLOOR)
-        self._tuning = runs
-
-    def _estimated(self, fine: March, coarse: March) -> tuple[dict[str, float], acc.Scales]:
-        """Bounds on the finer run's errors, and the scales that they are judged by."""
-        layout = self.layout
-        books = ledger(layout, fine.samples)
-        shared = np.intersect1d(fine.samples.t, coarse.samples.t)
-        one, other = (ledger(layout, run.samples.at(shared)) for run in (fine, coarse))
-        return acc.estimate(books, one, other), acc.reported_scales(layout, books)
 
     def _changed(self, start: Mapping[str, Any]) -> np.ndarray:
         """y at t = 0 with some initial values replaced."""
@@ -195,42 +181,49 @@ class Simulation:
         if len(runs) > 1 and self.accuracy is not None:
             met = False
             if fine.status == "completed":  # of the end of any other run nothing is known
-                estimated, scales = self._estimated(fine, runs[-2])
-                met = acc.excess(estimated, scales, self.accuracy) <= 1.0
-                bounds.update(estimated)
+                names = self.accuracy if isinstance(self.accuracy, Mapping) else ()
+                found, scales = estimated(self.layout, fine, runs[-2], names)
+                met = acc.excess(found, scales, self.accuracy) <= 1.0
+                bounds.update(found)
                 if not met:
-                    notes.append(self._out_of_reach(fine, estimated, scales))
+                    notes.append(self._missed(acc.excess(found, scales, self.accuracy)))
         return Result(
             scene=self.scene,
             t=t,
             ledger=books,
             status=fine.status,
             method=self.method.name,
-            cost=Cost(
-                steps=fine.steps,
-                force_evaluations=sum(run.evaluations for run in runs),
-                wall_seconds=sum(run.seconds for run in runs),
-                compile_seconds=self.compile_seconds,
-            ),
+            why=self.why,
+            cost=self._price(runs),
             error_estimate=bounds,
             accuracy=self.accuracy,
             met=met,
             notes=tuple(notes),
         )
 
-    def _out_of_reach(self, fine: March, bounds: dict[str, float], scales: acc.Scales) -> str:
-        """Why the request was not met: how much the scene makes of a small change of its start."""
-        assert self.accuracy is not None
-        nudged = self.layout.start.copy()
-        nudged[: self.layout.model.asperites.size] += PERTURBATION
-        other = self._march(nudged, self._setting, self._times)
-        change = acc.excess(self._estimated(fine, other)[0], scales, 1.0) / acc.SAFETY
-        reached = acc.excess(bounds, scales, 1.0)
-        return (
-            f"accuracy {self.accuracy:.1e} is out of reach: errors are estimated at {reached:.1e} "
-            f"of their scale; a change of {PERTURBATION:.0e} in the start grows to {change:.1e}, "
-            f"and round-off of {acc.EPSILON:.1e} with it to about "
-            f"{acc.EPSILON * change / PERTURBATION:.1e}"
+    def _missed(self, excess: float) -> str:
+        """That the request was not met, by how much, and what the scene makes of round-off."""
+        assert self.accuracy is not None and self._tuned is not None
+        grown, wanted = self._tuned.amplification, tightest(self.accuracy)
+        if grown is None:
+            base = self.attempt(self._coarse, True)
+            grown = amplification(self.layout, self.attempt, self._coarse, base)
+        return f"errors are estimated at {excess:.1e} of the request; {out_of_reach(wanted, grown)}"
+
+    def _price(self, runs: list[March]) -> Cost:
+        """What the runs took, and what a digit more or less would take."""
+        seconds = sum(run.seconds for run in runs)
+        ratio = None
+        if self._tuned is not None and len(self._tuned.runs) > 1:
+            coarse, fine = (run.evaluations for run in self._tuned.runs[-2:])
+            ratio = fine / coarse if coarse > 0 else None
+        return Cost(
+            steps=runs[-1].steps,
+            force_evaluations=sum(run.evaluations for run in runs),
+            wall_seconds=seconds,
+            compile_seconds=self.compile_seconds,
+            digit_more=None if ratio is None else seconds * ratio,
+            digit_fewer=None if ratio is None else seconds / ratio,
         )
 
 
@@ -272,73 +265,38 @@ def _warnings(scene: Scene) -> list[str]:
 
 def prepare(
     scene: Scene,
-    accuracy: float | None = None,
+    accuracy: Wanted | None = None,
     method: str | None = None,
     step: float | None = None,
     progress: Progress | None = None,
 ) -> Simulation:
     """Compile and plan a scene once; method and step are fixed here.
 
-    `accuracy` is the largest error wanted in any reported quantity, relative to its scale; None
-    takes the scene file's, else 1e-8.  A `method` and `step` of one's own are obeyed, and have no
-    error estimate.  `progress` is told the time reached.  Raises InputError.
+    `accuracy` is the largest error wanted in any reported quantity, relative to its scale, or one
+    for each observable that matters, as ``{"upper.W": 1e-3}``; None takes the scene file's, else
+    1e-8.  The method is the one that a model of costs finds cheapest, unless one is named.  A
+    `method` and `step` of one's own are obeyed, and have no error estimate.  `progress` is told
+    the time reached.  Raises InputError.
     """
     if not isinstance(scene, Scene):
         raise InputError("scene", f"must be a tribo.Scene, got {scene!r}")
     own = any(item is not None for item in (accuracy, method, step))
     if own:
-        how = _how(scene, accuracy, method, step)
+        plan = plan_for(scene, accuracy, method, step)
     else:
         wanted = scene.numerics
         with inside("numerics"):
-            how = _how(scene, wanted.accuracy, wanted.method, wanted.step)
-    return Simulation(scene, *how, progress)
-
-
-def _how(
-    scene: Scene, accuracy: float | None, method: str | None, step: float | None
-) -> tuple[float | None, methods.Method, float | None]:
-    """Accuracy or step, and the method, from what was asked for; complains if they do not fit."""
-    if method is None:
-        method = "dop853" if step is None else "midpoint"
-        if _noisy(scene):
-            method = "verlet"
-            if step is None and accuracy is None:
-                step = NOISY_STEP * acc.first_step(laid_out(scene))
-    chosen = methods.named(method)
-    _refuse(scene, chosen)
-    if chosen.adaptive:
-        if step is not None:
-            raise InputError(
-                "step", f"cannot go with {chosen.name}, which chooses its own; give accuracy"
-            )
-        return check_accuracy(DEFAULT_ACCURACY if accuracy is None else accuracy), chosen, None
-    if accuracy is not None and step is not None:
-        raise InputError("accuracy", f"cannot go with a step of one's own for {chosen.name}")
-    if step is None:
-        raise InputError("step", f"is missing; {chosen.name} goes in equal steps")
-    return None, chosen, number("step", step, POSITIVE)
-
-
-def _noisy(scene: Scene) -> bool:
-    """Whether a reservoir's noise acts somewhere."""
-    return any(s.langevin and s.langevin.temperature > 0.0 for s in scene.surfaces)
-
-
-def _refuse(scene: Scene, method: methods.Method) -> None:
-    """What a method cannot do is said, not done wrong."""
-    if _noisy(scene) and method.name != "verlet":
-        raise InputError(
-            "method", f'must be "verlet" for noise from a reservoir, got "{method.name}"'
-        )
-    for effect, why in method.refuses.items():
-        if effect in scene.effects:
-            raise InputError("method", f'"{method.name}" {why}')
+            plan = plan_for(scene, wanted.accuracy, wanted.method, wanted.step)
+    simulation = Simulation(scene, plan.method, progress, plan.why)
+    if plan.step is not None:
+        return simulation.with_step(plan.step)
+    assert plan.accuracy is not None
+    return simulation.within(plan.accuracy)
 
 
 def simulate(
     scene: Scene,
-    accuracy: float | None = None,
+    accuracy: Wanted | None = None,
     method: str | None = None,
     step: float | None = None,
     progress: Progress | None = None,

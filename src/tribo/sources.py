@@ -56,7 +56,7 @@ def load(source: bytes, place: str) -> ModuleType:
     module.__file__ = place
     sys.modules[name] = module
     try:
-        exec(compile(source, place, "exec"), module.__dict__)
+        exec(compile(source, place, "exec", dont_inherit=True), module.__dict__)
     except BaseException:
         del sys.modules[name]
         raise

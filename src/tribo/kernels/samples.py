@@ -48,10 +48,12 @@ def blank(state):
 @kernel
 def copy_state(source, target):
     """Make one state equal to another; what a method remembers is its own business."""
-    target.y[:] = source.y
-    target.y_low[:] = source.y_low
-    target.s[:] = source.s
-    target.s_low[:] = source.s_low
+    for m in range(source.y.size):
+        target.y[m] = source.y[m]
+        target.y_low[m] = source.y_low[m]
+    for m in range(source.s.size):
+        target.s[m] = source.s[m]
+        target.s_low[m] = source.s_low[m]
 
 
 @kernel

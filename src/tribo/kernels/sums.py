@@ -7,7 +7,8 @@ from tribo.kernels.stepping import EPSILON
 @kernel
 def combine(y, h, row, slopes, out):
     """out = y + h sum_j row_j slopes_j."""
-    out[:] = y
+    for m in range(y.size):
+        out[m] = y[m]
     for j in range(row.size):
         if row[j] != 0.0:
             weight = h * row[j]

@@ -15,21 +15,9 @@ from typing import Any
 from tribo import plugins, sources
 from tribo.checks import shown
 from tribo.errors import InputError
+from tribo.potentials.derivative import FUNCTIONS, OPERATORS, Rules
 from tribo.potentials.registry import as_potential
 
-# What each function is differentiated to; u stands for its argument.
-FUNCTIONS = {
-    "exp": "exp(u)",
-    "log": "1/u",
-    "sqrt": "0.5/sqrt(u)",
-    "sin": "cos(u)",
-    "cos": "-sin(u)",
-    "tan": "1/cos(u)**2",
-    "sinh": "cosh(u)",
-    "cosh": "sinh(u)",
-    "tanh": "1/cosh(u)**2",
-}
-OPERATORS = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow)
 TAKEN = (  # names that a parameter cannot have: of a potential's methods, of a scene file's keys
     *("energy", "force", "feature", "clearance", "coupling", "energy_between", "force_between"),
     *("range", "smoothness", "smoothness_within", "minimum", "domain", "demands", "count", "index"),
@@ -92,7 +80,9 @@ def class_of(text: str) -> Any:
         raise _refusal(text, "the distance r in it")
     source = HEAD.format(text=text.replace("\\", "").replace('"', ""))
     source += "".join(f"    {name}: float\n" for name in fields)
-    source += BODY.format(energy=_compiled(tree), slope=_compiled(_derivative(tree)), text=text)
+    source += BODY.format(
+        energy=_compiled(tree), slope=_compiled(Rules("r").derivative(tree)), text=text
+    )
     return sources.load(source.encode(), f"<{text}>").Expression
 
 
@@ -158,72 +148,3 @@ def _compiled(tree: ast.expr) -> str:
             return ast.Attribute(ast.Name("self"), node.id)
 
     return ast.unparse(Rename().visit(ast.parse(ast.unparse(tree), mode="eval").body))
-
-
-def _derivative(node: ast.expr) -> ast.expr:
-    """d/dr of an expression, as another."""
-    if "r" not in _names(node):
-        return ast.Constant(0)
-    match node:
-        case ast.Name():
-            return ast.Constant(1)
-        case ast.UnaryOp(op, operand):
-            return ast.UnaryOp(op, _derivative(operand))
-        case ast.Call(ast.Name(name), [u]):
-            return _product(_filled(FUNCTIONS[name], u=u), _derivative(u))
-        case ast.BinOp(u, ast.Pow(), v):
-            return _of_power(u, v)
-        case ast.BinOp(u, ast.Mult(), v):
-            return _sum(_product(_derivative(u), v), _product(u, _derivative(v)))
-        case ast.BinOp(u, ast.Div(), v):
-            there = _filled("u/v", u=_derivative(u), v=v) if _moves(u) else ast.Constant(0)
-            if not _moves(v):
-                return there
-            return _sum(there, _product(_filled("-u/v/v", u=u, v=v), _derivative(v)))
-        case ast.BinOp(u, op, v):
-            return _sum(_derivative(u), _derivative(v), op)
-    raise AssertionError(ast.dump(node))
-
-
-def _of_power(u: ast.expr, v: ast.expr) -> ast.expr:
-    """d/dr of u**v."""
-    less: ast.expr = _filled("v - 1", v=v)
-    if isinstance(v, ast.Constant) and isinstance(v.value, (int, float)):
-        less = ast.Constant(v.value - 1)
-    base = _product(_filled("v*u**w", u=u, v=v, w=less), _derivative(u))
-    if not _moves(v):
-        return base
-    return _sum(base, _product(_filled("u**v*log(u)", u=u, v=v), _derivative(v)))
-
-
-def _moves(node: ast.expr) -> bool:
-    return "r" in _names(node)
-
-
-def _product(u: ast.expr, v: ast.expr) -> ast.expr:
-    """u v, without factors of one and terms of zero."""
-    for one, other in ((u, v), (v, u)):
-        if isinstance(one, ast.Constant) and one.value in (0, 1):
-            return other if one.value == 1 else one
-    return ast.BinOp(u, ast.Mult(), v)
-
-
-def _sum(u: ast.expr, v: ast.expr, op: ast.operator | None = None) -> ast.expr:
-    """u + v, or u - v, without terms of zero."""
-    op = op or ast.Add()
-    if isinstance(v, ast.Constant) and v.value == 0:
-        return u
-    if isinstance(u, ast.Constant) and u.value == 0:
-        return v if isinstance(op, ast.Add) else ast.UnaryOp(ast.USub(), v)
-    return ast.BinOp(u, op, v)
-
-
-def _filled(pattern: str, **parts: ast.expr) -> ast.expr:
-    """The expression of a pattern, with others in the places of its names."""
-
-    class Fill(ast.NodeTransformer):
-        def visit_Name(self, node: ast.Name) -> ast.expr:
-            return parts.get(node.id, node)
-
-    filled: ast.expr = Fill().visit(ast.parse(pattern, mode="eval").body)
-    return filled

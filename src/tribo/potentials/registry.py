@@ -2,7 +2,8 @@
 
 A potential is a NamedTuple of floats with ``energy(self, r)``.  It may say more:
 
-    force(self, r)   -dU/dr; otherwise the derivative is taken by a complex step, to round-off
+    force(self, r)   -dU/dr; otherwise the derivative is taken from the energy's source where that
+                     is a formula, and by a complex step where not: both to round-off
     feature(self)    (length over which the force changes, distance out to which it is felt), by
                      which no step jumps an encounter; otherwise the force is taken to change on
                      the scale of r itself
@@ -38,6 +39,7 @@ from tribo.potentials.born_mayer import BornMayer
 from tribo.potentials.buckingham import Buckingham
 from tribo.potentials.coulomb import Coulomb
 from tribo.potentials.cutoff import AT_CUTOFF, Switched
+from tribo.potentials.derivative import force_from
 from tribo.potentials.lennard_jones import LennardJones
 from tribo.potentials.mie import Mie
 from tribo.potentials.morse import Morse
@@ -96,7 +98,6 @@ def _no_demands(self: Any) -> Any:
 
 
 DEFAULTS = {
-    "force": _complex_step,
     "feature": _no_feature,
     "clearance": _clearance,
     "coupling": _no_coupling,
@@ -113,6 +114,8 @@ DEFAULTS = {
 def complete(cls: Any) -> Any:
     """The class with all that kernels ask of a potential; a complaint if it is none."""
     plugins.check_class(cls, "potential", "energy(self, r)")
+    if not hasattr(cls, "force"):
+        cls.force = force_from(cls.energy) or _complex_step
     for method, default in DEFAULTS.items():
         if not hasattr(cls, method):
             setattr(cls, method, default)

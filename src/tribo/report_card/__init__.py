@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from tribo.errors import InputError
+from tribo.potentials.from_ase import Live
 from tribo.potentials.registry import as_potential
 from tribo.potentials.written import as_table
 from tribo.report_card.agreement import check_agreement
@@ -21,6 +23,8 @@ __all__ = ["Check", "Report", "report"]
 
 def report(potential: Any, ase: Any = None, symbols: Any = "H2") -> Report:
     """Put a potential through all checks; see :func:`tribo.potentials.check`."""
+    if isinstance(potential, Live):
+        raise InputError("potential", "must be one of pairs; give a calculator as ase=")
     specimen = Specimen(as_potential(potential))
     found = curves(specimen)
     checks = [

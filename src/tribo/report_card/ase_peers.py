@@ -79,7 +79,8 @@ def check_ase(specimen: Specimen, calculator: Any, symbols: Any) -> list[Check]:
     r = specimen.r[specimen.r < specimen.cutoff]
     r = r[:: max(1, r.size // PLACES)]
     try:
-        energy, force = pair(calculator, symbols, r)
+        with np.errstate(all="ignore"):
+            energy, force = pair(calculator, symbols, r)
     except Exception as error:
         name = type(calculator).__name__
         raise InputError("ase", f"{name} fails on {symbols!r}: {error}") from None

@@ -104,18 +104,20 @@ class Report:
 
     def __str__(self) -> str:
         r = self.curves.r
-        lines = [f"{self.potential}, from r = {r[0]:.3g} to {r[-1]:.3g}", ""]
         width = max(len(check.name) for check in self.checks)
-        lines.append(f"  {'':{width}}     error     bound   grade")
+        lines = [f"{self.potential}, from r = {r[0]:.3g} to {r[-1]:.3g}", ""]
+        lines.append(f"  {'check':{width}}    error    bound  grade")
         for check in self.checks:
             bound = "none" if check.bound is None else f"{check.bound:.1e}"
             grade = "-" if check.grade is None else f"{check.grade:.1f}"
             verdict = "passed" if check.passed else "FAILED"
-            line = f"  {check.name:{width}}  {check.value:8.1e}  {bound:>8}  {grade:>6}  {verdict}"
-            place = "" if check.where is None else f" at r = {check.where:.9g}"
-            lines.append(f"{line}  {check.looked_at}{'' if check.passed else place}")
+            numbers = f"  {check.name:{width}}  {check.value:7.1e}  {bound:>7}  {grade:>5}  "
+            lines.append(f"{numbers}{verdict}  {check.looked_at}")
+            margin = " " * len(f"{numbers}{verdict}  ")
+            if not check.passed and check.where is not None:
+                lines.append(f"{margin}worst at r = {check.where:.9g}")
             if check.says:
-                lines.append(f"  {'':{width}}  {check.says}")
+                lines.append(f"{margin}{check.says}")
         return "\n".join([*lines, "", self._verdict()])
 
     def _verdict(self) -> str:

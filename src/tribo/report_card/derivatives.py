@@ -14,7 +14,7 @@ from tribo.report_card.specimen import Specimen
 BOUND = 1e-10  # of force + dU/dr, relative to the scale around
 TRUSTED = 10.0  # uncertainties that a disagreement must exceed to be one
 KNOWN = 0.9  # of the distances at which the derivative must be known to within the bound
-REACH = 0.1  # of r: the first difference is taken over twice that
+REACH = 0.1  # of r or the typical distance: the first difference is taken over twice that
 LEVELS = 12  # of differences, each over half the distance of the one before
 MINIMUM = 1e-9  # relative error of a declared minimum
 
@@ -67,7 +67,8 @@ def curvature(function: Rule, r: float, reach: float) -> tuple[float, float]:
 def curves(specimen: Specimen) -> Curves:
     """Energy, force, and how far the force is from minus the energy's derivative."""
     r, end = specimen.r, specimen.cutoff
-    reach = np.minimum(REACH * r, np.where(r < end, 0.9 * np.abs(end - r), REACH * r))
+    reach = REACH * np.minimum(r, specimen.length)
+    reach = np.where(r < end, np.minimum(reach, 0.9 * np.abs(end - r)), reach)
     with np.errstate(all="ignore"):
         found = [slope(specimen.written_energy, *both) for both in zip(r, reach, strict=True)]
         derivative, uncertainty = np.array(found).T

@@ -24,7 +24,8 @@ from tribo.report_card.derivatives import limit
 from tribo.report_card.specimen import Specimen
 
 LEVELS = 32  # of looking closer: a cell of one percent ends as 1e-12
-JUMP, KINK, BEND = 1e-9, 1e-4, 1e-2  # relative to the scale around, over r, over r^2
+JUMP, KINK, BEND = 1e-9, 1e-4, 1e-2  # relative to the scale around
+LENGTH = 60.0  # cells: about r, or less where cells are finer
 AT_END = {"energy": 1e-10, "force": 1e-10, "slope": 1e-6}  # relative to the typical scale
 INWARD = 1e-3  # of the cutoff: how far inside of it the force's slope is looked at
 STENCIL = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
@@ -35,27 +36,31 @@ Function = Callable[[np.ndarray], np.ndarray]
 
 
 def check_smoothness(specimen: Specimen) -> list[Check]:
-    """Energy and force have as many continuous derivatives as the potential declares."""
-    promised = float(specimen.potential.smoothness())
-
-    def line(name: str, least: int, found: np.ndarray, bound: float) -> Check:
+    """Nearer than its end, the potential has as many continuous derivatives as it declares."""
+    promised = float(specimen.potential.smoothness_within())
+    inside = specimen.edges[2:] < specimen.cutoff
+    energy = strengths(specimen, lambda r: specimen.compiled(r)[0], 1)[:, inside]
+    force = strengths(specimen, lambda r: specimen.compiled(r)[1], 0)[:, inside]
+    lines = []
+    for least, (name, found, bound) in enumerate(
+        [
+            ("jumps of energy", energy[0], JUMP),
+            ("jumps of force", force[0], JUMP),
+            ("kinks of force", force[1], KINK),
+        ]
+    ):
         worst = int(np.argmax(found))
         kept = promised >= least
-        return Check(
-            name,
-            f"{len(found)} cells, zoomed into" + ("" if kept else NOT_PROMISED),
-            float(found[worst]),
-            bound if kept else None,
-            float(specimen.edges[worst + 1]),
+        lines.append(
+            Check(
+                name,
+                f"{len(found)} cells, zoomed into" + ("" if kept else NOT_PROMISED),
+                float(found[worst]),
+                bound if kept else None,
+                float(specimen.edges[worst + 1]),
+            )
         )
-
-    energy = strengths(specimen, lambda r: specimen.compiled(r)[0], 1)
-    force = strengths(specimen, lambda r: specimen.compiled(r)[1], 0)
-    return [
-        line("jumps of energy", 0, energy[0], JUMP),
-        line("jumps of force", 1, force[0], JUMP),
-        line("kinks of force", 2, force[1], KINK),
-    ]
+    return lines
 
 
 def smooth_stretch(specimen: Specimen) -> tuple[float, float]:
@@ -71,11 +76,12 @@ def smooth_stretch(specimen: Specimen) -> tuple[float, float]:
 def strengths(specimen: Specimen, function: Function, power: int) -> np.ndarray:
     """(3, cells) jump, kink and bend beyond doubt, relative to the scale around times r^power.
 
-    Distances are in units of r.  Cells overlap by half, so that no place is on the edge of all
-    that contain it.
+    Distances are in units of LENGTH cells.  Cells overlap by half, so that no place is on the edge
+    of all that contain it.
     """
     begin, end = specimen.edges[:-2], specimen.edges[2:]
     middle = specimen.edges[1:-1]
+    length = 0.5 * LENGTH * (end - begin)
     scale = specimen.scale(middle) * middle**power
     least = np.full((3, begin.size), np.inf)
     rows = np.arange(begin.size)
@@ -86,7 +92,7 @@ def strengths(specimen: Specimen, function: Function, power: int) -> np.ndarray:
             fourth = np.abs(values @ STENCIL)
         fourth = np.where(np.isfinite(fourth), fourth, 0.0)
         first = np.argmax(fourth, axis=1)
-        spacing = (end - begin) / (8.0 * middle)
+        spacing = (end - begin) / (8.0 * length)
         left = fourth[rows, first] / scale
         least = np.minimum(least, [left / (size * spacing**k) for k, size in enumerate(LARGEST)])
         begin, end = points[rows, first], points[rows, first + 4]

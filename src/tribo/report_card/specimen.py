@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from tribo import sources
+from tribo.checks import LARGEST
 from tribo.diagnosis import Refusals, complaint
 from tribo.errors import InputError
 from tribo.kernels.compiled import time_loop
@@ -22,17 +23,19 @@ from tribo.scene import Scene
 from tribo.surface import Surface
 
 CELLS = 400  # of equal ratio, from the least distance looked at to the largest
+PER_FEATURE, FINE = 8, 80  # finer cells in each length on which the force changes, each way
 INWARD, OUTWARD = 3.0, 6.0  # how far past a potential's own lengths to look
 WIDEST = 1e3  # and how far from the typical one at most, whatever the domain
 AROUND = 3  # cells on either side, over which a scale is the largest value
 NEAR_END = 0.6  # of the range: typical distances are at most that
-NOTHING = 1e-280  # scales below that are none
+NOTHING = 1e-280  # the least that a scale can be
+FAINT = 1e-30  # of the largest scale at the typical distance and beyond: less counts as that
 
 
 class Specimen:
     """A potential, the distances from `low` to `high` at which it is looked at, and its scales.
 
-    `edges` (CELLS + 1,) divide them, `r` (CELLS,) lie between the edges, and `special` are those
+    `edges` (n + 1,) divide them into cells, `r` (n,) lie within the cells, and `special` are those
     at which a slip is likely: parameters, their sums and multiples, whole and half numbers, the
     ends.  `length` is a typical distance, that of a minimum if there is one.
     """
@@ -48,9 +51,9 @@ class Specimen:
         self.declared = _domain(potential)
         low, high = self._within(low, high)
         self.length = self._typical(low, high)
-        self.low = max(low, self.length / WIDEST)
+        self.low = self._without_overflow(max(low, self.length / WIDEST))
         self.high = min(high, self.length * WIDEST)
-        self.edges = np.geomspace(self.low, self.high, CELLS + 1)
+        self.edges = self._edges()
         self.r = np.sqrt(self.edges[:-1] * self.edges[1:])
         self.energy, self.force = self.compiled(self.r)
         self.special = np.array(sorted(self._special()))
@@ -97,7 +100,7 @@ class Specimen:
 
     def scale(self, r: Any) -> np.ndarray:
         """What errors of the force at r are relative to: the largest |F| + |U| / r around."""
-        cell = np.clip(np.searchsorted(self.edges, r) - 1, 0, CELLS - 1)
+        cell = np.clip(np.searchsorted(self.edges, r) - 1, 0, self.r.size - 1)
         return np.asarray(self._scale[cell])
 
     @property
@@ -111,14 +114,15 @@ class Specimen:
         here = np.where(np.isfinite(here), here, 0.0)
         padded = np.pad(here, AROUND, mode="edge")
         windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * AROUND + 1)
-        return np.maximum(windows.max(axis=1), NOTHING)
+        outer = float(np.max(here[self.r >= self.length], initial=0.0))
+        return np.maximum(windows.max(axis=1), max(FAINT * outer, NOTHING))
 
     # --- where to look ---------------------------------------------------------------------------
 
     def _own_lengths(self) -> list[float]:
         """Lengths that the potential knows of, in ascending order; 1 if there is none.
 
-        Those that it declares; otherwise those where its force changes sign.
+        Those that it declares; otherwise the distances of its minima.
         """
         declared = sorted({x for part in _parts(self.potential) for x in _declared_lengths(part)})
         if declared:
@@ -126,10 +130,9 @@ class Specimen:
         return self._turning_points(np.geomspace(1e-20, 1e20, 20 * CELLS)) or [1.0]
 
     def _turning_points(self, r: np.ndarray) -> list[float]:
-        """Where the force changes from push to pull, or back."""
+        """Where a push turns into a pull: minima of the energy."""
         _, force = self.compiled(r)
-        with np.errstate(invalid="ignore"):
-            turns = np.flatnonzero(np.sign(force[1:]) * np.sign(force[:-1]) < 0.0)
+        turns = np.flatnonzero((force[:-1] > 0.0) & (force[1:] < 0.0))
         return [float(x) for x in r[turns]]
 
     def _within(self, low: float, high: float) -> tuple[float, float]:
@@ -150,6 +153,28 @@ class Specimen:
         if math.isfinite(self.cutoff):
             middle = min(middle, max(NEAR_END * self.cutoff, low))
         return turns[0] if turns else middle
+
+    def _without_overflow(self, low: float) -> float:
+        """The least distance to look at, farther out than where energy or force grow too large."""
+        if self.declared[0] > 0.0:
+            return low
+        r = np.geomspace(low, self.length, CELLS)
+        huge = np.any(np.abs(self.compiled(r)) > LARGEST, axis=0)
+        return float(r[min(int(np.flatnonzero(huge)[-1]) + 1, CELLS - 1)]) if huge.any() else low
+
+    def _edges(self) -> np.ndarray:
+        """Cells of equal ratio, and finer ones about the typical distance if the force asks for it.
+
+        That is where it changes within a few percent of the distance.
+        """
+        edges = np.geomspace(self.low, self.high, CELLS + 1)
+        feature = float(self.potential.feature()[0])
+        around = np.arange(-FINE, FINE + 1) / PER_FEATURE * feature + self.length
+        if not 0.0 < feature / PER_FEATURE < self.length * (edges[1] / edges[0] - 1.0):
+            return edges
+        within = (edges > around[0]) & (edges < around[-1])
+        around = around[(around > self.low) & (around < self.high)]
+        return np.union1d(edges[~within], around)
 
     def _special(self) -> set[float]:
         """Distances at which a slip is likely, each with its two neighbours among floats."""
@@ -176,6 +201,7 @@ class _Bench:
         surfaces = (Surface("one", **row), Surface("other", facing="up", **row))  # type: ignore
         self._layout = laid_out(Scene(surfaces, potential, 1.0))
         stamp = sources.stamp(self._layout.plugins)
+        self._name = type(potential).__name__
         self._probe: Callable[..., None] = time_loop(contact_probe, stamp)
 
     def __call__(self, places: np.ndarray, charges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -183,7 +209,10 @@ class _Bench:
         try:
             self._probe(self._layout.model, places, charges, energies, forces)
         except Refusals as error:
-            raise complaint(self._layout, error) from None
+            raise InputError("potential", complaint(self._layout, error).problem) from None
+        except Exception as error:
+            reason = f"{self._name} raises {type(error).__name__}: {error}"
+            raise InputError("potential", f"{reason}; give nan where there is no energy") from None
         return energies, forces
 
 

@@ -1,0 +1,135 @@
+"""The numbers of the cost model in src/tribo/costs.py, measured.
+
+Evaluations for an error of 1e-6, and how they grow with every digit, are medians over a few small
+scenes, of the runs that tribo.work_precision makes.  Nanoseconds of an evaluation are those of a
+pair, of a grid, and of a pair with a large bath, all methods in turn, the least of several rounds.
+
+    python benchmarks/calibrate.py [--json]
+
+Prints one line a method, in the order of the fields of tribo.costs.Rate.
+"""
+
+import argparse
+import json
+from statistics import median
+
+import numpy as np
+
+import tribo
+from tribo import accuracy as acc
+from tribo import paper
+from tribo.methods import METHODS
+from tribo.simulation import Simulation
+from tribo.tuning import setting_at
+from tribo.work_precision import WorkPrecision, work_precision
+
+COARSE, FINE = 1e-6, 1e-11
+ROUNDS = 5
+
+
+def small_scenes() -> list[tribo.Scene]:
+    """Cases of the paper, and a short row with a bond and a switch."""
+    row = {"shape": (4, 1), "spacing": (1.1, 0.0)}
+    upper = tribo.Surface("upper", bob=(-6.0, 0.9), velocity=(0.8, 0.0), **row)
+    lower = tribo.Surface("lower", facing="up", **row)
+    bond = tribo.Morse(0.3, 2.0, 0.8)
+    return [*(paper.scene(c) for c in "ABCD"), tribo.Scene((upper, lower), bond, 14.0)]
+
+
+def evaluations(found: WorkPrecision, method: str, error: float) -> float:
+    """Evaluations for an error, between the runs on either side of it."""
+    rows = [row for row in found.rows if row.method == method and row.error > 0.0]
+    x = np.log([row.error for row in rows])[::-1]
+    y = np.log([row.force_evaluations for row in rows])[::-1]
+    return float(np.exp(np.interp(np.log(error), x, y)))
+
+
+def appetite(seconds: float) -> dict[str, tuple[float, float]]:
+    """Evaluations a radian at 1e-6, and the slope of their growth, by method."""
+    counts: dict[str, list[tuple[float, float]]] = {name: [] for name in METHODS}
+    for scene in small_scenes():
+        found = work_precision(scene, seconds=seconds)
+        radians = scene.duration / acc.unit_step(tribo.prepare(scene, method="rkn8").layout)
+        for name in {row.method for row in found.rows}:
+            best = min(row.error for row in found.rows if row.method == name)
+            coarse = evaluations(found, name, COARSE)
+            order = METHODS[name].order
+            slope = float(order)
+            if best < FINE:
+                slope = np.log(COARSE / FINE) / np.log(evaluations(found, name, FINE) / coarse)
+            elif best > COARSE:
+                coarse *= (best / COARSE) ** (1.0 / order)
+            counts[name].append((coarse / radians, float(slope)))
+    return {
+        name: (median(c for c, _ in found), median(s for _, s in found))
+        for name, found in counts.items()
+        if found
+    }
+
+
+def pair() -> tribo.Scene:
+    """The least that there is."""
+    return paper.scene("C")
+
+
+def grid() -> tribo.Scene:
+    """A thousand asperites, each in reach of a few."""
+    surface = {"shape": (23, 23), "spacing": (1.5, 1.5), "asperite": tribo.Asperite(kappa=20.0)}
+    upper = tribo.Surface("upper", bob=(0.3, 1.2), velocity=(0.5, 0.0), drive="free", **surface)
+    lower = tribo.Surface("lower", facing="up", **surface)
+    potential = tribo.with_cutoff(tribo.LennardJones(0.05, 1.0), 2.5)
+    return tribo.Scene((upper, lower), potential, 1.0)
+
+
+def bathed() -> tribo.Scene:
+    """A pair with a thousand oscillators on every bar."""
+    bath = {"oscillators": [{"mass": 1e-3, "frequency": 1.0 + 1e-3 * k} for k in range(1000)]}
+    upper = tribo.Surface("upper", bob=(-10.0, 0.0), velocity=(0.5, 0.0), bath=bath)
+    lower = tribo.Surface("lower", facing="up", bath=bath)
+    return tribo.Scene((upper, lower), tribo.Coulomb(0.2), 4.0)
+
+
+def nanoseconds(scene: tribo.Scene, names: list[str]) -> dict[str, float]:
+    """Of an evaluation, by method: the least of several rounds in turn."""
+    few = tribo.Output(samples=2)
+    scene = tribo.Scene(scene.surfaces, scene.interactions, scene.duration, output=few)
+    runs = {name: Simulation(scene, METHODS[name]) for name in names}
+    least = dict.fromkeys(names, np.inf)
+    for _ in range(ROUNDS):
+        for name, simulation in runs.items():
+            layout, method = simulation.layout, METHODS[name]
+            level = 1e-8 if method.adaptive else 0.1**method.order
+            setting = setting_at(layout, method, acc.first_guess(layout), level)
+            run = simulation.attempt(setting)
+            if run.status == "completed":
+                least[name] = min(least[name], 1e9 * run.seconds / run.evaluations)
+    return least
+
+
+def main() -> None:
+    """Measure, and print what belongs into the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--json", action="store_true")
+    parser.add_argument("--seconds", type=float, default=20.0, help="for the runs of each scene")
+    options = parser.parse_args()
+    hungry = appetite(options.seconds)
+    names = list(hungry)
+    of_pair, of_grid = nanoseconds(pair(), names), nanoseconds(grid(), names)
+    kind = [name for name in names if name != "blanes-moan-6"]
+    of_bath = nanoseconds(bathed(), kind)
+    count, oscillators = grid().count, 2 * 2 * 1000
+    rows = {}
+    for name, (each, slope) in hungry.items():
+        asperite = (of_grid[name] - of_pair[name]) / (count - 2)
+        oscillator = max(0.0, (of_bath.get(name, np.nan) - of_pair[name]) / oscillators)
+        fixed = max(0.0, of_pair[name] - 2.0 * asperite)
+        rows[name] = [each, slope, fixed, asperite, oscillator]
+    if options.json:
+        print(json.dumps(rows, indent=1))
+        return
+    for name, numbers in rows.items():
+        print(f'    "{name}": Rate({", ".join(f"{x:.3g}" for x in numbers)}),')
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,148 @@
+"""Finding the settings that keep an accuracy: two runs a decade apart that agree within it.
+
+A pilot finds the scales, from which local tolerances are made; methods with equal steps need none.
+Then the level of the settings is lowered until the estimate meets the request, or until finer
+settings gain nothing, or until the scene is seen to amplify round-off beyond the request.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from tribo import accuracy as acc
+from tribo.errors import InputError
+from tribo.layout import Layout
+from tribo.ledger import ledger
+from tribo.march import March
+from tribo.methods import Method
+
+PILOT = 1e-3  # tolerance level of the first run, which finds out the scales
+STALLED = 0.5  # of the estimate before: less gained than that, and round-off is the limit
+ROUNDS = 6  # of tightening, before a request is called out of reach
+DECADE = 0.1  # between the two runs that are compared
+AIM = 0.3  # of what was asked for, that a lower level is to come to
+PERTURBATION = 1e-11  # of the start, to see what the scene makes of it
+LONG = 20.0  # seconds of a run, before which it is found out whether it can be had at all
+HALTED = ("Interrupted", "CalculatorFailed")  # what ends a run that another would not mend
+
+Wanted = float | Mapping[str, float]
+Attempt = Callable[..., March]  # a run with a setting, from a start, through times
+
+
+@dataclass(frozen=True)
+class Tuned:
+    """The settings found, and the runs that found them; the last is the one to deliver."""
+
+    coarse: Any
+    fine: Any
+    runs: tuple[March, ...]
+    amplification: float | None  # of a small change of the start, where it was looked at
+
+
+def tightest(wanted: Wanted) -> float:
+    """The smallest error that is asked for."""
+    return min(wanted.values()) if isinstance(wanted, Mapping) else wanted
+
+
+def setting_at(layout: Layout, method: Method, scales: acc.InnerScales, level: float) -> Any:
+    """Tolerances for an accuracy of about `level`, or the step whose errors fall as it does."""
+    if method.adaptive:
+        return acc.tolerances(layout, scales, level)
+    return acc.unit_step(layout) * level ** (1.0 / method.order)
+
+
+def tune(layout: Layout, method: Method, wanted: Wanted, attempt: Attempt) -> Tuned:
+    """Two settings a decade apart whose runs agree within what is wanted, if such can be found.
+
+    ``attempt(setting, checks, start)`` runs with a setting, through few times or all, from the
+    scene's start or another.  Raises InputError if the request is out of reach and would take
+    long to fail.
+    """
+    names = wanted if isinstance(wanted, Mapping) else ()
+    runs: list[March] = []
+    scales = acc.first_guess(layout)
+    level = method.first_level * tightest(wanted)
+    if method.adaptive:
+        pilot = setting_at(layout, method, scales, PILOT)
+        runs.append(attempt(pilot, True))
+        _refuse_early(layout, method, wanted, attempt, pilot, runs[0], level)
+    before, grown = np.inf, None
+    for _ in range(ROUNDS):
+        if runs:
+            scales = acc.inner_scales(layout, runs[-1].samples)
+        coarse = setting_at(layout, method, scales, level)
+        fine = setting_at(layout, method, scales, DECADE * level)
+        for setting, checks in ((coarse, True), (fine, False)):
+            if not runs or runs[-1].status not in HALTED:
+                runs.append(attempt(setting, checks))
+        if runs[-1].status in HALTED:
+            break
+        if not method.adaptive and runs[-1].status == "EncounterJumped":
+            level *= DECADE**2
+            continue
+        excess = acc.excess(*estimated(layout, runs[-1], runs[-2], names), wanted)
+        if excess <= 1.0 or level <= acc.FLOOR or excess > STALLED * before:
+            break
+        if grown is None:
+            grown = amplification(layout, attempt, coarse, runs[-2])
+            if grown * acc.EPSILON > tightest(wanted):
+                break
+        before = excess
+        level = max(level * min(DECADE, AIM / excess), acc.FLOOR)
+    return Tuned(coarse, fine, tuple(runs), grown)
+
+
+def estimated(
+    layout: Layout, fine: March, coarse: March, names: Any = ()
+) -> tuple[dict[str, float], acc.Scales]:
+    """Bounds on the finer run's errors, and the scales that they are judged by."""
+    books = ledger(layout, fine.samples)
+    shared = np.intersect1d(fine.samples.t, coarse.samples.t)
+    one, other = (ledger(layout, run.samples.at(shared)) for run in (fine, coarse))
+    return acc.estimate(books, one, other, names), acc.reported_scales(layout, books)
+
+
+def amplification(layout: Layout, attempt: Attempt, setting: Any, run: March) -> float:
+    """What becomes of a small change of the start, in units of the change and of the scales."""
+    nudged = layout.start.copy()
+    nudged[: layout.model.asperites.size] += PERTURBATION
+    other = attempt(setting, True, nudged)
+    shared = np.intersect1d(run.samples.t, other.samples.t)
+    one, two = (ledger(layout, item.samples.at(shared)) for item in (run, other))
+    scales = acc.reported_scales(layout, ledger(layout, run.samples))
+    return acc.distance(one, two, scales) / PERTURBATION
+
+
+def out_of_reach(wanted: float, grown: float) -> str:
+    """Why a request cannot be met, with both numbers."""
+    return (
+        f"accuracy {wanted:.1e} is out of reach: a change of {PERTURBATION:.0e} in the start grows "
+        f"to {grown * PERTURBATION:.1e} of the scale, and round-off of {acc.EPSILON:.1e} with it "
+        f"to about {grown * acc.EPSILON:.1e}"
+    )
+
+
+def _refuse_early(
+    layout: Layout,
+    method: Method,
+    wanted: Wanted,
+    attempt: Attempt,
+    setting: Any,
+    pilot: March,
+    level: float,
+) -> None:
+    """Complain now, if a long run would end without the digits that are asked for."""
+    longer = (PILOT / (DECADE * level)) ** (1.0 / method.order)
+    if pilot.status != "completed" or pilot.seconds * longer < LONG:
+        return
+    grown = amplification(layout, attempt, setting, pilot)
+    if grown * acc.EPSILON > tightest(wanted):
+        raise InputError(
+            "accuracy",
+            out_of_reach(tightest(wanted), grown).removeprefix("accuracy ")
+            + "; name the observables that matter, or give a method and a step",
+        )

@@ -1,0 +1,193 @@
+"""What accuracy costs on a scene: error against time and against evaluations, method by method.
+
+Every method that takes the scene is run at one setting after another, from coarse to fine, and
+compared with a reference by a method of another family.  A method's turn ends when it has come as
+near to the reference as that is good for, when finer settings gain nothing, or when its share of
+the time is used up.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from tribo import accuracy as acc
+from tribo import methods
+from tribo.errors import InputError
+from tribo.ledger import Ledger, ledger
+from tribo.scene import Output, Scene
+from tribo.simulation import Simulation, prepare
+from tribo.tuning import setting_at
+
+REFERENCES = ("gauss-radau-15", "dop853")  # of different families; the first where it is taken
+FINEST = 1e-13  # accuracy asked of the reference
+COARSEST = 0.3  # first level of the settings
+LEVEL_RATIO = 10.0**0.5  # between two settings of a method that chooses its steps
+STEP_RATIO = 2.0**0.5  # between two settings of one that does not
+GAIN = 0.9  # of the best error: less gained than that, and a finer setting has gained nothing
+MORE = 1.05  # times the evaluations of the run before: other settings are no other run
+STALLED = 6  # settings that gain nothing, after which a method is done
+REPEAT_BELOW = 0.02  # seconds: shorter runs are timed again, and the least counts
+TIMES = 9  # at which errors are looked at, so that no step is cut short by samples
+
+
+@dataclass(frozen=True)
+class Row:
+    """One run of one method."""
+
+    method: str
+    setting: float  # tolerance level, or step
+    error: float  # the largest of the observables', each in units of its scale
+    force_evaluations: int
+    seconds: float
+    front: bool = False  # no run was both faster and better
+
+    def as_json(self) -> dict[str, Any]:
+        """The row as ``tribo accuracy --json`` prints it."""
+        return dict(self.__dict__)
+
+
+@dataclass(frozen=True)
+class WorkPrecision:
+    """All runs, and what they were compared with."""
+
+    rows: tuple[Row, ...]
+    reference: dict[str, Any]  # method, estimate of its own error, seconds
+    compile_seconds: dict[str, float]  # by method, apart from the runs
+
+    def to_json(self) -> str:
+        """As ``tribo accuracy --json`` prints it."""
+        return json.dumps(
+            {
+                "rows": [row.as_json() for row in self.rows],
+                "reference": self.reference,
+                "compile_seconds": self.compile_seconds,
+            },
+            indent=1,
+        )
+
+    def best(self, error: float) -> Row | None:
+        """The fastest run of those that are at least that good."""
+        good = [row for row in self.rows if row.error <= error]
+        return min(good, key=lambda row: row.seconds, default=None)
+
+    def __str__(self) -> str:
+        lines = [
+            f"{'method':>15} {'setting':>9} {'error':>9} {'evaluations':>12} "
+            f"{'seconds':>10}   front"
+        ]
+        for row in self.rows:
+            lines.append(
+                f"{row.method:>15} {row.setting:9.2e} {row.error:9.1e} "
+                f"{row.force_evaluations:12d} {row.seconds:10.2e}   {'*' if row.front else ''}"
+            )
+        reference = self.reference
+        lines.append(
+            f"errors against {reference['method']}, itself good to {reference['error']:.1e}; "
+            f"compiling took {sum(self.compile_seconds.values()):.1f} s"
+        )
+        return "\n".join(lines)
+
+    def save_figure(self, path: Any) -> None:
+        """Draw error against time and against evaluations."""
+        from tribo.work_precision_figure import save
+
+        save(self, path)
+
+
+def work_precision(
+    scene: Scene,
+    names: Iterable[str] | None = None,
+    observables: Iterable[str] = (),
+    seconds: float = 30.0,
+    progress: Callable[[str], None] | None = None,
+) -> WorkPrecision:
+    """Measure error against cost for every method, or for those named.
+
+    `observables` are names as "w1" or "upper.W"; without any, errors are the largest over all
+    reported quantities.  `seconds` is about how long all runs together may take, compiling apart.
+    `progress` is told each method's name as its turn comes.  Raises InputError.
+    """
+    scene = replace(scene, output=Output(times=tuple(np.linspace(0.0, scene.duration, TIMES))))
+    wanted = [methods.named(name) for name in names] if names else list(methods.METHODS.values())
+    taken = [method for method in wanted if not methods.refusal(method, scene)]
+    if methods.noisy(scene):
+        raise InputError("scene", "has a reservoir that makes noise: no digit is the same twice")
+    if not taken:
+        raise InputError("methods", f"none of {[m.name for m in wanted]} takes this scene")
+    watched = tuple(observables)
+    if progress:
+        progress("reference")
+    truth, scales, reference = _reference(scene, watched)
+    rows: list[Row] = []
+    compiled = {}
+    for method in taken:
+        if progress:
+            progress(method.name)
+        simulation = Simulation(scene, method)
+        compiled[method.name] = simulation.compile_seconds
+        share = seconds / len(taken)
+        rows += _curve(simulation, truth, scales, watched, reference["error"], share)
+    return WorkPrecision(tuple(_with_front(rows)), reference, compiled)
+
+
+def _reference(
+    scene: Scene, watched: tuple[str, ...]
+) -> tuple[Ledger, acc.InnerScales, dict[str, Any]]:
+    """The finest run, the scales it had, and how good it is by its own estimate."""
+    name = next(n for n in REFERENCES if not methods.refusal(methods.METHODS[n], scene))
+    simulation = prepare(scene, FINEST, name)
+    acc.check_observables(simulation.layout, watched, "observables")
+    result, finest = simulation.first_result(), simulation.finest
+    if result.status != "completed":
+        raise InputError("scene", f"does not run to its end: {result.status}")
+    scales = acc.reported_scales(simulation.layout, result.ledger)
+    bounds = {k: v for k, v in result.error_estimate.items() if v is not None}
+    error = acc.excess(bounds, scales, 1.0) / acc.SAFETY
+    inner = acc.inner_scales(simulation.layout, finest.samples)
+    return result.ledger, inner, {"method": name, "error": error, "seconds": finest.seconds}
+
+
+def _curve(
+    simulation: Simulation,
+    truth: Ledger,
+    inner: acc.InnerScales,
+    watched: tuple[str, ...],
+    floor: float,
+    seconds: float,
+) -> Iterator[Row]:
+    """Runs of one method, coarse to fine."""
+    began = time.perf_counter()
+    layout, method = simulation.layout, simulation.method
+    scales = acc.reported_scales(layout, truth)
+    ratio = LEVEL_RATIO if method.adaptive else STEP_RATIO**method.order
+    level = COARSEST
+    best, most = np.inf, 0
+    stalled = 0
+    while stalled < STALLED and best > floor and time.perf_counter() - began < seconds:
+        setting = setting_at(layout, method, inner, level)
+        run = simulation.attempt(setting)
+        if run.status == "completed" and run.evaluations > most:
+            taken = run.seconds
+            if taken < REPEAT_BELOW:
+                taken = min(taken, *(simulation.attempt(setting).seconds for _ in range(2)))
+            error = acc.distance(ledger(layout, run.samples), truth, scales, watched)
+            shown = level if method.adaptive else float(setting)
+            yield Row(method.name, shown, error, run.evaluations, taken)
+            stalled = 0 if error < GAIN * best else stalled + 1
+            best, most = min(best, error), int(MORE * run.evaluations)
+        level /= ratio
+        if level < acc.FLOOR**2:
+            return
+
+
+def _with_front(rows: list[Row]) -> Iterator[Row]:
+    """The rows, those marked that no other beats in both time and error."""
+    for row in rows:
+        beaten = any(other.seconds <= row.seconds and other.error < row.error for other in rows)
+        yield replace(row, front=not beaten)
