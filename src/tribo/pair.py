@@ -6,18 +6,21 @@ is a multiple of one of them, which one matrix says.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import time
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
+from tribo.diagnosis import Refusals, complaint
+from tribo.kernels.collocation import chosen_collocation
+from tribo.kernels.compiled import entry, time_loop
+from tribo.kernels.lanes import LANES
 from tribo.kernels.pair import (
     COLUMNS,
     ENERGY,
     J_Y,
-    LANES,
     PAIR,
-    PLACE,
     Q1,
     Q2,
     ROWS,
@@ -32,15 +35,27 @@ from tribo.kernels.pair import (
     J,
     K,
     S,
+    pair_collocation,
+    table,
 )
 from tribo.kernels.records import CLOCK, FORCED, FREE
 from tribo.kernels.samples import STORED
+from tribo.kernels.status import COMPLETED, NAMES
 from tribo.kernels.stepping import Tolerance
 from tribo.layout import Layout
 from tribo.ledger import Samples
+from tribo.march import March, Progress, through
+from tribo.methods import Method
+from tribo.sources import stamp
 
 ARC1, ARC2 = COLUMNS, COLUMNS + 1  # what the springs' ends do about the centre, see `_arcs`
 FIRST_ACCOUNT = J + 1
+INTERRUPTED = "Interrupted"
+
+
+def has_loop(layout: Layout, method: Method) -> bool:
+    """Whether there is a loop of its own for the scene by this method."""
+    return method.loop is chosen_collocation and is_pair(layout)
 
 
 def is_pair(layout: Layout) -> bool:
@@ -58,39 +73,80 @@ def is_pair(layout: Layout) -> bool:
     )
 
 
-@dataclass(frozen=True, eq=False)
 class Pair:
-    """A layout of two asperites as the loop for them sees it."""
+    """A scene of two asperites and its compiled loop; `has_loop` says for which there is one.
 
-    layout: Layout
-    record: np.ndarray  # (1,) of PAIR
-    potential: Any
-    places: np.ndarray  # (2 coordinates, columns): y of the layout from a row and its arcs
-    books: np.ndarray  # (accounts, columns): s of the layout
+    `places` (2 coordinates, columns) and `books` (accounts, columns) make y and s of the scene's
+    layout from a row of the loop's record and its arcs.
+    """
 
-    @classmethod
-    def of(cls, layout: Layout) -> Pair:
-        """From a layout for which `is_pair` holds."""
-        model = layout.model
-        a, b = model.asperites, model.bobs
-        held = np.where(model.surfaces.drive == FORCED, 1.0, 0.0)
-        ease = np.array([1.0, -1.0]) * (1.0 - held) / a.mass
-        record = np.zeros(1, PAIR)
-        record["gap_x"], record["gap_y"] = a.x[0] - a.x[1], a.y[0] - a.y[1]
-        record["speed_x"], record["speed_y"] = a.vx[0] - a.vx[1], a.vy[0] - a.vy[1]
-        record["square_z"] = (b.z[0] - b.z[1]) ** 2
-        record["ease"] = ease[0] - ease[1]
-        for i, sign in enumerate((1.0, -1.0)):
-            lever = sign * a.facing[i] / a.inertia[i]
-            record[f"charge{i + 1}"] = b.charge[i]
-            record[f"arm{i + 1}"] = a.facing[i] * a.l1[i]
-            record[f"turn_x{i + 1}"] = lever * (a.l1[i] + held[i] * a.l2[i])
-            record[f"turn_y{i + 1}"] = lever * (a.l1[i] + a.l2[i])
-            record[f"square{i + 1}"] = a.kappa[i] / a.inertia[i]
-        places, books = _matrices(layout, ease)
-        return cls(layout, record, model.contacts[0].potential, places, books)
+    def __init__(self, layout: Layout, method: Method, first_step: float) -> None:
+        """Have the loop compiled, or loaded from disk.  Raises InputError."""
+        began = time.perf_counter()
+        self.layout = layout
+        ease = _ease(layout)
+        self.places, self.books = _matrices(layout, ease)
+        self._scene = (_record(layout, ease), layout.model.contacts[0].potential)
+        self._table = table(method.coefficients)
+        self._clocks = np.zeros(1, CLOCK)
+        self._clocks["h"] = first_step
+        self._limits: tuple[Tolerance | None, np.ndarray] = (None, np.zeros((2, LANES)))
+        loop = time_loop(pair_collocation, stamp(layout.plugins))
+        still = (layout.start, self._clocks, self._state(), np.zeros(1), self._room(1), 0)
+        try:
+            self._loop = entry(loop, *self._scene, self._table, self._limits[1], *still)
+        except Refusals as error:
+            raise complaint(layout, error) from None
+        self.compile_seconds = time.perf_counter() - began
 
-    def tolerance(self, wanted: Tolerance) -> np.ndarray:
+    def march(
+        self,
+        wanted: Tolerance,
+        start: np.ndarray,
+        times: np.ndarray,
+        progress: Progress | None = None,
+    ) -> March:
+        """As :func:`tribo.march.march`, from `start`, y of the scene's layout."""
+        began = time.perf_counter()
+        if self._limits[0] is not wanted:
+            self._limits = (wanted, self.limits(wanted))
+        call = self._bound(self._limits[1], start)
+        clocks, state, record = self._clocks.copy(), self._state(), self._room(times.size)
+        status = through(call, (), clocks, state, times, record, progress)
+        if status == INTERRUPTED:
+            here = clocks["t"].copy()
+            done = int(clocks["sample"][0])
+            clocks["sample"], clocks["t_low"] = 0, 0.0
+            call(clocks, state, here, record[done:], 1)
+            clocks["sample"] = done
+
+        def recorded() -> Samples:
+            reached = times
+            if status != NAMES[COMPLETED]:
+                reached = np.append(times[: int(clocks["sample"][0])], clocks["t"])
+            return self.samples(reached, record)
+
+        return March(recorded, status, clocks, time.perf_counter() - began)
+
+    def _bound(self, limits: np.ndarray, start: np.ndarray) -> Callable[..., int]:
+        """The loop with all but the moving parts given."""
+        loop, (record, potential), coefficients = self._loop, self._scene, self._table
+
+        def call(clocks: Any, state: Any, times: np.ndarray, rows: Any, budget: int) -> int:
+            code: int = loop(
+                record, potential, coefficients, limits, start, clocks, state, times, rows, budget
+            )
+            return code
+
+        return call
+
+    def _state(self) -> np.ndarray:
+        return np.zeros((ROWS, LANES))
+
+    def _room(self, times: int) -> np.ndarray:
+        return np.empty((times + 1, COLUMNS))
+
+    def limits(self, wanted: Tolerance) -> np.ndarray:
         """(2, 8) tolerances of the loop's own variables, such that all of the layout's are met."""
         everything = np.concatenate([wanted.y, wanted.s])
         factors = np.abs(np.concatenate([self.places, self.books]))[:, :ENERGY]
@@ -100,16 +156,6 @@ class Pair:
         table[0, :4] = own[V1], own[V2], own[J], wanted.level
         table[1] = 1.0 / own[FIRST_ACCOUNT : FIRST_ACCOUNT + LANES]
         return table
-
-    def begun(self, start: np.ndarray, first_step: float) -> tuple[np.ndarray, np.ndarray]:
-        """A clock and a state at t = 0, from y of the layout."""
-        clocks = np.zeros(1, CLOCK)
-        clocks["h"] = first_step
-        work = np.zeros((ROWS, LANES))
-        n = self.layout.coordinates
-        work[PLACE, Q1 : Q2 + 1] = start[:2]
-        work[PLACE, V1 : V2 + 1] = start[n : n + 2]
-        return clocks, work
 
     def samples(self, times: np.ndarray, record: np.ndarray) -> Samples:
         """What the general loop would have recorded."""
@@ -129,6 +175,31 @@ class Pair:
         q = record[:, [Q1, Q2]]
         arcs = np.sin(q) - q * np.cos(q)
         return arcs - arcs[:1]
+
+
+def _ease(layout: Layout) -> np.ndarray:
+    """(2,) what each centre of mass is displaced by for k = 1."""
+    free = layout.model.surfaces.drive == FREE
+    return np.array([1.0, -1.0]) * free / layout.model.asperites.mass
+
+
+def _record(layout: Layout, ease: np.ndarray) -> np.ndarray:
+    """The scene as the loop reads it."""
+    a, b = layout.model.asperites, layout.model.bobs
+    record = np.zeros(1, PAIR)
+    record["gap_x"], record["gap_y"] = a.x[0] - a.x[1], a.y[0] - a.y[1]
+    record["speed_x"], record["speed_y"] = a.vx[0] - a.vx[1], a.vy[0] - a.vy[1]
+    record["square_z"] = (b.z[0] - b.z[1]) ** 2
+    record["ease"] = ease[0] - ease[1]
+    for i, sign in enumerate((1.0, -1.0)):
+        lever = sign * a.facing[i] / a.inertia[i]
+        across = a.l1[i] + a.l2[i]
+        record[f"charge{i + 1}"] = b.charge[i]
+        record[f"arm{i + 1}"] = a.facing[i] * a.l1[i]
+        record[f"turn_x{i + 1}"] = lever * (across if ease[i] == 0.0 else a.l1[i])
+        record[f"turn_y{i + 1}"] = lever * across
+        record[f"square{i + 1}"] = a.kappa[i] / a.inertia[i]
+    return record
 
 
 def _matrices(layout: Layout, ease: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -51,6 +51,17 @@ def time_loop(loop: FunctionType, stamp: str | None) -> Callable[..., Any]:
     return njit(error_model="numpy", cache=True)(clone)
 
 
+def entry(loop: Any, *arguments: Any) -> Callable[..., Any]:
+    """The machine code of a compiled loop for arguments like these, and no others.
+
+    To look at the types of a dozen arguments takes longer than a short run.
+    """
+    kinds = tuple(loop.typeof_pyval(argument) for argument in arguments)
+    loop.compile(kinds)
+    found: Callable[..., Any] = loop.overloads[kinds].entry_point
+    return found
+
+
 # A plug-in is a NamedTuple: numba types it by its class, so its methods are found, and inlined,
 # when the kernel is compiled.
 def _found_by_class(method: str, arguments: int) -> None:

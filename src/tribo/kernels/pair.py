@@ -21,6 +21,7 @@ from numba.core.errors import NumbaError
 from numba.extending import overload
 
 from tribo.kernels.collocation import FARTHEST, SHARP, SWEEPS
+from tribo.kernels.collocation_tableaux import Collocation
 from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.contact import separation
 from tribo.kernels.lanes import (
@@ -101,7 +102,7 @@ class Sight(NamedTuple):
     r: Any
 
 
-def table(method):
+def table(method: Collocation) -> np.ndarray:
     """The coefficients of a method whose eight nodes begin with 0, row by row."""
     rows = np.empty((R + LANES, LANES))
     rows[AT] = np.append(1.0, method.c[1:])
@@ -371,10 +372,13 @@ def write(pair, potential, clock, work, record):
 
 
 @kernel
-def begin(pair, potential, method, tolerance, clock, work):
+def begin(pair, potential, method, clock, start, work):
     """Slopes and powers at the very start, and whether it is one."""
     if clock.evaluations > 0:
         return COMPLETED
+    n = start.size // 2
+    work[PLACE, Q1], work[PLACE, Q2] = start[0], start[1]
+    work[PLACE, V1], work[PLACE, V2] = start[n], start[n + 1]
     if distance(pair, clock.t, work) == 0.0:
         return BOBS_COINCIDE
     nothing = 0.0 * load(method, AT)
@@ -391,12 +395,13 @@ def begin(pair, potential, method, tolerance, clock, work):
     return COMPLETED if math.isfinite(total(f1 + f2)) and math.isfinite(total(end)) else NOT_FINITE
 
 
-def pair_collocation(pairs, potential, tables, limits, clocks, state, times, record, budget):
+def pair_collocation(pairs, potential, tables, limits, start, clocks, state, times, record, budget):
     """March through the samples with steps whose local errors stay within `limits`.
 
     `limits` (2, 8) has the tolerances of omega1, omega2 and j, and the level, then the accounts'
-    reciprocals; `tables` is the method's; `state` (ROWS, 8) is what a run goes on from; `record`
-    (times + 1, COLUMNS) is filled in row by row, and where the run stops has that place last.
+    reciprocals; `tables` is the method's; `start` is y of the scene's layout at t = 0, and `state`
+    (ROWS, 8) what a run goes on from; `record` (times + 1, COLUMNS) is filled in row by row, and
+    where the run stops has that place last.
     As :func:`tribo.kernels.collocation.chosen_collocation` else.
     """
     pair = pairs[0]
@@ -404,7 +409,7 @@ def pair_collocation(pairs, potential, tables, limits, clocks, state, times, rec
     method = rows_of(tables)
     tolerance = rows_of(limits)
     work = rows_of(state)
-    status = begin(pair, potential, method, tolerance, clock, work)
+    status = begin(pair, potential, method, clock, start, work)
     r = distance(pair, clock.t, work)
     encounter = encounter_of(
         pair,
