@@ -7,7 +7,6 @@ is a multiple of one of them, which one matrix says.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -23,7 +22,9 @@ from tribo.kernels.pair import (
     PAIR,
     Q1,
     Q2,
+    REACHED,
     ROWS,
+    SAMPLES,
     T1,
     T2,
     V1,
@@ -40,7 +41,7 @@ from tribo.kernels.pair import (
 )
 from tribo.kernels.records import CLOCK, FORCED, FREE
 from tribo.kernels.samples import STORED
-from tribo.kernels.status import COMPLETED, NAMES
+from tribo.kernels.status import COMPLETED, NAMES, PAUSED
 from tribo.kernels.stepping import Tolerance
 from tribo.layout import Layout
 from tribo.ledger import Samples
@@ -50,6 +51,8 @@ from tribo.sources import stamp
 
 ARC1, ARC2 = COLUMNS, COLUMNS + 1  # what the springs' ends do about the centre, see `_arcs`
 FIRST_ACCOUNT = J + 1
+FIRST = 8.0  # steps of the usual first length: a method of this order can begin with longer ones
+FEW = 2048  # steps, before the keyboard is looked at for the first time
 INTERRUPTED = "Interrupted"
 
 
@@ -86,15 +89,17 @@ class Pair:
         self.layout = layout
         ease = _ease(layout)
         self.places, self.books = _matrices(layout, ease)
-        self._scene = (_record(layout, ease), layout.model.contacts[0].potential)
-        self._table = table(method.coefficients)
-        self._clocks = np.zeros(1, CLOCK)
-        self._clocks["h"] = first_step
+        potential = layout.model.contacts[0].potential
+        self._given = (_record(layout, ease), potential, table(method.coefficients))
+        self._first_step = FIRST * first_step
+        self._clocks, self._state = np.zeros(1, CLOCK), np.zeros((ROWS, LANES))
+        self._unbegun = self._clocks["evaluations"]  # 0 makes a run begin
         self._limits: tuple[Tolerance | None, np.ndarray] = (None, np.zeros((2, LANES)))
         loop = time_loop(pair_collocation, stamp(layout.plugins))
-        still = (layout.start, self._clocks, self._state(), np.zeros(1), self._room(1), 0)
+        limits, room = self._limits[1], np.empty((2, COLUMNS))
+        moving = (self._clocks, self._state, np.zeros(1), room, 0)
         try:
-            self._loop = entry(loop, *self._scene, self._table, self._limits[1], *still)
+            self._loop = entry(loop, *self._given, limits, layout.start, *moving)
         except Refusals as error:
             raise complaint(layout, error) from None
         self.compile_seconds = time.perf_counter() - began
@@ -110,41 +115,42 @@ class Pair:
         began = time.perf_counter()
         if self._limits[0] is not wanted:
             self._limits = (wanted, self.limits(wanted))
-        call = self._bound(self._limits[1], start)
-        clocks, state, record = self._clocks.copy(), self._state(), self._room(times.size)
-        status = through(call, (), clocks, state, times, record, progress)
-        if status == INTERRUPTED:
-            here = clocks["t"].copy()
-            done = int(clocks["sample"][0])
-            clocks["sample"], clocks["t_low"] = 0, 0.0
-            call(clocks, state, here, record[done:], 1)
-            clocks["sample"] = done
+        self._unbegun[0] = 0
+        record = np.empty((times.size + 1, COLUMNS))
+        given = (*self._given, self._limits[1], start)
+        code = self._loop(*given, self._clocks, self._state, times, record, FEW)
+        status = NAMES[code] if code != PAUSED else self._on(given, times, record, progress)
 
         def recorded() -> Samples:
             reached = times
             if status != NAMES[COMPLETED]:
-                reached = np.append(times[: int(clocks["sample"][0])], clocks["t"])
+                reached = np.append(times[: int(record[-1, SAMPLES])], record[-1, REACHED])
             return self.samples(reached, record)
 
-        return March(recorded, status, clocks, time.perf_counter() - began)
+        return March(recorded, status, record[-1], time.perf_counter() - began)
 
-    def _bound(self, limits: np.ndarray, start: np.ndarray) -> Callable[..., int]:
-        """The loop with all but the moving parts given."""
-        loop, (record, potential), coefficients = self._loop, self._scene, self._table
+    def _on(
+        self,
+        given: tuple[Any, ...],
+        times: np.ndarray,
+        record: np.ndarray,
+        progress: Progress | None,
+    ) -> str:
+        """Go on with a run that takes long, to where it ends."""
 
         def call(clocks: Any, state: Any, times: np.ndarray, rows: Any, budget: int) -> int:
-            code: int = loop(
-                record, potential, coefficients, limits, start, clocks, state, times, rows, budget
-            )
+            code: int = self._loop(*given, clocks, state, times, rows, budget)
             return code
 
-        return call
-
-    def _state(self) -> np.ndarray:
-        return np.zeros((ROWS, LANES))
-
-    def _room(self, times: int) -> np.ndarray:
-        return np.empty((times + 1, COLUMNS))
+        clocks = self._clocks
+        status = through(call, (), clocks, self._state, times, record, progress)
+        if status == INTERRUPTED:  # the place reached is one more sample
+            done = int(clocks["sample"][0])
+            clocks["sample"], clocks["t_low"] = 0, 0.0
+            call(clocks, self._state, clocks["t"].copy(), record[done:], 1)
+            taken = (clocks[name][0] for name in ("steps", "evaluations"))
+            record[-1, : REACHED + 1] = *taken, done, clocks["t"][0]
+        return status
 
     def limits(self, wanted: Tolerance) -> np.ndarray:
         """(2, 8) tolerances of the loop's own variables, such that all of the layout's are met."""
@@ -153,7 +159,7 @@ class Pair:
         with np.errstate(divide="ignore"):
             own = np.min(everything[:, None] / factors, axis=0)
         table = np.zeros((2, LANES))
-        table[0, :4] = own[V1], own[V2], own[J], wanted.level
+        table[0, :5] = own[V1], own[V2], own[J], wanted.level, self._first_step
         table[1] = 1.0 / own[FIRST_ACCOUNT : FIRST_ACCOUNT + LANES]
         return table
 

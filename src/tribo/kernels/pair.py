@@ -85,6 +85,8 @@ Q1, Q2, K, V1, V2, J = range(6)  # in PLACE; LOW has what rounding took; START q
 J_Y, X1, Y1, X2, Y2, T1, T2, S = range(8)
 ENERGY = J + 1 + LANES  # of the contact, the last column of a record
 COLUMNS = ENERGY + 1
+# The row of a record behind all samples says what the run took, and how far it came.
+STEPS, EVALUATIONS, SAMPLES, REACHED = range(4)
 
 # Rows of a method's table.
 AT, NODES, POLE, B, V, LAST, A, R = 0, 1, 2, 3, 4, 5, 6, 14
@@ -148,10 +150,10 @@ def _one_by_one(potential, r, one, other):
 
 
 @inlined
-def pushes(pair, potential, r):
-    """Contact force over distance, lane by lane: a potential knows one distance at a time."""
+def pushes(pair, potential, r, inverse):
+    """Contact force over distance."""
     end = potential.range()
-    push = forces_at(potential, r, pair.charge1, pair.charge2) * (1.0 / r)
+    push = forces_at(potential, r, pair.charge1, pair.charge2) * inverse
     return where_less(r, end, push, 0.0)
 
 
@@ -162,8 +164,9 @@ def seen(pair, potential, t, q1, q2, k):
     sin2, cos2 = sine_cosine(q2)
     dx = (pair.gap_x + pair.speed_x * t + pair.ease * k) + (pair.arm1 * sin1 - pair.arm2 * sin2)
     dy = (pair.gap_y + pair.speed_y * t) - (pair.arm1 * cos1 - pair.arm2 * cos2)
-    r = root(dx * dx + (dy * dy + pair.square_z))
-    f = pushes(pair, potential, r)
+    square = dx * dx + (dy * dy + pair.square_z)
+    r = root(square)
+    f = pushes(pair, potential, r, r * (1.0 / square))
     return Sight(sin1, cos1, sin2, cos2, f * dx, f * dy, r)
 
 
@@ -264,18 +267,19 @@ def book(method, h, work, f1, f2, fk, q1, q2, sight):
     omega1 = work[PLACE, V1] + h * summed(method, R, f1)
     omega2 = work[PLACE, V2] + h * summed(method, R, f2)
     j = work[PLACE, J] + h * summed(method, R, fk)
-    store(work, POWERS + J_Y, sight.fy)
-    store(work, POWERS + X1, sight.fx * omega1 * sight.cos1)
-    store(work, POWERS + Y1, sight.fy * omega1 * sight.sin1)
-    store(work, POWERS + X2, sight.fx * omega2 * sight.cos2)
-    store(work, POWERS + Y2, sight.fy * omega2 * sight.sin2)
-    store(work, POWERS + T1, q1)
-    store(work, POWERS + T2, q2)
-    store(work, POWERS + S, sight.fx * j)
     end = f1
-    for account in range(LANES):
-        end = put(end, account, work[POWERS + account, 0])
-        work[POWERS + account, 0] = work[BEGINNING, account]
+    for account, power in (
+        (J_Y, sight.fy),
+        (X1, sight.fx * omega1 * sight.cos1),
+        (Y1, sight.fy * omega1 * sight.sin1),
+        (X2, sight.fx * omega2 * sight.cos2),
+        (Y2, sight.fy * omega2 * sight.sin2),
+        (T1, q1),
+        (T2, q2),
+        (S, sight.fx * j),
+    ):
+        end = put(end, account, lane(power, 0))
+        store(work, POWERS + account, put(power, 0, work[BEGINNING, account]))
     return end
 
 
@@ -372,10 +376,21 @@ def write(pair, potential, clock, work, record):
 
 
 @kernel
-def begin(pair, potential, method, clock, start, work):
+def begin(pair, potential, method, tolerance, clock, start, work):
     """Slopes and powers at the very start, and whether it is one."""
     if clock.evaluations > 0:
         return COMPLETED
+    for row in range(ROWS):
+        for i in range(LANES):
+            work[row, i] = 0.0
+    clock.t = 0.0
+    clock.t_low = 0.0
+    clock.h = tolerance[0, 4]
+    clock.last = 0.0
+    clock.sample = 0
+    clock.steps = 0
+    clock.rejected = 0
+    clock.held = 0
     n = start.size // 2
     work[PLACE, Q1], work[PLACE, Q2] = start[0], start[1]
     work[PLACE, V1], work[PLACE, V2] = start[n], start[n + 1]
@@ -398,10 +413,11 @@ def begin(pair, potential, method, clock, start, work):
 def pair_collocation(pairs, potential, tables, limits, start, clocks, state, times, record, budget):
     """March through the samples with steps whose local errors stay within `limits`.
 
-    `limits` (2, 8) has the tolerances of omega1, omega2 and j, and the level, then the accounts'
-    reciprocals; `tables` is the method's; `start` is y of the scene's layout at t = 0, and `state`
-    (ROWS, 8) what a run goes on from; `record` (times + 1, COLUMNS) is filled in row by row, and
-    where the run stops has that place last.
+    `limits` (2, 8) has the tolerances of omega1, omega2 and j, the level and the first step, then
+    the accounts' reciprocals; `tables` is the method's; `start` is y of the scene's layout at
+    t = 0, where a clock without evaluations begins, and `state` (ROWS, 8) what it goes on from;
+    `record` (times + 1, COLUMNS) is filled in row by row, and where the run stops is its last
+    sample.
     As :func:`tribo.kernels.collocation.chosen_collocation` else.
     """
     pair = pairs[0]
@@ -409,7 +425,7 @@ def pair_collocation(pairs, potential, tables, limits, start, clocks, state, tim
     method = rows_of(tables)
     tolerance = rows_of(limits)
     work = rows_of(state)
-    status = begin(pair, potential, method, clock, start, work)
+    status = begin(pair, potential, method, tolerance, clock, start, work)
     r = distance(pair, clock.t, work)
     encounter = encounter_of(
         pair,
@@ -479,6 +495,10 @@ def pair_collocation(pairs, potential, tables, limits, start, clocks, state, tim
         work[START, Q1], work[START, Q2], work[START, K] = next1, next2, nextk
         store(work, BEGINNING, end)
         encounter = next_encounter
+    record[times.size, STEPS] = clock.steps
+    record[times.size, EVALUATIONS] = clock.evaluations
+    record[times.size, SAMPLES] = clock.sample
+    record[times.size, REACHED] = clock.t
     if status != COMPLETED:
         write(pair, potential, clock, work, record)
     return status
