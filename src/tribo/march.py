@@ -12,8 +12,8 @@ import numpy as np
 
 from tribo.diagnosis import Refusals, complaint
 from tribo.kernels.motion import place_bobs
-from tribo.kernels.neighbours import refreshed
-from tribo.kernels.records import CLOCK
+from tribo.kernels.neighbours import refresh
+from tribo.kernels.records import CLOCK, Neighbours
 from tribo.kernels.samples import STORED, Record, State, write_sample
 from tribo.kernels.status import COMPLETED, NAMES, PAUSED
 from tribo.layout import Layout
@@ -24,6 +24,7 @@ from tribo.potentials.from_ase import Call
 Progress = Callable[[float], None]  # told the time reached, a few times a second
 CHUNK_SECONDS = 0.1  # between two looks at the keyboard
 SERIES_BYTES = 2**30  # of asperites' series, above which only their first and last are kept
+ROOM = 1.5  # of what a list of neighbours wanted, when it had too little
 PORTION_BYTES = 2**27  # of samples taken in at a time then
 
 
@@ -221,6 +222,8 @@ def _bound(
         noise = (np.random.default_rng([layout.scene.seed, 2]),)
 
     def call(clocks: Any, state: State, times: np.ndarray, record: Record, budget: int) -> int:
+        nonlocal neighbours
+        neighbours = with_room(neighbours)
         code: int = loop(
             layout.model,
             neighbours,
@@ -238,10 +241,23 @@ def _bound(
     return call
 
 
+def with_room(neighbours: Neighbours | None) -> Neighbours | None:
+    """The same list, or an empty one with more room if it had too little."""
+    if neighbours is None or neighbours.start[-1] <= neighbours.index.size:
+        return neighbours
+    room = int(ROOM * neighbours.start[-1])
+    return neighbours._replace(
+        index=np.zeros(room, np.int64), place=np.full_like(neighbours.place, np.nan)
+    )
+
+
 def _record_now(layout: Layout, clocks: Any, state: State, record: Record) -> None:
     """Write the state in which a run stopped as one more sample."""
     model = layout.model
     now = float(clocks.t[0])
     place_bobs(model.asperites, model.bobs, now, state.y[: layout.coordinates])
-    neighbours = refreshed(model, layout.neighbours())
+    neighbours = layout.neighbours()
+    for _ in range(2):
+        neighbours = with_room(neighbours)
+        refresh(model, neighbours)
     write_sample(model, neighbours, clocks[0], state, record)

@@ -19,11 +19,20 @@ from numba.extending import overload_method
 # What kernels are made of.  Division by zero gives inf or nan, as in numpy, which the time loops
 # turn into a named status.  Most are called by other kernels only: the wrappers by which Python
 # would call them cost a quarter of the compile time.
-kernel = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
+#
+# Most kernels neither make arrays nor hand any on, and do without the counting of references: for
+# a pair of asperites that is more than half of the time.
+kernel = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False)
 inlined = njit(
-    error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline=True
+    error_model="numpy",
+    no_cpython_wrapper=True,
+    no_cfunc_wrapper=True,
+    forceinline=True,
+    _nrt=False,
 )
-shared_kernel = njit(error_model="numpy")
+shared_kernel = njit(error_model="numpy", _nrt=False)
+owning_kernel = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=True)
+shared_owning_kernel = njit(error_model="numpy", _nrt=True)
 
 
 @functools.cache
