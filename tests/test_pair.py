@@ -21,7 +21,7 @@ from tribo.kernels.pair import COLUMNS, pair_collocation
 from tribo.kernels.status import COMPLETED, PAUSED
 from tribo.layout import laid_out
 from tribo.methods import METHODS
-from tribo.pair import FEW, has_loop, is_pair
+from tribo.pair import has_loop, is_pair
 from tribo.simulation import Simulation
 from tribo.sources import stamp
 
@@ -219,7 +219,7 @@ def test_interrupted_far_out():
     scene = replace(pair(tribo.Coulomb(0.3), DRIVES[0]), duration=1e5)
     simulation = Simulation(scene, RADAU, stop)
     run = simulation.attempt(simulation._setting)
-    assert run.status == "Interrupted" and run.steps >= FEW
+    assert run.status == "Interrupted" and run.steps > 100
     assert run.samples.t[-1] == reached[-1]
     shorter = replace(scene, duration=reached[-1], output=tribo.Output(samples=2))
     again = tribo.simulate(shorter, accuracy=1e-9, method=RADAU.name)

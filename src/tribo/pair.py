@@ -118,7 +118,9 @@ class Pair:
         self._unbegun[0] = 0
         record = np.empty((times.size + 1, COLUMNS))
         given = (*self._given, self._limits[1], start)
-        code = self._loop(*given, self._clocks, self._state, times, record, FEW)
+        code = PAUSED
+        if progress is None:  # nobody to be told
+            code = self._loop(*given, self._clocks, self._state, times, record, FEW)
         status = NAMES[code] if code != PAUSED else self._on(given, times, record, progress)
 
         def recorded() -> Samples:
