@@ -4,6 +4,8 @@
     evaluations = evaluations(1e-6) (accuracy / 1e-6)^(-1/slope), for each radian of the pendulums
     seconds of an evaluation = (for each run) + (for each asperite) + (for each bath oscillator)
 
+or, by the loop of a pair's own, PAIR nanoseconds.
+
 The numbers were measured by benchmarks/calibrate.py.  Only ratios of them enter the choice, and
 these are much the same on every machine.  Methods that turn bath oscillators exactly need not
 resolve their fastest; all others do.
@@ -17,6 +19,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from tribo import methods
+from tribo.layout import laid_out
+from tribo.pair import has_loop
 from tribo.scene import Scene
 
 
@@ -39,6 +43,9 @@ RATES = {
 }
 
 
+PAIR = 12.0  # nanoseconds of an evaluation by tribo.pair
+
+
 @dataclass(frozen=True)
 class Estimate:
     """What one method is expected to take on one scene."""
@@ -51,12 +58,15 @@ class Estimate:
 def estimates(scene: Scene, accuracy: float) -> list[Estimate]:
     """All methods that take the scene, the cheapest first."""
     found = []
+    layout = laid_out(scene) if scene.count == 2 else None
     for name, rate in RATES.items():
         method = methods.METHODS[name]
         if methods.refusal(method, scene) is None:
             radians = _radians(scene, exact=method.splits)
             evaluations = radians * rate.evaluations * (accuracy / 1e-6) ** (-1.0 / rate.slope)
             each = rate.run + scene.count * rate.asperite + _oscillators(scene) * rate.oscillator
+            if layout is not None and has_loop(layout, method):
+                each = PAIR
             found.append(Estimate(method, evaluations, 1e-9 * evaluations * each))
     return sorted(found, key=lambda item: item.seconds)
 
