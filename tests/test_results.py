@@ -156,7 +156,8 @@ def test_prepared_run(result):
     assert np.array_equal(again["upper"].theta, result["upper"].theta)
     assert again.met
     bare = simulation.run(estimate=False)
-    assert np.array_equal(bare["upper"].theta, result["upper"].theta)
+    off = np.max(np.abs(bare["upper"].theta - result["upper"].theta))
+    assert off <= simulation.accuracy  # its steps do not end where runs are compared
     assert set(bare.error_estimate.values()) == {None} and bare.met is None
     assert bare.cost.force_evaluations < again.cost.force_evaluations
 

@@ -49,7 +49,7 @@ RATES = {
     "blanes-moan-6": Rate(13.3, 8.02, 36.1, 127.0, 0.0, 10),
 }
 FAST = 1.6  # evaluations for each radian of a bath's fastest oscillator, for stability
-PAIR = replace(RATES["gauss-radau-15"], run=20.0, asperite=0.0)  # in a loop of its own
+PAIR = replace(RATES["gauss-radau-15"], run=12.0, asperite=0.0)  # in a loop of its own
 
 
 @dataclass(frozen=True)

@@ -49,7 +49,7 @@ from tribo.march import March, Progress, through
 from tribo.methods import Method
 from tribo.sources import stamp
 
-ARC1, ARC2 = COLUMNS, COLUMNS + 1  # what the springs' ends do about the centre, see `_arcs`
+ARC1, ARC2 = ENERGY, ENERGY + 1  # in place of the energy: see `_arcs`
 FIRST_ACCOUNT = J + 1
 FIRST = 8.0  # steps of the usual first length: a method of this order can begin with longer ones
 FEW = 2048  # steps, before the keyboard is looked at for the first time
@@ -120,7 +120,9 @@ class Pair:
         self._near[0] = wanted.near
         record = np.empty((times.size + 1, COLUMNS))
         given = (*self._given, self._limits[1], start)
-        code = self._loop(*given, self._clocks, self._state, times, record, FEW)
+        code = PAUSED
+        if progress is None:  # nobody to be told
+            code = self._loop(*given, self._clocks, self._state, times, record, FEW)
         status = NAMES[code] if code != PAUSED else self._on(given, times, record, progress)
 
         def recorded() -> Samples:
@@ -167,13 +169,14 @@ class Pair:
 
     def samples(self, times: np.ndarray, record: np.ndarray) -> Samples:
         """What the general loop would have recorded."""
-        rows = np.concatenate([record[: times.size], self._arcs(record[: times.size])], axis=1)
+        own = record[: times.size]
+        rows = np.concatenate([own[:, :ENERGY], self._arcs(own)], axis=1)
         none = np.zeros(times.size)
         return Samples(
             t=times,
             y=rows @ self.places.T,
             s=rows @ self.books.T,
-            contact=rows[:, ENERGY],
+            contact=own[:, ENERGY],
             field=none,
             stored=np.zeros((times.size, 2, STORED)),
         )
@@ -213,8 +216,8 @@ def _record(layout: Layout, ease: np.ndarray) -> np.ndarray:
 def _matrices(layout: Layout, ease: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """`places` and `books` of a Pair; see kernels.powers for the accounts' meaning."""
     n = layout.coordinates
-    places = np.zeros((2 * n, COLUMNS + 2))
-    books = np.zeros((layout.accounts, COLUMNS + 2))
+    places = np.zeros((2 * n, ENERGY + 2))
+    books = np.zeros((layout.accounts, ENERGY + 2))
     columns = ((Q1, V1, X1, Y1, T1, ARC1), (Q2, V2, X2, Y2, T2, ARC2))
     for i, (a, sign) in enumerate(zip(layout.model.asperites, (1.0, -1.0), strict=True)):
         q, v, about_x, about_y, twist, arc = columns[i]

@@ -24,6 +24,7 @@ from tribo.scene import Scene
 from tribo.spectra import believed_until
 from tribo.tuning import (
     APART,
+    NEAR,
     PILOT,
     Tuned,
     Wanted,
@@ -113,27 +114,29 @@ class Simulation:
         if self._digests:
             digest = Digest(self.layout)
             return self._result([self._march(y, self._setting, self._times, digest)], digest)
-        run = self._march(y, self._setting, self._lone_times)
+        run = self._march(y, *self._lone)
         if self.layout.calls:
             return self._result([run])
         return Result.later(lambda: self._result([run]))
 
     @cached_property
-    def _lone_times(self) -> np.ndarray:
-        """Where a run that is compared with no other stops: where it is recorded, if that will do.
+    def _lone(self) -> tuple[Any, np.ndarray]:
+        """Setting and times of a run that is compared with no other.
 
-        The tolerances were found for runs that stop more often, which shortens their steps.
+        Runs that are compared stop more often, and the finer keeps farther from encounters, so
+        that the two have no step in common.  A run alone need not, if it is as good without.
         """
         if self._tuned is None or not self.method.adaptive:
-            return self._times
-        lone = self._march(self.layout.start, self._setting, self.scene.times)
-        if not lone.status == self.finest.status == "completed":
-            return self._times
-        assert self.accuracy is not None
-        names = self.accuracy if isinstance(self.accuracy, Mapping) else ()
-        found, scales = estimated(self.layout, lone, self.finest, names)
-        close = acc.excess(found, scales, self.accuracy) <= 1.0
-        return self.scene.times if close else self._times
+            return self._setting, self._times
+        setting, times = self._setting._replace(near=NEAR), self.scene.times
+        run = self._march(self.layout.start, setting, times)
+        if run.status == self.finest.status == "completed":
+            assert self.accuracy is not None
+            names = self.accuracy if isinstance(self.accuracy, Mapping) else ()
+            found, scales = estimated(self.layout, run, self.finest, names)
+            if acc.excess(found, scales, self.accuracy) <= 1.0:
+                return setting, times
+        return self._setting, self._times
 
     def first_result(self) -> Result:
         """The result of the runs that fixed the step, or of a run if none was needed."""

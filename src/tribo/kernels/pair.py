@@ -89,7 +89,7 @@ COLUMNS = ENERGY + 1
 STEPS, EVALUATIONS, SAMPLES, REACHED = range(4)
 
 # Rows of a method's table.
-AT, NODES, POLE, B, V, LAST, A, R = 0, 1, 2, 3, 4, 5, 6, 14
+AT, NODES, POLE, B, V, LAST, A, AA, R = 0, 1, 2, 3, 4, 5, 6, 14, 22
 
 
 class Sight(NamedTuple):
@@ -113,6 +113,7 @@ def table(method: Collocation) -> np.ndarray:
     for j in range(LANES):
         rows[A + j] = np.append(method.b[j], method.a[1:, j])
         rows[R + j] = np.append(method.v[j], method.r[1:, j])
+    rows[AA : AA + LANES] = (rows[A : A + LANES].T[:, 1:] @ method.a[1:]).T
     return rows
 
 
@@ -231,18 +232,20 @@ def solve(pair, potential, method, clock, h, tolerance, work, f1, f2, fk):
     before = 0.0
     springs1 = square * pair.square1
     springs2 = square * pair.square2
+    place1 = rest1 + square * summed(method, A, f1)
+    place2 = rest2 + square * summed(method, A, f2)
+    placek = restk + square * summed(method, A, fk)
     for _ in range(SWEEPS):
-        place1 = rest1 + square * summed(method, A, f1)
-        place2 = rest2 + square * summed(method, A, f2)
-        placek = restk + square * summed(method, A, fk)
         sight = seen(pair, potential, t, place1, place2, placek)
         new1, new2 = slopes(pair, sight, place1, place2)
         newk = put(sight.fx, 0, startk)
         late1 = put(new1, 0, start1) - f1
         late2 = put(new2, 0, start2) - f2
         latek = newk - fk
-        new1 = new1 - springs1 * summed(method, A, late1)
-        new2 = new2 - springs2 * summed(method, A, late2)
+        off1 = summed(method, A, late1)
+        off2 = summed(method, A, late2)
+        new1 = new1 - springs1 * off1
+        new2 = new2 - springs2 * off2
         work[POWERS, 0] = lane(new1, 0)
         work[POWERS, 1] = lane(new2, 0)
         work[POWERS, 2] = lane(sight.fx, 0)
@@ -258,6 +261,9 @@ def solve(pair, potential, method, clock, h, tolerance, work, f1, f2, fk):
         if not math.isfinite(change):
             break
         before = change
+        place1 = place1 + square * (off1 - springs1 * summed(method, AA, late1))
+        place2 = place2 + square * (off2 - springs2 * summed(method, AA, late2))
+        placek = placek + square * summed(method, A, latek)
     return False, f1, f2, fk, rest1, rest2, sight
 
 
