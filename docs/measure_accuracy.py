@@ -73,7 +73,8 @@ def measure(name: str) -> None:
     found = work_precision(SCENES[name](), seconds=SECONDS, progress=print)
     FOLDER.mkdir(exist_ok=True)
     found.save_figure(FOLDER / f"accuracy_{name}.png")
-    (FOLDER / f"accuracy_{name}.json").write_text(found.to_json() + "\n", encoding="utf-8")
+    runs = json.dumps(json.loads(found.to_json())).replace("}, ", "},\n")  # a line for each run
+    (FOLDER / f"accuracy_{name}.json").write_text(runs + "\n", encoding="utf-8")
     print(f"{name}\n{found}", flush=True)
 
 
