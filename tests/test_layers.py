@@ -18,7 +18,8 @@ errors checks
 kernels kernels.status kernels.tableaux kernels.records kernels.compiled kernels.external
 kernels.neighbours kernels.contact kernels.probe kernels.motion kernels.powers kernels.samples
 kernels.stepping kernels.sums kernels.nystrom_tableaux kernels.collocation_tableaux
-kernels.runge_kutta kernels.nystrom kernels.collocation kernels.splitting
+kernels.runge_kutta kernels.nystrom kernels.collocation kernels.splitting kernels.lanes
+kernels.pair
 sources plugins
 potentials.born_mayer potentials.buckingham potentials.coulomb potentials.lennard_jones
 potentials.mie potentials.morse potentials.plummer potentials.weeks_chandler_andersen
@@ -27,7 +28,7 @@ potentials.from_ase
 potentials.dimers potentials.registry potentials.to_ase potentials.expression potentials.written
 potentials
 fields drives springs spectra bath langevin roughness asperite surface rows scene scene_file
-layout methods ledger diagnosis march accuracy tuning costs plan result archive simulation
+layout methods ledger diagnosis march pair accuracy tuning costs plan result archive simulation
 work_precision
 report_card.card report_card.specimen report_card.derivatives report_card.smoothness
 report_card.limits report_card.agreement report_card.invariances report_card.ase_peers

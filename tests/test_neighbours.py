@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 import tribo
 from tribo import layout as layouts
-from tribo.kernels.neighbours import refreshed
+from tribo import march
+from tribo.kernels.neighbours import refresh
 
 CUTOFF = 1.5
 POTENTIAL = tribo.with_cutoff(tribo.LennardJones(0.05, 0.5), CUTOFF)
@@ -68,7 +69,9 @@ def test_a_list_has_every_pair_within_reach(given_places, slide):
     for shift in (0.0, slide):
         bobs.x, bobs.y = world[:, 0], world[:, 1]
         bobs.x[: len(upper)] += shift
-        neighbours = refreshed(layout.model, neighbours)
+        refresh(layout.model, neighbours)
+        neighbours = march.with_room(neighbours)
+        refresh(layout.model, neighbours)
         now = np.column_stack([bobs.x, bobs.y, bobs.z])
         needed = pairs_within(now, len(upper), CUTOFF, box)
         wide = pairs_within(now, len(upper), CUTOFF + 2.01 * layout.skin, box)
@@ -109,6 +112,37 @@ def test_lists_give_all_pairs_bit_for_bit(periodic, monkeypatch):
     assert plain.status == by_list.status == "completed"
     assert np.max(np.abs(plain["upper"].theta)) > np.pi
     assert np.max(np.abs(plain["lower"].w1)) > 0.0
+    for name in ("upper", "lower"):
+        for quantity in plain[name]:
+            assert np.array_equal(plain[name][quantity], by_list[name][quantity]), quantity
+
+
+@pytest.mark.parametrize("method", ["verlet", "dop853", "rkn8", "gauss-radau-15"])
+def test_a_list_that_outgrows_its_room(method, monkeypatch):
+    """Rows without room count as all pairs, until the run pauses and the list has more room."""
+    wanted = replace(long_slide({}), duration=4.0, output=tribo.Output(samples=5))
+    how = {"step": 0.003} if method == "verlet" else {"accuracy": 1e-3}
+    monkeypatch.setattr(layouts, "FEW", 0)
+    plain = tribo.simulate(wanted, method=method, **how)
+    grown = []
+
+    def exactly(neighbours):
+        """As much room as the list had wanted, and no more."""
+        if neighbours is None or neighbours.start[-1] <= neighbours.index.size:
+            return neighbours
+        grown.append(int(neighbours.start[-1]))
+        nowhere = np.full_like(neighbours.place, np.nan)
+        return neighbours._replace(index=np.zeros(grown[-1], np.int64), place=nowhere)
+
+    def cramped(self):
+        """A list with room for one."""
+        return whole(self)._replace(index=np.zeros(1, np.int64))
+
+    whole = layouts.Layout.neighbours
+    monkeypatch.setattr(march, "with_room", exactly)
+    monkeypatch.setattr(layouts.Layout, "neighbours", cramped)
+    by_list = tribo.simulate(wanted, method=method, **how)
+    assert len(set(grown)) >= 2, "the room must run out on the way, not at the start alone"
     for name in ("upper", "lower"):
         for quantity in plain[name]:
             assert np.array_equal(plain[name][quantity], by_list[name][quantity]), quantity

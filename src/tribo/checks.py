@@ -78,6 +78,8 @@ def vector(
 
 def is_list(value: Any) -> bool:
     """Whether the value is a list, a tuple or an array of at least one axis."""
+    if isinstance(value, (int, float)):  # the commonest, and quickly told
+        return False
     if isinstance(value, np.ndarray):
         return value.ndim > 0
     return isinstance(value, Sequence) and not isinstance(value, (str, bytes))

@@ -5,14 +5,15 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from tribo.diagnosis import Refusals, complaint
 from tribo.kernels.motion import place_bobs
-from tribo.kernels.neighbours import refreshed
-from tribo.kernels.records import CLOCK
+from tribo.kernels.neighbours import refresh
+from tribo.kernels.records import CLOCK, Neighbours
 from tribo.kernels.samples import STORED, Record, State, write_sample
 from tribo.kernels.status import COMPLETED, NAMES, PAUSED
 from tribo.layout import Layout
@@ -23,6 +24,7 @@ from tribo.potentials.from_ase import Call
 Progress = Callable[[float], None]  # told the time reached, a few times a second
 CHUNK_SECONDS = 0.1  # between two looks at the keyboard
 SERIES_BYTES = 2**30  # of asperites' series, above which only their first and last are kept
+ROOM = 1.5  # of what a list of neighbours wanted, when it had too little
 PORTION_BYTES = 2**27  # of samples taken in at a time then
 
 
@@ -72,15 +74,29 @@ def _row_bytes(layout: Layout) -> int:
     return 8 * (2 * layout.core + layout.accounts + 2 * reported * layout.scene.count)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class March:
-    """Raw samples of one integration, and what it took."""
+    """One integration: its raw samples, put together when first looked at, and what it took."""
 
-    samples: Samples
+    recorded: Callable[[], Samples]
     status: str
-    steps: int
-    evaluations: int
+    counts: np.ndarray  # (2,) steps, and evaluations of all forces
     seconds: float
+
+    @cached_property
+    def samples(self) -> Samples:
+        """The raw samples."""
+        return self.recorded()
+
+    @property
+    def steps(self) -> int:
+        """How many there were."""
+        return int(self.counts[0])
+
+    @property
+    def evaluations(self) -> int:
+        """How often all forces were looked at."""
+        return int(self.counts[1])
 
 
 def march(
@@ -109,7 +125,7 @@ def march(
     for first in range(0, times.size, rows):
         portion = times[first : first + rows]
         clocks.sample = 0
-        status = _through(call, layout.calls, clocks, state, portion, record, progress)
+        status = through(call, layout.calls, clocks, state, portion, record, progress)
         reached = portion[: int(clocks.sample[0])]
         if status != NAMES[COMPLETED] and (not reached.size or reached[-1] != clocks.t[0]):
             _record_now(layout, clocks, state, record)
@@ -122,18 +138,19 @@ def march(
             samples = new
         if status != NAMES[COMPLETED]:
             break
-    assert samples is not None
-    seconds = time.perf_counter() - began
-    return March(samples, status, int(clocks.steps[0]), int(clocks.evaluations[0]), seconds)
+    whole = samples
+    assert whole is not None
+    counts = np.array([clocks.steps[0], clocks.evaluations[0]])
+    return March(lambda: whole, status, counts, time.perf_counter() - began)
 
 
-def _through(
+def through(
     call: Callable[..., int],
     calls: tuple[Call, ...],
     clocks: Any,
-    state: State,
+    state: Any,
     times: np.ndarray,
-    record: Record,
+    record: Any,
     progress: Progress | None,
 ) -> str:
     """Run through the times in chunks short enough to look at the keyboard between them."""
@@ -146,13 +163,14 @@ def _through(
             began = time.perf_counter()
             code = call(clocks, state, times, record, budget)
             taken = time.perf_counter() - began
-            if any(item.error is not None for item in calls):
-                return "CalculatorFailed"
-            if any(item.interrupted for item in calls):
-                return "Interrupted"
-            budget = int(np.clip(budget * CHUNK_SECONDS / max(taken, 1e-6), 16, 1e9))
+            for item in calls:
+                if item.error is not None:
+                    return "CalculatorFailed"
+                if item.interrupted:
+                    return "Interrupted"
+            budget = int(min(max(budget * CHUNK_SECONDS / max(taken, 1e-6), 16.0), 1e9))
             if progress is not None:
-                progress(float(clocks.t[0]))
+                progress(float(clocks["t"][0]))
     except KeyboardInterrupt:
         return "Interrupted"
     return NAMES[code]
@@ -204,6 +222,8 @@ def _bound(
         noise = (np.random.default_rng([layout.scene.seed, 2]),)
 
     def call(clocks: Any, state: State, times: np.ndarray, record: Record, budget: int) -> int:
+        nonlocal neighbours
+        neighbours = with_room(neighbours)
         code: int = loop(
             layout.model,
             neighbours,
@@ -221,10 +241,23 @@ def _bound(
     return call
 
 
+def with_room(neighbours: Neighbours | None) -> Neighbours | None:
+    """The same list, or an empty one with more room if it had too little."""
+    if neighbours is None or neighbours.start[-1] <= neighbours.index.size:
+        return neighbours
+    room = int(ROOM * neighbours.start[-1])
+    return neighbours._replace(
+        index=np.zeros(room, np.int64), place=np.full_like(neighbours.place, np.nan)
+    )
+
+
 def _record_now(layout: Layout, clocks: Any, state: State, record: Record) -> None:
     """Write the state in which a run stopped as one more sample."""
     model = layout.model
     now = float(clocks.t[0])
     place_bobs(model.asperites, model.bobs, now, state.y[: layout.coordinates])
-    neighbours = refreshed(model, layout.neighbours())
+    neighbours = layout.neighbours()
+    for _ in range(2):
+        neighbours = with_room(neighbours)
+        refresh(model, neighbours)
     write_sample(model, neighbours, clocks[0], state, record)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -73,6 +73,26 @@ class Result:
     met: bool | None = None  # whether every estimate is within it; None where there is none
     notes: tuple[str, ...] = field(default=())
     why: str = ""  # the method was chosen; empty where it was given
+
+    @classmethod
+    def later(cls, make: Callable[[], Result]) -> Result:
+        """A result that is put together when it is first looked at."""
+        result = object.__new__(cls)
+        result.__dict__["_make"] = make
+        return result
+
+    def __getattr__(self, name: str) -> Any:
+        """Only asked for what is not there: all of it, if it has not been put together yet."""
+        make = self.__dict__.pop("_make", None)
+        if make is None:
+            raise AttributeError(f"a result has no {name!r}")
+        self.__dict__.update(make().__dict__)
+        return getattr(self, name)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What is pickled or copied is whole."""
+        _ = self.status
+        return self.__dict__
 
     def __getitem__(self, surface: str) -> Series:
         if surface not in self.ledger.surfaces:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from tribo.kernels.compiled import time_loop
 from tribo.layout import laid_out, set_bath
 from tribo.ledger import Ledger, ledger
 from tribo.march import Digest, March, Progress, compile_loop, march
+from tribo.pair import Pair, has_loop
 from tribo.plan import plan_for
 from tribo.potentials.written import as_table
 from tribo.result import Cost, Result
@@ -50,13 +52,19 @@ class Simulation:
         self.layout = laid_out(scene)
         self._progress = progress
         self._first_step = acc.first_step(self.layout)
-        self._loop = time_loop(method.loop, sources.stamp(self.layout.plugins))
         self._times = scene.times
         self._check_times = np.linspace(0.0, scene.duration, CHECKS + 1)
         self._setting = setting_at(self.layout, method, acc.first_guess(self.layout), PILOT)
-        self.compile_seconds = compile_loop(self.layout, method, self._loop, self._setting)
+        self._pair: Pair | None = None
+        if has_loop(self.layout, method):
+            self._pair = Pair(self.layout, method, self._first_step)
+            self.compile_seconds = self._pair.compile_seconds
+        else:
+            self._loop = time_loop(method.loop, sources.stamp(self.layout.plugins))
+            self.compile_seconds = compile_loop(self.layout, method, self._loop, self._setting)
         self._coarse: Any = None
         self._tuned: Tuned | None = None
+        self._known: dict[Any, tuple[Any, float, int]] = {}  # of initial values that were changed
         self._warnings = _roughness(scene, method) + _warnings(scene)
 
     def with_step(self, step: float) -> Simulation:
@@ -91,13 +99,39 @@ class Simulation:
         `start` maps "surface.theta" (or phi, omega, nu) to a number or one per asperite.  With
         ``estimate=False`` the second run that estimates the error is left out.
         """
-        y = self._changed(start or {})
-        runs = []
-        if estimate and self._coarse is not None:
-            runs.append(self._march(y, self._coarse, self._check_times))
-        digest = Digest(self.layout) if self._digests else None
-        runs.append(self._march(y, self._setting, self._times, digest))
-        return self._result(runs, digest)
+        y = self._changed({} if start is None else start)
+        if not estimate or self._coarse is None:
+            return self._once(y)
+        runs = [self._march(y, self._coarse, self._check_times)]
+        runs.append(self._march(y, self._setting, self._times))
+        return self._result(runs)
+
+    def _once(self, y: np.ndarray) -> Result:
+        """A run without an estimate; its ledger is put together when somebody looks."""
+        if self._digests:
+            digest = Digest(self.layout)
+            return self._result([self._march(y, self._setting, self._times, digest)], digest)
+        run = self._march(y, self._setting, self._lone_times)
+        if self.layout.calls:
+            return self._result([run])
+        return Result.later(lambda: self._result([run]))
+
+    @cached_property
+    def _lone_times(self) -> np.ndarray:
+        """Where a run that is compared with no other stops: where it is recorded, if that will do.
+
+        The tolerances were found for runs that stop more often, which shortens their steps.
+        """
+        if self._tuned is None or not self.method.adaptive:
+            return self._times
+        lone = self._march(self.layout.start, self._setting, self.scene.times)
+        if not lone.status == self.finest.status == "completed":
+            return self._times
+        assert self.accuracy is not None
+        names = self.accuracy if isinstance(self.accuracy, Mapping) else ()
+        found, scales = estimated(self.layout, lone, self.finest, names)
+        close = acc.excess(found, scales, self.accuracy) <= 1.0
+        return self.scene.times if close else self._times
 
     def first_result(self) -> Result:
         """The result of the runs that fixed the step, or of a run if none was needed."""
@@ -110,13 +144,15 @@ class Simulation:
             raise InputError("accuracy", "is missing; without one no run fixed the settings")
         return self._tuned.runs[-1]
 
-    @property
+    @cached_property
     def _digests(self) -> bool:
         return Digest.wanted(self.layout, self._times.size)
 
     def _march(
         self, start: np.ndarray, setting: Any, times: np.ndarray, digest: Digest | None = None
     ) -> March:
+        if self._pair is not None:
+            return self._pair.march(setting, start, times, self._progress)
         return march(
             self.layout,
             self.method,
@@ -134,32 +170,49 @@ class Simulation:
         if not isinstance(start, Mapping):
             raise InputError("start", f"must map names to values, got {start!r}")
         y = self.layout.start.copy()
-        n = self.layout.coordinates
         for key, value in start.items():
-            name, _, quantity = str(key).rpartition(".")
-            if name not in self.layout.parts or quantity not in ("theta", "phi", "omega", "nu"):
-                raise InputError(
-                    str(key), 'must be "surface.theta", or phi, omega or nu of a surface'
-                )
-            part = self.layout.parts[name]
-            values = np.asarray(number_or_each(key, value))
-            surface = next(s for s in self.scene.surfaces if s.name == name)
-            if values.ndim and values.size != surface.count:
-                raise InputError(key, f"has {values.size} values for {surface.count} asperites")
-            if quantity in ("phi", "nu") and surface.bars == "clamped":
-                raise InputError(key, "cannot be changed on clamped bars of a prepared scene")
-            slots = np.arange(part.start, part.stop)
-            if quantity in ("phi", "nu"):
-                slots = self.layout.model.asperites.dof_phi[part]
-            if quantity in ("omega", "nu"):
-                slots = slots + n
-            y[slots] = values - surface.rest if quantity == "theta" else values
-        for index, surface in enumerate(self.scene.surfaces if start else ()):
+            if key not in self._known:
+                self._known[key] = self._slots(key)
+            slots, less, count = self._known[key]
+            values = number_or_each(key, value)
+            if isinstance(values, np.ndarray) and values.size != count:
+                raise InputError(key, f"has {values.size} values for {count} asperites")
+            y[slots] = values - less
+        if start and self._has_bath:
+            self._set_baths(y)
+        return y
+
+    def _slots(self, key: Any) -> tuple[Any, float, int]:
+        """Where in y a "surface.quantity" is, what it is less there, and of how many asperites."""
+        name, _, quantity = str(key).rpartition(".")
+        if name not in self.layout.parts or quantity not in ("theta", "phi", "omega", "nu"):
+            raise InputError(str(key), 'must be "surface.theta", or phi, omega or nu of a surface')
+        part = self.layout.parts[name]
+        surface = next(s for s in self.scene.surfaces if s.name == name)
+        if quantity in ("phi", "nu") and surface.bars == "clamped":
+            raise InputError(str(key), "cannot be changed on clamped bars of a prepared scene")
+        slots: Any = part
+        if quantity in ("phi", "nu"):
+            slots = self.layout.model.asperites.dof_phi[part].astype(int)
+        if quantity == "omega":
+            n = self.layout.coordinates
+            slots = slice(part.start + n, part.stop + n)
+        if quantity == "nu":
+            slots = slots + self.layout.coordinates
+        return slots, surface.rest if quantity == "theta" else 0.0, surface.count
+
+    @cached_property
+    def _has_bath(self) -> bool:
+        return self.layout.model.bath is not None or self.layout.model.torsional is not None
+
+    def _set_baths(self, y: np.ndarray) -> None:
+        """Start every bath anew about its bars, which have been put elsewhere."""
+        n = self.layout.coordinates
+        for index, surface in enumerate(self.scene.surfaces):
             part = self.layout.parts[surface.name]
             rng = np.random.default_rng([self.scene.seed, index, 1])
             bars = self.layout.model.asperites[part]
             set_bath(bars, surface, part, y[:n], y[n:], rng)
-        return y
 
     def _result(self, runs: list[March], digest: Digest | None = None) -> Result:
         """The last run as a result, its error estimated from the one before it."""

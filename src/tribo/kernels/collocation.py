@@ -13,8 +13,9 @@ import math
 
 import numpy as np
 
-from tribo.kernels.compiled import kernel
+from tribo.kernels.compiled import kernel, owning_kernel
 from tribo.kernels.motion import equations_of_motion
+from tribo.kernels.neighbours import crowded
 from tribo.kernels.powers import all_powers
 from tribo.kernels.samples import blank, copy_state, write_sample
 from tribo.kernels.status import (
@@ -57,7 +58,7 @@ def unknowns(method):
     return method.c.size - 1 if method.c[0] == 0.0 else method.c.size
 
 
-@kernel
+@owning_kernel
 def foretell(method, clock, h, memory, slopes):
     """Values at the nodes to begin with: those of the last step's polynomial, or of the start."""
     ratio = h / clock.last if clock.last > 0.0 else math.inf
@@ -82,7 +83,14 @@ def at_node(model, neighbours, method, i, t, h, y, slopes, node, slope):
     n = y.size // 2
     combine_twice(y[:n], h, method.c[i], y[n:], method.a[i], slopes, node[:n])
     combine(y[n:], h, method.r[i], slopes, node[n:])
-    return equations_of_motion(model, neighbours, t + method.c[i] * h, node[:n], node[n:], slope)
+    equations_of_motion(model, neighbours, t + method.c[i] * h, node[:n], node[n:], slope)
+
+
+@kernel
+def put(slope, slopes, i):
+    """The ith row of the slopes becomes this one."""
+    for m in range(slope.size):
+        slopes[i, m] = slope[m]
 
 
 @kernel
@@ -91,13 +99,13 @@ def sweep(model, neighbours, method, t, h, y, slopes, node, slope, unit):
     change = 0.0
     for i in range(method.c.size):
         if method.c[i] > 0.0:
-            neighbours = at_node(model, neighbours, method, i, t, h, y, slopes, node, slope)
+            at_node(model, neighbours, method, i, t, h, y, slopes, node, slope)
             for m in range(slope.size):
                 new = h * abs(slope[m] - slopes[i, m]) / unit[m]
                 if not new <= change:  # keeps nan
                     change = new
-            slopes[i] = slope
-    return change, neighbours
+            put(slope, slopes, i)
+    return change
 
 
 @kernel
@@ -108,18 +116,16 @@ def solve(model, neighbours, method, clock, h, y, slopes, node, slope, unit, eno
     """
     before = 0.0
     for _ in range(SWEEPS):
-        change, neighbours = sweep(
-            model, neighbours, method, clock.t, h, y, slopes, node, slope, unit
-        )
+        change = sweep(model, neighbours, method, clock.t, h, y, slopes, node, slope, unit)
         clock.evaluations += unknowns(method)
         if change <= enough or change * change <= enough * before:
-            return True, neighbours
+            return True
         if 0.0 < before <= change <= stall:
-            return True, neighbours
+            return True
         if not math.isfinite(change):
-            return False, neighbours
+            return False
         before = change
-    return False, neighbours
+    return False
 
 
 @kernel
@@ -128,10 +134,9 @@ def book(model, neighbours, method, t, h, y, slopes, node, slope, powers_):
     n = y.size // 2
     for i in range(method.c.size):
         if method.c[i] > 0.0:
-            neighbours = at_node(model, neighbours, method, i, t, h, y, slopes, node, slope)
+            at_node(model, neighbours, method, i, t, h, y, slopes, node, slope)
             all_powers(model, t + method.c[i] * h, node[:n], node[n:], powers_[i])
-            slopes[i] = slope
-    return neighbours
+            put(slope, slopes, i)
 
 
 @kernel
@@ -157,7 +162,7 @@ def equal_collocation(model, neighbours, method, step, clocks, state, times, rec
     power = np.empty(state.s.size)
     unit = np.empty(n)
     speeds = np.empty((model.asperites.size, 3))
-    status, encounter, neighbours = begin(model, neighbours, clock, state, slope, power, speeds)
+    status, encounter = begin(model, neighbours, clock, state, slope, power, speeds)
     if status != COMPLETED:
         return status
     unseen = 0.0  # time since the encounters were looked at
@@ -169,7 +174,7 @@ def equal_collocation(model, neighbours, method, step, clocks, state, times, rec
         if left <= 0.0:
             write_sample(model, neighbours, clock, state, record)
             continue
-        if done == budget:
+        if done == budget or crowded(neighbours):
             return PAUSED
         h = equal_step(left, step)
         if h < EPSILON * times[-1]:
@@ -179,19 +184,17 @@ def equal_collocation(model, neighbours, method, step, clocks, state, times, rec
         unit[:] = EPSILON * (np.max(np.abs(state.y[n:])) + h * np.max(np.abs(slope)))
         slopes[0] = slope
         foretell(method, clock, h, state.memory, slopes)
-        converged, neighbours = solve(
+        converged = solve(
             model, neighbours, method, clock, h, state.y, slopes, node, slope, unit, 0.0, ROUNDED
         )
         if not converged:
             return NOT_CONVERGED if all_finite(slope) else NOT_FINITE
-        neighbours = book(
-            model, neighbours, method, clock.t, h, state.y, slopes, node, slope, powers_
-        )
+        book(model, neighbours, method, clock.t, h, state.y, slopes, node, slope, powers_)
         finish(method, h, state, slopes, powers_)
         state.memory[:] = slopes
         clock.last = h
         advance(clock, end_of_step(clock, goal, h, h == left), h, h == left)
-        neighbours = rates(model, neighbours, clock.t, state.y, slope, power)
+        rates(model, neighbours, clock.t, state.y, slope, power)
         clock.evaluations += unknowns(method) + 1
         done += 1
         if not all_finite(slope) or not all_finite(state.s):
@@ -223,9 +226,7 @@ def chosen_collocation(model, neighbours, method, tolerance, clocks, state, time
     unit = np.empty(n)
     speeds = np.empty((model.asperites.size, 3))
     sharpness = math.sqrt(tolerance.level) / SHARP
-    status, encounter, neighbours = begin(
-        model, neighbours, clock, state, slopes[0], powers_[0], speeds
-    )
+    status, encounter = begin(model, neighbours, clock, state, slopes[0], powers_[0], speeds)
     if status != COMPLETED:
         return status
     done = 0
@@ -236,7 +237,7 @@ def chosen_collocation(model, neighbours, method, tolerance, clocks, state, time
         if left <= 0.0:
             write_sample(model, neighbours, clock, state, record)
             continue
-        if done == budget:
+        if done == budget or crowded(neighbours):
             return PAUSED
         done += 1
         h, landing = next_step(clock, encounter, left)
@@ -245,16 +246,14 @@ def chosen_collocation(model, neighbours, method, tolerance, clocks, state, time
 
         unit[:] = tolerance.y[n:] + 2.0 * EPSILON * np.abs(state.y[n:])
         foretell(method, clock, h, state.memory, slopes)
-        converged, neighbours = solve(
+        converged = solve(
             model, neighbours, method, clock, h, state.y, slopes, node, slope, unit, SHARE, 1.0
         )
         if not converged:
             finite = all_finite(slope)
             turn_back(clock, 0.5 * h)
             continue
-        neighbours = book(
-            model, neighbours, method, clock.t, h, state.y, slopes, node, slope, powers_
-        )
+        book(model, neighbours, method, clock.t, h, state.y, slopes, node, slope, powers_)
         clock.evaluations += unknowns(method)
         error = sharpness * (
             largest(h, method.last, slopes, state.y[n:], tolerance.y[n:])
@@ -268,7 +267,7 @@ def chosen_collocation(model, neighbours, method, tolerance, clocks, state, time
         copy_state(state, trial)
         finish(method, h, trial, slopes, powers_)
         t = end_of_step(clock, goal, h, landing)
-        neighbours = rates(model, neighbours, t, trial.y, next_slope, next_power)
+        rates(model, neighbours, t, trial.y, next_slope, next_power)
         clock.evaluations += 1
         next_encounter, _ = nearness(model, neighbours, t, trial.y, speeds)
         finite = all_finite(next_slope) and all_finite(next_power)

@@ -19,8 +19,20 @@ from numba.extending import overload_method
 # What kernels are made of.  Division by zero gives inf or nan, as in numpy, which the time loops
 # turn into a named status.  Most are called by other kernels only: the wrappers by which Python
 # would call them cost a quarter of the compile time.
-kernel = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
-shared_kernel = njit(error_model="numpy")
+#
+# Most kernels neither make arrays nor hand any on, and do without the counting of references: for
+# a pair of asperites that is more than half of the time.
+kernel = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False)
+inlined = njit(
+    error_model="numpy",
+    no_cpython_wrapper=True,
+    no_cfunc_wrapper=True,
+    forceinline=True,
+    _nrt=False,
+)
+shared_kernel = njit(error_model="numpy", _nrt=False)
+owning_kernel = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=True)
+shared_owning_kernel = njit(error_model="numpy", _nrt=True)
 
 
 @functools.cache
@@ -46,6 +58,17 @@ def time_loop(loop: FunctionType, stamp: str | None) -> Callable[..., Any]:
     clone = FunctionType(loop.__code__, loop.__globals__, name, loop.__defaults__)
     clone.__qualname__ = name
     return njit(error_model="numpy", cache=True)(clone)
+
+
+def entry(loop: Any, *arguments: Any) -> Callable[..., Any]:
+    """The machine code of a compiled loop for arguments like these, and no others.
+
+    To look at the types of a dozen arguments takes longer than a short run.
+    """
+    kinds = tuple(loop.typeof_pyval(argument) for argument in arguments)
+    loop.compile(kinds)
+    found: Callable[..., Any] = loop.overloads[kinds].entry_point
+    return found
 
 
 # A plug-in is a NamedTuple: numba types it by its class, so its methods are found, and inlined,

@@ -26,24 +26,24 @@ def separation(dx, dy, dz):
 
 @kernel
 def row_of(contact, k, one, other, i, neighbours):
-    """Where the candidates for bob i begin and end: in the list, or among all of the surface.
+    """Where the candidates for bob i begin and end, and whether in the list or among all bobs.
 
     Within one surface, those that come after i.
     """
-    if neighbours is None:
-        return max(other.start, i + 1), other.stop
-    if contact.rows[k] < 0:
-        return max(other.start, i + 1), other.stop
-    row = contact.rows[k] + i - one.start
-    return neighbours.start[row], neighbours.start[row + 1]
+    if neighbours is not None:
+        if contact.rows[k] >= 0:
+            row = contact.rows[k] + i - one.start
+            if neighbours.start[row + 1] <= neighbours.index.size:
+                return neighbours.start[row], neighbours.start[row + 1], True
+    return max(other.start, i + 1), other.stop, False
 
 
 @kernel
-def candidate(contact, k, m, neighbours):
+def candidate(neighbours, listed, m):
     """The bob at place m of a row."""
     if neighbours is None:
         return m
-    return neighbours.index[m] if contact.rows[k] >= 0 else m
+    return neighbours.index[m] if listed else m
 
 
 @kernel
@@ -61,9 +61,9 @@ def add_contact(model, contact, pushes, neighbours):
             fx = 0.0
             fy = 0.0
             wanted = may_meet(model.species, contact.species, i)
-            begin, stop = row_of(contact, k, one, other, i, neighbours)
+            begin, stop, listed = row_of(contact, k, one, other, i, neighbours)
             for m in range(begin, stop):
-                j = candidate(contact, k, m, neighbours)
+                j = candidate(neighbours, listed, m)
                 if not is_met(model.species, wanted, j):
                     continue
                 b = bobs[j]
@@ -169,9 +169,9 @@ def pair_energy(model, contact, k, neighbours):
     for i in range(one.start, one.stop):
         a = bobs[i]
         wanted = may_meet(model.species, contact.species, i)
-        begin, stop = row_of(contact, k, one, other, i, neighbours)
+        begin, stop, listed = row_of(contact, k, one, other, i, neighbours)
         for m in range(begin, stop):
-            j = candidate(contact, k, m, neighbours)
+            j = candidate(neighbours, listed, m)
             if not is_met(model.species, wanted, j):
                 continue
             b = bobs[j]
@@ -205,9 +205,9 @@ def encounter_of(model, contact, neighbours, speeds):
         for i in range(one.start, one.stop):
             a = bobs[i]
             wanted = may_meet(model.species, contact.species, i)
-            begin, stop = row_of(contact, k, one, other, i, neighbours)
+            begin, stop, listed = row_of(contact, k, one, other, i, neighbours)
             for m in range(begin, stop):
-                j = candidate(contact, k, m, neighbours)
+                j = candidate(neighbours, listed, m)
                 if not is_met(model.species, wanted, j):
                     continue
                 b = bobs[j]

@@ -12,7 +12,7 @@ from numba import literal_unroll
 
 from tribo.kernels.compiled import kernel, shared_kernel
 from tribo.kernels.contact import contact_forces, force_within
-from tribo.kernels.neighbours import refreshed
+from tribo.kernels.neighbours import crowded, refresh
 from tribo.kernels.records import FORCED, PULLED, RIGID
 
 
@@ -195,20 +195,24 @@ def custom_drives(model, drives, t, q, v):
 
 
 @kernel
-def forces(model, neighbours, t, q):
-    """Place the bobs; fill in every force that depends on places alone.
-
-    Returns the neighbours, which may have been listed anew.
-    """
+def listed(model, neighbours, t, q):
+    """Place the bobs and list their neighbours; whether there was room for all of them."""
     place_bobs(model.asperites, model.bobs, t, q)
-    neighbours = refreshed(model, neighbours)
+    refresh(model, neighbours)
+    return not crowded(neighbours)
+
+
+@kernel
+def forces(model, neighbours, t, q):
+    """Place the bobs; fill in every force that depends on places alone."""
+    place_bobs(model.asperites, model.bobs, t, q)
+    refresh(model, neighbours)
     contact_forces(model, neighbours)
     drive_forces(model.asperites, model.surfaces, model.bobs, model.bars, t, q)
     field_forces(model, model.fields, t)
     if model.bonds is not None or model.bath is not None:
         clear_internal(model.bars)
     spring_forces(model, model.bonds, q)
-    return neighbours
 
 
 @kernel
@@ -322,8 +326,8 @@ def torsional_accelerations(model, torsional, t, q, slope):
 
 @kernel
 def equations_of_motion(model, neighbours, t, q, v, slope):
-    """q'' with every effect of the scene; returns the neighbours."""
-    neighbours = forces(model, neighbours, t, q)
+    """q'' with every effect of the scene."""
+    forces(model, neighbours, t, q)
     bath_forces(model, model.bath, q)
     friction_forces(model, model.langevin, v)
     custom_drives(model, model.drives, t, q, v)
@@ -331,7 +335,6 @@ def equations_of_motion(model, neighbours, t, q, v, slope):
     own_ends(model, model.ends, t, q, v, slope)
     bath_accelerations(model, model.bath, q, slope)
     torsional_accelerations(model, model.torsional, t, q, slope)
-    return neighbours
 
 
 @kernel

@@ -9,8 +9,7 @@ import math
 
 import numpy as np
 
-from tribo.kernels.compiled import kernel, shared_kernel
-from tribo.kernels.records import Neighbours
+from tribo.kernels.compiled import kernel, owning_kernel, shared_owning_kernel
 
 
 @kernel
@@ -57,7 +56,7 @@ def cell_of(place, low, width, count, period):
     return int(math.floor((place - low) / width))
 
 
-@kernel
+@owning_kernel
 def binned(bobs, start, stop, reach, box_x, box_z):
     """Sort bobs start <= j < stop into cells: (cells' geometry, first of each cell, order)."""
     n = stop - start
@@ -96,16 +95,6 @@ def binned(bobs, start, stop, reach, box_x, box_z):
 
 
 @kernel
-def with_room(index, used, more):
-    """The index with room for `more` entries behind those used."""
-    if used + more <= index.size:
-        return index
-    larger = np.empty(2 * index.size + more, np.int64)
-    larger[:used] = index[:used]
-    return larger
-
-
-@kernel
 def sort_row(index, begin, end):
     """Put a short row in ascending order, in place."""
     for k in range(begin + 1, end):
@@ -139,12 +128,19 @@ def is_met(species, wanted, j):
     return wanted == -1 or species[j] == wanted
 
 
-@kernel
-def list_pair(bobs, species, box, one, other, kinds, reach, start, index, row, used):
-    """Fill the rows of one pair of surfaces; returns the index and how much of it is used.
+@owning_kernel
+def list_pair(model, box, neighbours, one, other, k, used):
+    """Fill the rows of the kth pair of surfaces; returns how much room is used or wanted.
 
     Within one surface every pair of bobs is listed once, in the row of the first.
     """
+    bobs = model.bobs
+    species = model.species
+    kinds = neighbours.species[k]
+    reach = neighbours.reach[k]
+    row = neighbours.pairs[k, 2]
+    start = neighbours.start
+    index = neighbours.index
     box_x = 0.0
     box_z = 0.0
     if box is not None:
@@ -173,7 +169,6 @@ def list_pair(bobs, species, box, one, other, kinds, reach, start, index, row, u
                 elif kx < 0 or kx >= nx:
                     continue
                 c = kz * nx + kx
-                index = with_room(index, used, first[c + 1] - first[c])
                 for m in range(first[c], first[c + 1]):
                     j = order[m]
                     if j <= i or not is_met(species, wanted, j):
@@ -183,45 +178,41 @@ def list_pair(bobs, species, box, one, other, kinds, reach, start, index, row, u
                     dy = a.y - b.y
                     dz = nearest(a.z - b.z, box_z)
                     if dx * dx + dy * dy + dz * dz < reach * reach:
-                        index[used] = j
+                        if used < index.size:
+                            index[used] = j
                         used += 1
-        sort_row(index, start[row], used)
+        if used <= index.size:
+            sort_row(index, start[row], used)
         row += 1
-    return index, used
+    return used
 
 
-@shared_kernel
-def refreshed(model, neighbours):
-    """The neighbours, made anew if the bobs in place ask for it; None stays None."""
+@shared_owning_kernel
+def refresh(model, neighbours):
+    """Make the list anew if the bobs in place ask for it.
+
+    Rows for which there is no room are not listed; they count as all pairs until there is.
+    """
+    if neighbours is not None:
+        bobs = model.bobs
+        if not outdated(bobs, neighbours):
+            return
+        start = neighbours.start
+        used = 0
+        for k in range(neighbours.reach.size):
+            one = model.surfaces[neighbours.pairs[k, 0]]
+            other = model.surfaces[neighbours.pairs[k, 1]]
+            used = list_pair(model, model.box, neighbours, one, other, k, used)
+        start[-1] = used
+        for i in range(bobs.shape[0]):
+            neighbours.place[i, 0] = bobs[i].x
+            neighbours.place[i, 1] = bobs[i].y
+        neighbours.made[0] += 1
+
+
+@kernel
+def crowded(neighbours):
+    """Whether the list needs more room than it has."""
     if neighbours is None:
-        return None
-    bobs = model.bobs
-    if not outdated(bobs, neighbours):
-        return neighbours
-    start = neighbours.start
-    index = neighbours.index
-    used = 0
-    for k in range(neighbours.reach.size):
-        one = model.surfaces[neighbours.pairs[k, 0]]
-        other = model.surfaces[neighbours.pairs[k, 1]]
-        row = neighbours.pairs[k, 2]
-        reach = neighbours.reach[k]
-        kinds = neighbours.species[k]
-        index, used = list_pair(
-            bobs, model.species, model.box, one, other, kinds, reach, start, index, row, used
-        )
-    start[-1] = used
-    for i in range(bobs.shape[0]):
-        neighbours.place[i, 0] = bobs[i].x
-        neighbours.place[i, 1] = bobs[i].y
-    neighbours.made[0] += 1
-    return Neighbours(
-        neighbours.pairs,
-        neighbours.species,
-        neighbours.reach,
-        start,
-        index,
-        neighbours.place,
-        neighbours.skin,
-        neighbours.made,
-    )
+        return False
+    return neighbours.start[-1] > neighbours.index.size

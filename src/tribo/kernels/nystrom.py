@@ -17,6 +17,7 @@ import numpy as np
 
 from tribo.kernels.compiled import kernel
 from tribo.kernels.motion import equations_of_motion
+from tribo.kernels.neighbours import crowded
 from tribo.kernels.powers import all_powers
 from tribo.kernels.records import BAR, BOB
 from tribo.kernels.samples import blank, copy_state, write_sample
@@ -71,15 +72,12 @@ def try_step(model, neighbours, tableau, t, h, end, y, stages, trial):
     for i in range(1, last):
         place = stages.places[i]
         combine_twice(y[:n], h, tableau.c[i], y[n:], tableau.a[i, :i], stages.slopes, place)
-        neighbours = equations_of_motion(
-            model, neighbours, t + tableau.c[i] * h, place, y[n:], stages.slopes[i]
-        )
+        equations_of_motion(model, neighbours, t + tableau.c[i] * h, place, y[n:], stages.slopes[i])
         keep(model, stages, i)
     add_twice(trial.y[:n], trial.y_low[:n], h, y[n:], trial.y_low[n:], tableau.b, stages.slopes)
     add(trial.y[n:], trial.y_low[n:], h, tableau.v, stages.slopes)
-    neighbours = rates(model, neighbours, end, trial.y, stages.slopes[last], stages.powers[last])
+    rates(model, neighbours, end, trial.y, stages.slopes[last], stages.powers[last])
     keep(model, stages, 0)
-    return neighbours
 
 
 @kernel
@@ -122,7 +120,7 @@ def nystrom_steps(model, neighbours, tableau, tolerance, clocks, state, times, r
     trial = blank(state)
     rate = np.empty(n)
     speeds = np.empty((model.asperites.size, 3))
-    status, encounter, neighbours = begin(
+    status, encounter = begin(
         model, neighbours, clock, state, stages.slopes[0], stages.powers[0], speeds
     )
     if status != COMPLETED:
@@ -135,7 +133,7 @@ def nystrom_steps(model, neighbours, tableau, tolerance, clocks, state, times, r
         if left <= 0.0:
             write_sample(model, neighbours, clock, state, record)
             continue
-        if done == budget:
+        if done == budget or crowded(neighbours):
             return PAUSED
         done += 1
         h, landing = next_step(clock, encounter, left)
@@ -144,7 +142,7 @@ def nystrom_steps(model, neighbours, tableau, tolerance, clocks, state, times, r
 
         end = end_of_step(clock, goal, h, landing)
         copy_state(state, trial)
-        neighbours = try_step(model, neighbours, tableau, clock.t, h, end, state.y, stages, trial)
+        try_step(model, neighbours, tableau, clock.t, h, end, state.y, stages, trial)
         clock.evaluations += last
         book(model, tableau, clock.t, h, state.y, stages, rate)
         error = error_of(tableau, h, state, stages, tolerance)

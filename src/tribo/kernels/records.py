@@ -194,7 +194,7 @@ class Neighbours(NamedTuple):
     species: np.ndarray  # (m, 2) between bobs of which species; -1: of any
     reach: np.ndarray  # (m,) how far each pair's rows reach: cutoff and skin [length]
     start: np.ndarray  # (rows + 1,) where each row begins
-    index: np.ndarray  # the bobs listed, with room to spare
+    index: np.ndarray  # the bobs listed, with room to spare; rows beyond it are not there
     place: np.ndarray  # (n, 2) of the bobs when the list was made; nan before
     skin: float  # how much farther than the cutoff it reaches [length]
     made: np.ndarray  # (1,) how often

@@ -9,6 +9,7 @@ import math
 import numpy as np
 
 from tribo.kernels.compiled import kernel
+from tribo.kernels.neighbours import crowded
 from tribo.kernels.samples import blank, copy_state, write_sample
 from tribo.kernels.status import (
     COMPLETED,
@@ -39,10 +40,11 @@ from tribo.kernels.sums import add, combine, largest
 
 @kernel
 def slopes_at(model, neighbours, t, y, slope, power):
-    """y' = (v, q'') and s' at one instant; returns the neighbours."""
+    """y' = (v, q'') and s' at one instant."""
     n = y.size // 2
-    slope[:n] = y[n:]
-    return rates(model, neighbours, t, y, slope[n:], power)
+    for m in range(n):
+        slope[m] = y[n + m]
+    rates(model, neighbours, t, y, slope[n:], power)
 
 
 def fixed_steps(model, neighbours, tableau, step, clocks, state, times, record, budget):
@@ -58,9 +60,7 @@ def fixed_steps(model, neighbours, tableau, step, clocks, state, times, record, 
     powers_ = np.empty((stages, state.s.size))
     speeds = np.empty((model.asperites.size, 3))
     n = state.y.size // 2
-    status, encounter, neighbours = begin(
-        model, neighbours, clock, state, slopes[0, n:], powers_[0], speeds
-    )
+    status, encounter = begin(model, neighbours, clock, state, slopes[0, n:], powers_[0], speeds)
     slopes[0, :n] = state.y[n:]
     if status != COMPLETED:
         return status
@@ -73,7 +73,7 @@ def fixed_steps(model, neighbours, tableau, step, clocks, state, times, record, 
         if left <= 0.0:
             write_sample(model, neighbours, clock, state, record)
             continue
-        if done == budget:
+        if done == budget or crowded(neighbours):
             return PAUSED
         h = equal_step(left, step)
         if h < EPSILON * times[-1]:
@@ -82,13 +82,11 @@ def fixed_steps(model, neighbours, tableau, step, clocks, state, times, record, 
             return ENCOUNTER_JUMPED
         for i in range(1, stages):
             combine(state.y, h, tableau.a[i], slopes, y)
-            neighbours = slopes_at(
-                model, neighbours, clock.t + tableau.c[i] * h, y, slopes[i], powers_[i]
-            )
+            slopes_at(model, neighbours, clock.t + tableau.c[i] * h, y, slopes[i], powers_[i])
         add(state.y, state.y_low, h, tableau.b, slopes)
         add(state.s, state.s_low, h, tableau.b, powers_)
         advance(clock, end_of_step(clock, goal, h, h == left), h, h == left)
-        neighbours = slopes_at(model, neighbours, clock.t, state.y, slopes[0], powers_[0])
+        slopes_at(model, neighbours, clock.t, state.y, slopes[0], powers_[0])
         clock.evaluations += stages
         done += 1
         if not all_finite(slopes[0]) or not all_finite(state.s):
@@ -116,9 +114,7 @@ def chosen_steps(model, neighbours, tableau, tolerance, clocks, state, times, re
     next_power = np.empty(state.s.size)
     speeds = np.empty((model.asperites.size, 3))
     n = state.y.size // 2
-    status, encounter, neighbours = begin(
-        model, neighbours, clock, state, slopes[0, n:], powers_[0], speeds
-    )
+    status, encounter = begin(model, neighbours, clock, state, slopes[0, n:], powers_[0], speeds)
     slopes[0, :n] = state.y[n:]
     if status != COMPLETED:
         return status
@@ -130,7 +126,7 @@ def chosen_steps(model, neighbours, tableau, tolerance, clocks, state, times, re
         if left <= 0.0:
             write_sample(model, neighbours, clock, state, record)
             continue
-        if done == budget:
+        if done == budget or crowded(neighbours):
             return PAUSED
         done += 1
         h, landing = next_step(clock, encounter, left)
@@ -139,9 +135,7 @@ def chosen_steps(model, neighbours, tableau, tolerance, clocks, state, times, re
 
         for i in range(1, stages):
             combine(state.y, h, tableau.a[i], slopes, y)
-            neighbours = slopes_at(
-                model, neighbours, clock.t + tableau.c[i] * h, y, slopes[i], powers_[i]
-            )
+            slopes_at(model, neighbours, clock.t + tableau.c[i] * h, y, slopes[i], powers_[i])
         clock.evaluations += stages - 1
         fifth = max(
             largest(h, tableau.e5, slopes, state.y, tolerance.y),
@@ -163,7 +157,7 @@ def chosen_steps(model, neighbours, tableau, tolerance, clocks, state, times, re
         add(trial.y, trial.y_low, h, tableau.b, slopes)
         add(trial.s, trial.s_low, h, tableau.b, powers_)
         t = end_of_step(clock, goal, h, landing)
-        neighbours = slopes_at(model, neighbours, t, trial.y, next_slope, next_power)
+        slopes_at(model, neighbours, t, trial.y, next_slope, next_power)
         clock.evaluations += 1
         next_encounter, _ = nearness(model, neighbours, t, trial.y, speeds)
         finite = all_finite(next_slope) and all_finite(next_power)

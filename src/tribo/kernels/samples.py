@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import literal_unroll
 
-from tribo.kernels.compiled import kernel, shared_kernel
+from tribo.kernels.compiled import kernel, owning_kernel, shared_owning_kernel
 from tribo.kernels.contact import contact_energy, pair_energy
 from tribo.kernels.motion import bar_angle, bar_displacement, field_energy, stretch
 from tribo.kernels.powers import bath_momentum
@@ -33,7 +33,7 @@ class Record(NamedTuple):
     stored: np.ndarray  # (times, surfaces, STORED) what is kept inside, and the baths' momentum
 
 
-@kernel
+@owning_kernel
 def blank(state):
     """Room for another state."""
     return State(
@@ -114,7 +114,7 @@ def torsional_energies(model, torsional, t, q, v, stored):
                 )
 
 
-@shared_kernel
+@shared_owning_kernel
 def write_sample(model, neighbours, clock, state, record):
     """Record the state as the next sample; the bobs are in place."""
     k = clock.sample

@@ -21,8 +21,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tribo.kernels.compiled import kernel
-from tribo.kernels.motion import accelerations, bar_displacement, displacement, forces
+from tribo.kernels.compiled import kernel, owning_kernel
+from tribo.kernels.motion import accelerations, bar_displacement, displacement, forces, listed
+from tribo.kernels.neighbours import crowded
 from tribo.kernels.powers import block_powers, field_powers, momentum, powers
 from tribo.kernels.samples import write_sample
 from tribo.kernels.status import (
@@ -186,7 +187,8 @@ def drift(model, t, tau, q, v, s):
 def kick(model, t, tau, q, v, s, slope, middle, power, core):
     """The forces in place act for tau; they are booked at the mid-kick rates."""
     accelerations(model, 0.0, t, q, slope)
-    middle[core:] = v[core:]
+    for m in range(core, v.size):
+        middle[m] = v[m]
     for m in range(core):
         middle[m] = v[m] + 0.5 * tau * slope[m]
         v[m] += tau * slope[m]
@@ -231,7 +233,7 @@ def turn_oscillators(q, v, start, count, about, bath, first, turns):
     return gained
 
 
-@kernel
+@owning_kernel
 def room_for_turns(bath):
     """(oscillators, 2) for `turns_of` to fill."""
     if bath is None:
@@ -357,7 +359,9 @@ def composed_steps(model, neighbours, splitting, step, clocks, state, times, rec
     turns = room_for_turns(model.bath)
     twists = room_for_turns(model.torsional)
     split = model.bath is not None or model.torsional is not None or model.langevin is not None
-    neighbours = forces(model, neighbours, clock.t, q)
+    if not listed(model, neighbours, clock.t, q):
+        return PAUSED
+    forces(model, neighbours, clock.t, q)
     encounter, closest = nearness(model, neighbours, clock.t, state.y, speeds)
     if closest == 0.0:
         return BOBS_COINCIDE
@@ -370,10 +374,10 @@ def composed_steps(model, neighbours, splitting, step, clocks, state, times, rec
         if left <= 0.0:
             drift(model, clock.t - clock.owed, clock.owed, q, v, s)
             clock.owed = 0.0
-            neighbours = forces(model, neighbours, clock.t, q)
+            forces(model, neighbours, clock.t, q)
             write_sample(model, neighbours, clock, state, record)
             continue
-        if done == budget:
+        if done == budget or crowded(neighbours):
             return PAUSED
         h = equal_step(left, step)
         if h < EPSILON * times[-1]:
@@ -387,7 +391,7 @@ def composed_steps(model, neighbours, splitting, step, clocks, state, times, rec
             drift(model, t - clock.owed, clock.owed + ahead, q, v, s)
             clock.owed = 0.0
             t += ahead
-            neighbours = forces(model, neighbours, t, q)
+            forces(model, neighbours, t, q)
             clock.evaluations += 1
             if split:
                 kick(model, t, 0.5 * tau, q, v, s, slope, middle, power, core)

@@ -7,9 +7,9 @@ import numpy as np
 
 from tribo.kernels.compiled import kernel
 from tribo.kernels.contact import encounter_rate, widest_rate
-from tribo.kernels.motion import equations_of_motion, top_speeds
+from tribo.kernels.motion import equations_of_motion, listed, top_speeds
 from tribo.kernels.powers import all_powers
-from tribo.kernels.status import BOBS_COINCIDE, COMPLETED, NOT_FINITE
+from tribo.kernels.status import BOBS_COINCIDE, COMPLETED, NOT_FINITE, PAUSED
 
 EPSILON = 2.0**-52
 SHRINK, GROW = 0.2, 6.0  # bounds on the ratio of two steps
@@ -64,17 +64,19 @@ def all_finite(x):
 
 @kernel
 def rates(model, neighbours, t, y, slope, power):
-    """q'' and s' at one instant; returns the neighbours."""
+    """q'' and s' at one instant."""
     n = y.size // 2
-    neighbours = equations_of_motion(model, neighbours, t, y[:n], y[n:], slope)
+    equations_of_motion(model, neighbours, t, y[:n], y[n:], slope)
     all_powers(model, t, y[:n], y[n:], power)
-    return neighbours
 
 
 @kernel
 def begin(model, neighbours, clock, state, slope, power, speeds):
     """q'' and s' at the place where a run starts or goes on, and whether it can."""
-    neighbours = rates(model, neighbours, clock.t, state.y, slope, power)
+    n = state.y.size // 2
+    if not listed(model, neighbours, clock.t, state.y[:n]):
+        return PAUSED, 0.0
+    rates(model, neighbours, clock.t, state.y, slope, power)
     if clock.evaluations == 0:  # going on after a pause costs one more, which is nobody's business
         clock.evaluations = 1
     encounter, closest = nearness(model, neighbours, clock.t, state.y, speeds)
@@ -83,7 +85,7 @@ def begin(model, neighbours, clock, state, slope, power, speeds):
         status = BOBS_COINCIDE
     elif not (all_finite(state.y) and all_finite(slope) and all_finite(power)):
         status = NOT_FINITE
-    return status, encounter, neighbours
+    return status, encounter
 
 
 @kernel

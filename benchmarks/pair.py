@@ -1,0 +1,362 @@
+"""Two asperites with their whole ledger, again and again: tribo against heyoka and SciPy.
+
+The paper's cases A to D, each run from a new angle theta of the upper asperite to its end.  Every
+program is compiled and set up beforehand, at the loosest tolerance whose true error stays below
+the one wanted: the largest over several angles and all reported angles, rates, places, velocities,
+energies, works and pseudoworks at the end, each relative to its scale, against heyoka in extended
+precision.  Runs are interleaved, and the shortest of each counts.
+
+A timed call takes the angle and hands back the state at the end, from which the ledger is put
+together by formulas when somebody looks; that is timed for none.  tribo integrates all of its
+accounts.  The others are given the easier task: coordinates that do not move are left out, and
+the motion alone is integrated, since of one pair every work can be had from the motion by
+conservation of energy and momentum.  heyoka runs with fast_math.
+
+    python benchmarks/pair.py [--json] [--rounds 300] [--cases ABCD]
+"""
+
+import argparse
+import json
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+import tribo
+from tribo import paper
+
+ERRORS = (1e-6, 1e-9, 1e-12)
+ANGLES = (0.0, 0.03, -0.07, 0.12, 0.2)  # at which errors are looked at
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A case of the paper as numbers: equal asperites, the upper one forced or free."""
+
+    case: str
+    duration: float
+    m1: float
+    m2: float
+    kappa: float
+    length: float
+    bar_length: float
+    strength: float
+    free: bool
+    gap: tuple[float, float]  # from the lower centre of mass to the upper
+    speed: float
+
+    @classmethod
+    def of(cls, case: str) -> "Problem":
+        """From the scene that tribo runs."""
+        scene = paper.scene(case)
+        upper, lower = scene.surfaces
+        a = upper.asperite.for_each(1)
+        l1 = float(a["l1"][0])
+        length = l1 + float(a["l2"][0])
+        m1 = float(a["mass"][0]) * (1.0 - l1 / length)
+        return cls(
+            case=case,
+            duration=scene.duration,
+            m1=m1,
+            m2=float(a["mass"][0]) - m1,
+            kappa=float(a["kappa"][0]),
+            length=length,
+            bar_length=float(a["bar_length"][0]),
+            strength=scene.interactions[0].potential.strength,
+            free=isinstance(upper.drive, tribo.Free),
+            gap=(upper.bob[0] - lower.bob[0], upper.bob[1] - lower.bob[1] + 2.0 * l1),
+            speed=upper.velocity[0] - lower.velocity[0],
+        )
+
+    @property
+    def mass(self) -> float:
+        """Of one asperite."""
+        return self.m1 + self.m2
+
+    @property
+    def arms(self) -> tuple[float, float]:
+        """From the centre of mass to the bob and to the bar."""
+        return self.length * self.m2 / self.mass, self.length * self.m1 / self.mass
+
+    @property
+    def inertia(self) -> float:
+        """About the centre of mass."""
+        l1, l2 = self.arms
+        return self.m1 * l1**2 + self.m2 * l2**2
+
+    def equations(self, y: Any, t: Any, lib: Any) -> list[Any]:
+        """y' for y = (q, Q, q', Q') and, if the upper one is free, (x, x') behind.
+
+        q and Q are the swings theta and Theta - pi, x the place of the upper centre of mass.
+        """
+        l1, _ = self.arms
+        q, other, rate, other_rate = y[:4]
+        sin, cos, sin2, cos2 = lib.sin(q), lib.cos(q), lib.sin(other), lib.cos(other)
+        dx = (y[4] if self.free else self.gap[0] + self.speed * t) + l1 * (sin + sin2)
+        dy = self.gap[1] - l1 * (cos + cos2)
+        push = self.strength * (dx * dx + dy * dy) ** -1.5
+        fx, fy = push * dx, push * dy
+        across = l1 if self.free else self.length
+        turn = (across * cos * fx + self.length * sin * fy - self.kappa * q) / self.inertia
+        turn2 = (self.length * (cos2 * fx + sin2 * fy) - self.kappa * other) / self.inertia
+        slide = [y[5], fx / self.mass] if self.free else []
+        return [rate, other_rate, turn, turn2, *slide]
+
+    def start(self, angle: float) -> list[float]:
+        """y at t = 0."""
+        return [angle, 0.0, 0.0, 0.0, *([self.gap[0], self.speed] if self.free else [])]
+
+    def ledger(self, angle: float, y: Any) -> dict[str, float]:
+        """The end of the ledger from the end of the motion, by conservation laws."""
+        l1, l2 = self.arms
+        begin = [float(value) for value in self.start(angle)]
+        q, other, rate, other_rate = (float(value) for value in y[:4])
+        x, v = self.gap[0] + self.speed * self.duration, self.speed
+        if self.free:
+            x, v = float(y[4]), float(y[5])
+
+        def inner(swing: float, omega: float) -> float:
+            return 0.5 * (self.inertia * omega**2 + self.kappa * swing**2)
+
+        def energy(place: float, one: float, two: float) -> float:
+            dx = place + l1 * (math.sin(one) + math.sin(two))
+            dy = self.gap[1] - l1 * (math.cos(one) + math.cos(two))
+            return self.strength / math.hypot(dx, dy)
+
+        def ends(swing: float) -> float:
+            return -self.kappa * l2 / self.bar_length * (math.sin(swing) - swing * math.cos(swing))
+
+        e1 = inner(q, rate) - inner(begin[0], 0.0)
+        e2 = inner(other, other_rate)
+        contact = energy(x, q, other)
+        change = contact - energy(self.gap[0], begin[0], 0.0)
+        k_trans = 0.5 * self.mass * (v - self.speed) * (v + self.speed)
+        if self.free:
+            impulse = self.mass * (v - self.speed)
+            w2 = k_trans + e1 + e2 + change - l2 / self.length * e2
+            w1, w1_ps, w2_ps = k_trans + e1 - w2, k_trans, 0.0
+        else:
+            impulse = -(l1 / self.length * (e1 + e2) + change) / self.speed
+            w1_ps, w2_ps = self.speed * impulse, -self.speed * impulse
+            w1, w2 = w1_ps + l1 / self.length * e1, w2_ps + l2 / self.length * e1
+        return {
+            "upper.theta": q,
+            "upper.omega": rate,
+            "upper.vx_cm": v,
+            "upper.w1": w1,
+            "upper.w2": w2,
+            "upper.w1_ps": w1_ps,
+            "upper.w2_ps": w2_ps,
+            "upper.wL": ends(q) - ends(begin[0]),
+            "upper.delta_k_trans": k_trans,
+            "upper.delta_e_int": e1,
+            "lower.theta": other + math.pi,
+            "lower.omega": other_rate,
+            "lower.w1": l1 / self.length * e2,
+            "lower.w2": l2 / self.length * e2,
+            "lower.wL": -ends(other),
+            "lower.delta_e_int": e2,
+            "contact_energy": contact,
+        } | ({"upper.x_cm": x - self.gap[0]} if self.free else {})
+
+
+KIND = {"theta": "angle", "omega": "rate", "x_cm": "length", "vx_cm": "velocity"}
+
+
+def deviation(problem: Problem, one: dict[str, float], other: dict[str, float]) -> float:
+    """The largest difference relative to its scale, of which there is one a kind of quantity."""
+    kinds = {name: KIND.get(name.rpartition(".")[2], "energy") for name in other}
+    scales = {"angle": 1.0, "length": problem.length, "velocity": problem.speed}
+    for kind in ("energy", "rate"):
+        sizes = [abs(other[name]) for name in other if kinds[name] == kind]
+        scales[kind] = max(sizes)
+    return max(abs(one[name] - other[name]) / scales[kinds[name]] for name in other)
+
+
+class Tribo:
+    """By gauss-radau-15, every account integrated."""
+
+    name = "tribo"
+    settings = 10.0 ** np.arange(-1.0, -14.1, -0.25)
+
+    def __init__(self, problem: Problem, setting: float) -> None:
+        scene = replace(paper.scene(problem.case), output=tribo.Output(samples=2))
+        self._simulation = tribo.prepare(scene, accuracy=setting, method="gauss-radau-15")
+        self._simulation.run({}, estimate=False)
+
+    def run(self, angle: float) -> Any:
+        """One run, timed."""
+        return self._simulation.run({"upper.theta": angle}, estimate=False)
+
+    def ledger(self, problem: Problem, angle: float, end: Any) -> dict[str, float]:
+        """What it reports."""
+        names = problem.ledger(angle, problem.start(angle))
+        found = {}
+        for name in names:
+            surface, _, quantity = name.rpartition(".")
+            series = end[surface][quantity][:, 0] if surface else end.system[quantity]
+            found[name] = float(series[-1])
+            if quantity == "x_cm":
+                found[name] -= float(series[0])
+        return found
+
+
+class Heyoka:
+    """Taylor series, whose coefficients are compiled; the motion alone."""
+
+    name = "heyoka"
+    settings = 10.0 ** np.arange(-1.0, -18.1, -0.25)
+
+    def __init__(self, problem: Problem, setting: float, kind: Any = float) -> None:
+        import heyoka
+
+        names = ["q", "Q", "v", "V", "x", "u"][: len(problem.start(0.0))]
+        y = [heyoka.expression(name) for name in names]
+        equations = list(zip(y, problem.equations(y, heyoka.time, heyoka), strict=True))
+        self._start = np.array(problem.start(0.0), dtype=kind)
+        self._zero, self._duration = kind(0.0), kind(problem.duration)
+        self._taylor = heyoka.taylor_adaptive(
+            equations, self._start, tol=kind(setting), fast_math=kind is float, fp_type=kind
+        )
+        self._state = self._taylor.state
+
+    def run(self, angle: float) -> Any:
+        """One run, timed."""
+        self._taylor.time = self._zero
+        self._state[:] = self._start
+        self._state[0] = angle
+        self._taylor.propagate_until(self._duration)
+        return self._state
+
+    def ledger(self, problem: Problem, angle: float, end: Any) -> dict[str, float]:
+        """By conservation laws."""
+        return problem.ledger(angle, end)
+
+
+class Scipy:
+    """DOP853 with the equations in Python; the motion alone."""
+
+    name = "scipy"
+    settings = 10.0 ** np.arange(-3.0, -14.1, -0.5)
+
+    def __init__(self, problem: Problem, setting: float) -> None:
+        self._problem = problem
+        self._setting = max(setting, 3e-14)
+
+    def run(self, angle: float) -> Any:
+        """One run, timed."""
+        from scipy.integrate import solve_ivp
+
+        problem = self._problem
+        return solve_ivp(
+            lambda t, y: problem.equations(y, t, math),
+            (0.0, problem.duration),
+            problem.start(angle),
+            method="DOP853",
+            rtol=self._setting,
+            atol=self._setting,
+        ).y[:, -1]
+
+    def ledger(self, problem: Problem, angle: float, end: Any) -> dict[str, float]:
+        """By conservation laws."""
+        return problem.ledger(angle, end)
+
+
+def references(problem: Problem) -> list[dict[str, float]]:
+    """The ledger's end from each angle, in extended precision."""
+    exact = Heyoka(problem, 1e-18, np.longdouble)
+    return [problem.ledger(angle, exact.run(np.longdouble(angle))) for angle in ANGLES]
+
+
+def settled(
+    problem: Problem, system: Callable[[Problem, float], Any], known: list[dict[str, float]]
+) -> dict[float, tuple[Any, float, float]]:
+    """For each error wanted, the program at its loosest setting, that setting and the error."""
+    found: dict[float, tuple[Any, float, float]] = {}
+    wanted = list(ERRORS)
+    for setting in system.settings:  # type: ignore[attr-defined]
+        if not wanted:
+            break
+        program = system(problem, float(setting))
+        error = max(
+            deviation(problem, program.ledger(problem, angle, program.run(angle)), exact)
+            for angle, exact in zip(ANGLES, known, strict=True)
+        )
+        while wanted and error < wanted[0]:
+            found[wanted.pop(0)] = (program, float(setting), error)
+    return found
+
+
+def measure(cases: str, rounds: int) -> list[dict[str, Any]]:
+    """Every case, error and program: microseconds a run, and the true error."""
+    rows = []
+    for case in cases:
+        problem = Problem.of(case)
+        known = references(problem)
+        programs = {
+            (wanted, system.name): settings
+            for system in (Tribo, Heyoka, Scipy)
+            for wanted, settings in settled(problem, system, known).items()
+        }
+        seconds = dict.fromkeys(programs, math.inf)
+        for k in range(rounds):
+            for key, (program, _, _) in programs.items():
+                if key[1] == "scipy" and k % 30:
+                    continue
+                for repeat in range(3):  # the first has the caches cold
+                    angle = 1e-4 * (3 * k + repeat + 1)
+                    began = time.perf_counter()
+                    program.run(angle)
+                    seconds[key] = min(seconds[key], time.perf_counter() - began)
+        for (wanted, name), (_, setting, error) in programs.items():
+            rows.append(
+                {
+                    "case": case,
+                    "wanted": wanted,
+                    "program": name,
+                    "setting": setting,
+                    "error": error,
+                    "microseconds": 1e6 * seconds[wanted, name],
+                    "ratio": seconds[wanted, name] / seconds.get((wanted, "tribo"), math.nan),
+                }
+            )
+    return rows
+
+
+def geometric_mean(values: list[float]) -> float:
+    """The geometric mean."""
+    return math.exp(sum(map(math.log, values)) / len(values))
+
+
+def report(rows: list[dict[str, Any]]) -> str:
+    """The table as text."""
+    lines = [f"{'case':>4} {'error':>6}  {'program':<7} {'us':>9} {'true error':>11} {'ratio':>7}"]
+    for row in sorted(rows, key=lambda row: (row["case"], -row["wanted"])):
+        lines.append(
+            f"{row['case']:>4} {row['wanted']:>6.0e}  {row['program']:<7} "
+            f"{row['microseconds']:>9.1f} {row['error']:>11.1e} {row['ratio']:>7.2f}"
+        )
+    for name in ("heyoka", "scipy"):
+        ratios = [row["ratio"] for row in rows if row["program"] == name]
+        if ratios:
+            mean, least = geometric_mean(ratios), min(ratios)
+            lines.append(f"{name}: {mean:.2f} times tribo's time on average, at least {least:.2f}")
+    return "\n".join(lines)
+
+
+def main() -> None:
+    """Measure all in one process."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--json", action="store_true")
+    parser.add_argument("--rounds", type=int, default=300)
+    parser.add_argument("--cases", default="ABCD")
+    options = parser.parse_args()
+    rows = measure(options.cases, options.rounds)
+    print(json.dumps(rows, indent=1) if options.json else report(rows))
+
+
+if __name__ == "__main__":
+    main()

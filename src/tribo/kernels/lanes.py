@@ -1,0 +1,281 @@
+"""Eight numbers at once, in one register: the nodes of a step side by side.
+
+`Lanes` is a type that kernels compute with as with a float: +, -, *, / among each other and with
+floats, and the functions below.  What stands in a formula once is done to all eight.
+"""
+
+import operator
+from typing import Any
+
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.core.typing.templates import AbstractTemplate, infer_global, signature
+from numba.extending import intrinsic, lower_builtin, models, overload, register_model
+
+from tribo.kernels.compiled import inlined
+
+LANES = 8
+_FLOAT, _INDEX = ir.DoubleType(), ir.IntType(32)
+_VECTOR = ir.VectorType(_FLOAT, LANES)
+
+
+class LanesType(types.Type):
+    """numba's name for eight floats in a register."""
+
+    def __init__(self) -> None:
+        super().__init__(name="Lanes")
+
+
+lanes = LanesType()
+
+
+@register_model(LanesType)
+class _LanesModel(models.PrimitiveModel):
+    def __init__(self, manager: Any, numba_type: Any) -> None:
+        super().__init__(manager, numba_type, _VECTOR)
+
+
+def _spread(builder: Any, x: Any) -> Any:
+    """A float in all eight lanes; lanes as they are."""
+    if x.type == _VECTOR:
+        return x
+    nothing = ir.Constant(_VECTOR, ir.Undefined)
+    first = builder.insert_element(nothing, x, ir.Constant(_INDEX, 0))
+    zeros = ir.Constant(ir.VectorType(_INDEX, LANES), [0] * LANES)
+    return builder.shuffle_vector(first, nothing, zeros)
+
+
+def _arithmetic(operation: Any, instruction: str) -> None:
+    @infer_global(operation)
+    class Typing(AbstractTemplate):
+        def generic(self, args: Any, kws: Any) -> Any:
+            known = all(isinstance(arg, (LanesType, types.Float)) for arg in args)
+            return signature(lanes, *args) if known and lanes in args else None
+
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        one, other = (_spread(builder, arg) for arg in args)
+        return getattr(builder, instruction)(one, other, flags=("contract",))
+
+    for pair in ((LanesType, LanesType), (LanesType, types.Float), (types.Float, LanesType)):
+        lower_builtin(operation, *pair)(build)
+
+
+for _operation, _instruction in (
+    (operator.add, "fadd"),
+    (operator.sub, "fsub"),
+    (operator.mul, "fmul"),
+    (operator.truediv, "fdiv"),
+):
+    _arithmetic(_operation, _instruction)
+
+
+def _llvm(builder: Any, name: str, result: Any, arguments: list[Any], fast: Any = ()) -> Any:
+    kind = ir.FunctionType(result, [argument.type for argument in arguments])
+    function = cgutils.get_or_insert_function(builder.module, kind, f"llvm.{name}.v{LANES}f64")
+    return builder.call(function, arguments, fastmath=fast)
+
+
+@intrinsic
+def root(typing_context: Any, x: Any) -> Any:
+    """Square roots."""
+
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return _llvm(builder, "sqrt", _VECTOR, list(args))
+
+    return lanes(lanes), build
+
+
+@intrinsic
+def magnitude(typing_context: Any, x: Any) -> Any:
+    """Absolute values."""
+
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return _llvm(builder, "fabs", _VECTOR, list(args))
+
+    return lanes(lanes), build
+
+
+@intrinsic
+def total(typing_context: Any, x: Any) -> Any:
+    """Sum of the eight, in any order."""
+
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        start = ir.Constant(_FLOAT, -0.0)
+        return _llvm(builder, "vector.reduce.fadd", _FLOAT, [start, args[0]], ("reassoc",))
+
+    return types.float64(lanes), build
+
+
+@intrinsic
+def highest(typing_context: Any, x: Any) -> Any:
+    """The largest of the eight, none of which is nan."""
+
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        x = args[0]
+        for half in (4, 2, 1):
+            swap = [(i + half) % LANES for i in range(LANES)]
+            mask = ir.Constant(ir.VectorType(_INDEX, LANES), swap)
+            other = builder.shuffle_vector(x, x, mask)
+            x = builder.select(builder.fcmp_ordered(">", x, other), x, other)
+        return builder.extract_element(x, ir.Constant(_INDEX, 0))
+
+    return types.float64(lanes), build
+
+
+@intrinsic
+def where_less(typing_context: Any, x: Any, y: Any, one: Any, other: Any) -> Any:
+    """`one` in the lanes where x < y, `other` elsewhere."""
+
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        x, y, one, other = (_spread(builder, arg) for arg in args)
+        return builder.select(builder.fcmp_ordered("<", x, y), one, other)
+
+    return lanes(x, y, one, other), build
+
+
+@intrinsic
+def lane(typing_context: Any, x: Any, i: Any) -> Any:
+    """The number in lane i."""
+
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return builder.extract_element(args[0], builder.trunc(args[1], _INDEX))
+
+    return types.float64(lanes, types.intp), build
+
+
+@intrinsic
+def put(typing_context: Any, x: Any, i: Any, value: Any) -> Any:
+    """The same with another number in lane i."""
+
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return builder.insert_element(args[0], args[2], builder.trunc(args[1], _INDEX))
+
+    return lanes(lanes, types.intp, types.float64), build
+
+
+class RowsType(types.Type):
+    """numba's name for the rows of an array (n, 8), which somebody else keeps alive."""
+
+    def __init__(self) -> None:
+        super().__init__(name="Rows")
+
+
+rows = RowsType()
+
+
+@register_model(RowsType)
+class _RowsModel(models.PrimitiveModel):
+    def __init__(self, manager: Any, numba_type: Any) -> None:
+        super().__init__(manager, numba_type, _FLOAT.as_pointer())
+
+
+@intrinsic
+def rows_of(typing_context: Any, array: Any) -> Any:
+    """The rows of a C-contiguous array (n, 8): ``rows[k, i]`` is the number in row k, lane i.
+
+    Arrays are counted wherever they are handed on, which costs more than what is done here.
+    """
+
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return context.make_array(sig.args[0])(context, builder, args[0]).data
+
+    good = isinstance(array, types.Array) and array.ndim == 2 and array.layout == "C"
+    return (rows(array), build) if good else None
+
+
+def _element(builder: Any, data: Any, row: Any, i: Any = None) -> Any:
+    place = builder.mul(row, ir.Constant(row.type, LANES))
+    return builder.gep(data, [place if i is None else builder.add(place, i)])
+
+
+@intrinsic
+def _get(typing_context: Any, data: Any, row: Any, i: Any) -> Any:
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return builder.load(_element(builder, *args))
+
+    return types.float64(rows, types.intp, types.intp), build
+
+
+@intrinsic
+def _set(typing_context: Any, data: Any, row: Any, i: Any, value: Any) -> Any:
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        builder.store(args[3], _element(builder, *args[:3]))
+        return context.get_dummy_value()
+
+    return types.void(rows, types.intp, types.intp, types.float64), build
+
+
+@overload(operator.getitem)
+def _getitem(data, at):
+    if isinstance(data, RowsType):
+        return lambda data, at: _get(data, at[0], at[1])
+    return None
+
+
+@overload(operator.setitem)
+def _setitem(data, at, value):
+    if isinstance(data, RowsType):
+        return lambda data, at, value: _set(data, at[0], at[1], value)
+    return None
+
+
+@intrinsic
+def load(typing_context: Any, data: Any, row: Any) -> Any:
+    """Row `row` of Rows."""
+
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        place = builder.bitcast(_element(builder, *args), _VECTOR.as_pointer())
+        return builder.load(place, align=8)
+
+    return lanes(rows, types.intp), build
+
+
+@intrinsic
+def store(typing_context: Any, data: Any, row: Any, x: Any) -> Any:
+    """Write to row `row` of Rows."""
+
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        place = builder.bitcast(_element(builder, *args[:2]), _VECTOR.as_pointer())
+        builder.store(args[2], place, align=8)
+        return context.get_dummy_value()
+
+    return types.void(rows, types.intp, lanes), build
+
+
+ROUNDING = 1.5 * 2.0**52  # x + this - this is x rounded to a whole number
+TURN = 1.5707963267948966  # pi / 2, and what is missing from it
+REST_OF_TURN = 6.123233995736766e-17
+
+
+@inlined
+def sine_cosine(x):
+    """sin x and cos x to round-off, for |x| up to 1e6 or so.
+
+    Less the nearest multiple of pi/2, then polynomials of the least largest error on (-pi/4,
+    pi/4): K. C. Ng's, of fdlibm (Sun Microsystems 1993), whose coefficients these are.
+    """
+    quarters = (x * 0.6366197723675814 + ROUNDING) - ROUNDING
+    r = (x - quarters * TURN) - quarters * REST_OF_TURN
+    z = r * r
+    z2 = z * z
+    z4 = z2 * z2
+    sin = (
+        (-1.66666666666666324348e-01 + z * 8.33333333332248946124e-03)
+        + z2 * (-1.98412698298579493134e-04 + z * 2.75573137070700676789e-06)
+        + z4 * (-2.50507602534068634195e-08 + z * 1.58969099521155010221e-10)
+    )
+    sin = r + r * z * sin
+    cos = (
+        (4.16666666666666019037e-02 - z * 1.38888888888741095749e-03)
+        + z2 * (2.48015872894767294178e-05 - z * 2.75573143513906633035e-07)
+        + z4 * (2.08757232129817482790e-09 - z * 1.13596475577881948265e-11)
+    )
+    cos = (1.0 - 0.5 * z) + z2 * cos
+    quadrant = quarters - 4.0 * ((quarters * 0.25 - 0.375 + ROUNDING) - ROUNDING)  # 0, 1, 2 or 3
+    even = magnitude(magnitude(quadrant - 2.0) - 1.0)  # 1 in quadrants 0 and 2, else 0
+    one = where_less(even, 0.5, cos, sin)
+    other = where_less(even, 0.5, sin, cos)
+    one = where_less(quadrant, 1.5, one, 0.0 - one)
+    other = where_less(magnitude(quadrant - 1.5), 1.0, 0.0 - other, other)
+    return one, other
