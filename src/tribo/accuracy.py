@@ -1,6 +1,6 @@
 """From a wanted accuracy to tolerances, and from two runs to an honest error estimate.
 
-An estimate here is the raw difference of two runs a decade apart in tolerance, times three.
+An estimate here is the raw difference of two runs, one of them finer, times three.
 It is never the difference divided by 2^p - 1, never the tolerance, and never how well the ledger
 closes: each of those can be wrong by orders of magnitude.
 """
@@ -27,6 +27,7 @@ from tribo.ledger import (
 EPSILON = float(np.finfo(float).eps)
 KINDS = ASPERITE_KINDS | OPTIONAL_KINDS | BLOCK_KINDS | SYSTEM_KINDS
 SAFETY = 3.0  # the estimate is this times the difference of two runs
+POOLED = 1e-3  # of the largest estimate of all, in units of scales, that is added to every other
 FLOOR = 2e-15  # no tolerance asks for less, relative to its scale
 
 
@@ -150,11 +151,12 @@ def _account_weights(layout: Layout) -> np.ndarray:
     return weights
 
 
-def tolerances(layout: Layout, scales: InnerScales, level: float) -> Tolerance:
+def tolerances(layout: Layout, scales: InnerScales, level: float, near: float = 0.5) -> Tolerance:
     """Local tolerances in each component that serve an accuracy of about `level`.
 
     Every coordinate is held to its own scale and to what its error does to the energies, so that
     a weakly coupled scene, whose works are tiny, is still followed to the digits they need.
+    `near` is how far of the way to the next encounter a step may go.
     """
     level = max(level, FLOOR)
     a = layout.model.asperites
@@ -174,7 +176,7 @@ def tolerances(layout: Layout, scales: InnerScales, level: float) -> Tolerance:
     weights = _account_weights(layout)
     impulse = level * min(scales.impulse, scales.energy / scales.velocity)
     s = np.where(weights > 0.0, energy / np.where(weights > 0.0, weights, 1.0), impulse)
-    return Tolerance(np.concatenate([q, v]), s, level)
+    return Tolerance(np.concatenate([q, v]), s, level, near)
 
 
 def _positive(values: np.ndarray) -> np.ndarray:
@@ -231,22 +233,30 @@ def distance(one: Ledger, other: Ledger, scales: Scales, names: Iterable[str] = 
 
 
 def estimate(
-    books: Ledger, fine: Ledger, coarse: Ledger, names: Iterable[str] = ()
+    books: Ledger, fine: Ledger, coarse: Ledger, scales: Scales, names: Iterable[str] = ()
 ) -> dict[str, float]:
     """A bound on the error of each reported quantity, over asperites and recorded times.
 
     `fine` and `coarse` are two runs at the times that both recorded, `books` the finer one at all
-    of its times.  To three times the largest difference comes what writing the numbers down costs.
-    `names` are further ones, as "upper.W".
+    of its times.  To three times the largest difference comes what writing the numbers down costs,
+    and a small part of the largest estimate of all: two runs may come close by chance in one
+    quantity.  `names` are further ones, as "upper.W".
     """
+    wanted = [name for name in dict.fromkeys([*KINDS, *names]) if books.series(name)]
+    apart = {}
+    for name in wanted:
+        pairs = zip(fine.series(name), coarse.series(name), strict=True)
+        with np.errstate(invalid="ignore"):  # an infinite energy has no known error
+            apart[name] = SAFETY * max(_top(one - other) for one, other in pairs)
+    relative = (
+        gap / scales.of(kind_of(name)) for name, gap in apart.items() if scales.of(kind_of(name))
+    )
+    pooled = POOLED * max((x for x in relative if np.isfinite(x)), default=0.0)
     bounds = {}
-    for name in dict.fromkeys([*KINDS, *names]):
-        whole = books.series(name)
-        if whole:
-            pairs = zip(fine.series(name), coarse.series(name), strict=True)
-            with np.errstate(invalid="ignore"):  # an infinite energy has no known error
-                bounds[name] = SAFETY * max(_top(one - other) for one, other in pairs)
-            bounds[name] += 4.0 * EPSILON * max(map(_top, whole))
+    for name, gap in apart.items():
+        bounds[name] = gap + 4.0 * EPSILON * max(map(_top, books.series(name)))
+        if gap > 0.0:
+            bounds[name] += pooled * scales.of(kind_of(name))
     return bounds
 
 

@@ -16,6 +16,7 @@ from tribo.kernels.neighbours import refresh
 from tribo.kernels.records import CLOCK, Neighbours
 from tribo.kernels.samples import STORED, Record, State, write_sample
 from tribo.kernels.status import COMPLETED, NAMES, PAUSED
+from tribo.kernels.stepping import Tolerance
 from tribo.layout import Layout
 from tribo.ledger import ASPERITE_KINDS, OPTIONAL_KINDS, Ledger, Samples, Table, bulk_ledger
 from tribo.methods import Method
@@ -119,6 +120,8 @@ def march(
     clocks, state = _at_rest(layout, method, start, first_step)
     rows = times.size if digest is None else max(1, PORTION_BYTES // _row_bytes(layout))
     record = _room(layout, min(rows, times.size) + 1)
+    if isinstance(setting, Tolerance):
+        clocks.near = setting.near
     call = _bound(layout, method, loop, setting)
     samples: Samples | None = None
     status = NAMES[COMPLETED]

@@ -94,6 +94,7 @@ class Pair:
         self._first_step = FIRST * first_step
         self._clocks, self._state = np.zeros(1, CLOCK), np.zeros((ROWS, LANES))
         self._unbegun = self._clocks["evaluations"]  # 0 makes a run begin
+        self._near = self._clocks["near"]
         self._limits: tuple[Tolerance | None, np.ndarray] = (None, np.zeros((2, LANES)))
         loop = time_loop(pair_collocation, stamp(layout.plugins))
         limits, room = self._limits[1], np.empty((2, COLUMNS))
@@ -116,6 +117,7 @@ class Pair:
         if self._limits[0] is not wanted:
             self._limits = (wanted, self.limits(wanted))
         self._unbegun[0] = 0
+        self._near[0] = wanted.near
         record = np.empty((times.size + 1, COLUMNS))
         given = (*self._given, self._limits[1], start)
         code = self._loop(*given, self._clocks, self._state, times, record, FEW)

@@ -23,6 +23,7 @@ from tribo.result import Cost, Result
 from tribo.scene import Scene
 from tribo.spectra import believed_until
 from tribo.tuning import (
+    APART,
     PILOT,
     Tuned,
     Wanted,
@@ -35,6 +36,7 @@ from tribo.tuning import (
 )
 
 CHECKS = 8  # equal parts of the duration, after each of which two runs are compared
+DIGIT = -1.0 / np.log10(APART)  # how often two runs that are compared are apart in a digit
 PARTS = 32  # the finer run lands on these and the samples: its steps are never the other's
 
 
@@ -269,7 +271,7 @@ class Simulation:
         ratio = None
         if self._tuned is not None and len(self._tuned.runs) > 1:
             coarse, fine = (run.evaluations for run in self._tuned.runs[-2:])
-            ratio = fine / coarse if coarse > 0 else None
+            ratio = (fine / coarse) ** DIGIT if coarse > 0 else None
         return Cost(
             steps=runs[-1].steps,
             force_evaluations=sum(run.evaluations for run in runs),

@@ -1,4 +1,4 @@
-"""Finding the settings that keep an accuracy: two runs a decade apart that agree within it.
+"""Finding the settings that keep an accuracy: two runs, one finer, that agree within it.
 
 A pilot finds the scales, from which local tolerances are made; methods with equal steps need none.
 Then the level of the settings is lowered until the estimate meets the request, or until finer
@@ -23,7 +23,9 @@ from tribo.methods import Method
 PILOT = 1e-3  # tolerance level of the first run, which finds out the scales
 STALLED = 0.5  # of the estimate before: less gained than that, and round-off is the limit
 ROUNDS = 6  # of tightening, before a request is called out of reach
-DECADE = 0.1  # between the two runs that are compared
+APART = 0.2  # level of the finer of two runs that are compared, in units of the other's
+NEAR, NEARER = 0.5, 0.38  # of the way to an encounter, for a step of the coarser and the finer
+DECADE = 0.1  # by which a level is lowered at least
 AIM = 0.3  # of what was asked for, that a lower level is to come to
 PERTURBATION = 1e-11  # of the start, to see what the scene makes of it
 LONG = 20.0  # seconds of a run, before which it is found out whether it can be had at all
@@ -48,15 +50,20 @@ def tightest(wanted: Wanted) -> float:
     return min(wanted.values()) if isinstance(wanted, Mapping) else wanted
 
 
-def setting_at(layout: Layout, method: Method, scales: acc.InnerScales, level: float) -> Any:
-    """Tolerances for an accuracy of about `level`, or the step whose errors fall as it does."""
+def setting_at(
+    layout: Layout, method: Method, scales: acc.InnerScales, level: float, near: float = NEAR
+) -> Any:
+    """Tolerances for an accuracy of about `level`, or the step whose errors fall as it does.
+
+    `near` is how far of the way to the next encounter a step may go that tolerances leave free.
+    """
     if method.adaptive:
-        return acc.tolerances(layout, scales, level)
+        return acc.tolerances(layout, scales, level, near)
     return acc.unit_step(layout) * level ** (1.0 / method.order)
 
 
 def tune(layout: Layout, method: Method, wanted: Wanted, attempt: Attempt) -> Tuned:
-    """Two settings a decade apart whose runs agree within what is wanted, if such can be found.
+    """Two settings, one finer, whose runs agree within what is wanted, if such can be found.
 
     ``attempt(setting, checks, start)`` runs with a setting, through few times or all, from the
     scene's start or another.  Raises InputError if the request is out of reach and would take
@@ -75,7 +82,7 @@ def tune(layout: Layout, method: Method, wanted: Wanted, attempt: Attempt) -> Tu
         if runs:
             scales = acc.inner_scales(layout, runs[-1].samples)
         coarse = setting_at(layout, method, scales, level)
-        fine = setting_at(layout, method, scales, DECADE * level)
+        fine = setting_at(layout, method, scales, APART * level, NEARER)
         for setting, checks in ((coarse, True), (fine, False)):
             if not runs or runs[-1].status not in HALTED:
                 runs.append(attempt(setting, checks))
@@ -103,7 +110,8 @@ def estimated(
     books = ledger(layout, fine.samples)
     shared = np.intersect1d(fine.samples.t, coarse.samples.t)
     one, other = (ledger(layout, run.samples.at(shared)) for run in (fine, coarse))
-    return acc.estimate(books, one, other, names), acc.reported_scales(layout, books)
+    scales = acc.reported_scales(layout, books)
+    return acc.estimate(books, one, other, scales, names), scales
 
 
 def amplification(layout: Layout, attempt: Attempt, setting: Any, run: March) -> float:
@@ -136,7 +144,7 @@ def _refuse_early(
     level: float,
 ) -> None:
     """Complain now, if a long run would end without the digits that are asked for."""
-    longer = (PILOT / (DECADE * level)) ** (1.0 / method.order)
+    longer = (PILOT / (APART * level)) ** (1.0 / method.order)
     if pilot.status != "completed" or pilot.seconds * longer < LONG:
         return
     grown = amplification(layout, attempt, setting, pilot)

@@ -105,6 +105,7 @@ CLOCK = np.dtype(
         ("t", "f8"),
         ("t_low", "f8"),  # what rounding took from t
         ("owed", "f8"),  # time by which a splitting method's drift is behind t
+        ("near", "f8"),  # how far of the way to the next encounter a step may go
         ("h", "f8"),  # the step the controller wants next; 0: not chosen yet
         ("last", "f8"),  # the last step of a method that remembers it; 0: none yet
         ("sample", "i8"),  # next sample to be recorded

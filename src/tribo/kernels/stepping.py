@@ -21,6 +21,7 @@ class Tolerance(NamedTuple):
     y: np.ndarray
     s: np.ndarray
     level: float  # what these are of the scales of their components
+    near: float = 0.5  # how far of the way to the next encounter a step may go
 
 
 @kernel
@@ -104,11 +105,11 @@ def equal_step(left, step):
 def next_step(clock, encounter, left):
     """The step to try, and whether it ends with the sample that is `left` ahead.
 
-    No step may carry a pair of bobs more than half way to its next encounter.
+    No step may carry a pair of bobs nearer to its next encounter than the clock has it.
     """
     h = clock.h
-    if h * encounter > 0.5:
-        h = 0.5 / encounter
+    if h * encounter > clock.near:
+        h = clock.near / encounter
     if h >= left:
         return left, True
     if 2.0 * h > left:
