@@ -127,10 +127,13 @@ def amplification(layout: Layout, attempt: Attempt, setting: Any, run: March) ->
 
 def out_of_reach(wanted: float, grown: float) -> str:
     """Why a request cannot be met, with both numbers."""
+    reason = ""
+    if grown * acc.EPSILON < wanted:
+        reason = "finer settings gain nothing, though "
     return (
-        f"accuracy {wanted:.1e} is out of reach: a change of {PERTURBATION:.0e} in the start grows "
-        f"to {grown * PERTURBATION:.1e} of the scale, and round-off of {acc.EPSILON:.1e} with it "
-        f"to about {grown * acc.EPSILON:.1e}"
+        f"accuracy {wanted:.1e} is out of reach: {reason}a change of {PERTURBATION:.0e} in the "
+        f"start grows to {grown * PERTURBATION:.1e} of the scale, and round-off of "
+        f"{acc.EPSILON:.1e} with it to about {grown * acc.EPSILON:.1e}"
     )
 
 

@@ -1,0 +1,115 @@
+"""Asking for an accuracy: of everything, of observables, by any method; and being told no."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import tribo
+from test_neighbours import long_slide
+from tribo import costs, paper, tuning
+from tribo.methods import METHODS
+
+FEW = tribo.Output(samples=9)
+
+
+def case(letter: str) -> tribo.Scene:
+    """A case of the paper, recorded at a few times."""
+    return replace(paper.scene(letter), output=FEW)
+
+
+def test_accuracy_of_observables():
+    """Only what is named is held to a number, and its estimate is reported by that name."""
+    scene = case("C")
+    wanted = {"upper.W": 1e-4, "lower.w1": 1e-3}
+    result = tribo.simulate(scene, accuracy=wanted, method="dop853")
+    whole = tribo.simulate(scene, accuracy=1e-10)
+    assert result.met
+    assert result.error_estimate["upper.W"] <= 1e-4
+    off = np.max(np.abs(result["upper"]["W"] - whole["upper"]["W"]))
+    assert off <= result.error_estimate["upper.W"] + whole.error_estimate["W"]
+
+
+def test_accuracy_of_observables_in_a_file(tmp_path):
+    """A table in the scene file, kept when it is saved."""
+    scene = replace(case("A"), numerics=tribo.Numerics(accuracy={"upper.W": 1e-3}))
+    scene.save(tmp_path / "scene.toml")
+    again = tribo.load_scene(tmp_path / "scene.toml")
+    assert again.numerics.accuracy == {"upper.W": 1e-3}
+    assert tribo.simulate(again).met
+
+
+@pytest.mark.parametrize(
+    ("accuracy", "says"),
+    [
+        ({"upper.speed": 1e-3}, "accuracy.upper.speed: names nothing that is reported"),
+        ({"side.W": 1e-3}, "accuracy.side.W: names nothing that is reported"),
+        ({}, "accuracy: must be a number, or name at least one observable"),
+        ({"W": 2.0}, "accuracy.W: must be from 1e-13 to 0.1"),
+    ],
+)
+def test_observables_that_are_none(accuracy, says):
+    """One sentence that names the field."""
+    with pytest.raises(tribo.InputError, match=says):
+        tribo.simulate(case("A"), accuracy=accuracy)
+
+
+@pytest.mark.parametrize("method", [m.name for m in METHODS.values() if not m.adaptive])
+def test_equal_steps_keep_an_accuracy(method):
+    """A method with equal steps finds the step, and its estimate is honest."""
+    wanted = 1e-4 if METHODS[method].order == 2 else 1e-8
+    result = tribo.simulate(case("C"), accuracy=wanted, method=method)
+    truth = tribo.simulate(case("C"), accuracy=1e-12)
+    assert result.met and result.method == method
+    for name in ("theta", "w1", "w2", "w"):
+        off = np.max(np.abs(result["upper"][name] - truth["upper"][name]))
+        assert off <= result.error_estimate[name] <= wanted, name
+
+
+def test_every_result_has_its_price():
+    """A digit more costs more, a digit fewer less; and the line that is printed says so."""
+    result = tribo.simulate(case("D"), accuracy=1e-6, method="dop853")
+    cost = result.cost
+    assert cost.digit_fewer < cost.wall_seconds < cost.digit_more
+    assert "one digit more" in str(result).splitlines()[0]
+    own = tribo.simulate(case("D"), method="verlet", step=0.1)
+    assert own.cost.digit_more is None and "digit" not in str(own)
+
+
+def test_a_choice_says_why():
+    """Which method, and by how much it should be faster than the next; none where one is named."""
+    result = tribo.simulate(case("A"), accuracy=1e-6)
+    assert result.why.startswith(f"{result.method} should be the fastest at 1e-06")
+    assert tribo.simulate(case("A"), accuracy=1e-6, method="dop853").why == ""
+
+
+def test_the_model_of_costs():
+    """More digits never cost less; every method that has numbers is one there is."""
+    assert set(costs.RATES) == set(METHODS)
+    for letter in "AC":
+        for one, other in ((1e-3, 1e-6), (1e-6, 1e-9)):
+            few = {e.method.name: e.seconds for e in costs.estimates(case(letter), one)}
+            more = {e.method.name: e.seconds for e in costs.estimates(case(letter), other)}
+            assert all(few[name] <= more[name] for name in few)
+
+
+def kicked() -> tribo.Scene:
+    """Rough grids that slide past each other, their bobs kicked about."""
+    return replace(long_slide({}), duration=6.0, output=FEW)
+
+
+def test_out_of_reach_is_said_with_both_numbers():
+    """Round-off is in the way: what was reached is delivered, with a note of the amplification."""
+    result = tribo.simulate(kicked(), accuracy=1e-13)
+    assert result.status == "completed" and result.met is False
+    (note,) = (note for note in result.notes if "out of reach" in note)
+    assert "a change of 1e-11 in the start grows to" in note and "round-off of 2.2e-16" in note
+
+
+def test_out_of_reach_is_refused_early(monkeypatch):
+    """Where a run would take long and the scene amplifies round-off, it ends with the pilot."""
+    monkeypatch.setattr(tuning, "LONG", 0.0)
+    assert tribo.simulate(case("A"), accuracy=1e-9).met
+    monkeypatch.setattr(tuning, "amplification", lambda *given: 1e8)
+    with pytest.raises(tribo.InputError, match=r"accuracy: 1.0e-09 is out of reach.*observables"):
+        tribo.simulate(case("A"), accuracy=1e-9)
