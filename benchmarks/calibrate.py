@@ -16,6 +16,7 @@ from statistics import median
 import numpy as np
 
 import tribo
+import tribo.costs
 from tribo import accuracy as acc
 from tribo import paper
 from tribo.methods import METHODS
@@ -25,6 +26,7 @@ from tribo.work_precision import WorkPrecision, work_precision
 
 COARSE, FINE = 1e-6, 1e-11
 ROUNDS = 5
+STEP = {name: rate.step for name, rate in tribo.costs.RATES.items()}  # as the methods have it
 
 
 def small_scenes() -> list[tribo.Scene]:
@@ -128,7 +130,7 @@ def main() -> None:
         print(json.dumps(rows, indent=1))
         return
     for name, numbers in rows.items():
-        print(f'    "{name}": Rate({", ".join(f"{x:.3g}" for x in numbers)}),')
+        print(f'    "{name}": Rate({", ".join(f"{x:.3g}" for x in numbers)}, {STEP[name]}),')
 
 
 if __name__ == "__main__":

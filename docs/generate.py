@@ -13,6 +13,7 @@ from dataclasses import fields
 from pathlib import Path
 
 import examples_in_pages
+import measure_accuracy
 import slip as slip_page
 
 import tribo
@@ -24,14 +25,14 @@ from tribo.potentials import LennardJones, check, with_cutoff
 HERE = Path(__file__).resolve().parent
 PAGES_WITH_CODE = (
     HERE.parent / "README.md",
-    *(HERE / name for name in ("tutorial.md", "potentials.md", "scene_file.md")),
+    *(HERE / f"{name}.md" for name in ("tutorial", "accuracy", "potentials", "ase", "scene_file")),
 )
 
 
 def everything(folder: Path) -> None:
     """Fill the folder, unless it was made from these very sources and pages."""
     stamp = folder / "stamp"
-    own = [*HERE.glob("*.py"), *PAGES_WITH_CODE]
+    own = [*HERE.glob("*.py"), *HERE.glob("measured/*.json"), *PAGES_WITH_CODE]
     now = package_stamp() + "".join(file.read_text(encoding="utf-8") for file in sorted(own))
     if stamp.exists() and stamp.read_text(encoding="utf-8") == now:
         return
@@ -51,6 +52,8 @@ def everything(folder: Path) -> None:
         "methods": table_of_methods(),
         "effects": table_of_effects(),
         "statuses": table_of_statuses(),
+        "fastest": measure_accuracy.fastest(),
+        "evaluations": measure_accuracy.evaluations(),
         "files": table_of_files(),
     }.items():
         (folder / f"{name}.md").write_text(markdown(rows), encoding="utf-8")

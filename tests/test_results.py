@@ -162,6 +162,17 @@ def test_prepared_run(result):
     assert bare.cost.force_evaluations < again.cost.force_evaluations
 
 
+@pytest.mark.parametrize("name", ["accuracy", "met", "notes", "why", "status", "t"])
+def test_a_lone_run_is_whole_whatever_is_looked_at_first(name):
+    """It is put together when it is looked at, and shows nothing else before."""
+    jump = tribo.with_cutoff(Coulomb(0.2), 2.0, "truncate")
+    simulation = tribo.prepare(replace(scene(), interactions=jump), accuracy=0.1, method="rkn8")
+    first = getattr(simulation.run(estimate=False), name)
+    after = simulation.run(estimate=False)
+    assert after.status == "completed" and after.accuracy == 0.1 and "jumps" in after.notes[0]
+    assert np.array_equal(first, getattr(after, name))
+
+
 STARTS = {
     "theta": ({"upper.theta": 0.1}, {"upper": Initial(theta=0.1)}),
     "an array": ({"upper.omega": np.array([0.3])}, {"upper": Initial(omega=0.3)}),

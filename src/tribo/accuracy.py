@@ -27,7 +27,7 @@ from tribo.ledger import (
 EPSILON = float(np.finfo(float).eps)
 KINDS = ASPERITE_KINDS | OPTIONAL_KINDS | BLOCK_KINDS | SYSTEM_KINDS
 SAFETY = 3.0  # the estimate is this times the difference of two runs
-POOLED = 1e-3  # of the largest estimate of all, in units of scales, that is added to every other
+POOLED = 0.1  # of the largest estimate of all, in units of scales, that is added to every other
 FLOOR = 2e-15  # no tolerance asks for less, relative to its scale
 
 

@@ -44,6 +44,7 @@ def dataset(result: Result) -> xarray.Dataset:
         "accuracy": json.dumps(result.accuracy),
         "met": json.dumps(result.met),
         "notes": json.dumps(result.notes),
+        "why": result.why,
     }
     return xarray.Dataset(variables, coords={"time": result.t}, attrs=about)
 
@@ -94,4 +95,5 @@ def load_result(path: Any) -> Result:
         accuracy=json.loads(data.attrs["accuracy"]),
         met=json.loads(data.attrs["met"]),
         notes=tuple(json.loads(data.attrs["notes"])),
+        why=data.attrs.get("why", ""),  # which older files do not say
     )

@@ -1,25 +1,24 @@
 """What a method is going to cost on a scene, and which costs least.
 
     seconds = evaluations x (seconds of an evaluation)
-    evaluations = evaluations(1e-6) (accuracy / 1e-6)^(-1/slope), for each radian of the pendulums
+    evaluations = evaluations(1e-6) (accuracy / 1e-6)^(-1/slope), for each radian of the pendulums,
+                  but those of a step for each sample at least
     seconds of an evaluation = (for each run) + (for each asperite) + (for each bath oscillator)
 
-or, by the loop of a pair's own, PAIR nanoseconds.
-
 The numbers were measured by benchmarks/calibrate.py.  Only ratios of them enter the choice, and
-these are much the same on every machine.  Methods that turn bath oscillators exactly need not
-resolve their fastest; all others do.
+these are much the same on every machine.  Methods that do not turn bath oscillators exactly are
+not stable unless steps are short against the fastest of these.
 """
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from tribo import methods
-from tribo.layout import laid_out
+from tribo.accuracy import unit_step
+from tribo.layout import Layout, laid_out
 from tribo.pair import has_loop
 from tribo.scene import Scene
 
@@ -32,18 +31,25 @@ class Rate:
     slope: float  # an accuracy ten times better takes 10^(1/slope) times as many
     run: float  # nanoseconds of an evaluation, whatever the scene
     asperite: float  # and for each asperite
-    oscillator: float  # and for each bath oscillator
+    oscillator: float  # and for each coordinate of a bath
+    step: int  # evaluations of a step, of which there is one at least for each sample
 
 
 RATES = {
-    "dop853": Rate(7.0, 8.0, 200.0, 200.0, 20.0),
-    "rkn8": Rate(5.0, 8.0, 200.0, 200.0, 20.0),
-    "rkn12": Rate(6.0, 12.0, 200.0, 200.0, 20.0),
-    "gauss-radau-15": Rate(12.0, 15.0, 200.0, 200.0, 20.0),
+    "midpoint": Rate(440.0, 2.0, 264.0, 109.0, 19.9, 2),
+    "rk4": Rate(20.1, 4.0, 207.0, 102.0, 18.2, 4),
+    "dop853": Rate(5.91, 11.2, 285.0, 111.0, 22.7, 12),
+    "rkn8": Rate(3.8, 12.1, 244.0, 125.0, 22.5, 9),
+    "rkn12": Rate(8.0, 105.0, 186.0, 125.0, 27.8, 17),
+    "gauss-radau-15": Rate(5.77, 25.7, 10.0, 101.0, 34.6, 18),
+    "gauss-8": Rate(31.3, 26.9, 117.0, 90.3, 29.1, 28),
+    "verlet": Rate(90.6, 2.0, 297.0, 124.0, 33.9, 1),
+    "kahan-li-6": Rate(15.2, 6.25, 41.9, 126.0, 32.3, 9),
+    "kahan-li-8": Rate(20.4, 14.4, 26.4, 126.0, 31.8, 17),
+    "blanes-moan-6": Rate(13.3, 8.02, 36.1, 127.0, 0.0, 10),
 }
-
-
-PAIR = 12.0  # nanoseconds of an evaluation by tribo.pair
+FAST = 1.6  # evaluations for each radian of a bath's fastest oscillator, for stability
+PAIR = replace(RATES["gauss-radau-15"], run=12.0, asperite=0.0)  # in a loop of its own
 
 
 @dataclass(frozen=True)
@@ -56,18 +62,30 @@ class Estimate:
 
 
 def estimates(scene: Scene, accuracy: float) -> list[Estimate]:
-    """All methods that take the scene, the cheapest first."""
+    """Methods for the scene, the cheapest first.
+
+    Equal steps cannot shorten at an encounter, so methods that make them are looked at only where
+    a bath would have the others make short steps all the way.
+    """
+    layout = laid_out(scene)
+    bathed = _oscillators(scene) > 0
+    smoothness = min((i.potential.smoothness() for i in scene.interactions), default=np.inf)
     found = []
-    layout = laid_out(scene) if scene.count == 2 else None
     for name, rate in RATES.items():
         method = methods.METHODS[name]
-        if methods.refusal(method, scene) is None:
-            radians = _radians(scene, exact=method.splits)
-            evaluations = radians * rate.evaluations * (accuracy / 1e-6) ** (-1.0 / rate.slope)
-            each = rate.run + scene.count * rate.asperite + _oscillators(scene) * rate.oscillator
-            if layout is not None and has_loop(layout, method):
-                each = PAIR
-            found.append(Estimate(method, evaluations, 1e-9 * evaluations * each))
+        if methods.refusal(method, scene) is not None or not (method.adaptive or bathed):
+            continue
+        if method.smoothness > smoothness and method.adaptive:
+            continue
+        if has_loop(layout, method):
+            rate = PAIR
+        radians = scene.duration / unit_step(layout)
+        evaluations = radians * rate.evaluations * (accuracy / 1e-6) ** (-1.0 / rate.slope)
+        evaluations = max(evaluations, float(rate.step * scene.times.size))
+        if not method.splits:
+            evaluations = max(evaluations, FAST * _fast_radians(layout))
+        each = rate.run + scene.count * rate.asperite + _oscillators(scene) * rate.oscillator
+        found.append(Estimate(method, evaluations, 1e-9 * evaluations * each))
     return sorted(found, key=lambda item: item.seconds)
 
 
@@ -81,19 +99,11 @@ def cheapest(scene: Scene, accuracy: float) -> tuple[methods.Method, str]:
     return best.method, why
 
 
-def _radians(scene: Scene, exact: bool) -> float:
-    """How far the fastest oscillation that must be resolved turns in the run."""
-    fastest = 0.0
-    for surface in scene.surfaces:
-        each = surface.asperite.for_each(surface.count)
-        inverse = 1.0 / each["inertia"]
-        if surface.bars != "clamped":
-            inverse = inverse + 1.0 / each["i2"]
-        fastest = max(fastest, float(np.max(np.sqrt(each["kappa"] * inverse))))
-        if not exact:
-            frequencies = (*surface.bath.frequencies, *surface.bath.torsional_frequencies)
-            fastest = max(fastest, *frequencies, 0.0)
-    return max(fastest * scene.duration, 2.0 * math.pi)
+def _fast_radians(layout: Layout) -> float:
+    """How far the fastest oscillator of any bath turns in the run."""
+    baths = (layout.model.bath, layout.model.torsional)
+    fastest = [float(np.max(bath.frequency)) for bath in baths if bath is not None]
+    return layout.scene.duration * max(fastest, default=0.0)
 
 
 def _oscillators(scene: Scene) -> int:

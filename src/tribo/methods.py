@@ -113,7 +113,7 @@ METHODS = {
             "any drive, accuracies from 1e-8 to 1e-13",
             "E. Everhart (1985); H. Rein, D. S. Spiegel, Mon. Not. R. Astron. Soc. 446 (2015) 1424",
             remembers=8,
-            smoothness=0,
+            smoothness=3,
             first_level=100.0,  # its errors are far below what its controller fears
         ),
         Method(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -69,10 +69,11 @@ class Result:
     method: str
     cost: Cost
     error_estimate: dict[str, float | None]
-    accuracy: Any = None  # what was asked for: a number, or one by the name of each observable
-    met: bool | None = None  # whether every estimate is within it; None where there is none
-    notes: tuple[str, ...] = field(default=())
-    why: str = ""  # the method was chosen; empty where it was given
+    # None of these has a default, which a result put together later would show instead of its own.
+    accuracy: Any  # what was asked for: a number, or one by the name of each observable
+    met: bool | None  # whether every estimate is within it; None where there is none
+    notes: tuple[str, ...]
+    why: str  # the method was chosen; empty where it was given
 
     @classmethod
     def later(cls, make: Callable[[], Result]) -> Result:

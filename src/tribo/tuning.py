@@ -25,7 +25,7 @@ STALLED = 0.5  # of the estimate before: less gained than that, and round-off is
 ROUNDS = 6  # of tightening, before a request is called out of reach
 APART = 0.2  # level of the finer of two runs that are compared, in units of the other's
 NEAR, NEARER = 0.5, 0.38  # of the way to an encounter, for a step of the coarser and the finer
-DECADE = 0.1  # by which a level is lowered at least
+LOWER = 0.1  # by which a level is lowered at least
 AIM = 0.3  # of what was asked for, that a lower level is to come to
 PERTURBATION = 1e-11  # of the start, to see what the scene makes of it
 LONG = 20.0  # seconds of a run, before which it is found out whether it can be had at all
@@ -89,7 +89,7 @@ def tune(layout: Layout, method: Method, wanted: Wanted, attempt: Attempt) -> Tu
         if runs[-1].status in HALTED:
             break
         if not method.adaptive and runs[-1].status == "EncounterJumped":
-            level *= DECADE**2
+            level *= LOWER**2
             continue
         excess = acc.excess(*estimated(layout, runs[-1], runs[-2], names), wanted)
         if excess <= 1.0 or level <= acc.FLOOR or excess > STALLED * before:
@@ -99,7 +99,7 @@ def tune(layout: Layout, method: Method, wanted: Wanted, attempt: Attempt) -> Tu
             if grown * acc.EPSILON > tightest(wanted):
                 break
         before = excess
-        level = max(level * min(DECADE, AIM / excess), acc.FLOOR)
+        level = max(level * min(LOWER, AIM / excess), acc.FLOOR)
     return Tuned(coarse, fine, tuple(runs), grown)
 
 

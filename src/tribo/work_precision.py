@@ -1,9 +1,9 @@
 """What accuracy costs on a scene: error against time and against evaluations, method by method.
 
 Every method that takes the scene is run at one setting after another, from coarse to fine, and
-compared with a reference by a method of another family.  A method's turn ends when it has come as
-near to the reference as that is good for, when finer settings gain nothing, or when its share of
-the time is used up.
+compared with one reference, the finest run of a method that suits the scene.  A method's turn ends
+when it has come as near to the reference as that is good for, when finer settings gain nothing, or
+when its share of the time is used up.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from tribo.scene import Output, Scene
 from tribo.simulation import Simulation, prepare
 from tribo.tuning import setting_at
 
-REFERENCES = ("gauss-radau-15", "dop853")  # of different families; the first where it is taken
+SMOOTH, ROUGH = "gauss-radau-15", "dop853"  # methods of the reference, by what the potentials are
 FINEST = 1e-13  # accuracy asked of the reference
 COARSEST = 0.3  # first level of the settings
 LEVEL_RATIO = 10.0**0.5  # between two settings of a method that chooses its steps
@@ -133,14 +133,15 @@ def work_precision(
         compiled[method.name] = simulation.compile_seconds
         share = seconds / len(taken)
         rows += _curve(simulation, truth, scales, watched, reference["error"], share)
-    return WorkPrecision(tuple(_with_front(rows)), reference, compiled)
+    return WorkPrecision(tuple(with_front(rows, reference["error"])), reference, compiled)
 
 
 def _reference(
     scene: Scene, watched: tuple[str, ...]
 ) -> tuple[Ledger, acc.InnerScales, dict[str, Any]]:
     """The finest run, the scales it had, and how good it is by its own estimate."""
-    name = next(n for n in REFERENCES if not methods.refusal(methods.METHODS[n], scene))
+    rough = any(np.isfinite(item.potential.smoothness()) for item in scene.interactions)
+    name = ROUGH if rough else SMOOTH  # whose polynomial does not span the joints of a switch
     simulation = prepare(scene, FINEST, name)
     acc.check_observables(simulation.layout, watched, "observables")
     result, finest = simulation.first_result(), simulation.finest
@@ -186,8 +187,17 @@ def _curve(
             return
 
 
-def _with_front(rows: list[Row]) -> Iterator[Row]:
-    """The rows, those marked that no other beats in both time and error."""
-    for row in rows:
-        beaten = any(other.seconds <= row.seconds and other.error < row.error for other in rows)
+def with_front(rows: list[Row], floor: float) -> Iterator[Row]:
+    """The rows, those marked as the front that none other is at least as fast and as good as.
+
+    Errors below `floor`, the reference's own, cannot be told apart.
+    """
+    told = [max(row.error, floor) for row in rows]
+    for row, error in zip(rows, told, strict=True):
+        beaten = any(
+            (other.seconds, mine) != (row.seconds, error)
+            and other.seconds <= row.seconds
+            and mine <= error
+            for other, mine in zip(rows, told, strict=True)
+        )
         yield replace(row, front=not beaten)

@@ -235,15 +235,18 @@ def turn_oscillators(q, v, start, count, about, bath, first, turns):
 
 @owning_kernel
 def room_for_turns(bath):
-    """(oscillators, 2) for `turns_of` to fill."""
+    """(oscillators + 1, 2) for `turns_of` to fill."""
     if bath is None:
         return np.empty((0, 2))
-    return np.empty((bath.size, 2))
+    return np.full((bath.size + 1, 2), np.nan)
 
 
 @kernel
 def turns_of(bath, tau, turns):
-    """1 - cos and sin of every oscillator's turn in tau."""
+    """1 - cos and sin of every oscillator's turn in tau, which is kept in the last row."""
+    if turns[-1, 0] == tau:
+        return
+    turns[-1, 0] = tau
     for n in range(bath.shape[0]):
         half = math.sin(0.5 * bath[n].frequency * tau)
         turns[n, 0] = 2.0 * half * half

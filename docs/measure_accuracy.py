@@ -1,0 +1,138 @@
+"""What accuracy costs: the diagrams of accuracy.md, and the runs that its tables are made from.
+
+    python docs/measure_accuracy.py [SCENE ...]
+
+Runs ``tribo accuracy`` on each scene, at most two minutes long once the methods are compiled, and
+keeps in docs/measured the figure and the runs behind it.  The tables are made from these runs, and
+from the model of costs as it is, when the pages are built.  To be run on a machine that does
+nothing else.
+"""
+
+import json
+import math
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import tribo
+from tribo import costs, paper
+from tribo.methods import METHODS
+from tribo.work_precision import Row, WorkPrecision, work_precision
+
+HERE = Path(__file__).resolve().parent
+FOLDER = HERE / "measured"
+SECONDS = 120.0  # for all runs of a scene together
+FASTEST_AT = (1e-3, 1e-6, 1e-9)  # errors of the table of the fastest
+COUNTED_AT = (1e-3, 1e-6, 1e-9, 1e-12)  # errors of the table of evaluations
+
+
+def rows() -> tribo.Scene:
+    """Two rows of 64 that bind, dragged over each other by two spacings."""
+    row = {"shape": (64, 1), "asperite": tribo.Asperite(kappa=8.0)}
+    upper = tribo.Surface("upper", bob=(0.3, 0.9), velocity=(0.5, 0.0), spacing=(1.1, 0.0), **row)
+    lower = tribo.Surface("lower", facing="up", spacing=(1.0, 0.0), **row)
+    return tribo.Scene((upper, lower), tribo.Morse(0.1, 2.5, 0.8), 4.0, "rows of 64")
+
+
+def grid() -> tribo.Scene:
+    """Two grids of 12 by 12, each bob in reach of a few."""
+    grid = {"shape": (12, 12), "spacing": (1.5, 1.5), "asperite": tribo.Asperite(kappa=20.0)}
+    upper = tribo.Surface("upper", bob=(0.3, 1.2), velocity=(0.5, 0.0), drive="free", **grid)
+    lower = tribo.Surface("lower", facing="up", **grid)
+    potential = tribo.with_cutoff(tribo.LennardJones(0.05, 1.0), 2.5)
+    return tribo.Scene((upper, lower), potential, 3.0, "grids of 12 by 12")
+
+
+def bath() -> tribo.Scene:
+    """Case A with two hundred oscillators on every bar."""
+    bath = {"spectrum": "drude", "gamma": 0.2, "cutoff": 2.0, "n": 200}
+    upper = tribo.Surface("upper", bob=(-10.0, 0.0), velocity=(0.5, 0.0), bath=bath)
+    lower = tribo.Surface("lower", facing="up", bath=bath)
+    return tribo.Scene((upper, lower), tribo.Coulomb(0.2), 40.0, "a pair with baths")
+
+
+SCENES: dict[str, Callable[[], tribo.Scene]] = {
+    "A": lambda: paper.scene("A"),
+    "B": lambda: paper.scene("B"),
+    "C": lambda: paper.scene("C"),
+    "D": lambda: paper.scene("D"),
+    "rows": rows,
+    "grid": grid,
+    "bath": bath,
+}
+NAMES = {
+    **{letter: f"case {letter}" for letter in "ABCD"},
+    "rows": "rows of 64, Morse",
+    "grid": "grids of 144, Lennard-Jones with a switch",
+    "bath": "a pair with 2 x 200 oscillators",
+}
+
+
+def measure(name: str) -> None:
+    """Run all methods on a scene; keep the figure and the runs."""
+    found = work_precision(SCENES[name](), seconds=SECONDS, progress=print)
+    FOLDER.mkdir(exist_ok=True)
+    found.save_figure(FOLDER / f"accuracy_{name}.png")
+    runs = json.dumps(json.loads(found.to_json())).replace("}, ", "},\n")  # a line for each run
+    (FOLDER / f"accuracy_{name}.json").write_text(runs + "\n", encoding="utf-8")
+    print(f"{name}\n{found}", flush=True)
+
+
+def kept(name: str) -> WorkPrecision:
+    """What was measured on a scene."""
+    table = json.loads((FOLDER / f"accuracy_{name}.json").read_text(encoding="utf-8"))
+    runs = tuple(Row(**row) for row in table.pop("rows"))
+    return WorkPrecision(runs, **table)
+
+
+def fastest() -> Iterator[list[str]]:
+    """The fastest method as measured, and the one that the model of costs chooses."""
+    yield ["scene", "error", "fastest", "time", "chosen", "its time / fastest"]
+    for name, title in NAMES.items():
+        found, scene = kept(name), SCENES[name]()
+        for error in FASTEST_AT:
+            best = found.best(error)
+            if best is None:
+                continue
+            chosen = costs.cheapest(scene, error)[0].name
+            own = [r.seconds for r in found.rows if r.method == chosen and r.error <= error]
+            ratio = f"{min(own) / best.seconds:.2g}" if own else "-"
+            time = f"{1e3 * best.seconds:.2g} ms"
+            yield [title, f"{error:.0e}", f"`{best.method}`", time, f"`{chosen}`", ratio]
+
+
+def evaluations() -> Iterator[list[str]]:
+    """Evaluations of all forces in a single run for a given error, method by method."""
+    found = {letter: kept(letter) for letter in "AC"}
+    yield ["method", *(f"{letter}, {e:.0e}" for letter in found for e in COUNTED_AT)]
+    for method in METHODS:
+        cells = []
+        for runs in found.values():
+            curve = [(r.error, r.force_evaluations) for r in runs.rows if r.method == method]
+            cells += [_at(curve, wanted) for wanted in COUNTED_AT]
+        yield [f"`{method}`", *cells]
+
+
+def _at(curve: list[tuple[float, int]], wanted: float) -> str:
+    """Evaluations from which on the error stays below, between points of the curve."""
+    above = [k for k, (error, _) in enumerate(curve) if error > wanted]
+    last = above[-1] if above else -1
+    if last == len(curve) - 1:
+        return "-"
+    if last < 0:
+        return f"< {_short(curve[0][1])}"
+    (e0, n0), (e1, n1) = curve[last], curve[last + 1]
+    share = math.log(e0 / wanted) / math.log(e0 / e1)
+    return _short(n0 * (n1 / n0) ** share)
+
+
+def _short(n: float) -> str:
+    """Two digits are all that such a number deserves."""
+    if n < 1000:
+        return f"{float(f'{n:.2g}'):.0f}"
+    return f"{n / 1000:.1f}k" if n < 10_000 else f"{float(f'{n / 1000:.2g}'):.0f}k"
+
+
+if __name__ == "__main__":
+    for name in sys.argv[1:] or SCENES:
+        measure(name)
