@@ -12,7 +12,7 @@ accounts.  The others are given the easier task: coordinates that do not move ar
 the motion alone is integrated, since of one pair every work can be had from the motion by
 conservation of energy and momentum.  heyoka runs with fast_math.
 
-    python benchmarks/pair.py [--json] [--rounds 300] [--cases ABCD]
+    python benchmarks/pair.py [--json] [--rounds 100] [--cases ABCD]
 """
 
 import argparse
@@ -29,6 +29,7 @@ import tribo
 from tribo import paper
 
 ERRORS = (1e-6, 1e-9, 1e-12)
+REPEATS = 10  # of a program in each round: the first find its code and data out of the caches
 ANGLES = (0.0, 0.03, -0.07, 0.12, 0.2)  # at which errors are looked at
 
 
@@ -304,10 +305,10 @@ def measure(cases: str, rounds: int) -> list[dict[str, Any]]:
         seconds = dict.fromkeys(programs, math.inf)
         for k in range(rounds):
             for key, (program, _, _) in programs.items():
-                if key[1] == "scipy" and k % 30:
+                if key[1] == "scipy" and k % 50:
                     continue
-                for repeat in range(3):  # the first has the caches cold
-                    angle = 1e-4 * (3 * k + repeat + 1)
+                for repeat in range(REPEATS):
+                    angle = 1e-4 * ((REPEATS * k + repeat) % 2000 + 1)
                     began = time.perf_counter()
                     program.run(angle)
                     seconds[key] = min(seconds[key], time.perf_counter() - began)
@@ -351,7 +352,7 @@ def main() -> None:
     """Measure all in one process."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--json", action="store_true")
-    parser.add_argument("--rounds", type=int, default=300)
+    parser.add_argument("--rounds", type=int, default=100)
     parser.add_argument("--cases", default="ABCD")
     options = parser.parse_args()
     rows = measure(options.cases, options.rounds)

@@ -35,6 +35,8 @@ def shown(value: Any) -> str:
 
 def number(field: str, value: Any, condition: Condition = ANY) -> float:
     """One finite number that meets the condition."""
+    if type(value) is float and condition is ANY and -LARGEST <= value <= LARGEST:
+        return value  # the commonest, and quickly told
     if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
         raise InputError(field, f"must be a number, got {shown(value)}")
     if isinstance(value, (float, np.floating)) and not math.isfinite(value):
@@ -78,7 +80,7 @@ def vector(
 
 def is_list(value: Any) -> bool:
     """Whether the value is a list, a tuple or an array of at least one axis."""
-    if isinstance(value, (int, float)):  # the commonest, and quickly told
+    if isinstance(value, (int, float)):
         return False
     if isinstance(value, np.ndarray):
         return value.ndim > 0

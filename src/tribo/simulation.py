@@ -172,7 +172,7 @@ class Simulation:
 
     def _changed(self, start: Mapping[str, Any]) -> np.ndarray:
         """y at t = 0 with some initial values replaced."""
-        if not isinstance(start, Mapping):
+        if not isinstance(start, (dict, Mapping)):
             raise InputError("start", f"must map names to values, got {start!r}")
         y = self.layout.start.copy()
         for key, value in start.items():

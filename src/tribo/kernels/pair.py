@@ -73,6 +73,7 @@ PAIR = np.dtype(
     align=True,
 )
 
+CAUTION = 0.65  # of the growth that an error allows: a step turned back costs as much as one taken
 SHARE = 1e-3  # of the tolerance, for what an iteration leaves: no sweep follows its last
 
 # Rows of a pair's state: eight numbers each.
@@ -311,7 +312,7 @@ def error_of(method, h, work, tolerance, f1, f2, fk):
 @inlined
 def growth_of_eighth(error):
     """As :func:`tribo.kernels.stepping.growth_of` of an error that grows as h^8."""
-    growth = 0.9 / math.sqrt(math.sqrt(math.sqrt(error)))
+    growth = CAUTION / math.sqrt(math.sqrt(math.sqrt(error)))
     if not growth >= SHRINK:  # nan too
         return SHRINK
     return min(GROW, growth)
