@@ -18,7 +18,8 @@ TOP = {
     *("status", "t", "method", "steps", "force_evaluations", "wall_seconds", "compile_seconds"),
     *("surfaces", "blocks", "system", "error_estimate"),
 }
-MORE = {"accuracy", "accuracy_met", "notes"}
+MORE = {"accuracy", "accuracy_met", "notes", "why"}
+MORE |= {"seconds_for_digit_more", "seconds_for_digit_fewer"}
 SURFACE = {
     *("theta", "phi", "omega", "nu", "x_cm", "y_cm", "vx_cm", "vy_cm"),
     *("x_bob", "y_bob", "x_bar", "y_bar"),
@@ -100,7 +101,7 @@ def test_text(run):
     status, out, err = run(SCENE)
     assert status == 0 and err == ""
     first, *rest = out.splitlines()
-    assert first.startswith("A short pass: completed at t = 4; dop853, ")
+    assert first.startswith("A short pass: completed at t = 4; gauss-radau-15, ")
     assert [line.split(":")[0].strip() for line in rest] == ["upper", "lower"]
 
 
@@ -110,7 +111,7 @@ def test_json(run):
     end = strictly(out)
     assert status == 0 and err == ""
     assert set(end) == TOP | MORE
-    assert (end["status"], end["t"], end["method"]) == ("completed", 4.0, "dop853")
+    assert (end["status"], end["t"], end["method"]) == ("completed", 4.0, "gauss-radau-15")
     assert all(isinstance(end[key], int) and end[key] > 0 for key in ("steps", "force_evaluations"))
     assert list(end["surfaces"]) == list(end["blocks"]) == ["upper", "lower"]
     for name in ("upper", "lower"):

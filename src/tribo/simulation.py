@@ -274,7 +274,9 @@ class Simulation:
         ratio = None
         if self._tuned is not None and len(self._tuned.runs) > 1:
             coarse, fine = (run.evaluations for run in self._tuned.runs[-2:])
-            ratio = (fine / coarse) ** DIGIT if coarse > 0 else None
+            # Samples shorten the steps of one run more; the order bounds what a digit costs.
+            dearest = 10.0 ** (2.0 / self.method.order)
+            ratio = min((fine / coarse) ** DIGIT, dearest) if coarse > 0 else None
         return Cost(
             steps=runs[-1].steps,
             force_evaluations=sum(run.evaluations for run in runs),
