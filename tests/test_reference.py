@@ -116,7 +116,7 @@ def rich_scene(seed: int) -> dict:
     return scene
 
 
-def assert_agrees(scene: dict, method: str = "dop853") -> None:
+def assert_agrees(scene: dict, method: str | None = None) -> None:
     """Surfaces, blocks and system, every quantity that either reports."""
     end = tribo.simulate(scene_from(scene), accuracy=ACCURACY, method=method).end
     truth = reference.solve(scene)
