@@ -349,7 +349,6 @@ WRONG = [
     ("numerics", {"method": ""}, "must be", ".method"),
     ("numerics", {"method": "dop853", "step": 0.1}, "cannot go with dop853", ".step"),
     ("numerics", {"method": "midpoint"}, "is missing", ".step"),
-    ("numerics", {"method": "midpoint", "accuracy": 1e-3}, "is missing", ".step"),
     ("numerics", {"step": 0.1, "accuracy": 1e-3}, "cannot go with a step", ".accuracy"),
     ("numerics", {"step": -0.1}, "must be positive, got -0.1", ".step"),
 ]
@@ -574,7 +573,6 @@ CALLS = [
     (simulated, {"step": "x"}, "step: must be a number, got 'x'"),
     (simulated, {"method": "dop853", "step": 0.1}, "step: cannot go with dop853, which chooses"),
     (simulated, {"method": "midpoint"}, "step: is missing; midpoint goes in equal steps"),
-    (simulated, {"method": "midpoint", "accuracy": 1e-3}, "step: is missing; midpoint goes in"),
     (simulated, {"step": 0.1, "accuracy": 1e-3}, "accuracy: cannot go with a step of one's own"),
 ]
 
