@@ -10,6 +10,7 @@ import time
 from typing import Any
 
 import numpy as np
+from numba import config
 
 from tribo.diagnosis import Refusals, complaint
 from tribo.kernels.collocation import chosen_collocation
@@ -57,8 +58,9 @@ INTERRUPTED = "Interrupted"
 
 
 def has_loop(layout: Layout, method: Method) -> bool:
-    """Whether there is a loop of its own for the scene by this method."""
-    return method.loop is chosen_collocation and is_pair(layout)
+    """Whether there is a loop of its own for the scene by this method; it needs a compiler."""
+    compiled = not config.DISABLE_JIT  # type: ignore[attr-defined]
+    return compiled and method.loop is chosen_collocation and is_pair(layout)
 
 
 def is_pair(layout: Layout) -> bool:

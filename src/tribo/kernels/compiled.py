@@ -85,7 +85,10 @@ def _found_by_class(method: str, arguments: int) -> None:
         4: lambda self, a, b, c, d: find(self),
         7: lambda self, a, b, c, d, e, f, g: find(self),
     }
-    overload_method(types.BaseNamedTuple, method, strict=False)(finders[arguments])
+    # Plug-ins may use what makes arrays on the way, as numpy.where does even of numbers.
+    options = {"_nrt": True}
+    found = overload_method(types.BaseNamedTuple, method, jit_options=options, strict=False)
+    found(finders[arguments])
 
 
 METHODS = {  # of plug-ins, and how many arguments each has after self
