@@ -60,6 +60,16 @@ PARAMETERS = {
     "plummer": [{"strength": 1.0, "softening": 0.1}, {"strength": -1.0, "softening": 10.0}],
     "sum": [{"of": [LJ, COULOMB]}, {"of": [LJ | {"cutoff": 2.5}, COULOMB | {"cutoff": 4.0}]}],
     "scaled": [{"factor": -2.0, "of": LJ}],
+    "ase-dimer": [
+        {
+            "calculator": "ase.calculators.lj:LennardJones",
+            "arguments": {"epsilon": 1.0, "sigma": 1.0, "rc": 1e4},
+            "symbols": ["Ar", "Ar"],
+            "low": 0.85,
+            "high": 3.0,
+            "accuracy": 1e-6,
+        }
+    ],
     "table": [{"r": PLACES.tolist(), "energy": LennardJones(1.0, 1.0).energy(PLACES).tolist()}],
     "a*exp(-(r - b)**2/c**2) - cos(k*r)/r": [{"a": 1.0, "b": 3.0, "c": 0.5, "k": 6.0}],
 }
