@@ -87,7 +87,7 @@ FAULTS = {
             "        return 'far'",
             "    return self.s / r",
         ],
-        "return self.s / r",
+        "return 'far'",
         "Can't unify return type",
     ),
     "an energy that takes no complex numbers": (

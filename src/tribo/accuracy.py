@@ -238,9 +238,10 @@ def estimate(
     """A bound on the error of each reported quantity, over asperites and recorded times.
 
     `fine` and `coarse` are two runs at the times that both recorded, `books` the finer one at all
-    of its times.  To three times the largest difference comes what writing the numbers down costs,
-    and a small part of the largest estimate of all: two runs may come close by chance in one
-    quantity.  `names` are further ones, as "upper.W".
+    of its times.  To three times the largest difference comes what writing the numbers down costs
+    (those that they are sums of are as large as their scale), and a small part of the largest
+    estimate of all: two runs may come close by chance in one quantity.  `names` are further ones,
+    as "upper.W".
     """
     wanted = [name for name in dict.fromkeys([*KINDS, *names]) if books.series(name)]
     apart = {}
@@ -256,7 +257,7 @@ def estimate(
     for name, gap in apart.items():
         bounds[name] = gap + 4.0 * EPSILON * max(map(_top, books.series(name)))
         if gap > 0.0:
-            bounds[name] += pooled * scales.of(kind_of(name))
+            bounds[name] += (pooled + 4.0 * EPSILON) * scales.of(kind_of(name))
     return bounds
 
 

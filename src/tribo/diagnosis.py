@@ -15,6 +15,7 @@ from tribo.layout import Layout
 from tribo.potentials.from_ase import Live
 from tribo.sources import is_own
 
+NUMBERS = ("float", "int", "complex", "bool")  # how numba's names of them begin
 Refusals = (NumbaError, UnsupportedBytecodeError)  # what the compiler raises
 
 
@@ -88,6 +89,11 @@ def _line(function: Any, error: Exception) -> int | None:
     file = function.__code__.co_filename
     if place is not None and place.filename == file:
         return int(place.line)
+    returns = re.findall(
+        r"Return of: .*, type '(.*)', location:\s+File \".*\", line (\d+)", str(error)
+    )
+    if returns:  # of several kinds, in no order: the first that is no number
+        return min((kind.startswith(NUMBERS), int(line)) for kind, line in returns)[1]
     missing = re.search(r"NameError: name '(\w+)'", str(error))
     if missing:
         return None
