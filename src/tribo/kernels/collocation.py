@@ -17,31 +17,32 @@ from tribo.kernels.compiled import kernel, owning_kernel
 from tribo.kernels.motion import equations_of_motion
 from tribo.kernels.neighbours import crowded
 from tribo.kernels.powers import all_powers
-from tribo.kernels.samples import blank, copy_state, write_sample
+from tribo.kernels.samples import blank, copy_state
 from tribo.kernels.status import (
     COMPLETED,
-    ENCOUNTER_JUMPED,
     NOT_CONVERGED,
     NOT_FINITE,
     PAUSED,
-    STEP_UNDERFLOW,
 )
 from tribo.kernels.stepping import (
     EPSILON,
     advance,
     all_finite,
+    arrival,
     begin,
     end_of_step,
     equal_step,
-    glance,
     go_on,
     growth_of,
-    looks,
-    nearness,
+    look_ahead,
     next_step,
+    obstacle,
     rates,
-    time_left,
+    record_due,
+    too_rough,
+    too_short,
     turn_back,
+    underflow,
 )
 from tribo.kernels.sums import add, add_twice, combine, combine_twice, largest
 
@@ -165,22 +166,17 @@ def equal_collocation(model, neighbours, method, step, clocks, state, times, rec
     status, encounter = begin(model, neighbours, clock, state, slope, power, speeds)
     if status != COMPLETED:
         return status
-    unseen = 0.0  # time since the encounters were looked at
-    stride = looks(model)
-    done = 0
-    while clock.sample < times.size:
-        goal = times[clock.sample]
-        left = time_left(clock, goal)
-        if left <= 0.0:
-            write_sample(model, neighbours, clock, state, record)
-            continue
-        if done == budget or crowded(neighbours):
+    for _ in range(budget):
+        left = record_due(model, neighbours, clock, state, times, record)
+        if left == 0.0:
+            return COMPLETED
+        if crowded(neighbours):
             return PAUSED
+        goal = times[clock.sample]
         h = equal_step(left, step)
-        if h < EPSILON * times[-1]:
-            return STEP_UNDERFLOW
-        if h * encounter > 1.0:
-            return ENCOUNTER_JUMPED
+        status = obstacle(h, encounter, times[-1])
+        if status != COMPLETED:
+            return status
         unit[:] = EPSILON * (np.max(np.abs(state.y[n:])) + h * np.max(np.abs(slope)))
         slopes[0] = slope
         foretell(method, clock, h, state.memory, slopes)
@@ -196,14 +192,10 @@ def equal_collocation(model, neighbours, method, step, clocks, state, times, rec
         advance(clock, end_of_step(clock, goal, h, h == left), h, h == left)
         rates(model, neighbours, clock.t, state.y, slope, power)
         clock.evaluations += unknowns(method) + 1
-        done += 1
         if not all_finite(slope) or not all_finite(state.s):
             return NOT_FINITE
-        unseen += h
-        if clock.steps % stride == 0 or (unseen + h) * encounter > 0.25:
-            encounter = glance(model, neighbours, clock.t, state.y, speeds, h)
-            unseen = 0.0
-    return COMPLETED
+        encounter = look_ahead(model, neighbours, clock, state.y, speeds, h, encounter)
+    return PAUSED
 
 
 def chosen_collocation(model, neighbours, method, tolerance, clocks, state, times, record, budget):
@@ -229,20 +221,16 @@ def chosen_collocation(model, neighbours, method, tolerance, clocks, state, time
     status, encounter = begin(model, neighbours, clock, state, slopes[0], powers_[0], speeds)
     if status != COMPLETED:
         return status
-    done = 0
-    finite = True
-    while clock.sample < times.size:
-        goal = times[clock.sample]
-        left = time_left(clock, goal)
-        if left <= 0.0:
-            write_sample(model, neighbours, clock, state, record)
-            continue
-        if done == budget or crowded(neighbours):
+    for _ in range(budget):
+        left = record_due(model, neighbours, clock, state, times, record)
+        if left == 0.0:
+            return COMPLETED
+        if crowded(neighbours):
             return PAUSED
-        done += 1
+        goal = times[clock.sample]
         h, landing = next_step(clock, encounter, left)
-        if h < 16.0 * EPSILON * times[-1] and not landing:
-            return STEP_UNDERFLOW if finite else NOT_FINITE
+        if too_short(h, landing, times[-1]):
+            return underflow(clock)
 
         unit[:] = tolerance.y[n:] + 2.0 * EPSILON * np.abs(state.y[n:])
         foretell(method, clock, h, state.memory, slopes)
@@ -250,7 +238,7 @@ def chosen_collocation(model, neighbours, method, tolerance, clocks, state, time
             model, neighbours, method, clock, h, state.y, slopes, node, slope, unit, SHARE, 1.0
         )
         if not converged:
-            finite = all_finite(slope)
+            clock.lost = 0 if all_finite(slope) else 1
             turn_back(clock, 0.5 * h)
             continue
         book(model, neighbours, method, clock.t, h, state.y, slopes, node, slope, powers_)
@@ -259,9 +247,7 @@ def chosen_collocation(model, neighbours, method, tolerance, clocks, state, time
             largest(h, method.last, slopes, state.y[n:], tolerance.y[n:])
             + largest(h, method.last, powers_, state.s, tolerance.s)
         )
-        finite = math.isfinite(error)
-        if not error <= 1.0:
-            turn_back(clock, h * growth_of(error, nodes))
+        if too_rough(clock, error, h, nodes):
             continue
 
         copy_state(state, trial)
@@ -269,10 +255,8 @@ def chosen_collocation(model, neighbours, method, tolerance, clocks, state, time
         t = end_of_step(clock, goal, h, landing)
         rates(model, neighbours, t, trial.y, next_slope, next_power)
         clock.evaluations += 1
-        next_encounter, _ = nearness(model, neighbours, t, trial.y, speeds)
-        finite = all_finite(next_slope) and all_finite(next_power)
-        if not finite or h * next_encounter > 1.0:
-            turn_back(clock, 0.5 * h)
+        ahead = arrival(model, neighbours, clock, t, trial.y, next_slope, next_power, speeds, h)
+        if ahead < 0.0:
             continue
 
         go_on(clock, t, h, landing, min(FARTHEST, growth_of(error, nodes)))
@@ -281,5 +265,5 @@ def chosen_collocation(model, neighbours, method, tolerance, clocks, state, time
         state.memory[:] = slopes
         slopes[0] = next_slope
         powers_[0] = next_power
-        encounter = next_encounter
-    return COMPLETED
+        encounter = ahead
+    return PAUSED

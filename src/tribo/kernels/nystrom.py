@@ -10,7 +10,6 @@ order: see :func:`tribo.kernels.nystrom_tableaux.stage_velocities`.  Forces are 
 stage by stage, until the step is complete.
 """
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -20,20 +19,20 @@ from tribo.kernels.motion import equations_of_motion
 from tribo.kernels.neighbours import crowded
 from tribo.kernels.powers import all_powers
 from tribo.kernels.records import BAR, BOB
-from tribo.kernels.samples import blank, copy_state, write_sample
-from tribo.kernels.status import COMPLETED, NOT_FINITE, PAUSED, STEP_UNDERFLOW
+from tribo.kernels.samples import blank, copy_state
+from tribo.kernels.status import COMPLETED, PAUSED
 from tribo.kernels.stepping import (
-    EPSILON,
-    all_finite,
+    arrival,
     begin,
     end_of_step,
     go_on,
     growth_of,
-    nearness,
     next_step,
     rates,
-    time_left,
-    turn_back,
+    record_due,
+    too_rough,
+    too_short,
+    underflow,
 )
 from tribo.kernels.sums import add, add_twice, combine, combine_twice, largest
 
@@ -125,20 +124,16 @@ def nystrom_steps(model, neighbours, tableau, tolerance, clocks, state, times, r
     )
     if status != COMPLETED:
         return status
-    done = 0
-    finite = True
-    while clock.sample < times.size:
-        goal = times[clock.sample]
-        left = time_left(clock, goal)
-        if left <= 0.0:
-            write_sample(model, neighbours, clock, state, record)
-            continue
-        if done == budget or crowded(neighbours):
+    for _ in range(budget):
+        left = record_due(model, neighbours, clock, state, times, record)
+        if left == 0.0:
+            return COMPLETED
+        if crowded(neighbours):
             return PAUSED
-        done += 1
+        goal = times[clock.sample]
         h, landing = next_step(clock, encounter, left)
-        if h < 16.0 * EPSILON * times[-1] and not landing:
-            return STEP_UNDERFLOW if finite else NOT_FINITE
+        if too_short(h, landing, times[-1]):
+            return underflow(clock)
 
         end = end_of_step(clock, goal, h, landing)
         copy_state(state, trial)
@@ -146,20 +141,17 @@ def nystrom_steps(model, neighbours, tableau, tolerance, clocks, state, times, r
         clock.evaluations += last
         book(model, tableau, clock.t, h, state.y, stages, rate)
         error = error_of(tableau, h, state, stages, tolerance)
-        finite = math.isfinite(error)
-        if not error <= 1.0:
-            turn_back(clock, h * growth_of(error, tableau.order))
+        if too_rough(clock, error, h, tableau.order):
             continue
-        next_encounter, _ = nearness(model, neighbours, end, trial.y, speeds)
-        finite = all_finite(stages.slopes[last]) and all_finite(stages.powers[last])
-        if not finite or h * next_encounter > 1.0:
-            turn_back(clock, 0.5 * h)
+        slope, power = stages.slopes[last], stages.powers[last]
+        ahead = arrival(model, neighbours, clock, end, trial.y, slope, power, speeds, h)
+        if ahead < 0.0:
             continue
 
         add(trial.s, trial.s_low, h, tableau.v, stages.powers)
         go_on(clock, end, h, landing, growth_of(error, tableau.order))
         copy_state(trial, state)
-        stages.slopes[0] = stages.slopes[last]
-        stages.powers[0] = stages.powers[last]
-        encounter = next_encounter
-    return COMPLETED
+        stages.slopes[0] = slope
+        stages.powers[0] = power
+        encounter = ahead
+    return PAUSED

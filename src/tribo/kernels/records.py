@@ -112,6 +112,8 @@ CLOCK = np.dtype(
         ("steps", "i8"),
         ("rejected", "i8"),
         ("held", "i8"),  # 1 where the next step may not be longer than the last one tried
+        ("lost", "i8"),  # 1 where the last step tried did not lead to numbers
+        ("unseen", "f8"),  # time since equal steps last looked for encounters
         ("evaluations", "i8"),  # of all forces
     ],
     align=True,

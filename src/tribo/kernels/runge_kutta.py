@@ -10,30 +10,29 @@ import numpy as np
 
 from tribo.kernels.compiled import kernel
 from tribo.kernels.neighbours import crowded
-from tribo.kernels.samples import blank, copy_state, write_sample
+from tribo.kernels.samples import blank, copy_state
 from tribo.kernels.status import (
     COMPLETED,
-    ENCOUNTER_JUMPED,
     NOT_FINITE,
     PAUSED,
-    STEP_UNDERFLOW,
 )
 from tribo.kernels.stepping import (
-    EPSILON,
     advance,
     all_finite,
+    arrival,
     begin,
     end_of_step,
     equal_step,
-    glance,
     go_on,
     growth_of,
-    looks,
-    nearness,
+    look_ahead,
     next_step,
+    obstacle,
     rates,
-    time_left,
-    turn_back,
+    record_due,
+    too_rough,
+    too_short,
+    underflow,
 )
 from tribo.kernels.sums import add, combine, largest
 
@@ -64,22 +63,17 @@ def fixed_steps(model, neighbours, tableau, step, clocks, state, times, record, 
     slopes[0, :n] = state.y[n:]
     if status != COMPLETED:
         return status
-    unseen = 0.0  # time since the encounters were looked at
-    stride = looks(model)
-    done = 0
-    while clock.sample < times.size:
-        goal = times[clock.sample]
-        left = time_left(clock, goal)
-        if left <= 0.0:
-            write_sample(model, neighbours, clock, state, record)
-            continue
-        if done == budget or crowded(neighbours):
+    for _ in range(budget):
+        left = record_due(model, neighbours, clock, state, times, record)
+        if left == 0.0:
+            return COMPLETED
+        if crowded(neighbours):
             return PAUSED
+        goal = times[clock.sample]
         h = equal_step(left, step)
-        if h < EPSILON * times[-1]:
-            return STEP_UNDERFLOW
-        if h * encounter > 1.0:
-            return ENCOUNTER_JUMPED
+        status = obstacle(h, encounter, times[-1])
+        if status != COMPLETED:
+            return status
         for i in range(1, stages):
             combine(state.y, h, tableau.a[i], slopes, y)
             slopes_at(model, neighbours, clock.t + tableau.c[i] * h, y, slopes[i], powers_[i])
@@ -88,21 +82,17 @@ def fixed_steps(model, neighbours, tableau, step, clocks, state, times, record, 
         advance(clock, end_of_step(clock, goal, h, h == left), h, h == left)
         slopes_at(model, neighbours, clock.t, state.y, slopes[0], powers_[0])
         clock.evaluations += stages
-        done += 1
         if not all_finite(slopes[0]) or not all_finite(state.s):
             return NOT_FINITE
-        unseen += h
-        if clock.steps % stride == 0 or (unseen + h) * encounter > 0.25:
-            encounter = glance(model, neighbours, clock.t, state.y, speeds, h)
-            unseen = 0.0
-    return COMPLETED
+        encounter = look_ahead(model, neighbours, clock, state.y, speeds, h, encounter)
+    return PAUSED
 
 
 def chosen_steps(model, neighbours, tableau, tolerance, clocks, state, times, record, budget):
     """March through the samples with steps whose local errors stay within `tolerance`.
 
-    No step may carry a pair of bobs more than half way to its next encounter, by the speeds at
-    its start, nor past it by the speeds at its end.  PAUSED after `budget` steps.
+    No step may carry a pair of bobs farther towards its next encounter than the clock allows, by
+    the speeds at its start, nor past it by the speeds at its end.  PAUSED after `budget` tries.
     """
     clock = clocks[0]
     stages = tableau.b.size
@@ -118,20 +108,16 @@ def chosen_steps(model, neighbours, tableau, tolerance, clocks, state, times, re
     slopes[0, :n] = state.y[n:]
     if status != COMPLETED:
         return status
-    done = 0
-    finite = True
-    while clock.sample < times.size:
-        goal = times[clock.sample]
-        left = time_left(clock, goal)
-        if left <= 0.0:
-            write_sample(model, neighbours, clock, state, record)
-            continue
-        if done == budget or crowded(neighbours):
+    for _ in range(budget):
+        left = record_due(model, neighbours, clock, state, times, record)
+        if left == 0.0:
+            return COMPLETED
+        if crowded(neighbours):
             return PAUSED
-        done += 1
+        goal = times[clock.sample]
         h, landing = next_step(clock, encounter, left)
-        if h < 16.0 * EPSILON * times[-1] and not landing:
-            return STEP_UNDERFLOW if finite else NOT_FINITE
+        if too_short(h, landing, times[-1]):
+            return underflow(clock)
 
         for i in range(1, stages):
             combine(state.y, h, tableau.a[i], slopes, y)
@@ -148,9 +134,7 @@ def chosen_steps(model, neighbours, tableau, tolerance, clocks, state, times, re
         error = fifth
         if fifth > 0.0:
             error = fifth * (fifth / math.hypot(fifth, 0.1 * third))
-        finite = math.isfinite(error)
-        if not error <= 1.0:
-            turn_back(clock, h * growth_of(error, 8.0))
+        if too_rough(clock, error, h, 8.0):
             continue
 
         copy_state(state, trial)
@@ -159,15 +143,13 @@ def chosen_steps(model, neighbours, tableau, tolerance, clocks, state, times, re
         t = end_of_step(clock, goal, h, landing)
         slopes_at(model, neighbours, t, trial.y, next_slope, next_power)
         clock.evaluations += 1
-        next_encounter, _ = nearness(model, neighbours, t, trial.y, speeds)
-        finite = all_finite(next_slope) and all_finite(next_power)
-        if not finite or h * next_encounter > 1.0:
-            turn_back(clock, 0.5 * h)
+        ahead = arrival(model, neighbours, clock, t, trial.y, next_slope, next_power, speeds, h)
+        if ahead < 0.0:
             continue
 
         go_on(clock, t, h, landing, growth_of(error, 8.0))
         copy_state(trial, state)
         slopes[0] = next_slope
         powers_[0] = next_power
-        encounter = next_encounter
-    return COMPLETED
+        encounter = ahead
+    return PAUSED

@@ -25,24 +25,21 @@ from tribo.kernels.compiled import kernel, owning_kernel
 from tribo.kernels.motion import accelerations, bar_displacement, displacement, forces, listed
 from tribo.kernels.neighbours import crowded
 from tribo.kernels.powers import block_powers, field_powers, momentum, powers
-from tribo.kernels.samples import write_sample
 from tribo.kernels.status import (
     BOBS_COINCIDE,
     COMPLETED,
-    ENCOUNTER_JUMPED,
     NOT_FINITE,
     PAUSED,
-    STEP_UNDERFLOW,
 )
 from tribo.kernels.stepping import (
-    EPSILON,
     advance,
     all_finite,
     end_of_step,
     equal_step,
-    glance,
-    looks,
+    look_ahead,
     nearness,
+    obstacle,
+    record_due,
     time_left,
 )
 
@@ -368,25 +365,22 @@ def composed_steps(model, neighbours, splitting, step, clocks, state, times, rec
     encounter, closest = nearness(model, neighbours, clock.t, state.y, speeds)
     if closest == 0.0:
         return BOBS_COINCIDE
-    unseen = 0.0
-    stride = looks(model)
-    done = 0
-    while clock.sample < times.size:
-        goal = times[clock.sample]
-        left = time_left(clock, goal)
-        if left <= 0.0:
+    clock.unseen = 0.0
+    for _ in range(budget):
+        if clock.sample < times.size and time_left(clock, times[clock.sample]) <= 0.0:
             drift(model, clock.t - clock.owed, clock.owed, q, v, s)
             clock.owed = 0.0
             forces(model, neighbours, clock.t, q)
-            write_sample(model, neighbours, clock, state, record)
-            continue
-        if done == budget or crowded(neighbours):
+        left = record_due(model, neighbours, clock, state, times, record)
+        if left == 0.0:
+            return COMPLETED if all_finite(state.y) else NOT_FINITE
+        if crowded(neighbours):
             return PAUSED
+        goal = times[clock.sample]
         h = equal_step(left, step)
-        if h < EPSILON * times[-1]:
-            return STEP_UNDERFLOW
-        if h * encounter > 1.0:
-            return ENCOUNTER_JUMPED
+        status = obstacle(h, encounter, times[-1])
+        if status != COMPLETED:
+            return status
         t = clock.t
         for m in range(splitting.kicks.size):
             tau = splitting.kicks[m] * h
@@ -404,11 +398,7 @@ def composed_steps(model, neighbours, splitting, step, clocks, state, times, rec
                 kick(model, t, tau, q, v, s, slope, middle, power, core)
         clock.owed = splitting.drifts[-1] * h
         advance(clock, end_of_step(clock, goal, h, h == left), h, h == left)
-        done += 1
-        unseen += h
-        if clock.steps % stride == 0 or (unseen + h) * encounter > 0.25:
-            if not all_finite(state.y):
-                return NOT_FINITE
-            encounter = glance(model, neighbours, clock.t, state.y, speeds, h)
-            unseen = 0.0
-    return COMPLETED if all_finite(state.y) else NOT_FINITE
+        encounter = look_ahead(model, neighbours, clock, state.y, speeds, h, encounter)
+        if clock.unseen == 0.0 and not all_finite(state.y):
+            return NOT_FINITE
+    return PAUSED

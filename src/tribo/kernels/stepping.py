@@ -1,4 +1,4 @@
-"""What all time loops share: how a run goes on, how near the next encounter is, steps chosen."""
+"""What all time loops share: samples that are due, encounters ahead, steps chosen and refused."""
 
 import math
 from typing import NamedTuple
@@ -9,10 +9,19 @@ from tribo.kernels.compiled import kernel
 from tribo.kernels.contact import encounter_rate, widest_rate
 from tribo.kernels.motion import equations_of_motion, listed, top_speeds
 from tribo.kernels.powers import all_powers
-from tribo.kernels.status import BOBS_COINCIDE, COMPLETED, NOT_FINITE, PAUSED
+from tribo.kernels.samples import write_sample
+from tribo.kernels.status import (
+    BOBS_COINCIDE,
+    COMPLETED,
+    ENCOUNTER_JUMPED,
+    NOT_FINITE,
+    PAUSED,
+    STEP_UNDERFLOW,
+)
 
 EPSILON = 2.0**-52
 SHRINK, GROW = 0.2, 6.0  # bounds on the ratio of two steps
+CROSSED = 0.25  # of the way to an encounter, after which equal steps look again
 
 
 class Tolerance(NamedTuple):
@@ -48,7 +57,7 @@ def glance(model, neighbours, t, y, speeds, h):
     n = y.size // 2
     top_speeds(model, t, y[:n], y[n:], speeds)
     bound = widest_rate(model, speeds)
-    if h * bound <= 0.25:
+    if h * bound <= CROSSED:
         return bound
     rate, _ = encounter_rate(model, neighbours, speeds)
     return rate
@@ -81,6 +90,7 @@ def begin(model, neighbours, clock, state, slope, power, speeds):
     if clock.evaluations == 0:  # going on after a pause costs one more, which is nobody's business
         clock.evaluations = 1
     encounter, closest = nearness(model, neighbours, clock.t, state.y, speeds)
+    clock.unseen = 0.0
     status = COMPLETED
     if closest == 0.0:
         status = BOBS_COINCIDE
@@ -96,9 +106,38 @@ def time_left(clock, goal):
 
 
 @kernel
+def record_due(model, neighbours, clock, state, times, record):
+    """Record every sample that is due; returns the time left until the next, 0 after the last."""
+    while clock.sample < times.size:
+        left = time_left(clock, times[clock.sample])
+        if left > 0.0:
+            return left
+        write_sample(model, neighbours, clock, state, record)
+    return 0.0
+
+
+@kernel
 def equal_step(left, step):
     """The step, at most `step`, that divides what is left until the next sample."""
     return left / max(1.0, np.ceil(left / step - 1e-9))
+
+
+@kernel
+def obstacle(h, encounter, end):
+    """Why an equal step cannot be taken; COMPLETED if it can."""
+    if h < EPSILON * end:
+        return STEP_UNDERFLOW
+    return ENCOUNTER_JUMPED if h * encounter > 1.0 else COMPLETED
+
+
+@kernel
+def look_ahead(model, neighbours, clock, y, speeds, h, encounter):
+    """The encounter rate after an equal step: seen anew every few steps, or where it is near."""
+    clock.unseen += h
+    if clock.steps % looks(model) != 0 and (clock.unseen + h) * encounter <= CROSSED:
+        return encounter
+    clock.unseen = 0.0
+    return glance(model, neighbours, clock.t, y, speeds, h)
 
 
 @kernel
@@ -118,6 +157,18 @@ def next_step(clock, encounter, left):
 
 
 @kernel
+def too_short(h, landing, end):
+    """Whether a step is lost in the spacing of times; the last before a sample may be."""
+    return h < 16.0 * EPSILON * end and not landing
+
+
+@kernel
+def underflow(clock):
+    """What a run ends with whose steps became too short."""
+    return NOT_FINITE if clock.lost == 1 else STEP_UNDERFLOW
+
+
+@kernel
 def growth_of(error, order):
     """What a step is to be multiplied by, whose error was found and grows as h^order."""
     if not math.isfinite(error):
@@ -133,6 +184,30 @@ def turn_back(clock, h):
     clock.h = h
     clock.rejected += 1
     clock.held = 1
+
+
+@kernel
+def too_rough(clock, error, h, order):
+    """Whether a step is turned back for its error, in units of what is tolerated."""
+    clock.lost = 0 if math.isfinite(error) else 1
+    if error <= 1.0:
+        return False
+    turn_back(clock, h * growth_of(error, order))
+    return True
+
+
+@kernel
+def arrival(model, neighbours, clock, t, y, slope, power, speeds, h):
+    """The encounter rate where the step h ends; negative where it must not end there.
+
+    Then there are no numbers, or bobs passed an encounter by the speeds they have now.
+    """
+    encounter, _ = nearness(model, neighbours, t, y, speeds)
+    clock.lost = 0 if all_finite(slope) and all_finite(power) else 1
+    if clock.lost == 1 or h * encounter > 1.0:
+        turn_back(clock, 0.5 * h)
+        return -1.0
+    return encounter
 
 
 @kernel
