@@ -223,7 +223,7 @@ MUTATIONS = {
             "math.sin(swing) -> math.cos(swing)",
             "math.sin(0.5 * swing) -> math.cos(0.5 * swing)",
         ],
-        "place_bobs": [
+        "place_bob": [
             "math.cos -> math.sin",
             "math.sin -> math.cos",
             "a.facing * math.cos -> math.cos",
@@ -252,9 +252,9 @@ MUTATIONS = {
             "+ n] - x -> + n] + x",
             "+ n] - y -> + n] + y",
         ],
-        "drive_forces": [
+        "gather_contact": ["s.fx += -> s.fx -="],
+        "drive_bar": [
             "gx = -b.fx -> gx = b.fx",
-            "s.fx += -> s.fx -=",
             "s.fx - b.fx -> s.fx + b.fx",
             "a.mass / s.mass -> a.mass / a.mass",
             "s.speed * t - -> -s.speed * t -",
@@ -276,7 +276,7 @@ MUTATIONS = {
             "y += d.ly -> y -= d.ly",
         ],
         "bob_forces": ["x += b.fx -> x -= b.fx", "x += model -> x -= model"],
-        "accelerations": [
+        "accelerate": [
             "spring = torsion -> spring = -torsion",
             "q[i] - bar_angle -> q[i] + bar_angle",
             "(b.tx * bob_x + -> (b.tx * bob_x -",
@@ -333,7 +333,7 @@ MUTATIONS = {
             "= end_y\n -> = -end_y\n",
             "end_x * vx + -> end_x * vx -",
         ],
-        "powers": [
+        "powers_of": [
             "power[k] = b.fx -> power[k] = -b.fx",
             "power[k + 1] = b.fy -> power[k + 1] = -b.fy",
             "b.fx * omega -> -b.fx * omega",
@@ -430,11 +430,8 @@ MUTATIONS = {
             "v[j] -= -> v[j] +=",
         ],
         "drift": ["q[a.dof_x] += -> q[a.dof_x] -=", "q[a.dof_y] += -> q[a.dof_y] -="],
-        "kick": [
-            "v[m] + 0.5 -> v[m] - 0.5",
-            "v[m] += -> v[m] -=",
-            "s[m] += -> s[m] -=",
-        ],
+        "quicken": ["v[slot] + 0.5 -> v[slot] - 0.5", "v[slot] += -> v[slot] -="],
+        "tally": ["s[m] += -> s[m] -="],
         "push_bar": [
             "b.tx * px + -> b.tx * px -",
             "v[i] -= -> v[i] +=",

@@ -169,7 +169,7 @@ def scene_of_species(seed: int) -> dict:
     return scene
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_species_and_contact_within_a_surface(seed):
     """Each pair of bobs by its own potential; contact within is internal to the surface."""
     assert_agrees(scene_of_species(seed))

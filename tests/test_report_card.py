@@ -93,7 +93,12 @@ def test_every_built_in_has_an_entry():
 
 
 @pytest.mark.parametrize(
-    ("name", "parameters"), [(name, item) for name in PARAMETERS for item in PARAMETERS[name]]
+    ("name", "parameters"),
+    [
+        pytest.param(name, item, marks=[pytest.mark.slow] if k > 0 else [])
+        for name, sets in PARAMETERS.items()
+        for k, item in enumerate(sets)
+    ],
 )
 def test_built_in(name, parameters, tmp_path):
     """The whole card."""

@@ -28,6 +28,7 @@ EPSILON = float(np.finfo(float).eps)
 KINDS = ASPERITE_KINDS | OPTIONAL_KINDS | BLOCK_KINDS | SYSTEM_KINDS
 SAFETY = 3.0  # the estimate is this times the difference of two runs
 POOLED = 0.1  # of the largest estimate of all, in units of scales, that is added to every other
+ROUNDED = 16.0 * EPSILON  # of its scale: what the rounding of forces may do to runs alike
 FLOOR = 2e-15  # no tolerance asks for less, relative to its scale
 
 
@@ -238,10 +239,10 @@ def estimate(
     """A bound on the error of each reported quantity, over asperites and recorded times.
 
     `fine` and `coarse` are two runs at the times that both recorded, `books` the finer one at all
-    of its times.  To three times the largest difference comes what writing the numbers down costs
-    (those that they are sums of are as large as their scale), and a small part of the largest
-    estimate of all: two runs may come close by chance in one quantity.  `names` are further ones,
-    as "upper.W".
+    of its times.  To three times the largest difference comes what rounding costs, which two runs
+    may share: of forces and of sums, in units of the scale, and of the number written down.  And a
+    small part of the largest estimate of all: two runs may come close by chance in one quantity.
+    `names` are further ones, as "upper.W".
     """
     wanted = [name for name in dict.fromkeys([*KINDS, *names]) if books.series(name)]
     apart = {}
@@ -257,7 +258,7 @@ def estimate(
     for name, gap in apart.items():
         bounds[name] = gap + 4.0 * EPSILON * max(map(_top, books.series(name)))
         if gap > 0.0:
-            bounds[name] += (pooled + 4.0 * EPSILON) * scales.of(kind_of(name))
+            bounds[name] += (pooled + ROUNDED) * scales.of(kind_of(name))
     return bounds
 
 

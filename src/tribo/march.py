@@ -258,7 +258,7 @@ def _record_now(layout: Layout, clocks: Any, state: State, record: Record) -> No
     """Write the state in which a run stopped as one more sample."""
     model = layout.model
     now = float(clocks.t[0])
-    place_bobs(model.asperites, model.bobs, now, state.y[: layout.coordinates])
+    place_bobs(model, now, state.y[: layout.coordinates])
     neighbours = layout.neighbours()
     for _ in range(2):
         neighbours = with_room(neighbours)

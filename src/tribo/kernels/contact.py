@@ -83,17 +83,8 @@ def add_contact(model, contact, pushes, neighbours):
 
 
 @kernel
-def clear(pushes):
-    """No force on any bob yet."""
-    for i in range(pushes.shape[0]):
-        pushes[i].fx = 0.0
-        pushes[i].fy = 0.0
-
-
-@kernel
 def contact_forces(model, neighbours):
-    """Fill in the contact force f1 on every bob, and the contact within where there is any."""
-    clear(model.bobs)
+    """Fill in the contact force f1 on newly placed bobs, and the contact within if there is any."""
     for contact in literal_unroll(model.contacts):
         add_contact(model, contact, model.bobs, neighbours)
     add_calculated(model, model.calculators)
@@ -112,7 +103,9 @@ def force_within(inner, i):
 def add_within(model, within, neighbours):
     """Fill in the forces among the bobs of one surface."""
     if within is not None:
-        clear(model.inner)
+        for i in range(model.inner.shape[0]):
+            model.inner[i].fx = 0.0
+            model.inner[i].fy = 0.0
         for contact in literal_unroll(within):
             add_contact(model, contact, model.inner, neighbours)
 

@@ -39,16 +39,24 @@ def bar_displacement(asperite, q, swing):
     return x, y
 
 
+@kernel
+def place_bob(model, i, t, q):
+    """r1 = r_cm + l1 (sin theta, -cos theta); no contact force on it yet."""
+    a = model.asperites[i]
+    b = model.bobs[i]
+    b.tx = a.facing * math.cos(q[i])
+    b.ty = a.facing * math.sin(q[i])
+    b.x = a.x + a.vx * t + displacement(a.dof_x, q) + a.l1 * b.ty
+    b.y = a.y + a.vy * t + displacement(a.dof_y, q) - a.l1 * b.tx
+    b.fx = 0.0
+    b.fy = 0.0
+
+
 @shared_kernel
-def place_bobs(asperites, bobs, t, q):
-    """r1 = r_cm + l1 (sin theta, -cos theta)."""
-    for i in range(asperites.shape[0]):
-        a = asperites[i]
-        b = bobs[i]
-        b.tx = a.facing * math.cos(q[i])
-        b.ty = a.facing * math.sin(q[i])
-        b.x = a.x + a.vx * t + displacement(a.dof_x, q) + a.l1 * b.ty
-        b.y = a.y + a.vy * t + displacement(a.dof_y, q) - a.l1 * b.tx
+def place_bobs(model, t, q):
+    """Every bob where the coordinates have it."""
+    for i in range(model.asperites.shape[0]):
+        place_bob(model, i, t, q)
 
 
 @kernel
@@ -151,28 +159,41 @@ def friction_forces(model, langevin, v):
 
 
 @kernel
-def drive_forces(asperites, surfaces, bobs, bars, t, q):
-    """f2 on every bar, which knows the contact force f1."""
-    for k in range(surfaces.shape[0]):
-        s = surfaces[k]
+def gather_contact(model):
+    """The contact force on each rigid surface as a whole."""
+    for k in range(model.surfaces.shape[0]):
+        s = model.surfaces[k]
         if s.drive == RIGID:
             s.fx = 0.0
             for i in range(s.start, s.stop):
-                s.fx += bobs[i].fx
-        for i in range(s.start, s.stop):
-            a = asperites[i]
-            b = bobs[i]
-            d = bars[i]
-            if s.drive == FORCED:
-                d.gx = -b.fx
-            elif s.drive == RIGID:
-                d.gx = a.mass / s.mass * s.fx - b.fx
-            elif s.drive == PULLED:
-                reach = s.speed * t - displacement(a.dof_x, q) + a.l2 * b.ty
-                d.gx = s.stiffness * reach
-            else:
-                d.gx = 0.0
-            d.gy = s.load if s.loaded else -b.fy
+                s.fx += model.bobs[i].fx
+
+
+@kernel
+def drive_bar(model, i, t, q):
+    """f2 on bar i, which knows the contact force f1."""
+    a = model.asperites[i]
+    b = model.bobs[i]
+    d = model.bars[i]
+    s = model.surfaces[a.surface]
+    if s.drive == FORCED:
+        d.gx = -b.fx
+    elif s.drive == RIGID:
+        d.gx = a.mass / s.mass * s.fx - b.fx
+    elif s.drive == PULLED:
+        reach = s.speed * t - displacement(a.dof_x, q) + a.l2 * b.ty
+        d.gx = s.stiffness * reach
+    else:
+        d.gx = 0.0
+    d.gy = s.load if s.loaded else -b.fy
+
+
+@kernel
+def drive_forces(model, t, q):
+    """f2 on every bar."""
+    gather_contact(model)
+    for i in range(model.asperites.shape[0]):
+        drive_bar(model, i, t, q)
 
 
 @kernel
@@ -197,18 +218,16 @@ def custom_drives(model, drives, t, q, v):
 @kernel
 def listed(model, neighbours, t, q):
     """Place the bobs and list their neighbours; whether there was room for all of them."""
-    place_bobs(model.asperites, model.bobs, t, q)
+    place_bobs(model, t, q)
     refresh(model, neighbours)
     return not crowded(neighbours)
 
 
 @kernel
 def forces(model, neighbours, t, q):
-    """Place the bobs; fill in every force that depends on places alone."""
-    place_bobs(model.asperites, model.bobs, t, q)
+    """Forces that depend on places alone, bobs newly in place: contact, fields, springs."""
     refresh(model, neighbours)
     contact_forces(model, neighbours)
-    drive_forces(model.asperites, model.surfaces, model.bobs, model.bars, t, q)
     field_forces(model, model.fields, t)
     if model.bonds is not None or model.bath is not None:
         clear_internal(model.bars)
@@ -268,26 +287,25 @@ def bob_forces(model, i):
 
 
 @kernel
-def accelerations(model, torsion, t, q, slope):
-    """q'' from the forces in place; `torsion` is 0 where the torsion springs are taken apart.
+def accelerate(model, i, torsion, t, q, slope):
+    """q'' of asperite i from the forces in place, which no other asperite's depends on.
 
-    Clamped ends, f_L + f_R = 0, turn nothing but the bar.
+    `torsion` is 0 where the torsion springs are taken apart.  Clamped ends, f_L + f_R = 0, turn
+    nothing but the bar.
     """
-    asperites = model.asperites
-    for i in range(asperites.shape[0]):
-        a = asperites[i]
-        b = model.bobs[i]
-        bob_x, bob_y = bob_forces(model, i)
-        bar_x, bar_y = bar_forces(model, i)
-        spring = torsion * a.kappa * (q[i] - bar_angle(a, t, q))
-        torque = a.l1 * (b.tx * bob_x + b.ty * bob_y) - a.l2 * (b.tx * bar_x + b.ty * bar_y)
-        slope[i] = (torque - spring) / a.inertia
-        if a.dof_phi >= 0:
-            slope[a.dof_phi] = spring / a.i2
-        if a.dof_x >= 0:
-            slope[a.dof_x] = (bob_x + bar_x) / a.mass
-        if a.dof_y >= 0:
-            slope[a.dof_y] = (bob_y + bar_y) / a.mass
+    a = model.asperites[i]
+    b = model.bobs[i]
+    bob_x, bob_y = bob_forces(model, i)
+    bar_x, bar_y = bar_forces(model, i)
+    spring = torsion * a.kappa * (q[i] - bar_angle(a, t, q))
+    torque = a.l1 * (b.tx * bob_x + b.ty * bob_y) - a.l2 * (b.tx * bar_x + b.ty * bar_y)
+    slope[i] = (torque - spring) / a.inertia
+    if a.dof_phi >= 0:
+        slope[a.dof_phi] = spring / a.i2
+    if a.dof_x >= 0:
+        slope[a.dof_x] = (bob_x + bar_x) / a.mass
+    if a.dof_y >= 0:
+        slope[a.dof_y] = (bob_y + bar_y) / a.mass
 
 
 @kernel
@@ -327,11 +345,14 @@ def torsional_accelerations(model, torsional, t, q, slope):
 @kernel
 def equations_of_motion(model, neighbours, t, q, v, slope):
     """q'' with every effect of the scene."""
+    place_bobs(model, t, q)
     forces(model, neighbours, t, q)
+    drive_forces(model, t, q)
     bath_forces(model, model.bath, q)
     friction_forces(model, model.langevin, v)
     custom_drives(model, model.drives, t, q, v)
-    accelerations(model, 1.0, t, q, slope)
+    for i in range(model.asperites.shape[0]):
+        accelerate(model, i, 1.0, t, q, slope)
     own_ends(model, model.ends, t, q, v, slope)
     bath_accelerations(model, model.bath, q, slope)
     torsional_accelerations(model, model.torsional, t, q, slope)

@@ -65,56 +65,52 @@ def clamped_ends(power, k, a, b, t, q, i, omega, vx, vy):
 
 
 @kernel
-def powers(model, torsion, t, q, v, power):
-    """Fill in the power of every account but the blocks', forces in place.
+def powers_of(model, i, torsion, t, q, v, power):
+    """Fill in the powers of asperite i's accounts but its own ends', forces in place.
 
     `torsion` is 0 where the torsion springs, and the ends that hold them, are taken apart.
     """
-    asperites = model.asperites
-    for i in range(asperites.shape[0]):
-        a = asperites[i]
-        b = model.bobs[i]
-        d = model.bars[i]
-        omega = v[i]
-        vx = displacement(a.dof_x, v)
-        vy = displacement(a.dof_y, v)
+    a = model.asperites[i]
+    b = model.bobs[i]
+    d = model.bars[i]
+    omega = v[i]
+    vx = displacement(a.dof_x, v)
+    vy = displacement(a.dof_y, v)
 
-        k = a.acc_contact
-        power[k] = b.fx
-        power[k + 1] = b.fy
-        power[k + 2] = b.fx * omega * b.tx
-        power[k + 3] = b.fy * omega * b.ty
-        if a.acc_slide >= 0:
-            power[a.acc_slide] = b.fx * vx
-            power[a.acc_slide + 1] = b.fy * vy
-        if a.acc_drive >= 0:
-            k = a.acc_drive
-            power[k] = d.gx
-            power[k + 1] = d.gy
-            power[k + 2] = omega * (b.tx * d.gx + b.ty * d.gy)
-            power[k + 3] = d.gx * vx + d.gy * vy
-        if a.acc_ends >= 0:
-            if torsion != 0.0:
-                clamped_ends(power, a.acc_ends, a, b, t, q, i, omega, vx, vy)
-            else:
-                power[a.acc_ends : a.acc_ends + ENDS] = 0.0
-        if model.fields is not None:
-            if a.acc_field >= 0:
-                k = a.acc_field
-                power[k] = d.ex
-                power[k + 1] = d.ey
-                power[k + 2] = a.l1 * omega * (b.tx * d.ex + b.ty * d.ey)
-                power[k + 3] = d.ex * vx + d.ey * vy
-        if a.acc_internal >= 0:
-            if model.bonds is not None or model.bath is not None or model.torsional is not None:
-                at_bar(power, a.acc_internal, d.hx, d.hy, a, b, omega, vx, vy)
-            else:
-                power[a.acc_internal : a.acc_internal + POINT] = 0.0
-            fx, fy = force_within(model.inner, i)
-            book_bob(power, a.acc_internal, fx, fy, a, b, omega, vx, vy)
-        if model.langevin is not None:
-            if a.acc_thermal >= 0:
-                at_bar(power, a.acc_thermal, d.lx, d.ly, a, b, omega, vx, vy)
+    k = a.acc_contact
+    power[k] = b.fx
+    power[k + 1] = b.fy
+    power[k + 2] = b.fx * omega * b.tx
+    power[k + 3] = b.fy * omega * b.ty
+    if a.acc_slide >= 0:
+        power[a.acc_slide] = b.fx * vx
+        power[a.acc_slide + 1] = b.fy * vy
+    if a.acc_drive >= 0:
+        k = a.acc_drive
+        power[k] = d.gx
+        power[k + 1] = d.gy
+        power[k + 2] = omega * (b.tx * d.gx + b.ty * d.gy)
+        power[k + 3] = d.gx * vx + d.gy * vy
+    if a.acc_ends >= 0 and torsion != 0.0:
+        clamped_ends(power, a.acc_ends, a, b, t, q, i, omega, vx, vy)
+    if model.fields is not None:
+        if a.acc_field >= 0:
+            k = a.acc_field
+            power[k] = d.ex
+            power[k + 1] = d.ey
+            power[k + 2] = a.l1 * omega * (b.tx * d.ex + b.ty * d.ey)
+            power[k + 3] = d.ex * vx + d.ey * vy
+    if a.acc_internal >= 0:
+        if model.bonds is not None or model.bath is not None or model.torsional is not None:
+            at_bar(power, a.acc_internal, d.hx, d.hy, a, b, omega, vx, vy)
+        else:
+            for m in range(POINT):
+                power[a.acc_internal + m] = 0.0
+        fx, fy = force_within(model.inner, i)
+        book_bob(power, a.acc_internal, fx, fy, a, b, omega, vx, vy)
+    if model.langevin is not None:
+        if a.acc_thermal >= 0:
+            at_bar(power, a.acc_thermal, d.lx, d.ly, a, b, omega, vx, vy)
 
 
 @kernel
@@ -132,6 +128,20 @@ def field_powers(model, fields, t, power):
                         b = model.bobs[i]
                         fx, fy = field.potential.force_at(b.x + shift_x, b.y + shift_y)
                         power[field.account] += fx * field.drift[0] + fy * field.drift[1]
+
+
+@kernel
+def shared_accounts(model, fields):
+    """How many accounts, the last ones, are of no single asperite: surfaces' and moving fields'."""
+    count = 0
+    for k in range(model.surfaces.shape[0]):
+        if model.surfaces[k].acc_block >= 0:
+            count += 1
+    if fields is not None:
+        for field in literal_unroll(fields):
+            if field.account >= 0:
+                count += 1
+    return count
 
 
 @kernel
@@ -256,7 +266,8 @@ def block_powers(model, t, q, v, power):
 @kernel
 def all_powers(model, t, q, v, power):
     """Every account's power at one instant."""
-    powers(model, 1.0, t, q, v, power)
+    for i in range(model.asperites.shape[0]):
+        powers_of(model, i, 1.0, t, q, v, power)
     field_powers(model, model.fields, t, power)
     own_end_powers(model, model.ends, t, q, v, power)
     torsional_powers(model, model.torsional, t, q, v, power)

@@ -16,6 +16,8 @@ def contact_probe(model, places, charges, energies, forces):
             b.y = places[k, i, 1]
             b.z = places[k, i, 2]
             b.charge = charges[k, i]
+            b.fx = 0.0
+            b.fy = 0.0
         contact_forces(model, None)
         energies[k] = contact_energy(model, None)
         for i in range(bobs.shape[0]):

@@ -22,9 +22,28 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo.kernels.compiled import kernel, owning_kernel
-from tribo.kernels.motion import accelerations, bar_displacement, displacement, forces, listed
+from tribo.kernels.motion import (
+    accelerate,
+    bar_displacement,
+    displacement,
+    drive_bar,
+    forces,
+    gather_contact,
+    listed,
+    place_bob,
+)
 from tribo.kernels.neighbours import crowded
-from tribo.kernels.powers import block_powers, field_powers, momentum, powers
+from tribo.kernels.powers import (
+    CONTACT,
+    DRIVE,
+    POINT,
+    SLIDE,
+    block_powers,
+    field_powers,
+    momentum,
+    powers_of,
+    shared_accounts,
+)
 from tribo.kernels.status import (
     BOBS_COINCIDE,
     COMPLETED,
@@ -166,34 +185,64 @@ def drift_free(a, i, tau, q, v):
 
 
 @kernel
-def drift(model, t, tau, q, v, s):
-    """Everything that moves by itself moves for tau."""
+def drift(model, now, tau, q, v, s):
+    """Everything moves by itself for tau, until now, and the bobs with it."""
     for i in range(model.asperites.shape[0]):
         a = model.asperites[i]
         if a.dof_phi >= 0:
             drift_free(a, i, tau, q, v)
         else:
-            drift_clamped(a, i, t, tau, q, v, s)
+            drift_clamped(a, i, now - tau, tau, q, v, s)
         if a.dof_x >= 0:
             q[a.dof_x] += tau * v[a.dof_x]
         if a.dof_y >= 0:
             q[a.dof_y] += tau * v[a.dof_y]
+        place_bob(model, i, now, q)
+
+
+@kernel
+def quicken(slot, tau, slope, v, middle):
+    """The rate in a slot, if there is one, after the kick and in the middle of it."""
+    if slot >= 0:
+        middle[slot] = v[slot] + 0.5 * tau * slope[slot]
+        v[slot] += tau * slope[slot]
+
+
+@kernel
+def tally(slot, width, tau, power, s):
+    """What a group of accounts gains in tau, if there is such a group."""
+    if slot >= 0:
+        for m in range(slot, slot + width):
+            s[m] += tau * power[m]
 
 
 @kernel
 def kick(model, t, tau, q, v, s, slope, middle, power, core):
-    """The forces in place act for tau; they are booked at the mid-kick rates."""
-    accelerations(model, 0.0, t, q, slope)
+    """The forces in place act for tau; they are booked at the mid-kick rates.
+
+    Asperite by asperite all at once: of many, each is read from memory once.
+    """
+    gather_contact(model)
+    for i in range(model.asperites.shape[0]):
+        a = model.asperites[i]
+        drive_bar(model, i, t, q)
+        accelerate(model, i, 0.0, t, q, slope)
+        quicken(i, tau, slope, v, middle)
+        quicken(a.dof_phi, tau, slope, v, middle)
+        quicken(a.dof_x, tau, slope, v, middle)
+        quicken(a.dof_y, tau, slope, v, middle)
+        powers_of(model, i, 0.0, t, q, middle, power)
+        tally(a.acc_contact, CONTACT, tau, power, s)
+        tally(a.acc_slide, SLIDE, tau, power, s)
+        tally(a.acc_drive, DRIVE, tau, power, s)
+        tally(a.acc_internal, POINT, tau, power, s)
+        tally(a.acc_field, POINT, tau, power, s)
     for m in range(core, v.size):
         middle[m] = v[m]
-    for m in range(core):
-        middle[m] = v[m] + 0.5 * tau * slope[m]
-        v[m] += tau * slope[m]
-    powers(model, 0.0, t, q, middle, power)
     field_powers(model, model.fields, t, power)
     block_powers(model, t, q, middle, power)
-    for m in range(s.size):
-        s[m] += tau * power[m]
+    common = shared_accounts(model, model.fields)
+    tally(s.size - common, common, tau, power, s)
 
 
 @kernel
@@ -368,7 +417,7 @@ def composed_steps(model, neighbours, splitting, step, clocks, state, times, rec
     clock.unseen = 0.0
     for _ in range(budget):
         if clock.sample < times.size and time_left(clock, times[clock.sample]) <= 0.0:
-            drift(model, clock.t - clock.owed, clock.owed, q, v, s)
+            drift(model, clock.t, clock.owed, q, v, s)
             clock.owed = 0.0
             forces(model, neighbours, clock.t, q)
         left = record_due(model, neighbours, clock, state, times, record)
@@ -385,9 +434,9 @@ def composed_steps(model, neighbours, splitting, step, clocks, state, times, rec
         for m in range(splitting.kicks.size):
             tau = splitting.kicks[m] * h
             ahead = splitting.drifts[m] * h
-            drift(model, t - clock.owed, clock.owed + ahead, q, v, s)
-            clock.owed = 0.0
             t += ahead
+            drift(model, t, clock.owed + ahead, q, v, s)
+            clock.owed = 0.0
             forces(model, neighbours, t, q)
             clock.evaluations += 1
             if split:
