@@ -24,12 +24,12 @@ from tribo.scene import Scene
 from tribo.spectra import believed_until
 from tribo.tuning import (
     APART,
-    NEAR,
     PILOT,
     Tuned,
     Wanted,
     amplification,
     estimated,
+    loosest,
     out_of_reach,
     setting_at,
     tightest,
@@ -121,21 +121,18 @@ class Simulation:
 
     @cached_property
     def _lone(self) -> tuple[Any, np.ndarray]:
-        """Setting and times of a run that is compared with no other.
-
-        Runs that are compared stop more often, and the finer keeps farther from encounters, so
-        that the two have no step in common.  A run alone need not, if it is as good without.
-        """
-        if self._tuned is None or not self.method.adaptive:
-            return self._setting, self._times
-        setting, times = self._setting._replace(near=NEAR), self.scene.times
-        run = self._march(self.layout.start, setting, times)
-        if run.status == self.finest.status == "completed":
+        """Setting and times of a run that is compared with no other."""
+        if self._tuned is not None:
             assert self.accuracy is not None
-            names = self.accuracy if isinstance(self.accuracy, Mapping) else ()
-            found, scales = estimated(self.layout, run, self.finest, names)
-            if acc.excess(found, scales, self.accuracy) <= 1.0:
-                return setting, times
+            found = loosest(
+                self.layout,
+                self.method,
+                self._tuned,
+                self.accuracy,
+                lambda setting: self._march(self.layout.start, setting, self.scene.times),
+            )
+            if found is not None:
+                return found, self.scene.times
         return self._setting, self._times
 
     def first_result(self) -> Result:

@@ -29,6 +29,8 @@ LOWER = 0.1  # by which a level is lowered at least
 AIM = 0.3  # of what was asked for, that a lower level is to come to
 PERTURBATION = 1e-11  # of the start, to see what the scene makes of it
 LONG = 20.0  # seconds of a run, before which it is found out whether it can be had at all
+LOOSER = 4.0  # by which a level is raised at a time, for runs that are compared with none
+ENOUGH = 0.5  # of what was asked for, that such a run may be apart from the finest
 HALTED = ("Interrupted", "CalculatorFailed")  # what ends a run that another would not mend
 
 Wanted = float | Mapping[str, float]
@@ -41,6 +43,7 @@ class Tuned:
 
     coarse: Any
     fine: Any
+    level: float  # of the finer
     runs: tuple[March, ...]
     amplification: float | None  # of a small change of the start, where it was looked at
 
@@ -100,7 +103,31 @@ def tune(layout: Layout, method: Method, wanted: Wanted, attempt: Attempt) -> Tu
                 break
         before = excess
         level = max(level * min(LOWER, AIM / excess), acc.FLOOR)
-    return Tuned(coarse, fine, tuple(runs), grown)
+    return Tuned(coarse, fine, APART * level, tuple(runs), grown)
+
+
+def loosest(
+    layout: Layout, method: Method, tuned: Tuned, wanted: Wanted, attempt: Callable[[Any], March]
+) -> Any:
+    """The cheapest setting whose run agrees with the finest one as well as was asked for.
+
+    None if there is none, or if looking for it would take long.  Runs that are compared keep apart
+    from one another, and stop more often; a run alone need not.
+    """
+    finest = tuned.runs[-1]
+    if finest.status != "completed" or finest.seconds > LONG:
+        return None
+    names = wanted if isinstance(wanted, Mapping) else ()
+    scales = acc.inner_scales(layout, finest.samples)
+    found, least, level = None, np.inf, tuned.level
+    while True:
+        setting = setting_at(layout, method, scales, level)
+        run = attempt(setting)
+        if run.status != "completed" or run.evaluations >= least:
+            return found
+        if acc.excess(*estimated(layout, finest, run, names), wanted) > ENOUGH:
+            return found
+        found, least, level = setting, run.evaluations, level * LOOSER
 
 
 def estimated(
