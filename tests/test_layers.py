@@ -19,7 +19,7 @@ kernels kernels.status kernels.tableaux kernels.records kernels.compiled kernels
 kernels.neighbours kernels.contact kernels.probe kernels.motion kernels.powers kernels.samples
 kernels.stepping kernels.sums kernels.nystrom_tableaux kernels.collocation_tableaux
 kernels.runge_kutta kernels.nystrom kernels.collocation kernels.splitting kernels.lanes
-kernels.pair
+kernels.pair_forces kernels.pair_step kernels.pair
 sources plugins
 potentials.born_mayer potentials.buckingham potentials.coulomb potentials.lennard_jones
 potentials.mie potentials.morse potentials.plummer potentials.weeks_chandler_andersen
