@@ -23,8 +23,8 @@ kernels.pair_forces kernels.pair_step kernels.pair
 sources plugins
 potentials.born_mayer potentials.buckingham potentials.coulomb potentials.lennard_jones
 potentials.mie potentials.morse potentials.plummer potentials.weeks_chandler_andersen
-potentials.yukawa potentials.cutoff potentials.sum potentials.table potentials.derivative
-potentials.from_ase
+potentials.yukawa potentials.inherited potentials.cutoff potentials.sum potentials.table
+potentials.derivative potentials.from_ase
 potentials.dimers potentials.registry potentials.to_ase potentials.expression potentials.written
 potentials
 fields drives springs spectra bath langevin roughness asperite surface rows scene scene_file
@@ -105,10 +105,16 @@ def test_kernels_see_no_scene(name):
 FORMULAE = [cls.__module__.rpartition(".")[2] for cls in BUILT_IN.values()]
 
 
-@pytest.mark.parametrize("name", [*FORMULAE, "cutoff", "sum", "derivative"])
+@pytest.mark.parametrize("name", [*FORMULAE, "inherited", "derivative"])
 def test_potentials_are_formulae(name):
     """A potential is what a user could have written: it needs nothing of this package."""
     assert not list(of_this_package(f"potentials.{name}"))
+
+
+@pytest.mark.parametrize("name", ["cutoff", "sum"])
+def test_potentials_of_others(name):
+    """What is made of other potentials needs to know what such have in common, and no more."""
+    assert set(of_this_package(f"potentials.{name}")) == {"potentials.inherited"}
 
 
 HEAVY = {"ase", "matplotlib", "xarray", "h5netcdf", "scipy", "tqdm", "numba", "tomli_w"}
