@@ -28,8 +28,8 @@ potentials.derivative potentials.from_ase
 potentials.dimers potentials.registry potentials.to_ase potentials.expression potentials.written
 potentials
 fields drives springs spectra bath langevin roughness asperite surface rows scene scene_file
-layout methods ledger diagnosis march pair accuracy tuning costs plan result archive simulation
-work_precision
+contacts layout methods ledger diagnosis march pair accuracy tuning costs plan result archive
+simulation work_precision
 report_card.card report_card.specimen report_card.derivatives report_card.smoothness
 report_card.limits report_card.agreement report_card.invariances report_card.ase_peers
 report_card.motion report_card
