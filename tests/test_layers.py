@@ -27,7 +27,8 @@ potentials.yukawa potentials.inherited potentials.cutoff potentials.sum potentia
 potentials.derivative potentials.from_ase
 potentials.dimers potentials.registry potentials.to_ase potentials.expression potentials.written
 potentials
-fields drives springs spectra bath langevin roughness asperite surface rows scene scene_file
+fields drives springs modes decays spectra bath langevin roughness asperite surface rows scene
+scene_file
 contacts layout methods ledger diagnosis march pair accuracy tuning costs plan result archive
 simulation work_precision
 report_card.card report_card.specimen report_card.derivatives report_card.smoothness
