@@ -19,21 +19,23 @@ kernels kernels.status kernels.tableaux kernels.records kernels.compiled kernels
 kernels.neighbours kernels.contact kernels.probe kernels.motion kernels.powers kernels.samples
 kernels.stepping kernels.sums kernels.nystrom_tableaux kernels.collocation_tableaux
 kernels.runge_kutta kernels.nystrom kernels.collocation kernels.splitting kernels.lanes
-kernels.pair
+kernels.pair_forces kernels.pair_step kernels.pair
 sources plugins
 potentials.born_mayer potentials.buckingham potentials.coulomb potentials.lennard_jones
 potentials.mie potentials.morse potentials.plummer potentials.weeks_chandler_andersen
-potentials.yukawa potentials.cutoff potentials.sum potentials.table potentials.derivative
-potentials.from_ase
+potentials.yukawa potentials.inherited potentials.cutoff potentials.sum potentials.table
+potentials.derivative potentials.from_ase
 potentials.dimers potentials.registry potentials.to_ase potentials.expression potentials.written
 potentials
-fields drives springs spectra bath langevin roughness asperite surface rows scene scene_file
-layout methods ledger diagnosis march pair accuracy tuning costs plan result archive simulation
-work_precision
+fields drives springs modes decays spectra bath langevin roughness asperite surface rows scene
+scene_file
+contacts layout methods ledger diagnosis march pair accuracy tuning costs plan result archive
+simulation work_precision
 report_card.card report_card.specimen report_card.derivatives report_card.smoothness
 report_card.limits report_card.agreement report_card.invariances report_card.ase_peers
 report_card.motion report_card
-pose plotting report_card.figure work_precision_figure paper paper_figures cli
+canvas report_card.figure work_precision_figure
+pose drawings curves plotting paper paper_figures cli
 """
 ORDER = LAYERS.split()
 
@@ -105,10 +107,16 @@ def test_kernels_see_no_scene(name):
 FORMULAE = [cls.__module__.rpartition(".")[2] for cls in BUILT_IN.values()]
 
 
-@pytest.mark.parametrize("name", [*FORMULAE, "cutoff", "sum", "derivative"])
+@pytest.mark.parametrize("name", [*FORMULAE, "inherited", "derivative"])
 def test_potentials_are_formulae(name):
     """A potential is what a user could have written: it needs nothing of this package."""
     assert not list(of_this_package(f"potentials.{name}"))
+
+
+@pytest.mark.parametrize("name", ["cutoff", "sum"])
+def test_potentials_of_others(name):
+    """What is made of other potentials needs to know what such have in common, and no more."""
+    assert set(of_this_package(f"potentials.{name}")) == {"potentials.inherited"}
 
 
 HEAVY = {"ase", "matplotlib", "xarray", "h5netcdf", "scipy", "tqdm", "numba", "tomli_w"}

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from tribo import contacts
 from tribo.bath import thermal_start, thermal_torsional_start
-from tribo.checks import inside
 from tribo.drives import Custom as CustomDrive
 from tribo.drives import Ends, Forced, Free, Pulled
 from tribo.kernels import records
@@ -20,21 +20,14 @@ from tribo.kernels.records import (
     PULLED,
     RIGID,
     Box,
-    Calculator,
-    Contact,
     Custom,
     FieldOn,
     Model,
     Neighbours,
 )
-from tribo.potentials import Coulomb, as_potential
-from tribo.potentials.from_ase import Call, Live, Unfelt, elements
-from tribo.potentials.registry import complete
-from tribo.scene import Interaction, Scene
+from tribo.potentials.from_ase import Call
+from tribo.scene import Scene
 from tribo.surface import Surface
-
-SKIN = 0.3  # of the largest cutoff: how much farther a neighbour list reaches
-FEW = 4096  # pairs of bobs, up to which all are looked at rather than listed
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,24 +63,7 @@ class Layout:
         """An empty neighbour list, to be made when the forces are first wanted."""
         if self.rows == 0:
             return None
-        contacts = (*self.model.contacts, *(self.model.within or ()))
-        anyone = (-1, -1)
-        listed = [
-            (one, other, row, contact.potential.range() + self.skin, contact.species)
-            for contact in contacts
-            for (one, other), row in zip(contact.pairs.tolist(), contact.rows.tolist(), strict=True)
-            if row >= 0
-        ]
-        return Neighbours(
-            pairs=np.array([pair[:3] for pair in listed], dtype=np.int64),
-            species=np.array([anyone if pair[4] is None else pair[4] for pair in listed], np.int64),
-            reach=np.array([pair[3] for pair in listed]),
-            start=np.zeros(self.rows + 1, np.int64),
-            index=np.zeros(16 * self.rows, np.int64),
-            place=np.full((self.scene.count, 2), np.nan),
-            skin=self.skin,
-            made=np.zeros(1, np.int64),
-        )
+        return contacts.neighbours(self.model, self.rows, self.skin)
 
 
 def laid_out(scene: Scene) -> Layout:
@@ -112,21 +88,21 @@ def laid_out(scene: Scene) -> Layout:
     coordinates = _give_bath(asperites, surfaces, core)
     accounts = _give_accounts(asperites, surfaces, scene)
     fields, accounts = _fields(scene, accounts)
-    contacts, within, rows, skin = _contacts(scene)
-    calls = _calls(scene)
+    between, within, rows, skin = contacts.meetings(scene)
     bobs = np.zeros(scene.count, records.BOB)
     for k, surface in enumerate(scene.surfaces):
         part = parts[surface.name]
         bobs["z"][part] = _resting_bobs(scene, k)[:, 2]
         bobs["charge"][part] = surface.asperite.for_each(surface.count)["charge"]
+    calls = contacts.calls(scene, [bobs["z"][part] for part in parts.values()])
     start = _start(asperites, scene, parts, core, coordinates)
     model = Model(
         asperites=asperites.view(np.recarray),
         surfaces=surfaces.view(np.recarray),
-        contacts=contacts,
+        contacts=between,
         within=within,
-        calculators=_calculators(scene, calls),
-        species=_species(scene),
+        calculators=contacts.calculators(scene, calls),
+        species=contacts.species(scene),
         bobs=bobs.view(np.recarray),
         inner=np.zeros(scene.count, records.PUSH).view(np.recarray) if within else None,
         bars=np.zeros(scene.count, records.BAR).view(np.recarray),
@@ -302,99 +278,6 @@ def _fields(scene: Scene, accounts: int) -> tuple[tuple[FieldOn, ...] | None, in
         )
         accounts += moves
     return tuple(fields) or None, accounts
-
-
-def _contacts(
-    scene: Scene,
-) -> tuple[tuple[Contact, ...], tuple[Contact, ...] | None, int, float]:
-    """Contacts between surfaces, those within one, how many rows their lists have, and the skin.
-
-    An interaction with a cutoff has a list where its bobs are many.
-    """
-    between: list[Contact] = []
-    within: list[Contact] = []
-    rows = 0
-    longest = 0.0
-    for interaction in scene.interactions:
-        reach = interaction.potential.range()
-        pairs = scene.pairs(interaction)
-        first = []
-        for one, other in pairs:
-            count = scene.surfaces[one].count
-            listed = np.isfinite(reach) and count * scene.surfaces[other].count > FEW
-            first.append(rows if listed else -1)
-            if listed:
-                rows += count
-                longest = max(longest, reach)
-        inner = any(one == other for one, other in pairs)
-        potential = interaction.potential
-        if isinstance(potential, Live):
-            potential = complete(Unfelt)(potential.length, potential.reach)
-        (within if inner else between).append(
-            Contact(
-                potential,
-                np.array(pairs, dtype=np.int64).reshape(-1, 2),
-                np.array(first, dtype=np.int64),
-                _kinds(scene, interaction),
-            )
-        )
-    if not between:  # kernels cannot walk through an empty tuple: an interaction of no pairs
-        nothing = np.empty(0, dtype=np.int64)
-        between.append(Contact(as_potential(Coulomb(0.0)), nothing.reshape(0, 2), nothing, None))
-    return tuple(between), tuple(within) or None, rows, SKIN * longest
-
-
-def _calls(scene: Scene) -> tuple[Call, ...]:
-    """What compiled code calls for the interactions that ASE's calculators compute."""
-    calls = []
-    for i, interaction in enumerate(scene.interactions):
-        if isinstance(interaction.potential, Live):
-            meeting = _meeting(scene, interaction)
-            surfaces = [scene.surfaces[k] for k in meeting]
-            with inside(f"interaction[{i}]"):
-                symbols = elements([name for s in surfaces for name in s.species_of_each.tolist()])
-            calls.append(
-                Call(
-                    interaction.potential.calculator,
-                    symbols,
-                    np.concatenate([_resting_bobs(scene, k)[:, 2] for k in meeting]),
-                    [s.count for s in surfaces],
-                    (scene.periodic.x or 0.0, scene.periodic.z or 0.0),
-                )
-            )
-    return tuple(calls)
-
-
-def _meeting(scene: Scene, interaction: Interaction) -> list[int]:
-    """Indices of the surfaces that an interaction is between."""
-    return sorted({k for pair in scene.pairs(interaction) for k in pair})
-
-
-def _calculators(scene: Scene, calls: tuple[Call, ...]) -> tuple[Calculator, ...] | None:
-    """The same as kernels see it; None without any."""
-    live = [item for item in scene.interactions if isinstance(item.potential, Live)]
-    calculators = [
-        Calculator(
-            call.address, np.array(_meeting(scene, item)), call.place, call.force, call.energy
-        )
-        for item, call in zip(live, calls, strict=True)
-    ]
-    return tuple(calculators) or None
-
-
-def _kinds(scene: Scene, interaction: Interaction) -> np.ndarray | None:
-    """Numbers of the two species that an interaction is between; None where it is for all."""
-    if interaction.species is None:
-        return None
-    return np.searchsorted(scene.species, interaction.species)
-
-
-def _species(scene: Scene) -> np.ndarray | None:
-    """(n,) number of each bob's species; None where no interaction asks."""
-    if all(interaction.species is None for interaction in scene.interactions):
-        return None
-    names = np.concatenate([surface.species_of_each for surface in scene.surfaces])
-    return np.searchsorted(scene.species, names)
 
 
 def _bonds(scene: Scene, parts: dict[str, slice], asperites: np.ndarray) -> Any:

@@ -16,16 +16,13 @@ from tribo.diagnosis import Refusals, complaint
 from tribo.kernels.collocation import chosen_collocation
 from tribo.kernels.compiled import entry, time_loop
 from tribo.kernels.lanes import LANES
-from tribo.kernels.pair import (
-    COLUMNS,
-    ENERGY,
+from tribo.kernels.pair import COLUMNS, ENERGY, REACHED, SAMPLES, pair_collocation
+from tribo.kernels.pair_forces import PAIR
+from tribo.kernels.pair_step import (
     J_Y,
-    PAIR,
     Q1,
     Q2,
-    REACHED,
     ROWS,
-    SAMPLES,
     T1,
     T2,
     V1,
@@ -37,7 +34,6 @@ from tribo.kernels.pair import (
     J,
     K,
     S,
-    pair_collocation,
     table,
 )
 from tribo.kernels.records import CLOCK, FORCED, FREE

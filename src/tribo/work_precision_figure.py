@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tribo import plotting
-from tribo.plotting import INK, WIDE
+from tribo import canvas
+from tribo.canvas import INK, WIDE
 from tribo.work_precision import Row, WorkPrecision
 
 if TYPE_CHECKING:
@@ -32,8 +32,8 @@ WRONG = 3.0  # errors larger than that, of methods that are not stable yet, are 
 
 def save(found: WorkPrecision, path: Any) -> Path:
     """Draw the figure into a file whose name ends on .png, .pdf or .svg; returns its path."""
-    with plotting.style():
-        return plotting.write(draw(found), path)
+    with canvas.style():
+        return canvas.write(draw(found), path)
 
 
 def draw(found: WorkPrecision) -> Figure:

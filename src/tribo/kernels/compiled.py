@@ -100,8 +100,8 @@ METHODS = {  # of plug-ins, and how many arguments each has after self
     "feature": 0,
     "clearance": 1,  # at r
     "range": 0,
-    "interval": 1,  # of tables, at r
-    "defined": 1,
+    "interval": 1,  # of tables, at r: what energy and force share has to be a method too,
+    "defined": 1,  # since potentials know nothing of a compiler that could be shown a function
     "energy_at": 2,  # of fields, at x, y
     "force_at": 2,
     "force_on_bar": 7,  # of drives, at t, x, y, vx, vy, fx, fy

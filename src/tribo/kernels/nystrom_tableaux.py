@@ -9,6 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tribo.kernels.tableaux import stages
+
 
 class Nystrom(NamedTuple):
     """f_i at t + c_i h from q + c_i h v + h^2 sum_j a_ij f_j, weights, and an error estimate.
@@ -25,14 +27,6 @@ class Nystrom(NamedTuple):
     eb: np.ndarray  # (stages,) weights of the error of places
     ev: np.ndarray  # (stages + 1,) of velocities and accounts; the last at the end of the step
     order: float  # of the error estimate as a power of h
-
-
-def _rows(*rows: dict[int, float]) -> np.ndarray:
-    a = np.zeros((len(rows), len(rows)))
-    for i, row in enumerate(rows):
-        for j, value in row.items():
-            a[i, j] = value
-    return a
 
 
 def stage_velocities(v: np.ndarray, c: np.ndarray, matched: int, weighed: int) -> np.ndarray:
@@ -103,7 +97,7 @@ def _nystrom(
 
 
 _C8 = np.array([0.0, 0.05, 0.1, 0.3, 0.5, 0.7, 0.9, 1.0])
-_A8 = _rows(
+_A8 = stages(
     {},
     {0: 0.00125},
     {0: 0.0016666666666666668, 1: 0.0033333333333333335},
@@ -183,7 +177,7 @@ _C12 = np.array(
         1.0,
     ]
 )
-_A12 = _rows(
+_A12 = stages(
     {},
     {0: 0.0002},
     {0: 0.0002666666666666667, 1: 0.0005333333333333334},

@@ -29,7 +29,8 @@ class Embedded(NamedTuple):
     e3: np.ndarray
 
 
-def _rows(*rows: dict[int, float]) -> np.ndarray:
+def stages(*rows: dict[int, float]) -> np.ndarray:
+    """The matrix of weights (stages, stages) that are given row by row, by their columns."""
     a = np.zeros((len(rows), len(rows)))
     for i, row in enumerate(rows):
         for j, value in row.items():
@@ -37,15 +38,15 @@ def _rows(*rows: dict[int, float]) -> np.ndarray:
     return a
 
 
-MIDPOINT = Tableau(_rows({}, {0: 0.5}), np.array([0.0, 1.0]), np.array([0.0, 0.5]))
+MIDPOINT = Tableau(stages({}, {0: 0.5}), np.array([0.0, 1.0]), np.array([0.0, 0.5]))
 
 CLASSICAL = Tableau(
-    _rows({}, {0: 0.5}, {1: 0.5}, {2: 1.0}),
+    stages({}, {0: 0.5}, {1: 0.5}, {2: 1.0}),
     np.array([1 / 6, 1 / 3, 1 / 3, 1 / 6]),
     np.array([0.0, 0.5, 0.5, 1.0]),
 )
 
-_A = _rows(
+_A = stages(
     {},
     {0: 0.05260015195876773},
     {0: 0.0197250569845379, 1: 0.0591751709536137},

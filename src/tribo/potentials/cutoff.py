@@ -14,34 +14,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from tribo.potentials.inherited import OfAnother, OfCharges, inherits, must_be_potential
+
 # All four are linear in U, so they act on what a potential is between any two charges.
 
 
-class Truncated(NamedTuple):
-    """U, cut off."""
+class Ended(OfCharges, OfAnother):
+    """What all four have in common."""
 
-    potential: Any
-    cutoff: float  # [length]
-
-    def energy(self, r):
-        """U(r) between charges of 1."""
-        return self.energy_between(r, 1.0, 1.0)
-
-    def force(self, r):
-        """-dU/dr between charges of 1."""
-        return self.force_between(r, 1.0, 1.0)
-
-    def energy_between(self, r, one, other):
-        """U(r) between two charges."""
-        return (r < self.cutoff) * self.potential.energy_between(r, one, other)
-
-    def force_between(self, r, one, other):
-        """-dU/dr between two charges."""
-        return (r < self.cutoff) * self.potential.force_between(r, one, other)
-
-    def feature(self):
-        """As the potential has it."""
-        return self.potential.feature()
+    cutoff: float
 
     def clearance(self, r):
         """How far a pair may move before the force is another."""
@@ -51,36 +32,42 @@ class Truncated(NamedTuple):
         """Distance from which U and force are zero."""
         return min(self.cutoff, self.potential.range())
 
+    def demands(self: Any) -> Any:
+        """Each parameter's name, whether it will do, and what would."""
+        again = type(self.potential) in AT_CUTOFF.values()
+        return (
+            must_be_potential("potential", self.potential),
+            ("cutoff", self.cutoff > 0.0, "must be positive"),
+            ("cutoff", not again, "must be given once; the potential has one already"),
+        )
+
+
+@inherits(Ended)
+class Truncated(NamedTuple):
+    """U, cut off."""
+
+    potential: Any
+    cutoff: float  # [length]
+
+    def energy_between(self, r, one, other):
+        """U(r) between two charges."""
+        return (r < self.cutoff) * self.potential.energy_between(r, one, other)
+
+    def force_between(self, r, one, other):
+        """-dU/dr between two charges."""
+        return (r < self.cutoff) * self.potential.force_between(r, one, other)
+
     def smoothness(self):
         """At the cutoff U jumps."""
         return min(-1, smoothness_below(self.potential, self.cutoff))
 
-    def smoothness_within(self):
-        """As the potential has it."""
-        return self.potential.smoothness_within()
 
-    def domain(self):
-        """As the potential has it."""
-        return self.potential.domain()
-
-    def demands(self):
-        """Each parameter's name, whether it will do, and what would."""
-        return demands_of(self)
-
-
+@inherits(Ended)
 class Shifted(NamedTuple):
     """U - U(cutoff), cut off."""
 
     potential: Any
     cutoff: float  # [length]
-
-    def energy(self, r):
-        """U(r) between charges of 1."""
-        return self.energy_between(r, 1.0, 1.0)
-
-    def force(self, r):
-        """-dU/dr between charges of 1."""
-        return self.force_between(r, 1.0, 1.0)
 
     def energy_between(self, r, one, other):
         """U(r) between two charges."""
@@ -91,48 +78,17 @@ class Shifted(NamedTuple):
         """-dU/dr between two charges."""
         return (r < self.cutoff) * self.potential.force_between(r, one, other)
 
-    def feature(self):
-        """As the potential has it."""
-        return self.potential.feature()
-
-    def clearance(self, r):
-        """How far a pair may move before the force is another."""
-        return max(self.potential.clearance(r), r - self.cutoff)
-
-    def range(self):
-        """Distance from which U and force are zero."""
-        return min(self.cutoff, self.potential.range())
-
     def smoothness(self):
         """At the cutoff the force jumps."""
         return min(0, smoothness_below(self.potential, self.cutoff))
 
-    def smoothness_within(self):
-        """As the potential has it."""
-        return self.potential.smoothness_within()
 
-    def domain(self):
-        """As the potential has it."""
-        return self.potential.domain()
-
-    def demands(self):
-        """Each parameter's name, whether it will do, and what would."""
-        return demands_of(self)
-
-
+@inherits(Ended)
 class ForceShifted(NamedTuple):
     """Force less its value at the cutoff, and the energy that goes with it."""
 
     potential: Any
     cutoff: float  # [length]
-
-    def energy(self, r):
-        """U(r) between charges of 1."""
-        return self.energy_between(r, 1.0, 1.0)
-
-    def force(self, r):
-        """-dU/dr between charges of 1."""
-        return self.force_between(r, 1.0, 1.0)
 
     def energy_between(self, r, one, other):
         """U(r) between two charges."""
@@ -146,49 +102,18 @@ class ForceShifted(NamedTuple):
         end = self.potential.force_between(self.cutoff, one, other)
         return (r < self.cutoff) * (self.potential.force_between(r, one, other) - end)
 
-    def feature(self):
-        """As the potential has it."""
-        return self.potential.feature()
-
-    def clearance(self, r):
-        """How far a pair may move before the force is another."""
-        return max(self.potential.clearance(r), r - self.cutoff)
-
-    def range(self):
-        """Distance from which U and force are zero."""
-        return min(self.cutoff, self.potential.range())
-
     def smoothness(self):
         """At the cutoff the force has a kink."""
         return min(1, smoothness_below(self.potential, self.cutoff))
 
-    def smoothness_within(self):
-        """As the potential has it."""
-        return self.potential.smoothness_within()
 
-    def domain(self):
-        """As the potential has it."""
-        return self.potential.domain()
-
-    def demands(self):
-        """Each parameter's name, whether it will do, and what would."""
-        return demands_of(self)
-
-
+@inherits(Ended)
 class Switched(NamedTuple):
     """U, brought to zero between switch_from and cutoff with two continuous derivatives."""
 
     potential: Any
     cutoff: float  # [length]
     switch_from: float  # [length]
-
-    def energy(self, r):
-        """U(r) between charges of 1."""
-        return self.energy_between(r, 1.0, 1.0)
-
-    def force(self, r):
-        """-dU/dr between charges of 1."""
-        return self.force_between(r, 1.0, 1.0)
 
     def energy_between(self, r, one, other):
         """U(r) between two charges."""
@@ -206,18 +131,6 @@ class Switched(NamedTuple):
         force = self.potential.force_between(r, one, other)
         return force * switch - self.potential.energy_between(r, one, other) * slope
 
-    def feature(self):
-        """As the potential has it."""
-        return self.potential.feature()
-
-    def clearance(self, r):
-        """How far a pair may move before the force is another."""
-        return max(self.potential.clearance(r), r - self.cutoff)
-
-    def range(self):
-        """Distance from which U and force are zero."""
-        return min(self.cutoff, self.potential.range())
-
     def smoothness(self):
         """How many derivatives of U are continuous at the cutoff."""
         return min(2, smoothness_below(self.potential, self.cutoff))
@@ -226,20 +139,13 @@ class Switched(NamedTuple):
         """How many derivatives of U are continuous where the switch begins."""
         return min(2, self.potential.smoothness_within())
 
-    def domain(self):
-        """As the potential has it."""
-        return self.potential.domain()
-
     def demands(self):
         """Each parameter's name, whether it will do, and what would."""
+        below = f"must be below the cutoff {self.cutoff:g}"
         return (
-            *demands_of(self),
+            *Ended.demands(self),
             ("switch_from", self.switch_from > 0.0, "must be positive"),
-            (
-                "switch_from",
-                self.switch_from < self.cutoff,
-                f"must be below the cutoff {self.cutoff:g}",
-            ),
+            ("switch_from", self.switch_from < self.cutoff, below),
         )
 
 
@@ -248,16 +154,6 @@ def smoothness_below(potential, cutoff):
     if cutoff <= potential.range():
         return potential.smoothness_within()
     return potential.smoothness()
-
-
-def demands_of(ended):
-    """What every cutoff demands of its parameters, each as in a potential's demands()."""
-    again = type(ended.potential) in AT_CUTOFF.values()
-    return (
-        ("potential", hasattr(ended.potential, "energy"), "must be a potential"),
-        ("cutoff", ended.cutoff > 0.0, "must be positive"),
-        ("cutoff", not again, "must be given once; the potential has one already"),
-    )
 
 
 AT_CUTOFF: dict[str, Any] = {

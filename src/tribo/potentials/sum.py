@@ -6,20 +6,15 @@ multiplies the charged one alone by q_i q_j.  A sum of more than two is a sum in
 
 from typing import Any, NamedTuple
 
+from tribo.potentials.inherited import OfAnother, OfCharges, inherits, must_be_potential
 
+
+@inherits(OfCharges)
 class Sum(NamedTuple):
     """The sum of two potentials."""
 
     first: Any
     second: Any
-
-    def energy(self, r):
-        """U(r) between charges of 1."""
-        return self.energy_between(r, 1.0, 1.0)
-
-    def force(self, r):
-        """-dU/dr between charges of 1."""
-        return self.force_between(r, 1.0, 1.0)
 
     def energy_between(self, r, one, other):
         """U(r) between two charges; each part is zero from its range on."""
@@ -65,12 +60,10 @@ class Sum(NamedTuple):
 
     def demands(self):
         """Each parameter's name, whether it will do, and what would."""
-        return tuple(
-            (name, hasattr(part, "energy"), "must be a potential")
-            for name, part in zip(self._fields, self, strict=True)
-        )
+        return tuple(map(must_be_potential, self._fields, self))
 
 
+@inherits(OfAnother)
 class Scaled(NamedTuple):
     """A potential times a number."""
 
@@ -92,31 +85,3 @@ class Scaled(NamedTuple):
     def force_between(self, r, one, other):
         """-dU/dr between two charges."""
         return self.factor * self.potential.force_between(r, one, other)
-
-    def feature(self):
-        """As the potential has it."""
-        return self.potential.feature()
-
-    def clearance(self, r):
-        """As the potential has it."""
-        return self.potential.clearance(r)
-
-    def range(self):
-        """As the potential has it."""
-        return self.potential.range()
-
-    def smoothness(self):
-        """As the potential has it."""
-        return self.potential.smoothness()
-
-    def smoothness_within(self):
-        """As the potential has it."""
-        return self.potential.smoothness_within()
-
-    def domain(self):
-        """As the potential has it."""
-        return self.potential.domain()
-
-    def demands(self):
-        """Each parameter's name, whether it will do, and what would."""
-        return (("potential", hasattr(self.potential, "energy"), "must be a potential"),)
