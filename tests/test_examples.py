@@ -30,6 +30,12 @@ def heat_into_baths(shown):
     assert shown["e_int with 160 oscillators at the end"] < 1e-6
 
 
+def postcard(shown):
+    """The books close within the error bars, and the card passes."""
+    assert shown["largest gap in the budget"] <= shown["what it may be by the error bars"]
+    assert shown["of which passed"] == shown["checks on the card"] >= 10
+
+
 def rough_surface(shown):
     """Nothing is lost."""
     assert shown["largest gap in the budget / work"] < 1e-8
@@ -45,7 +51,7 @@ def stick_slip(shown):
 
 CHECKS = {
     check.__name__: check
-    for check in (commensurate_rows, heat_into_baths, rough_surface, stick_slip)
+    for check in (commensurate_rows, heat_into_baths, postcard, rough_surface, stick_slip)
 }
 
 

@@ -1,6 +1,6 @@
 """From a wanted accuracy to tolerances, and from two runs to an honest error estimate.
 
-An estimate here is the raw difference of two runs, one of them finer, times three.
+An estimate here is the raw difference of two runs, one of them much finer, times two.
 It is never the difference divided by 2^p - 1, never the tolerance, and never how well the ledger
 closes: each of those can be wrong by orders of magnitude.
 """
@@ -26,8 +26,8 @@ from tribo.ledger import (
 
 EPSILON = float(np.finfo(float).eps)
 KINDS = ASPERITE_KINDS | OPTIONAL_KINDS | BLOCK_KINDS | SYSTEM_KINDS
-SAFETY = 3.0  # the estimate is this times the difference of two runs
-POOLED = 0.1  # of the largest estimate of all, in units of scales, that is added to every other
+SAFETY = 2.0  # the estimate is this times the difference of two runs
+POOLED = 0.05  # of the largest estimate of all, in units of scales, that is added to every other
 ROUNDED = 16.0 * EPSILON  # of its scale: what the rounding of forces may do to runs alike
 FLOOR = 2e-15  # no tolerance asks for less, relative to its scale
 
@@ -239,7 +239,7 @@ def estimate(
     """A bound on the error of each reported quantity, over asperites and recorded times.
 
     `fine` and `coarse` are two runs at the times that both recorded, `books` the finer one at all
-    of its times.  To three times the largest difference comes what rounding costs, which two runs
+    of its times.  To twice the largest difference comes what rounding costs, which two runs
     may share: of forces and of sums, in units of the scale, and of the number written down.  And a
     small part of the largest estimate of all: two runs may come close by chance in one quantity.
     `names` are further ones, as "upper.W".

@@ -23,8 +23,8 @@ from tribo.methods import Method
 PILOT = 1e-3  # tolerance level of the first run, which finds out the scales
 STALLED = 0.5  # of the estimate before: less gained than that, and round-off is the limit
 ROUNDS = 6  # of tightening, before a request is called out of reach
-APART = 0.2  # level of the finer of two runs that are compared, in units of the other's
-NEAR, NEARER = 0.5, 0.38  # of the way to an encounter, for a step of the coarser and the finer
+APART = 0.05  # level of the finer of two runs that are compared, in units of the other's
+NEAR = 0.5  # of the way to an encounter, for a step of the coarser; errors of the finer fall alike
 LOWER = 0.1  # by which a level is lowered at least
 AIM = 0.3  # of what was asked for, that a lower level is to come to
 PERTURBATION = 1e-11  # of the start, to see what the scene makes of it
@@ -85,7 +85,8 @@ def tune(layout: Layout, method: Method, wanted: Wanted, attempt: Attempt) -> Tu
         if runs:
             scales = acc.inner_scales(layout, runs[-1].samples)
         coarse = setting_at(layout, method, scales, level)
-        fine = setting_at(layout, method, scales, APART * level, NEARER)
+        nearer = NEAR * APART ** (1.0 / method.order)
+        fine = setting_at(layout, method, scales, APART * level, nearer)
         for setting, checks in ((coarse, True), (fine, False)):
             if not runs or runs[-1].status not in HALTED:
                 runs.append(attempt(setting, checks))

@@ -1,0 +1,51 @@
+"""A potential of one's own, from nothing to an answer: what it does, and whether it is right.
+
+The class is all that has to be written: parameters and an energy.  64 bobs slide over 64 others
+by it, and it faces the report card, which looks at its force, its smoothness, its limits, and at
+what a run makes of its energy.
+"""
+
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+import tribo
+
+
+class Gauss(NamedTuple):
+    """U = h exp(-(r/w)^2/2)."""
+
+    height: float  # [energy]
+    width: float  # [length]
+
+    def energy(self, r):
+        """At a distance r."""
+        return self.height * np.exp(-0.5 * (r / self.width) ** 2)
+
+
+def main(folder=None):
+    """What the run and the card say; the card's figure is saved in a folder."""
+    mine = Gauss(height=0.05, width=0.2)
+    row = {"shape": (64, 1), "spacing": (1.0, 0.0)}
+    upper = tribo.Surface("upper", bob=(0.0, 0.3), velocity=(0.5, 0.0), **row)
+    lower = tribo.Surface("lower", facing="up", **row)
+    result = tribo.simulate(tribo.Scene((upper, lower), mine, duration=4.0), accuracy=1e-5)
+    card = tribo.potentials.check(mine)
+    if folder is not None:
+        card.save_figure(Path(folder) / "postcard.png")
+    system = result.system
+    gap = np.max(np.abs(system["applied_work"] - system["total_energy_change"]))
+    return {
+        "work done by the drives": system["applied_work"][-1],
+        "largest gap in the budget": gap,
+        "what it may be by the error bars": result.error_estimate["applied_work"]
+        + result.error_estimate["total_energy_change"],
+        "checks on the card": len(card.checks),
+        "of which passed": sum(check.passed for check in card.checks),
+    }
+
+
+if __name__ == "__main__":
+    for name, value in main(".").items():
+        print(f"{name:40} {value:.6g}")
