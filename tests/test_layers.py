@@ -29,11 +29,11 @@ potentials.dimers potentials.registry potentials.to_ase potentials.expression po
 potentials
 fields drives springs spectra bath langevin roughness asperite surface rows scene scene_file
 layout methods ledger diagnosis march pair accuracy tuning costs plan result archive simulation
-work_precision
+members means crew ensemble_data ensemble work_precision
 report_card.card report_card.specimen report_card.derivatives report_card.smoothness
 report_card.limits report_card.agreement report_card.invariances report_card.ase_peers
 report_card.motion report_card
-pose plotting report_card.figure work_precision_figure paper paper_figures cli
+pose plotting report_card.figure work_precision_figure ensemble_figure paper paper_figures cli
 """
 ORDER = LAYERS.split()
 
