@@ -29,7 +29,7 @@ potentials.dimers potentials.registry potentials.to_ase potentials.expression po
 potentials
 fields drives springs spectra bath langevin roughness asperite surface rows scene scene_file
 layout methods ledger diagnosis march pair accuracy tuning costs plan result archive simulation
-members means crew ensemble_data ensemble work_precision
+members means crew ensemble_data ensembles work_precision
 report_card.card report_card.specimen report_card.derivatives report_card.smoothness
 report_card.limits report_card.agreement report_card.invariances report_card.ase_peers
 report_card.motion report_card
