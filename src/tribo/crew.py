@@ -12,6 +12,7 @@ import numpy as np
 from tribo import accuracy as acc
 from tribo.checks import shown
 from tribo.errors import InputError
+from tribo.kernels.status import MEANINGS
 from tribo.ledger import BLOCK_KINDS, SYSTEM_KINDS
 from tribo.members import Member, Variation
 from tribo.result import Result
@@ -105,7 +106,8 @@ class Crew:
             raise InputError(
                 "scene",
                 f"is completed by {len(self.complete)} of {len(self.outcomes)} members, and a mean "
-                f"is of two at least; the others end by {', '.join(statuses)}",
+                "is of two at least; "
+                + "; ".join(f"{status}: {MEANINGS[status]}" for status in statuses),
             )
 
     def look_again(self) -> Second:
