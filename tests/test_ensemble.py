@@ -180,6 +180,8 @@ def test_members_do_not_depend_on_how_many_there_are():
     more = ensemble(warm(), 3, {"upper.omega": stats.norm()} | vary, seed=4, step=0.1)
     np.testing.assert_array_equal(more["upper.theta"], few["upper.theta"])
     np.testing.assert_array_equal(more["seed"], few["seed"])
+    both = ensemble(warm(), 3, {"upper.omega": vary["upper.theta"]} | vary, step=0.1)
+    assert not np.any(both["upper.theta"].values == both["upper.omega"].values)
     other = ensemble(warm(), 3, vary, seed=5, step=0.1)
     assert not np.any(other["upper.theta"].values == few["upper.theta"].values)
     assert not np.any(other["upper.W"][:, 1:].values == few["upper.W"][:, 1:].values)
@@ -206,6 +208,8 @@ def test_a_member_is_a_run():
         )
         np.testing.assert_array_equal(data["upper.W"][k], one["upper"].W)
         np.testing.assert_array_equal(data["contact_energy"][k], one.system["contact_energy"])
+        np.testing.assert_array_equal(data["upper.w2"][k], one["upper"].w2.sum(axis=1))
+        np.testing.assert_array_equal(data["lower.heat"][k], one["lower"].heat.sum(axis=1))
     for own, all_ in zip(kept.surfaces, scene.surfaces, strict=True):
         drawn = all_.resting_bobs(seed=[8, scene.surfaces.index(all_), 0])
         np.testing.assert_array_equal(own.resting_bobs(), drawn)
@@ -230,6 +234,8 @@ def test_members_of_a_planned_scene():
         np.testing.assert_array_equal(data["upper.W"][k], run["upper"].W)
     bars = [prepared.run({"upper.theta": x}).error_estimate["W"] for x in starts]
     assert float(data["upper.W_error"]) == max(bars)
+    bars = [prepared.run({"upper.theta": x}).error_estimate["w2"] for x in starts]
+    assert float(data["upper.w2_error"]) == 3 * max(bars)
     assert json.loads(data.attrs["step"]) is None
     assert "upper.W_bias" not in data
 
@@ -344,7 +350,7 @@ THETA = {"upper.theta": stats.norm(0.0, 0.1)}
         ({"n": 2, "vary": THETA, "seed": -1}, "seed", "whole number"),
         ({"n": 2, "vary": THETA, "engine": 3}, "engine", "submit or map"),
         ({"vary": THETA, "accuracy": 1e-2}, "accuracy", "must name quantities"),
-        ({"vary": THETA, "accuracy": {"upper.w1": 1.0}}, "accuracy.upper.w1", "names no mean"),
+        ({"vary": THETA, "accuracy": {"upper.phi": 1.0}}, "accuracy.upper.phi", "names no mean"),
         ({"vary": THETA, "accuracy": {"upper.W": 0.0}}, "accuracy.upper.W", "positive"),
         (
             {"n": 20, "vary": THETA, "accuracy": {"upper.W": 1e-4}, **STEP},

@@ -14,6 +14,7 @@ from tribo.checks import shown
 from tribo.errors import InputError
 from tribo.kernels.status import MEANINGS
 from tribo.ledger import BLOCK_KINDS, SYSTEM_KINDS
+from tribo.march import Digest
 from tribo.members import Member, Variation
 from tribo.result import Result
 from tribo.scene import Scene
@@ -23,6 +24,7 @@ from tribo.simulation import Settings, Simulation, resumed
 FIRST = 16  # members, whose spread decides how many there will be, and which are run again
 CHUNKS = 32  # that an executor is handed at a time
 INTERRUPTED = "Interrupted"
+WORKS = ("w1", "w2", "wL", "wR", "w_int")  # of every asperite
 
 
 class Outcome(NamedTuple):
@@ -53,6 +55,16 @@ def bulk_names(scene: Scene) -> list[str]:
     return [f"{s.name}.{kind}" for s in scene.surfaces for kind in BLOCK_KINDS] + [*SYSTEM_KINDS]
 
 
+def sum_names(scene: Scene) -> list[str]:
+    """Names of works that are reported of asperites, whose sums over a surface have means too."""
+    names = []
+    for surface in scene.surfaces:
+        fields = any(surface.name in item.on for item in scene.fields)
+        kinds = WORKS + ("w_field",) * fields + ("w_T", "heat") * bool(surface.langevin)
+        names += [f"{surface.name}.{kind}" for kind in kinds]
+    return names
+
+
 def check_engine(engine: Any) -> None:
     """Complain about what takes no jobs; None is nobody, and will do."""
     if engine is not None and not (hasattr(engine, "submit") or hasattr(engine, "map")):
@@ -70,6 +82,8 @@ class Crew:
         """Nobody has been run yet."""
         self.simulation = simulation
         self.names = bulk_names(simulation.scene)
+        if not Digest.wanted(simulation.layout, simulation.scene.times.size):
+            self.names += sum_names(simulation.scene)
         self.members: list[Member] = []
         self.outcomes: list[Outcome] = []
         self.interrupted = False
@@ -133,7 +147,9 @@ class Crew:
         """Outcomes in the members' order."""
         if self._engine is None:
             here = resumed(self.simulation.scene, settings)
-            return (run_member(here, member, self._anew, estimate) for member in members)
+            return (
+                run_member(here, self.names, member, self._anew, estimate) for member in members
+            )
         return self._sent(members, settings, estimate)
 
     def _sent(self, members: list[Member], settings: Settings, estimate: bool) -> Iterator[Outcome]:
@@ -141,7 +157,7 @@ class Crew:
         size = -(-len(members) // CHUNKS)
         text = scene_text(self.simulation.scene)
         jobs = [
-            (text, settings, members[k : k + size], self._anew, estimate)
+            (text, settings, self.names, members[k : k + size], self._anew, estimate)
             for k in range(0, len(members), size)
         ]
         if not hasattr(self._engine, "submit"):
@@ -157,21 +173,23 @@ class Crew:
                 future.cancel()
 
 
-def run_chunk(job: tuple[str, Settings, list[Member], bool, bool]) -> list[Outcome]:
+def run_chunk(job: tuple[str, Settings, list[str], list[Member], bool, bool]) -> list[Outcome]:
     """Run some members in a process that knows nothing of the scene yet."""
-    text, settings, members, anew, estimate = job
+    text, settings, names, members, anew, estimate = job
     simulation = resumed(scene_from(tomllib.loads(text)), settings)
-    return [run_member(simulation, member, anew, estimate) for member in members]
+    return [run_member(simulation, names, member, anew, estimate) for member in members]
 
 
-def run_member(simulation: Simulation, member: Member, anew: bool, estimate: bool) -> Outcome:
+def run_member(
+    simulation: Simulation, names: list[str], member: Member, anew: bool, estimate: bool
+) -> Outcome:
     """One member; `anew` where more of its scene is its own than initial angles and rates."""
     if anew:
         simulation = resumed(member.scene(simulation.scene), simulation.settings)
     result = simulation.run(member.start, estimate=estimate)
     return Outcome(
         result.status,
-        _values(result),
+        _values(result, names),
         acc.reported_scales(simulation.layout, result.ledger).energy,
         result.error_estimate,
         result.met,
@@ -179,11 +197,11 @@ def run_member(simulation: Simulation, member: Member, anew: bool, estimate: boo
     )
 
 
-def _values(result: Result) -> np.ndarray:
-    """(names, times) series of a result at the times of its scene."""
-    books, times = result.ledger, result.scene.times
-    series = [table[kind] for table in books.blocks.values() for kind in BLOCK_KINDS]
-    series += [books.system[kind] for kind in SYSTEM_KINDS]
+def _values(result: Result, names: list[str]) -> np.ndarray:
+    """(names, times) series of a result at the times of its scene, asperites' summed."""
+    times = result.scene.times
+    found = [result.ledger.series(name)[0] for name in names]
+    series = [item if item.ndim == 1 else np.sum(item, axis=1) for item in found]
     values = np.full((len(series), times.size), np.nan)
     values[:, np.isin(times, result.t)] = np.array(series)[:, np.isin(result.t, times)]
     return values

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tribo.crew import INTERRUPTED, Outcome, Second
+from tribo.ledger import ASPERITE_KINDS, OPTIONAL_KINDS
 from tribo.means import CONFIDENCE, Interval, interval
 from tribo.members import VELOCITY, Member
 from tribo.scene_file import scene_text
@@ -59,10 +60,14 @@ class Collected:
         return interval(np.array([self.values[k] - values for k, values in halved.items()]))
 
     def error(self, name: str) -> float | None:
-        """The largest estimate of a quantity's error in a single run."""
-        kind = name.rpartition(".")[2]
+        """The largest estimate of a quantity's error in a single run; of a sum, all terms'."""
+        surface, _, kind = name.rpartition(".")
+        terms = 1
+        if kind in ASPERITE_KINDS | OPTIONAL_KINDS:
+            part = self.simulation.layout.parts[surface]
+            terms = part.stop - part.start
         found = [outcome.errors[kind] for outcome in self.second.errors]
-        return max((error for error in found if error is not None), default=None)
+        return max((terms * error for error in found if error is not None), default=None)
 
 
 def dataset(collected: Collected, seconds: float) -> xarray.Dataset:

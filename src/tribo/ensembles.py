@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from tribo.checks import POSITIVE, inside, number, shown, whole
-from tribo.crew import FIRST, INTERRUPTED, Crew, Second, bulk_names, check_engine
+from tribo.crew import FIRST, INTERRUPTED, Crew, Second, bulk_names, check_engine, sum_names
 from tribo.ensemble_data import Collected, dataset
 from tribo.errors import InputError
 from tribo.means import members_needed
@@ -39,6 +39,8 @@ def ensemble(
     progress: Callable[[int], None] | None = None,
 ) -> xarray.Dataset:
     """Run a scene from many starts; means of the surfaces' and the system's ledgers over time.
+
+    Works that are reported of asperites, as "upper.w2", are summed over their surface.
 
     `n` is how many members there are.  Without it, or with it as the most, `accuracy` names
     quantities of surfaces as wholes or of the system, as ``{"upper.W": 1e-2}``, whose mean's 95 %
@@ -91,7 +93,7 @@ def _statistical(scene: Scene, accuracy: Any) -> dict[str, float]:
         raise InputError(
             "accuracy", f'must name quantities, as {{"upper.W": 1e-2}}, got {shown(accuracy)}'
         )
-    known = bulk_names(scene)
+    known = bulk_names(scene) + sum_names(scene)
     for name in accuracy:
         if name not in known:
             raise InputError(f"accuracy.{name}", f"names no mean; there are {', '.join(known)}")
@@ -128,6 +130,12 @@ def _planned(scene: Scene, method: str | None, step: float | None) -> Simulation
 
 def _enough(crew: Crew, wanted: Mapping[str, float], most: int) -> None:
     """Add as many members as the spread of the first ones says, by Stein's rule."""
+    for name in wanted:
+        if name not in crew.names:
+            raise InputError(
+                f"accuracy.{name}",
+                "is a sum over asperites, whose series are too long to keep; give fewer samples",
+            )
     scale = max(outcome.scale for outcome in crew.outcomes)
     first = crew.complete
     needed = {
