@@ -285,6 +285,18 @@ def test_members_that_stop_early_are_in_no_mean():
         ensemble(scene, 3, {"upper.velocity": speeds * [1, 1, 800]}, method="verlet", step=0.1)
 
 
+def test_series_too_long_to_hold(monkeypatch):
+    """Surfaces as wholes keep theirs; sums over asperites are not to be had, which is said."""
+    whole = ensemble(warm(), 3, step=0.1)
+    monkeypatch.setattr("tribo.march.SERIES_BYTES", 0)
+    data = ensemble(warm(), 3, step=0.1)
+    np.testing.assert_array_equal(data["upper.W_mean"], whole["upper.W_mean"])
+    assert "upper.heat" in whole and "upper.heat" not in data
+    assert "only the first and the last sample are kept" in data.attrs["notes"]
+    with pytest.raises(InputError, match="give fewer samples"):
+        ensemble(warm(), accuracy={"upper.heat": 1.0}, step=0.1)
+
+
 def test_an_interrupt_keeps_what_is_complete():
     """Two at least; of fewer there is no mean."""
 
