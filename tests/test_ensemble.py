@@ -215,6 +215,21 @@ def test_a_member_is_a_run():
         np.testing.assert_array_equal(own.resting_bobs(), drawn)
 
 
+def test_thermal_starts():
+    """A warm bath starts otherwise in each member, about bars where that member has them."""
+    bath = tribo.Bath(masses=[0.2, 0.1], frequencies=[0.8, 2.0], temperature=0.2)
+    upper = Surface("upper", bars="free", bath=bath)
+    scene = Scene((upper,), (), 4.0, output=Output(samples=5))
+    data = ensemble(scene, 3, {"upper.phi": [0.1, 0.1, 0.4]}, **STEP)
+    for k, phi in enumerate(data["upper.phi"].values[:, 0]):
+        turned = replace(upper, initial=Initial(theta=0.0, phi=float(phi)))
+        own = replace(scene, surfaces=(turned,), seed=int(data["seed"][k]))
+        one = tribo.simulate(own, **STEP)["upper"]
+        np.testing.assert_array_equal(data["upper.delta_E_int"][k], one.delta_E_int)
+        np.testing.assert_array_equal(data["upper.w_int"][k], one.w_int.sum(axis=1))
+    assert np.all(data["upper.w_int"][0, 1:].values != data["upper.w_int"][1, 1:].values)
+
+
 def test_one_number_of_a_velocity_is_its_x_component():
     """The y component stays the scene's."""
     data = ensemble(meeting(), 2, {"upper.velocity": [0.3, 0.4]}, **STEP)
