@@ -25,7 +25,10 @@ from tribo.potentials import LennardJones, check, with_cutoff
 HERE = Path(__file__).resolve().parent
 PAGES_WITH_CODE = (
     HERE.parent / "README.md",
-    *(HERE / f"{name}.md" for name in ("tutorial", "accuracy", "potentials", "ase", "scene_file")),
+    *(
+        HERE / f"{name}.md"
+        for name in ("tutorial", "accuracy", "ensembles", "potentials", "ase", "scene_file")
+    ),
 )
 
 

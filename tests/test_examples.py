@@ -49,9 +49,24 @@ def stick_slip(shown):
     assert shown["work in a period, eta = 4.0"] == pytest.approx(statics, rel=0.02)
 
 
+def thermal_friction(shown):
+    """The warmer the less, by more than the means are uncertain."""
+    mean = [shown[f"friction at T = {t}"] for t in (0.01, 0.1, 0.3)]
+    half = [shown[f"half-width at T = {t}"] for t in (0.01, 0.1, 0.3)]
+    assert mean[0] - half[0] > mean[1] + half[1]
+    assert mean[1] - half[1] > mean[2] + half[2] > 0.0
+
+
 CHECKS = {
     check.__name__: check
-    for check in (commensurate_rows, heat_into_baths, postcard, rough_surface, stick_slip)
+    for check in (
+        commensurate_rows,
+        heat_into_baths,
+        postcard,
+        rough_surface,
+        stick_slip,
+        thermal_friction,
+    )
 }
 
 

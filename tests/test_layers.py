@@ -30,11 +30,13 @@ potentials
 fields drives springs modes decays spectra bath langevin roughness asperite surface rows scene
 scene_file
 contacts layout methods ledger diagnosis march pair accuracy tuning costs plan result archive
-simulation work_precision
+simulation
+ensembles.members ensembles.means ensembles.crew ensembles.data ensembles
+work_precision
 report_card.card report_card.specimen report_card.derivatives report_card.smoothness
 report_card.limits report_card.agreement report_card.invariances report_card.ase_peers
 report_card.motion report_card
-canvas report_card.figure work_precision_figure
+canvas report_card.figure work_precision_figure ensembles.figure
 pose drawings curves plotting paper paper_figures cli
 """
 ORDER = LAYERS.split()

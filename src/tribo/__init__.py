@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from tribo.asperite import Asperite
     from tribo.bath import Bath
     from tribo.drives import Custom, Ends, Forced, Free, Pulled
+    from tribo.ensembles import ensemble
     from tribo.errors import InputError
     from tribo.fields import Corrugation, Field
     from tribo.langevin import Langevin
@@ -48,6 +49,7 @@ _HOME = {
     "Coulomb": "tribo.potentials",
     "Custom": "tribo.drives",
     "Ends": "tribo.drives",
+    "ensemble": "tribo.ensembles",
     "Field": "tribo.fields",
     "Forced": "tribo.drives",
     "Free": "tribo.drives",

@@ -61,7 +61,7 @@ def _noisy(scene: Scene, accuracy: Wanted | None, step: float | None) -> Plan:
         raise InputError(
             "accuracy",
             "cannot be kept where a reservoir makes noise: no two runs agree; give a step, and "
-            "average over runs",
+            "average over runs, as tribo.ensemble does",
         )
     if step is None:
         step = NOISY_STEP * acc.first_step(laid_out(scene))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -271,6 +271,24 @@ class Scene:
         names = [s.name for s in self.surfaces]
         one, other = sorted(names.index(name) for name in interaction.between)
         return [(one, other)]
+
+    def initial_value(self, key: Any) -> tuple[Surface, str]:
+        """The surface and the quantity that "surface.theta" names.  Raises InputError."""
+        name, _, quantity = str(key).rpartition(".")
+        surface = next((s for s in self.surfaces if s.name == name), None)
+        if surface is None or quantity not in ("theta", "phi", "omega", "nu"):
+            raise InputError(str(key), 'must be "surface.theta", or phi, omega or nu of a surface')
+        if quantity in ("phi", "nu") and surface.bars == "clamped":
+            raise InputError(str(key), "cannot be changed on clamped bars of a prepared scene")
+        return surface, quantity
+
+    def with_heights(self) -> Scene:
+        """The same scene with the heights that its seed draws as numbers: no seed changes them."""
+        surfaces = [
+            replace(surface, heights=surface.drawn_heights([self.seed, index, 0]))
+            for index, surface in enumerate(self.surfaces)
+        ]
+        return replace(self, surfaces=tuple(surfaces))
 
     @property
     def species(self) -> list[str]:

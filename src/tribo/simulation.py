@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -41,6 +42,17 @@ DIGIT = -1.0 / np.log10(APART)  # how often two runs that are compared are apart
 PARTS = 32  # the finer run lands on these and the samples: its steps are never the other's
 
 
+@dataclass(frozen=True)
+class Settings:
+    """How a prepared scene is run: all that another scene of its kind needs to be run alike."""
+
+    method: str
+    own: tuple[Any, np.ndarray]  # setting and times of a run, or of the finer of two
+    lone: tuple[Any, np.ndarray]  # of a run that is compared with no other
+    accuracy: Wanted | None
+    tuned: Tuned | None  # without its runs
+
+
 class Simulation:
     """A scene with method and step fixed and everything compiled; made by :func:`prepare`."""
 
@@ -73,6 +85,22 @@ class Simulation:
     def with_step(self, step: float) -> Simulation:
         """Go in equal steps, as large as that."""
         self._setting = step
+        self.__dict__.pop("_lone", None)
+        return self
+
+    @property
+    def settings(self) -> Settings:
+        """How it is run, for :func:`resumed`; nothing in it is compiled, and all can be pickled."""
+        tuned = None if self._tuned is None else replace(self._tuned, runs=())
+        own = (self._setting, self._times)
+        return Settings(self.method.name, own, self._lone, self.accuracy, tuned)
+
+    def by(self, settings: Settings) -> Simulation:
+        """Run as another was that has been prepared, instead of finding out how."""
+        self._setting, self._times = settings.own
+        self.__dict__["_lone"] = settings.lone
+        self.accuracy, self._tuned = settings.accuracy, settings.tuned
+        self._coarse = None if settings.tuned is None else settings.tuned.coarse
         return self
 
     def within(self, accuracy: Wanted) -> Simulation:
@@ -137,12 +165,13 @@ class Simulation:
 
     def first_result(self) -> Result:
         """The result of the runs that fixed the step, or of a run if none was needed."""
-        return self._result(list(self._tuned.runs)) if self._tuned else self.run()
+        runs = self._tuned.runs if self._tuned else ()
+        return self._result(list(runs)) if runs else self.run()
 
     @property
     def finest(self) -> March:
         """The run that fixed the settings.  Raises InputError where none did."""
-        if self._tuned is None:
+        if self._tuned is None or not self._tuned.runs:
             raise InputError("accuracy", "is missing; without one no run fixed the settings")
         return self._tuned.runs[-1]
 
@@ -186,13 +215,8 @@ class Simulation:
 
     def _slots(self, key: Any) -> tuple[Any, float, int]:
         """Where in y a "surface.quantity" is, what it is less there, and of how many asperites."""
-        name, _, quantity = str(key).rpartition(".")
-        if name not in self.layout.parts or quantity not in ("theta", "phi", "omega", "nu"):
-            raise InputError(str(key), 'must be "surface.theta", or phi, omega or nu of a surface')
-        part = self.layout.parts[name]
-        surface = next(s for s in self.scene.surfaces if s.name == name)
-        if quantity in ("phi", "nu") and surface.bars == "clamped":
-            raise InputError(str(key), "cannot be changed on clamped bars of a prepared scene")
+        surface, quantity = self.scene.initial_value(key)
+        part = self.layout.parts[surface.name]
         slots: Any = part
         if quantity in ("phi", "nu"):
             slots = self.layout.model.asperites.dof_phi[part].astype(int)
@@ -349,6 +373,11 @@ def prepare(
         return simulation.with_step(plan.step)
     assert plan.accuracy is not None
     return simulation.within(plan.accuracy)
+
+
+def resumed(scene: Scene, settings: Settings) -> Simulation:
+    """A scene that is run as another of its kind was planned to be: no run is made to find out."""
+    return Simulation(scene, methods.METHODS[settings.method]).by(settings)
 
 
 def simulate(

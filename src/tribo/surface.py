@@ -189,12 +189,16 @@ class Surface:
             places[:, 0] = (self.bob[0] - origin[0]) + column.ravel() * self.spacing[0]
             places[:, 1] = self.bob[1] - origin[1]
             places[:, 2] = (self.depth - origin[2]) + row.ravel() * self.spacing[1]
-        if isinstance(self.heights, Roughness):
-            rng = np.random.default_rng(seed)
-            places[:, 1] += draw(self.heights, *self._grid, rng)
-        elif self.heights is not None:
-            places[:, 1] += self.heights
+        heights = self.drawn_heights(seed)
+        if heights is not None:
+            places[:, 1] += heights
         return places
+
+    def drawn_heights(self, seed: Any) -> np.ndarray | None:
+        """(n,) heights; those of a roughness are drawn, by `seed` if it has none of its own."""
+        if isinstance(self.heights, Roughness):
+            return draw(self.heights, *self._grid, np.random.default_rng(seed))
+        return self.heights
 
     @property
     def first_bob(self) -> tuple[float, float, float]:

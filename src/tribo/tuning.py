@@ -183,5 +183,6 @@ def _refuse_early(
         raise InputError(
             "accuracy",
             out_of_reach(tightest(wanted), grown).removeprefix("accuracy ")
-            + "; name the observables that matter, or give a method and a step",
+            + "; name the observables that matter, or give a method and a step; means over many "
+            "starts are had by tribo.ensemble",
         )
