@@ -36,8 +36,8 @@ work_precision
 report_card.card report_card.specimen report_card.derivatives report_card.smoothness
 report_card.limits report_card.agreement report_card.invariances report_card.ase_peers
 report_card.motion report_card
-canvas report_card.figure work_precision_figure ensembles.figure
-pose drawings curves plotting paper paper_figures cli
+canvas report_card.figure work_precision_figure
+pose drawings curves plotting ensembles.figure paper paper_figures cli
 """
 ORDER = LAYERS.split()
 

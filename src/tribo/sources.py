@@ -69,7 +69,8 @@ def load(source: bytes, place: str) -> ModuleType:
 
 def place_of(cls: type) -> str:
     """The file that a class is loaded from, or the module where that is the way to it."""
-    file = inspect.getfile(cls) if hasattr(sys.modules[cls.__module__], "__file__") else None
+    known = hasattr(sys.modules.get(cls.__module__), "__file__")
+    file = inspect.getfile(cls) if known else None
     if file is None or cls.__module__.count(".") or file.startswith(sys.prefix):
         return cls.__module__
     return file
