@@ -1,16 +1,19 @@
 """The numbers of the cost model in src/tribo/costs.py, measured.
 
 Evaluations for an error of 1e-6, and how they grow with every digit, are medians over a few small
-scenes, of the runs that tribo.work_precision makes.  Nanoseconds of an evaluation are those of a
+scenes, of the runs that tribo.work_precision makes; of methods that turn bath oscillators exactly
+also with baths that are fast.  Nanoseconds of an evaluation are those of a
 pair, of a grid, and of a pair with a large bath, all methods in turn, the least of several rounds.
 
     python benchmarks/calibrate.py [--json]
 
-Prints one line a method, in the order of the fields of tribo.costs.Rate.
+Prints one line a method, in the order of the fields of tribo.costs.Rate, the table BATHED,
+and the first numbers of PAIR.
 """
 
 import argparse
 import json
+from dataclasses import replace
 from statistics import median
 
 import numpy as np
@@ -18,7 +21,7 @@ import numpy as np
 import tribo
 import tribo.costs
 from tribo import accuracy as acc
-from tribo import paper
+from tribo import methods, paper, simulation
 from tribo.methods import METHODS
 from tribo.simulation import Simulation
 from tribo.tuning import setting_at
@@ -46,11 +49,24 @@ def evaluations(found: WorkPrecision, method: str, error: float) -> float:
     return float(np.exp(np.interp(np.log(error), x, y)))
 
 
-def appetite(seconds: float) -> dict[str, tuple[float, float]]:
+def fast_baths() -> list[tribo.Scene]:
+    """Pairs with oscillators that turn much faster than the pendulums do."""
+    scenes = []
+    for case, n in (("A", 100), ("A", 200), ("C", 100)):
+        bath = {"spectrum": "drude", "gamma": 0.2, "cutoff": 2.0, "n": n}
+        scene = paper.scene(case)
+        bathed = tuple(replace(surface, bath=bath) for surface in scene.surfaces)
+        scenes.append(replace(scene, surfaces=bathed))
+    return scenes
+
+
+def appetite(
+    scenes: list[tribo.Scene], names: list[str], seconds: float
+) -> dict[str, tuple[float, float]]:
     """Evaluations a radian at 1e-6, and the slope of their growth, by method."""
-    counts: dict[str, list[tuple[float, float]]] = {name: [] for name in METHODS}
-    for scene in small_scenes():
-        found = work_precision(scene, seconds=seconds)
+    counts: dict[str, list[tuple[float, float]]] = {name: [] for name in names}
+    for scene in scenes:
+        found = work_precision(scene, names, seconds=seconds)
         radians = scene.duration / acc.unit_step(tribo.prepare(scene, method="rkn8").layout)
         for name in {row.method for row in found.rows}:
             best = min(row.error for row in found.rows if row.method == name)
@@ -114,7 +130,11 @@ def main() -> None:
     parser.add_argument("--json", action="store_true")
     parser.add_argument("--seconds", type=float, default=20.0, help="for the runs of each scene")
     options = parser.parse_args()
-    hungry = appetite(options.seconds)
+    pairs = appetite(small_scenes()[:4], ["gauss-radau-15"], options.seconds)
+    simulation.has_loop = lambda *scene: False  # pairs by the loops for all scenes
+    hungry = appetite(small_scenes(), list(METHODS), options.seconds)
+    exact = [m.name for m in METHODS.values() if m.splits and not methods.refusal(m, bathed())]
+    bathing = appetite(fast_baths(), exact, options.seconds)
     names = list(hungry)
     of_pair, of_grid = nanoseconds(pair(), names), nanoseconds(grid(), names)
     kind = [name for name in names if name != "blanes-moan-6"]
@@ -127,10 +147,12 @@ def main() -> None:
         fixed = max(0.0, of_pair[name] - 2.0 * asperite)
         rows[name] = [each, slope, fixed, asperite, oscillator]
     if options.json:
-        print(json.dumps(rows, indent=1))
+        print(json.dumps({"rates": rows, "bathed": bathing, "pairs": pairs}, indent=1))
         return
     for name, numbers in rows.items():
         print(f'    "{name}": Rate({", ".join(f"{x:.3g}" for x in numbers)}, {STEP[name]}),')
+    for name, (each, slope) in [*bathing.items(), *pairs.items()]:
+        print(f'    "{name}": ({each:.3g}, {slope:.3g}),')
 
 
 if __name__ == "__main__":

@@ -29,8 +29,8 @@ LOWER = 0.1  # by which a level is lowered at least
 AIM = 0.3  # of what was asked for, that a lower level is to come to
 PERTURBATION = 1e-11  # of the start, to see what the scene makes of it
 LONG = 20.0  # seconds of a run, before which it is found out whether it can be had at all
-LOOSER = 4.0  # by which a level is raised at a time, for runs that are compared with none
-ENOUGH = 0.5  # of what was asked for, that such a run may be apart from the finest
+LOOSER = 16.0  # by which a level is raised at first, for runs that are compared with none
+FINELY = 1.3  # and at last
 HALTED = ("Interrupted", "CalculatorFailed")  # what ends a run that another would not mend
 
 Wanted = float | Mapping[str, float]
@@ -120,15 +120,17 @@ def loosest(
         return None
     names = wanted if isinstance(wanted, Mapping) else ()
     scales = acc.inner_scales(layout, finest.samples)
-    found, least, level = None, np.inf, tuned.level
-    while True:
+    found, least, level, factor = None, np.inf, tuned.level, LOOSER
+    while factor > FINELY:
         setting = setting_at(layout, method, scales, level)
         run = attempt(setting)
-        if run.status != "completed" or run.evaluations >= least:
-            return found
-        if acc.excess(*estimated(layout, finest, run, names), wanted) > ENOUGH:
-            return found
-        found, least, level = setting, run.evaluations, level * LOOSER
+        good = run.status == "completed" and run.evaluations < least
+        if good and acc.excess(*estimated(layout, finest, run, names), wanted) <= 1.0:
+            found, least = setting, run.evaluations
+        else:
+            level, factor = level / factor, factor**0.5
+        level *= factor
+    return found
 
 
 def estimated(
