@@ -114,11 +114,11 @@ def nanoseconds(scene: tribo.Scene, names: list[str]) -> dict[str, float]:
     runs = {name: Simulation(scene, METHODS[name]) for name in names}
     least = dict.fromkeys(names, np.inf)
     for _ in range(ROUNDS):
-        for name, simulation in runs.items():
-            layout, method = simulation.layout, METHODS[name]
+        for name, run_by in runs.items():
+            layout, method = run_by.layout, METHODS[name]
             level = 1e-8 if method.adaptive else 0.1**method.order
             setting = setting_at(layout, method, acc.first_guess(layout), level)
-            run = simulation.attempt(setting)
+            run = run_by.attempt(setting)
             if run.status == "completed":
                 least[name] = min(least[name], 1e9 * run.seconds / run.evaluations)
     return least

@@ -30,7 +30,8 @@ AIM = 0.3  # of what was asked for, that a lower level is to come to
 PERTURBATION = 1e-11  # of the start, to see what the scene makes of it
 LONG = 20.0  # seconds of a run, before which it is found out whether it can be had at all
 LOOSER = 16.0  # by which a level is raised at first, for runs that are compared with none
-FINELY = 1.3  # and at last
+TRIES = 8  # of raising it, less at a time whenever it was too much
+MORE = 1.05  # of the fewest evaluations yet, that does not tell yet
 HALTED = ("Interrupted", "CalculatorFailed")  # what ends a run that another would not mend
 
 Wanted = float | Mapping[str, float]
@@ -121,12 +122,13 @@ def loosest(
     names = wanted if isinstance(wanted, Mapping) else ()
     scales = acc.inner_scales(layout, finest.samples)
     found, least, level, factor = None, np.inf, tuned.level, LOOSER
-    while factor > FINELY:
+    for _ in range(TRIES):
         setting = setting_at(layout, method, scales, level)
         run = attempt(setting)
-        good = run.status == "completed" and run.evaluations < least
+        good = run.status == "completed" and run.evaluations <= MORE * least
         if good and acc.excess(*estimated(layout, finest, run, names), wanted) <= 1.0:
-            found, least = setting, run.evaluations
+            if run.evaluations < least:
+                found, least = setting, run.evaluations
         else:
             level, factor = level / factor, factor**0.5
         level *= factor
