@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -205,6 +206,9 @@ class Simulation:
             if key not in self._known:
                 self._known[key] = self._slots(key)
             slots, less, count = self._known[key]
+            if type(value) is float and math.isfinite(value):  # most often, and checks take time
+                y[slots] = value - less
+                continue
             values = number_or_each(key, value)
             if isinstance(values, np.ndarray) and values.size != count:
                 raise InputError(key, f"has {values.size} values for {count} asperites")
