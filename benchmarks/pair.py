@@ -1,4 +1,4 @@
-"""Two asperites with their whole ledger, again and again: tribo against heyoka and SciPy.
+"""Two asperites with their whole ledger, again and again: tribo against heyoka, SciPy and rebound.
 
 The paper's cases A to D, each run from a new angle theta of the upper asperite to its end.  Every
 program is compiled and set up beforehand, at the loosest tolerance whose true error stays below
@@ -10,13 +10,15 @@ A timed call takes the angle and hands back the state at the end, from which the
 together by formulas when somebody looks; that is timed for none.  tribo integrates all of its
 accounts.  heyoka is given the easier task: coordinates that do not move are left out, and of the
 ledger it integrates the contact's impulse and works alone, from which all the rest follows by
-formulas.  "heyoka-motion" and SciPy are given the easiest: the motion alone, since of one pair
-every work can be had from it by conservation of energy and momentum.  heyoka runs with fast_math.
+formulas.  "heyoka-motion", SciPy, and rebound where it is installed are given the easiest: the
+motion alone, since of one pair every work can be had from it by conservation of energy and
+momentum.  heyoka runs with fast_math.
 
-    python benchmarks/pair.py [--json] [--rounds 100] [--cases ABCD]
+    python benchmarks/pair.py [--json | --markdown] [--rounds 100] [--cases ABCD]
 """
 
 import argparse
+import importlib.util
 import json
 import math
 import time
@@ -312,6 +314,49 @@ class Scipy:
         return problem.ledger(angle, end)
 
 
+class Rebound:
+    """Bulirsch-Stoer with the equations in Python; the motion alone."""
+
+    name = "rebound"
+    settings = 10.0 ** np.arange(-4.0, -15.1, -0.5)
+
+    def __init__(self, problem: Problem, setting: float) -> None:
+        self._problem = problem
+        self._setting = setting
+
+    def run(self, angle: float) -> Any:
+        """One run, timed."""
+        import rebound
+
+        problem = self._problem
+        start = problem.start(angle)
+        simulation = rebound.Simulation()
+        simulation.integrator = "BS"
+        accuracy = simulation.integrator
+        accuracy.eps_rel = accuracy.eps_abs = self._setting
+        ode = simulation.create_ode(length=len(start), needs_nbody=False)
+
+        def derivatives(_: Any, slope: Any, y: Any, t: float) -> None:
+            for k, value in enumerate(problem.equations(y[: len(start)], t, math)):
+                slope[k] = value
+
+        ode.derivatives = derivatives
+        for k, value in enumerate(start):
+            ode.y[k] = value
+        simulation.integrate(problem.duration)
+        return [ode.y[k] for k in range(len(start))]
+
+    def ledger(self, problem: Problem, angle: float, end: Any) -> dict[str, float]:
+        """By conservation laws."""
+        return problem.ledger(angle, end)
+
+
+PROGRAMS = {"tribo": Tribo, "heyoka": Heyoka, "heyoka-motion": HeyokaMotion, "scipy": Scipy}
+if importlib.util.find_spec("rebound") is not None:
+    PROGRAMS["rebound"] = Rebound
+SLOW = ("scipy", "rebound")  # timed less often
+
+
 def references(problem: Problem) -> list[dict[str, float]]:
     """The ledger's end from each angle, in extended precision."""
     exact = HeyokaMotion(problem, 1e-18, np.longdouble)
@@ -345,13 +390,13 @@ def measure(cases: str, rounds: int) -> list[dict[str, Any]]:
         known = references(problem)
         programs = {
             (wanted, system.name): settings
-            for system in (Tribo, Heyoka, HeyokaMotion, Scipy)
+            for system in PROGRAMS.values()
             for wanted, settings in settled(problem, system, known).items()
         }
         seconds = dict.fromkeys(programs, math.inf)
         for k in range(rounds):
             for key, (program, _, _) in programs.items():
-                if key[1] == "scipy" and k % 50:
+                if key[1] in SLOW and k % 50:
                     continue
                 for repeat in range(REPEATS):
                     angle = 1e-4 * ((REPEATS * k + repeat) % 2000 + 1)
@@ -386,7 +431,7 @@ def report(rows: list[dict[str, Any]]) -> str:
             f"{row['case']:>4} {row['wanted']:>6.0e}  {row['program']:<13} "
             f"{row['microseconds']:>9.1f} {row['error']:>11.1e} {row['ratio']:>7.2f}"
         )
-    for name in ("heyoka", "heyoka-motion", "scipy"):
+    for name in list(PROGRAMS)[1:]:
         ratios = [row["ratio"] for row in rows if row["program"] == name]
         if ratios:
             mean, least = geometric_mean(ratios), min(ratios)
@@ -394,15 +439,38 @@ def report(rows: list[dict[str, Any]]) -> str:
     return "\n".join(lines)
 
 
+def markdown(rows: list[dict[str, Any]]) -> str:
+    """The table of docs/pairs.md."""
+    titles = {"heyoka-motion": "heyoka, motion alone", "scipy": "SciPy"}
+    others = list(PROGRAMS)[1:]
+    cells = [[f"{titles.get(name, name)} / tribo" for name in others], [*PROGRAMS]]
+    lines = [["case", "true error below", *cells[0], *(titles.get(n, n) for n in cells[1])]]
+    lines.append(["---"] * len(lines[0]))
+    for case, wanted in sorted({(row["case"], -row["wanted"]) for row in rows}):
+        found = {r["program"]: r for r in rows if (r["case"], -r["wanted"]) == (case, wanted)}
+        ratios = [f"{found[n]['ratio']:.3g}" if n in found else "-" for n in others]
+        times = [f"{found[n]['microseconds']:.3g}" if n in found else "-" for n in PROGRAMS]
+        lines.append([case, f"{-wanted:.0e}", *ratios, *times])
+    means = [
+        [row["ratio"] for row in rows if row["program"] == name and row["ratio"] > 0.0]
+        for name in others
+    ]
+    mean = [f"{geometric_mean(ratios):.3g}" if ratios else "-" for ratios in means]
+    lines.append(["geometric mean", "", *mean, *[""] * len(PROGRAMS)])
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+
+
 def main() -> None:
     """Measure all in one process."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--json", action="store_true")
+    parser.add_argument("--markdown", action="store_true", help="as the documents have it")
     parser.add_argument("--rounds", type=int, default=100)
     parser.add_argument("--cases", default="ABCD")
     options = parser.parse_args()
     rows = measure(options.cases, options.rounds)
-    print(json.dumps(rows, indent=1) if options.json else report(rows))
+    shown = markdown if options.markdown else report
+    print(json.dumps(rows, indent=1) if options.json else shown(rows))
 
 
 if __name__ == "__main__":

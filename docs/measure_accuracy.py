@@ -100,17 +100,23 @@ def choices(name: str) -> Iterator[dict[str, Any]]:
 
 def kept(name: str) -> WorkPrecision:
     """What was measured on a scene."""
+    return _kept(name)[0]
+
+
+def _kept(name: str) -> tuple[WorkPrecision, list[dict[str, Any]]]:
+    """And what was chosen."""
     table = json.loads((FOLDER / f"accuracy_{name}.json").read_text(encoding="utf-8"))
+    own = table.pop("chosen")
     runs = tuple(Row(**row) for row in table.pop("rows"))
-    return WorkPrecision(runs, **table)
+    return WorkPrecision(runs, **table), own
 
 
 def chosen() -> Iterator[list[str]]:
     """What is chosen, and what its run takes beside the fastest of those in the diagrams."""
     yield ["scene", "accuracy", "chosen", "a run", "fastest by hand", "a run", "ratio"]
     for name, title in NAMES.items():
-        found = kept(name)
-        for own in json.loads((FOLDER / f"accuracy_{name}.json").read_text())["chosen"]:
+        found, picks = _kept(name)
+        for own in picks:
             best = found.best(own["accuracy"])
             cells = [title, f"{own['accuracy']:.0e}", f"`{own['method']}`", _time(own["seconds"])]
             if best is not None:

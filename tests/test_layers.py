@@ -18,7 +18,8 @@ errors checks
 kernels kernels.status kernels.tableaux kernels.records kernels.compiled kernels.external
 kernels.neighbours kernels.contact kernels.probe kernels.motion kernels.powers kernels.samples
 kernels.stepping kernels.sums kernels.nystrom_tableaux kernels.collocation_tableaux
-kernels.runge_kutta kernels.nystrom kernels.collocation kernels.splitting kernels.lanes
+kernels.runge_kutta kernels.nystrom kernels.collocation kernels.turns kernels.splitting
+kernels.lanes
 kernels.pair_forces kernels.pair_step kernels.pair
 sources plugins
 potentials.born_mayer potentials.buckingham potentials.coulomb potentials.lennard_jones

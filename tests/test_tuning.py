@@ -9,6 +9,7 @@ import tribo
 from test_neighbours import long_slide
 from tribo import costs, paper, tuning
 from tribo.methods import METHODS
+from tribo.potentials.cutoff import AT_CUTOFF
 
 FEW = tribo.Output(samples=9)
 
@@ -91,6 +92,14 @@ def test_the_model_of_costs():
             few = {e.method.name: e.seconds for e in costs.estimates(case(letter), one)}
             more = {e.method.name: e.seconds for e in costs.estimates(case(letter), other)}
             assert all(few[name] <= more[name] for name in few)
+
+
+@pytest.mark.parametrize("at_cutoff", AT_CUTOFF)
+def test_there_is_a_method_for_every_cutoff(at_cutoff):
+    """However rough it is."""
+    cut = tribo.with_cutoff(tribo.Coulomb(0.2), 3.0, at_cutoff)
+    scene = replace(case("A"), interactions=(tribo.Interaction(cut),))
+    assert costs.cheapest(scene, 1e-6)[0].smoothness <= max(0, cut.smoothness())
 
 
 def kicked() -> tribo.Scene:

@@ -270,6 +270,7 @@ def excess(
     for name in wanted if isinstance(wanted, Mapping) else bounds:
         bound, scale = bounds[name], scales.of(kind_of(name))
         accuracy = wanted[name] if isinstance(wanted, Mapping) else wanted
-        if bound > 0.0:
-            worst = max(worst, bound / (accuracy * scale) if scale > 0.0 else np.inf)
+        if not bound <= 0.0:  # nor where it is no number
+            known = scale > 0.0 and np.isfinite(bound)
+            worst = max(worst, bound / (accuracy * scale) if known else np.inf)
     return worst

@@ -60,8 +60,8 @@ BATHED = {  # evaluations and slope of methods that turn oscillators exactly, wi
     "kahan-li-8": (71.5, 5.79),
 }
 LOOKS = 129  # at most, at the bobs on their way
-PAIRS = 2e7  # looked at on their way
-SOME = 8  # bobs of a surface that are followed
+PAIR_LOOKS = 2e7  # at most, for each two surfaces
+FOLLOWED = 8  # bobs of a surface that are followed
 PAIR = Rate(5.13, 21.4, 12.0, 0.0, 0.0, 18)  # gauss-radau-15 in a loop of its own
 
 
@@ -83,7 +83,8 @@ def estimates(scene: Scene, accuracy: float) -> list[Estimate]:
     layout = laid_out(scene)
     bathed = _oscillators(scene) > 0
     towards, fast = steps_towards(layout), FAST * _fast_radians(layout)
-    smoothness = min((i.potential.smoothness() for i in scene.interactions), default=np.inf)
+    roughest = min((i.potential.smoothness() for i in scene.interactions), default=np.inf)
+    smoothness = max(roughest, 0)  # a jump of the energy is none of any method's steps' business
     found = []
     for name, rate in RATES.items():
         method = methods.METHODS[name]
@@ -130,16 +131,17 @@ def steps_towards(layout: Layout) -> float:
     for contact in layout.model.contacts:
         for one, other in contact.pairs:
             mine, theirs = (layout.model.surfaces[k] for k in (one, other))
-            first = np.linspace(mine.start, mine.stop - 1, min(SOME, mine.stop - mine.start))
+            first = np.linspace(mine.start, mine.stop - 1, min(FOLLOWED, mine.stop - mine.start))
             followed = place[:, first.astype(int)]
             others = place[:, theirs.start : theirs.stop]
             drift = layout.velocity[mine.start] - layout.velocity[theirs.start]
-            looks = int(np.clip(PAIRS / (followed.shape[1] * others.shape[1]), 5, LOOKS))
+            looks = int(np.clip(PAIR_LOOKS / (followed.shape[1] * others.shape[1]), 5, LOOKS))
             speed = float(np.hypot(*drift)) + 2.0 * swinging
             times = np.linspace(0.0, layout.scene.duration, looks)
             near = [_nearest(followed, others, drift * t, layout.model.box) for t in times]
             clear = np.array([contact.potential.clearance(r) for r in near])
-            rates.append(float(np.mean(speed / np.maximum(clear, 1e-3 * np.max(clear)))))
+            if np.max(clear) > 0.0:  # bobs that stay at one place have no run
+                rates.append(float(np.mean(speed / np.maximum(clear, 1e-3 * np.max(clear)))))
     return max(rates) * layout.scene.duration / NEAR
 
 

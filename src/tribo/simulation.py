@@ -29,9 +29,9 @@ from tribo.tuning import (
     PILOT,
     Tuned,
     Wanted,
-    amplification,
     estimated,
     loosest,
+    named_in,
     out_of_reach,
     setting_at,
     tightest,
@@ -111,10 +111,17 @@ class Simulation:
         self.accuracy = accuracy
         self._times = np.union1d(self._times, np.linspace(0.0, self.scene.duration, PARTS + 1))
         if self._digests:
+            many = f"{self.scene.count} asperites"
+            if Digest.wanted(self.layout, PARTS + 1):
+                raise InputError(
+                    "accuracy",
+                    f"cannot be kept of {many}, too many to compare two runs; give a "
+                    "method and a step",
+                )
             raise InputError(
                 "output.samples",
-                f"{self._times.size} samples of {self.scene.count} asperites are too many to "
-                "compare two runs; give fewer samples, or a method and a step",
+                f"{self.scene.times.size} samples of {many} are too many to compare two runs; give "
+                "fewer samples, or a method and a step",
             )
         self._tuned = tune(self.layout, self.method, accuracy, self.attempt)
         self._coarse, self._setting = self._tuned.coarse, self._tuned.fine
@@ -254,22 +261,21 @@ class Simulation:
         if digest is not None:
             t, blocks, system = digest.series()
             books = Ledger(books.surfaces, blocks, system)
-        met = None
         notes = list(self._warnings)
         if digest is not None:
             notes.append("of the asperites' series only the first and the last sample are kept")
         for call in self.layout.calls:
             if call.error is not None:
                 notes.append(f"the calculator raised {type(call.error).__name__}: {call.error}")
+        met = None
         if len(runs) > 1 and self.accuracy is not None:
             met = False
             if fine.status == "completed":  # of the end of any other run nothing is known
-                names = self.accuracy if isinstance(self.accuracy, Mapping) else ()
-                found, scales = estimated(self.layout, fine, runs[-2], names)
-                met = acc.excess(found, scales, self.accuracy) <= 1.0
+                found, excess = self._judged(fine, runs[-2])
                 bounds.update(found)
+                met = excess <= 1.0
                 if not met:
-                    notes.append(self._missed(acc.excess(found, scales, self.accuracy)))
+                    notes.append(self._missed(excess))
         return Result(
             scene=self.scene,
             t=t,
@@ -284,14 +290,21 @@ class Simulation:
             notes=tuple(notes),
         )
 
+    def _judged(self, fine: March, coarse: March) -> tuple[dict[str, float], float]:
+        """Bounds on the finer run's errors, and the largest in units of what was asked for."""
+        assert self.accuracy is not None
+        found, scales = estimated(self.layout, fine, coarse, named_in(self.accuracy))
+        return found, acc.excess(found, scales, self.accuracy)
+
     def _missed(self, excess: float) -> str:
-        """That the request was not met, by how much, and what the scene makes of round-off."""
+        """That the request was not met, by how much, and why."""
         assert self.accuracy is not None and self._tuned is not None
-        grown, wanted = self._tuned.amplification, tightest(self.accuracy)
+        grown = self._tuned.amplification
         if grown is None:
-            base = self.attempt(self._coarse, True)
-            grown = amplification(self.layout, self.attempt, self._coarse, base)
-        return f"errors are estimated at {excess:.1e} of the request; {out_of_reach(wanted, grown)}"
+            why = "the settings were found from the scene's own start, which kept it"
+        else:
+            why = out_of_reach(tightest(self.accuracy), grown)
+        return f"errors are estimated at {excess:.1e} of the request; {why}"
 
     def _price(self, runs: list[March]) -> Cost:
         """What the runs took, and what a digit more or less would take."""
@@ -367,6 +380,8 @@ def prepare(
         raise InputError("scene", f"must be a tribo.Scene, got {scene!r}")
     own = any(item is not None for item in (accuracy, method, step))
     if own:
+        if accuracy is None and step is None:
+            accuracy = scene.numerics.accuracy
         plan = plan_for(scene, accuracy, method, step)
     else:
         wanted = scene.numerics

@@ -21,7 +21,8 @@ from tribo.march import March
 from tribo.methods import Method
 
 PILOT = 1e-3  # tolerance level of the first run, which finds out the scales
-STALLED = 0.5  # of the estimate before: less gained than that, and round-off is the limit
+STALLED = 0.5  # of the estimate before: less gained than that,
+PATIENCE = 2  # so many times in a row, and round-off is the limit
 ROUNDS = 6  # of tightening, before a request is called out of reach
 APART = 0.05  # level of the finer of two runs that are compared, in units of the other's
 NEAR = 0.5  # of the way to an encounter, for a step of the coarser; errors of the finer fall alike
@@ -54,6 +55,11 @@ def tightest(wanted: Wanted) -> float:
     return min(wanted.values()) if isinstance(wanted, Mapping) else wanted
 
 
+def named_in(wanted: Wanted) -> tuple[str, ...]:
+    """The quantities that an accuracy names; none where it is for all of them."""
+    return tuple(wanted) if isinstance(wanted, Mapping) else ()
+
+
 def setting_at(
     layout: Layout, method: Method, scales: acc.InnerScales, level: float, near: float = NEAR
 ) -> Any:
@@ -73,7 +79,7 @@ def tune(layout: Layout, method: Method, wanted: Wanted, attempt: Attempt) -> Tu
     scene's start or another.  Raises InputError if the request is out of reach and would take
     long to fail.
     """
-    names = wanted if isinstance(wanted, Mapping) else ()
+    names = named_in(wanted)
     runs: list[March] = []
     scales = acc.first_guess(layout)
     level = method.first_level * tightest(wanted)
@@ -81,7 +87,7 @@ def tune(layout: Layout, method: Method, wanted: Wanted, attempt: Attempt) -> Tu
         pilot = setting_at(layout, method, scales, PILOT)
         runs.append(attempt(pilot, True))
         _refuse_early(layout, method, wanted, attempt, pilot, runs[0], level)
-    before, grown = np.inf, None
+    before, grown, stalls = np.inf, None, 0
     for _ in range(ROUNDS):
         if runs:
             scales = acc.inner_scales(layout, runs[-1].samples)
@@ -97,11 +103,12 @@ def tune(layout: Layout, method: Method, wanted: Wanted, attempt: Attempt) -> Tu
             level *= LOWER**2
             continue
         excess = acc.excess(*estimated(layout, runs[-1], runs[-2], names), wanted)
-        if excess <= 1.0 or level <= acc.FLOOR or excess > STALLED * before:
+        stalls = stalls + 1 if excess > STALLED * before else 0
+        if excess <= 1.0 or level <= acc.FLOOR or stalls == PATIENCE:
             break
         if grown is None:
             grown = amplification(layout, attempt, coarse, runs[-2])
-            if grown * acc.EPSILON > tightest(wanted):
+            if grown is None or grown * acc.EPSILON > tightest(wanted):
                 break
         before = excess
         level = max(level * min(LOWER, AIM / excess), acc.FLOOR)
@@ -119,12 +126,14 @@ def loosest(
     finest = tuned.runs[-1]
     if finest.status != "completed" or finest.seconds > LONG:
         return None
-    names = wanted if isinstance(wanted, Mapping) else ()
+    names = named_in(wanted)
     scales = acc.inner_scales(layout, finest.samples)
     found, least, level, factor = None, np.inf, tuned.level, LOOSER
     for _ in range(TRIES):
         setting = setting_at(layout, method, scales, level)
         run = attempt(setting)
+        if run.status == "Interrupted":
+            raise KeyboardInterrupt
         good = run.status == "completed" and run.evaluations <= MORE * least
         if good and acc.excess(*estimated(layout, finest, run, names), wanted) <= 1.0:
             if run.evaluations < least:
@@ -146,11 +155,16 @@ def estimated(
     return acc.estimate(books, one, other, scales, names), scales
 
 
-def amplification(layout: Layout, attempt: Attempt, setting: Any, run: March) -> float:
-    """What becomes of a small change of the start, in units of the change and of the scales."""
+def amplification(layout: Layout, attempt: Attempt, setting: Any, run: March) -> float | None:
+    """What becomes of a small change of the start, in units of the change and of the scales.
+
+    None if the run that was to show it was halted.
+    """
     nudged = layout.start.copy()
     nudged[: layout.model.asperites.size] += PERTURBATION
     other = attempt(setting, True, nudged)
+    if other.status in HALTED:
+        return None
     shared = np.intersect1d(run.samples.t, other.samples.t)
     one, two = (ledger(layout, item.samples.at(shared)) for item in (run, other))
     scales = acc.reported_scales(layout, ledger(layout, run.samples))
@@ -161,7 +175,7 @@ def out_of_reach(wanted: float, grown: float) -> str:
     """Why a request cannot be met, with both numbers."""
     reason = ""
     if grown * acc.EPSILON < wanted:
-        reason = "finer settings gain nothing, though "
+        reason = "finer settings gain too little, though "
     return (
         f"accuracy {wanted:.1e} is out of reach: {reason}a change of {PERTURBATION:.0e} in the "
         f"start grows to {grown * PERTURBATION:.1e} of the scale, and round-off of "
@@ -183,7 +197,7 @@ def _refuse_early(
     if pilot.status != "completed" or pilot.seconds * longer < LONG:
         return
     grown = amplification(layout, attempt, setting, pilot)
-    if grown * acc.EPSILON > tightest(wanted):
+    if grown is not None and grown * acc.EPSILON > tightest(wanted):
         raise InputError(
             "accuracy",
             out_of_reach(tightest(wanted), grown).removeprefix("accuracy ")

@@ -74,10 +74,13 @@ def ensemble(
     most = _most(n, wanted, variation)
     check_engine(engine)
     crew = Crew(_planned(scene, method, step), variation, engine, progress)
-    crew.add(most if wanted is None else min(FIRST, most))
     first = None
-    if wanted is not None:
-        first = len(crew.complete)
+    if wanted is None:
+        crew.add(most)
+    else:
+        _check_kept(crew, wanted)
+        crew.add(min(FIRST, most))
+        first = crew.completed
         if not crew.interrupted:
             _enough(crew, wanted, most)
     collected = Collected(
@@ -136,15 +139,19 @@ def _planned(scene: Scene, method: str | None, step: float | None) -> Simulation
     return simulation
 
 
-def _enough(crew: Crew, wanted: Mapping[str, float], most: int) -> None:
-    """Add as many members as the spread of the first ones says, by Stein's rule."""
+def _check_kept(crew: Crew, wanted: Mapping[str, float]) -> None:
+    """Complain about quantities whose series no member keeps."""
     for name in wanted:
         if name not in crew.names:
             raise InputError(
                 f"accuracy.{name}",
                 "is a sum over asperites, whose series are too long to keep; give fewer samples",
             )
-    scale = max(outcome.scale for outcome in crew.outcomes)
+
+
+def _enough(crew: Crew, wanted: Mapping[str, float], most: int) -> None:
+    """Add as many members as the spread of the first ones says, by Stein's rule."""
+    scale = max(outcome.scale for outcome in crew.outcomes if outcome.completed)
     first = crew.complete
     needed = {
         name: members_needed(first[:, crew.names.index(name)], value * scale)
@@ -157,6 +164,6 @@ def _enough(crew: Crew, wanted: Mapping[str, float], most: int) -> None:
             f"would take {needed[name]:.0f} members, as the spread of the first {len(first)} says, "
             f"and {most} are the most; ask for less, or give a larger n",
         )
-    while len(crew.complete) < needed[name] and len(crew.members) < most and not crew.interrupted:
-        missing = int(needed[name]) - len(crew.complete)
+    while crew.completed < needed[name] and len(crew.members) < most and not crew.interrupted:
+        missing = int(needed[name]) - crew.completed
         crew.add(min(missing, most - len(crew.members)))

@@ -93,6 +93,11 @@ class Crew:
         self._anew = variation.random or variation.moves
 
     @property
+    def completed(self) -> int:
+        """How many members reached their end."""
+        return sum(outcome.completed for outcome in self.outcomes)
+
+    @property
     def complete(self) -> np.ndarray:
         """(complete members, names, times) values."""
         return np.array([o.values for o in self.outcomes if o.completed])
@@ -113,13 +118,13 @@ class Crew:
                     self._progress(len(self.members))
         except KeyboardInterrupt:
             self.interrupted = True
-            if len(self.complete) < 2:
+            if self.completed < 2:
                 raise
-        if len(self.complete) < 2:
+        if self.completed < 2:
             statuses = sorted({o.status for o in self.outcomes} - {"completed"})
             raise InputError(
                 "scene",
-                f"is completed by {len(self.complete)} of {len(self.outcomes)} members, and a mean "
+                f"is completed by {self.completed} of {len(self.outcomes)} members, and a mean "
                 "is of two at least; "
                 + "; ".join(f"{status}: {MEANINGS[status]}" for status in statuses),
             )

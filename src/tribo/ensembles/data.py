@@ -152,7 +152,7 @@ def _of_settings(second: Second) -> list[str]:
         if not missed:
             return []
         return [f"{missed} of the first {len(second.errors)} members miss the accuracy of each"]
-    if not second.halved:
+    if len(second.halved) < 2:
         return ["what the step or the tolerances have to do with the means was not looked at"]
     return [
         f"bias is the mean at the step less that at half of it, of {len(second.halved)} members; "

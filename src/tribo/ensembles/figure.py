@@ -36,7 +36,12 @@ def mean_band(ax: Axes, data: xarray.Dataset, name: str) -> None:
     complete = data[name].values[data["status"].values == "completed"]
     shown = complete[:SHOWN]
     mean, half = data[f"{name}_mean"].values, data[f"{name}_half_width"].values
-    faint: Any = {"color": MEMBERS, "linewidth": 0.5, "alpha": max(0.15, 3.0 / len(shown))}
+    opacity = min(1.0, max(0.15, 3.0 / len(shown)))
+    faint: Any = {
+        "color": MEMBERS,
+        "linewidth": 0.5,
+        "alpha": opacity,
+    }
     lines = ax.plot(time, shown.T, **faint)
     band = ax.fill_between(time, mean - half, mean + half, color=BAND, alpha=0.45, linewidth=0.0)
     (middle,) = ax.plot(time, mean, color=INK, linewidth=1.0)

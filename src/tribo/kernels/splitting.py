@@ -5,15 +5,12 @@ so have other sequences of drifts and kicks, see :class:`Splitting`.
 
     drift  every torsion spring rotates its pendulum exactly, centres of mass move uniformly
     kick   contact, drive, field and lattice springs change the rates at fixed places
-    bath   inside the kick: the bar frozen, every oscillator turns exactly about it, and the bar
-           takes up the opposite momentum
-    noise  Langevin friction and noise on the frozen bars, by its exact solution
+    turns  inside the kick: baths and reservoirs, bars frozen, see :mod:`tribo.kernels.turns`
 
 Each part books its own work with the mean of the rates before and after it, so that pseudowork
 = delta k_trans and work = delta (k_trans + e_int) hold to round-off at any step.
 
-L. Verlet, Phys. Rev. 159 (1967) 98; G. Strang, SIAM J. Numer. Anal. 5 (1968) 506;
-B. Leimkuhler, C. Matthews, Appl. Math. Res. Express 2013 (2013) 34, for the noise.
+L. Verlet, Phys. Rev. 159 (1967) 98; G. Strang, SIAM J. Numer. Anal. 5 (1968) 506.
 """
 
 import math
@@ -21,10 +18,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tribo.kernels.compiled import kernel, owning_kernel
+from tribo.kernels.compiled import kernel
 from tribo.kernels.motion import (
     accelerate,
-    bar_displacement,
     displacement,
     drive_bar,
     forces,
@@ -32,7 +28,7 @@ from tribo.kernels.motion import (
     listed,
     place_bob,
 )
-from tribo.kernels.neighbours import crowded
+from tribo.kernels.neighbours import crowded, refresh
 from tribo.kernels.powers import (
     CONTACT,
     DRIVE,
@@ -40,7 +36,6 @@ from tribo.kernels.powers import (
     SLIDE,
     block_powers,
     field_powers,
-    momentum,
     powers_of,
     shared_accounts,
 )
@@ -61,6 +56,7 @@ from tribo.kernels.stepping import (
     record_due,
     time_left,
 )
+from tribo.kernels.turns import inner_turns, room_for_turns
 
 # Gauss-Legendre nodes and weights on (0, 1), for the ends of clamped bars that turn.
 _ROOT = math.sqrt(0.6)
@@ -245,150 +241,6 @@ def kick(model, t, tau, q, v, s, slope, middle, power, core):
     tally(s.size - common, common, tau, power, s)
 
 
-@kernel
-def push_bar(a, b, px, py, i, v, s, k):
-    """A momentum (px, py) given to bar i, frozen in place, and booked from account k on."""
-    along = b.tx * px + b.ty * py
-    omega = v[i]
-    vx = v[a.dof_x]
-    vy = v[a.dof_y]
-    v[i] -= a.l2 * along / a.inertia
-    v[a.dof_x] += px / a.mass
-    v[a.dof_y] += py / a.mass
-    s[k] += px
-    s[k + 1] += py
-    s[k + 2] -= a.l2 * along * 0.5 * (omega + v[i])
-    s[k + 3] += px * 0.5 * (vx + v[a.dof_x]) + py * 0.5 * (vy + v[a.dof_y])
-
-
-@kernel
-def turn_oscillators(q, v, start, count, about, bath, first, turns):
-    """Turn `count` oscillators about a place; returns the momentum that they gained."""
-    gained = 0.0
-    for n in range(count):
-        k = start + n
-        o = bath[first + n]
-        x = q[k] - about
-        rate = v[k]
-        less = turns[first + n, 0]
-        sin = turns[first + n, 1]
-        change = -less * rate - sin * o.frequency * x
-        q[k] += sin / o.frequency * rate - less * x
-        v[k] += change
-        gained += o.mass * change
-    return gained
-
-
-@owning_kernel
-def room_for_turns(bath):
-    """(oscillators + 1, 2) for `turns_of` to fill."""
-    if bath is None:
-        return np.empty((0, 2))
-    return np.full((bath.size + 1, 2), np.nan)
-
-
-@kernel
-def turns_of(bath, tau, turns):
-    """1 - cos and sin of every oscillator's turn in tau, which is kept in the last row."""
-    if turns[-1, 0] == tau:
-        return
-    turns[-1, 0] = tau
-    for n in range(bath.shape[0]):
-        half = math.sin(0.5 * bath[n].frequency * tau)
-        turns[n, 0] = 2.0 * half * half
-        turns[n, 1] = math.sin(bath[n].frequency * tau)
-
-
-@kernel
-def turn_bath(model, bath, tau, q, v, s, turns):
-    """Bars frozen, all oscillators turn exactly; the bars take up the opposite momentum."""
-    if bath is not None:
-        turns_of(bath, tau, turns)
-        for i in range(model.asperites.shape[0]):
-            a = model.asperites[i]
-            count = model.surfaces[a.surface].oscillators
-            if count > 0:
-                first = model.surfaces[a.surface].first_oscillator
-                x, y = bar_displacement(a, q, q[i])
-                px = turn_oscillators(q, v, a.dof_bath, count, x, bath, first, turns)
-                py = turn_oscillators(q, v, a.dof_bath + count, count, y, bath, first, turns)
-                push_bar(a, model.bobs[i], -px, -py, i, v, s, a.acc_internal)
-
-
-@kernel
-def turn_torsional(model, torsional, t, tau, q, v, s, turns):
-    """Bars frozen, all torsional oscillators turn exactly; the bars take up the rest."""
-    if torsional is not None:
-        turns_of(torsional, tau, turns)
-        for i in range(model.asperites.shape[0]):
-            a = model.asperites[i]
-            surface = model.surfaces[a.surface]
-            if surface.torsionals > 0:
-                start = a.dof_bath + 2 * surface.oscillators
-                first = surface.first_torsional
-                gained = turn_oscillators(
-                    q, v, start, surface.torsionals, q[a.dof_phi], torsional, first, turns
-                )
-                nu = v[a.dof_phi]
-                v[a.dof_phi] -= gained / a.i2
-                s[a.acc_internal + 2] -= gained * 0.5 * (nu + v[a.dof_phi])
-
-
-@kernel
-def thermal_kick(gamma, temperature, mobility, relative, tau, noise):
-    """Momentum that friction and noise give in tau to a velocity of mass 1 / mobility."""
-    kept = math.exp(-gamma * mobility * tau)
-    change = (kept - 1.0) * relative
-    if temperature > 0.0:
-        change += math.sqrt(temperature * mobility * (1.0 - kept * kept)) * noise.standard_normal()
-    return change / mobility
-
-
-@kernel
-def thermalise(model, langevin, tau, v, s, noise):
-    """Langevin at the frozen bars, exactly: along the bar's arc and across it."""
-    if langevin is not None:
-        for k in range(model.surfaces.shape[0]):
-            surface = model.surfaces[k]
-            if surface.gamma == 0.0:
-                continue
-            before_x, before_y = momentum(model, surface, v)
-            for i in range(surface.start, surface.stop):
-                a = model.asperites[i]
-                b = model.bobs[i]
-                x = v[a.dof_x] - a.l2 * v[i] * b.tx - surface.reservoir_x
-                y = v[a.dof_y] - a.l2 * v[i] * b.ty - surface.reservoir_y
-                arc = 1.0 / a.mass + a.l2 * a.l2 / a.inertia
-                across = 1.0 / a.mass
-                gamma = surface.gamma
-                heat = surface.temperature
-                along = thermal_kick(gamma, heat, arc, b.tx * x + b.ty * y, tau, noise)
-                side = thermal_kick(gamma, heat, across, b.tx * y - b.ty * x, tau, noise)
-                px = along * b.tx - side * b.ty
-                py = along * b.ty + side * b.tx
-                push_bar(a, b, px, py, i, v, s, a.acc_thermal)
-            after_x, after_y = momentum(model, surface, v)
-            px = after_x - before_x
-            py = after_y - before_y
-            s[surface.acc_block] += (
-                0.5 * (px * (before_x + after_x) + py * (before_y + after_y)) / surface.total_mass
-            )
-
-
-@kernel
-def inner_turns(model, t, tau, q, v, s, turns, twists, noise):
-    """Baths and reservoirs for tau, bars and bobs frozen: symmetric in time."""
-    if model.langevin is None:
-        turn_bath(model, model.bath, tau, q, v, s, turns)
-        turn_torsional(model, model.torsional, t, tau, q, v, s, twists)
-    else:
-        turn_bath(model, model.bath, 0.5 * tau, q, v, s, turns)
-        turn_torsional(model, model.torsional, t, 0.5 * tau, q, v, s, twists)
-        thermalise(model, model.langevin, tau, v, s, noise)
-        turn_torsional(model, model.torsional, t, 0.5 * tau, q, v, s, twists)
-        turn_bath(model, model.bath, 0.5 * tau, q, v, s, turns)
-
-
 def composed_steps(model, neighbours, splitting, step, clocks, state, times, record, budget, noise):
     """March through the samples in equal steps of at most `step`; return a status.
 
@@ -410,7 +262,6 @@ def composed_steps(model, neighbours, splitting, step, clocks, state, times, rec
     split = model.bath is not None or model.torsional is not None or model.langevin is not None
     if not listed(model, neighbours, clock.t, q):
         return PAUSED
-    forces(model, neighbours, clock.t, q)
     encounter, closest = nearness(model, neighbours, clock.t, state.y, speeds)
     if closest == 0.0:
         return BOBS_COINCIDE
@@ -419,7 +270,7 @@ def composed_steps(model, neighbours, splitting, step, clocks, state, times, rec
         if clock.sample < times.size and time_left(clock, times[clock.sample]) <= 0.0:
             drift(model, clock.t, clock.owed, q, v, s)
             clock.owed = 0.0
-            forces(model, neighbours, clock.t, q)
+            refresh(model, neighbours)
         left = record_due(model, neighbours, clock, state, times, record)
         if left == 0.0:
             return COMPLETED if all_finite(state.y) else NOT_FINITE
@@ -441,7 +292,7 @@ def composed_steps(model, neighbours, splitting, step, clocks, state, times, rec
             clock.evaluations += 1
             if split:
                 kick(model, t, 0.5 * tau, q, v, s, slope, middle, power, core)
-                inner_turns(model, t, tau, q, v, s, turns, twists, noise)
+                inner_turns(model, tau, q, v, s, turns, twists, noise)
                 kick(model, t, 0.5 * tau, q, v, s, slope, middle, power, core)
             else:
                 kick(model, t, tau, q, v, s, slope, middle, power, core)
