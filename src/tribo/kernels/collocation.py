@@ -13,11 +13,11 @@ import math
 
 import numpy as np
 
-from tribo.kernels.compiled import kernel, owning_kernel
+from tribo.kernels.compiled import kernel
 from tribo.kernels.motion import equations_of_motion
 from tribo.kernels.neighbours import crowded
 from tribo.kernels.powers import all_powers
-from tribo.kernels.samples import blank, copy_state
+from tribo.kernels.samples import blank, copy, copy_state
 from tribo.kernels.status import (
     COMPLETED,
     NOT_CONVERGED,
@@ -59,23 +59,43 @@ def unknowns(method):
     return method.c.size - 1 if method.c[0] == 0.0 else method.c.size
 
 
-@owning_kernel
+@kernel
 def foretell(method, clock, h, memory, slopes):
     """Values at the nodes to begin with: those of the last step's polynomial, or of the start."""
     ratio = h / clock.last if clock.last > 0.0 else math.inf
     for i in range(method.c.size):
         if ratio > FARTHEST:
-            slopes[i] = slopes[0]
+            copy(slopes[0], slopes[i])
         elif method.c[i] > 0.0:
             x = 1.0 + ratio * method.c[i]
             whole = 1.0
             for k in range(method.c.size):
                 whole *= x - method.c[k]
-            slopes[i] = 0.0
+            for m in range(slopes.shape[1]):
+                slopes[i, m] = 0.0
             for j in range(method.c.size):
                 weight = whole * method.pole[j] / (x - method.c[j])
                 for m in range(slopes.shape[1]):
                     slopes[i, m] += weight * memory[j, m]
+
+
+@kernel
+def remember(slopes, memory):
+    """Keep the values at all nodes for the next step."""
+    for i in range(slopes.shape[0]):
+        copy(slopes[i], memory[i])
+
+
+@kernel
+def round_off(v, h, slope, unit):
+    """The round-off of the fastest rate, as the unit of all."""
+    fastest = 0.0
+    steepest = 0.0
+    for m in range(v.size):
+        fastest = max(fastest, abs(v[m]))
+        steepest = max(steepest, abs(slope[m]))
+    for m in range(v.size):
+        unit[m] = EPSILON * (fastest + h * steepest)
 
 
 @kernel
@@ -85,13 +105,6 @@ def at_node(model, neighbours, method, i, t, h, y, slopes, node, slope):
     combine_twice(y[:n], h, method.c[i], y[n:], method.a[i], slopes, node[:n])
     combine(y[n:], h, method.r[i], slopes, node[n:])
     equations_of_motion(model, neighbours, t + method.c[i] * h, node[:n], node[n:], slope)
-
-
-@kernel
-def put(slope, slopes, i):
-    """The ith row of the slopes becomes this one."""
-    for m in range(slope.size):
-        slopes[i, m] = slope[m]
 
 
 @kernel
@@ -105,7 +118,7 @@ def sweep(model, neighbours, method, t, h, y, slopes, node, slope, unit):
                 new = h * abs(slope[m] - slopes[i, m]) / unit[m]
                 if not new <= change:  # keeps nan
                     change = new
-            put(slope, slopes, i)
+            copy(slope, slopes[i])
     return change
 
 
@@ -137,7 +150,7 @@ def book(model, neighbours, method, t, h, y, slopes, node, slope, powers_):
         if method.c[i] > 0.0:
             at_node(model, neighbours, method, i, t, h, y, slopes, node, slope)
             all_powers(model, t + method.c[i] * h, node[:n], node[n:], powers_[i])
-            put(slope, slopes, i)
+            copy(slope, slopes[i])
 
 
 @kernel
@@ -177,8 +190,8 @@ def equal_collocation(model, neighbours, method, step, clocks, state, times, rec
         status = obstacle(h, encounter, times[-1])
         if status != COMPLETED:
             return status
-        unit[:] = EPSILON * (np.max(np.abs(state.y[n:])) + h * np.max(np.abs(slope)))
-        slopes[0] = slope
+        round_off(state.y[n:], h, slope, unit)
+        copy(slope, slopes[0])
         foretell(method, clock, h, state.memory, slopes)
         converged = solve(
             model, neighbours, method, clock, h, state.y, slopes, node, slope, unit, 0.0, ROUNDED
@@ -187,7 +200,7 @@ def equal_collocation(model, neighbours, method, step, clocks, state, times, rec
             return NOT_CONVERGED if all_finite(slope) else NOT_FINITE
         book(model, neighbours, method, clock.t, h, state.y, slopes, node, slope, powers_)
         finish(method, h, state, slopes, powers_)
-        state.memory[:] = slopes
+        remember(slopes, state.memory)
         clock.last = h
         advance(clock, end_of_step(clock, goal, h, h == left), h, h == left)
         rates(model, neighbours, clock.t, state.y, slope, power)
@@ -232,7 +245,8 @@ def chosen_collocation(model, neighbours, method, tolerance, clocks, state, time
         if too_short(h, landing, times[-1]):
             return underflow(clock)
 
-        unit[:] = tolerance.y[n:] + 2.0 * EPSILON * np.abs(state.y[n:])
+        for m in range(n):
+            unit[m] = tolerance.y[n + m] + 2.0 * EPSILON * abs(state.y[n + m])
         foretell(method, clock, h, state.memory, slopes)
         converged = solve(
             model, neighbours, method, clock, h, state.y, slopes, node, slope, unit, SHARE, 1.0
@@ -262,8 +276,8 @@ def chosen_collocation(model, neighbours, method, tolerance, clocks, state, time
         go_on(clock, t, h, landing, min(FARTHEST, growth_of(error, nodes)))
         clock.last = h
         copy_state(trial, state)
-        state.memory[:] = slopes
-        slopes[0] = next_slope
-        powers_[0] = next_power
+        remember(slopes, state.memory)
+        copy(next_slope, slopes[0])
+        copy(next_power, powers_[0])
         encounter = ahead
     return PAUSED

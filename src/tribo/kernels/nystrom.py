@@ -19,7 +19,7 @@ from tribo.kernels.motion import equations_of_motion
 from tribo.kernels.neighbours import crowded
 from tribo.kernels.powers import all_powers
 from tribo.kernels.records import BAR, BOB
-from tribo.kernels.samples import blank, copy_state
+from tribo.kernels.samples import blank, copy, copy_state
 from tribo.kernels.status import COMPLETED, PAUSED
 from tribo.kernels.stepping import (
     arrival,
@@ -151,7 +151,7 @@ def nystrom_steps(model, neighbours, tableau, tolerance, clocks, state, times, r
         add(trial.s, trial.s_low, h, tableau.v, stages.powers)
         go_on(clock, end, h, landing, growth_of(error, tableau.order))
         copy_state(trial, state)
-        stages.slopes[0] = slope
-        stages.powers[0] = power
+        copy(slope, stages.slopes[0])
+        copy(power, stages.powers[0])
         encounter = ahead
     return PAUSED

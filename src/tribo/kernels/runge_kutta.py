@@ -10,7 +10,7 @@ import numpy as np
 
 from tribo.kernels.compiled import kernel
 from tribo.kernels.neighbours import crowded
-from tribo.kernels.samples import blank, copy_state
+from tribo.kernels.samples import blank, copy, copy_state
 from tribo.kernels.status import (
     COMPLETED,
     NOT_FINITE,
@@ -60,7 +60,7 @@ def fixed_steps(model, neighbours, tableau, step, clocks, state, times, record, 
     speeds = np.empty((model.asperites.size, 3))
     n = state.y.size // 2
     status, encounter = begin(model, neighbours, clock, state, slopes[0, n:], powers_[0], speeds)
-    slopes[0, :n] = state.y[n:]
+    copy(state.y[n:], slopes[0, :n])
     if status != COMPLETED:
         return status
     for _ in range(budget):
@@ -105,7 +105,7 @@ def chosen_steps(model, neighbours, tableau, tolerance, clocks, state, times, re
     speeds = np.empty((model.asperites.size, 3))
     n = state.y.size // 2
     status, encounter = begin(model, neighbours, clock, state, slopes[0, n:], powers_[0], speeds)
-    slopes[0, :n] = state.y[n:]
+    copy(state.y[n:], slopes[0, :n])
     if status != COMPLETED:
         return status
     for _ in range(budget):
@@ -149,7 +149,7 @@ def chosen_steps(model, neighbours, tableau, tolerance, clocks, state, times, re
 
         go_on(clock, t, h, landing, growth_of(error, 8.0))
         copy_state(trial, state)
-        slopes[0] = next_slope
-        powers_[0] = next_power
+        copy(next_slope, slopes[0])
+        copy(next_power, powers_[0])
         encounter = ahead
     return PAUSED

@@ -33,6 +33,16 @@ class Record(NamedTuple):
     stored: np.ndarray  # (times, surfaces, STORED) what is kept inside, and the baths' momentum
 
 
+@kernel
+def copy(source, target):
+    """Make one array equal to another of its length.
+
+    For `target[:] = source` numba compiles a second what it would say if they did not fit.
+    """
+    for m in range(source.size):
+        target[m] = source[m]
+
+
 @owning_kernel
 def blank(state):
     """Room for another state."""
@@ -48,12 +58,10 @@ def blank(state):
 @kernel
 def copy_state(source, target):
     """Make one state equal to another; what a method remembers is its own business."""
-    for m in range(source.y.size):
-        target.y[m] = source.y[m]
-        target.y_low[m] = source.y_low[m]
-    for m in range(source.s.size):
-        target.s[m] = source.s[m]
-        target.s_low[m] = source.s_low[m]
+    copy(source.y, target.y)
+    copy(source.y_low, target.y_low)
+    copy(source.s, target.s)
+    copy(source.s_low, target.s_low)
 
 
 @kernel
@@ -122,12 +130,15 @@ def write_sample(model, neighbours, clock, state, record):
     q = state.y[:n]
     v = state.y[n:]
     core = record.y.shape[1] // 2
-    record.y[k, :core] = q[:core]
-    record.y[k, core:] = v[:core]
-    record.s[k] = state.s
+    for m in range(core):
+        record.y[k, m] = q[m]
+        record.y[k, core + m] = v[m]
+    copy(state.s, record.s[k])
     record.contact[k] = contact_energy(model, neighbours)
     record.field[k] = field_energy(model, model.fields, clock.t)
-    record.stored[k] = 0.0
+    for m in range(record.stored.shape[1]):
+        for j in range(STORED):
+            record.stored[k, m, j] = 0.0
     spring_energies(model, model.bonds, q, record.stored[k])
     energies_within(model, model.within, neighbours, record.stored[k])
     bath_energies(model, model.bath, q, v, record.stored[k])
