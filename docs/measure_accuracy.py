@@ -1,10 +1,11 @@
 """What accuracy costs: the diagrams of accuracy.md, and the runs that its tables are made from.
 
-    python docs/measure_accuracy.py [SCENE ...]
+    python docs/measure_accuracy.py [--choices] [SCENE ...]
 
 Runs ``tribo accuracy`` on each scene, at most a minute long once the methods are compiled, then
 what tribo chooses by itself, and keeps in docs/measured the figure and the runs behind it.  The
-tables are made from these when the pages are built.  To be run on a machine that does nothing
+tables are made from these when the pages are built.  With --choices only what is chosen is
+measured again.  To be run on a machine that does nothing
 else.
 """
 
@@ -71,11 +72,14 @@ NAMES = {
 }
 
 
-def measure(name: str) -> None:
+def measure(name: str, choices_alone: bool) -> None:
     """Run all methods on a scene, and what is chosen; keep the figure and the runs."""
-    found = work_precision(SCENES[name](), seconds=SECONDS, progress=print)
-    FOLDER.mkdir(exist_ok=True)
-    found.save_figure(FOLDER / f"accuracy_{name}.png")
+    if choices_alone:
+        found = kept(name)
+    else:
+        found = work_precision(SCENES[name](), seconds=SECONDS, progress=print)
+        FOLDER.mkdir(exist_ok=True)
+        found.save_figure(FOLDER / f"accuracy_{name}.png")
     runs = json.loads(found.to_json()) | {"chosen": list(choices(name))}
     text = json.dumps(runs).replace("}, ", "},\n")  # a line for each run
     (FOLDER / f"accuracy_{name}.json").write_text(text + "\n", encoding="utf-8")
@@ -87,9 +91,10 @@ def choices(name: str) -> Iterator[dict[str, Any]]:
     scene = replace(SCENES[name](), output=tribo.Output(samples=TIMES))
     for wanted in CHOSEN_AT:
         simulation = tribo.prepare(scene, accuracy=wanted)
-        seconds = simulation.run(estimate=False).cost.wall_seconds
-        for _ in range(int(REPEATED / seconds)):
-            seconds = min(seconds, simulation.run(estimate=False).cost.wall_seconds)
+        setting, _ = simulation.settings.lone  # timed as the runs of the diagram are
+        seconds = simulation.attempt(setting, True).seconds
+        for _ in range(max(2, int(REPEATED / seconds))):
+            seconds = min(seconds, simulation.attempt(setting, True).seconds)
         yield {
             "accuracy": wanted,
             "method": simulation.method.name,
@@ -165,5 +170,6 @@ def _short(n: float) -> str:
 
 
 if __name__ == "__main__":
-    for name in sys.argv[1:] or SCENES:
-        measure(name)
+    names = [name for name in sys.argv[1:] if name != "--choices"]
+    for name in names or SCENES:
+        measure(name, "--choices" in sys.argv)

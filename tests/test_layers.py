@@ -30,7 +30,7 @@ potentials.dimers potentials.registry potentials.to_ase potentials.expression po
 potentials
 fields drives springs modes decays spectra bath langevin roughness asperite surface rows scene
 scene_file
-contacts layout methods ledger diagnosis march pair accuracy tuning costs plan result archive
+contacts layout methods ledger diagnosis march pair accuracy tuning survey costs plan result archive
 simulation
 ensembles.members ensembles.means ensembles.crew ensembles.data ensembles
 work_precision

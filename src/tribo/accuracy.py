@@ -28,7 +28,7 @@ EPSILON = float(np.finfo(float).eps)
 KINDS = ASPERITE_KINDS | OPTIONAL_KINDS | BLOCK_KINDS | SYSTEM_KINDS
 SAFETY = 2.0  # the estimate is this times the difference of two runs
 POOLED = 0.05  # of the largest estimate of all, in units of scales, that is added to every other
-ROUNDED = 16.0 * EPSILON  # of its scale: what the rounding of forces may do to runs alike
+ROUNDED = 64.0 * EPSILON  # of its scale: what rounding and first steps may do to runs alike
 FLOOR = 2e-15  # no tolerance asks for less, relative to its scale
 
 

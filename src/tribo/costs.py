@@ -16,7 +16,6 @@ and do not swing.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -25,7 +24,7 @@ from tribo.accuracy import unit_step
 from tribo.layout import Layout, laid_out
 from tribo.pair import has_loop
 from tribo.scene import Scene
-from tribo.tuning import NEAR
+from tribo.survey import steps_towards
 
 
 @dataclass(frozen=True)
@@ -59,9 +58,7 @@ BATHED = {  # evaluations and slope of methods that turn oscillators exactly, wi
     "kahan-li-6": (55.4, 4.25),
     "kahan-li-8": (71.5, 5.79),
 }
-LOOKS = 129  # at most, at the bobs on their way
-PAIR_LOOKS = 2e7  # at most, for each two surfaces
-FOLLOWED = 8  # bobs of a surface that are followed
+ROUGH = 12.0  # the steepest slope where some derivative of a potential jumps
 PAIR = Rate(5.13, 21.4, 12.0, 0.0, 0.0, 18)  # gauss-radau-15 in a loop of its own
 
 
@@ -74,6 +71,41 @@ class Estimate:
     seconds: float
 
 
+@dataclass(frozen=True)
+class Task:
+    """What a scene asks of any method."""
+
+    radians: float  # of its fastest pendulum
+    steps: float  # at least, for samples and encounters
+    fast: float  # evaluations that are stable with the fastest oscillator of its baths
+    rough: bool  # whether some derivative of a potential jumps
+
+
+def task(layout: Layout) -> Task:
+    """What the scene that is laid out asks for."""
+    scene = layout.scene
+    return Task(
+        radians=scene.duration / unit_step(layout),
+        steps=max(steps_towards(layout), float(scene.times.size)),
+        fast=FAST * _fast_radians(layout),
+        rough=bool(np.isfinite(_smoothness(scene))),
+    )
+
+
+def evaluations(name: str, rate: Rate, job: Task, accuracy: float) -> float:
+    """How many a method is expected to take."""
+
+    def within(each: float, slope: float) -> float:
+        slope = min(slope, ROUGH) if job.rough else slope
+        return job.radians * each * (accuracy / 1e-6) ** (-1.0 / slope)
+
+    least = rate.step * job.steps
+    if not methods.METHODS[name].splits:
+        return max(within(rate.evaluations, rate.slope), least, job.fast)
+    count = max(within(rate.evaluations, rate.slope), least)
+    return max(count, within(*BATHED[name])) if count < job.fast else count
+
+
 def estimates(scene: Scene, accuracy: float) -> list[Estimate]:
     """Methods for the scene, the cheapest first.
 
@@ -81,29 +113,19 @@ def estimates(scene: Scene, accuracy: float) -> list[Estimate]:
     a bath would have the others make short steps all the way.
     """
     layout = laid_out(scene)
-    bathed = _oscillators(scene) > 0
-    towards, fast = steps_towards(layout), FAST * _fast_radians(layout)
-    roughest = min((i.potential.smoothness() for i in scene.interactions), default=np.inf)
-    smoothness = max(roughest, 0)  # a jump of the energy is none of any method's steps' business
+    job, oscillators = task(layout), _oscillators(scene)
     found = []
     for name, rate in RATES.items():
         method = methods.METHODS[name]
-        if methods.refusal(method, scene) is not None or not (method.adaptive or bathed):
+        if methods.refusal(method, scene) is not None or not (method.adaptive or oscillators):
             continue
-        if method.smoothness > smoothness and method.adaptive:
+        if method.smoothness > _smoothness(scene) and method.adaptive:
             continue
         if has_loop(layout, method):
             rate = PAIR
-        radians = scene.duration / unit_step(layout)
-        evaluations = radians * rate.evaluations * (accuracy / 1e-6) ** (-1.0 / rate.slope)
-        evaluations = max(evaluations, rate.step * max(towards, float(scene.times.size)))
-        if evaluations < fast and method.splits:
-            each, slope = BATHED[name]
-            evaluations = max(evaluations, radians * each * (accuracy / 1e-6) ** (-1.0 / slope))
-        elif not method.splits:
-            evaluations = max(evaluations, fast)
-        taken = rate.run + scene.count * rate.asperite + _oscillators(scene) * rate.oscillator
-        found.append(Estimate(method, evaluations, 1e-9 * evaluations * taken))
+        count = evaluations(name, rate, job, accuracy)
+        each = rate.run + scene.count * rate.asperite + oscillators * rate.oscillator
+        found.append(Estimate(method, count, 1e-9 * count * each))
     return sorted(found, key=lambda item: item.seconds)
 
 
@@ -117,43 +139,9 @@ def cheapest(scene: Scene, accuracy: float) -> tuple[methods.Method, str]:
     return best.method, why
 
 
-def steps_towards(layout: Layout) -> float:
-    """How many steps there are at least that none jumps an encounter, bobs sliding as they begin.
-
-    Of surfaces of many, some bobs are followed.
-    """
-    a = layout.model.asperites
-    swing = a.facing * np.sin(layout.start[: a.size])
-    upright = a.facing * np.cos(layout.start[: a.size])
-    place = np.array([a.x + a.l1 * swing, a.y - a.l1 * upright, layout.model.bobs.z])
-    swinging = float(np.max(a.l1 * np.abs(layout.start[layout.coordinates :][: a.size])))
-    rates = [0.0]
-    for contact in layout.model.contacts:
-        for one, other in contact.pairs:
-            mine, theirs = (layout.model.surfaces[k] for k in (one, other))
-            first = np.linspace(mine.start, mine.stop - 1, min(FOLLOWED, mine.stop - mine.start))
-            followed = place[:, first.astype(int)]
-            others = place[:, theirs.start : theirs.stop]
-            drift = layout.velocity[mine.start] - layout.velocity[theirs.start]
-            looks = int(np.clip(PAIR_LOOKS / (followed.shape[1] * others.shape[1]), 5, LOOKS))
-            speed = float(np.hypot(*drift)) + 2.0 * swinging
-            times = np.linspace(0.0, layout.scene.duration, looks)
-            near = [_nearest(followed, others, drift * t, layout.model.box) for t in times]
-            clear = np.array([contact.potential.clearance(r) for r in near])
-            if np.max(clear) > 0.0:  # bobs that stay at one place have no run
-                rates.append(float(np.mean(speed / np.maximum(clear, 1e-3 * np.max(clear)))))
-    return max(rates) * layout.scene.duration / NEAR
-
-
-def _nearest(some: np.ndarray, others: np.ndarray, shift: np.ndarray, box: Any) -> float:
-    """The smallest distance of two bobs, (3, n) and (3, m), the first of which are shifted."""
-    dx = (some[0] + shift[0])[:, None] - others[0]
-    dy = (some[1] + shift[1])[:, None] - others[1]
-    dz = some[2][:, None] - others[2]
-    if box is not None:
-        dx = dx - box.x * np.round(dx / box.x) if box.x > 0.0 else dx
-        dz = dz - box.z * np.round(dz / box.z) if box.z > 0.0 else dz
-    return float(np.sqrt(np.min(dx * dx + dy * dy + dz * dz)))
+def _smoothness(scene: Scene) -> float:
+    """Continuous derivatives that all potentials have; a jump of U is beyond every method."""
+    return max(0, min((i.potential.smoothness() for i in scene.interactions), default=np.inf))
 
 
 def _fast_radians(layout: Layout) -> float:
