@@ -16,4 +16,6 @@ settings.register_profile(
     max_examples=25,
     suppress_health_check=[HealthCheck.too_slow],
 )
+# Others each time, to look further: pytest --hypothesis-profile=search
+settings.register_profile("search", settings.get_profile("ci"), derandomize=False)
 settings.load_profile("ci")
