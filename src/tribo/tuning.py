@@ -29,7 +29,7 @@ NEAR = 0.5  # of the way to an encounter, for a step of the coarser; errors of t
 LOWER = 0.1  # by which a level is lowered at least
 AIM = 0.3  # of what was asked for, that a lower level is to come to
 PERTURBATION = 1e-11  # of the start, to see what the scene makes of it
-LONG = 20.0  # seconds of a run, before which it is found out whether it can be had at all
+LONG = 20.0  # seconds of runs, before which it is found out whether they can be had at all
 LOOSER = 16.0  # by which a level is raised at first, for runs that are compared with none
 TRIES = 8  # of raising it, less at a time whenever it was too much
 MORE = 1.05  # of the fewest evaluations yet, that does not tell yet
@@ -124,7 +124,7 @@ def loosest(
     from one another, and stop more often; a run alone need not.
     """
     finest = tuned.runs[-1]
-    if finest.status != "completed" or finest.seconds > LONG:
+    if finest.status != "completed" or TRIES * finest.seconds > LONG:
         return None
     names = named_in(wanted)
     scales = acc.inner_scales(layout, finest.samples)
