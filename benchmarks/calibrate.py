@@ -22,6 +22,7 @@ import tribo
 import tribo.costs
 from tribo import accuracy as acc
 from tribo import methods, paper, simulation
+from tribo.layout import laid_out
 from tribo.methods import METHODS
 from tribo.simulation import Simulation
 from tribo.tuning import setting_at
@@ -111,7 +112,7 @@ def nanoseconds(scene: tribo.Scene, names: list[str]) -> dict[str, float]:
     """Of an evaluation, by method: the least of several rounds in turn."""
     few = tribo.Output(samples=2)
     scene = tribo.Scene(scene.surfaces, scene.interactions, scene.duration, output=few)
-    runs = {name: Simulation(scene, METHODS[name]) for name in names}
+    runs = {name: Simulation(laid_out(scene), METHODS[name]) for name in names}
     least = dict.fromkeys(names, np.inf)
     for _ in range(ROUNDS):
         for name, run_by in runs.items():

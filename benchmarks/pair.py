@@ -91,6 +91,16 @@ class Problem:
         l1, l2 = self.arms
         return self.m1 * l1**2 + self.m2 * l2**2
 
+    def contact(self, y: Any, t: Any, lib: Any) -> tuple[Any, ...]:
+        """Force on the upper bob, and sine and cosine of both swings."""
+        l1, _ = self.arms
+        q, other = y[:2]
+        sin, cos, sin2, cos2 = lib.sin(q), lib.cos(q), lib.sin(other), lib.cos(other)
+        dx = (y[4] if self.free else self.gap[0] + self.speed * t) + l1 * (sin + sin2)
+        dy = self.gap[1] - l1 * (cos + cos2)
+        push = self.strength * (dx * dx + dy * dy) ** -1.5
+        return push * dx, push * dy, sin, cos, sin2, cos2
+
     def equations(self, y: Any, t: Any, lib: Any) -> list[Any]:
         """y' for y = (q, Q, q', Q') and, if the upper one is free, (x, x') behind.
 
@@ -98,11 +108,7 @@ class Problem:
         """
         l1, _ = self.arms
         q, other, rate, other_rate = y[:4]
-        sin, cos, sin2, cos2 = lib.sin(q), lib.cos(q), lib.sin(other), lib.cos(other)
-        dx = (y[4] if self.free else self.gap[0] + self.speed * t) + l1 * (sin + sin2)
-        dy = self.gap[1] - l1 * (cos + cos2)
-        push = self.strength * (dx * dx + dy * dy) ** -1.5
-        fx, fy = push * dx, push * dy
+        fx, fy, sin, cos, sin2, cos2 = self.contact(y, t, lib)
         across = l1 if self.free else self.length
         turn = (across * cos * fx + self.length * sin * fy - self.kappa * q) / self.inertia
         turn2 = (self.length * (cos2 * fx + sin2 * fy) - self.kappa * other) / self.inertia
@@ -113,13 +119,8 @@ class Problem:
         """Of the contact: force along x, power about the upper centre of mass by x and by y, and
         about the lower."""
         l1, _ = self.arms
-        q, other, rate, other_rate = y[:4]
-        sin, cos, sin2, cos2 = lib.sin(q), lib.cos(q), lib.sin(other), lib.cos(other)
-        dx = (y[4] if self.free else self.gap[0] + self.speed * t) + l1 * (sin + sin2)
-        dy = self.gap[1] - l1 * (cos + cos2)
-        push = self.strength * (dx * dx + dy * dy) ** -1.5
-        fx, fy = push * dx, push * dy
-        one, two = l1 * rate, l1 * other_rate
+        fx, fy, sin, cos, sin2, cos2 = self.contact(y, t, lib)
+        one, two = l1 * y[2], l1 * y[3]
         return [fx, one * cos * fx, one * sin * fy, two * (cos2 * fx + sin2 * fy)]
 
     def booked(self, angle: float, y: Any, accounts: Any) -> dict[str, float]:

@@ -77,7 +77,7 @@ class Surface:
 
     def __init__(self, table: dict, index: int) -> None:
         if "langevin" in table:
-            raise NotImplementedError("langevin: this reference is deterministic")
+            raise ValueError("the reference has no reservoirs: it is deterministic")
         self.name = table.get("name", f"surface{index}")
         self.sign = {"down": 1.0, "up": -1.0}[table.get("facing", "down")]
         self.rest = 0.0 if self.sign > 0 else np.pi
@@ -105,7 +105,7 @@ class Surface:
         drive = {"kind": drive} if isinstance(drive, str) else drive
         self.kind = drive.get("kind", "forced")
         if self.kind not in ("forced", "free", "pulled"):
-            raise NotImplementedError(f"drive {self.kind!r}")
+            raise ValueError(f"the reference has no drive {self.kind!r}")
         self.rigid = self.kind == "free" and drive.get("rigid", False)
         self.load = drive.get("load")
         self.stiffness, self.speed = drive.get("stiffness", 0.0), drive.get("speed", 0.0)
@@ -115,14 +115,14 @@ class Surface:
 
         self.bars = table.get("bars", "clamped")
         if self.bars not in ("clamped", "free"):
-            raise NotImplementedError(f"bars {self.bars!r}")
+            raise ValueError(f"the reference has no bars {self.bars!r}")
         springs = table.get("springs", {})
         self.spring, self.wrap = springs.get("stiffness", 0.0), springs.get("wrap", False)
         if self.spring and self.shape is None:
             raise ValueError("springs need a shape, not positions")
         bath = table.get("bath", {})
         if "spectrum" in bath or bath.get("temperature", 0.0):
-            raise NotImplementedError("bath: a plain list of oscillators at temperature 0 only")
+            raise ValueError("the reference has baths of listed oscillators at temperature 0 alone")
         self.oscillators = [(o["mass"], o["frequency"]) for o in bath.get("oscillators", [])]
 
     def _bobs(self, table: dict) -> np.ndarray:
@@ -138,7 +138,7 @@ class Surface:
             )
         heights = table.get("heights", 0.0)
         if isinstance(heights, dict):
-            raise NotImplementedError("heights: a list only")
+            raise ValueError("the reference has listed heights alone")
         bobs[:, 1] += np.asarray(heights, float)
         return bobs
 
@@ -169,7 +169,7 @@ class Contact:
         self.kind = table["potential"]
         self.p = table
         if self.kind not in ("coulomb", "morse", "lennard-jones"):
-            raise NotImplementedError(f"potential {self.kind!r}")
+            raise ValueError(f"the reference has no potential {self.kind!r}")
         names = sorted(table["between"]) if "between" in table else None
         self.pairs: list[tuple[int, int, bool]] = []
 
@@ -232,7 +232,7 @@ class Contact:
             elif self.mode == "force-shift":
                 U, dU = U - Uc - (r - self.cutoff) * dUc, dU - dUc
             elif self.mode != "truncate":
-                raise NotImplementedError(f"at_cutoff {self.mode!r}")
+                raise ValueError(f"the reference has no at_cutoff {self.mode!r}")
             inside = region < len(self.breaks)
             U, dU = np.where(inside, U, 0.0), np.where(inside, dU, 0.0)
         return self.qq * U, self.qq * dU
@@ -302,7 +302,7 @@ class Model:
         self.has_field = [False] * len(self.surfaces)
         for table in scene.get("field", []):
             if table["kind"] != "corrugation":
-                raise NotImplementedError(f"field {table['kind']!r}")
+                raise ValueError(f"the reference has no field {table['kind']!r}")
             on = [s.name in table["on"] for s in self.surfaces]
             self.has_field = [a or b for a, b in zip(self.has_field, on, strict=True)]
             amplitude = table["amplitude"] * (self.member @ np.array(on, float))

@@ -217,7 +217,7 @@ def test_interrupted_far_out():
 
     reached = []
     scene = replace(pair(tribo.Coulomb(0.3), DRIVES[0]), duration=1e5)
-    simulation = Simulation(scene, RADAU, stop)
+    simulation = Simulation(laid_out(scene), RADAU, stop)
     run = simulation.attempt(simulation._setting)
     assert run.status == "Interrupted" and run.steps > 100
     assert run.samples.t[-1] == reached[-1]
@@ -229,7 +229,7 @@ def test_interrupted_far_out():
 def test_in_pieces_as_in_one():
     """A run that pauses goes on where it was, to the last bit."""
     scene = pair(tribo.Coulomb(0.3), DRIVES[1])
-    simulation = Simulation(scene, RADAU)
+    simulation = Simulation(laid_out(scene), RADAU)
     layout, own = simulation.layout, simulation._pair
     whole = simulation.attempt(simulation._setting)
     loop = time_loop(pair_collocation, stamp(layout.plugins))

@@ -8,6 +8,7 @@ import pytest
 import tribo
 from test_neighbours import long_slide
 from tribo import costs, paper, tuning
+from tribo.layout import laid_out
 from tribo.methods import METHODS
 from tribo.potentials.cutoff import AT_CUTOFF
 
@@ -88,9 +89,10 @@ def test_the_model_of_costs():
     """More digits never cost less; every method that has numbers is one there is."""
     assert set(costs.RATES) == set(METHODS)
     for letter in "AC":
+        layout = laid_out(case(letter))
         for one, other in ((1e-3, 1e-6), (1e-6, 1e-9)):
-            few = {e.method.name: e.seconds for e in costs.estimates(case(letter), one)}
-            more = {e.method.name: e.seconds for e in costs.estimates(case(letter), other)}
+            few = {e.method.name: e.seconds for e in costs.estimates(layout, one)}
+            more = {e.method.name: e.seconds for e in costs.estimates(layout, other)}
             assert all(few[name] <= more[name] for name in few)
 
 
@@ -99,7 +101,7 @@ def test_there_is_a_method_for_every_cutoff(at_cutoff):
     """However rough it is."""
     cut = tribo.with_cutoff(tribo.Coulomb(0.2), 3.0, at_cutoff)
     scene = replace(case("A"), interactions=(tribo.Interaction(cut),))
-    assert costs.cheapest(scene, 1e-6)[0].smoothness <= max(0, cut.smoothness())
+    assert costs.cheapest(laid_out(scene), 1e-6)[0].smoothness <= max(0, cut.smoothness())
 
 
 def kicked() -> tribo.Scene:

@@ -45,16 +45,22 @@ STYLE: Any = {
 }
 
 
-def write(figure: Figure, path: Any) -> Path:
-    """Write a figure into a file whose name ends on .png, .pdf or .svg.  Raises InputError."""
+def figure_path(field: str, path: Any) -> Path:
+    """A path whose name ends on .png, .pdf or .svg.  Raises InputError."""
     place = as_path(path)
     if place.suffix.lower() not in FILES:
-        raise InputError("--figure", f"must end on {', '.join(FILES)}, got {str(path)!r}")
+        raise InputError(field, f"must end on {', '.join(FILES)}, got {str(path)!r}")
+    return place
+
+
+def write(figure: Figure, path: Any) -> Path:
+    """Write a figure into a file whose name ends on .png, .pdf or .svg.  Raises InputError."""
+    place = figure_path("path", path)
     try:
         figure.savefig(place)
     except OSError as error:
         why = error.strerror or str(error)
-        raise InputError("--figure", f"{place} cannot be written ({why})") from None
+        raise InputError("path", f"{place} cannot be written ({why})") from None
     return place
 
 

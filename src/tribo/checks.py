@@ -36,7 +36,7 @@ def shown(value: Any) -> str:
 def number(field: str, value: Any, condition: Condition = ANY) -> float:
     """One finite number that meets the condition."""
     if type(value) is float and condition is ANY and -LARGEST <= value <= LARGEST:
-        return value  # the commonest, and quickly told
+        return value
     if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
         raise InputError(field, f"must be a number, got {shown(value)}")
     if isinstance(value, (float, np.floating)) and not math.isfinite(value):
@@ -50,6 +50,8 @@ def number(field: str, value: Any, condition: Condition = ANY) -> float:
 
 def number_or_each(field: str, value: Any, condition: Condition = ANY) -> float | np.ndarray:
     """One number for all asperites, or one for each, as a read-only array."""
+    if type(value) is float:  # the commonest, and quickly told
+        return number(field, value, condition)
     if not is_list(value):
         return number(field, value[()] if isinstance(value, np.ndarray) else value, condition)
     return vector(field, value, condition)

@@ -132,8 +132,7 @@ def _accuracy(options: argparse.Namespace) -> int:
     from tribo.work_precision import work_precision
 
     scene = load_scene(options.scene)
-    if options.figure is not None:
-        _check_place("--figure", options.figure.absolute())
+    _check_figure(options.figure)
     told = (lambda name: print(name, file=sys.stderr)) if sys.stderr.isatty() else None
     found = work_precision(
         scene, options.methods, options.observables or (), options.seconds, progress=told
@@ -148,14 +147,21 @@ def _check(options: argparse.Namespace) -> int:
     from tribo import potentials
     from tribo.potentials.written import from_table
 
-    if options.figure is not None:
-        _check_place("--figure", options.figure.absolute())
+    _check_figure(options.figure)
     table = {"potential": options.potential} | dict(map(_parameter, options.parameters))
     report = potentials.check(from_table(table, Path.cwd()))
     if options.figure is not None:
         report.save_figure(options.figure)
     print(report.to_json() if options.json else report)
     return COMPLETED if report.passed else FAILED
+
+
+def _check_figure(path: Path | None) -> None:
+    """Complain about where a figure is to go, before the work for it is done."""
+    if path is not None:
+        from tribo.canvas import figure_path
+
+        _check_place("--figure", figure_path("--figure", path).absolute())
 
 
 def _parameter(text: str) -> tuple[str, Any]:

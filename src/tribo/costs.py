@@ -21,7 +21,7 @@ import numpy as np
 
 from tribo import methods
 from tribo.accuracy import unit_step
-from tribo.layout import Layout, laid_out
+from tribo.layout import Layout
 from tribo.pair import has_loop
 from tribo.scene import Scene
 from tribo.survey import steps_towards
@@ -39,7 +39,7 @@ class Rate:
     step: int  # evaluations of a step, of which there is one at least for each sample
 
 
-RATES = {
+RATES = {  # of all methods, though some are never the cheapest that takes a scene
     "midpoint": Rate(440.0, 2.0, 204.0, 124.0, 6.73, 2),
     "rk4": Rate(20.1, 4.0, 146.0, 121.0, 6.01, 4),
     "dop853": Rate(5.91, 11.2, 201.0, 134.0, 8.78, 12),
@@ -106,13 +106,13 @@ def evaluations(name: str, rate: Rate, job: Task, accuracy: float) -> float:
     return max(count, within(*BATHED[name])) if count < job.fast else count
 
 
-def estimates(scene: Scene, accuracy: float) -> list[Estimate]:
+def estimates(layout: Layout, accuracy: float) -> list[Estimate]:
     """Methods for the scene, the cheapest first.
 
     Equal steps cannot shorten at an encounter, so methods that make them are looked at only where
     a bath would have the others make short steps all the way.
     """
-    layout = laid_out(scene)
+    scene = layout.scene
     job, oscillators = task(layout), _oscillators(scene)
     found = []
     for name, rate in RATES.items():
@@ -129,9 +129,9 @@ def estimates(scene: Scene, accuracy: float) -> list[Estimate]:
     return sorted(found, key=lambda item: item.seconds)
 
 
-def cheapest(scene: Scene, accuracy: float) -> tuple[methods.Method, str]:
+def cheapest(layout: Layout, accuracy: float) -> tuple[methods.Method, str]:
     """The method that should take the least time, and why in one sentence."""
-    best, *others = estimates(scene, accuracy)
+    best, *others = estimates(layout, accuracy)
     why = f"{best.method.name} should be the fastest at {accuracy:.0e}"
     if others:
         ratio = others[0].seconds / best.seconds

@@ -9,8 +9,8 @@ from tribo import methods
 from tribo.checks import POSITIVE, number
 from tribo.costs import cheapest
 from tribo.errors import InputError
-from tribo.layout import laid_out
-from tribo.scene import Scene, check_accuracy
+from tribo.layout import Layout
+from tribo.scene import check_accuracy
 from tribo.tuning import Wanted, tightest
 
 DEFAULT_ACCURACY = 1e-8
@@ -27,8 +27,11 @@ class Plan:
     why: str = ""
 
 
-def plan_for(scene: Scene, accuracy: Wanted | None, method: str | None, step: float | None) -> Plan:
+def plan_for(
+    layout: Layout, accuracy: Wanted | None, method: str | None, step: float | None
+) -> Plan:
     """The plan for what was asked for; complains if that does not go together."""
+    scene = layout.scene
     if accuracy is not None and step is not None:
         raise InputError("accuracy", "cannot go with a step of one's own; give one or the other")
     if method is not None:
@@ -36,12 +39,12 @@ def plan_for(scene: Scene, accuracy: Wanted | None, method: str | None, step: fl
         if refusal is not None:
             raise InputError("method", refusal)
     if methods.noisy(scene):
-        return _noisy(scene, accuracy, step)
+        return _noisy(layout, accuracy, step)
     if method is None and step is not None:
         method = "midpoint"
     wanted = check_accuracy(DEFAULT_ACCURACY if accuracy is None else accuracy)
     if method is None:
-        chosen, why = cheapest(scene, tightest(wanted))
+        chosen, why = cheapest(layout, tightest(wanted))
         return Plan(chosen, wanted, None, why)
     chosen = methods.named(method)
     if step is None and (chosen.adaptive or accuracy is not None):
@@ -55,7 +58,7 @@ def plan_for(scene: Scene, accuracy: Wanted | None, method: str | None, step: fl
     return Plan(chosen, None, number("step", step, POSITIVE))
 
 
-def _noisy(scene: Scene, accuracy: Wanted | None, step: float | None) -> Plan:
+def _noisy(layout: Layout, accuracy: Wanted | None, step: float | None) -> Plan:
     """Noise is for one method, and has no digits that two runs could agree on."""
     if accuracy is not None:
         raise InputError(
@@ -64,5 +67,5 @@ def _noisy(scene: Scene, accuracy: Wanted | None, step: float | None) -> Plan:
             "average over runs, as tribo.ensemble does",
         )
     if step is None:
-        step = NOISY_STEP * acc.first_step(laid_out(scene))
+        step = NOISY_STEP * acc.first_step(layout)
     return Plan(methods.METHODS["verlet"], None, number("step", step, POSITIVE))

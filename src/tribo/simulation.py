@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -15,7 +14,7 @@ from tribo import methods, sources
 from tribo.checks import inside, number_or_each, shown
 from tribo.errors import InputError
 from tribo.kernels.compiled import time_loop
-from tribo.layout import laid_out, set_bath
+from tribo.layout import Layout, laid_out, set_bath
 from tribo.ledger import Ledger, ledger
 from tribo.march import Digest, March, Progress, compile_loop, march
 from tribo.pair import Pair, has_loop
@@ -58,14 +57,18 @@ class Simulation:
     """A scene with method and step fixed and everything compiled; made by :func:`prepare`."""
 
     def __init__(
-        self, scene: Scene, method: methods.Method, progress: Progress | None = None, why: str = ""
+        self,
+        layout: Layout,
+        method: methods.Method,
+        progress: Progress | None = None,
+        why: str = "",
     ) -> None:
-        """Lay out the scene and have its time loop compiled; how to run it is still open."""
-        self.scene = scene
+        """Have the time loop compiled; how to run it is still open."""
+        scene = self.scene = layout.scene
         self.method = method
         self.why = why
         self.accuracy: Wanted | None = None
-        self.layout = laid_out(scene)
+        self.layout = layout
         self._progress = progress
         self._first_step = acc.first_step(self.layout)
         self._times = scene.times
@@ -213,9 +216,6 @@ class Simulation:
             if key not in self._known:
                 self._known[key] = self._slots(key)
             slots, less, count = self._known[key]
-            if type(value) is float and math.isfinite(value):  # most often, and checks take time
-                y[slots] = value - less
-                continue
             values = number_or_each(key, value)
             if isinstance(values, np.ndarray) and values.size != count:
                 raise InputError(key, f"has {values.size} values for {count} asperites")
@@ -378,16 +378,17 @@ def prepare(
     """
     if not isinstance(scene, Scene):
         raise InputError("scene", f"must be a tribo.Scene, got {scene!r}")
+    layout = laid_out(scene)
     own = any(item is not None for item in (accuracy, method, step))
     if own:
         if accuracy is None and step is None:
             accuracy = scene.numerics.accuracy
-        plan = plan_for(scene, accuracy, method, step)
+        plan = plan_for(layout, accuracy, method, step)
     else:
         wanted = scene.numerics
         with inside("numerics"):
-            plan = plan_for(scene, wanted.accuracy, wanted.method, wanted.step)
-    simulation = Simulation(scene, plan.method, progress, plan.why)
+            plan = plan_for(layout, wanted.accuracy, wanted.method, wanted.step)
+    simulation = Simulation(layout, plan.method, progress, plan.why)
     if plan.step is not None:
         return simulation.with_step(plan.step)
     assert plan.accuracy is not None
@@ -396,7 +397,7 @@ def prepare(
 
 def resumed(scene: Scene, settings: Settings) -> Simulation:
     """A scene that is run as another of its kind was planned to be: no run is made to find out."""
-    return Simulation(scene, methods.METHODS[settings.method]).by(settings)
+    return Simulation(laid_out(scene), methods.METHODS[settings.method]).by(settings)
 
 
 def simulate(

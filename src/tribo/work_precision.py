@@ -19,6 +19,7 @@ import numpy as np
 from tribo import accuracy as acc
 from tribo import methods
 from tribo.errors import InputError
+from tribo.layout import laid_out
 from tribo.ledger import Ledger, ledger
 from tribo.scene import Output, Scene
 from tribo.simulation import Simulation, prepare
@@ -129,7 +130,7 @@ def work_precision(
     for method in taken:
         if progress:
             progress(method.name)
-        simulation = Simulation(scene, method)
+        simulation = Simulation(laid_out(scene), method)
         compiled[method.name] = simulation.compile_seconds
         share = seconds / len(taken)
         rows += _curve(simulation, truth, scales, watched, reference["error"], share)

@@ -74,7 +74,7 @@ def ensemble(
     most = _most(n, wanted, variation)
     check_engine(engine)
     crew = Crew(_planned(scene, method, step), variation, engine, progress)
-    first = None
+    first, needed = None, 0.0
     if wanted is None:
         crew.add(most)
     else:
@@ -82,7 +82,7 @@ def ensemble(
         crew.add(min(FIRST, most))
         first = crew.completed
         if not crew.interrupted:
-            _enough(crew, wanted, most)
+            needed = _enough(crew, wanted, most)
     collected = Collected(
         simulation=crew.simulation,
         names=crew.names,
@@ -92,6 +92,7 @@ def ensemble(
         sizes=variation.sizes,
         seed=seed,
         first=first,
+        needed=needed,
         accuracy=wanted,
         interrupted=crew.interrupted,
     )
@@ -149,8 +150,8 @@ def _check_kept(crew: Crew, wanted: Mapping[str, float]) -> None:
             )
 
 
-def _enough(crew: Crew, wanted: Mapping[str, float], most: int) -> None:
-    """Add as many members as the spread of the first ones says, by Stein's rule."""
+def _enough(crew: Crew, wanted: Mapping[str, float], most: int) -> float:
+    """Add as many members as the spread of the first ones says, by Stein's rule; how many."""
     scale = max(outcome.scale for outcome in crew.outcomes if outcome.completed)
     first = crew.complete
     needed = {
@@ -167,3 +168,4 @@ def _enough(crew: Crew, wanted: Mapping[str, float], most: int) -> None:
     while crew.completed < needed[name] and len(crew.members) < most and not crew.interrupted:
         missing = int(needed[name]) - crew.completed
         crew.add(min(missing, most - len(crew.members)))
+    return needed[name]

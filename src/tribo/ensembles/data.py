@@ -33,6 +33,7 @@ class Collected:
     sizes: dict[str, int]  # numbers of each varied quantity
     seed: int
     first: int | None  # complete members whose spread decided how many there are
+    needed: float  # complete members that the accuracy takes
     accuracy: Mapping[str, float] | None
     interrupted: bool
 
@@ -138,6 +139,8 @@ def _notes(collected: Collected) -> list[str]:
             f"{everybody - complete} of {everybody} members stopped early ({', '.join(stopped)}), "
             "and are in no mean: it is one of those that did not"
         )
+    if complete < collected.needed:
+        notes.append(f"the accuracy takes {collected.needed:.0f} members that reach their end")
     rule = "Student's, of all"
     if collected.first is not None:
         rule = f"Stein's, by the spread of the first {collected.first}"

@@ -213,9 +213,10 @@ def tally(slot, width, tau, power, s):
 
 
 @kernel
-def kick(model, t, tau, q, v, s, slope, middle, power, core):
+def kick(model, t, tau, q, v, s, slope, middle, power, core, common):
     """The forces in place act for tau; they are booked at the mid-kick rates.
 
+    The first `core` rates are the asperites', the last `common` accounts of no single one.
     Asperite by asperite all at once: of many, each is read from memory once.
     """
     gather_contact(model)
@@ -237,7 +238,6 @@ def kick(model, t, tau, q, v, s, slope, middle, power, core):
         middle[m] = v[m]
     field_powers(model, model.fields, t, power)
     block_powers(model, t, q, middle, power)
-    common = shared_accounts(model, model.fields)
     tally(s.size - common, common, tau, power, s)
 
 
@@ -259,6 +259,7 @@ def composed_steps(model, neighbours, splitting, step, clocks, state, times, rec
     speeds = np.empty((model.asperites.size, 3))
     turns = room_for_turns(model.bath)
     twists = room_for_turns(model.torsional)
+    common = shared_accounts(model, model.fields)
     split = model.bath is not None or model.torsional is not None or model.langevin is not None
     if not listed(model, neighbours, clock.t, q):
         return PAUSED
@@ -291,11 +292,11 @@ def composed_steps(model, neighbours, splitting, step, clocks, state, times, rec
             forces(model, neighbours, t, q)
             clock.evaluations += 1
             if split:
-                kick(model, t, 0.5 * tau, q, v, s, slope, middle, power, core)
+                kick(model, t, 0.5 * tau, q, v, s, slope, middle, power, core, common)
                 inner_turns(model, tau, q, v, s, turns, twists, noise)
-                kick(model, t, 0.5 * tau, q, v, s, slope, middle, power, core)
+                kick(model, t, 0.5 * tau, q, v, s, slope, middle, power, core, common)
             else:
-                kick(model, t, tau, q, v, s, slope, middle, power, core)
+                kick(model, t, tau, q, v, s, slope, middle, power, core, common)
         clock.owed = splitting.drifts[-1] * h
         advance(clock, end_of_step(clock, goal, h, h == left), h, h == left)
         encounter = look_ahead(model, neighbours, clock, state.y, speeds, h, encounter)
