@@ -92,9 +92,9 @@ def choices(name: str) -> Iterator[dict[str, Any]]:
     for wanted in CHOSEN_AT:
         simulation = tribo.prepare(scene, accuracy=wanted)
         setting, _ = simulation.settings.lone  # timed as the runs of the diagram are
-        seconds = simulation.attempt(setting, True).seconds
+        seconds = simulation.attempt(setting, scene.times).seconds
         for _ in range(max(2, int(REPEATED / seconds))):
-            seconds = min(seconds, simulation.attempt(setting, True).seconds)
+            seconds = min(seconds, simulation.attempt(setting, scene.times).seconds)
         yield {
             "accuracy": wanted,
             "method": simulation.method.name,

@@ -1,8 +1,8 @@
-"""From a wanted accuracy to tolerances, and from two runs to an honest error estimate.
+"""From a wanted accuracy to tolerances, and from three runs to an honest error estimate.
 
-An estimate here is the raw difference of two runs, one of them much finer, times two.
-It is never the difference divided by 2^p - 1, never the tolerance, and never how well the ledger
-closes: each of those can be wrong by orders of magnitude.
+An estimate here is the largest raw difference of a run from two coarser ones, times two: of one
+alone a run may be near by chance.  It is never the difference divided by 2^p - 1, never the
+tolerance, and never how well the ledger closes: each of those can be wrong by orders of magnitude.
 """
 
 from __future__ import annotations
@@ -26,9 +26,11 @@ from tribo.ledger import (
 
 EPSILON = float(np.finfo(float).eps)
 KINDS = ASPERITE_KINDS | OPTIONAL_KINDS | BLOCK_KINDS | SYSTEM_KINDS
-SAFETY = 2.0  # the estimate is this times the difference of two runs
-POOLED = 0.05  # of the largest estimate of all, in units of scales, that is added to every other
+SAFETY = 2.0  # the estimate is this times the largest difference from the coarser runs
+ROUGH = 2.0  # times that where derivatives of a potential jump, and errors fall irregularly
+POOLED = 0.02  # of the largest estimate of all, in units of scales, that is added to every other
 ROUNDED = 64.0 * EPSILON  # of its scale: what rounding and first steps may do to runs alike
+WALK = 1.0  # of sqrt(steps) roundings, magnified as the scene does: what they may come to
 FLOOR = 2e-15  # no tolerance asks for less, relative to its scale
 
 
@@ -233,23 +235,41 @@ def distance(one: Ledger, other: Ledger, scales: Scales, names: Iterable[str] = 
     return worst
 
 
+def rounding(grown: float | None, steps: int) -> float:
+    """What rounding may do to a quantity, in units of its scale.
+
+    `grown` is what becomes of a small change of the start, where it was looked at: each step
+    makes one as small as can be.
+    """
+    return ROUNDED + WALK * EPSILON * (grown or 0.0) * steps**0.5
+
+
 def estimate(
-    books: Ledger, fine: Ledger, coarse: Ledger, scales: Scales, names: Iterable[str] = ()
+    books: Ledger,
+    compared: Iterable[tuple[Ledger, Ledger]],
+    scales: Scales,
+    rough: bool = False,
+    rounded: float = ROUNDED,
+    names: Iterable[str] = (),
 ) -> dict[str, float]:
     """A bound on the error of each reported quantity, over asperites and recorded times.
 
-    `fine` and `coarse` are two runs at the times that both recorded, `books` the finer one at all
-    of its times.  To twice the largest difference comes what rounding costs, which two runs
-    may share: of forces and of sums, in units of the scale, and of the number written down.  And a
-    small part of the largest estimate of all: two runs may come close by chance in one quantity.
-    `names` are further ones, as "upper.W".
+    `books` has a run at all of its times; `compared` are pairs, of this run and of a coarser one,
+    each at the times that both recorded.  To twice the largest difference, or four times that
+    where forces are `rough`, comes what rounding costs, which runs may share: of forces and of
+    sums, `rounded` in units of the scale, and of the number written down.  And a small part of
+    the largest estimate of all: runs may come close by chance in one quantity.  `names` are
+    further ones, as "upper.W".
     """
     wanted = [name for name in dict.fromkeys([*KINDS, *names]) if books.series(name)]
-    apart = {}
-    for name in wanted:
-        pairs = zip(fine.series(name), coarse.series(name), strict=True)
-        with np.errstate(invalid="ignore"):  # an infinite energy has no known error
-            apart[name] = SAFETY * max(_top(one - other) for one, other in pairs)
+    safety = SAFETY * (ROUGH if rough else 1.0)
+    apart = dict.fromkeys(wanted, 0.0)
+    for fine, coarse in compared:
+        for name in wanted:
+            pairs = zip(fine.series(name), coarse.series(name), strict=True)
+            with np.errstate(invalid="ignore"):  # an infinite energy has no known error
+                gaps = [safety * _top(one - other) for one, other in pairs]
+            apart[name] = float(np.max([apart[name], *gaps]))
     relative = (
         gap / scales.of(kind_of(name)) for name, gap in apart.items() if scales.of(kind_of(name))
     )
@@ -258,7 +278,7 @@ def estimate(
     for name, gap in apart.items():
         bounds[name] = gap + 4.0 * EPSILON * max(map(_top, books.series(name)))
         if gap > 0.0:
-            bounds[name] += (pooled + ROUNDED) * scales.of(kind_of(name))
+            bounds[name] += (pooled + rounded) * scales.of(kind_of(name))
     return bounds
 
 

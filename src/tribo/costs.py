@@ -88,7 +88,7 @@ def task(layout: Layout) -> Task:
         radians=scene.duration / unit_step(layout),
         steps=max(steps_towards(layout), float(scene.times.size)),
         fast=FAST * _fast_radians(layout),
-        rough=bool(np.isfinite(_smoothness(scene))),
+        rough=bool(np.isfinite(scene.smoothness)),
     )
 
 
@@ -110,22 +110,25 @@ def estimates(layout: Layout, accuracy: float) -> list[Estimate]:
     """Methods for the scene, the cheapest first.
 
     Equal steps cannot shorten at an encounter, so methods that make them are looked at only where
-    a bath would have the others make short steps all the way.
+    a fast bath would have all others make short steps all the way.
     """
     scene = layout.scene
     job, oscillators = task(layout), _oscillators(scene)
     found = []
     for name, rate in RATES.items():
         method = methods.METHODS[name]
-        if methods.refusal(method, scene) is not None or not (method.adaptive or oscillators):
+        if methods.refusal(method, scene) is not None:
             continue
-        if method.smoothness > _smoothness(scene) and method.adaptive:
+        if method.smoothness > scene.smoothness and method.adaptive:
             continue
         if has_loop(layout, method):
             rate = PAIR
         count = evaluations(name, rate, job, accuracy)
         each = rate.run + scene.count * rate.asperite + oscillators * rate.oscillator
         found.append(Estimate(method, count, 1e-9 * count * each))
+    adaptive = [item for item in found if item.method.adaptive]
+    if any(item.evaluations > job.fast for item in adaptive):
+        found = adaptive
     return sorted(found, key=lambda item: item.seconds)
 
 
@@ -137,11 +140,6 @@ def cheapest(layout: Layout, accuracy: float) -> tuple[methods.Method, str]:
         ratio = others[0].seconds / best.seconds
         why += f"; {others[0].method.name}, the next, should take {ratio:.2g} times as long"
     return best.method, why
-
-
-def _smoothness(scene: Scene) -> float:
-    """Continuous derivatives that all potentials have; a jump of U is beyond every method."""
-    return max(0, min((i.potential.smoothness() for i in scene.interactions), default=np.inf))
 
 
 def _fast_radians(layout: Layout) -> float:

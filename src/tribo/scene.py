@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -303,6 +304,12 @@ class Scene:
     def count(self) -> int:
         """How many asperites there are."""
         return sum(surface.count for surface in self.surfaces)
+
+    @property
+    def smoothness(self) -> float:
+        """Continuous derivatives that all potentials' energies have; 0 where one jumps."""
+        own = (interaction.potential.smoothness() for interaction in self.interactions)
+        return max(0, min(own, default=math.inf))
 
     @property
     def effects(self) -> frozenset[str]:

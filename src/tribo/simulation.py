@@ -25,7 +25,9 @@ from tribo.scene import Scene
 from tribo.spectra import believed_until
 from tribo.tuning import (
     APART,
+    PARTS,
     PILOT,
+    Stops,
     Tuned,
     Wanted,
     estimated,
@@ -37,9 +39,7 @@ from tribo.tuning import (
     tune,
 )
 
-CHECKS = 8  # equal parts of the duration, after each of which two runs are compared
-DIGIT = -1.0 / np.log10(APART)  # how often two runs that are compared are apart in a digit
-PARTS = 32  # the finer run lands on these and the samples: its steps are never the other's
+DIGIT = -1.0 / np.log10(APART)  # how often runs that are compared are apart in a digit
 
 
 @dataclass(frozen=True)
@@ -71,8 +71,7 @@ class Simulation:
         self.layout = layout
         self._progress = progress
         self._first_step = acc.first_step(self.layout)
-        self._times = scene.times
-        self._check_times = np.linspace(0.0, scene.duration, CHECKS + 1)
+        self._stops = Stops.at(scene.times)
         self._setting = setting_at(self.layout, method, acc.first_guess(self.layout), PILOT)
         self._pair: Pair | None = None
         if has_loop(self.layout, method):
@@ -96,12 +95,13 @@ class Simulation:
     def settings(self) -> Settings:
         """How it is run, for :func:`resumed`; nothing in it is compiled, and all can be pickled."""
         tuned = None if self._tuned is None else replace(self._tuned, runs=())
-        own = (self._setting, self._times)
+        own = (self._setting, self._stops.all)
         return Settings(self.method.name, own, self._lone, self.accuracy, tuned)
 
     def by(self, settings: Settings) -> Simulation:
         """Run as another was that has been prepared, instead of finding out how."""
-        self._setting, self._times = settings.own
+        self._setting = settings.own[0]
+        self._stops = Stops.at(settings.own[1])
         self.__dict__["_lone"] = settings.lone
         self.accuracy, self._tuned = settings.accuracy, settings.tuned
         self._coarse = None if settings.tuned is None else settings.tuned.coarse
@@ -112,7 +112,8 @@ class Simulation:
         if isinstance(accuracy, Mapping):
             acc.check_observables(self.layout, accuracy)
         self.accuracy = accuracy
-        self._times = np.union1d(self._times, np.linspace(0.0, self.scene.duration, PARTS + 1))
+        parts = np.linspace(0.0, self.scene.duration, PARTS + 1)
+        self._stops = Stops.at(np.union1d(self.scene.times, parts))
         if self._digests:
             many = f"{self.scene.count} asperites"
             if Digest.wanted(self.layout, PARTS + 1):
@@ -126,33 +127,37 @@ class Simulation:
                 f"{self.scene.times.size} samples of {many} are too many to compare two runs; give "
                 "fewer samples, or a method and a step",
             )
-        self._tuned = tune(self.layout, self.method, accuracy, self.attempt)
+        self._tuned = tune(self.layout, self.method, accuracy, self._stops, self.attempt)
         self._coarse, self._setting = self._tuned.coarse, self._tuned.fine
         return self
 
-    def attempt(self, setting: Any, checks: bool = False, start: np.ndarray | None = None) -> March:
-        """One run with a step or tolerances, recorded at the scene's times or at a few checks."""
-        times = self._check_times if checks else self._times
+    def attempt(
+        self, setting: Any, times: np.ndarray | None = None, start: np.ndarray | None = None
+    ) -> March:
+        """One run with a step or tolerances, recorded at times of its own or the scene's."""
+        if times is None:
+            times = self._stops.all
         return self._march(self.layout.start if start is None else start, setting, times)
 
     def run(self, start: Mapping[str, Any] | None = None, estimate: bool = True) -> Result:
         """Run from the scene's start, or with some initial values changed.
 
         `start` maps "surface.theta" (or phi, omega, nu) to a number or one per asperite.  With
-        ``estimate=False`` the second run that estimates the error is left out.
+        ``estimate=False`` the two runs that estimate the error are left out.
         """
         y = self._changed({} if start is None else start)
         if not estimate or self._coarse is None:
             return self._once(y)
-        runs = [self._march(y, self._coarse, self._check_times)]
-        runs.append(self._march(y, self._setting, self._times))
-        return self._result(runs)
+        few, many, everywhere = self._stops
+        runs = [self._march(y, self._coarse, times) for times in (few, many)]
+        return self._result([*runs, self._march(y, self._setting, everywhere)])
 
     def _once(self, y: np.ndarray) -> Result:
         """A run without an estimate; its ledger is put together when somebody looks."""
         if self._digests:
             digest = Digest(self.layout)
-            return self._result([self._march(y, self._setting, self._times, digest)], digest)
+            run = self._march(y, self._setting, self._stops.all, digest)
+            return self._result([run], digest)
         run = self._march(y, *self._lone)
         if self.layout.calls:
             return self._result([run])
@@ -172,7 +177,7 @@ class Simulation:
             )
             if found is not None:
                 return found, self.scene.times
-        return self._setting, self._times
+        return self._setting, self._stops.all
 
     def first_result(self) -> Result:
         """The result of the runs that fixed the step, or of a run if none was needed."""
@@ -188,7 +193,7 @@ class Simulation:
 
     @cached_property
     def _digests(self) -> bool:
-        return Digest.wanted(self.layout, self._times.size)
+        return Digest.wanted(self.layout, self._stops.all.size)
 
     def _march(
         self, start: np.ndarray, setting: Any, times: np.ndarray, digest: Digest | None = None
@@ -252,7 +257,7 @@ class Simulation:
             set_bath(bars, surface, part, y[:n], y[n:], rng)
 
     def _result(self, runs: list[March], digest: Digest | None = None) -> Result:
-        """The last run as a result, its error estimated from the one before it."""
+        """The last run as a result, its error estimated from the two before it."""
         fine = runs[-1]
         kept = np.union1d(np.intersect1d(fine.samples.t, self.scene.times), fine.samples.t[-1:])
         books = ledger(self.layout, fine.samples.at(kept))
@@ -271,7 +276,7 @@ class Simulation:
         if len(runs) > 1 and self.accuracy is not None:
             met = False
             if fine.status == "completed":  # of the end of any other run nothing is known
-                found, excess = self._judged(fine, runs[-2])
+                found, excess = self._judged(runs[-3:])
                 bounds.update(found)
                 met = excess <= 1.0
                 if not met:
@@ -290,17 +295,18 @@ class Simulation:
             notes=tuple(notes),
         )
 
-    def _judged(self, fine: March, coarse: March) -> tuple[dict[str, float], float]:
-        """Bounds on the finer run's errors, and the largest in units of what was asked for."""
-        assert self.accuracy is not None
-        found, scales = estimated(self.layout, fine, coarse, named_in(self.accuracy))
+    def _judged(self, runs: list[March]) -> tuple[dict[str, float], float]:
+        """Bounds on the last run's errors, and the largest in units of what was asked for."""
+        assert self.accuracy is not None and self._tuned is not None
+        names, grown = named_in(self.accuracy), self._tuned.amplification
+        found, scales = estimated(self.layout, runs[-1], runs[:-1], grown, names)
         return found, acc.excess(found, scales, self.accuracy)
 
     def _missed(self, excess: float) -> str:
         """That the request was not met, by how much, and why."""
         assert self.accuracy is not None and self._tuned is not None
         grown = self._tuned.amplification
-        if grown is None:
+        if self._tuned.met or grown is None:
             why = "the settings were found from the scene's own start, which kept it"
         else:
             why = out_of_reach(tightest(self.accuracy), grown)
@@ -310,8 +316,8 @@ class Simulation:
         """What the runs took, and what a digit more or less would take."""
         seconds = sum(run.seconds for run in runs)
         ratio = None
-        if self._tuned is not None and len(self._tuned.runs) > 1:
-            coarse, fine = (run.evaluations for run in self._tuned.runs[-2:])
+        if self._tuned is not None and len(self._tuned.runs) > 2:
+            coarse, _, fine = (run.evaluations for run in self._tuned.runs[-3:])
             # Samples shorten the steps of one run more; the order bounds what a digit costs.
             dearest = 10.0 ** (2.0 / self.method.order)
             ratio = min((fine / coarse) ** DIGIT, dearest) if coarse > 0 else None

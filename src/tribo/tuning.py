@@ -1,4 +1,4 @@
-"""Finding the settings that keep an accuracy: two runs, one finer, that agree within it.
+"""Finding the settings that keep an accuracy: a run, and two coarser ones that agree with it.
 
 A pilot finds the scales, from which local tolerances are made; methods with equal steps need none.
 Then the level of the settings is lowered until the estimate meets the request, or until finer
@@ -7,16 +7,16 @@ settings gain nothing, or until the scene is seen to amplify round-off beyond th
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from tribo import accuracy as acc
 from tribo.errors import InputError
 from tribo.layout import Layout
-from tribo.ledger import ledger
+from tribo.ledger import Ledger, ledger
 from tribo.march import March
 from tribo.methods import Method
 
@@ -24,8 +24,9 @@ PILOT = 1e-3  # tolerance level of the first run, which finds out the scales
 STALLED = 0.5  # of the estimate before: less gained than that,
 PATIENCE = 2  # so many times in a row, and round-off is the limit
 ROUNDS = 6  # of tightening, before a request is called out of reach
-APART = 0.05  # level of the finer of two runs that are compared, in units of the other's
+APART = 0.3  # level of a run, in units of those of the coarser ones that it is compared with
 NEAR = 0.5  # of the way to an encounter, for a step of the coarser; errors of the finer fall alike
+TIGHT = 1e-9  # requests below, in which rounding may be seen
 LOWER = 0.1  # by which a level is lowered at least
 AIM = 0.3  # of what was asked for, that a lower level is to come to
 PERTURBATION = 1e-11  # of the start, to see what the scene makes of it
@@ -35,8 +36,38 @@ TRIES = 8  # of raising it, less at a time whenever it was too much
 MORE = 1.05  # of the fewest evaluations yet, that does not tell yet
 HALTED = ("Interrupted", "CalculatorFailed")  # what ends a run that another would not mend
 
+PARTS = 32  # equal ones, after which a run stops: its steps are never those of a coarser one
+MOST = 256  # stops of a coarser one
+
 Wanted = float | Mapping[str, float]
-Attempt = Callable[..., March]  # a run with a setting, from a start, through times
+Attempt = Callable[..., March]  # a run with a setting, through times, from a start
+
+
+class Stops(NamedTuple):
+    """When a run and the two coarser ones stop: they share no sequence of steps.
+
+    Every fourth stop is one of the first coarser run, every other of the second, lest a brush of
+    one bob with another be seen by one run alone.
+    """
+
+    few: np.ndarray
+    many: np.ndarray
+    all: np.ndarray
+
+    @classmethod
+    def at(cls, times: np.ndarray) -> Stops:
+        """For a run that stops at these times."""
+        inner = times[1:-1]
+        fourth = np.arange(inner.size) % 4 == 3
+        few, many = (_thinned(times, inner[mine]) for mine in (fourth, ~fourth))
+        return cls(few, many, times)
+
+
+def _thinned(times: np.ndarray, inner: np.ndarray) -> np.ndarray:
+    """The inner ones of some times, or so many of them as a coarser run has, and the ends."""
+    if inner.size > MOST:
+        inner = inner[np.linspace(0, inner.size - 1, MOST).astype(int)]
+    return np.concatenate([times[:1], inner, times[-1:]])
 
 
 @dataclass(frozen=True)
@@ -48,6 +79,7 @@ class Tuned:
     level: float  # of the finer
     runs: tuple[March, ...]
     amplification: float | None  # of a small change of the start, where it was looked at
+    met: bool  # whether the request was kept
 
 
 def tightest(wanted: Wanted) -> float:
@@ -72,12 +104,11 @@ def setting_at(
     return acc.unit_step(layout) * level ** (1.0 / method.order)
 
 
-def tune(layout: Layout, method: Method, wanted: Wanted, attempt: Attempt) -> Tuned:
+def tune(layout: Layout, method: Method, wanted: Wanted, stops: Stops, attempt: Attempt) -> Tuned:
     """Two settings, one finer, whose runs agree within what is wanted, if such can be found.
 
-    ``attempt(setting, checks, start)`` runs with a setting, through few times or all, from the
-    scene's start or another.  Raises InputError if the request is out of reach and would take
-    long to fail.
+    ``attempt(setting, times, start)`` runs with a setting through times, from the scene's start or
+    another.  Raises InputError if the request is out of reach and would take long to fail.
     """
     names = named_in(wanted)
     runs: list[March] = []
@@ -85,34 +116,38 @@ def tune(layout: Layout, method: Method, wanted: Wanted, attempt: Attempt) -> Tu
     level = method.first_level * tightest(wanted)
     if method.adaptive:
         pilot = setting_at(layout, method, scales, PILOT)
-        runs.append(attempt(pilot, True))
+        runs.append(attempt(pilot, stops.few))
         _refuse_early(layout, method, wanted, attempt, pilot, runs[0], level)
-    before, grown, stalls = np.inf, None, 0
+    before, grown, stalls, excess = np.inf, None, 0, np.inf
     for _ in range(ROUNDS):
         if runs:
             scales = acc.inner_scales(layout, runs[-1].samples)
         coarse = setting_at(layout, method, scales, level)
         nearer = NEAR * APART ** (1.0 / method.order)
         fine = setting_at(layout, method, scales, APART * level, nearer)
-        for setting, checks in ((coarse, True), (fine, False)):
+        for setting, times in zip((coarse, coarse, fine), stops, strict=True):
             if not runs or runs[-1].status not in HALTED:
-                runs.append(attempt(setting, checks))
+                runs.append(attempt(setting, times))
         if runs[-1].status in HALTED:
             break
         if not method.adaptive and runs[-1].status == "EncounterJumped":
             level *= LOWER**2
             continue
-        excess = acc.excess(*estimated(layout, runs[-1], runs[-2], names), wanted)
+        if grown is None and tightest(wanted) < TIGHT:
+            grown = amplification(layout, attempt, coarse, runs[-3])
+            if grown is None:
+                break
+        excess = acc.excess(*estimated(layout, runs[-1], runs[-3:-1], grown, names), wanted)
         stalls = stalls + 1 if excess > STALLED * before else 0
         if excess <= 1.0 or level <= acc.FLOOR or stalls == PATIENCE:
             break
         if grown is None:
-            grown = amplification(layout, attempt, coarse, runs[-2])
-            if grown is None or grown * acc.EPSILON > tightest(wanted):
-                break
+            grown = amplification(layout, attempt, coarse, runs[-3])
+        if grown is None or grown * acc.EPSILON > tightest(wanted):
+            break
         before = excess
         level = max(level * min(LOWER, AIM / excess), acc.FLOOR)
-    return Tuned(coarse, fine, APART * level, tuple(runs), grown)
+    return Tuned(coarse, fine, APART * level, tuple(runs), grown, excess <= 1.0)
 
 
 def loosest(
@@ -126,7 +161,7 @@ def loosest(
     finest = tuned.runs[-1]
     if finest.status != "completed" or TRIES * finest.seconds > LONG:
         return None
-    names = named_in(wanted)
+    names, grown = named_in(wanted), tuned.amplification
     scales = acc.inner_scales(layout, finest.samples)
     found, least, level, factor = None, np.inf, tuned.level, LOOSER
     for _ in range(TRIES):
@@ -135,7 +170,7 @@ def loosest(
         if run.status == "Interrupted":
             raise KeyboardInterrupt
         good = run.status == "completed" and run.evaluations <= MORE * least
-        if good and acc.excess(*estimated(layout, finest, run, names), wanted) <= 1.0:
+        if good and acc.excess(*estimated(layout, finest, [run], grown, names), wanted) <= 1.0:
             if run.evaluations < least:
                 found, least = setting, run.evaluations
         else:
@@ -145,14 +180,23 @@ def loosest(
 
 
 def estimated(
-    layout: Layout, fine: March, coarse: March, names: Any = ()
+    layout: Layout, fine: March, coarser: Sequence[March], grown: float | None, names: Any = ()
 ) -> tuple[dict[str, float], acc.Scales]:
-    """Bounds on the finer run's errors, and the scales that they are judged by."""
+    """Bounds on a run's errors, and the scales that they are judged by.
+
+    `grown` is what becomes of a small change of the start, where it was looked at.
+    """
     books = ledger(layout, fine.samples)
-    shared = np.intersect1d(fine.samples.t, coarse.samples.t)
-    one, other = (ledger(layout, run.samples.at(shared)) for run in (fine, coarse))
+    compared = [_shared(layout, fine, coarse) for coarse in coarser]
     scales = acc.reported_scales(layout, books)
-    return acc.estimate(books, one, other, scales, names), scales
+    rough, rounded = np.isfinite(layout.scene.smoothness), acc.rounding(grown, fine.steps)
+    return acc.estimate(books, compared, scales, bool(rough), rounded, names), scales
+
+
+def _shared(layout: Layout, one: March, other: March) -> tuple[Ledger, Ledger]:
+    """Two runs at the times that both recorded."""
+    times = np.intersect1d(one.samples.t, other.samples.t)
+    return ledger(layout, one.samples.at(times)), ledger(layout, other.samples.at(times))
 
 
 def amplification(layout: Layout, attempt: Attempt, setting: Any, run: March) -> float | None:
@@ -162,13 +206,11 @@ def amplification(layout: Layout, attempt: Attempt, setting: Any, run: March) ->
     """
     nudged = layout.start.copy()
     nudged[: layout.model.asperites.size] += PERTURBATION
-    other = attempt(setting, True, nudged)
+    other = attempt(setting, run.samples.t, nudged)
     if other.status in HALTED:
         return None
-    shared = np.intersect1d(run.samples.t, other.samples.t)
-    one, two = (ledger(layout, item.samples.at(shared)) for item in (run, other))
     scales = acc.reported_scales(layout, ledger(layout, run.samples))
-    return acc.distance(one, two, scales) / PERTURBATION
+    return acc.distance(*_shared(layout, run, other), scales) / PERTURBATION
 
 
 def out_of_reach(wanted: float, grown: float) -> str:

@@ -141,7 +141,7 @@ def _reference(
     scene: Scene, watched: tuple[str, ...]
 ) -> tuple[Ledger, acc.InnerScales, dict[str, Any]]:
     """The finest run, the scales it had, and how good it is by its own estimate."""
-    rough = any(np.isfinite(item.potential.smoothness()) for item in scene.interactions)
+    rough = np.isfinite(scene.smoothness)
     name = ROUGH if rough else SMOOTH  # whose polynomial does not span the joints of a switch
     simulation = prepare(scene, FINEST, name)
     acc.check_observables(simulation.layout, watched, "observables")
