@@ -214,7 +214,7 @@ class Tribo:
     """By gauss-radau-15, every account integrated."""
 
     name = "tribo"
-    settings = 10.0 ** np.arange(-1.0, -13.0, -0.25)
+    settings = 10.0 ** np.arange(-1.0, -13.0, -0.1)
 
     def __init__(self, problem: Problem, setting: float) -> None:
         scene = replace(paper.scene(problem.case), output=tribo.Output(samples=2))
@@ -242,7 +242,7 @@ class HeyokaMotion:
     """Taylor series, whose coefficients are compiled; the motion alone."""
 
     name = "heyoka-motion"
-    settings = 10.0 ** np.arange(-1.0, -18.1, -0.25)
+    settings = 10.0 ** np.arange(-3.0, -18.1, -0.1)
     books = False
 
     def __init__(self, problem: Problem, setting: float, kind: Any = float) -> None:

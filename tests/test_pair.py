@@ -237,10 +237,7 @@ def test_in_pieces_as_in_one():
     record = np.empty((scene.times.size + 1, COLUMNS))
     code, calls = PAUSED, 0
     while code == PAUSED:
-        limits = own._limits[1]
-        code = loop(
-            *own._given, limits, layout.start, own._clocks, own._state, scene.times, record, 3
-        )
+        code = loop(*own._given, layout.start, own._clocks, scene.times, record, 3)
         calls += 1
     assert code == COMPLETED and calls > 3
     assert np.array_equal(own.samples(scene.times, record).s, whole.samples.s)

@@ -235,6 +235,11 @@ def distance(one: Ledger, other: Ledger, scales: Scales, names: Iterable[str] = 
     return worst
 
 
+def safety(rough: bool) -> float:
+    """What a difference of two runs is multiplied by, where forces are `rough` or not."""
+    return SAFETY * ROUGH if rough else SAFETY
+
+
 def rounding(grown: float | None, steps: int) -> float:
     """What rounding may do to a quantity, in units of its scale.
 
@@ -262,13 +267,13 @@ def estimate(
     further ones, as "upper.W".
     """
     wanted = [name for name in dict.fromkeys([*KINDS, *names]) if books.series(name)]
-    safety = SAFETY * (ROUGH if rough else 1.0)
+    times = safety(rough)
     apart = dict.fromkeys(wanted, 0.0)
     for fine, coarse in compared:
         for name in wanted:
             pairs = zip(fine.series(name), coarse.series(name), strict=True)
             with np.errstate(invalid="ignore"):  # an infinite energy has no known error
-                gaps = [safety * _top(one - other) for one, other in pairs]
+                gaps = [times * _top(one - other) for one, other in pairs]
             apart[name] = float(np.max([apart[name], *gaps]))
     relative = (
         gap / scales.of(kind_of(name)) for name, gap in apart.items() if scales.of(kind_of(name))

@@ -19,10 +19,17 @@ from tribo.kernels.lanes import LANES
 from tribo.kernels.pair import COLUMNS, ENERGY, REACHED, SAMPLES, pair_collocation
 from tribo.kernels.pair_forces import PAIR
 from tribo.kernels.pair_step import (
+    FIRST,
     J_Y,
+    LEVEL,
+    LIMITS,
+    OF_J,
+    OF_V1,
+    OF_V2,
     Q1,
     Q2,
     ROWS,
+    STATE,
     T1,
     T2,
     V1,
@@ -48,7 +55,7 @@ from tribo.sources import stamp
 
 ARC1, ARC2 = ENERGY, ENERGY + 1  # in place of the energy: see `_arcs`
 FIRST_ACCOUNT = J + 1
-FIRST = 8.0  # steps of the usual first length: a method of this order can begin with longer ones
+EIGHT = 8.0  # steps of the usual first length: a method of this order can begin with longer ones
 FEW = 2048  # steps, before the keyboard is looked at for the first time
 INTERRUPTED = "Interrupted"
 
@@ -88,17 +95,16 @@ class Pair:
         ease = _ease(layout)
         self.places, self.books = _matrices(layout, ease)
         potential = layout.model.contacts[0].potential
-        self._given = (_record(layout, ease), potential, table(method.coefficients))
-        self._first_step = FIRST * first_step
-        self._clocks, self._state = np.zeros(1, CLOCK), np.zeros((ROWS, LANES))
+        self._first_step = EIGHT * first_step
+        self._clocks, self._rows = np.zeros(1, CLOCK), np.zeros((ROWS, LANES))
+        self._rows[:LIMITS] = table(method.coefficients)
+        self._given = (_record(layout, ease), potential, self._rows)
         self._unbegun = self._clocks["evaluations"]  # 0 makes a run begin
-        self._near = self._clocks["near"]
-        self._limits: tuple[Tolerance | None, np.ndarray] = (None, np.zeros((2, LANES)))
+        self._wanted: Tolerance | None = None  # that the rows' limits are made of
         loop = time_loop(pair_collocation, stamp(layout.plugins))
-        limits, room = self._limits[1], np.empty((2, COLUMNS))
-        moving = (self._clocks, self._state, np.zeros(1), room, 0)
+        moving = (self._clocks, np.zeros(1), np.empty((2, COLUMNS)), 0)
         try:
-            self._loop = entry(loop, *self._given, limits, layout.start, *moving)
+            self._loop = entry(loop, *self._given, layout.start, *moving)
         except Refusals as error:
             raise complaint(layout, error) from None
         self.compile_seconds = time.perf_counter() - began
@@ -112,16 +118,16 @@ class Pair:
     ) -> March:
         """As :func:`tribo.march.march`, from `start`, y of the scene's layout."""
         began = time.perf_counter()
-        if self._limits[0] is not wanted:
-            self._limits = (wanted, self.limits(wanted))
+        if self._wanted is not wanted:
+            self._wanted = wanted
+            self._rows[LIMITS:STATE] = self.limits(wanted)
+            self._clocks["near"] = wanted.near
         self._unbegun[0] = 0
-        self._near[0] = wanted.near
         record = np.empty((times.size + 1, COLUMNS))
-        given = (*self._given, self._limits[1], start)
         code = PAUSED
         if progress is None:  # nobody to be told
-            code = self._loop(*given, self._clocks, self._state, times, record, FEW)
-        status = NAMES[code] if code != PAUSED else self._on(given, times, record, progress)
+            code = self._loop(*self._given, start, self._clocks, times, record, FEW)
+        status = NAMES[code] if code != PAUSED else self._on(start, times, record, progress)
 
         def recorded() -> Samples:
             reached = times
@@ -132,24 +138,20 @@ class Pair:
         return March(recorded, status, record[-1], time.perf_counter() - began)
 
     def _on(
-        self,
-        given: tuple[Any, ...],
-        times: np.ndarray,
-        record: np.ndarray,
-        progress: Progress | None,
+        self, start: np.ndarray, times: np.ndarray, record: np.ndarray, progress: Progress | None
     ) -> str:
         """Go on with a run that takes long, to where it ends."""
 
-        def call(clocks: Any, state: Any, times: np.ndarray, rows: Any, budget: int) -> int:
-            code: int = self._loop(*given, clocks, state, times, rows, budget)
+        def call(clocks: Any, _: Any, times: np.ndarray, rows: Any, budget: int) -> int:
+            code: int = self._loop(*self._given, start, clocks, times, rows, budget)
             return code
 
         clocks = self._clocks
-        status = through(call, (), clocks, self._state, times, record, progress)
+        status = through(call, (), clocks, self._rows, times, record, progress)
         if status == INTERRUPTED:  # the place reached is one more sample
             done = int(clocks["sample"][0])
             clocks["sample"], clocks["t_low"] = 0, 0.0
-            call(clocks, self._state, clocks["t"].copy(), record[done:], 1)
+            call(clocks, self._rows, clocks["t"].copy(), record[done:], 1)
             taken = (clocks[name][0] for name in ("steps", "evaluations"))
             record[-1, : REACHED + 1] = *taken, done, clocks["t"][0]
         return status
@@ -160,10 +162,12 @@ class Pair:
         factors = np.abs(np.concatenate([self.places, self.books]))[:, :ENERGY]
         with np.errstate(divide="ignore"):
             own = np.min(everything[:, None] / factors, axis=0)
-        table = np.zeros((2, LANES))
-        table[0, :5] = own[V1], own[V2], own[J], wanted.level, self._first_step
-        table[1] = 1.0 / own[FIRST_ACCOUNT : FIRST_ACCOUNT + LANES]
-        return table
+        both = np.zeros((2, LANES))
+        rates = {OF_V1: own[V1], OF_V2: own[V2], OF_J: own[J]}
+        for place, value in (rates | {LEVEL: wanted.level, FIRST: self._first_step}).items():
+            both[0, place] = value
+        both[1] = 1.0 / own[FIRST_ACCOUNT : FIRST_ACCOUNT + LANES]
+        return both
 
     def samples(self, times: np.ndarray, record: np.ndarray) -> Samples:
         """What the general loop would have recorded."""

@@ -218,30 +218,34 @@ class Simulation:
             raise InputError("start", f"must map names to values, got {start!r}")
         y = self.layout.start.copy()
         for key, value in start.items():
-            if key not in self._known:
-                self._known[key] = self._slots(key)
-            slots, less, count = self._known[key]
+            found = self._known.get(key)
+            if found is None:
+                found = self._known[key] = self._slots(key)
+            slots, less, count = found
             values = number_or_each(key, value)
-            if isinstance(values, np.ndarray) and values.size != count:
-                raise InputError(key, f"has {values.size} values for {count} asperites")
+            if isinstance(values, np.ndarray):
+                if values.size != count:
+                    raise InputError(key, f"has {values.size} values for {count} asperites")
+                values = values.reshape(y[slots].shape)
             y[slots] = values - less
         if start and self._has_bath:
             self._set_baths(y)
         return y
 
     def _slots(self, key: Any) -> tuple[Any, float, int]:
-        """Where in y a "surface.quantity" is, what it is less there, and of how many asperites."""
+        """Where in y a "surface.quantity" is, what it is less there, and of how many asperites.
+
+        Of one asperite that is an index, which numpy follows sooner.
+        """
         surface, quantity = self.scene.initial_value(key)
         part = self.layout.parts[surface.name]
-        slots: Any = part
+        slots = np.arange(part.start, part.stop)
         if quantity in ("phi", "nu"):
             slots = self.layout.model.asperites.dof_phi[part].astype(int)
-        if quantity == "omega":
-            n = self.layout.coordinates
-            slots = slice(part.start + n, part.stop + n)
-        if quantity == "nu":
+        if quantity in ("omega", "nu"):
             slots = slots + self.layout.coordinates
-        return slots, surface.rest if quantity == "theta" else 0.0, surface.count
+        at: Any = slots if surface.count > 1 else int(slots[0])
+        return at, surface.rest if quantity == "theta" else 0.0, surface.count
 
     @cached_property
     def _has_bath(self) -> bool:

@@ -24,6 +24,7 @@ PILOT = 1e-3  # tolerance level of the first run, which finds out the scales
 STALLED = 0.5  # of the estimate before: less gained than that,
 PATIENCE = 2  # so many times in a row, and round-off is the limit
 ROUNDS = 6  # of tightening, before a request is called out of reach
+ALONE = 0.75  # for a step of a run that is compared with none
 APART = 0.3  # level of a run, in units of those of the coarser ones that it is compared with
 NEAR = 0.5  # of the way to an encounter, for a step of the coarser; errors of the finer fall alike
 TIGHT = 1e-9  # requests below, in which rounding may be seen
@@ -165,7 +166,7 @@ def loosest(
     scales = acc.inner_scales(layout, finest.samples)
     found, least, level, factor = None, np.inf, tuned.level, LOOSER
     for _ in range(TRIES):
-        setting = setting_at(layout, method, scales, level)
+        setting = setting_at(layout, method, scales, level, ALONE)
         run = attempt(setting)
         if run.status == "Interrupted":
             raise KeyboardInterrupt

@@ -150,7 +150,7 @@ def _reference(
         raise InputError("scene", f"does not run to its end: {result.status}")
     scales = acc.reported_scales(simulation.layout, result.ledger)
     bounds = {k: v for k, v in result.error_estimate.items() if v is not None}
-    error = acc.excess(bounds, scales, 1.0) / acc.SAFETY
+    error = acc.excess(bounds, scales, 1.0) / acc.safety(rough)
     inner = acc.inner_scales(simulation.layout, finest.samples)
     return result.ledger, inner, {"method": name, "error": error, "seconds": finest.seconds}
 

@@ -107,6 +107,37 @@ def total(typing_context: Any, x: Any) -> Any:
     return types.float64(lanes), build
 
 
+def _paired(one: list[int], other: list[int]) -> tuple[Any, Any]:
+    kind = ir.VectorType(_INDEX, LANES)
+    return ir.Constant(kind, one), ir.Constant(kind, other)
+
+
+# Of two registers: the lanes that are added in each of three rounds, after which every lane has
+# the sum of a register of its own.
+_ROUNDS = (
+    _paired([0, 8, 2, 10, 4, 12, 6, 14], [1, 9, 3, 11, 5, 13, 7, 15]),
+    _paired([0, 1, 8, 9, 4, 5, 12, 13], [2, 3, 10, 11, 6, 7, 14, 15]),
+    _paired([0, 1, 2, 3, 8, 9, 10, 11], [4, 5, 6, 7, 12, 13, 14, 15]),
+)
+
+
+@intrinsic
+def totals(typing_context: Any, xs: Any) -> Any:
+    """Sums of eight times eight numbers: that of the first in lane 0, and so on."""
+
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        left = cgutils.unpack_tuple(builder, args[0], LANES)
+        for one, other in _ROUNDS:
+            pairs = zip(left[::2], left[1::2], strict=True)
+            left = [
+                builder.fadd(builder.shuffle_vector(a, b, one), builder.shuffle_vector(a, b, other))
+                for a, b in pairs
+            ]
+        return left[0]
+
+    return lanes(xs), build
+
+
 @intrinsic
 def highest(typing_context: Any, x: Any) -> Any:
     """The largest of the eight, none of which is nan."""
@@ -132,6 +163,16 @@ def where_less(typing_context: Any, x: Any, y: Any, one: Any, other: Any) -> Any
         return builder.select(builder.fcmp_ordered("<", x, y), one, other)
 
     return lanes(x, y, one, other), build
+
+
+@intrinsic
+def lanes_of(typing_context: Any, x: Any) -> Any:
+    """The same number in every lane."""
+
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return _spread(builder, args[0])
+
+    return lanes(types.float64), build
 
 
 @intrinsic
@@ -250,13 +291,32 @@ REST_OF_TURN = 6.123233995736766e-17
 
 @inlined
 def sine_cosine(x):
-    """sin x and cos x to round-off, for |x| up to 1e6 or so.
+    """sin x and cos x to round-off, for |x| up to 1e6 or so."""
+    if highest(magnitude(x)) < 0.5 * TURN:  # as most swings are
+        return near_zero(x)
+    return anywhere(x)
 
-    Less the nearest multiple of pi/2, then polynomials of the least largest error on (-pi/4,
-    pi/4): K. C. Ng's, of fdlibm (Sun Microsystems 1993), whose coefficients these are.
-    """
+
+@inlined
+def anywhere(x):
+    """sin x and cos x: those of x less the nearest multiple of pi/2, in their places."""
     quarters = (x * 0.6366197723675814 + ROUNDING) - ROUNDING
-    r = (x - quarters * TURN) - quarters * REST_OF_TURN
+    sin, cos = near_zero((x - quarters * TURN) - quarters * REST_OF_TURN)
+    quadrant = quarters - 4.0 * ((quarters * 0.25 - 0.375 + ROUNDING) - ROUNDING)  # 0, 1, 2 or 3
+    even = magnitude(magnitude(quadrant - 2.0) - 1.0)  # 1 in quadrants 0 and 2, else 0
+    one = where_less(even, 0.5, cos, sin)
+    other = where_less(even, 0.5, sin, cos)
+    one = where_less(quadrant, 1.5, one, 0.0 - one)
+    other = where_less(magnitude(quadrant - 1.5), 1.0, 0.0 - other, other)
+    return one, other
+
+
+@inlined
+def near_zero(r):
+    """sin r and cos r by polynomials of the least largest error on (-pi/4, pi/4).
+
+    K. C. Ng's, of fdlibm (Sun Microsystems 1993), whose coefficients these are.
+    """
     z = r * r
     z2 = z * z
     z4 = z2 * z2
@@ -271,11 +331,4 @@ def sine_cosine(x):
         + z2 * (2.48015872894767294178e-05 - z * 2.75573143513906633035e-07)
         + z4 * (2.08757232129817482790e-09 - z * 1.13596475577881948265e-11)
     )
-    cos = (1.0 - 0.5 * z) + z2 * cos
-    quadrant = quarters - 4.0 * ((quarters * 0.25 - 0.375 + ROUNDING) - ROUNDING)  # 0, 1, 2 or 3
-    even = magnitude(magnitude(quadrant - 2.0) - 1.0)  # 1 in quadrants 0 and 2, else 0
-    one = where_less(even, 0.5, cos, sin)
-    other = where_less(even, 0.5, sin, cos)
-    one = where_less(quadrant, 1.5, one, 0.0 - one)
-    other = where_less(magnitude(quadrant - 1.5), 1.0, 0.0 - other, other)
-    return one, other
+    return sin, (1.0 - 0.5 * z) + z2 * cos

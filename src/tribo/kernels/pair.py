@@ -8,24 +8,28 @@ import math
 
 from tribo.kernels.collocation import FARTHEST, SHARP
 from tribo.kernels.compiled import kernel
-from tribo.kernels.lanes import LANES, lane, load, rows_of, store, total
+from tribo.kernels.lanes import LANES, lane, lanes_of, rows_of, store, total
 from tribo.kernels.pair_forces import distance, encounter_of, seen, slopes
 from tribo.kernels.pair_step import (
     ACCOUNTS,
-    AT,
     BEGINNING,
+    FIRST,
+    LEVEL,
+    LIMITS,
     PLACE,
     Q1,
     Q2,
     ROWS,
     START,
+    STATE,
     V1,
     V2,
     J,
     K,
     Nodes,
+    at_end,
     attempt,
-    book,
+    powers,
 )
 from tribo.kernels.status import BOBS_COINCIDE, COMPLETED, NOT_FINITE, PAUSED, STEP_UNDERFLOW
 from tribo.kernels.stepping import EPSILON, end_of_step, go_on, next_step, time_left, turn_back
@@ -59,7 +63,7 @@ def write(pair, potential, clock, work, record):
     for m in range(J + 1):
         record[k, m] = work[PLACE, m]
     for account in range(LANES):
-        record[k, J + 1 + account] = total(load(work, ACCOUNTS + account))
+        record[k, J + 1 + account] = work[ACCOUNTS, account]
     r = apart(pair, clock.t, work)
     record[k, ENERGY] = 0.0
     if r < potential.range():
@@ -90,51 +94,45 @@ def wind(clock, h):
 
 
 @kernel
-def begin(pair, potential, method, tolerance, clock, start, work):
+def begin(pair, potential, clock, start, work):
     """Slopes and powers at the very start, and whether it is one."""
     if clock.evaluations > 0:
         return COMPLETED
-    for row in range(ROWS):
+    for row in range(STATE, ROWS):
         for i in range(LANES):
             work[row, i] = 0.0
-    wind(clock, tolerance[0, 4])
+    wind(clock, work[LIMITS, FIRST])
     n = start.size // 2
     work[PLACE, Q1], work[PLACE, Q2] = start[0], start[1]
     work[PLACE, V1], work[PLACE, V2] = start[n], start[n + 1]
     if apart(pair, clock.t, work) == 0.0:
         return BOBS_COINCIDE
-    nothing = 0.0 * load(method, AT)
-    q1 = nothing + work[PLACE, Q1]
-    q2 = nothing + work[PLACE, Q2]
-    sight = seen(pair, potential, nothing + clock.t, q1, q2, nothing + work[PLACE, K])
+    q1, q2 = lanes_of(work[PLACE, Q1]), lanes_of(work[PLACE, Q2])
+    sight = seen(pair, potential, lanes_of(clock.t), q1, q2, lanes_of(work[PLACE, K]))
     f1, f2 = slopes(pair, sight, q1, q2)
     work[START, Q1] = lane(f1, 0)
     work[START, Q2] = lane(f2, 0)
     work[START, K] = lane(sight.fx, 0)
-    end = book(method, 0.0, work, Nodes(f1, f2, sight.fx, q1, q2, sight))
+    end = at_end(powers(0.0, work, Nodes(f1, f2, sight.fx, q1, q2, sight)))
     store(work, BEGINNING, end)
     clock.evaluations = 1
     return COMPLETED if math.isfinite(total(f1 + f2)) and math.isfinite(total(end)) else NOT_FINITE
 
 
-def pair_collocation(pairs, potential, tables, limits, start, clocks, state, times, record, budget):
-    """March through the samples with steps whose local errors stay within `limits`.
+def pair_collocation(pairs, potential, rows, start, clocks, times, record, budget):
+    """March through the samples with steps whose local errors stay within limits.
 
-    `limits` (2, 8) has the tolerances of omega1, omega2 and j, the level and the first step, then
-    the accounts' reciprocals; `tables` is the method's; `start` is y of the scene's layout at
-    t = 0, where a clock without evaluations begins, and `state` (ROWS, 8) what it goes on from;
-    `record` (times + 1, COLUMNS) is filled in row by row, and where the run stops is its last
-    sample.
-    As :func:`tribo.kernels.collocation.chosen_collocation` else.
+    `rows` (ROWS, 8) is all that the loop keeps: the method's table, the limits, and the state that
+    it goes on from; `start` is y of the scene's layout at t = 0, where a clock without evaluations
+    begins; `record` (times + 1, COLUMNS) is filled in row by row, and where the run stops is its
+    last sample.  As :func:`tribo.kernels.collocation.chosen_collocation` else.
     """
     pair = pairs[0]
     clock = clocks[0]
-    method = rows_of(tables)
-    tolerance = rows_of(limits)
-    work = rows_of(state)
-    status = begin(pair, potential, method, tolerance, clock, start, work)
+    work = rows_of(rows)
+    status = begin(pair, potential, clock, start, work)
     encounter = encounter_now(pair, potential, clock.t, work)
-    sharpness = math.sqrt(tolerance[0, 3]) / SHARP
+    sharpness = math.sqrt(work[LIMITS, LEVEL]) / SHARP
     done = 0
     finite = True
     while status == COMPLETED and clock.sample < times.size:
@@ -151,7 +149,7 @@ def pair_collocation(pairs, potential, tables, limits, start, clocks, state, tim
             status = STEP_UNDERFLOW if finite else NOT_FINITE
             continue
         taken, factor, next_encounter, finite = attempt(
-            pair, potential, method, clock, h, tolerance, sharpness, work
+            pair, potential, clock, h, encounter, sharpness, work
         )
         if not taken:
             turn_back(clock, h * factor)

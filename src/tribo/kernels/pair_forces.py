@@ -13,9 +13,9 @@ from numba import njit, types
 from numba.core.errors import NumbaError
 from numba.extending import overload
 
-from tribo.kernels.compiled import inlined, kernel
+from tribo.kernels.compiled import inlined
 from tribo.kernels.contact import separation
-from tribo.kernels.lanes import LANES, lane, lanes, put, root, sine_cosine, where_less
+from tribo.kernels.lanes import LANES, lane, lanes, lanes_of, put, root, sine_cosine, where_less
 
 PAIR = np.dtype(
     [
@@ -114,11 +114,12 @@ def encounter_of(pair, potential, r, q1, q2, v1, v2, j):
     return speed / potential.clearance(r)
 
 
-@kernel
+@inlined
 def distance(pair, t, q1, q2, k):
     """Distance of the bobs."""
+    sin, cos = sine_cosine(put(lanes_of(q1), 1, q2))
     dx = pair.gap_x + pair.speed_x * t + pair.ease * k
-    dx += pair.arm1 * math.sin(q1) - pair.arm2 * math.sin(q2)
+    dx += pair.arm1 * lane(sin, 0) - pair.arm2 * lane(sin, 1)
     dy = pair.gap_y + pair.speed_y * t
-    dy -= pair.arm1 * math.cos(q1) - pair.arm2 * math.cos(q2)
+    dy -= pair.arm1 * lane(cos, 0) - pair.arm2 * lane(cos, 1)
     return separation(dx, dy, math.sqrt(pair.square_z))

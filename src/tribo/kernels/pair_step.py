@@ -12,27 +12,41 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tribo.kernels.collocation import FARTHEST, SWEEPS
+from tribo.kernels.collocation import FARTHEST, SHARE, SWEEPS
 from tribo.kernels.collocation_tableaux import Collocation
 from tribo.kernels.compiled import inlined
-from tribo.kernels.lanes import LANES, highest, lane, load, magnitude, put, store, total
+from tribo.kernels.lanes import (
+    LANES,
+    highest,
+    lane,
+    lanes_of,
+    load,
+    magnitude,
+    put,
+    store,
+    total,
+    totals,
+)
 from tribo.kernels.pair_forces import encounter_of, seen, slopes
 from tribo.kernels.stepping import EPSILON, GROW, SHRINK
 
 CAUTION = 0.65  # of the growth that an error allows: a step turned back costs as much as one taken
-SHARE = 1e-3  # of the tolerance, for what an iteration leaves: no sweep follows its last
+CLEAR = 0.9  # of the way to an encounter, that a step shall go by the rate expected at its end
 
-# Rows of a pair's state: eight numbers each.
-PLACE, LOW, START, BEGINNING, MEMORY = 0, 1, 2, 3, 4
-ACCOUNTS, REMAINDERS, POWERS = 7, 15, 23
-ROWS = 31
+# Rows of what a pair's loop keeps, eight numbers each: first the method's table,
+AT, NODES, POLE, B, V, LAST, A, AA, R = 0, 1, 2, 3, 4, 5, 6, 14, 22
+# then what is tolerated of the rates, with the level and the first step, and of the accounts as
+# reciprocals,
+LIMITS, ALLOWED = R + LANES, R + LANES + 1
+OF_V1, OF_V2, OF_J, LEVEL, FIRST = range(5)
+# then the state.
+STATE = ALLOWED + 1
+PLACE, LOW, START, ACCOUNTS, REMAINDERS, BEGINNING, SCRATCH, MEMORY = range(STATE, STATE + 8)
+ROWS = MEMORY + 3
 Q1, Q2, K, V1, V2, J = range(6)  # in PLACE; LOW has what rounding took; START q1'', q2'' and k''
 # Accounts, before which a record has PLACE's first six: integrals of the force on the first bob.
 # J_Y of f_y; X1 of f_x omega1 cos q1, Y1 of f_y omega1 sin q1, X2, Y2; T1 of q1, T2; S of f_x j.
 J_Y, X1, Y1, X2, Y2, T1, T2, S = range(8)
-
-# Rows of a method's table.
-AT, NODES, POLE, B, V, LAST, A, AA, R = 0, 1, 2, 3, 4, 5, 6, 14, 22
 
 
 class Nodes(NamedTuple):
@@ -44,6 +58,16 @@ class Nodes(NamedTuple):
     q1: Any
     q2: Any
     sight: Any
+
+
+class Sums(NamedTuple):
+    """What a step comes to, in units of it: numbers of the motion, and Lanes of the accounts."""
+
+    twice: Any  # q''integrated twice, for q1, q2 and k
+    once: Any
+    highest: Any  # integral of the highest term of q''
+    gain: Any  # of the accounts
+    highest_gain: Any
 
 
 def table(method: Collocation) -> np.ndarray:
@@ -60,53 +84,68 @@ def table(method: Collocation) -> np.ndarray:
 
 
 @inlined
-def summed(method, first, f):
+def summed(work, first, f):
     """sum_j a_ij f_j in lane i; `first` is the row of a_i0."""
-    even = load(method, first) * lane(f, 0)
-    odd = load(method, first + 1) * lane(f, 1)
-    for j in range(2, LANES, 2):
-        even = even + load(method, first + j) * lane(f, j)
-        odd = odd + load(method, first + j + 1) * lane(f, j + 1)
-    return even + odd
+    one = load(work, first) * lane(f, 0) + load(work, first + 4) * lane(f, 4)
+    two = load(work, first + 1) * lane(f, 1) + load(work, first + 5) * lane(f, 5)
+    three = load(work, first + 2) * lane(f, 2) + load(work, first + 6) * lane(f, 6)
+    four = load(work, first + 3) * lane(f, 3) + load(work, first + 7) * lane(f, 7)
+    return (one + two) + (three + four)
 
 
 @inlined
-def foretell(method, clock, h, work):
+def combined(weights, work, row):
+    """sum_j w_j f_j, with the eight f_j in a row."""
+    w0, w1, w2, w3, w4, w5, w6, w7 = weights
+    one = w0 * work[row, 0] + w4 * work[row, 4]
+    two = w1 * work[row, 1] + w5 * work[row, 5]
+    three = w2 * work[row, 2] + w6 * work[row, 6]
+    four = w3 * work[row, 3] + w7 * work[row, 7]
+    return (one + two) + (three + four)
+
+
+@inlined
+def lagrange(work, x):
+    """Lagrange's polynomials of the nodes, at eight places x."""
+    d0, d1 = x - work[NODES, 0], x - work[NODES, 1]
+    d2, d3 = x - work[NODES, 2], x - work[NODES, 3]
+    d4, d5 = x - work[NODES, 4], x - work[NODES, 5]
+    d6, d7 = x - work[NODES, 6], x - work[NODES, 7]
+    d01, d23, d45, d67 = d0 * d1, d2 * d3, d4 * d5, d6 * d7
+    front, back = d01 * d23, d45 * d67
+    but01, but23, but45, but67 = d23 * back, d01 * back, front * d67, front * d45
+    return (
+        work[POLE, 0] * d1 * but01,
+        work[POLE, 1] * d0 * but01,
+        work[POLE, 2] * d3 * but23,
+        work[POLE, 3] * d2 * but23,
+        work[POLE, 4] * d5 * but45,
+        work[POLE, 5] * d4 * but45,
+        work[POLE, 6] * d7 * but67,
+        work[POLE, 7] * d6 * but67,
+    )
+
+
+@inlined
+def foretell(clock, h, work):
     """Slopes at the nodes to begin with: those of the last step's polynomials, or of the start."""
-    ratio = h / clock.last if clock.last > 0.0 else math.inf
-    c = load(method, AT)
-    f1 = 0.0 * c + work[START, Q1]
-    f2 = 0.0 * c + work[START, Q2]
-    fk = 0.0 * c + work[START, K]
+    ratio = h * (1.0 / clock.last) if clock.last > 0.0 else math.inf
+    c = load(work, AT)
     if ratio <= FARTHEST:
-        x = 1.0 + ratio * c
-        front = 0.0 * c + 1.0
-        for j in range(LANES):  # Lagrange's polynomials: the factors before j, then those behind
-            store(work, POWERS + j, front * method[POLE, j])
-            front = front * (x - method[NODES, j])
-        back = 0.0 * c + 1.0
-        f1 = 0.0 * c
-        f2 = 0.0 * c
-        fk = 0.0 * c
-        for i in range(LANES):
-            j = LANES - 1 - i
-            weight = load(work, POWERS + j) * back
-            f1 = f1 + weight * work[MEMORY, j]
-            f2 = f2 + weight * work[MEMORY + 1, j]
-            fk = fk + weight * work[MEMORY + 2, j]
-            back = back * (x - method[NODES, j])
-        f1 = put(f1, 0, work[START, Q1])
-        f2 = put(f2, 0, work[START, Q2])
-        fk = put(fk, 0, work[START, K])
-    return f1, f2, fk
+        weights = lagrange(work, 1.0 + ratio * c)
+        f1 = put(combined(weights, work, MEMORY), 0, work[START, Q1])
+        f2 = put(combined(weights, work, MEMORY + 1), 0, work[START, Q2])
+        fk = put(combined(weights, work, MEMORY + 2), 0, work[START, K])
+        return f1, f2, fk
+    return lanes_of(work[START, Q1]), lanes_of(work[START, Q2]), lanes_of(work[START, K])
 
 
 @inlined
-def units(h, work, tolerance):
+def units(h, work):
     """What the tolerances of v1, v2 and j allow their slopes to be off by, as reciprocals."""
-    unit1 = h / (tolerance[0, 0] + 2.0 * EPSILON * abs(work[PLACE, V1]))
-    unit2 = h / (tolerance[0, 1] + 2.0 * EPSILON * abs(work[PLACE, V2]))
-    unitk = h / (tolerance[0, 2] + 2.0 * EPSILON * abs(work[PLACE, J]))
+    unit1 = h / (work[LIMITS, OF_V1] + 2.0 * EPSILON * abs(work[PLACE, V1]))
+    unit2 = h / (work[LIMITS, OF_V2] + 2.0 * EPSILON * abs(work[PLACE, V2]))
+    unitk = h / (work[LIMITS, OF_J] + 2.0 * EPSILON * abs(work[PLACE, J]))
     return unit1, unit2, unitk
 
 
@@ -126,24 +165,24 @@ def enough(change, before):
 
 
 @inlined
-def solve(pair, potential, method, clock, h, tolerance, work):
+def solve(pair, potential, clock, h, work):
     """Sweep until another would change less than SHARE of the tolerance.
 
     Returns whether that came about, and the Nodes; leaves the slopes at the end of the step in
-    POWERS.
+    SCRATCH.
     """
-    f1, f2, fk = foretell(method, clock, h, work)
+    f1, f2, fk = foretell(clock, h, work)
     start1, start2, startk = work[START, Q1], work[START, Q2], work[START, K]
-    unit1, unit2, unitk = units(h, work, tolerance)
-    ahead = h * load(method, AT)
+    unit1, unit2, unitk = units(h, work)
+    ahead = h * load(work, AT)
     t = clock.t + ahead
     square = h * h
     springs1 = square * pair.square1
     springs2 = square * pair.square2
     rest1, rest2, restk = coasting(work, ahead)
-    place1 = rest1 + square * summed(method, A, f1)
-    place2 = rest2 + square * summed(method, A, f2)
-    placek = restk + square * summed(method, A, fk)
+    place1 = rest1 + square * summed(work, A, f1)
+    place2 = rest2 + square * summed(work, A, f2)
+    placek = restk + square * summed(work, A, fk)
     before = 0.0
     for _ in range(SWEEPS):
         sight = seen(pair, potential, t, place1, place2, placek)
@@ -152,13 +191,13 @@ def solve(pair, potential, method, clock, h, tolerance, work):
         late1 = put(new1, 0, start1) - f1
         late2 = put(new2, 0, start2) - f2
         latek = newk - fk
-        off1 = summed(method, A, late1)
-        off2 = summed(method, A, late2)
+        off1 = summed(work, A, late1)
+        off2 = summed(work, A, late2)
         new1 = new1 - springs1 * off1
         new2 = new2 - springs2 * off2
-        work[POWERS, 0] = lane(new1, 0)
-        work[POWERS, 1] = lane(new2, 0)
-        work[POWERS, 2] = lane(sight.fx, 0)
+        work[SCRATCH, Q1] = lane(new1, 0)
+        work[SCRATCH, Q2] = lane(new2, 0)
+        work[SCRATCH, K] = lane(sight.fx, 0)
         change = highest(
             unit1 * magnitude(late1) + unit2 * magnitude(late2) + unitk * magnitude(latek)
         )
@@ -171,33 +210,72 @@ def solve(pair, potential, method, clock, h, tolerance, work):
         if not math.isfinite(change):
             break
         before = change
-        place1 = place1 + square * (off1 - springs1 * summed(method, AA, late1))
-        place2 = place2 + square * (off2 - springs2 * summed(method, AA, late2))
-        placek = placek + square * summed(method, A, latek)
+        place1 = place1 + square * (off1 - springs1 * summed(work, AA, late1))
+        place2 = place2 + square * (off2 - springs2 * summed(work, AA, late2))
+        placek = placek + square * summed(work, A, latek)
     return False, Nodes(f1, f2, fk, rest1, rest2, sight)
 
 
 @inlined
-def book(method, h, work, nodes):
-    """Powers at the nodes into POWERS, and those at the end of the step, account by account."""
+def powers(h, work, nodes):
+    """Account by account, at the nodes; those at the end of the step in lane 0."""
     sight = nodes.sight
-    omega1 = work[PLACE, V1] + h * summed(method, R, nodes.f1)
-    omega2 = work[PLACE, V2] + h * summed(method, R, nodes.f2)
-    j = work[PLACE, J] + h * summed(method, R, nodes.fk)
-    end = nodes.f1
-    for account, power in (
-        (J_Y, sight.fy),
-        (X1, sight.fx * omega1 * sight.cos1),
-        (Y1, sight.fy * omega1 * sight.sin1),
-        (X2, sight.fx * omega2 * sight.cos2),
-        (Y2, sight.fy * omega2 * sight.sin2),
-        (T1, nodes.q1),
-        (T2, nodes.q2),
-        (S, sight.fx * j),
-    ):
-        end = put(end, account, lane(power, 0))
-        store(work, POWERS + account, put(power, 0, work[BEGINNING, account]))
-    return end
+    omega1 = work[PLACE, V1] + h * summed(work, R, nodes.f1)
+    omega2 = work[PLACE, V2] + h * summed(work, R, nodes.f2)
+    j = work[PLACE, J] + h * summed(work, R, nodes.fk)
+    return (
+        sight.fy,
+        sight.fx * omega1 * sight.cos1,
+        sight.fy * omega1 * sight.sin1,
+        sight.fx * omega2 * sight.cos2,
+        sight.fy * omega2 * sight.sin2,
+        nodes.q1,
+        nodes.q2,
+        sight.fx * j,
+    )
+
+
+@inlined
+def at_end(power):
+    """Lane 0 of each account."""
+    first = power[0]
+    for account in range(1, LANES):
+        first = put(first, account, lane(power[account], 0))
+    return first
+
+
+@inlined
+def each(weights, power):
+    """The powers of all accounts with weights."""
+    p0, p1, p2, p3, p4, p5, p6, p7 = power
+    return (
+        weights * p0,
+        weights * p1,
+        weights * p2,
+        weights * p3,
+        weights * p4,
+        weights * p5,
+        weights * p6,
+        weights * p7,
+    )
+
+
+@inlined
+def sums_of(work, nodes, power):
+    """What the polynomials through the nodes come to over the step."""
+    b = load(work, B)
+    v = load(work, V)
+    last = load(work, LAST)
+    f1, f2, fk = nodes.f1, nodes.f2, nodes.fk
+    motion = totals((b * f1, b * f2, b * fk, v * f1, v * f2, v * fk, last * f1, last * f2))
+    twice = lane(motion, 0), lane(motion, 1), lane(motion, 2)
+    once = lane(motion, 3), lane(motion, 4), lane(motion, 5)
+    ends = lane(motion, 6), lane(motion, 7), total(last * fk)
+    begin = load(work, BEGINNING)
+    within, rest = put(v, 0, 0.0), put(last, 0, 0.0)
+    gain = totals(each(within, power)) + lane(v, 0) * begin
+    high = totals(each(rest, power)) + lane(last, 0) * begin
+    return Sums(twice, once, ends, gain, high)
 
 
 @inlined
@@ -207,16 +285,12 @@ def miss(x, v, tolerance):
 
 
 @inlined
-def error_of(method, h, work, tolerance, nodes):
+def error_of(h, work, sums):
     """The integrals of the polynomials' highest terms, in units of the tolerances."""
-    last = load(method, LAST)
-    worst = miss(h * total(last * nodes.f1), work[PLACE, V1], tolerance[0, 0])
-    worst = max(worst, miss(h * total(last * nodes.f2), work[PLACE, V2], tolerance[0, 1]))
-    worst = max(worst, miss(h * total(last * nodes.fk), work[PLACE, J], tolerance[0, 2]))
-    wrong = last
-    for account in range(LANES):
-        wrong = put(wrong, account, total(last * load(work, POWERS + account)))
-    return worst + highest(h * magnitude(wrong) * load(tolerance, 1))
+    worst = miss(h * sums.highest[0], work[PLACE, V1], work[LIMITS, OF_V1])
+    worst = max(worst, miss(h * sums.highest[1], work[PLACE, V2], work[LIMITS, OF_V2]))
+    worst = max(worst, miss(h * sums.highest[2], work[PLACE, J], work[LIMITS, OF_J]))
+    return worst + highest(h * magnitude(sums.highest_gain) * load(work, ALLOWED))
 
 
 @inlined
@@ -229,6 +303,14 @@ def growth_of_eighth(error):
 
 
 @inlined
+def growth_within(error, most):
+    """The same, or `most` if it is more: that is told without roots, which take long."""
+    most = min(FARTHEST, most)
+    fourth = (most / CAUTION) ** 4
+    return most if error * (fourth * fourth) <= 1.0 else growth_of_eighth(error)
+
+
+@inlined
 def plus(x, low, step):
     """x + step, and what rounding took, of which `low` was left before."""
     step = step + low
@@ -237,25 +319,17 @@ def plus(x, low, step):
 
 
 @inlined
-def finish(method, h, work, nodes, once):
-    """Places, rates and accounts at the end of the step, rounding errors kept.
-
-    `once` is what the rates gain, but for h.
-    """
-    b = load(method, B)
-    v = load(method, V)
-    twice = total(b * nodes.f1), total(b * nodes.f2), total(b * nodes.fk)
+def finish(h, work, sums):
+    """Places, rates and accounts at the end of the step, rounding errors kept."""
     for m in range(3):
-        rate = work[PLACE, m + 3] + (work[LOW, m + 3] + h * twice[m])
+        rate = work[PLACE, m + 3] + (work[LOW, m + 3] + h * sums.twice[m])
         new = plus(work[PLACE, m], work[LOW, m], h * rate)
         work[PLACE, m], work[LOW, m] = new
-        new = plus(work[PLACE, m + 3], work[LOW, m + 3], h * once[m])
+        new = plus(work[PLACE, m + 3], work[LOW, m + 3], h * sums.once[m])
         work[PLACE, m + 3], work[LOW, m + 3] = new
-    for account in range(LANES):
-        step = h * (v * load(work, POWERS + account))
-        new, left = plus(load(work, ACCOUNTS + account), load(work, REMAINDERS + account), step)
-        store(work, ACCOUNTS + account, new)
-        store(work, REMAINDERS + account, left)
+    new, left = plus(load(work, ACCOUNTS), load(work, REMAINDERS), h * sums.gain)
+    store(work, ACCOUNTS, new)
+    store(work, REMAINDERS, left)
 
 
 @inlined
@@ -284,27 +358,29 @@ def remember(work, nodes, start, end):
 
 
 @inlined
-def attempt(pair, potential, method, clock, h, tolerance, sharpness, work):
+def attempt(pair, potential, clock, h, encounter, sharpness, work):
     """Try a step of h, whose error is `sharpness` times what the highest terms come to.
 
-    Returns whether it was taken, by what to multiply h for the next, the rate of encounters at
-    its end if it was taken, and whether all was finite.
+    `encounter` is the rate of encounters at its start.  Returns whether it was taken, by what to
+    multiply h for the next, the rate at its end if it was taken, and whether all was finite.
     """
-    converged, nodes = solve(pair, potential, method, clock, h, tolerance, work)
+    converged, nodes = solve(pair, potential, clock, h, work)
     if not converged:
         return False, 0.5, 0.0, math.isfinite(total(nodes.f1 + nodes.f2 + nodes.fk))
-    start = work[POWERS, 0], work[POWERS, 1], work[POWERS, 2]
-    end = book(method, h, work, nodes)
-    error = sharpness * error_of(method, h, work, tolerance, nodes)
+    start = work[SCRATCH, Q1], work[SCRATCH, Q2], work[SCRATCH, K]
+    power = powers(h, work, nodes)
+    end = at_end(power)
+    sums = sums_of(work, nodes, power)
+    error = sharpness * error_of(h, work, sums)
     finite = math.isfinite(error) and math.isfinite(total(end) + (start[0] + start[1]))
-    growth = growth_of_eighth(error)
     if not error <= 1.0 or not finite:
-        return False, growth, 0.0, finite
-    v = load(method, V)
-    once = total(v * nodes.f1), total(v * nodes.f2), total(v * nodes.fk)
-    encounter = encounter_after(pair, potential, h, work, nodes, once)
-    if h * encounter > 1.0:
-        return False, 0.5, 0.0, True
-    finish(method, h, work, nodes, once)
+        return False, growth_of_eighth(error), 0.0, finite
+    later = encounter_after(pair, potential, h, work, nodes, sums.once)
+    if h * later > 1.0:
+        return False, max(SHRINK, CLEAR / (h * later)), 0.0, True
+    finish(h, work, sums)
     remember(work, nodes, start, end)
-    return True, growth, encounter, True
+    clear = clock.near
+    if later > encounter:
+        clear = min(clear, CLEAR * encounter / later)
+    return True, growth_within(error, clear / (h * later)), later, True
