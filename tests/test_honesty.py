@@ -1,7 +1,7 @@
 """Error bars that can be trusted: true error <= estimate <= request, on scenes at random.
 
 The method is left to choose itself; the truth is that of another family, at a thousandth of the
-error.  What the truth does not know itself, by its own estimate, is taken off the error.
+request.  What the truth does not know itself, by its own estimate, is taken off the error.
 """
 
 from statistics import median

@@ -226,9 +226,39 @@ def test_interrupted_far_out():
     assert abs(run.samples.y[-1, 0] - again["upper"].theta[-1, 0]) < 1e-2
 
 
-def test_in_pieces_as_in_one():
+def test_interrupted_after_the_last_step():
+    """Whoever strikes a key when a run is complete has all of its samples, and no more."""
+
+    def stop(t):
+        raise KeyboardInterrupt
+
+    scene = replace(pair(tribo.Coulomb(0.3), DRIVES[0]), output=tribo.Output(samples=3))
+    simulation = Simulation(laid_out(scene), RADAU, stop)
+    run = simulation.attempt(simulation._setting)
+    assert run.status == "Interrupted" and run.samples.t.tolist() == [0.0, 3.0, 6.0]
+    undisturbed = Simulation(laid_out(scene), RADAU)
+    whole = undisturbed.attempt(undisturbed._setting)
+    assert np.array_equal(run.samples.y, whole.samples.y)
+
+
+@pytest.mark.parametrize("drives", DRIVES)
+def test_from_rest(drives):
+    """Nothing moves at first, and no encounter is ahead."""
+    scene = pair(tribo.Coulomb(0.3), drives)
+    upper, lower = (
+        replace(surface, velocity=(0.0, 0.0), initial=tribo.Initial()) for surface in scene.surfaces
+    )
+    scene = replace(scene, surfaces=(upper, lower))
+    own = tribo.simulate(scene, accuracy=1e-9, method=RADAU.name)
+    other = tribo.simulate(scene, accuracy=1e-9, method="rkn8")
+    assert own.cost.steps < 60
+    assert_agree(own, other)
+
+
+@pytest.mark.parametrize("samples", [17, 2])
+def test_in_pieces_as_in_one(samples):
     """A run that pauses goes on where it was, to the last bit."""
-    scene = pair(tribo.Coulomb(0.3), DRIVES[1])
+    scene = replace(pair(tribo.Coulomb(0.3), DRIVES[1]), output=tribo.Output(samples=samples))
     simulation = Simulation(laid_out(scene), RADAU)
     layout, own = simulation.layout, simulation._pair
     whole = simulation.attempt(simulation._setting)
@@ -313,6 +343,8 @@ def _everything(x, out):
     into[6, 0] = lanes.total(a)
     into[6, 1] = lanes.highest(a)
     into[6, 2] = rows[1, 4]
+    scaled = (a, 2.0 * a, b, lanes.lanes_of(rows[0, 1]), a * b, a - b, a + b, 3.0 * b)
+    lanes.store(into, 7, lanes.totals(scaled))
 
 
 def test_arithmetic():
@@ -320,7 +352,7 @@ def test_arithmetic():
     rng = np.random.default_rng(2)
     for _ in range(50):
         x = rng.normal(size=(2, 8))
-        out = np.empty((7, 8))
+        out = np.empty((8, 8))
         _everything(x, out)
         a, b = x
         third = a.copy()
@@ -328,3 +360,5 @@ def test_arithmetic():
         expected = (a + b, 2.0 - a * b, a / b, np.sqrt(abs(a)), np.where(a < b, a, 7.0), third)
         assert np.allclose(out[:6], expected, rtol=4e-16, atol=4e-16)
         assert np.allclose(out[6, :3], (np.sum(a), np.max(a), b[4]), rtol=1e-14)
+        scaled = (a, 2.0 * a, b, np.full(8, a[1]), a * b, a - b, a + b, 3.0 * b)
+        assert np.allclose(out[7], np.sum(scaled, axis=1), rtol=1e-13, atol=1e-14)

@@ -68,6 +68,73 @@ def test_equal_steps_keep_an_accuracy(method):
         assert off <= result.error_estimate[name] <= wanted, name
 
 
+@pytest.mark.parametrize("samples", [2, 9, 33, 401, 2001])
+@pytest.mark.parametrize("duration", [7.0, 0.3, 33.3])
+def test_stops(samples, duration):
+    """Coarser runs share no stop but the ends; no two are the same but for rounding."""
+    times = np.linspace(0.0, duration, samples)
+    stops = tuning.Stops.among(times)
+    assert np.isin(times, stops.all).all()
+    assert np.min(np.diff(stops.all)) > 1e-10 * duration
+    assert stops.all.size >= tuning.PARTS + 1
+    shared = np.intersect1d(stops.few, stops.many)
+    assert np.array_equal(shared, [0.0, duration])
+    assert max(stops.few.size, stops.many.size) <= tuning.MOST + 2
+    if stops.all.size <= tuning.MOST:
+        assert np.array_equal(np.union1d(stops.few, stops.many), stops.all)
+
+
+def test_equal_steps_where_samples_and_parts_meet():
+    """Two times that differ by rounding are one: no step is a rounding long."""
+    scene = replace(case("A"), duration=7.0, output=tribo.Output(samples=401))
+    result = tribo.simulate(scene, accuracy=1e-4, method="verlet")
+    assert result.status == "completed" and result.met
+
+
+def test_nothing_is_known_where_a_coarser_run_stopped():
+    """A bar from the time before would be a promise about the time after."""
+    simulation = tribo.prepare(case("A"), accuracy=1e-6)
+    *_, few, many, fine = simulation._tuned.runs
+    bounds, _ = tuning.estimated(simulation.layout, fine, [few, many], None)
+    assert max(bounds.values()) < np.inf
+    short = replace(many, status="EncounterJumped")
+    bounds, _ = tuning.estimated(simulation.layout, fine, [few, short], None)
+    assert min(bounds.values()) == np.inf
+
+
+def test_an_interrupt_ends_all_runs():
+    """One keystroke is enough; and a result that has no bar says so."""
+    marches = []
+    simulation = tribo.prepare(case("A"), accuracy=1e-6)
+    march = simulation._march
+
+    def interrupted(*given):
+        marches.append(replace(march(*given), status="Interrupted"))
+        return marches[-1]
+
+    simulation._march = interrupted
+    result = simulation.run()
+    assert len(marches) == 1 and result.status == "Interrupted" and not result.met
+
+
+def test_equal_steps_are_for_fast_baths():
+    """A slow bath is no reason to make short steps all the way, however many samples there are."""
+    for samples in (9, 401):
+        for frequency, equal in ((2.0, False), (3000.0, True)):
+            bath = tribo.Bath(masses=(0.01,), frequencies=(frequency,))
+            scene = case("A")
+            surfaces = tuple(replace(surface, bath=bath) for surface in scene.surfaces)
+            scene = replace(scene, surfaces=surfaces, output=tribo.Output(samples=samples))
+            best = costs.estimates(laid_out(scene), 1e-3)[0]
+            assert best.method.adaptive != equal
+
+
+def test_names_of_nothing_are_told():
+    """A quantity that a scene does not report cannot be kept to an accuracy."""
+    with pytest.raises(tribo.InputError, match="reports"):
+        tribo.simulate(case("A"), accuracy={"upper.contact_energy": 1e-3})
+
+
 def test_every_result_has_its_price():
     """A digit more costs more, a digit fewer less; and the line that is printed says so."""
     result = tribo.simulate(case("D"), accuracy=1e-6, method="dop853")

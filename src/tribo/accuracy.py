@@ -154,7 +154,7 @@ def _account_weights(layout: Layout) -> np.ndarray:
     return weights
 
 
-def tolerances(layout: Layout, scales: InnerScales, level: float, near: float = 0.5) -> Tolerance:
+def tolerances(layout: Layout, scales: InnerScales, level: float, near: float) -> Tolerance:
     """Local tolerances in each component that serve an accuracy of about `level`.
 
     Every coordinate is held to its own scale and to what its error does to the energies, so that
@@ -253,16 +253,16 @@ def estimate(
     books: Ledger,
     compared: Iterable[tuple[Ledger, Ledger]],
     scales: Scales,
-    rough: bool = False,
-    rounded: float = ROUNDED,
-    names: Iterable[str] = (),
+    rough: bool,
+    rounded: float,
+    names: Iterable[str],
 ) -> dict[str, float]:
     """A bound on the error of each reported quantity, over asperites and recorded times.
 
     `books` has a run at all of its times; `compared` are pairs, of this run and of a coarser one,
-    each at the times that both recorded.  To twice the largest difference, or four times that
-    where forces are `rough`, comes what rounding costs, which runs may share: of forces and of
-    sums, `rounded` in units of the scale, and of the number written down.  And a small part of
+    each at the times that both recorded.  To SAFETY times the largest difference, and ROUGH times
+    that where forces are `rough`, comes what rounding costs, which runs may share: of forces and
+    of sums, `rounded` in units of the scale, and of the number written down.  And a small part of
     the largest estimate of all: runs may come close by chance in one quantity.  `names` are
     further ones, as "upper.W".
     """

@@ -110,7 +110,7 @@ def estimates(layout: Layout, accuracy: float) -> list[Estimate]:
     """Methods for the scene, the cheapest first.
 
     Equal steps cannot shorten at an encounter, so methods that make them are looked at only where
-    a fast bath would have all others make short steps all the way.
+    a fast bath would have the best of the others make short steps all the way.
     """
     scene = layout.scene
     job, oscillators = task(layout), _oscillators(scene)
@@ -126,10 +126,9 @@ def estimates(layout: Layout, accuracy: float) -> list[Estimate]:
         count = evaluations(name, rate, job, accuracy)
         each = rate.run + scene.count * rate.asperite + oscillators * rate.oscillator
         found.append(Estimate(method, count, 1e-9 * count * each))
+    found.sort(key=lambda item: item.seconds)
     adaptive = [item for item in found if item.method.adaptive]
-    if any(item.evaluations > job.fast for item in adaptive):
-        found = adaptive
-    return sorted(found, key=lambda item: item.seconds)
+    return adaptive if adaptive and adaptive[0].evaluations > job.fast else found
 
 
 def cheapest(layout: Layout, accuracy: float) -> tuple[methods.Method, str]:

@@ -184,6 +184,18 @@ class Ledger:
             tables = [self.surfaces.get(surface, {}), self.blocks.get(surface, {})]
         return [table[name] for table in tables if name in table]
 
+    def rows(self, kept: Any) -> Ledger:
+        """The same at some of the times: a slice, indices or a mask."""
+        return Ledger(
+            {name: _rows(table, kept) for name, table in self.surfaces.items()},
+            {name: _rows(table, kept) for name, table in self.blocks.items()},
+            _rows(self.system, kept),
+        )
+
+
+def _rows(table: Table, kept: Any) -> Table:
+    return {name: values[kept] for name, values in table.items()}
+
 
 def ledger(layout: Layout, samples: Samples) -> Ledger:
     """Put together the ledger from raw samples, the first of which is the start."""

@@ -46,8 +46,7 @@ class Digest:
         """Take in a portion, whose first sample is the run's first."""
         books = bulk_ledger(self._layout, samples)
         new = slice(1 if self._portions else 0, None)
-        blocks = {name: _rows(table, new) for name, table in books.blocks.items()}
-        self._portions.append(Ledger({}, blocks, _rows(books.system, new)))
+        self._portions.append(books.rows(new))
         self._times.append(samples.t[new])
 
     def series(self) -> tuple[np.ndarray, dict[str, Table], Table]:
@@ -59,10 +58,6 @@ class Digest:
         }
         system = _joined([portion.system for portion in portions])
         return np.concatenate(self._times), blocks, system
-
-
-def _rows(table: Table, rows: slice) -> Table:
-    return {name: values[rows] for name, values in table.items()}
 
 
 def _joined(tables: list[Table]) -> Table:

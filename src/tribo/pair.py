@@ -55,7 +55,7 @@ from tribo.sources import stamp
 
 ARC1, ARC2 = ENERGY, ENERGY + 1  # in place of the energy: see `_arcs`
 FIRST_ACCOUNT = J + 1
-EIGHT = 8.0  # steps of the usual first length: a method of this order can begin with longer ones
+LONGER = 8.0  # times the usual first length: a method of this order can begin with longer ones
 FEW = 2048  # steps, before the keyboard is looked at for the first time
 INTERRUPTED = "Interrupted"
 
@@ -95,7 +95,7 @@ class Pair:
         ease = _ease(layout)
         self.places, self.books = _matrices(layout, ease)
         potential = layout.model.contacts[0].potential
-        self._first_step = EIGHT * first_step
+        self._first_step = LONGER * first_step
         self._clocks, self._rows = np.zeros(1, CLOCK), np.zeros((ROWS, LANES))
         self._rows[:LIMITS] = table(method.coefficients)
         self._given = (_record(layout, ease), potential, self._rows)
@@ -132,7 +132,9 @@ class Pair:
         def recorded() -> Samples:
             reached = times
             if status != NAMES[COMPLETED]:
-                reached = np.append(times[: int(record[-1, SAMPLES])], record[-1, REACHED])
+                reached = times[: int(record[-1, SAMPLES])]
+                if reached.size < times.size:  # the place reached is one more
+                    reached = np.append(reached, record[-1, REACHED])
             return self.samples(reached, record)
 
         return March(recorded, status, record[-1], time.perf_counter() - began)
@@ -142,14 +144,14 @@ class Pair:
     ) -> str:
         """Go on with a run that takes long, to where it ends."""
 
-        def call(clocks: Any, _: Any, times: np.ndarray, rows: Any, budget: int) -> int:
-            code: int = self._loop(*self._given, start, clocks, times, rows, budget)
+        def call(clocks: Any, _: Any, times: np.ndarray, record: Any, budget: int) -> int:
+            code: int = self._loop(*self._given, start, clocks, times, record, budget)
             return code
 
         clocks = self._clocks
         status = through(call, (), clocks, self._rows, times, record, progress)
-        if status == INTERRUPTED:  # the place reached is one more sample
-            done = int(clocks["sample"][0])
+        done = int(clocks["sample"][0])
+        if status == INTERRUPTED and done < times.size:  # the place reached is one more sample
             clocks["sample"], clocks["t_low"] = 0, 0.0
             call(clocks, self._rows, clocks["t"].copy(), record[done:], 1)
             taken = (clocks[name][0] for name in ("steps", "evaluations"))
@@ -157,7 +159,7 @@ class Pair:
         return status
 
     def limits(self, wanted: Tolerance) -> np.ndarray:
-        """(2, 8) tolerances of the loop's own variables, such that all of the layout's are met."""
+        """The loop's own limits (2, 8), with which all of the layout's tolerances are met."""
         everything = np.concatenate([wanted.y, wanted.s])
         factors = np.abs(np.concatenate([self.places, self.books]))[:, :ENERGY]
         with np.errstate(divide="ignore"):

@@ -25,6 +25,7 @@ from tribo.scene import Scene
 from tribo.spectra import believed_until
 from tribo.tuning import (
     APART,
+    HALTED,
     PARTS,
     PILOT,
     Stops,
@@ -47,7 +48,7 @@ class Settings:
     """How a prepared scene is run: all that another scene of its kind needs to be run alike."""
 
     method: str
-    own: tuple[Any, np.ndarray]  # setting and times of a run, or of the finer of two
+    own: tuple[Any, np.ndarray]  # setting and times of a run that is delivered
     lone: tuple[Any, np.ndarray]  # of a run that is compared with no other
     accuracy: Wanted | None
     tuned: Tuned | None  # without its runs
@@ -112,19 +113,17 @@ class Simulation:
         if isinstance(accuracy, Mapping):
             acc.check_observables(self.layout, accuracy)
         self.accuracy = accuracy
-        parts = np.linspace(0.0, self.scene.duration, PARTS + 1)
-        self._stops = Stops.at(np.union1d(self.scene.times, parts))
+        self._stops = Stops.among(self.scene.times)
         if self._digests:
             many = f"{self.scene.count} asperites"
             if Digest.wanted(self.layout, PARTS + 1):
                 raise InputError(
                     "accuracy",
-                    f"cannot be kept of {many}, too many to compare two runs; give a "
-                    "method and a step",
+                    f"cannot be kept of {many}, too many to compare runs; give a method and a step",
                 )
             raise InputError(
                 "output.samples",
-                f"{self.scene.times.size} samples of {many} are too many to compare two runs; give "
+                f"{self.scene.times.size} samples of {many} are too many to compare runs; give "
                 "fewer samples, or a method and a step",
             )
         self._tuned = tune(self.layout, self.method, accuracy, self._stops, self.attempt)
@@ -134,7 +133,7 @@ class Simulation:
     def attempt(
         self, setting: Any, times: np.ndarray | None = None, start: np.ndarray | None = None
     ) -> March:
-        """One run with a step or tolerances, recorded at times of its own or the scene's."""
+        """One run with a step or tolerances, recorded at times of its own or where others stop."""
         if times is None:
             times = self._stops.all
         return self._march(self.layout.start if start is None else start, setting, times)
@@ -148,9 +147,12 @@ class Simulation:
         y = self._changed({} if start is None else start)
         if not estimate or self._coarse is None:
             return self._once(y)
-        few, many, everywhere = self._stops
-        runs = [self._march(y, self._coarse, times) for times in (few, many)]
-        return self._result([*runs, self._march(y, self._setting, everywhere)])
+        settings = (self._coarse, self._coarse, self._setting)
+        runs: list[March] = []
+        for setting, times in zip(settings, self._stops, strict=True):
+            if not runs or runs[-1].status not in HALTED:
+                runs.append(self._march(y, setting, times))
+        return self._result(runs)
 
     def _once(self, y: np.ndarray) -> Result:
         """A run without an estimate; its ledger is put together when somebody looks."""
@@ -310,7 +312,9 @@ class Simulation:
         """That the request was not met, by how much, and why."""
         assert self.accuracy is not None and self._tuned is not None
         grown = self._tuned.amplification
-        if self._tuned.met or grown is None:
+        if grown is None and not self._tuned.met:
+            why = "the search for settings was interrupted"
+        elif self._tuned.met or grown is None:
             why = "the settings were found from the scene's own start, which kept it"
         else:
             why = out_of_reach(tightest(self.accuracy), grown)
@@ -321,7 +325,7 @@ class Simulation:
         seconds = sum(run.seconds for run in runs)
         ratio = None
         if self._tuned is not None and len(self._tuned.runs) > 2:
-            coarse, _, fine = (run.evaluations for run in self._tuned.runs[-3:])
+            coarse, fine = (run.evaluations for run in self._tuned.runs[-2:])
             # Samples shorten the steps of one run more; the order bounds what a digit costs.
             dearest = 10.0 ** (2.0 / self.method.order)
             ratio = min((fine / coarse) ** DIGIT, dearest) if coarse > 0 else None

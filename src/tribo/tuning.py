@@ -34,26 +34,36 @@ PERTURBATION = 1e-11  # of the start, to see what the scene makes of it
 LONG = 20.0  # seconds of runs, before which it is found out whether they can be had at all
 LOOSER = 16.0  # by which a level is raised at first, for runs that are compared with none
 TRIES = 8  # of raising it, less at a time whenever it was too much
+SEEN = 1.25  # bars of a looser run in units of the request: the finest run shows its error itself
 MORE = 1.05  # of the fewest evaluations yet, that does not tell yet
 HALTED = ("Interrupted", "CalculatorFailed")  # what ends a run that another would not mend
 
 PARTS = 32  # equal ones, after which a run stops: its steps are never those of a coarser one
 MOST = 256  # stops of a coarser one
+SAME = 1e-9  # of the duration: stops no further apart are one
 
 Wanted = float | Mapping[str, float]
 Attempt = Callable[..., March]  # a run with a setting, through times, from a start
 
 
 class Stops(NamedTuple):
-    """When a run and the two coarser ones stop: they share no sequence of steps.
+    """When a run and the two coarser ones stop, so that they share no sequence of steps.
 
-    Every fourth stop is one of the first coarser run, every other of the second, lest a brush of
+    Every fourth stop is one of the first coarser run, all others of the second, lest a brush of
     one bob with another be seen by one run alone.
     """
 
     few: np.ndarray
     many: np.ndarray
     all: np.ndarray
+
+    @classmethod
+    def among(cls, times: np.ndarray) -> Stops:
+        """For a run that is recorded at these times, and stops after PARTS of the whole as well."""
+        parts = np.linspace(times[0], times[-1], PARTS + 1)
+        k = np.searchsorted(times, parts).clip(1, times.size - 1)
+        off = np.minimum(np.abs(parts - times[k - 1]), np.abs(parts - times[k]))
+        return cls.at(np.union1d(times, parts[off > SAME * (times[-1] - times[0])]))
 
     @classmethod
     def at(cls, times: np.ndarray) -> Stops:
@@ -131,23 +141,25 @@ def tune(layout: Layout, method: Method, wanted: Wanted, stops: Stops, attempt: 
                 runs.append(attempt(setting, times))
         if runs[-1].status in HALTED:
             break
-        if not method.adaptive and runs[-1].status == "EncounterJumped":
+        jumped = any(run.status == "EncounterJumped" for run in runs[-3:])
+        if jumped and not method.adaptive:
             level *= LOWER**2
             continue
+        halted = False
         if grown is None and tightest(wanted) < TIGHT:
-            grown = amplification(layout, attempt, coarse, runs[-3])
-            if grown is None:
-                break
+            grown = amplification(layout, attempt, coarse, runs[-3], names)
+            halted = grown is None
         excess = acc.excess(*estimated(layout, runs[-1], runs[-3:-1], grown, names), wanted)
         stalls = stalls + 1 if excess > STALLED * before else 0
-        if excess <= 1.0 or level <= acc.FLOOR or stalls == PATIENCE:
+        if excess <= 1.0 or level <= acc.FLOOR or stalls == PATIENCE or halted:
             break
         if grown is None:
-            grown = amplification(layout, attempt, coarse, runs[-3])
+            grown = amplification(layout, attempt, coarse, runs[-3], names)
         if grown is None or grown * acc.EPSILON > tightest(wanted):
             break
         before = excess
-        level = max(level * min(LOWER, AIM / excess), acc.FLOOR)
+        lower = AIM / excess if np.isfinite(excess) else LOWER**2
+        level = max(level * min(LOWER, lower), acc.FLOOR)
     return Tuned(coarse, fine, APART * level, tuple(runs), grown, excess <= 1.0)
 
 
@@ -160,18 +172,21 @@ def loosest(
     from one another, and stop more often; a run alone need not.
     """
     finest = tuned.runs[-1]
-    if finest.status != "completed" or TRIES * finest.seconds > LONG:
+    if finest.status != "completed" or finest.seconds > LONG:
         return None
     names, grown = named_in(wanted), tuned.amplification
     scales = acc.inner_scales(layout, finest.samples)
-    found, least, level, factor = None, np.inf, tuned.level, LOOSER
+    found, least, level, factor, spent = None, np.inf, tuned.level, LOOSER, 0.0
     for _ in range(TRIES):
+        if spent > LONG:
+            break
         setting = setting_at(layout, method, scales, level, ALONE)
         run = attempt(setting)
+        spent += run.seconds
         if run.status == "Interrupted":
             raise KeyboardInterrupt
         good = run.status == "completed" and run.evaluations <= MORE * least
-        if good and acc.excess(*estimated(layout, finest, [run], grown, names), wanted) <= 1.0:
+        if good and acc.excess(*estimated(layout, finest, [run], grown, names), wanted) <= SEEN:
             if run.evaluations < least:
                 found, least = setting, run.evaluations
         else:
@@ -185,33 +200,47 @@ def estimated(
 ) -> tuple[dict[str, float], acc.Scales]:
     """Bounds on a run's errors, and the scales that they are judged by.
 
-    `grown` is what becomes of a small change of the start, where it was looked at.
+    `grown` is what becomes of a small change of the start, where it was looked at.  Nothing is
+    known where a coarser run stopped early.  Raises InputError if `names` has what this scene does
+    not report.
     """
     books = ledger(layout, fine.samples)
-    compared = [_shared(layout, fine, coarse) for coarse in coarser]
+    for name in names:
+        if not books.series(name):
+            raise InputError(f"accuracy.{name}", "names nothing that this scene reports")
+    compared = (_shared(layout, books, fine, coarse) for coarse in coarser)
     scales = acc.reported_scales(layout, books)
     rough, rounded = np.isfinite(layout.scene.smoothness), acc.rounding(grown, fine.steps)
-    return acc.estimate(books, compared, scales, bool(rough), rounded, names), scales
+    bounds = acc.estimate(books, compared, scales, bool(rough), rounded, names)
+    if any(run.status != "completed" for run in coarser):
+        bounds = dict.fromkeys(bounds, np.inf)
+    return bounds, scales
 
 
-def _shared(layout: Layout, one: March, other: March) -> tuple[Ledger, Ledger]:
-    """Two runs at the times that both recorded."""
-    times = np.intersect1d(one.samples.t, other.samples.t)
-    return ledger(layout, one.samples.at(times)), ledger(layout, other.samples.at(times))
+def _shared(layout: Layout, books: Ledger, one: March, other: March) -> tuple[Ledger, Ledger]:
+    """Two runs at the times that both recorded; `books` are those of the one."""
+    mine, theirs = one.samples.t, other.samples
+    kept = theirs.at(mine)
+    return books.rows(np.isin(mine, kept.t)), ledger(layout, kept)
 
 
-def amplification(layout: Layout, attempt: Attempt, setting: Any, run: March) -> float | None:
+def amplification(
+    layout: Layout, attempt: Attempt, setting: Any, run: March, names: tuple[str, ...] = ()
+) -> float | None:
     """What becomes of a small change of the start, in units of the change and of the scales.
 
-    None if the run that was to show it was halted.
+    In the quantities named, or in any that has a scale.  None if the run that was to show it was
+    halted.
     """
     nudged = layout.start.copy()
     nudged[: layout.model.asperites.size] += PERTURBATION
     other = attempt(setting, run.samples.t, nudged)
     if other.status in HALTED:
         return None
-    scales = acc.reported_scales(layout, ledger(layout, run.samples))
-    return acc.distance(*_shared(layout, run, other), scales) / PERTURBATION
+    books = ledger(layout, run.samples)
+    scales = acc.reported_scales(layout, books)
+    told = [name for name in names or acc.KINDS if scales.of(acc.kind_of(name)) > 0.0]
+    return acc.distance(*_shared(layout, books, run, other), scales, told) / PERTURBATION
 
 
 def out_of_reach(wanted: float, grown: float) -> str:
@@ -239,7 +268,7 @@ def _refuse_early(
     longer = (PILOT / (APART * level)) ** (1.0 / method.order)
     if pilot.status != "completed" or pilot.seconds * longer < LONG:
         return
-    grown = amplification(layout, attempt, setting, pilot)
+    grown = amplification(layout, attempt, setting, pilot, named_in(wanted))
     if grown is not None and grown * acc.EPSILON > tightest(wanted):
         raise InputError(
             "accuracy",

@@ -19,6 +19,7 @@ from tribo.kernels.pair_step import (
     PLACE,
     Q1,
     Q2,
+    RATE,
     ROWS,
     START,
     STATE,
@@ -31,8 +32,16 @@ from tribo.kernels.pair_step import (
     attempt,
     powers,
 )
-from tribo.kernels.status import BOBS_COINCIDE, COMPLETED, NOT_FINITE, PAUSED, STEP_UNDERFLOW
-from tribo.kernels.stepping import EPSILON, end_of_step, go_on, next_step, time_left, turn_back
+from tribo.kernels.status import BOBS_COINCIDE, COMPLETED, NOT_FINITE, PAUSED
+from tribo.kernels.stepping import (
+    EPSILON,
+    end_of_step,
+    go_on,
+    next_step,
+    time_left,
+    turn_back,
+    underflow,
+)
 
 # Columns of a record: PLACE's first six, the accounts, and
 ENERGY = J + 1 + LANES  # of the contact.
@@ -91,6 +100,7 @@ def wind(clock, h):
     clock.steps = 0
     clock.rejected = 0
     clock.held = 0
+    clock.lost = 0
 
 
 @kernel
@@ -115,6 +125,7 @@ def begin(pair, potential, clock, start, work):
     work[START, K] = lane(sight.fx, 0)
     end = at_end(powers(0.0, work, Nodes(f1, f2, sight.fx, q1, q2, sight)))
     store(work, BEGINNING, end)
+    work[START, RATE] = encounter_now(pair, potential, clock.t, work)
     clock.evaluations = 1
     return COMPLETED if math.isfinite(total(f1 + f2)) and math.isfinite(total(end)) else NOT_FINITE
 
@@ -122,19 +133,17 @@ def begin(pair, potential, clock, start, work):
 def pair_collocation(pairs, potential, rows, start, clocks, times, record, budget):
     """March through the samples with steps whose local errors stay within limits.
 
-    `rows` (ROWS, 8) is all that the loop keeps: the method's table, the limits, and the state that
-    it goes on from; `start` is y of the scene's layout at t = 0, where a clock without evaluations
-    begins; `record` (times + 1, COLUMNS) is filled in row by row, and where the run stops is its
-    last sample.  As :func:`tribo.kernels.collocation.chosen_collocation` else.
+    `rows` (ROWS, 8) is all that the loop keeps but for the clock: the method's table, the limits,
+    and the state that it goes on from; `start` is y of the scene's layout at t = 0, where a clock
+    without evaluations begins; `record` (times + 1, COLUMNS) is filled in row by row, and where
+    the run stops is its last sample.  As :func:`tribo.kernels.collocation.chosen_collocation` else.
     """
     pair = pairs[0]
     clock = clocks[0]
     work = rows_of(rows)
     status = begin(pair, potential, clock, start, work)
-    encounter = encounter_now(pair, potential, clock.t, work)
     sharpness = math.sqrt(work[LIMITS, LEVEL]) / SHARP
     done = 0
-    finite = True
     while status == COMPLETED and clock.sample < times.size:
         goal = times[clock.sample]
         left = time_left(clock, goal)
@@ -144,19 +153,18 @@ def pair_collocation(pairs, potential, rows, start, clocks, times, record, budge
         if done == budget:
             return PAUSED
         done += 1
+        encounter = work[START, RATE]
         h, landing = next_step(clock, encounter, left)
         if h < 16.0 * EPSILON * times[-1] and not landing:
-            status = STEP_UNDERFLOW if finite else NOT_FINITE
+            status = underflow(clock)
             continue
-        taken, factor, next_encounter, finite = attempt(
-            pair, potential, clock, h, encounter, sharpness, work
-        )
+        taken, factor, finite = attempt(pair, potential, clock, h, encounter, sharpness, work)
+        clock.lost = 0 if finite else 1
         if not taken:
             turn_back(clock, h * factor)
             continue
         go_on(clock, end_of_step(clock, goal, h, landing), h, landing, min(FARTHEST, factor))
         clock.last = h
-        encounter = next_encounter
     conclude(clock, record, times.size)
     if status != COMPLETED:
         write(pair, potential, clock, work, record)

@@ -31,7 +31,7 @@ from tribo.kernels.pair_forces import encounter_of, seen, slopes
 from tribo.kernels.stepping import EPSILON, GROW, SHRINK
 
 CAUTION = 0.65  # of the growth that an error allows: a step turned back costs as much as one taken
-CLEAR = 0.9  # of the way to an encounter, that a step shall go by the rate expected at its end
+CLEAR = 0.75  # of the way to an encounter, that a step shall go by the rate expected at its end
 
 # Rows of what a pair's loop keeps, eight numbers each: first the method's table,
 AT, NODES, POLE, B, V, LAST, A, AA, R = 0, 1, 2, 3, 4, 5, 6, 14, 22
@@ -39,8 +39,9 @@ AT, NODES, POLE, B, V, LAST, A, AA, R = 0, 1, 2, 3, 4, 5, 6, 14, 22
 # reciprocals,
 LIMITS, ALLOWED = R + LANES, R + LANES + 1
 OF_V1, OF_V2, OF_J, LEVEL, FIRST = range(5)
-# then the state.
+# then the state, with the rate of encounters behind the slopes of START.
 STATE = ALLOWED + 1
+RATE = 3
 PLACE, LOW, START, ACCOUNTS, REMAINDERS, BEGINNING, SCRATCH, MEMORY = range(STATE, STATE + 8)
 ROWS = MEMORY + 3
 Q1, Q2, K, V1, V2, J = range(6)  # in PLACE; LOW has what rounding took; START q1'', q2'' and k''
@@ -63,7 +64,7 @@ class Nodes(NamedTuple):
 class Sums(NamedTuple):
     """What a step comes to, in units of it: numbers of the motion, and Lanes of the accounts."""
 
-    twice: Any  # q''integrated twice, for q1, q2 and k
+    twice: Any  # q'' integrated twice, for q1, q2 and k
     once: Any
     highest: Any  # integral of the highest term of q''
     gain: Any  # of the accounts
@@ -304,7 +305,7 @@ def growth_of_eighth(error):
 
 @inlined
 def growth_within(error, most):
-    """The same, or `most` if it is more: that is told without roots, which take long."""
+    """The same, but not above `most`: whether it is, is told without roots, which take long."""
     most = min(FARTHEST, most)
     fourth = (most / CAUTION) ** 4
     return most if error * (fourth * fourth) <= 1.0 else growth_of_eighth(error)
@@ -362,11 +363,11 @@ def attempt(pair, potential, clock, h, encounter, sharpness, work):
     """Try a step of h, whose error is `sharpness` times what the highest terms come to.
 
     `encounter` is the rate of encounters at its start.  Returns whether it was taken, by what to
-    multiply h for the next, the rate at its end if it was taken, and whether all was finite.
+    multiply h for the next, and whether all was finite.
     """
     converged, nodes = solve(pair, potential, clock, h, work)
     if not converged:
-        return False, 0.5, 0.0, math.isfinite(total(nodes.f1 + nodes.f2 + nodes.fk))
+        return False, 0.5, math.isfinite(total(nodes.f1 + nodes.f2 + nodes.fk))
     start = work[SCRATCH, Q1], work[SCRATCH, Q2], work[SCRATCH, K]
     power = powers(h, work, nodes)
     end = at_end(power)
@@ -374,13 +375,14 @@ def attempt(pair, potential, clock, h, encounter, sharpness, work):
     error = sharpness * error_of(h, work, sums)
     finite = math.isfinite(error) and math.isfinite(total(end) + (start[0] + start[1]))
     if not error <= 1.0 or not finite:
-        return False, growth_of_eighth(error), 0.0, finite
+        return False, growth_of_eighth(error), finite
     later = encounter_after(pair, potential, h, work, nodes, sums.once)
     if h * later > 1.0:
-        return False, max(SHRINK, CLEAR / (h * later)), 0.0, True
+        return False, max(SHRINK, CLEAR / (h * later)), True
     finish(h, work, sums)
     remember(work, nodes, start, end)
+    work[START, RATE] = later
     clear = clock.near
-    if later > encounter:
-        clear = min(clear, CLEAR * encounter / later)
-    return True, growth_within(error, clear / (h * later)), later, True
+    if later > encounter:  # and will go on like that
+        clear = min(clear, CLEAR * later / (2.0 * later - encounter))
+    return True, growth_within(error, clear / (h * later)), True
