@@ -29,7 +29,7 @@ KINDS = ASPERITE_KINDS | OPTIONAL_KINDS | BLOCK_KINDS | SYSTEM_KINDS
 SAFETY = 2.0  # the estimate is this times the largest difference from the coarser runs
 ROUGH = 2.0  # times that where derivatives of a potential jump, and errors fall irregularly
 POOLED = 0.02  # of the largest estimate of all, in units of scales, that is added to every other
-ROUNDED = 64.0 * EPSILON  # of its scale: what rounding and first steps may do to runs alike
+ROUNDED = 256.0 * EPSILON  # of its scale: what rounding, first steps, iterations do to runs alike
 WALK = 1.0  # of sqrt(steps) roundings, magnified as the scene does: what they may come to
 FLOOR = 2e-15  # no tolerance asks for less, relative to its scale
 
