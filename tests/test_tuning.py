@@ -95,10 +95,10 @@ def test_nothing_is_known_where_a_coarser_run_stopped():
     """A bar from the time before would be a promise about the time after."""
     simulation = tribo.prepare(case("A"), accuracy=1e-6)
     *_, few, many, fine = simulation._tuned.runs
-    bounds, _ = tuning.estimated(simulation.layout, fine, [few, many], None, 0.0)
+    bounds, _ = tuning.estimated(simulation.layout, fine, [few, many], None)
     assert max(bounds.values()) < np.inf
     short = replace(many, status="EncounterJumped")
-    bounds, _ = tuning.estimated(simulation.layout, fine, [few, short], None, 0.0)
+    bounds, _ = tuning.estimated(simulation.layout, fine, [few, short], None)
     assert min(bounds.values()) == np.inf
 
 

@@ -38,7 +38,6 @@ from tribo.tuning import (
     setting_at,
     tightest,
     tune,
-    unsolved,
 )
 
 DIGIT = -1.0 / np.log10(APART)  # how often runs that are compared are apart in a digit
@@ -306,8 +305,7 @@ class Simulation:
         """Bounds on the last run's errors, and the largest in units of what was asked for."""
         assert self.accuracy is not None and self._tuned is not None
         names, grown = named_in(self.accuracy), self._tuned.amplification
-        left = unsolved(self.method, self._setting)
-        found, scales = estimated(self.layout, runs[-1], runs[:-1], grown, left, names)
+        found, scales = estimated(self.layout, runs[-1], runs[:-1], grown, names)
         return found, acc.excess(found, scales, self.accuracy)
 
     def _missed(self, excess: float) -> str:

@@ -15,7 +15,6 @@ import numpy as np
 
 from tribo import accuracy as acc
 from tribo.errors import InputError
-from tribo.kernels.collocation import SHARE, chosen_collocation
 from tribo.layout import Layout
 from tribo.ledger import Ledger, ledger
 from tribo.march import March
@@ -150,9 +149,7 @@ def tune(layout: Layout, method: Method, wanted: Wanted, stops: Stops, attempt: 
         if grown is None and tightest(wanted) < TIGHT:
             grown = amplification(layout, attempt, coarse, runs[-3], names)
             halted = grown is None
-        left = unsolved(method, fine)
-        bounds = estimated(layout, runs[-1], runs[-3:-1], grown, left, names)
-        excess = acc.excess(*bounds, wanted)
+        excess = acc.excess(*estimated(layout, runs[-1], runs[-3:-1], grown, names), wanted)
         stalls = stalls + 1 if excess > STALLED * before else 0
         if excess <= 1.0 or level <= acc.FLOOR or stalls == PATIENCE or halted:
             break
@@ -177,7 +174,7 @@ def loosest(
     finest = tuned.runs[-1]
     if finest.status != "completed" or finest.seconds > LONG:
         return None
-    names, grown, left = named_in(wanted), tuned.amplification, unsolved(method, tuned.fine)
+    names, grown = named_in(wanted), tuned.amplification
     scales = acc.inner_scales(layout, finest.samples)
     found, least, level, factor, spent = None, np.inf, tuned.level, LOOSER, 0.0
     for _ in range(TRIES):
@@ -189,10 +186,7 @@ def loosest(
         if run.status == "Interrupted":
             raise KeyboardInterrupt
         good = run.status == "completed" and run.evaluations <= MORE * least
-        if (
-            good
-            and acc.excess(*estimated(layout, finest, [run], grown, left, names), wanted) <= SEEN
-        ):
+        if good and acc.excess(*estimated(layout, finest, [run], grown, names), wanted) <= SEEN:
             if run.evaluations < least:
                 found, least = setting, run.evaluations
         else:
@@ -201,23 +195,12 @@ def loosest(
     return found
 
 
-def unsolved(method: Method, setting: Any) -> float:
-    """What iterations leave of every step, in units of the scales: alike in runs alike."""
-    return SHARE * setting.level if method.loop is chosen_collocation else 0.0
-
-
 def estimated(
-    layout: Layout,
-    fine: March,
-    coarser: Sequence[March],
-    grown: float | None,
-    left: float,
-    names: Any = (),
+    layout: Layout, fine: March, coarser: Sequence[March], grown: float | None, names: Any = ()
 ) -> tuple[dict[str, float], acc.Scales]:
     """Bounds on a run's errors, and the scales that they are judged by.
 
-    `grown` is what becomes of a small change of the start, where it was looked at, and `left`
-    what iterations left, in units of the scales.  Nothing is
+    `grown` is what becomes of a small change of the start, where it was looked at.  Nothing is
     known where a coarser run stopped early.  Raises InputError if `names` has what this scene does
     not report.
     """
@@ -227,8 +210,7 @@ def estimated(
             raise InputError(f"accuracy.{name}", "names nothing that this scene reports")
     compared = (_shared(layout, books, fine, coarse) for coarse in coarser)
     scales = acc.reported_scales(layout, books)
-    rough = np.isfinite(layout.scene.smoothness)
-    rounded = left + acc.rounding(grown, fine.steps)
+    rough, rounded = np.isfinite(layout.scene.smoothness), acc.rounding(grown, fine.steps)
     bounds = acc.estimate(books, compared, scales, bool(rough), rounded, names)
     if any(run.status != "completed" for run in coarser):
         bounds = dict.fromkeys(bounds, np.inf)
