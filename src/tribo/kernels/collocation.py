@@ -49,7 +49,7 @@ from tribo.kernels.sums import add, add_twice, combine, combine_twice, largest
 SWEEPS = 40  # through the nodes, after which an iteration is given up
 ROUNDED = 1e6  # times round-off: an iteration that stalls below has converged
 FARTHEST = 4.0  # steps, that a polynomial is continued beyond its own
-SHARE = 1e-3  # of the tolerance, for what an iteration leaves
+SHARE = 1e-4  # of the tolerance, for what an iteration leaves
 SHARP = 10.0  # highest term of q'' that goes with a level of 1, in units of the scales
 
 
