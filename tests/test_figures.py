@@ -7,8 +7,8 @@ import pytest
 
 import tribo
 from tribo import paper, paper_figures, plotting
-from tribo.errors import InputError
 from tribo.pose import contact_force, poses
+from tribo.validation import InputError
 
 
 @pytest.fixture(scope="module")

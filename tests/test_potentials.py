@@ -11,7 +11,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import tribo
-from tribo.errors import InputError
 from tribo.potentials import (
     BUILT_IN,
     BornMayer,
@@ -37,6 +36,7 @@ from tribo.potentials.cutoff import AT_CUTOFF
 from tribo.potentials.derivative import FUNCTIONS
 from tribo.potentials.written import as_table
 from tribo.scene_file import scene_from, scene_text
+from tribo.validation import InputError
 
 mpmath.mp.dps = 50
 ROUND_OFF = 2e-14  # relative to the largest term of a formula

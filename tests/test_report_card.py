@@ -16,7 +16,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tribo.cli import main
-from tribo.errors import InputError
 from tribo.potentials import (
     BUILT_IN,
     LennardJones,
@@ -34,6 +33,7 @@ from tribo.report_card.derivatives import check_force, curvature, curves, slope
 from tribo.report_card.invariances import check_laws, check_work
 from tribo.report_card.smoothness import strengths
 from tribo.report_card.specimen import Specimen
+from tribo.validation import InputError
 
 LJ = {"potential": "lennard-jones", "epsilon": 1.0, "sigma": 1.0}
 COULOMB = {"potential": "coulomb", "strength": 0.5}

@@ -7,9 +7,9 @@ import pytest
 
 import tribo
 import tribo.potentials
-from tribo.errors import InputError
 from tribo.potentials import as_potential
 from tribo.scene_file import scene_from
+from tribo.validation import InputError
 
 HEAD = """import math
 import numba

@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     from tribo.bath import Bath
     from tribo.drives import Custom, Ends, Forced, Free, Pulled
     from tribo.ensembles import ensemble
-    from tribo.errors import InputError
     from tribo.fields import Corrugation, Field
     from tribo.langevin import Langevin
     from tribo.potentials import (
@@ -35,6 +34,7 @@ if TYPE_CHECKING:
     from tribo.spectra import Spectrum
     from tribo.springs import Springs
     from tribo.surface import Initial, Surface
+    from tribo.validation import InputError
 
 __version__ = "0.1.0"
 
@@ -55,7 +55,7 @@ _HOME = {
     "Free": "tribo.drives",
     "incommensurate_rows": "tribo.rows",
     "Initial": "tribo.surface",
-    "InputError": "tribo.errors",
+    "InputError": "tribo.validation",
     "Interaction": "tribo.scene",
     "Langevin": "tribo.langevin",
     "LennardJones": "tribo.potentials",

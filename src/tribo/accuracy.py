@@ -12,7 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tribo.errors import InputError
 from tribo.kernels.stepping import Tolerance
 from tribo.layout import Layout
 from tribo.ledger import (
@@ -23,6 +22,7 @@ from tribo.ledger import (
     Ledger,
     Samples,
 )
+from tribo.validation import InputError
 
 EPSILON = float(np.finfo(float).eps)
 KINDS = ASPERITE_KINDS | OPTIONAL_KINDS | BLOCK_KINDS | SYSTEM_KINDS

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tribo.errors import InputError
 from tribo.ledger import Ledger
 from tribo.result import Cost, Result
 from tribo.scene_file import scene_from, scene_text
+from tribo.validation import InputError
 
 if TYPE_CHECKING:
     import xarray

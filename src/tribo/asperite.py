@@ -6,8 +6,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from tribo.checks import ANY, NOT_NEGATIVE, POSITIVE, number_or_each
-from tribo.errors import InputError
+from tribo.validation import ANY, NOT_NEGATIVE, POSITIVE, InputError, number_or_each
 
 Each = float | np.ndarray  # one number for all asperites of a surface, or one for each
 

@@ -11,9 +11,17 @@ from typing import Any
 
 import numpy as np
 
-from tribo.checks import NOT_NEGATIVE, POSITIVE, choice, inside, known_keys, number, vector
-from tribo.errors import InputError
 from tribo.spectra import KINDS, Spectrum
+from tribo.validation import (
+    NOT_NEGATIVE,
+    POSITIVE,
+    InputError,
+    choice,
+    inside,
+    known_keys,
+    number,
+    vector,
+)
 
 SPECTRAL = ("gamma", "cutoff", "n")  # what a spectrum needs besides its name
 

@@ -10,8 +10,7 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tribo.checks import as_path
-from tribo.errors import InputError
+from tribo.validation import InputError, as_path
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

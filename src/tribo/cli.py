@@ -10,7 +10,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from tribo.errors import InputError
+from tribo.validation import InputError
 
 COMPLETED, STOPPED, WRONG_INPUT = 0, 1, 2  # exit statuses
 FAILED = 1  # of a check

@@ -9,11 +9,11 @@ from numba import njit
 from numba.core.errors import NumbaError, UnsupportedBytecodeError
 
 from tribo import plugins
-from tribo.errors import InputError
 from tribo.kernels.compiled import METHODS
 from tribo.layout import Layout
 from tribo.potentials.from_ase import Live
 from tribo.sources import is_own
+from tribo.validation import InputError
 
 NUMBERS = ("float", "int", "complex", "bool")  # how numba's names of them begin
 Refusals = (NumbaError, UnsupportedBytecodeError)  # what the compiler raises

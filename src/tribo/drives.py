@@ -11,8 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from tribo import plugins
-from tribo.checks import NOT_NEGATIVE, choice, flag, known_keys, number
-from tribo.errors import InputError
+from tribo.validation import NOT_NEGATIVE, InputError, choice, flag, known_keys, number
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tribo import plugins
-from tribo.checks import choice, vector
-from tribo.errors import InputError
+from tribo.validation import InputError, choice, vector
 
 
 class Corrugation(NamedTuple):

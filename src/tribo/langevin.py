@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from tribo.checks import NOT_NEGATIVE, known_keys, number, vector
+from tribo.validation import NOT_NEGATIVE, known_keys, number, vector
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from tribo.checks import choice
 from tribo.kernels import (
     collocation,
     collocation_tableaux,
@@ -18,6 +17,7 @@ from tribo.kernels import (
 )
 from tribo.kernels.splitting import alternating, composed
 from tribo.scene import Scene
+from tribo.validation import choice
 
 # Effects that a method refuses, and why, as the end of a sentence that begins with its name.
 _PLACES = "is for forces of places alone; "

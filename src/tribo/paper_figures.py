@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tribo import paper, plotting
-from tribo.errors import InputError
 from tribo.plotting import COLUMN, INK, WIDE, arrow, note
 from tribo.pose import Pose, Poses, poses
+from tribo.validation import InputError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -6,12 +6,11 @@ from dataclasses import dataclass
 
 from tribo import accuracy as acc
 from tribo import methods
-from tribo.checks import POSITIVE, number
 from tribo.costs import cheapest
-from tribo.errors import InputError
 from tribo.layout import Layout
 from tribo.scene import check_accuracy
 from tribo.tuning import Wanted, tightest
+from tribo.validation import POSITIVE, InputError, number
 
 DEFAULT_ACCURACY = 1e-8
 NOISY_STEP = 2.0  # of a run with noise, in units of the first step of one without

@@ -15,8 +15,7 @@ from typing import Any
 import numpy as np
 
 from tribo import sources
-from tribo.checks import known_keys, number, shown
-from tribo.errors import InputError
+from tribo.validation import InputError, known_keys, number, shown
 
 GIVES = {"feature": 2, "domain": 2, "force_at": 2, "force_on_bar": 2, "end_forces": 4}  # or 1
 

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tribo.errors import InputError
 from tribo.result import Result
 from tribo.scene import Scene
 from tribo.surface import Surface
+from tribo.validation import InputError
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,17 +19,17 @@ from typing import Any
 
 import numpy as np
 
-from tribo.checks import (
+from tribo.validation import (
     NOT_NEGATIVE,
     POSITIVE,
     Condition,
+    InputError,
     inside,
     known_keys,
     number,
     vector,
     whole,
 )
-from tribo.errors import InputError
 
 FRACTION: Condition = ("must be between 0 and 1, both excluded", lambda x: 0.0 < x < 1.0)
 ROUNDING = 1.0 + 1e-9  # wavelengths whose ratio is less than this are the same

@@ -20,9 +20,8 @@ from dataclasses import fields
 from fractions import Fraction
 from typing import Any
 
-from tribo.checks import POSITIVE, inside, known_keys, number, whole
-from tribo.errors import InputError
 from tribo.surface import Surface
+from tribo.validation import POSITIVE, InputError, inside, known_keys, number, whole
 
 GOLDEN_MEAN = (1.0 + math.sqrt(5.0)) / 2.0
 

@@ -10,13 +10,23 @@ from typing import Any
 
 import numpy as np
 
-from tribo.checks import MANY, POSITIVE, inside, is_list, known_keys, number, shown, vector, whole
 from tribo.drives import Custom, Ends, Forced, Pulled
-from tribo.errors import InputError
 from tribo.fields import Field
 from tribo.potentials.from_ase import Live
 from tribo.potentials.registry import as_potential
 from tribo.surface import Surface
+from tribo.validation import (
+    MANY,
+    POSITIVE,
+    InputError,
+    inside,
+    is_list,
+    known_keys,
+    number,
+    shown,
+    vector,
+    whole,
+)
 
 EFFECTS = {
     "contact": "forces between the bobs of different surfaces",

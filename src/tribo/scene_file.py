@@ -14,13 +14,12 @@ import numpy as np
 
 from tribo import bath, drives, fields
 from tribo.asperite import Asperite
-from tribo.checks import as_path, inside, known_keys, shown
-from tribo.errors import InputError
 from tribo.fields import Field
 from tribo.potentials import written
 from tribo.roughness import Roughness
 from tribo.scene import Interaction, Numerics, Output, Scene, as_periodic
 from tribo.surface import Initial, Surface
+from tribo.validation import InputError, as_path, inside, known_keys, shown
 
 SURFACE_KEYS = [f.name for f in fields_of(Surface)]
 

@@ -11,8 +11,6 @@ import numpy as np
 
 from tribo import accuracy as acc
 from tribo import methods, sources
-from tribo.checks import inside, number_or_each, shown
-from tribo.errors import InputError
 from tribo.kernels.compiled import time_loop
 from tribo.layout import Layout, laid_out, set_bath
 from tribo.ledger import Ledger, ledger
@@ -39,6 +37,7 @@ from tribo.tuning import (
     tightest,
     tune,
 )
+from tribo.validation import InputError, inside, number_or_each, shown
 
 DIGIT = -1.0 / np.log10(APART)  # how often runs that are compared are apart in a digit
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from tribo.errors import InputError
+from tribo.validation import InputError
 
 _LOADED: dict[str, bytes] = {}  # the sources of modules that were loaded here, as they were then
 

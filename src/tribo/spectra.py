@@ -19,9 +19,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from tribo.checks import MANY, NOT_NEGATIVE, POSITIVE, choice, number, vector, whole
 from tribo.decays import SIDE, Motion, swing, with_continuum, with_oscillators
 from tribo.modes import normal_modes
+from tribo.validation import MANY, NOT_NEGATIVE, POSITIVE, choice, number, vector, whole
 
 KINDS = ("drude", "ohmic", "debye")
 

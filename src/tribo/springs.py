@@ -11,8 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from tribo.checks import NOT_NEGATIVE, flag, known_keys, number, vector, whole
-from tribo.errors import InputError
+from tribo.validation import NOT_NEGATIVE, InputError, flag, known_keys, number, vector, whole
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,13 @@ import numpy as np
 
 from tribo.asperite import Asperite, Each
 from tribo.bath import Bath, as_bath
-from tribo.checks import (
+from tribo.drives import Drive, Ends, Forced, as_bars, as_drive
+from tribo.langevin import Langevin, as_langevin
+from tribo.roughness import Roughness, as_heights, draw
+from tribo.springs import Springs, as_springs
+from tribo.validation import (
     MANY,
+    InputError,
     choice,
     inside,
     is_list,
@@ -20,11 +25,6 @@ from tribo.checks import (
     vector,
     whole,
 )
-from tribo.drives import Drive, Ends, Forced, as_bars, as_drive
-from tribo.errors import InputError
-from tribo.langevin import Langevin, as_langevin
-from tribo.roughness import Roughness, as_heights, draw
-from tribo.springs import Springs, as_springs
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,11 +14,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tribo import accuracy as acc
-from tribo.errors import InputError
 from tribo.layout import Layout
 from tribo.ledger import Ledger, ledger
 from tribo.march import March
 from tribo.methods import Method
+from tribo.validation import InputError
 
 PILOT = 1e-3  # tolerance level of the first run, which finds out the scales
 STALLED = 0.5  # of the estimate before: less gained than that,

@@ -18,12 +18,12 @@ import numpy as np
 
 from tribo import accuracy as acc
 from tribo import methods
-from tribo.errors import InputError
 from tribo.layout import laid_out
 from tribo.ledger import Ledger, ledger
 from tribo.scene import Output, Scene
 from tribo.simulation import Simulation, prepare
 from tribo.tuning import setting_at
+from tribo.validation import InputError
 
 SMOOTH, ROUGH = "gauss-radau-15", "dop853"  # methods of the reference, by what the potentials are
 FINEST = 1e-13  # accuracy asked of the reference

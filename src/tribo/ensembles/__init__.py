@@ -12,7 +12,6 @@ import time
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from tribo.checks import POSITIVE, inside, number, shown, whole
 from tribo.ensembles.crew import (
     FIRST,
     INTERRUPTED,
@@ -25,9 +24,9 @@ from tribo.ensembles.crew import (
 from tribo.ensembles.data import Collected, dataset
 from tribo.ensembles.means import members_needed
 from tribo.ensembles.members import Variation
-from tribo.errors import InputError
 from tribo.scene import Scene
 from tribo.simulation import Simulation, prepare
+from tribo.validation import POSITIVE, InputError, inside, number, shown, whole
 
 if TYPE_CHECKING:
     import xarray

@@ -10,9 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tribo import accuracy as acc
-from tribo.checks import shown
 from tribo.ensembles.members import Member, Variation
-from tribo.errors import InputError
 from tribo.kernels.status import MEANINGS
 from tribo.ledger import BLOCK_KINDS, SYSTEM_KINDS
 from tribo.march import Digest
@@ -20,6 +18,7 @@ from tribo.result import Result
 from tribo.scene import Scene
 from tribo.scene_file import scene_from, scene_text
 from tribo.simulation import Settings, Simulation, resumed
+from tribo.validation import InputError, shown
 
 FIRST = 16  # members, whose spread decides how many there will be, and which are run again
 CHUNKS = 32  # that an executor is handed at a time

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tribo import plotting
-from tribo.errors import InputError
 from tribo.plotting import INK, WIDE
+from tribo.validation import InputError
 
 if TYPE_CHECKING:
     import xarray

@@ -13,11 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from tribo.checks import LARGEST, inside, is_list, shown
-from tribo.errors import InputError
 from tribo.methods import noisy
 from tribo.scene import Scene
 from tribo.surface import Initial
+from tribo.validation import LARGEST, InputError, inside, is_list, shown
 
 VELOCITY = "velocity"
 

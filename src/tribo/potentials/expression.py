@@ -13,10 +13,9 @@ from functools import cache
 from typing import Any
 
 from tribo import plugins, sources
-from tribo.checks import shown
-from tribo.errors import InputError
 from tribo.potentials.derivative import FUNCTIONS, OPERATORS, Rules
 from tribo.potentials.registry import as_potential
+from tribo.validation import InputError, shown
 
 TAKEN = (  # names that a parameter cannot have: of a potential's methods, of a scene file's keys
     *("energy", "force", "feature", "clearance", "coupling", "energy_between", "force_between"),

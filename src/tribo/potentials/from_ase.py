@@ -20,8 +20,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tribo.checks import NOT_NEGATIVE, POSITIVE, known_keys, number, shown
-from tribo.errors import InputError
+from tribo.validation import NOT_NEGATIVE, POSITIVE, InputError, known_keys, number, shown
 
 
 @dataclass(frozen=True, eq=False)

@@ -33,8 +33,6 @@ import math
 from typing import Any
 
 from tribo import plugins
-from tribo.checks import choice, number, shown
-from tribo.errors import InputError
 from tribo.potentials.born_mayer import BornMayer
 from tribo.potentials.buckingham import Buckingham
 from tribo.potentials.coulomb import Coulomb
@@ -48,6 +46,7 @@ from tribo.potentials.sum import Scaled, Sum
 from tribo.potentials.table import Table, from_points
 from tribo.potentials.weeks_chandler_andersen import WeeksChandlerAndersen
 from tribo.potentials.yukawa import Yukawa
+from tribo.validation import InputError, choice, number, shown
 
 SWITCH_FROM = 0.9  # of the cutoff, where it is not said
 

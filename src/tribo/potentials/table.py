@@ -16,8 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tribo.checks import NOT_NEGATIVE, POSITIVE, as_path, number, vector
-from tribo.errors import InputError
+from tribo.validation import NOT_NEGATIVE, POSITIVE, InputError, as_path, number, vector
 
 FEWEST = 4  # points, through which there is one cubic
 MANY = 20_000  # points, by which a function should be followed to any accuracy

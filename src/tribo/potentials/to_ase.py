@@ -21,9 +21,8 @@ from ase.calculators.calculator import Calculator, all_changes
 from ase.neighborlist import neighbor_list
 from ase.stress import full_3x3_to_voigt_6_stress
 
-from tribo.checks import shown
-from tribo.errors import InputError
 from tribo.potentials.registry import as_potential
+from tribo.validation import InputError, shown
 
 
 class PairCalculator(Calculator):

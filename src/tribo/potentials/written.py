@@ -6,8 +6,6 @@ from pathlib import Path
 from typing import Any
 
 from tribo import plugins
-from tribo.checks import inside, is_list, known_keys, shown
-from tribo.errors import InputError
 from tribo.potentials import from_ase
 from tribo.potentials.cutoff import AT_CUTOFF
 from tribo.potentials.dimers import from_dimer
@@ -22,6 +20,7 @@ from tribo.potentials.registry import (
 )
 from tribo.potentials.sum import Scaled, Sum
 from tribo.potentials.table import Table, from_csv, from_points
+from tribo.validation import InputError, inside, is_list, known_keys, shown
 
 ENDING = ("cutoff", "at_cutoff", "switch_from")
 

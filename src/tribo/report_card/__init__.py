@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from tribo.errors import InputError
 from tribo.potentials.from_ase import Live
 from tribo.potentials.registry import as_potential
 from tribo.potentials.written import as_table
@@ -17,6 +16,7 @@ from tribo.report_card.limits import check_finite, check_limits
 from tribo.report_card.motion import check_motion
 from tribo.report_card.smoothness import check_cutoff, check_smoothness
 from tribo.report_card.specimen import Specimen
+from tribo.validation import InputError
 
 __all__ = ["Check", "Report", "report"]
 

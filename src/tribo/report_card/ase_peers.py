@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from tribo.errors import InputError
 from tribo.potentials import Coulomb, LennardJones, Morse
 from tribo.report_card.card import Check
 from tribo.report_card.specimen import Specimen
+from tribo.validation import InputError
 
 ROUND_OFF = 1e-12  # relative to the scale around
 PLACES = 40  # distances compared

@@ -13,14 +13,13 @@ from typing import Any
 import numpy as np
 
 from tribo import sources
-from tribo.checks import LARGEST
 from tribo.diagnosis import Refusals, complaint
-from tribo.errors import InputError
 from tribo.kernels.compiled import time_loop
 from tribo.kernels.probe import contact_probe
 from tribo.layout import laid_out
 from tribo.scene import Scene
 from tribo.surface import Surface
+from tribo.validation import LARGEST, InputError
 
 CELLS = 400  # of equal ratio, from the least distance looked at to the largest
 PER_FEATURE, FINE = 8, 80  # finer cells in each length on which the force changes, each way

@@ -12,9 +12,24 @@ from typing import Any
 
 import numpy as np
 
-from tribo.errors import InputError
-
 Condition = tuple[str, Callable[[float], bool]]
+
+
+class InputError(ValueError):
+    """A value that cannot be used: ``field: what is wrong, and what would do``."""
+
+    def __init__(self, field: str, problem: str) -> None:
+        self.field = field
+        self.problem = problem
+        super().__init__(f"{field}: {problem}" if field else problem)
+
+    def under(self, prefix: str) -> InputError:
+        """The same complaint about a field that lies inside `prefix`."""
+        if not self.field:
+            return InputError(prefix, self.problem)
+        joint = "" if self.field.startswith("[") else "."
+        return InputError(f"{prefix}{joint}{self.field}", self.problem)
+
 
 ANY: Condition = ("must be a number", lambda x: True)
 POSITIVE: Condition = ("must be positive", lambda x: x > 0.0)
