@@ -15,7 +15,7 @@ import tribo
 from laws import identities, tables
 from strategies import asperites, coulombs, dyadic, potentials
 from tribo import paper
-from tribo.kernels import lanes
+from tribo.kernels import simd
 from tribo.kernels.compiled import time_loop
 from tribo.kernels.pair import COLUMNS, pair_collocation
 from tribo.kernels.status import COMPLETED, PAUSED
@@ -310,9 +310,9 @@ def test_a_run_without_an_estimate_keeps_the_accuracy(case, accuracy):
 @njit
 def _sine_cosine(x, out):
     """Row 0 of `x` into both rows of `out`."""
-    sin, cos = lanes.sine_cosine(lanes.load(lanes.rows_of(x), 0))
-    lanes.store(lanes.rows_of(out), 0, sin)
-    lanes.store(lanes.rows_of(out), 1, cos)
+    sin, cos = simd.sine_cosine(simd.load(simd.rows_of(x), 0))
+    simd.store(simd.rows_of(out), 0, sin)
+    simd.store(simd.rows_of(out), 1, cos)
 
 
 @pytest.mark.parametrize("size", [1e-9, 0.5, 3.0, 50.0, 1e5])
@@ -332,19 +332,19 @@ def test_sine_and_cosine(size):
 @njit
 def _everything(x, out):
     """Each operation once."""
-    rows, into = lanes.rows_of(x), lanes.rows_of(out)
-    a, b = lanes.load(rows, 0), lanes.load(rows, 1)
-    lanes.store(into, 0, a + b)
-    lanes.store(into, 1, 2.0 - a * b)
-    lanes.store(into, 2, a / b)
-    lanes.store(into, 3, lanes.root(lanes.magnitude(a)))
-    lanes.store(into, 4, lanes.where_less(a, b, a, 7.0))
-    lanes.store(into, 5, lanes.put(a, 3, lanes.lane(b, 5)))
-    into[6, 0] = lanes.total(a)
-    into[6, 1] = lanes.highest(a)
+    rows, into = simd.rows_of(x), simd.rows_of(out)
+    a, b = simd.load(rows, 0), simd.load(rows, 1)
+    simd.store(into, 0, a + b)
+    simd.store(into, 1, 2.0 - a * b)
+    simd.store(into, 2, a / b)
+    simd.store(into, 3, simd.root(simd.magnitude(a)))
+    simd.store(into, 4, simd.where_less(a, b, a, 7.0))
+    simd.store(into, 5, simd.put(a, 3, simd.lane(b, 5)))
+    into[6, 0] = simd.total(a)
+    into[6, 1] = simd.highest(a)
     into[6, 2] = rows[1, 4]
-    scaled = (a, 2.0 * a, b, lanes.lanes_of(rows[0, 1]), a * b, a - b, a + b, 3.0 * b)
-    lanes.store(into, 7, lanes.totals(scaled))
+    scaled = (a, 2.0 * a, b, simd.lanes_of(rows[0, 1]), a * b, a - b, a + b, 3.0 * b)
+    simd.store(into, 7, simd.totals(scaled))
 
 
 def test_arithmetic():

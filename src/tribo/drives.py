@@ -1,7 +1,7 @@
 """What holds or moves a surface: the force f2 on every bar, given the contact force f1.
 
 Each drive is a class of a few numbers; the force itself is written once, in
-:func:`tribo.kernels.motion.drive_forces`.
+:func:`tribo.kernels.equations_of_motion.drive_forces`.
 """
 
 from __future__ import annotations

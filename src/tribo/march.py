@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from tribo.diagnosis import Refusals, complaint
-from tribo.kernels.motion import place_bobs
+from tribo.kernels.equations_of_motion import place_bobs
 from tribo.kernels.neighbours import refresh
 from tribo.kernels.records import CLOCK, Neighbours
 from tribo.kernels.samples import STORED, Record, State, write_sample

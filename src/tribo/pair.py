@@ -15,7 +15,6 @@ from numba import config
 from tribo.diagnosis import Refusals, complaint
 from tribo.kernels.collocation import chosen_collocation
 from tribo.kernels.compiled import entry, time_loop
-from tribo.kernels.lanes import LANES
 from tribo.kernels.pair import COLUMNS, ENERGY, REACHED, SAMPLES, pair_collocation
 from tribo.kernels.pair_forces import PAIR
 from tribo.kernels.pair_step import (
@@ -45,6 +44,7 @@ from tribo.kernels.pair_step import (
 )
 from tribo.kernels.records import CLOCK, FORCED, FREE
 from tribo.kernels.samples import STORED
+from tribo.kernels.simd import LANES
 from tribo.kernels.status import COMPLETED, NAMES, PAUSED
 from tribo.kernels.stepping import Tolerance
 from tribo.layout import Layout

@@ -14,7 +14,7 @@ import math
 import numpy as np
 
 from tribo.kernels.compiled import kernel
-from tribo.kernels.motion import equations_of_motion
+from tribo.kernels.equations_of_motion import equations_of_motion
 from tribo.kernels.neighbours import crowded
 from tribo.kernels.powers import all_powers
 from tribo.kernels.samples import blank, copy, copy_state

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo.kernels.compiled import kernel
-from tribo.kernels.motion import equations_of_motion
+from tribo.kernels.equations_of_motion import equations_of_motion
 from tribo.kernels.neighbours import crowded
 from tribo.kernels.powers import all_powers
 from tribo.kernels.records import BAR, BOB

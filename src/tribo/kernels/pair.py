@@ -8,7 +8,6 @@ import math
 
 from tribo.kernels.collocation import FARTHEST, SHARP
 from tribo.kernels.compiled import kernel
-from tribo.kernels.lanes import LANES, lane, lanes_of, rows_of, store, total
 from tribo.kernels.pair_forces import distance, encounter_of, seen, slopes
 from tribo.kernels.pair_step import (
     ACCOUNTS,
@@ -32,6 +31,7 @@ from tribo.kernels.pair_step import (
     attempt,
     powers,
 )
+from tribo.kernels.simd import LANES, lane, lanes_of, rows_of, store, total
 from tribo.kernels.status import BOBS_COINCIDE, COMPLETED, NOT_FINITE, PAUSED
 from tribo.kernels.stepping import (
     EPSILON,

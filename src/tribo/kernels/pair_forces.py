@@ -15,7 +15,7 @@ from numba.extending import overload
 
 from tribo.kernels.compiled import inlined
 from tribo.kernels.contact import separation
-from tribo.kernels.lanes import LANES, lane, lanes, lanes_of, put, root, sine_cosine, where_less
+from tribo.kernels.simd import LANES, lane, lanes, lanes_of, put, root, sine_cosine, where_less
 
 PAIR = np.dtype(
     [

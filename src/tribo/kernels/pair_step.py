@@ -15,7 +15,8 @@ import numpy as np
 from tribo.kernels.collocation import FARTHEST, SHARE, SWEEPS
 from tribo.kernels.collocation_tableaux import Collocation
 from tribo.kernels.compiled import inlined
-from tribo.kernels.lanes import (
+from tribo.kernels.pair_forces import encounter_of, seen, slopes
+from tribo.kernels.simd import (
     LANES,
     highest,
     lane,
@@ -27,7 +28,6 @@ from tribo.kernels.lanes import (
     total,
     totals,
 )
-from tribo.kernels.pair_forces import encounter_of, seen, slopes
 from tribo.kernels.stepping import EPSILON, GROW, SHRINK
 
 CAUTION = 0.65  # of the growth that an error allows: a step turned back costs as much as one taken

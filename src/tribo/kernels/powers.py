@@ -25,7 +25,7 @@ from numba import literal_unroll
 
 from tribo.kernels.compiled import kernel
 from tribo.kernels.contact import force_within
-from tribo.kernels.motion import bar_angle, displacement
+from tribo.kernels.equations_of_motion import bar_angle, displacement
 
 CONTACT, SLIDE, DRIVE, ENDS, USER_ENDS, POINT = 4, 2, 4, 5, 8, 4  # accounts in each group
 

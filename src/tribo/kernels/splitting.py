@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo.kernels.compiled import kernel
-from tribo.kernels.motion import (
+from tribo.kernels.equations_of_motion import (
     accelerate,
     displacement,
     drive_bar,

@@ -7,7 +7,7 @@ import numpy as np
 
 from tribo.kernels.compiled import kernel
 from tribo.kernels.contact import encounter_rate, widest_rate
-from tribo.kernels.motion import equations_of_motion, listed, top_speeds
+from tribo.kernels.equations_of_motion import equations_of_motion, listed, top_speeds
 from tribo.kernels.powers import all_powers
 from tribo.kernels.samples import write_sample
 from tribo.kernels.status import (

@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from tribo.kernels.compiled import kernel, owning_kernel
-from tribo.kernels.motion import bar_displacement
+from tribo.kernels.equations_of_motion import bar_displacement
 from tribo.kernels.powers import momentum
 
 
