@@ -22,8 +22,8 @@ from tribo.kernels.status import COMPLETED, PAUSED
 from tribo.layout import laid_out
 from tribo.methods import METHODS
 from tribo.pair import has_loop, is_pair
+from tribo.plugins.sources import stamp
 from tribo.simulation import Simulation
-from tribo.sources import stamp
 
 RADAU = METHODS["gauss-radau-15"]
 

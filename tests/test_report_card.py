@@ -289,7 +289,7 @@ class Own(NamedTuple):
 STALE = """
 import sys
 from pathlib import Path
-from tribo import sources
+from tribo.plugins import sources
 from tribo.potentials.written import from_table
 from tribo.report_card.agreement import check_agreement
 from tribo.report_card.specimen import Specimen

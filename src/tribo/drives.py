@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tribo import plugins
+from tribo.plugins import classes as plugins
 from tribo.validation import NOT_NEGATIVE, InputError, choice, flag, known_keys, number
 
 

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tribo import plugins
+from tribo.plugins import classes as plugins
 from tribo.validation import InputError, choice, vector
 
 

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from tribo.diagnosis import Refusals, complaint
 from tribo.kernels.equations_of_motion import place_bobs
 from tribo.kernels.neighbours import refresh
 from tribo.kernels.records import CLOCK, Neighbours
@@ -20,6 +19,7 @@ from tribo.kernels.stepping import Tolerance
 from tribo.layout import Layout
 from tribo.ledger import ASPERITE_KINDS, OPTIONAL_KINDS, Ledger, Samples, Table, bulk_ledger
 from tribo.methods import Method
+from tribo.plugins.compile_errors import Refusals, complaint
 from tribo.potentials.from_ase import Call
 
 Progress = Callable[[float], None]  # told the time reached, a few times a second

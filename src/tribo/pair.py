@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 from numba import config
 
-from tribo.diagnosis import Refusals, complaint
 from tribo.kernels.collocation import chosen_collocation
 from tribo.kernels.compiled import entry, time_loop
 from tribo.kernels.pair import COLUMNS, ENERGY, REACHED, SAMPLES, pair_collocation
@@ -51,7 +50,8 @@ from tribo.layout import Layout
 from tribo.ledger import Samples
 from tribo.march import March, Progress, through
 from tribo.methods import Method
-from tribo.sources import stamp
+from tribo.plugins.compile_errors import Refusals, complaint
+from tribo.plugins.sources import stamp
 
 ARC1, ARC2 = ENERGY, ENERGY + 1  # in place of the energy: see `_arcs`
 FIRST_ACCOUNT = J + 1

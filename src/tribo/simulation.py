@@ -10,13 +10,14 @@ from typing import Any
 import numpy as np
 
 from tribo import accuracy as acc
-from tribo import methods, sources
+from tribo import methods
 from tribo.kernels.compiled import time_loop
 from tribo.layout import Layout, laid_out, set_bath
 from tribo.ledger import Ledger, ledger
 from tribo.march import Digest, March, Progress, compile_loop, march
 from tribo.pair import Pair, has_loop
 from tribo.plan import plan_for
+from tribo.plugins import sources
 from tribo.potentials.written import as_table
 from tribo.result import Cost, Result
 from tribo.scene import Scene

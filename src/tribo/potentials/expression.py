@@ -12,7 +12,8 @@ import math
 from functools import cache
 from typing import Any
 
-from tribo import plugins, sources
+from tribo.plugins import classes as plugins
+from tribo.plugins import sources
 from tribo.potentials.derivative import FUNCTIONS, OPERATORS, Rules
 from tribo.potentials.registry import as_potential
 from tribo.validation import InputError, shown

@@ -32,7 +32,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from tribo import plugins
+from tribo.plugins import classes as plugins
 from tribo.potentials.born_mayer import BornMayer
 from tribo.potentials.buckingham import Buckingham
 from tribo.potentials.coulomb import Coulomb

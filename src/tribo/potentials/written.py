@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from tribo import plugins
+from tribo.plugins import classes as plugins
 from tribo.potentials import from_ase
 from tribo.potentials.cutoff import AT_CUTOFF
 from tribo.potentials.dimers import from_dimer

@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from tribo import sources
-from tribo.diagnosis import Refusals, complaint
 from tribo.kernels.compiled import time_loop
 from tribo.kernels.probe import contact_probe
 from tribo.layout import laid_out
+from tribo.plugins import sources
+from tribo.plugins.compile_errors import Refusals, complaint
 from tribo.scene import Scene
 from tribo.surface import Surface
 from tribo.validation import LARGEST, InputError

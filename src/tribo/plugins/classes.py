@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from tribo import sources
+from tribo.plugins import sources
 from tribo.validation import InputError, known_keys, number, shown
 
 GIVES = {"feature": 2, "domain": 2, "force_at": 2, "force_on_bar": 2, "end_forces": 4}  # or 1
