@@ -34,7 +34,7 @@ from tribo.potentials import (
 )
 from tribo.potentials.cutoff import AT_CUTOFF
 from tribo.potentials.derivative import FUNCTIONS
-from tribo.potentials.written import as_table
+from tribo.potentials.tables import as_table
 from tribo.scene_file import scene_from, scene_text
 from tribo.validation import InputError
 

@@ -27,7 +27,7 @@ from tribo.potentials import (
 )
 from tribo.potentials.cutoff import AT_CUTOFF
 from tribo.potentials.expression import is_expression
-from tribo.potentials.written import MADE, from_table
+from tribo.potentials.tables import MADE, from_table
 from tribo.report_card.agreement import check_agreement
 from tribo.report_card.derivatives import check_force, curvature, curves, slope
 from tribo.report_card.invariances import check_laws, check_work
@@ -290,7 +290,7 @@ STALE = """
 import sys
 from pathlib import Path
 from tribo.plugins import sources
-from tribo.potentials.written import from_table
+from tribo.potentials.tables import from_table
 from tribo.report_card.agreement import check_agreement
 from tribo.report_card.specimen import Specimen
 if sys.argv[2] == "wrong":

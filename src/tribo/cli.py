@@ -145,7 +145,7 @@ def _accuracy(options: argparse.Namespace) -> int:
 
 def _check(options: argparse.Namespace) -> int:
     from tribo import potentials
-    from tribo.potentials.written import from_table
+    from tribo.potentials.tables import from_table
 
     _check_figure(options.figure)
     table = {"potential": options.potential} | dict(map(_parameter, options.parameters))

@@ -15,7 +15,7 @@ import numpy as np
 from tribo import bath, drives, fields
 from tribo.asperite import Asperite
 from tribo.fields import Field
-from tribo.potentials import written
+from tribo.potentials import tables as written
 from tribo.roughness import Roughness
 from tribo.scene import Interaction, Numerics, Output, Scene, as_periodic
 from tribo.surface import Initial, Surface

@@ -18,7 +18,7 @@ from tribo.march import Digest, March, Progress, compile_loop, march
 from tribo.pair import Pair, has_loop
 from tribo.plan import plan_for
 from tribo.plugins import sources
-from tribo.potentials.written import as_table
+from tribo.potentials.tables import as_table
 from tribo.result import Cost, Result
 from tribo.scene import Scene
 from tribo.spectra import believed_until

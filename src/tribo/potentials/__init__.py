@@ -16,10 +16,10 @@ from tribo.potentials.mie import Mie
 from tribo.potentials.morse import Morse
 from tribo.potentials.plummer import Plummer
 from tribo.potentials.registry import BUILT_IN, as_potential, scaled, total, with_cutoff
+from tribo.potentials.spline import Table, from_csv, from_points, tabulated
 from tribo.potentials.sum import Scaled, Sum
-from tribo.potentials.table import Table, from_csv, from_points, tabulated
+from tribo.potentials.tables import named
 from tribo.potentials.weeks_chandler_andersen import WeeksChandlerAndersen
-from tribo.potentials.written import named
 from tribo.potentials.yukawa import Yukawa
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tribo.potentials.inherited import OfAnother, OfCharges, inherits, must_be_potential
+from tribo.potentials.mixins import OfAnother, OfCharges, inherits, must_be_potential
 
 # All four are linear in U, so they act on what a potential is between any two charges.
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from tribo.potentials.from_ase import made
-from tribo.potentials.table import Table, tabulated
+from tribo.potentials.spline import Table, tabulated
 from tribo.validation import InputError, is_list, number, shown
 
 SIDES = ((1.0, 1.0), (1.0, 1.4), (1.3, 1.3))  # of the triangles looked at, in the closest distance

@@ -42,8 +42,8 @@ from tribo.potentials.lennard_jones import LennardJones
 from tribo.potentials.mie import Mie
 from tribo.potentials.morse import Morse
 from tribo.potentials.plummer import Plummer
+from tribo.potentials.spline import Table, from_points
 from tribo.potentials.sum import Scaled, Sum
-from tribo.potentials.table import Table, from_points
 from tribo.potentials.weeks_chandler_andersen import WeeksChandlerAndersen
 from tribo.potentials.yukawa import Yukawa
 from tribo.validation import InputError, choice, number, shown

@@ -6,7 +6,7 @@ multiplies the charged one alone by q_i q_j.  A sum of more than two is a sum in
 
 from typing import Any, NamedTuple
 
-from tribo.potentials.inherited import OfAnother, OfCharges, inherits, must_be_potential
+from tribo.potentials.mixins import OfAnother, OfCharges, inherits, must_be_potential
 
 
 @inherits(OfCharges)

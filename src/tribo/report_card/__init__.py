@@ -6,7 +6,7 @@ from typing import Any
 
 from tribo.potentials.from_ase import Live
 from tribo.potentials.registry import as_potential
-from tribo.potentials.written import as_table
+from tribo.potentials.tables import as_table
 from tribo.report_card.agreement import check_agreement
 from tribo.report_card.ase_peers import check_ase
 from tribo.report_card.card import Check, Report

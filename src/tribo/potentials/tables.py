@@ -18,8 +18,8 @@ from tribo.potentials.registry import (
     total,
     with_cutoff,
 )
+from tribo.potentials.spline import Table, from_csv, from_points
 from tribo.potentials.sum import Scaled, Sum
-from tribo.potentials.table import Table, from_csv, from_points
 from tribo.validation import InputError, inside, is_list, known_keys, shown
 
 ENDING = ("cutoff", "at_cutoff", "switch_from")
