@@ -17,9 +17,10 @@ import measure_accuracy
 import slip as slip_page
 
 import tribo
-from tribo import methods, paper, paper_figures, roughness, scene
+from tribo import methods, paper, paper_figures
 from tribo.kernels.compiled import package_stamp
 from tribo.kernels.status import MEANINGS
+from tribo.model import roughness, scene
 from tribo.potentials import LennardJones, check, with_cutoff
 
 HERE = Path(__file__).resolve().parent

@@ -23,7 +23,7 @@ import numpy as np
 
 import tribo
 from tribo import accuracy, paper
-from tribo.scene_file import scene_text
+from tribo.model.scene_file import scene_text
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "tests"))

@@ -22,9 +22,9 @@ from pathlib import Path
 import numpy as np
 
 from tribo import Asperite, Morse, Output, Pulled, Scene, plotting, simulate
-from tribo.langevin import Langevin
+from tribo.model.langevin import Langevin
+from tribo.model.rows import GOLDEN_MEAN, commensurate_rows, incommensurate_rows
 from tribo.potentials.cutoff import Switched
-from tribo.rows import GOLDEN_MEAN, commensurate_rows, incommensurate_rows
 
 SIZES = (1, 2, 4, 8, 16, 32, 64, 128, 256, 512)
 CONTACT = Switched(Morse(D=0.1, alpha=3.0, r0=1.0), cutoff=3.0, switch_from=2.5)

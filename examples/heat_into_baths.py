@@ -20,8 +20,8 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from tribo import Output, paper, plotting, simulate
-from tribo.bath import Bath
-from tribo.spectra import Spectrum, believed_until
+from tribo.model.bath import Bath
+from tribo.model.spectrum import Spectrum, believed_until
 
 GAMMA, CUTOFF = 1.0, 2.0
 FEW, MANY = 40, 160  # oscillators on every bar

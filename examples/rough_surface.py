@@ -17,9 +17,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from tribo import Asperite, LennardJones, Output, Scene, Surface, plotting, simulate
-from tribo.langevin import Langevin
+from tribo.model.langevin import Langevin
+from tribo.model.roughness import Roughness
 from tribo.potentials.cutoff import Shifted
-from tribo.roughness import Roughness
 
 REPULSION = Shifted(LennardJones(epsilon=0.05, sigma=1.0), cutoff=2.0 ** (1.0 / 6.0))
 SPEED, TRAVEL = 0.3, 24.0

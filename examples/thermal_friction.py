@@ -16,8 +16,8 @@ import numpy as np
 
 from tribo import Asperite, Output, Pulled, Scene, Surface, ensemble, plotting
 from tribo.ensembles.means import interval
-from tribo.fields import Corrugation, Field
-from tribo.langevin import Langevin
+from tribo.model.fields import Corrugation, Field
+from tribo.model.langevin import Langevin
 
 A = PERIOD = 1.0
 ETA, ROD, SPEED = 4.0, 10.0, 0.05

@@ -27,9 +27,9 @@ from tribo import (
     Surface,
     simulate,
 )
-from tribo.fields import Corrugation, Field
-from tribo.langevin import Langevin
-from tribo.springs import Springs
+from tribo.model.fields import Corrugation, Field
+from tribo.model.langevin import Langevin
+from tribo.model.springs import Springs
 
 DURATION = 5.0
 SAMPLES = 33

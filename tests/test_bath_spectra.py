@@ -8,8 +8,8 @@ from scipy.optimize import brentq
 from scipy.special import exp1, expi
 
 from tribo import InputError
-from tribo.bath import Bath, as_bath, as_table, thermal_start, thermal_torsional_start
-from tribo.spectra import (
+from tribo.model.bath import Bath, as_bath, as_table, thermal_start, thermal_torsional_start
+from tribo.model.spectrum import (
     KINDS,
     Spectrum,
     believed_until,

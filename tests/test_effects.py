@@ -22,7 +22,7 @@ from tribo import (
     Surface,
 )
 from tribo.layout import laid_out
-from tribo.scene import EFFECTS
+from tribo.model.scene import EFFECTS
 
 PLAIN = {"swing", "contact", "clamped ends"}  # of the paper's forced sliding
 

@@ -23,9 +23,9 @@ from tribo import (
 )
 from tribo.ensembles import crew, figure
 from tribo.ensembles.means import interval, members_needed
+from tribo.model.roughness import Roughness
+from tribo.model.scene_file import scene_from
 from tribo.potentials import expression
-from tribo.roughness import Roughness
-from tribo.scene_file import scene_from
 
 TEMPERATURE = 0.3
 LIGHT = Asperite(m2=0.5)

@@ -13,7 +13,7 @@ import tribo
 from test_reference import random_scene, rich_scene
 from tribo import accuracy as acc
 from tribo.layout import laid_out
-from tribo.scene_file import scene_from
+from tribo.model.scene_file import scene_from
 
 ACCURACIES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11)
 KINDS = ("coulomb", "morse", "lennard-jones", "everything")

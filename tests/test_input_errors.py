@@ -29,7 +29,7 @@ from tribo import (
 )
 from tribo.cli import main
 from tribo.layout import laid_out
-from tribo.scene_file import scene_from
+from tribo.model.scene_file import scene_from
 
 REMOVED = object()
 HUGE = 10**400  # TOML has such numbers, floats have not

@@ -599,7 +599,7 @@ def extrapolated(coarse, fine, order):
 
 def complaint(scene, check, reference):
     """What is wrong with the end of a run, by the ledger's own laws or by the reference."""
-    scene = importlib.import_module("tribo.scene_file").scene_from(scene)
+    scene = importlib.import_module("tribo.model.scene_file").scene_from(scene)
     simulate = importlib.import_module("tribo.simulation").simulate
     steps = (check.step, 0.5 * check.step)
     runs = [simulate(scene, method=check.method, step=step) for step in steps]

@@ -7,9 +7,9 @@ import pytest
 
 from test_examples import example
 from tribo import Asperite, Free, Initial, Morse, Output, Scene, Surface, simulate
-from tribo.bath import Bath
-from tribo.langevin import Langevin
-from tribo.spectra import Spectrum, believed_until, exact_decay
+from tribo.model.bath import Bath
+from tribo.model.langevin import Langevin
+from tribo.model.spectrum import Spectrum, believed_until, exact_decay
 
 # --- stick-slip ----------------------------------------------------------------------------------
 

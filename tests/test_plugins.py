@@ -8,8 +8,8 @@ import pytest
 
 import tribo
 from tribo import paper
-from tribo.drives import Custom, Ends
-from tribo.scene_file import load_scene
+from tribo.model.drives import Custom, Ends
+from tribo.model.scene_file import load_scene
 from tribo.validation import InputError
 
 

@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import tribo
+from tribo.model.scene_file import scene_from, scene_text
 from tribo.potentials import (
     BUILT_IN,
     BornMayer,
@@ -35,7 +36,6 @@ from tribo.potentials import (
 from tribo.potentials.cutoff import AT_CUTOFF
 from tribo.potentials.derivative import FUNCTIONS
 from tribo.potentials.tables import as_table
-from tribo.scene_file import scene_from, scene_text
 from tribo.validation import InputError
 
 mpmath.mp.dps = 50

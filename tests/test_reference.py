@@ -7,7 +7,7 @@ import reference
 import tribo
 from tribo.accuracy import KINDS
 from tribo.methods import METHODS
-from tribo.scene_file import scene_from
+from tribo.model.scene_file import scene_from
 
 ACCURACY = 1e-8
 AGREEMENT = 1e-7  # of the scale of each kind

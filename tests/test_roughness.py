@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tribo import InputError
-from tribo.roughness import Roughness, as_heights, as_roughness, as_table, draw
+from tribo.model.roughness import Roughness, as_heights, as_roughness, as_table, draw
 
 ROW, GRID = (512, 1), (96, 64)
 SPACING = (0.5, 0.5)

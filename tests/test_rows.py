@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tribo import Asperite, Coulomb, InputError, Scene, simulate
-from tribo.rows import (
+from tribo.model.rows import (
     GOLDEN_MEAN,
     approximant,
     commensurate_rows,

@@ -14,7 +14,7 @@ import tribo
 from strategies import scenes
 from tribo import Coulomb, Interaction, LennardJones, Morse, Numerics, Output, Scene, Surface
 from tribo.layout import laid_out
-from tribo.scene_file import scene_from, scene_table, scene_text
+from tribo.model.scene_file import scene_from, scene_table, scene_text
 
 # The example of the contract: as short as it can be, and with every default written out.
 SHORT = """

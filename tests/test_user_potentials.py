@@ -7,8 +7,8 @@ import pytest
 
 import tribo
 import tribo.potentials
+from tribo.model.scene_file import scene_from
 from tribo.potentials import as_potential
-from tribo.scene_file import scene_from
 from tribo.validation import InputError
 
 HEAD = """import math

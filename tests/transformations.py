@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from tribo import Coulomb, Interaction, LennardJones, Morse, Pulled
-from tribo.fields import Corrugation
+from tribo.model.fields import Corrugation
 
 
 def changed(scene, change, field=lambda f: f, **others):

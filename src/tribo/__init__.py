@@ -7,12 +7,19 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from tribo.archive import load_result
-    from tribo.asperite import Asperite
-    from tribo.bath import Bath
-    from tribo.drives import Custom, Ends, Forced, Free, Pulled
     from tribo.ensembles import ensemble
-    from tribo.fields import Corrugation, Field
-    from tribo.langevin import Langevin
+    from tribo.model.asperite import Asperite
+    from tribo.model.bath import Bath
+    from tribo.model.drives import Custom, Ends, Forced, Free, Pulled
+    from tribo.model.fields import Corrugation, Field
+    from tribo.model.langevin import Langevin
+    from tribo.model.roughness import Roughness
+    from tribo.model.rows import commensurate_rows, incommensurate_rows, periodic_rows
+    from tribo.model.scene import Interaction, Numerics, Output, Periodic, Scene
+    from tribo.model.scene_file import load_scene
+    from tribo.model.spectrum import Spectrum
+    from tribo.model.springs import Springs
+    from tribo.model.surface import Initial, Surface
     from tribo.potentials import (
         BornMayer,
         Buckingham,
@@ -26,58 +33,51 @@ if TYPE_CHECKING:
         with_cutoff,
     )
     from tribo.result import Result
-    from tribo.roughness import Roughness
-    from tribo.rows import commensurate_rows, incommensurate_rows, periodic_rows
-    from tribo.scene import Interaction, Numerics, Output, Periodic, Scene
-    from tribo.scene_file import load_scene
     from tribo.simulation import Simulation, prepare, simulate
-    from tribo.spectra import Spectrum
-    from tribo.springs import Springs
-    from tribo.surface import Initial, Surface
     from tribo.validation import InputError
 
 __version__ = "0.1.0"
 
 # Each public name and the module that has it; loaded when first used.
 _HOME = {
-    "Asperite": "tribo.asperite",
-    "Bath": "tribo.bath",
+    "Asperite": "tribo.model.asperite",
+    "Bath": "tribo.model.bath",
     "BornMayer": "tribo.potentials",
     "Buckingham": "tribo.potentials",
-    "commensurate_rows": "tribo.rows",
-    "Corrugation": "tribo.fields",
+    "commensurate_rows": "tribo.model.rows",
+    "Corrugation": "tribo.model.fields",
     "Coulomb": "tribo.potentials",
-    "Custom": "tribo.drives",
-    "Ends": "tribo.drives",
+    "Custom": "tribo.model.drives",
+    "Ends": "tribo.model.drives",
     "ensemble": "tribo.ensembles",
-    "Field": "tribo.fields",
-    "Forced": "tribo.drives",
-    "Free": "tribo.drives",
-    "incommensurate_rows": "tribo.rows",
-    "Initial": "tribo.surface",
+    "Field": "tribo.model.fields",
+    "Forced": "tribo.model.drives",
+    "Free": "tribo.model.drives",
+    "incommensurate_rows": "tribo.model.rows",
+    "Initial": "tribo.model.surface",
     "InputError": "tribo.validation",
-    "Interaction": "tribo.scene",
-    "Langevin": "tribo.langevin",
+    "Interaction": "tribo.model.scene",
+    "Langevin": "tribo.model.langevin",
     "LennardJones": "tribo.potentials",
     "load_result": "tribo.archive",
-    "load_scene": "tribo.scene_file",
+    "load_scene": "tribo.model.scene_file",
     "Mie": "tribo.potentials",
     "Morse": "tribo.potentials",
-    "Numerics": "tribo.scene",
-    "Output": "tribo.scene",
-    "Periodic": "tribo.scene",
-    "periodic_rows": "tribo.rows",
+    "Numerics": "tribo.model.scene",
+    "Output": "tribo.model.scene",
+    "Periodic": "tribo.model.scene",
+    "periodic_rows": "tribo.model.rows",
     "Plummer": "tribo.potentials",
     "prepare": "tribo.simulation",
-    "Pulled": "tribo.drives",
+    "Pulled": "tribo.model.drives",
     "Result": "tribo.result",
-    "Roughness": "tribo.roughness",
-    "Scene": "tribo.scene",
+    "Roughness": "tribo.model.roughness",
+    "Scene": "tribo.model.scene",
     "simulate": "tribo.simulation",
     "Simulation": "tribo.simulation",
-    "Spectrum": "tribo.spectra",
-    "Springs": "tribo.springs",
-    "Surface": "tribo.surface",
+    "Spectrum": "tribo.model.spectrum",
+    "Springs": "tribo.model.springs",
+    "Surface": "tribo.model.surface",
     "WeeksChandlerAndersen": "tribo.potentials",
     "with_cutoff": "tribo.potentials",
     "Yukawa": "tribo.potentials",

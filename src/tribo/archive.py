@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tribo.ledger import Ledger
+from tribo.model.scene_file import scene_from, scene_text
 from tribo.result import Cost, Result
-from tribo.scene_file import scene_from, scene_text
 from tribo.validation import InputError
 
 if TYPE_CHECKING:

@@ -82,7 +82,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from tribo.scene_file import load_scene
+    from tribo.model.scene_file import load_scene
     from tribo.simulation import simulate
 
     scene = load_scene(options.scene)
@@ -128,7 +128,7 @@ def _paper(options: argparse.Namespace) -> int:
 
 
 def _accuracy(options: argparse.Namespace) -> int:
-    from tribo.scene_file import load_scene
+    from tribo.model.scene_file import load_scene
     from tribo.work_precision import work_precision
 
     scene = load_scene(options.scene)

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from tribo.kernels.records import Calculator, Contact, Model, Neighbours
+from tribo.model.scene import Interaction, Scene
 from tribo.potentials import Coulomb, as_potential
 from tribo.potentials.from_ase import Call, Live, Unfelt, elements
 from tribo.potentials.registry import complete
-from tribo.scene import Interaction, Scene
 from tribo.validation import inside
 
 SKIN = 0.3  # of the largest cutoff: how much farther a neighbour list reaches

@@ -22,8 +22,8 @@ import numpy as np
 from tribo import methods
 from tribo.accuracy import unit_step
 from tribo.layout import Layout
+from tribo.model.scene import Scene
 from tribo.pair import has_loop
-from tribo.scene import Scene
 from tribo.survey import steps_towards
 
 

@@ -8,9 +8,6 @@ from typing import Any
 import numpy as np
 
 from tribo import contacts
-from tribo.bath import thermal_start, thermal_torsional_start
-from tribo.drives import Custom as CustomDrive
-from tribo.drives import Ends, Forced, Free, Pulled
 from tribo.kernels import records
 from tribo.kernels.powers import CONTACT, DRIVE, ENDS, POINT, SLIDE, USER_ENDS
 from tribo.kernels.records import (
@@ -25,9 +22,12 @@ from tribo.kernels.records import (
     Model,
     Neighbours,
 )
+from tribo.model.bath import thermal_start, thermal_torsional_start
+from tribo.model.drives import Custom as CustomDrive
+from tribo.model.drives import Ends, Forced, Free, Pulled
+from tribo.model.scene import Scene
+from tribo.model.surface import Surface
 from tribo.potentials.from_ase import Call
-from tribo.scene import Scene
-from tribo.surface import Surface
 
 
 @dataclass(frozen=True, eq=False)

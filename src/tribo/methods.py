@@ -16,7 +16,7 @@ from tribo.kernels import (
     tableaux,
 )
 from tribo.kernels.splitting import alternating, composed
-from tribo.scene import Scene
+from tribo.model.scene import Scene
 from tribo.validation import choice
 
 # Effects that a method refuses, and why, as the end of a sentence that begins with its name.

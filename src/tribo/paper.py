@@ -17,13 +17,13 @@ from typing import Any
 
 import numpy as np
 
-from tribo.asperite import Asperite
-from tribo.drives import Forced, Free
+from tribo.model.asperite import Asperite
+from tribo.model.drives import Forced, Free
+from tribo.model.scene import Interaction, Output, Scene
+from tribo.model.surface import Surface
 from tribo.potentials import Coulomb
 from tribo.result import Result
-from tribo.scene import Interaction, Output, Scene
 from tribo.simulation import simulate
-from tribo.surface import Surface
 
 CASES = {
     "A": "forced sliding, repulsive",

@@ -8,7 +8,7 @@ from tribo import accuracy as acc
 from tribo import methods
 from tribo.costs import cheapest
 from tribo.layout import Layout
-from tribo.scene import check_accuracy
+from tribo.model.scene import check_accuracy
 from tribo.tuning import Wanted, tightest
 from tribo.validation import POSITIVE, InputError, number
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tribo.model.scene import Scene
+from tribo.model.surface import Surface
 from tribo.result import Result
-from tribo.scene import Scene
-from tribo.surface import Surface
 from tribo.validation import InputError
 
 

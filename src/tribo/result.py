@@ -12,7 +12,7 @@ import numpy as np
 
 from tribo.kernels.status import MEANINGS
 from tribo.ledger import Ledger, Table
-from tribo.scene import Scene
+from tribo.model.scene import Scene
 
 if TYPE_CHECKING:
     import xarray

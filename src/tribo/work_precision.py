@@ -20,7 +20,7 @@ from tribo import accuracy as acc
 from tribo import methods
 from tribo.layout import laid_out
 from tribo.ledger import Ledger, ledger
-from tribo.scene import Output, Scene
+from tribo.model.scene import Output, Scene
 from tribo.simulation import Simulation, prepare
 from tribo.tuning import setting_at
 from tribo.validation import InputError

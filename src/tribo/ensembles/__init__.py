@@ -24,7 +24,7 @@ from tribo.ensembles.crew import (
 from tribo.ensembles.data import Collected, dataset
 from tribo.ensembles.means import members_needed
 from tribo.ensembles.members import Variation
-from tribo.scene import Scene
+from tribo.model.scene import Scene
 from tribo.simulation import Simulation, prepare
 from tribo.validation import POSITIVE, InputError, inside, number, shown, whole
 

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from tribo.methods import noisy
-from tribo.scene import Scene
-from tribo.surface import Initial
+from tribo.model.scene import Scene
+from tribo.model.surface import Initial
 from tribo.validation import LARGEST, InputError, inside, is_list, shown
 
 VELOCITY = "velocity"

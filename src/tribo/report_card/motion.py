@@ -12,14 +12,14 @@ import math
 
 import numpy as np
 
-from tribo.asperite import Asperite
 from tribo.methods import METHODS
+from tribo.model.asperite import Asperite
+from tribo.model.scene import Interaction, Output, Scene
+from tribo.model.surface import Initial, Surface
 from tribo.report_card.card import Check
 from tribo.report_card.smoothness import smooth_stretch
 from tribo.report_card.specimen import Specimen
-from tribo.scene import Interaction, Output, Scene
 from tribo.simulation import prepare
-from tribo.surface import Initial, Surface
 
 RODS_OF_FEATURE = 6.0  # a rod is at most so many of the lengths on which the force changes
 SPACE = 0.15  # of a rod, for the pendulums to swing in

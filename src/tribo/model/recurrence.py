@@ -1,7 +1,7 @@
 """Motion of a bar that drags oscillators along: a sum of exponentials.
 
 They oscillate with n oscillators, one a normal mode, and decay with the continuum that
-:class:`tribo.spectra.Spectrum` stands for.  The bar is released with unit velocity.
+:class:`tribo.model.spectrum.Spectrum` stands for.  The bar is released with unit velocity.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from tribo.modes import normal_modes
+from tribo.model.modes import normal_modes
 
 SIDE = 64  # samples are taken in blocks of SIDE x SIDE
 

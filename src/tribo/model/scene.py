@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from tribo.drives import Custom, Ends, Forced, Pulled
-from tribo.fields import Field
+from tribo.model.drives import Custom, Ends, Forced, Pulled
+from tribo.model.fields import Field
+from tribo.model.surface import Surface
 from tribo.potentials.from_ase import Live
 from tribo.potentials.registry import as_potential
-from tribo.surface import Surface
 from tribo.validation import (
     MANY,
     POSITIVE,
@@ -388,6 +388,6 @@ class Scene:
 
     def save(self, path: Any) -> None:
         """Write the scene file that :func:`tribo.load_scene` reads."""
-        from tribo.scene_file import save_scene
+        from tribo.model.scene_file import save_scene
 
         save_scene(self, path)

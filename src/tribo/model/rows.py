@@ -20,7 +20,7 @@ from dataclasses import fields
 from fractions import Fraction
 from typing import Any
 
-from tribo.surface import Surface
+from tribo.model.surface import Surface
 from tribo.validation import POSITIVE, InputError, inside, known_keys, number, whole
 
 GOLDEN_MEAN = (1.0 + math.sqrt(5.0)) / 2.0

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from tribo.spectra import KINDS, Spectrum
+from tribo.model.spectrum import KINDS, Spectrum
 from tribo.validation import (
     NOT_NEGATIVE,
     POSITIVE,

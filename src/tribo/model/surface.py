@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from tribo.asperite import Asperite, Each
-from tribo.bath import Bath, as_bath
-from tribo.drives import Drive, Ends, Forced, as_bars, as_drive
-from tribo.langevin import Langevin, as_langevin
-from tribo.roughness import Roughness, as_heights, draw
-from tribo.springs import Springs, as_springs
+from tribo.model.asperite import Asperite, Each
+from tribo.model.bath import Bath, as_bath
+from tribo.model.drives import Drive, Ends, Forced, as_bars, as_drive
+from tribo.model.langevin import Langevin, as_langevin
+from tribo.model.roughness import Roughness, as_heights, draw
+from tribo.model.springs import Springs, as_springs
 from tribo.validation import (
     MANY,
     InputError,

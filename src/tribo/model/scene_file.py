@@ -12,13 +12,13 @@ from typing import Any
 
 import numpy as np
 
-from tribo import bath, drives, fields
-from tribo.asperite import Asperite
-from tribo.fields import Field
+from tribo.model import bath, drives, fields
+from tribo.model.asperite import Asperite
+from tribo.model.fields import Field
+from tribo.model.roughness import Roughness
+from tribo.model.scene import Interaction, Numerics, Output, Scene, as_periodic
+from tribo.model.surface import Initial, Surface
 from tribo.potentials import tables as written
-from tribo.roughness import Roughness
-from tribo.scene import Interaction, Numerics, Output, Scene, as_periodic
-from tribo.surface import Initial, Surface
 from tribo.validation import InputError, as_path, inside, known_keys, shown
 
 SURFACE_KEYS = [f.name for f in fields_of(Surface)]
