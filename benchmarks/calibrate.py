@@ -21,9 +21,10 @@ import numpy as np
 import tribo
 import tribo.costs
 from tribo import accuracy as acc
-from tribo import methods, paper, simulation
+from tribo import paper, simulation
+from tribo.integrators import methods
+from tribo.integrators.methods import METHODS
 from tribo.layout import laid_out
-from tribo.methods import METHODS
 from tribo.simulation import Simulation
 from tribo.tuning import setting_at
 from tribo.work_precision import WorkPrecision, work_precision

@@ -17,7 +17,8 @@ import measure_accuracy
 import slip as slip_page
 
 import tribo
-from tribo import methods, paper, paper_figures
+from tribo import paper, paper_figures
+from tribo.integrators import methods
 from tribo.kernels.compiled import package_stamp
 from tribo.kernels.status import MEANINGS
 from tribo.model import roughness, scene

@@ -19,7 +19,7 @@ from typing import Any
 
 import tribo
 from tribo import paper
-from tribo.methods import METHODS
+from tribo.integrators.methods import METHODS
 from tribo.work_precision import TIMES, Row, WorkPrecision, work_precision
 
 HERE = Path(__file__).resolve().parent

@@ -24,9 +24,9 @@ from tribo import (
     Surface,
 )
 from tribo.accuracy import KINDS, reported_scales
-from tribo.kernels.stepping import Tolerance
+from tribo.integrators.methods import METHODS
+from tribo.integrators.step_control import Tolerance
 from tribo.layout import laid_out
-from tribo.methods import METHODS
 from tribo.paper import scene as case
 
 ADAPTIVE = [m.name for m in METHODS.values() if m.adaptive]

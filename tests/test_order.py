@@ -19,8 +19,8 @@ from tribo import (
     Springs,
     Surface,
 )
-from tribo.kernels.stepping import Tolerance
-from tribo.methods import METHODS
+from tribo.integrators.methods import METHODS
+from tribo.integrators.step_control import Tolerance
 from tribo.paper import scene as case
 
 END = 4.0

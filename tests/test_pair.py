@@ -15,12 +15,12 @@ import tribo
 from laws import identities, tables
 from strategies import asperites, coulombs, dyadic, potentials
 from tribo import paper
+from tribo.integrators.methods import METHODS
 from tribo.kernels import simd
 from tribo.kernels.compiled import time_loop
 from tribo.kernels.pair import COLUMNS, pair_collocation
 from tribo.kernels.status import COMPLETED, PAUSED
 from tribo.layout import laid_out
-from tribo.methods import METHODS
 from tribo.pair import has_loop, is_pair
 from tribo.plugins.sources import stamp
 from tribo.simulation import Simulation

@@ -6,7 +6,7 @@ import pytest
 import reference
 import tribo
 from tribo.accuracy import KINDS
-from tribo.methods import METHODS
+from tribo.integrators.methods import METHODS
 from tribo.model.scene_file import scene_from
 
 ACCURACY = 1e-8

@@ -12,9 +12,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tribo.kernels import collocation_tableaux, nystrom_tableaux, tableaux
-from tribo.kernels.collocation import foretell
-from tribo.methods import METHODS
+from tribo.integrators import collocation_tableaux, nystrom_tableaux, tableaux
+from tribo.integrators.collocation import foretell
+from tribo.integrators.methods import METHODS
 
 ROUND_OFF = 2e-14
 

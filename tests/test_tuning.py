@@ -8,8 +8,8 @@ import pytest
 import tribo
 from test_neighbours import long_slide
 from tribo import costs, paper, tuning
+from tribo.integrators.methods import METHODS
 from tribo.layout import laid_out
-from tribo.methods import METHODS
 from tribo.potentials.cutoff import AT_CUTOFF
 
 FEW = tribo.Output(samples=9)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tribo.kernels.stepping import Tolerance
+from tribo.integrators.step_control import Tolerance
 from tribo.layout import Layout
 from tribo.ledger import (
     ASPERITE_KINDS,

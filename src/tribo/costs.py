@@ -19,8 +19,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tribo import methods
 from tribo.accuracy import unit_step
+from tribo.integrators import methods
 from tribo.layout import Layout
 from tribo.model.scene import Scene
 from tribo.pair import has_loop

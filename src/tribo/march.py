@@ -10,15 +10,15 @@ from typing import Any
 
 import numpy as np
 
+from tribo.integrators.methods import Method
+from tribo.integrators.step_control import Tolerance
 from tribo.kernels.equations_of_motion import place_bobs
 from tribo.kernels.neighbours import refresh
 from tribo.kernels.records import CLOCK, Neighbours
 from tribo.kernels.samples import STORED, Record, State, write_sample
 from tribo.kernels.status import COMPLETED, NAMES, PAUSED
-from tribo.kernels.stepping import Tolerance
 from tribo.layout import Layout
 from tribo.ledger import ASPERITE_KINDS, OPTIONAL_KINDS, Ledger, Samples, Table, bulk_ledger
-from tribo.methods import Method
 from tribo.plugins.compile_errors import Refusals, complaint
 from tribo.potentials.from_ase import Call
 

@@ -12,7 +12,9 @@ from typing import Any
 import numpy as np
 from numba import config
 
-from tribo.kernels.collocation import chosen_collocation
+from tribo.integrators.collocation import chosen_collocation
+from tribo.integrators.methods import Method
+from tribo.integrators.step_control import Tolerance
 from tribo.kernels.compiled import entry, time_loop
 from tribo.kernels.pair import COLUMNS, ENERGY, REACHED, SAMPLES, pair_collocation
 from tribo.kernels.pair_forces import PAIR
@@ -45,11 +47,9 @@ from tribo.kernels.records import CLOCK, FORCED, FREE
 from tribo.kernels.samples import STORED
 from tribo.kernels.simd import LANES
 from tribo.kernels.status import COMPLETED, NAMES, PAUSED
-from tribo.kernels.stepping import Tolerance
 from tribo.layout import Layout
 from tribo.ledger import Samples
 from tribo.march import March, Progress, through
-from tribo.methods import Method
 from tribo.plugins.compile_errors import Refusals, complaint
 from tribo.plugins.sources import stamp
 

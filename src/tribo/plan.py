@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from tribo import accuracy as acc
-from tribo import methods
 from tribo.costs import cheapest
+from tribo.integrators import methods
 from tribo.layout import Layout
 from tribo.model.scene import check_accuracy
 from tribo.tuning import Wanted, tightest

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from tribo import accuracy as acc
-from tribo import methods
+from tribo.integrators import methods
 from tribo.kernels.compiled import time_loop
 from tribo.layout import Layout, laid_out, set_bath
 from tribo.ledger import Ledger, ledger

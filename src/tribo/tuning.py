@@ -14,10 +14,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tribo import accuracy as acc
+from tribo.integrators.methods import Method
 from tribo.layout import Layout
 from tribo.ledger import Ledger, ledger
 from tribo.march import March
-from tribo.methods import Method
 from tribo.validation import InputError
 
 PILOT = 1e-3  # tolerance level of the first run, which finds out the scales

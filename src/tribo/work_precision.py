@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from tribo import accuracy as acc
-from tribo import methods
+from tribo.integrators import methods
 from tribo.layout import laid_out
 from tribo.ledger import Ledger, ledger
 from tribo.model.scene import Output, Scene

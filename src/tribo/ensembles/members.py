@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from tribo.methods import noisy
+from tribo.integrators.methods import noisy
 from tribo.model.scene import Scene
 from tribo.model.surface import Initial
 from tribo.validation import LARGEST, InputError, inside, is_list, shown

@@ -1,12 +1,21 @@
 """Two asperites and nothing else, by collocation: the time loop.
 
-The method of :func:`tribo.kernels.collocation.chosen_collocation` for the commonest scene: one
+The method of :func:`tribo.integrators.collocation.chosen_collocation` for the commonest scene: one
 asperite on one, forced or free, bars clamped at rest.
 """
 
 import math
 
-from tribo.kernels.collocation import FARTHEST, SHARP
+from tribo.integrators.collocation import FARTHEST, SHARP
+from tribo.integrators.step_control import (
+    EPSILON,
+    end_of_step,
+    go_on,
+    next_step,
+    time_left,
+    turn_back,
+    underflow,
+)
 from tribo.kernels.compiled import kernel
 from tribo.kernels.pair_forces import distance, encounter_of, seen, slopes
 from tribo.kernels.pair_step import (
@@ -33,15 +42,6 @@ from tribo.kernels.pair_step import (
 )
 from tribo.kernels.simd import LANES, lane, lanes_of, rows_of, store, total
 from tribo.kernels.status import BOBS_COINCIDE, COMPLETED, NOT_FINITE, PAUSED
-from tribo.kernels.stepping import (
-    EPSILON,
-    end_of_step,
-    go_on,
-    next_step,
-    time_left,
-    turn_back,
-    underflow,
-)
 
 # Columns of a record: PLACE's first six, the accounts, and
 ENERGY = J + 1 + LANES  # of the contact.
@@ -136,7 +136,7 @@ def pair_collocation(pairs, potential, rows, start, clocks, times, record, budge
     `rows` (ROWS, 8) is all that the loop keeps but for the clock: the method's table, the limits,
     and the state that it goes on from; `start` is y of the scene's layout at t = 0, where a clock
     without evaluations begins; `record` (times + 1, COLUMNS) is filled in row by row, and where
-    the run stops is its last sample.  As :func:`tribo.kernels.collocation.chosen_collocation` else.
+    the run stops is its last sample.  As :func:`tribo.integrators.collocation.chosen_collocation` else.
     """
     pair = pairs[0]
     clock = clocks[0]

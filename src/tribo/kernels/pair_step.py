@@ -1,6 +1,6 @@
 """A step of two asperites by collocation: all nodes side by side.
 
-What :mod:`tribo.kernels.collocation` does node by node and asperite by asperite is done here to
+What :mod:`tribo.integrators.collocation` does node by node and asperite by asperite is done here to
 eight nodes at once, in registers.
 
 Lane 0 stands for the end of the step, whose forces are those of the next one's start, and the
@@ -12,8 +12,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tribo.kernels.collocation import FARTHEST, SHARE, SWEEPS
-from tribo.kernels.collocation_tableaux import Collocation
+from tribo.integrators.collocation import FARTHEST, SHARE, SWEEPS
+from tribo.integrators.collocation_tableaux import Collocation
+from tribo.integrators.step_control import EPSILON, GROW, SHRINK
 from tribo.kernels.compiled import inlined
 from tribo.kernels.pair_forces import encounter_of, seen, slopes
 from tribo.kernels.simd import (
@@ -28,7 +29,6 @@ from tribo.kernels.simd import (
     total,
     totals,
 )
-from tribo.kernels.stepping import EPSILON, GROW, SHRINK
 
 CAUTION = 0.65  # of the growth that an error allows: a step turned back costs as much as one taken
 CLEAR = 0.75  # of the way to an encounter, that a step shall go by the rate expected at its end
@@ -296,7 +296,7 @@ def error_of(h, work, sums):
 
 @inlined
 def growth_of_eighth(error):
-    """As :func:`tribo.kernels.stepping.growth_of` of an error that grows as h^8."""
+    """As :func:`tribo.integrators.step_control.growth_of` of an error that grows as h^8."""
     growth = CAUTION / math.sqrt(math.sqrt(math.sqrt(error)))
     if not growth >= SHRINK:  # nan too
         return SHRINK

@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from tribo.methods import METHODS
+from tribo.integrators.methods import METHODS
 from tribo.model.asperite import Asperite
 from tribo.model.scene import Interaction, Output, Scene
 from tribo.model.surface import Initial, Surface

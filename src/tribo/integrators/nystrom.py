@@ -6,7 +6,7 @@ velocities.  Once all forces of a step are known, so are velocities at its stage
     V_i = v + h sum_j r_ij f_j,
 
 with a full matrix r, and the ledger's quadrature sum_i v_i P(Q_i, V_i) is of the method's own
-order: see :func:`tribo.kernels.nystrom_tableaux.stage_velocities`.  Forces are therefore kept,
+order: see :func:`tribo.integrators.nystrom_tableaux.stage_velocities`.  Forces are therefore kept,
 stage by stage, until the step is complete.
 """
 
@@ -14,14 +14,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tribo.kernels.compiled import kernel
-from tribo.kernels.equations_of_motion import equations_of_motion
-from tribo.kernels.neighbours import crowded
-from tribo.kernels.powers import all_powers
-from tribo.kernels.records import BAR, BOB
-from tribo.kernels.samples import blank, copy, copy_state
-from tribo.kernels.status import COMPLETED, PAUSED
-from tribo.kernels.stepping import (
+from tribo.integrators.linear_combinations import add, add_twice, combine, combine_twice, largest
+from tribo.integrators.step_control import (
     arrival,
     begin,
     end_of_step,
@@ -34,7 +28,13 @@ from tribo.kernels.stepping import (
     too_short,
     underflow,
 )
-from tribo.kernels.sums import add, add_twice, combine, combine_twice, largest
+from tribo.kernels.compiled import kernel
+from tribo.kernels.equations_of_motion import equations_of_motion
+from tribo.kernels.neighbours import crowded
+from tribo.kernels.powers import all_powers
+from tribo.kernels.records import BAR, BOB
+from tribo.kernels.samples import blank, copy, copy_state
+from tribo.kernels.status import COMPLETED, PAUSED
 
 
 class Stages(NamedTuple):
@@ -104,7 +104,7 @@ def error_of(tableau, h, state, stages, tolerance):
 def nystrom_steps(model, neighbours, tableau, tolerance, clocks, state, times, record, budget):
     """March through the samples with steps whose local errors stay within `tolerance`.
 
-    As :func:`tribo.kernels.runge_kutta.chosen_steps`, encounters and statuses included.
+    As :func:`tribo.integrators.runge_kutta.chosen_steps`, encounters and statuses included.
     """
     clock = clocks[0]
     n = state.y.size // 2

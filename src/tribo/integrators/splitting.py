@@ -5,7 +5,7 @@ so have other sequences of drifts and kicks, see :class:`Splitting`.
 
     drift  every torsion spring rotates its pendulum exactly, centres of mass move uniformly
     kick   contact, drive, field and lattice springs change the rates at fixed places
-    turns  inside the kick: baths and reservoirs, bars frozen, see :mod:`tribo.kernels.turns`
+    turns  inside the kick: baths and reservoirs, bars frozen, see :mod:`tribo.integrators.bath_substep`
 
 Each part books its own work with the mean of the rates before and after it, so that pseudowork
 = delta k_trans and work = delta (k_trans + e_int) hold to round-off at any step.
@@ -18,6 +18,18 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tribo.integrators.bath_substep import inner_turns, room_for_turns
+from tribo.integrators.step_control import (
+    advance,
+    all_finite,
+    end_of_step,
+    equal_step,
+    look_ahead,
+    nearness,
+    obstacle,
+    record_due,
+    time_left,
+)
 from tribo.kernels.compiled import kernel
 from tribo.kernels.equations_of_motion import (
     accelerate,
@@ -45,18 +57,6 @@ from tribo.kernels.status import (
     NOT_FINITE,
     PAUSED,
 )
-from tribo.kernels.stepping import (
-    advance,
-    all_finite,
-    end_of_step,
-    equal_step,
-    look_ahead,
-    nearness,
-    obstacle,
-    record_due,
-    time_left,
-)
-from tribo.kernels.turns import inner_turns, room_for_turns
 
 # Gauss-Legendre nodes and weights on (0, 1), for the ends of clamped bars that turn.
 _ROOT = math.sqrt(0.6)

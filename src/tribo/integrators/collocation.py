@@ -13,18 +13,8 @@ import math
 
 import numpy as np
 
-from tribo.kernels.compiled import kernel
-from tribo.kernels.equations_of_motion import equations_of_motion
-from tribo.kernels.neighbours import crowded
-from tribo.kernels.powers import all_powers
-from tribo.kernels.samples import blank, copy, copy_state
-from tribo.kernels.status import (
-    COMPLETED,
-    NOT_CONVERGED,
-    NOT_FINITE,
-    PAUSED,
-)
-from tribo.kernels.stepping import (
+from tribo.integrators.linear_combinations import add, add_twice, combine, combine_twice, largest
+from tribo.integrators.step_control import (
     EPSILON,
     advance,
     all_finite,
@@ -44,7 +34,17 @@ from tribo.kernels.stepping import (
     turn_back,
     underflow,
 )
-from tribo.kernels.sums import add, add_twice, combine, combine_twice, largest
+from tribo.kernels.compiled import kernel
+from tribo.kernels.equations_of_motion import equations_of_motion
+from tribo.kernels.neighbours import crowded
+from tribo.kernels.powers import all_powers
+from tribo.kernels.samples import blank, copy, copy_state
+from tribo.kernels.status import (
+    COMPLETED,
+    NOT_CONVERGED,
+    NOT_FINITE,
+    PAUSED,
+)
 
 SWEEPS = 40  # through the nodes, after which an iteration is given up
 ROUNDED = 1e6  # times round-off: an iteration that stalls below has converged
@@ -165,7 +165,7 @@ def finish(method, h, state, slopes, powers_):
 def equal_collocation(model, neighbours, method, step, clocks, state, times, record, budget):
     """March through the samples in equal steps of at most `step`; return a status.
 
-    As :func:`tribo.kernels.runge_kutta.fixed_steps`.  Every step is solved to round-off.
+    As :func:`tribo.integrators.runge_kutta.fixed_steps`.  Every step is solved to round-off.
     """
     clock = clocks[0]
     n = state.y.size // 2
@@ -214,7 +214,7 @@ def equal_collocation(model, neighbours, method, step, clocks, state, times, rec
 def chosen_collocation(model, neighbours, method, tolerance, clocks, state, times, record, budget):
     """March through the samples with steps whose local errors stay within `tolerance`.
 
-    As :func:`tribo.kernels.runge_kutta.chosen_steps`, encounters and statuses included.  The
+    As :func:`tribo.integrators.runge_kutta.chosen_steps`, encounters and statuses included.  The
     first node is the start of the step.  Errors are about as the square of the polynomial's
     highest term, both in units of the scales of velocities and of accounts.
     """

@@ -8,15 +8,8 @@ import math
 
 import numpy as np
 
-from tribo.kernels.compiled import kernel
-from tribo.kernels.neighbours import crowded
-from tribo.kernels.samples import blank, copy, copy_state
-from tribo.kernels.status import (
-    COMPLETED,
-    NOT_FINITE,
-    PAUSED,
-)
-from tribo.kernels.stepping import (
+from tribo.integrators.linear_combinations import add, combine, largest
+from tribo.integrators.step_control import (
     advance,
     all_finite,
     arrival,
@@ -34,7 +27,14 @@ from tribo.kernels.stepping import (
     too_short,
     underflow,
 )
-from tribo.kernels.sums import add, combine, largest
+from tribo.kernels.compiled import kernel
+from tribo.kernels.neighbours import crowded
+from tribo.kernels.samples import blank, copy, copy_state
+from tribo.kernels.status import (
+    COMPLETED,
+    NOT_FINITE,
+    PAUSED,
+)
 
 
 @kernel

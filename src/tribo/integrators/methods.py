@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from tribo.kernels import (
+from tribo.integrators import (
     collocation,
     collocation_tableaux,
     nystrom,
@@ -15,7 +15,7 @@ from tribo.kernels import (
     splitting,
     tableaux,
 )
-from tribo.kernels.splitting import alternating, composed
+from tribo.integrators.splitting import alternating, composed
 from tribo.model.scene import Scene
 from tribo.validation import choice
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tribo.kernels.tableaux import stages
+from tribo.integrators.tableaux import stages
 
 
 class Nystrom(NamedTuple):

@@ -1,7 +1,7 @@
 """Weighted sums of slopes: what Runge-Kutta, Nystrom and collocation steps are made of."""
 
+from tribo.integrators.step_control import EPSILON
 from tribo.kernels.compiled import kernel
-from tribo.kernels.stepping import EPSILON
 
 
 @kernel
