@@ -24,7 +24,7 @@ from tribo import accuracy as acc
 from tribo import paper, simulation
 from tribo.integrators import methods
 from tribo.integrators.methods import METHODS
-from tribo.layout import laid_out
+from tribo.run.layout import laid_out
 from tribo.simulation import Simulation
 from tribo.tuning import setting_at
 from tribo.work_precision import WorkPrecision, work_precision

@@ -17,7 +17,7 @@ import time
 import numpy as np
 
 import tribo
-from tribo.layout import laid_out
+from tribo.run.layout import laid_out
 
 SIZES = (1_000, 10_000, 100_000, 1_000_000)
 STEP = 0.01

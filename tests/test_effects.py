@@ -21,8 +21,8 @@ from tribo import (
     Springs,
     Surface,
 )
-from tribo.layout import laid_out
 from tribo.model.scene import EFFECTS
+from tribo.run.layout import laid_out
 
 PLAIN = {"swing", "contact", "clamped ends"}  # of the paper's forced sliding
 

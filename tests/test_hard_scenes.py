@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import tribo
-import tribo.march
+import tribo.run.integrate
 from tribo import (
     Asperite,
     Coulomb,
@@ -218,7 +218,7 @@ def test_result_does_not_depend_on_the_clock(monkeypatch, scene, how):
     """However often a run pauses to look at the keyboard, it ends the same, to the last bit."""
     results = []
     for seconds in (0.0, 1e9):
-        monkeypatch.setattr(tribo.march, "CHUNK_SECONDS", seconds)
+        monkeypatch.setattr(tribo.run.integrate, "CHUNK_SECONDS", seconds)
         results.append(tribo.simulate(scene, **how))
     one, other = results
     assert (one.status, one.cost.steps) == (other.status, other.cost.steps)

@@ -12,8 +12,8 @@ import pytest
 import tribo
 from test_reference import random_scene, rich_scene
 from tribo import accuracy as acc
-from tribo.layout import laid_out
 from tribo.model.scene_file import scene_from
+from tribo.run.layout import laid_out
 
 ACCURACIES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11)
 KINDS = ("coulomb", "morse", "lennard-jones", "everything")

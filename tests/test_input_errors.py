@@ -28,8 +28,8 @@ from tribo import (
     Surface,
 )
 from tribo.cli import main
-from tribo.layout import laid_out
 from tribo.model.scene_file import scene_from
+from tribo.run.layout import laid_out
 
 REMOVED = object()
 HUGE = 10**400  # TOML has such numbers, floats have not

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import tribo
-import tribo.march
+import tribo.run.integrate
 from test_hard_scenes import Broken, changed, side_by_side, simulate
 from tribo import (
     Asperite,
@@ -26,8 +26,8 @@ from tribo import (
 from tribo.accuracy import KINDS, reported_scales
 from tribo.integrators.methods import METHODS
 from tribo.integrators.step_control import Tolerance
-from tribo.layout import laid_out
 from tribo.paper import scene as case
+from tribo.run.layout import laid_out
 
 ADAPTIVE = [m.name for m in METHODS.values() if m.adaptive]
 # Steps of the others, and the errors that go with them on the paper's cases.
@@ -164,7 +164,7 @@ def test_pauses_change_nothing(monkeypatch, name):
     scene = replace(case("A"), duration=30.0, output=Output(samples=601))
     results = []
     for seconds in (0.0, 1e9):
-        monkeypatch.setattr(tribo.march, "CHUNK_SECONDS", seconds)
+        monkeypatch.setattr(tribo.run.integrate, "CHUNK_SECONDS", seconds)
         results.append(tribo.simulate(scene, **how(name)))
     one, other = results
     assert (one.status, one.cost.steps) == (other.status, other.cost.steps)

@@ -8,9 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import tribo
-from tribo import contacts, march
-from tribo import layout as layouts
 from tribo.kernels.neighbours import refresh
+from tribo.run import contacts
+from tribo.run import integrate as march
+from tribo.run import layout as layouts
 
 CUTOFF = 1.5
 POTENTIAL = tribo.with_cutoff(tribo.LennardJones(0.05, 0.5), CUTOFF)

@@ -18,11 +18,11 @@ from tribo import paper
 from tribo.integrators.methods import METHODS
 from tribo.kernels import simd
 from tribo.kernels.compiled import time_loop
-from tribo.kernels.pair import COLUMNS, pair_collocation
 from tribo.kernels.status import COMPLETED, PAUSED
-from tribo.layout import laid_out
-from tribo.pair import has_loop, is_pair
+from tribo.pair.loop import COLUMNS, pair_collocation
 from tribo.plugins.sources import stamp
+from tribo.run.layout import laid_out
+from tribo.run.pair_adapter import has_loop, is_pair
 from tribo.simulation import Simulation
 
 RADAU = METHODS["gauss-radau-15"]

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 import tribo
 from strategies import scenes
 from tribo import Coulomb, Interaction, LennardJones, Morse, Numerics, Output, Scene, Surface
-from tribo.layout import laid_out
 from tribo.model.scene_file import scene_from, scene_table, scene_text
+from tribo.run.layout import laid_out
 
 # The example of the contract: as short as it can be, and with every default written out.
 SHORT = """

@@ -9,8 +9,8 @@ import tribo
 from test_neighbours import long_slide
 from tribo import costs, paper, tuning
 from tribo.integrators.methods import METHODS
-from tribo.layout import laid_out
 from tribo.potentials.cutoff import AT_CUTOFF
+from tribo.run.layout import laid_out
 
 FEW = tribo.Output(samples=9)
 

@@ -6,7 +6,6 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from tribo.archive import load_result
     from tribo.ensembles import ensemble
     from tribo.model.asperite import Asperite
     from tribo.model.bath import Bath
@@ -32,7 +31,8 @@ if TYPE_CHECKING:
         Yukawa,
         with_cutoff,
     )
-    from tribo.result import Result
+    from tribo.run.archive import load_result
+    from tribo.run.result import Result
     from tribo.simulation import Simulation, prepare, simulate
     from tribo.validation import InputError
 
@@ -59,7 +59,7 @@ _HOME = {
     "Interaction": "tribo.model.scene",
     "Langevin": "tribo.model.langevin",
     "LennardJones": "tribo.potentials",
-    "load_result": "tribo.archive",
+    "load_result": "tribo.run.archive",
     "load_scene": "tribo.model.scene_file",
     "Mie": "tribo.potentials",
     "Morse": "tribo.potentials",
@@ -70,7 +70,7 @@ _HOME = {
     "Plummer": "tribo.potentials",
     "prepare": "tribo.simulation",
     "Pulled": "tribo.model.drives",
-    "Result": "tribo.result",
+    "Result": "tribo.run.result",
     "Roughness": "tribo.model.roughness",
     "Scene": "tribo.model.scene",
     "simulate": "tribo.simulation",

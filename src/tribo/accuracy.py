@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from tribo.integrators.step_control import Tolerance
-from tribo.layout import Layout
-from tribo.ledger import (
+from tribo.run.layout import Layout
+from tribo.run.ledger import (
     ASPERITE_KINDS,
     BLOCK_KINDS,
     OPTIONAL_KINDS,

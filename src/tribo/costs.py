@@ -21,9 +21,9 @@ import numpy as np
 
 from tribo.accuracy import unit_step
 from tribo.integrators import methods
-from tribo.layout import Layout
 from tribo.model.scene import Scene
-from tribo.pair import has_loop
+from tribo.run.layout import Layout
+from tribo.run.pair_adapter import has_loop
 from tribo.survey import steps_towards
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tribo.canvas import INK, POINTS_PER_INCH
-from tribo.result import Result
+from tribo.run.result import Result
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

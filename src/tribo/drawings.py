@@ -13,7 +13,7 @@ import numpy as np
 
 from tribo.canvas import EDGE, INK, arrow, clock, frame, note, unit
 from tribo.pose import Pose, Poses, contact_force, poses, separation
-from tribo.result import Result
+from tribo.run.result import Result
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

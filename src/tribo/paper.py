@@ -22,7 +22,7 @@ from tribo.model.drives import Forced, Free
 from tribo.model.scene import Interaction, Output, Scene
 from tribo.model.surface import Surface
 from tribo.potentials import Coulomb
-from tribo.result import Result
+from tribo.run.result import Result
 from tribo.simulation import simulate
 
 CASES = {

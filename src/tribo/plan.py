@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from tribo import accuracy as acc
 from tribo.costs import cheapest
 from tribo.integrators import methods
-from tribo.layout import Layout
 from tribo.model.scene import check_accuracy
+from tribo.run.layout import Layout
 from tribo.tuning import Wanted, tightest
 from tribo.validation import POSITIVE, InputError, number
 

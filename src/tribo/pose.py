@@ -8,7 +8,7 @@ import numpy as np
 
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
-from tribo.result import Result
+from tribo.run.result import Result
 from tribo.validation import InputError
 
 

@@ -12,16 +12,16 @@ import numpy as np
 from tribo import accuracy as acc
 from tribo.integrators import methods
 from tribo.kernels.compiled import time_loop
-from tribo.layout import Layout, laid_out, set_bath
-from tribo.ledger import Ledger, ledger
-from tribo.march import Digest, March, Progress, compile_loop, march
 from tribo.model.scene import Scene
 from tribo.model.spectrum import believed_until
-from tribo.pair import Pair, has_loop
 from tribo.plan import plan_for
 from tribo.plugins import sources
 from tribo.potentials.tables import as_table
-from tribo.result import Cost, Result
+from tribo.run.integrate import Digest, March, Progress, compile_loop, march
+from tribo.run.layout import Layout, laid_out, set_bath
+from tribo.run.ledger import Ledger, ledger
+from tribo.run.pair_adapter import Pair, has_loop
+from tribo.run.result import Cost, Result
 from tribo.tuning import (
     APART,
     HALTED,

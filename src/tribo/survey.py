@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from tribo.layout import Layout
+from tribo.run.layout import Layout
 from tribo.tuning import NEAR
 
 LOOKS = 129  # at most, at the bobs on their way

@@ -15,9 +15,9 @@ import numpy as np
 
 from tribo import accuracy as acc
 from tribo.integrators.methods import Method
-from tribo.layout import Layout
-from tribo.ledger import Ledger, ledger
-from tribo.march import March
+from tribo.run.integrate import March
+from tribo.run.layout import Layout
+from tribo.run.ledger import Ledger, ledger
 from tribo.validation import InputError
 
 PILOT = 1e-3  # tolerance level of the first run, which finds out the scales

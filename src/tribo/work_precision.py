@@ -18,9 +18,9 @@ import numpy as np
 
 from tribo import accuracy as acc
 from tribo.integrators import methods
-from tribo.layout import laid_out
-from tribo.ledger import Ledger, ledger
 from tribo.model.scene import Output, Scene
+from tribo.run.layout import laid_out
+from tribo.run.ledger import Ledger, ledger
 from tribo.simulation import Simulation, prepare
 from tribo.tuning import setting_at
 from tribo.validation import InputError

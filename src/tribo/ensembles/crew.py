@@ -12,11 +12,11 @@ import numpy as np
 from tribo import accuracy as acc
 from tribo.ensembles.members import Member, Variation
 from tribo.kernels.status import MEANINGS
-from tribo.ledger import BLOCK_KINDS, SYSTEM_KINDS
-from tribo.march import Digest
 from tribo.model.scene import Scene
 from tribo.model.scene_file import scene_from, scene_text
-from tribo.result import Result
+from tribo.run.integrate import Digest
+from tribo.run.ledger import BLOCK_KINDS, SYSTEM_KINDS
+from tribo.run.result import Result
 from tribo.simulation import Settings, Simulation, resumed
 from tribo.validation import InputError, shown
 

@@ -13,8 +13,8 @@ import numpy as np
 from tribo.ensembles.crew import INTERRUPTED, Outcome, Second
 from tribo.ensembles.means import CONFIDENCE, Interval, interval
 from tribo.ensembles.members import VELOCITY, Member
-from tribo.ledger import ASPERITE_KINDS, OPTIONAL_KINDS
 from tribo.model.scene_file import scene_text
+from tribo.run.ledger import ASPERITE_KINDS, OPTIONAL_KINDS
 from tribo.simulation import Simulation
 
 if TYPE_CHECKING:

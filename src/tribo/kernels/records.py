@@ -2,7 +2,7 @@
 
 Kernels see lengths, times and masses as plain floats.  Positions are relative to the scene's
 origin and velocities to the first surface's, so that neither a distant scene nor a fast frame
-costs digits; what is measured in the laboratory is put together in :mod:`tribo.ledger`.
+costs digits; what is measured in the laboratory is put together in :mod:`tribo.run.ledger`.
 """
 
 from typing import Any, NamedTuple

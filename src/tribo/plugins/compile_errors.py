@@ -9,10 +9,10 @@ from numba import njit
 from numba.core.errors import NumbaError, UnsupportedBytecodeError
 
 from tribo.kernels.compiled import METHODS
-from tribo.layout import Layout
 from tribo.plugins import classes as plugins
 from tribo.plugins.sources import is_own
 from tribo.potentials.from_ase import Live
+from tribo.run.layout import Layout
 from tribo.validation import InputError
 
 NUMBERS = ("float", "int", "complex", "bool")  # how numba's names of them begin

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from tribo.result import without_nan
+from tribo.run.result import without_nan
 
 EPSILON = float(np.finfo(float).eps)
 

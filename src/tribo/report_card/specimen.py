@@ -14,11 +14,11 @@ import numpy as np
 
 from tribo.kernels.compiled import time_loop
 from tribo.kernels.probe import contact_probe
-from tribo.layout import laid_out
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.plugins import sources
 from tribo.plugins.compile_errors import Refusals, complaint
+from tribo.run.layout import laid_out
 from tribo.validation import LARGEST, InputError
 
 CELLS = 400  # of equal ratio, from the least distance looked at to the largest

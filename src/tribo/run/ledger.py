@@ -20,7 +20,7 @@ import numpy as np
 
 from tribo.kernels.records import FORCED
 from tribo.kernels.samples import BATH, MOMENTUM_X, MOMENTUM_Y, SPRINGS, TORSIONAL, WITHIN
-from tribo.layout import Layout
+from tribo.run.layout import Layout
 
 # What each reported quantity is, which fixes the scale that its accuracy is relative to.
 ASPERITE_KINDS = {
@@ -70,7 +70,7 @@ MANY = 50_000  # asperites of a surface, above which its ledger is made out in p
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """The raw samples of a run, one row a time; see tribo.layout and kernels.samples."""
+    """The raw samples of a run, one row a time; see tribo.run.layout and kernels.samples."""
 
     t: np.ndarray  # (times,)
     y: np.ndarray  # (times, 2 core coordinates)

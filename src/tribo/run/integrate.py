@@ -17,10 +17,10 @@ from tribo.kernels.neighbours import refresh
 from tribo.kernels.records import CLOCK, Neighbours
 from tribo.kernels.samples import STORED, Record, State, write_sample
 from tribo.kernels.status import COMPLETED, NAMES, PAUSED
-from tribo.layout import Layout
-from tribo.ledger import ASPERITE_KINDS, OPTIONAL_KINDS, Ledger, Samples, Table, bulk_ledger
 from tribo.plugins.compile_errors import Refusals, complaint
 from tribo.potentials.from_ase import Call
+from tribo.run.layout import Layout
+from tribo.run.ledger import ASPERITE_KINDS, OPTIONAL_KINDS, Ledger, Samples, Table, bulk_ledger
 
 Progress = Callable[[float], None]  # told the time reached, a few times a second
 CHUNK_SECONDS = 0.1  # between two looks at the keyboard

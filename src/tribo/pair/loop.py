@@ -17,8 +17,10 @@ from tribo.integrators.step_control import (
     underflow,
 )
 from tribo.kernels.compiled import kernel
-from tribo.kernels.pair_forces import distance, encounter_of, seen, slopes
-from tribo.kernels.pair_step import (
+from tribo.kernels.simd import LANES, lane, lanes_of, rows_of, store, total
+from tribo.kernels.status import BOBS_COINCIDE, COMPLETED, NOT_FINITE, PAUSED
+from tribo.pair.forces import distance, encounter_of, seen, slopes
+from tribo.pair.step import (
     ACCOUNTS,
     BEGINNING,
     FIRST,
@@ -40,8 +42,6 @@ from tribo.kernels.pair_step import (
     attempt,
     powers,
 )
-from tribo.kernels.simd import LANES, lane, lanes_of, rows_of, store, total
-from tribo.kernels.status import BOBS_COINCIDE, COMPLETED, NOT_FINITE, PAUSED
 
 # Columns of a record: PLACE's first six, the accounts, and
 ENERGY = J + 1 + LANES  # of the contact.

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tribo.kernels.status import MEANINGS
-from tribo.ledger import Ledger, Table
 from tribo.model.scene import Scene
+from tribo.run.ledger import Ledger, Table
 
 if TYPE_CHECKING:
     import xarray
@@ -167,13 +167,13 @@ class Result:
 
     def to_xarray(self) -> xarray.Dataset:
         """All series as a labelled data set; names are ``surface.quantity``."""
-        from tribo.archive import dataset
+        from tribo.run.archive import dataset
 
         return dataset(self)
 
     def save(self, path: Any) -> None:
         """Write everything to a NetCDF file that :func:`tribo.load_result` reads."""
-        from tribo.archive import save
+        from tribo.run.archive import save
 
         save(self, path)
 

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tribo.ledger import Ledger
 from tribo.model.scene_file import scene_from, scene_text
-from tribo.result import Cost, Result
+from tribo.run.ledger import Ledger
+from tribo.run.result import Cost, Result
 from tribo.validation import InputError
 
 if TYPE_CHECKING:

@@ -16,9 +16,13 @@ from tribo.integrators.collocation import chosen_collocation
 from tribo.integrators.methods import Method
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.compiled import entry, time_loop
-from tribo.kernels.pair import COLUMNS, ENERGY, REACHED, SAMPLES, pair_collocation
-from tribo.kernels.pair_forces import PAIR
-from tribo.kernels.pair_step import (
+from tribo.kernels.records import CLOCK, FORCED, FREE
+from tribo.kernels.samples import STORED
+from tribo.kernels.simd import LANES
+from tribo.kernels.status import COMPLETED, NAMES, PAUSED
+from tribo.pair.forces import PAIR
+from tribo.pair.loop import COLUMNS, ENERGY, REACHED, SAMPLES, pair_collocation
+from tribo.pair.step import (
     FIRST,
     J_Y,
     LEVEL,
@@ -43,15 +47,11 @@ from tribo.kernels.pair_step import (
     S,
     table,
 )
-from tribo.kernels.records import CLOCK, FORCED, FREE
-from tribo.kernels.samples import STORED
-from tribo.kernels.simd import LANES
-from tribo.kernels.status import COMPLETED, NAMES, PAUSED
-from tribo.layout import Layout
-from tribo.ledger import Samples
-from tribo.march import March, Progress, through
 from tribo.plugins.compile_errors import Refusals, complaint
 from tribo.plugins.sources import stamp
+from tribo.run.integrate import March, Progress, through
+from tribo.run.layout import Layout
+from tribo.run.ledger import Samples
 
 ARC1, ARC2 = ENERGY, ENERGY + 1  # in place of the energy: see `_arcs`
 FIRST_ACCOUNT = J + 1
@@ -116,7 +116,7 @@ class Pair:
         times: np.ndarray,
         progress: Progress | None = None,
     ) -> March:
-        """As :func:`tribo.march.march`, from `start`, y of the scene's layout."""
+        """As :func:`tribo.run.integrate.march`, from `start`, y of the scene's layout."""
         began = time.perf_counter()
         if self._wanted is not wanted:
             self._wanted = wanted

@@ -16,7 +16,6 @@ from tribo.integrators.collocation import FARTHEST, SHARE, SWEEPS
 from tribo.integrators.collocation_tableaux import Collocation
 from tribo.integrators.step_control import EPSILON, GROW, SHRINK
 from tribo.kernels.compiled import inlined
-from tribo.kernels.pair_forces import encounter_of, seen, slopes
 from tribo.kernels.simd import (
     LANES,
     highest,
@@ -29,6 +28,7 @@ from tribo.kernels.simd import (
     total,
     totals,
 )
+from tribo.pair.forces import encounter_of, seen, slopes
 
 CAUTION = 0.65  # of the growth that an error allows: a step turned back costs as much as one taken
 CLEAR = 0.75  # of the way to an encounter, that a step shall go by the rate expected at its end

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from tribo import contacts
 from tribo.kernels import records
 from tribo.kernels.powers import CONTACT, DRIVE, ENDS, POINT, SLIDE, USER_ENDS
 from tribo.kernels.records import (
@@ -28,6 +27,7 @@ from tribo.model.drives import Ends, Forced, Free, Pulled
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.potentials.from_ase import Call
+from tribo.run import contacts
 
 
 @dataclass(frozen=True, eq=False)
