@@ -7,7 +7,7 @@ pair, of a grid, and of a pair with a large bath, all methods in turn, the least
 
     python benchmarks/calibrate.py [--json]
 
-Prints one line a method, in the order of the fields of tribo.costs.Rate, the table BATHED,
+Prints one line a method, in the order of the fields of tribo.accuracy.costs.Rate, the table BATHED,
 and the first numbers of PAIR.
 """
 
@@ -19,19 +19,21 @@ from statistics import median
 import numpy as np
 
 import tribo
-import tribo.costs
-from tribo import accuracy as acc
+import tribo.accuracy.costs
 from tribo import paper, simulation
+from tribo.accuracy import scales as acc
+from tribo.accuracy.search import setting_at
 from tribo.integrators import methods
 from tribo.integrators.methods import METHODS
 from tribo.run.layout import laid_out
 from tribo.simulation import Simulation
-from tribo.tuning import setting_at
 from tribo.work_precision import WorkPrecision, work_precision
 
 COARSE, FINE = 1e-6, 1e-11
 ROUNDS = 5
-STEP = {name: rate.step for name, rate in tribo.costs.RATES.items()}  # as the methods have it
+STEP = {
+    name: rate.step for name, rate in tribo.accuracy.costs.RATES.items()
+}  # as the methods have it
 
 
 def small_scenes() -> list[tribo.Scene]:

@@ -22,7 +22,8 @@ from pathlib import Path
 import numpy as np
 
 import tribo
-from tribo import accuracy, paper
+from tribo import paper
+from tribo.accuracy import scales as accuracy
 from tribo.model.scene_file import scene_text
 
 HERE = Path(__file__).resolve().parent

@@ -11,7 +11,7 @@ import pytest
 
 import tribo
 from test_reference import random_scene, rich_scene
-from tribo import accuracy as acc
+from tribo.accuracy import scales as acc
 from tribo.model.scene_file import scene_from
 from tribo.run.layout import laid_out
 

@@ -23,7 +23,7 @@ from tribo import (
     Scene,
     Surface,
 )
-from tribo.accuracy import KINDS, reported_scales
+from tribo.accuracy.scales import KINDS, reported_scales
 from tribo.integrators.methods import METHODS
 from tribo.integrators.step_control import Tolerance
 from tribo.paper import scene as case

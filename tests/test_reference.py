@@ -5,7 +5,7 @@ import pytest
 
 import reference
 import tribo
-from tribo.accuracy import KINDS
+from tribo.accuracy.scales import KINDS
 from tribo.integrators.methods import METHODS
 from tribo.model.scene_file import scene_from
 

@@ -7,7 +7,9 @@ import pytest
 
 import tribo
 from test_neighbours import long_slide
-from tribo import costs, paper, tuning
+from tribo import paper
+from tribo.accuracy import costs
+from tribo.accuracy import search as tuning
 from tribo.integrators.methods import METHODS
 from tribo.potentials.cutoff import AT_CUTOFF
 from tribo.run.layout import laid_out

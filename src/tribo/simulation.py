@@ -9,20 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from tribo import accuracy as acc
-from tribo.integrators import methods
-from tribo.kernels.compiled import time_loop
-from tribo.model.scene import Scene
-from tribo.model.spectrum import believed_until
-from tribo.plan import plan_for
-from tribo.plugins import sources
-from tribo.potentials.tables import as_table
-from tribo.run.integrate import Digest, March, Progress, compile_loop, march
-from tribo.run.layout import Layout, laid_out, set_bath
-from tribo.run.ledger import Ledger, ledger
-from tribo.run.pair_adapter import Pair, has_loop
-from tribo.run.result import Cost, Result
-from tribo.tuning import (
+from tribo.accuracy import scales as acc
+from tribo.accuracy.plan import plan_for
+from tribo.accuracy.search import (
     APART,
     HALTED,
     PARTS,
@@ -38,6 +27,17 @@ from tribo.tuning import (
     tightest,
     tune,
 )
+from tribo.integrators import methods
+from tribo.kernels.compiled import time_loop
+from tribo.model.scene import Scene
+from tribo.model.spectrum import believed_until
+from tribo.plugins import sources
+from tribo.potentials.tables import as_table
+from tribo.run.integrate import Digest, March, Progress, compile_loop, march
+from tribo.run.layout import Layout, laid_out, set_bath
+from tribo.run.ledger import Ledger, ledger
+from tribo.run.pair_adapter import Pair, has_loop
+from tribo.run.result import Cost, Result
 from tribo.validation import InputError, inside, number_or_each, shown
 
 DIGIT = -1.0 / np.log10(APART)  # how often runs that are compared are apart in a digit

@@ -16,13 +16,13 @@ from typing import Any
 
 import numpy as np
 
-from tribo import accuracy as acc
+from tribo.accuracy import scales as acc
+from tribo.accuracy.search import setting_at
 from tribo.integrators import methods
 from tribo.model.scene import Output, Scene
 from tribo.run.layout import laid_out
 from tribo.run.ledger import Ledger, ledger
 from tribo.simulation import Simulation, prepare
-from tribo.tuning import setting_at
 from tribo.validation import InputError
 
 SMOOTH, ROUGH = "gauss-radau-15", "dop853"  # methods of the reference, by what the potentials are

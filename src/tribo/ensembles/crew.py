@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tribo import accuracy as acc
+from tribo.accuracy import scales as acc
 from tribo.ensembles.members import Member, Variation
 from tribo.kernels.status import MEANINGS
 from tribo.model.scene import Scene
@@ -31,7 +31,7 @@ class Outcome(NamedTuple):
 
     status: str
     values: np.ndarray  # (names, times); NaN after it stopped
-    scale: float  # of energies, by tribo.accuracy.reported_scales
+    scale: float  # of energies, by tribo.accuracy.scales.reported_scales
     errors: dict[str, float | None]  # as a result's error_estimate
     met: bool | None
     notes: tuple[str, ...]

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tribo import accuracy as acc
+from tribo.accuracy import scales as acc
 from tribo.integrators.methods import Method
 from tribo.run.integrate import March
 from tribo.run.layout import Layout

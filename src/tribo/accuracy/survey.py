@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from tribo.accuracy.search import NEAR
 from tribo.run.layout import Layout
-from tribo.tuning import NEAR
 
 LOOKS = 129  # at most, at the bobs on their way
 PAIR_LOOKS = 2e7  # at most, for each two surfaces

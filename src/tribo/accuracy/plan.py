@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from tribo import accuracy as acc
-from tribo.costs import cheapest
+from tribo.accuracy import scales as acc
+from tribo.accuracy.costs import cheapest
+from tribo.accuracy.search import Wanted, tightest
 from tribo.integrators import methods
 from tribo.model.scene import check_accuracy
 from tribo.run.layout import Layout
-from tribo.tuning import Wanted, tightest
 from tribo.validation import POSITIVE, InputError, number
 
 DEFAULT_ACCURACY = 1e-8

@@ -19,12 +19,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tribo.accuracy import unit_step
+from tribo.accuracy.scales import unit_step
+from tribo.accuracy.survey import steps_towards
 from tribo.integrators import methods
 from tribo.model.scene import Scene
 from tribo.run.layout import Layout
 from tribo.run.pair_adapter import has_loop
-from tribo.survey import steps_towards
 
 
 @dataclass(frozen=True)
