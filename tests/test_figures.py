@@ -7,7 +7,7 @@ import pytest
 
 import tribo
 from tribo import paper, paper_figures, plotting
-from tribo.pose import contact_force, poses
+from tribo.plotting.geometry import contact_force, poses
 from tribo.validation import InputError
 
 

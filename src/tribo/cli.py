@@ -159,7 +159,7 @@ def _check(options: argparse.Namespace) -> int:
 def _check_figure(path: Path | None) -> None:
     """Complain about where a figure is to go, before the work for it is done."""
     if path is not None:
-        from tribo.canvas import figure_path
+        from tribo.plotting.style import figure_path
 
         _check_place("--figure", figure_path("--figure", path).absolute())
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from tribo import paper, plotting
 from tribo.plotting import COLUMN, INK, WIDE, arrow, note
-from tribo.pose import Pose, Poses, poses
+from tribo.plotting.geometry import Pose, Poses, poses
 from tribo.validation import InputError
 
 if TYPE_CHECKING:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tribo import canvas
-from tribo.canvas import INK, WIDE
+from tribo.plotting import style as canvas
+from tribo.plotting.style import INK, WIDE
 from tribo.work_precision import Row, WorkPrecision
 
 if TYPE_CHECKING:

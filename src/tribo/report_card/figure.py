@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tribo import canvas
-from tribo.canvas import COLUMN, INK
+from tribo.plotting import style as canvas
+from tribo.plotting.style import COLUMN, INK
 from tribo.report_card.card import EPSILON, Curves, Report
 
 if TYPE_CHECKING:

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tribo.canvas import EDGE, INK, arrow, clock, frame, note, unit
-from tribo.pose import Pose, Poses, contact_force, poses, separation
+from tribo.plotting.geometry import Pose, Poses, contact_force, poses, separation
+from tribo.plotting.style import EDGE, INK, arrow, clock, frame, note, unit
 from tribo.run.result import Result
 
 if TYPE_CHECKING:

@@ -12,7 +12,9 @@ Lengths of drawings are in the scene's own units, so that a bob is where the run
 letters, gaps and margins are in points.
 """
 
-from tribo.canvas import (
+from tribo.plotting.series import WORKS, angle_curve, spread, work_curves
+from tribo.plotting.snapshots import draw_asperite, extent, sequence, snapshot
+from tribo.plotting.style import (
     COLUMN,
     EDGE,
     FILES,
@@ -30,8 +32,6 @@ from tribo.canvas import (
     unit,
     write,
 )
-from tribo.curves import WORKS, angle_curve, spread, work_curves
-from tribo.drawings import draw_asperite, extent, sequence, snapshot
 
 __all__ = [
     "COLUMN",

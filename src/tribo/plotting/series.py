@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tribo.canvas import INK, POINTS_PER_INCH
+from tribo.plotting.style import INK, POINTS_PER_INCH
 from tribo.run.result import Result
 
 if TYPE_CHECKING:
