@@ -17,11 +17,12 @@ import measure_accuracy
 import slip as slip_page
 
 import tribo
-from tribo import paper, paper_figures
+from tribo import paper
 from tribo.integrators import methods
 from tribo.kernels.compiled import package_stamp
 from tribo.kernels.status import MEANINGS
 from tribo.model import roughness, scene
+from tribo.paper import figures as paper_figures
 from tribo.potentials import LennardJones, check, with_cutoff
 
 HERE = Path(__file__).resolve().parent

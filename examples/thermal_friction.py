@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from tribo import Asperite, Output, Pulled, Scene, Surface, ensemble, plotting
-from tribo.ensembles.means import interval
+from tribo.ensembles.intervals import interval
 from tribo.model.fields import Corrugation, Field
 from tribo.model.langevin import Langevin
 

@@ -21,8 +21,9 @@ from tribo import (
     Surface,
     ensemble,
 )
-from tribo.ensembles import crew, figure
-from tribo.ensembles.means import interval, members_needed
+from tribo.ensembles import figure
+from tribo.ensembles import runner as crew
+from tribo.ensembles.intervals import interval, members_needed
 from tribo.model.roughness import Roughness
 from tribo.model.scene_file import scene_from
 from tribo.potentials import expression

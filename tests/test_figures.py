@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import tribo
-from tribo import paper, paper_figures, plotting
+from tribo import paper, plotting
+from tribo.paper import figures as paper_figures
 from tribo.plotting.geometry import contact_force, poses
 from tribo.validation import InputError
 

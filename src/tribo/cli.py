@@ -112,7 +112,7 @@ def _paper(options: argparse.Namespace) -> int:
     cases = [options.case] if options.case else list(paper.CASES)
     tables = paper.compare(cases)
     if options.figures is not None:
-        from tribo import paper_figures
+        from tribo.paper import figures as paper_figures
 
         for path in paper_figures.draw(options.figures, cases):
             print(path, file=sys.stderr)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tribo.plotting import style as canvas
+from tribo import plotting
 from tribo.plotting.style import INK, WIDE
 from tribo.work_precision import Row, WorkPrecision
 
@@ -32,8 +32,8 @@ WRONG = 3.0  # errors larger than that, of methods that are not stable yet, are 
 
 def save(found: WorkPrecision, path: Any) -> Path:
     """Draw the figure into a file whose name ends on .png, .pdf or .svg; returns its path."""
-    with canvas.style():
-        return canvas.write(draw(found), path)
+    with plotting.style():
+        return plotting.write(draw(found), path)
 
 
 def draw(found: WorkPrecision) -> Figure:

@@ -12,7 +12,10 @@ import time
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from tribo.ensembles.crew import (
+from tribo.ensembles.dataset import Collected, dataset
+from tribo.ensembles.intervals import members_needed
+from tribo.ensembles.members import Variation
+from tribo.ensembles.runner import (
     FIRST,
     INTERRUPTED,
     Crew,
@@ -21,9 +24,6 @@ from tribo.ensembles.crew import (
     check_engine,
     sum_names,
 )
-from tribo.ensembles.data import Collected, dataset
-from tribo.ensembles.means import members_needed
-from tribo.ensembles.members import Variation
 from tribo.model.scene import Scene
 from tribo.simulation import Simulation, prepare
 from tribo.validation import POSITIVE, InputError, inside, number, shown, whole

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tribo.plotting import style as canvas
+from tribo import plotting
 from tribo.plotting.style import COLUMN, INK
 from tribo.report_card.card import EPSILON, Curves, Report
 
@@ -25,8 +25,8 @@ FLOOR = 1e-17  # of the disagreement: what is less is shown at a tenth of round-
 
 def save(report: Report, path: Any) -> Path:
     """Draw the figure into a file whose name ends on .png, .pdf or .svg; returns its path."""
-    with canvas.style():
-        return canvas.write(draw(report), path)
+    with plotting.style():
+        return plotting.write(draw(report), path)
 
 
 def draw(report: Report) -> Figure:

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tribo import paper, plotting
+from tribo import plotting
+from tribo.paper.cases import END, Run
 from tribo.plotting import COLUMN, INK, WIDE, arrow, note
 from tribo.plotting.geometry import Pose, Poses, poses
 from tribo.validation import InputError
@@ -58,9 +59,9 @@ def draw(folder: Path, cases: Iterable[str]) -> list[Path]:
 
 def _angle(case: str) -> Axes:
     ax = plotting.axes(COLUMN, 0.62 * COLUMN)
-    plotting.angle_curve(ax, paper.Run.followed(case).result)
+    plotting.angle_curve(ax, Run.followed(case).result)
     ax.axhline(0.0, color="0.6", linewidth=0.5, zorder=0)
-    ax.set_xlim(0.0, paper.END[case])
+    ax.set_xlim(0.0, END[case])
     ax.set_ylim(-0.9, 0.9)
     return ax
 
@@ -68,7 +69,7 @@ def _angle(case: str) -> Axes:
 def _snapshots(case: str, times: tuple[float, ...]) -> Axes:
     """Snapshots side by side, and through each a line where the lower centre of mass stays."""
     ax = plotting.axes(WIDE)
-    result = paper.Run.followed(case).result
+    result = Run.followed(case).result
     drawn: list[Poses] = []
     right = 0.0
     for t in times:
@@ -88,13 +89,13 @@ def _snapshots(case: str, times: tuple[float, ...]) -> Axes:
 
 def _works(case: str) -> Axes:
     ax = plotting.axes(COLUMN, 0.72 * COLUMN)
-    plotting.work_curves(ax, paper.Run.followed(case).result, span=(10.0, paper.END[case]))
+    plotting.work_curves(ax, Run.followed(case).result, span=(10.0, END[case]))
     return ax
 
 
 def _phases(case: str, times: tuple[float, ...], points: tuple[str, ...]) -> Axes:
     ax = plotting.axes(COLUMN)
-    result = paper.Run.followed(case).result
+    result = Run.followed(case).result
     plotting.sequence(ax, result, times, points=points, phases=("approach", "recede"))
     plotting.trim(ax)
     return ax

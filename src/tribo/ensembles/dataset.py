@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tribo.ensembles.crew import INTERRUPTED, Outcome, Second
-from tribo.ensembles.means import CONFIDENCE, Interval, interval
+from tribo.ensembles.intervals import CONFIDENCE, Interval, interval
 from tribo.ensembles.members import VELOCITY, Member
+from tribo.ensembles.runner import INTERRUPTED, Outcome, Second
 from tribo.model.scene_file import scene_text
 from tribo.run.ledger import ASPERITE_KINDS, OPTIONAL_KINDS
 from tribo.simulation import Simulation

@@ -92,7 +92,7 @@ class Row:
 
 def published(case: str) -> list[dict[str, str]]:
     """What the paper prints of a case, row by row."""
-    text = files("tribo").joinpath("data/published_values.csv").read_text(encoding="utf-8")
+    text = files("tribo.paper").joinpath("published_values.csv").read_text(encoding="utf-8")
     return [row for row in csv.DictReader(text.splitlines()) if row["case"] == case]
 
 
