@@ -25,7 +25,7 @@ from tribo.accuracy import scales as acc
 from tribo.accuracy.search import setting_at
 from tribo.integrators import methods
 from tribo.integrators.methods import METHODS
-from tribo.run.layout import laid_out
+from tribo.run.layout import lay_out
 from tribo.simulation import Simulation
 from tribo.work_precision import WorkPrecision, work_precision
 
@@ -115,7 +115,7 @@ def nanoseconds(scene: tribo.Scene, names: list[str]) -> dict[str, float]:
     """Of an evaluation, by method: the least of several rounds in turn."""
     few = tribo.Output(samples=2)
     scene = tribo.Scene(scene.surfaces, scene.interactions, scene.duration, output=few)
-    runs = {name: Simulation(laid_out(scene), METHODS[name]) for name in names}
+    runs = {name: Simulation(lay_out(scene), METHODS[name]) for name in names}
     least = dict.fromkeys(names, np.inf)
     for _ in range(ROUNDS):
         for name, run_by in runs.items():

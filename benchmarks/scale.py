@@ -17,7 +17,7 @@ import time
 import numpy as np
 
 import tribo
-from tribo.run.layout import laid_out
+from tribo.run.layout import lay_out
 
 SIZES = (1_000, 10_000, 100_000, 1_000_000)
 STEP = 0.01
@@ -47,7 +47,7 @@ def building(asperites: int) -> float:
     taken = []
     for _ in range(3):
         began = time.perf_counter()
-        laid_out(scene(asperites, 1.0))
+        lay_out(scene(asperites, 1.0))
         taken.append(time.perf_counter() - began)
     return min(taken)
 

@@ -23,7 +23,8 @@ from tribo.kernels.compiled import package_stamp
 from tribo.kernels.status import MEANINGS
 from tribo.model import roughness, scene
 from tribo.paper import figures as paper_figures
-from tribo.potentials import LennardJones, check, with_cutoff
+from tribo.potentials import LennardJones, with_cutoff
+from tribo.report_card import check
 
 HERE = Path(__file__).resolve().parent
 PAGES_WITH_CODE = (

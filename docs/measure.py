@@ -24,7 +24,7 @@ import numpy as np
 import tribo
 from tribo import paper
 from tribo.accuracy import scales as accuracy
-from tribo.model.scene_file import scene_text
+from tribo.model.scene_writer import scene_text
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "tests"))

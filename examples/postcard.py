@@ -31,7 +31,7 @@ def main(folder=None):
     upper = tribo.Surface("upper", bob=(0.0, 0.3), velocity=(0.5, 0.0), **row)
     lower = tribo.Surface("lower", facing="up", **row)
     result = tribo.simulate(tribo.Scene((upper, lower), mine, duration=4.0), accuracy=1e-5)
-    card = tribo.potentials.check(mine)
+    card = tribo.check(mine)
     if folder is not None:
         card.save_figure(Path(folder) / "postcard.png")
     system = result.system

@@ -22,8 +22,8 @@ from matplotlib.figure import Figure
 from scipy.optimize import brentq
 
 from tribo import Asperite, Output, Pulled, Scene, Surface, plotting, simulate
+from tribo.model.bath import Langevin
 from tribo.model.fields import Corrugation, Field
-from tribo.model.langevin import Langevin
 
 A = PERIOD = 1.0
 Q, ROD = 2.0 * np.pi / PERIOD, 10.0 * PERIOD

@@ -16,8 +16,8 @@ import numpy as np
 
 from tribo import Asperite, Output, Pulled, Scene, Surface, ensemble, plotting
 from tribo.ensembles.intervals import interval
+from tribo.model.bath import Langevin
 from tribo.model.fields import Corrugation, Field
-from tribo.model.langevin import Langevin
 
 A = PERIOD = 1.0
 ETA, ROD, SPEED = 4.0, 10.0, 0.05

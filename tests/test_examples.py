@@ -1,20 +1,10 @@
 """Every example runs, draws its picture, and shows the one number that it is about."""
 
-import importlib.util
-from pathlib import Path
-
 import pytest
 
-FOLDER = Path(__file__).resolve().parents[1] / "examples"
+from support.examples import FOLDER, example
+
 EXAMPLES = sorted(path.stem for path in FOLDER.glob("*.py"))
-
-
-def example(name):
-    """The example as a module."""
-    spec = importlib.util.spec_from_file_location(name, FOLDER / f"{name}.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
 
 
 def commensurate_rows(shown):

@@ -21,8 +21,8 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-import reference
-from laws import identities, kind, tables
+from support import reference
+from support.laws import identities, kind, tables
 
 SOURCE = Path(importlib.util.find_spec("tribo").origin).parent
 
@@ -148,7 +148,7 @@ SPLITTING_OPEN = Check(("open",), "verlet", 0.05, 2, 1e-5)  # its identities are
 
 # file: function: what is changed, found once in that function -> what it becomes
 MUTATIONS = {
-    "asperite.py": {
+    "model/asperite.py": {
         "for_each": [
             'each["l1"] = length * m2 -> each["l1"] = length * m1',
             'each["l2"] = length * m1 -> each["l2"] = length * m2',
@@ -156,7 +156,7 @@ MUTATIONS = {
             'm2 * each["l2"] ** 2 -> m1 * each["l2"] ** 2',
         ],
     },
-    "layout.py": {
+    "run/layout.py": {
         "_fill_asperites": [
             "+ surface.facing_sign -> - surface.facing_sign",
             'each["l1"] -> each["l2"]',
@@ -174,7 +174,7 @@ MUTATIONS = {
             "np.sin(swing) -> np.cos(swing)",
         ],
     },
-    "fields.py": {
+    "model/fields.py": {
         "force_at": ["return -self -> return self", "np.sin -> np.cos"],
         "energy_at": ["return -self -> return self", "np.cos -> np.sin"],
     },
@@ -213,7 +213,7 @@ MUTATIONS = {
         ],
         "is_met": ["species[j] == wanted -> species[j] != wanted"],
     },
-    "kernels/motion.py": {
+    "kernels/equations_of_motion.py": {
         "bar_angle": ["+ asperite.nu -> - asperite.nu"],
         "bar_displacement": [
             "dof_x, q) - -> dof_x, q) +",
@@ -377,7 +377,7 @@ MUTATIONS = {
             "q[ky] - y -> q[ky] + y",
         ],
     },
-    "kernels/splitting.py": {
+    "integrators/splitting.py": {
         "turned": [
             "x - less -> x + less",
             "+ sin / frequency -> - sin / frequency",
@@ -433,7 +433,7 @@ MUTATIONS = {
         "quicken": ["v[slot] + 0.5 -> v[slot] - 0.5", "v[slot] += -> v[slot] -="],
         "tally": ["s[m] += -> s[m] -="],
     },
-    "kernels/turns.py": {
+    "integrators/bath_substep.py": {
         "push_bar": [
             "b.tx * px + -> b.tx * px -",
             "v[i] -= -> v[i] +=",
@@ -460,7 +460,7 @@ MUTATIONS = {
         ],
         "turn_bath": ["-px, -py -> px, -py", "-px, -py -> -px, py"],
     },
-    "ledger.py": {
+    "run/ledger.py": {
         "pseudowork": ["self.pseudo + -> self.pseudo -", "self.jx + -> self.jx -"],
         "work": ["self.about + -> self.about -"],
         "_motion": ["a.phi + a.nu -> a.phi - a.nu"],
@@ -597,7 +597,7 @@ def extrapolated(coarse, fine, order):
         yield place, {q: other[q][-1] + weight * (other[q][-1] - one[q][-1]) for q in other}
 
 
-def complaint(scene, check, reference):
+def compile_error(scene, check, reference):
     """What is wrong with the end of a run, by the ledger's own laws or by the reference."""
     scene = importlib.import_module("tribo.model.scene_file").scene_from(scene)
     simulate = importlib.import_module("tribo.simulation").simulate
@@ -631,7 +631,7 @@ def verdict(folder, checks, references):
         assert Path(importlib.import_module("tribo").__file__).parent.parent == folder
         for check in checks:
             for name in check.scenes:
-                found = complaint(SCENES[name], check, references[name])
+                found = compile_error(SCENES[name], check, references[name])
                 if found:
                     return f"{name}, {check.method}: {found}"
         return ""
@@ -662,7 +662,7 @@ def judge(tmp_path_factory):
         if file is not None:
             (package / file).write_text(source, encoding="utf-8")
         checks = [SPLITTING, SPLITTING_OPEN]
-        if file not in ("kernels/splitting.py", "kernels/turns.py"):
+        if file not in ("integrators/splitting.py", "integrators/bath_substep.py"):
             checks.insert(0, STAGES)
         return pool.submit(verdict, folder, checks, references).result(timeout=120)
 

@@ -6,16 +6,17 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from tribo import paper, plotting, potentials
     from tribo.ensembles import ensemble
     from tribo.model.asperite import Asperite
-    from tribo.model.bath import Bath
+    from tribo.model.bath import Bath, Langevin
     from tribo.model.drives import Custom, Ends, Forced, Free, Pulled
     from tribo.model.fields import Corrugation, Field
-    from tribo.model.langevin import Langevin
     from tribo.model.roughness import Roughness
     from tribo.model.rows import commensurate_rows, incommensurate_rows, periodic_rows
-    from tribo.model.scene import Interaction, Numerics, Output, Periodic, Scene
+    from tribo.model.scene import Interaction, Periodic, Scene
     from tribo.model.scene_file import load_scene
+    from tribo.model.settings import Numerics, Output
     from tribo.model.spectrum import Spectrum
     from tribo.model.springs import Springs
     from tribo.model.surface import Initial, Surface
@@ -31,12 +32,10 @@ if TYPE_CHECKING:
         Yukawa,
         with_cutoff,
     )
-    from tribo.run.archive import load_result
-    from tribo.run.result import Result
+    from tribo.report_card import check
+    from tribo.run.result import Result, load_result
     from tribo.simulation import Simulation, prepare, simulate
     from tribo.validation import InputError
-
-__version__ = "0.1.0"
 
 # Each public name and the module that has it; loaded when first used.
 _HOME = {
@@ -44,6 +43,7 @@ _HOME = {
     "Bath": "tribo.model.bath",
     "BornMayer": "tribo.potentials",
     "Buckingham": "tribo.potentials",
+    "check": "tribo.report_card",
     "commensurate_rows": "tribo.model.rows",
     "Corrugation": "tribo.model.fields",
     "Coulomb": "tribo.potentials",
@@ -57,14 +57,14 @@ _HOME = {
     "Initial": "tribo.model.surface",
     "InputError": "tribo.validation",
     "Interaction": "tribo.model.scene",
-    "Langevin": "tribo.model.langevin",
+    "Langevin": "tribo.model.bath",
     "LennardJones": "tribo.potentials",
-    "load_result": "tribo.run.archive",
+    "load_result": "tribo.run.result",
     "load_scene": "tribo.model.scene_file",
     "Mie": "tribo.potentials",
     "Morse": "tribo.potentials",
-    "Numerics": "tribo.model.scene",
-    "Output": "tribo.model.scene",
+    "Numerics": "tribo.model.settings",
+    "Output": "tribo.model.settings",
     "Periodic": "tribo.model.scene",
     "periodic_rows": "tribo.model.rows",
     "Plummer": "tribo.potentials",
@@ -83,10 +83,19 @@ _HOME = {
     "Yukawa": "tribo.potentials",
 }
 
-__all__ = [*_HOME, "__version__"]
+# Subpackages that are part of the public interface; imported when first used.
+_SUBPACKAGES = ("paper", "plotting", "potentials")
+
+__all__ = [*_HOME, *_SUBPACKAGES, "__version__"]
 
 
 def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("tribo")
+    if name in _SUBPACKAGES:
+        return importlib.import_module(f"tribo.{name}")
     if name not in _HOME:
         raise AttributeError(f"module 'tribo' has no attribute {name!r}")
     value = getattr(importlib.import_module(_HOME[name]), name)

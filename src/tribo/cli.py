@@ -144,12 +144,12 @@ def _accuracy(options: argparse.Namespace) -> int:
 
 
 def _check(options: argparse.Namespace) -> int:
-    from tribo import potentials
     from tribo.potentials.tables import from_table
+    from tribo.report_card import check
 
     _check_figure(options.figure)
     table = {"potential": options.potential} | dict(map(_parameter, options.parameters))
-    report = potentials.check(from_table(table, Path.cwd()))
+    report = check(from_table(table, Path.cwd()))
     if options.figure is not None:
         report.save_figure(options.figure)
     print(report.to_json() if options.json else report)

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from tribo.accuracy import scales as acc
-from tribo.accuracy.plan import plan_for
+from tribo.accuracy.choose_method import plan_for
+from tribo.accuracy.estimate import check_observables, excess_of_request
 from tribo.accuracy.search import (
     APART,
     HALTED,
@@ -33,8 +34,8 @@ from tribo.model.scene import Scene
 from tribo.model.spectrum import believed_until
 from tribo.plugins import sources
 from tribo.potentials.tables import as_table
-from tribo.run.integrate import Digest, March, Progress, compile_loop, march
-from tribo.run.layout import Layout, laid_out, set_bath
+from tribo.run.integrate import Digest, Integration, Progress, compile_loop, integrate
+from tribo.run.layout import Layout, lay_out, set_bath
 from tribo.run.ledger import Ledger, ledger
 from tribo.run.pair_adapter import Pair, has_loop
 from tribo.run.result import Cost, Result
@@ -94,7 +95,7 @@ class Simulation:
 
     @property
     def settings(self) -> Settings:
-        """How it is run, for :func:`resumed`; nothing in it is compiled, and all can be pickled."""
+        """How it is run, for :func:`from_settings`; nothing in it is compiled, and all can be pickled."""
         tuned = None if self._tuned is None else replace(self._tuned, runs=())
         own = (self._setting, self._stops.all)
         return Settings(self.method.name, own, self._lone, self.accuracy, tuned)
@@ -111,7 +112,7 @@ class Simulation:
     def within(self, accuracy: Wanted) -> Simulation:
         """Find the settings that keep an accuracy.  Raises InputError."""
         if isinstance(accuracy, Mapping):
-            acc.check_observables(self.layout, accuracy)
+            check_observables(self.layout, accuracy)
         self.accuracy = accuracy
         self._stops = Stops.among(self.scene.times)
         if self._digests:
@@ -132,7 +133,7 @@ class Simulation:
 
     def attempt(
         self, setting: Any, times: np.ndarray | None = None, start: np.ndarray | None = None
-    ) -> March:
+    ) -> Integration:
         """One run with a step or tolerances, recorded at times of its own or where others stop."""
         if times is None:
             times = self._stops.all
@@ -148,7 +149,7 @@ class Simulation:
         if not estimate or self._coarse is None:
             return self._once(y)
         settings = (self._coarse, self._coarse, self._setting)
-        runs: list[March] = []
+        runs: list[Integration] = []
         for setting, times in zip(settings, self._stops, strict=True):
             if not runs or runs[-1].status not in HALTED:
                 runs.append(self._march(y, setting, times))
@@ -187,7 +188,7 @@ class Simulation:
         return self._result(list(runs)) if runs else self.run()
 
     @property
-    def finest(self) -> March:
+    def finest(self) -> Integration:
         """The run that fixed the settings.  Raises InputError where none did."""
         if self._tuned is None or not self._tuned.runs:
             raise InputError("accuracy", "is missing; without one no run fixed the settings")
@@ -199,10 +200,10 @@ class Simulation:
 
     def _march(
         self, start: np.ndarray, setting: Any, times: np.ndarray, digest: Digest | None = None
-    ) -> March:
+    ) -> Integration:
         if self._pair is not None:
-            return self._pair.march(setting, start, times, self._progress)
-        return march(
+            return self._pair.integrate(setting, start, times, self._progress)
+        return integrate(
             self.layout,
             self.method,
             self._loop,
@@ -262,7 +263,7 @@ class Simulation:
             bars = self.layout.model.asperites[part]
             set_bath(bars, surface, part, y[:n], y[n:], rng)
 
-    def _result(self, runs: list[March], digest: Digest | None = None) -> Result:
+    def _result(self, runs: list[Integration], digest: Digest | None = None) -> Result:
         """The last run as a result, its error estimated from the two before it."""
         fine = runs[-1]
         kept = np.union1d(np.intersect1d(fine.samples.t, self.scene.times), fine.samples.t[-1:])
@@ -301,12 +302,12 @@ class Simulation:
             notes=tuple(notes),
         )
 
-    def _judged(self, runs: list[March]) -> tuple[dict[str, float], float]:
+    def _judged(self, runs: list[Integration]) -> tuple[dict[str, float], float]:
         """Bounds on the last run's errors, and the largest in units of what was asked for."""
         assert self.accuracy is not None and self._tuned is not None
         names, grown = named_in(self.accuracy), self._tuned.amplification
         found, scales = estimated(self.layout, runs[-1], runs[:-1], grown, names)
-        return found, acc.excess(found, scales, self.accuracy)
+        return found, excess_of_request(found, scales, self.accuracy)
 
     def _missed(self, excess: float) -> str:
         """That the request was not met, by how much, and why."""
@@ -320,7 +321,7 @@ class Simulation:
             why = out_of_reach(tightest(self.accuracy), grown)
         return f"errors are estimated at {excess:.1e} of the request; {why}"
 
-    def _price(self, runs: list[March]) -> Cost:
+    def _price(self, runs: list[Integration]) -> Cost:
         """What the runs took, and what a digit more or less would take."""
         seconds = sum(run.seconds for run in runs)
         ratio = None
@@ -392,7 +393,7 @@ def prepare(
     """
     if not isinstance(scene, Scene):
         raise InputError("scene", f"must be a tribo.Scene, got {scene!r}")
-    layout = laid_out(scene)
+    layout = lay_out(scene)
     own = any(item is not None for item in (accuracy, method, step))
     if own:
         if accuracy is None and step is None:
@@ -409,9 +410,9 @@ def prepare(
     return simulation.within(plan.accuracy)
 
 
-def resumed(scene: Scene, settings: Settings) -> Simulation:
+def from_settings(scene: Scene, settings: Settings) -> Simulation:
     """A scene that is run as another of its kind was planned to be: no run is made to find out."""
-    return Simulation(laid_out(scene), methods.METHODS[settings.method]).by(settings)
+    return Simulation(lay_out(scene), methods.METHODS[settings.method]).by(settings)
 
 
 def simulate(

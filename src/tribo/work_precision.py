@@ -12,18 +12,25 @@ import json
 import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from tribo.accuracy import scales as acc
+from tribo.accuracy.estimate import check_observables, distance, excess_of_request, safety
 from tribo.accuracy.search import setting_at
 from tribo.integrators import methods
-from tribo.model.scene import Output, Scene
-from tribo.run.layout import laid_out
+from tribo.model.scene import Scene
+from tribo.model.settings import Output
+from tribo.plotting.style import INK, WIDE
+from tribo.run.layout import lay_out
 from tribo.run.ledger import Ledger, ledger
 from tribo.simulation import Simulation, prepare
 from tribo.validation import InputError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 SMOOTH, ROUGH = "gauss-radau-15", "dop853"  # methods of the reference, by what the potentials are
 FINEST = 1e-13  # accuracy asked of the reference
@@ -35,6 +42,21 @@ MORE = 1.05  # times the evaluations of the run before: other settings are no ot
 STALLED = 6  # settings that gain nothing, after which a method is done
 REPEAT_BELOW = 0.02  # seconds: shorter runs are timed again, and the least counts
 TIMES = 9  # at which errors are looked at, so that no step is cut short by samples
+LOOKS = {  # colour and marker; families share a hue
+    "midpoint": ("#a6a6a6", "o"),
+    "rk4": ("#6e6e6e", "s"),
+    "dop853": (INK, "D"),
+    "rkn8": ("#6baed6", "o"),
+    "rkn12": ("#08519c", "s"),
+    "gauss-radau-15": ("#7d2f86", "^"),
+    "gauss-8": ("#c994c7", "v"),
+    "verlet": ("#fdae6b", "o"),
+    "kahan-li-6": ("#e6550d", "s"),
+    "kahan-li-8": ("#a63603", "D"),
+    "blanes-moan-6": ("#2fae8c", "^"),
+}
+FRONT = "#ffd92f"
+WRONG = 3.0  # errors larger than that, of methods that are not stable yet, are not shown
 
 
 @dataclass(frozen=True)
@@ -96,9 +118,10 @@ class WorkPrecision:
 
     def save_figure(self, path: Any) -> None:
         """Draw error against time and against evaluations."""
-        from tribo.work_precision_figure import save
+        from tribo import plotting
 
-        save(self, path)
+        with plotting.style():
+            plotting.write(_figure(self), path)
 
 
 def work_precision(
@@ -130,7 +153,7 @@ def work_precision(
     for method in taken:
         if progress:
             progress(method.name)
-        simulation = Simulation(laid_out(scene), method)
+        simulation = Simulation(lay_out(scene), method)
         compiled[method.name] = simulation.compile_seconds
         share = seconds / len(taken)
         rows += _curve(simulation, truth, scales, watched, reference["error"], share)
@@ -144,13 +167,13 @@ def _reference(
     rough = np.isfinite(scene.smoothness)
     name = ROUGH if rough else SMOOTH  # whose polynomial does not span the joints of a switch
     simulation = prepare(scene, FINEST, name)
-    acc.check_observables(simulation.layout, watched, "observables")
+    check_observables(simulation.layout, watched, "observables")
     result, finest = simulation.first_result(), simulation.finest
     if result.status != "completed":
         raise InputError("scene", f"does not run to its end: {result.status}")
     scales = acc.reported_scales(simulation.layout, result.ledger)
     bounds = {k: v for k, v in result.error_estimate.items() if v is not None}
-    error = acc.excess(bounds, scales, 1.0) / acc.safety(rough)
+    error = excess_of_request(bounds, scales, 1.0) / safety(rough)
     inner = acc.inner_scales(simulation.layout, finest.samples)
     return result.ledger, inner, {"method": name, "error": error, "seconds": finest.seconds}
 
@@ -178,7 +201,7 @@ def _curve(
             taken = run.seconds
             if taken < REPEAT_BELOW:
                 taken = min(taken, *(simulation.attempt(setting).seconds for _ in range(2)))
-            error = acc.distance(ledger(layout, run.samples), truth, scales, watched)
+            error = distance(ledger(layout, run.samples), truth, scales, watched)
             shown = level if method.adaptive else float(setting)
             yield Row(method.name, shown, error, run.evaluations, taken)
             stalled = 0 if error < GAIN * best else stalled + 1
@@ -202,3 +225,49 @@ def with_front(rows: list[Row], floor: float) -> Iterator[Row]:
             for other, mine in zip(rows, told, strict=True)
         )
         yield replace(row, front=not beaten)
+
+
+def _figure(found: WorkPrecision) -> Figure:
+    """Both diagrams side by side, with one legend."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(1.35 * WIDE, 0.62 * WIDE), layout="constrained")
+    left, right = figure.subplots(1, 2, sharey=True)
+    _panel(left, found, "seconds", "time [s]", front=True)
+    _panel(right, found, "force_evaluations", "evaluations of all forces", front=False)
+    left.set_ylim(top=min(left.get_ylim()[1], WRONG))
+    left.set_ylabel("largest error, in units of its scale")
+    handles, labels = right.get_legend_handles_labels()
+    front, names = left.get_legend_handles_labels()
+    style: Any = {"loc": "outside right", "fontsize": 7.5, "frameon": False}
+    figure.legend(handles=[*handles, front[0]], labels=[*labels, names[0]], **style)
+    return figure
+
+
+def _panel(ax: Axes, found: WorkPrecision, cost: str, label: str, front: bool) -> None:
+    """Error against one cost."""
+    if front:
+        best = sorted((row for row in found.rows if row.front), key=lambda row: row.seconds)
+        style: Any = {"color": FRONT, "linewidth": 5.0, "solid_capstyle": "round", "zorder": 0.5}
+        ax.plot([row.seconds for row in best], [row.error for row in best], label="front", **style)
+    for name in dict.fromkeys(row.method for row in found.rows):
+        rows = [row for row in found.rows if row.method == name]
+        colour, marker = LOOKS.get(name, (INK, "x"))
+        ax.plot(
+            [getattr(row, cost) for row in rows],
+            [_shown(row, found) for row in rows],
+            color=colour,
+            marker=marker,
+            markersize=2.6,
+            linewidth=0.8,
+            label=name,
+        )
+    ax.axhline(found.reference["error"], color="0.5", linewidth=0.6, linestyle=(0, (4, 2)))
+    ax.set_xscale("log")
+    ax.set_yscale("log")
+    ax.set_xlabel(label)
+
+
+def _shown(row: Row, found: WorkPrecision) -> float:
+    """An error, no smaller than what the reference can tell."""
+    return max(row.error, 0.1 * float(found.reference["error"]), 1e-17)

@@ -19,8 +19,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tribo.accuracy.encounter_estimate import steps_towards
 from tribo.accuracy.scales import unit_step
-from tribo.accuracy.survey import steps_towards
 from tribo.integrators import methods
 from tribo.model.scene import Scene
 from tribo.run.layout import Layout

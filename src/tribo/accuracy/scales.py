@@ -1,13 +1,7 @@
-"""From a wanted accuracy to tolerances, and from three runs to an honest error estimate.
-
-An estimate here is the largest raw difference of a run from two coarser ones, times two: of one
-alone a run may be near by chance.  It is never the difference divided by 2^p - 1, never the
-tolerance, and never how well the ledger closes: each of those can be wrong by orders of magnitude.
-"""
+"""The scales that accuracies are relative to, and the local tolerances made from them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,15 +16,9 @@ from tribo.run.ledger import (
     Ledger,
     Samples,
 )
-from tribo.validation import InputError
 
 EPSILON = float(np.finfo(float).eps)
 KINDS = ASPERITE_KINDS | OPTIONAL_KINDS | BLOCK_KINDS | SYSTEM_KINDS
-SAFETY = 2.0  # the estimate is this times the largest difference from the coarser runs
-ROUGH = 2.0  # times that where derivatives of a potential jump, and errors fall irregularly
-POOLED = 0.02  # of the largest estimate of all, in units of scales, that is added to every other
-ROUNDED = 256.0 * EPSILON  # of its scale: what rounding, first steps, iterations do to runs alike
-WALK = 1.0  # of sqrt(steps) roundings, magnified as the scene does: what they may come to
 FLOOR = 2e-15  # no tolerance asks for less, relative to its scale
 
 
@@ -53,7 +41,7 @@ def reported_scales(layout: Layout, books: Ledger) -> Scales:
     """The scales by which a run is judged, over all asperites and samples, in the laboratory."""
 
     def top(*names: str) -> float:
-        return max(_top(series) for name in names for series in books.series(name))
+        return max(largest(series) for name in names for series in books.series(name))
 
     asperite = ASPERITE_KINDS | OPTIONAL_KINDS
     works = [name for name, kind in asperite.items() if kind == "energy" and books.series(name)]
@@ -119,14 +107,14 @@ def inner_scales(layout: Layout, samples: Samples) -> InnerScales:
     internal = 0.5 * (a.inertia * omega**2 + a.kappa * swing**2)
     return InnerScales(
         velocity=guess.velocity,
-        energy=max(float(np.max(top * weights)), _top(internal - internal[0])) or guess.energy,
+        energy=max(float(np.max(top * weights)), largest(internal - internal[0])) or guess.energy,
         impulse=float(np.max(top[weights == 0.0])) or guess.impulse,
-        rate=_top(omega) or guess.rate,
-        swing=_top(swing) or guess.swing,
+        rate=largest(omega) or guess.rate,
+        swing=largest(swing) or guess.swing,
     )
 
 
-def _top(values: np.ndarray) -> float:
+def largest(values: np.ndarray) -> float:
     return float(np.max(np.abs(values), initial=0.0))
 
 
@@ -207,95 +195,3 @@ def unit_step(layout: Layout) -> float:
 def kind_of(name: str) -> str:
     """The kind of a quantity, "w1" or "upper.w1"."""
     return KINDS[name.rpartition(".")[2]]
-
-
-def check_observables(layout: Layout, names: Iterable[str], field: str = "accuracy") -> None:
-    """Complain about names of nothing that is reported."""
-    for name in names:
-        surface, _, quantity = name.rpartition(".")
-        if quantity not in KINDS or (surface and surface not in layout.parts):
-            raise InputError(
-                f"{field}.{name}",
-                'names nothing that is reported; give a quantity, as "w1", or a surface\'s, as '
-                f'"{next(iter(layout.parts))}.W"',
-            )
-
-
-def distance(one: Ledger, other: Ledger, scales: Scales, names: Iterable[str] = ()) -> float:
-    """The largest difference of two runs at the same times, each in units of its scale.
-
-    Of the quantities named, or of everything.
-    """
-    worst = 0.0
-    for name in names or KINDS:
-        for mine, theirs in zip(one.series(name), other.series(name), strict=True):
-            gap, scale = _top(mine - theirs), scales.of(kind_of(name))
-            if gap > 0.0:
-                worst = max(worst, gap / scale if scale > 0.0 else np.inf)
-    return worst
-
-
-def safety(rough: bool) -> float:
-    """What a difference of two runs is multiplied by, where forces are `rough` or not."""
-    return SAFETY * ROUGH if rough else SAFETY
-
-
-def rounding(grown: float | None, steps: int) -> float:
-    """What rounding may do to a quantity, in units of its scale.
-
-    `grown` is what becomes of a small change of the start, where it was looked at: each step
-    makes one as small as can be.
-    """
-    return ROUNDED + WALK * EPSILON * (grown or 0.0) * steps**0.5
-
-
-def estimate(
-    books: Ledger,
-    compared: Iterable[tuple[Ledger, Ledger]],
-    scales: Scales,
-    rough: bool,
-    rounded: float,
-    names: Iterable[str],
-) -> dict[str, float]:
-    """A bound on the error of each reported quantity, over asperites and recorded times.
-
-    `books` has a run at all of its times; `compared` are pairs, of this run and of a coarser one,
-    each at the times that both recorded.  To SAFETY times the largest difference, and ROUGH times
-    that where forces are `rough`, comes what rounding costs, which runs may share: of forces and
-    of sums, `rounded` in units of the scale, and of the number written down.  And a small part of
-    the largest estimate of all: runs may come close by chance in one quantity.  `names` are
-    further ones, as "upper.W".
-    """
-    wanted = [name for name in dict.fromkeys([*KINDS, *names]) if books.series(name)]
-    times = safety(rough)
-    apart = dict.fromkeys(wanted, 0.0)
-    for fine, coarse in compared:
-        for name in wanted:
-            pairs = zip(fine.series(name), coarse.series(name), strict=True)
-            with np.errstate(invalid="ignore"):  # an infinite energy has no known error
-                gaps = [times * _top(one - other) for one, other in pairs]
-            apart[name] = float(np.max([apart[name], *gaps]))
-    relative = (
-        gap / scales.of(kind_of(name)) for name, gap in apart.items() if scales.of(kind_of(name))
-    )
-    pooled = POOLED * max((x for x in relative if np.isfinite(x)), default=0.0)
-    bounds = {}
-    for name, gap in apart.items():
-        bounds[name] = gap + 4.0 * EPSILON * max(map(_top, books.series(name)))
-        if gap > 0.0:
-            bounds[name] += (pooled + rounded) * scales.of(kind_of(name))
-    return bounds
-
-
-def excess(
-    bounds: Mapping[str, float], scales: Scales, wanted: float | Mapping[str, float]
-) -> float:
-    """The largest estimate in units of what was asked for; at most 1 where the request is met."""
-    worst = 0.0
-    for name in wanted if isinstance(wanted, Mapping) else bounds:
-        bound, scale = bounds[name], scales.of(kind_of(name))
-        accuracy = wanted[name] if isinstance(wanted, Mapping) else wanted
-        if not bound <= 0.0:  # nor where it is no number
-            known = scale > 0.0 and np.isfinite(bound)
-            worst = max(worst, bound / (accuracy * scale) if known else np.inf)
-    return worst

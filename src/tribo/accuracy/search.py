@@ -14,8 +14,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tribo.accuracy import scales as acc
+from tribo.accuracy.estimate import distance, estimate, excess_of_request, rounding
 from tribo.integrators.methods import Method
-from tribo.run.integrate import March
+from tribo.run.integrate import Integration
 from tribo.run.layout import Layout
 from tribo.run.ledger import Ledger, ledger
 from tribo.validation import InputError
@@ -43,7 +44,7 @@ MOST = 256  # stops of a coarser one
 SAME = 1e-9  # of the duration: stops no further apart are one
 
 Wanted = float | Mapping[str, float]
-Attempt = Callable[..., March]  # a run with a setting, through times, from a start
+Attempt = Callable[..., Integration]  # a run with a setting, through times, from a start
 
 
 class Stops(NamedTuple):
@@ -88,7 +89,7 @@ class Tuned:
     coarse: Any
     fine: Any
     level: float  # of the finer
-    runs: tuple[March, ...]
+    runs: tuple[Integration, ...]
     amplification: float | None  # of a small change of the start, where it was looked at
     met: bool  # whether the request was kept
 
@@ -122,7 +123,7 @@ def tune(layout: Layout, method: Method, wanted: Wanted, stops: Stops, attempt: 
     another.  Raises InputError if the request is out of reach and would take long to fail.
     """
     names = named_in(wanted)
-    runs: list[March] = []
+    runs: list[Integration] = []
     scales = acc.first_guess(layout)
     level = method.first_level * tightest(wanted)
     if method.adaptive:
@@ -149,7 +150,7 @@ def tune(layout: Layout, method: Method, wanted: Wanted, stops: Stops, attempt: 
         if grown is None and tightest(wanted) < TIGHT:
             grown = amplification(layout, attempt, coarse, runs[-3], names)
             halted = grown is None
-        excess = acc.excess(*estimated(layout, runs[-1], runs[-3:-1], grown, names), wanted)
+        excess = excess_of_request(*estimated(layout, runs[-1], runs[-3:-1], grown, names), wanted)
         stalls = stalls + 1 if excess > STALLED * before else 0
         if excess <= 1.0 or level <= acc.FLOOR or stalls == PATIENCE or halted:
             break
@@ -164,7 +165,11 @@ def tune(layout: Layout, method: Method, wanted: Wanted, stops: Stops, attempt: 
 
 
 def loosest(
-    layout: Layout, method: Method, tuned: Tuned, wanted: Wanted, attempt: Callable[[Any], March]
+    layout: Layout,
+    method: Method,
+    tuned: Tuned,
+    wanted: Wanted,
+    attempt: Callable[[Any], Integration],
 ) -> Any:
     """The cheapest setting whose run agrees with the finest one as well as was asked for.
 
@@ -186,7 +191,10 @@ def loosest(
         if run.status == "Interrupted":
             raise KeyboardInterrupt
         good = run.status == "completed" and run.evaluations <= MORE * least
-        if good and acc.excess(*estimated(layout, finest, [run], grown, names), wanted) <= SEEN:
+        if (
+            good
+            and excess_of_request(*estimated(layout, finest, [run], grown, names), wanted) <= SEEN
+        ):
             if run.evaluations < least:
                 found, least = setting, run.evaluations
         else:
@@ -196,7 +204,11 @@ def loosest(
 
 
 def estimated(
-    layout: Layout, fine: March, coarser: Sequence[March], grown: float | None, names: Any = ()
+    layout: Layout,
+    fine: Integration,
+    coarser: Sequence[Integration],
+    grown: float | None,
+    names: Any = (),
 ) -> tuple[dict[str, float], acc.Scales]:
     """Bounds on a run's errors, and the scales that they are judged by.
 
@@ -210,14 +222,16 @@ def estimated(
             raise InputError(f"accuracy.{name}", "names nothing that this scene reports")
     compared = (_shared(layout, books, fine, coarse) for coarse in coarser)
     scales = acc.reported_scales(layout, books)
-    rough, rounded = np.isfinite(layout.scene.smoothness), acc.rounding(grown, fine.steps)
-    bounds = acc.estimate(books, compared, scales, bool(rough), rounded, names)
+    rough, rounded = np.isfinite(layout.scene.smoothness), rounding(grown, fine.steps)
+    bounds = estimate(books, compared, scales, bool(rough), rounded, names)
     if any(run.status != "completed" for run in coarser):
         bounds = dict.fromkeys(bounds, np.inf)
     return bounds, scales
 
 
-def _shared(layout: Layout, books: Ledger, one: March, other: March) -> tuple[Ledger, Ledger]:
+def _shared(
+    layout: Layout, books: Ledger, one: Integration, other: Integration
+) -> tuple[Ledger, Ledger]:
     """Two runs at the times that both recorded; `books` are those of the one."""
     mine, theirs = one.samples.t, other.samples
     kept = theirs.at(mine)
@@ -225,7 +239,7 @@ def _shared(layout: Layout, books: Ledger, one: March, other: March) -> tuple[Le
 
 
 def amplification(
-    layout: Layout, attempt: Attempt, setting: Any, run: March, names: tuple[str, ...] = ()
+    layout: Layout, attempt: Attempt, setting: Any, run: Integration, names: tuple[str, ...] = ()
 ) -> float | None:
     """What becomes of a small change of the start, in units of the change and of the scales.
 
@@ -240,7 +254,7 @@ def amplification(
     books = ledger(layout, run.samples)
     scales = acc.reported_scales(layout, books)
     told = [name for name in names or acc.KINDS if scales.of(acc.kind_of(name)) > 0.0]
-    return acc.distance(*_shared(layout, books, run, other), scales, told) / PERTURBATION
+    return distance(*_shared(layout, books, run, other), scales, told) / PERTURBATION
 
 
 def out_of_reach(wanted: float, grown: float) -> str:
@@ -261,7 +275,7 @@ def _refuse_early(
     wanted: Wanted,
     attempt: Attempt,
     setting: Any,
-    pilot: March,
+    pilot: Integration,
     level: float,
 ) -> None:
     """Complain now, if a long run would end without the digits that are asked for."""

@@ -18,7 +18,7 @@ from tribo.ensembles.members import Variation
 from tribo.ensembles.runner import (
     FIRST,
     INTERRUPTED,
-    Crew,
+    Runner,
     Second,
     bulk_names,
     check_engine,
@@ -72,28 +72,28 @@ def ensemble(
     variation = Variation(scene, {} if vary is None else vary, whole("seed", seed, 0))
     most = _most(n, wanted, variation)
     check_engine(engine)
-    crew = Crew(_planned(scene, method, step), variation, engine, progress)
+    runner = Runner(_planned(scene, method, step), variation, engine, progress)
     first, needed = None, 0.0
     if wanted is None:
-        crew.add(most)
+        runner.add(most)
     else:
-        _check_kept(crew, wanted)
-        crew.add(min(FIRST, most))
-        first = crew.completed
-        if not crew.interrupted:
-            needed = _enough(crew, wanted, most)
+        _check_kept(runner, wanted)
+        runner.add(min(FIRST, most))
+        first = runner.completed
+        if not runner.interrupted:
+            needed = _enough(runner, wanted, most)
     collected = Collected(
-        simulation=crew.simulation,
-        names=crew.names,
-        members=crew.members,
-        outcomes=crew.outcomes,
-        second=Second() if crew.interrupted else crew.look_again(),
+        simulation=runner.simulation,
+        names=runner.names,
+        members=runner.members,
+        outcomes=runner.outcomes,
+        second=Second() if runner.interrupted else runner.look_again(),
         sizes=variation.sizes,
         seed=seed,
         first=first,
         needed=needed,
         accuracy=wanted,
-        interrupted=crew.interrupted,
+        interrupted=runner.interrupted,
     )
     return dataset(collected, time.perf_counter() - began)
 
@@ -139,22 +139,22 @@ def _planned(scene: Scene, method: str | None, step: float | None) -> Simulation
     return simulation
 
 
-def _check_kept(crew: Crew, wanted: Mapping[str, float]) -> None:
+def _check_kept(runner: Runner, wanted: Mapping[str, float]) -> None:
     """Complain about quantities whose series no member keeps."""
     for name in wanted:
-        if name not in crew.names:
+        if name not in runner.names:
             raise InputError(
                 f"accuracy.{name}",
                 "is a sum over asperites, whose series are too long to keep; give fewer samples",
             )
 
 
-def _enough(crew: Crew, wanted: Mapping[str, float], most: int) -> float:
+def _enough(runner: Runner, wanted: Mapping[str, float], most: int) -> float:
     """Add as many members as the spread of the first ones says, by Stein's rule; how many."""
-    scale = max(outcome.scale for outcome in crew.outcomes if outcome.completed)
-    first = crew.complete
+    scale = max(outcome.scale for outcome in runner.outcomes if outcome.completed)
+    first = runner.complete
     needed = {
-        name: members_needed(first[:, crew.names.index(name)], value * scale)
+        name: members_needed(first[:, runner.names.index(name)], value * scale)
         for name, value in wanted.items()
     }
     name = max(needed, key=lambda key: needed[key])
@@ -164,7 +164,7 @@ def _enough(crew: Crew, wanted: Mapping[str, float], most: int) -> float:
             f"would take {needed[name]:.0f} members, as the spread of the first {len(first)} says, "
             f"and {most} are the most; ask for less, or give a larger n",
         )
-    while crew.completed < needed[name] and len(crew.members) < most and not crew.interrupted:
-        missing = int(needed[name]) - crew.completed
-        crew.add(min(missing, most - len(crew.members)))
+    while runner.completed < needed[name] and len(runner.members) < most and not runner.interrupted:
+        missing = int(needed[name]) - runner.completed
+        runner.add(min(missing, most - len(runner.members)))
     return needed[name]

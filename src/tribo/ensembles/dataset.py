@@ -13,7 +13,7 @@ import numpy as np
 from tribo.ensembles.intervals import CONFIDENCE, Interval, interval
 from tribo.ensembles.members import VELOCITY, Member
 from tribo.ensembles.runner import INTERRUPTED, Outcome, Second
-from tribo.model.scene_file import scene_text
+from tribo.model.scene_writer import scene_text
 from tribo.run.ledger import ASPERITE_KINDS, OPTIONAL_KINDS
 from tribo.simulation import Simulation
 

@@ -13,11 +13,12 @@ from tribo.accuracy import scales as acc
 from tribo.ensembles.members import Member, Variation
 from tribo.kernels.status import MEANINGS
 from tribo.model.scene import Scene
-from tribo.model.scene_file import scene_from, scene_text
+from tribo.model.scene_file import scene_from
+from tribo.model.scene_writer import scene_text
 from tribo.run.integrate import Digest
 from tribo.run.ledger import BLOCK_KINDS, SYSTEM_KINDS
 from tribo.run.result import Result
-from tribo.simulation import Settings, Simulation, resumed
+from tribo.simulation import Settings, Simulation, from_settings
 from tribo.validation import InputError, shown
 
 FIRST = 16  # members, whose spread decides how many there will be, and which are run again
@@ -72,7 +73,7 @@ def check_engine(engine: Any) -> None:
         )
 
 
-class Crew:
+class Runner:
     """The members that have been run, and how."""
 
     def __init__(
@@ -150,7 +151,7 @@ class Crew:
     def _run(self, members: list[Member], settings: Settings, estimate: bool) -> Iterator[Outcome]:
         """Outcomes in the members' order."""
         if self._engine is None:
-            here = resumed(self.simulation.scene, settings)
+            here = from_settings(self.simulation.scene, settings)
             return (
                 run_member(here, self.names, member, self._anew, estimate) for member in members
             )
@@ -180,7 +181,7 @@ class Crew:
 def run_chunk(job: tuple[str, Settings, list[str], list[Member], bool, bool]) -> list[Outcome]:
     """Run some members in a process that knows nothing of the scene yet."""
     text, settings, names, members, anew, estimate = job
-    simulation = resumed(scene_from(tomllib.loads(text)), settings)
+    simulation = from_settings(scene_from(tomllib.loads(text)), settings)
     return [run_member(simulation, names, member, anew, estimate) for member in members]
 
 
@@ -189,7 +190,7 @@ def run_member(
 ) -> Outcome:
     """One member; `anew` where more of its scene is its own than initial angles and rates."""
     if anew:
-        simulation = resumed(member.scene(simulation.scene), simulation.settings)
+        simulation = from_settings(member.scene(simulation.scene), simulation.settings)
     result = simulation.run(member.start, estimate=estimate)
     return Outcome(
         result.status,

@@ -148,7 +148,7 @@ def thermalise(model, langevin, tau, v, s, noise):
 
 
 @kernel
-def inner_turns(model, tau, q, v, s, turns, twists, noise):
+def bath_substep(model, tau, q, v, s, turns, twists, noise):
     """Baths and reservoirs for tau, bars and bobs frozen: symmetric in time."""
     if model.langevin is None:
         turn_bath(model, model.bath, tau, q, v, s, turns)

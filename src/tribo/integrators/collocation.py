@@ -16,23 +16,23 @@ import numpy as np
 from tribo.integrators.linear_combinations import add, add_twice, combine, combine_twice, largest
 from tribo.integrators.step_control import (
     EPSILON,
+    accept_step,
     advance,
     all_finite,
-    arrival,
-    begin,
+    check_arrival,
     end_of_step,
     equal_step,
-    go_on,
-    growth_of,
-    look_ahead,
+    equal_step_status,
+    error_too_large,
+    growth_factor,
+    initialize,
     next_step,
-    obstacle,
     rates,
     record_due,
-    too_rough,
-    too_short,
-    turn_back,
-    underflow,
+    reject_step,
+    step_underflows,
+    underflow_status,
+    update_encounter,
 )
 from tribo.kernels.compiled import kernel
 from tribo.kernels.equations_of_motion import equations_of_motion
@@ -60,7 +60,7 @@ def unknowns(method):
 
 
 @kernel
-def foretell(method, clock, h, memory, slopes):
+def predict(method, clock, h, memory, slopes):
     """Values at the nodes to begin with: those of the last step's polynomial, or of the start."""
     ratio = h / clock.last if clock.last > 0.0 else math.inf
     for i in range(method.c.size):
@@ -176,7 +176,7 @@ def equal_collocation(model, neighbours, method, step, clocks, state, times, rec
     power = np.empty(state.s.size)
     unit = np.empty(n)
     speeds = np.empty((model.asperites.size, 3))
-    status, encounter = begin(model, neighbours, clock, state, slope, power, speeds)
+    status, encounter = initialize(model, neighbours, clock, state, slope, power, speeds)
     if status != COMPLETED:
         return status
     for _ in range(budget):
@@ -187,12 +187,12 @@ def equal_collocation(model, neighbours, method, step, clocks, state, times, rec
             return PAUSED
         goal = times[clock.sample]
         h = equal_step(left, step)
-        status = obstacle(h, encounter, times[-1])
+        status = equal_step_status(h, encounter, times[-1])
         if status != COMPLETED:
             return status
         round_off(state.y[n:], h, slope, unit)
         copy(slope, slopes[0])
-        foretell(method, clock, h, state.memory, slopes)
+        predict(method, clock, h, state.memory, slopes)
         converged = solve(
             model, neighbours, method, clock, h, state.y, slopes, node, slope, unit, 0.0, ROUNDED
         )
@@ -207,7 +207,7 @@ def equal_collocation(model, neighbours, method, step, clocks, state, times, rec
         clock.evaluations += unknowns(method) + 1
         if not all_finite(slope) or not all_finite(state.s):
             return NOT_FINITE
-        encounter = look_ahead(model, neighbours, clock, state.y, speeds, h, encounter)
+        encounter = update_encounter(model, neighbours, clock, state.y, speeds, h, encounter)
     return PAUSED
 
 
@@ -231,7 +231,7 @@ def chosen_collocation(model, neighbours, method, tolerance, clocks, state, time
     unit = np.empty(n)
     speeds = np.empty((model.asperites.size, 3))
     sharpness = math.sqrt(tolerance.level) / SHARP
-    status, encounter = begin(model, neighbours, clock, state, slopes[0], powers_[0], speeds)
+    status, encounter = initialize(model, neighbours, clock, state, slopes[0], powers_[0], speeds)
     if status != COMPLETED:
         return status
     for _ in range(budget):
@@ -242,18 +242,18 @@ def chosen_collocation(model, neighbours, method, tolerance, clocks, state, time
             return PAUSED
         goal = times[clock.sample]
         h, landing = next_step(clock, encounter, left)
-        if too_short(h, landing, times[-1]):
-            return underflow(clock)
+        if step_underflows(h, landing, times[-1]):
+            return underflow_status(clock)
 
         for m in range(n):
             unit[m] = tolerance.y[n + m] + 2.0 * EPSILON * abs(state.y[n + m])
-        foretell(method, clock, h, state.memory, slopes)
+        predict(method, clock, h, state.memory, slopes)
         converged = solve(
             model, neighbours, method, clock, h, state.y, slopes, node, slope, unit, SHARE, 1.0
         )
         if not converged:
             clock.lost = 0 if all_finite(slope) else 1
-            turn_back(clock, 0.5 * h)
+            reject_step(clock, 0.5 * h)
             continue
         book(model, neighbours, method, clock.t, h, state.y, slopes, node, slope, powers_)
         clock.evaluations += unknowns(method)
@@ -261,7 +261,7 @@ def chosen_collocation(model, neighbours, method, tolerance, clocks, state, time
             largest(h, method.last, slopes, state.y[n:], tolerance.y[n:])
             + largest(h, method.last, powers_, state.s, tolerance.s)
         )
-        if too_rough(clock, error, h, nodes):
+        if error_too_large(clock, error, h, nodes):
             continue
 
         copy_state(state, trial)
@@ -269,11 +269,13 @@ def chosen_collocation(model, neighbours, method, tolerance, clocks, state, time
         t = end_of_step(clock, goal, h, landing)
         rates(model, neighbours, t, trial.y, next_slope, next_power)
         clock.evaluations += 1
-        ahead = arrival(model, neighbours, clock, t, trial.y, next_slope, next_power, speeds, h)
+        ahead = check_arrival(
+            model, neighbours, clock, t, trial.y, next_slope, next_power, speeds, h
+        )
         if ahead < 0.0:
             continue
 
-        go_on(clock, t, h, landing, min(FARTHEST, growth_of(error, nodes)))
+        accept_step(clock, t, h, landing, min(FARTHEST, growth_factor(error, nodes)))
         clock.last = h
         copy_state(trial, state)
         remember(slopes, state.memory)

@@ -16,17 +16,17 @@ import numpy as np
 
 from tribo.integrators.linear_combinations import add, add_twice, combine, combine_twice, largest
 from tribo.integrators.step_control import (
-    arrival,
-    begin,
+    accept_step,
+    check_arrival,
     end_of_step,
-    go_on,
-    growth_of,
+    error_too_large,
+    growth_factor,
+    initialize,
     next_step,
     rates,
     record_due,
-    too_rough,
-    too_short,
-    underflow,
+    step_underflows,
+    underflow_status,
 )
 from tribo.kernels.compiled import kernel
 from tribo.kernels.equations_of_motion import equations_of_motion
@@ -119,7 +119,7 @@ def nystrom_steps(model, neighbours, tableau, tolerance, clocks, state, times, r
     trial = blank(state)
     rate = np.empty(n)
     speeds = np.empty((model.asperites.size, 3))
-    status, encounter = begin(
+    status, encounter = initialize(
         model, neighbours, clock, state, stages.slopes[0], stages.powers[0], speeds
     )
     if status != COMPLETED:
@@ -132,8 +132,8 @@ def nystrom_steps(model, neighbours, tableau, tolerance, clocks, state, times, r
             return PAUSED
         goal = times[clock.sample]
         h, landing = next_step(clock, encounter, left)
-        if too_short(h, landing, times[-1]):
-            return underflow(clock)
+        if step_underflows(h, landing, times[-1]):
+            return underflow_status(clock)
 
         end = end_of_step(clock, goal, h, landing)
         copy_state(state, trial)
@@ -141,15 +141,15 @@ def nystrom_steps(model, neighbours, tableau, tolerance, clocks, state, times, r
         clock.evaluations += last
         book(model, tableau, clock.t, h, state.y, stages, rate)
         error = error_of(tableau, h, state, stages, tolerance)
-        if too_rough(clock, error, h, tableau.order):
+        if error_too_large(clock, error, h, tableau.order):
             continue
         slope, power = stages.slopes[last], stages.powers[last]
-        ahead = arrival(model, neighbours, clock, end, trial.y, slope, power, speeds, h)
+        ahead = check_arrival(model, neighbours, clock, end, trial.y, slope, power, speeds, h)
         if ahead < 0.0:
             continue
 
         add(trial.s, trial.s_low, h, tableau.v, stages.powers)
-        go_on(clock, end, h, landing, growth_of(error, tableau.order))
+        accept_step(clock, end, h, landing, growth_factor(error, tableau.order))
         copy_state(trial, state)
         copy(slope, stages.slopes[0])
         copy(power, stages.powers[0])

@@ -10,22 +10,22 @@ import numpy as np
 
 from tribo.integrators.linear_combinations import add, combine, largest
 from tribo.integrators.step_control import (
+    accept_step,
     advance,
     all_finite,
-    arrival,
-    begin,
+    check_arrival,
     end_of_step,
     equal_step,
-    go_on,
-    growth_of,
-    look_ahead,
+    equal_step_status,
+    error_too_large,
+    growth_factor,
+    initialize,
     next_step,
-    obstacle,
     rates,
     record_due,
-    too_rough,
-    too_short,
-    underflow,
+    step_underflows,
+    underflow_status,
+    update_encounter,
 )
 from tribo.kernels.compiled import kernel
 from tribo.kernels.neighbours import crowded
@@ -59,7 +59,9 @@ def fixed_steps(model, neighbours, tableau, step, clocks, state, times, record, 
     powers_ = np.empty((stages, state.s.size))
     speeds = np.empty((model.asperites.size, 3))
     n = state.y.size // 2
-    status, encounter = begin(model, neighbours, clock, state, slopes[0, n:], powers_[0], speeds)
+    status, encounter = initialize(
+        model, neighbours, clock, state, slopes[0, n:], powers_[0], speeds
+    )
     copy(state.y[n:], slopes[0, :n])
     if status != COMPLETED:
         return status
@@ -71,7 +73,7 @@ def fixed_steps(model, neighbours, tableau, step, clocks, state, times, record, 
             return PAUSED
         goal = times[clock.sample]
         h = equal_step(left, step)
-        status = obstacle(h, encounter, times[-1])
+        status = equal_step_status(h, encounter, times[-1])
         if status != COMPLETED:
             return status
         for i in range(1, stages):
@@ -84,7 +86,7 @@ def fixed_steps(model, neighbours, tableau, step, clocks, state, times, record, 
         clock.evaluations += stages
         if not all_finite(slopes[0]) or not all_finite(state.s):
             return NOT_FINITE
-        encounter = look_ahead(model, neighbours, clock, state.y, speeds, h, encounter)
+        encounter = update_encounter(model, neighbours, clock, state.y, speeds, h, encounter)
     return PAUSED
 
 
@@ -104,7 +106,9 @@ def chosen_steps(model, neighbours, tableau, tolerance, clocks, state, times, re
     next_power = np.empty(state.s.size)
     speeds = np.empty((model.asperites.size, 3))
     n = state.y.size // 2
-    status, encounter = begin(model, neighbours, clock, state, slopes[0, n:], powers_[0], speeds)
+    status, encounter = initialize(
+        model, neighbours, clock, state, slopes[0, n:], powers_[0], speeds
+    )
     copy(state.y[n:], slopes[0, :n])
     if status != COMPLETED:
         return status
@@ -116,8 +120,8 @@ def chosen_steps(model, neighbours, tableau, tolerance, clocks, state, times, re
             return PAUSED
         goal = times[clock.sample]
         h, landing = next_step(clock, encounter, left)
-        if too_short(h, landing, times[-1]):
-            return underflow(clock)
+        if step_underflows(h, landing, times[-1]):
+            return underflow_status(clock)
 
         for i in range(1, stages):
             combine(state.y, h, tableau.a[i], slopes, y)
@@ -134,7 +138,7 @@ def chosen_steps(model, neighbours, tableau, tolerance, clocks, state, times, re
         error = fifth
         if fifth > 0.0:
             error = fifth * (fifth / math.hypot(fifth, 0.1 * third))
-        if too_rough(clock, error, h, 8.0):
+        if error_too_large(clock, error, h, 8.0):
             continue
 
         copy_state(state, trial)
@@ -143,11 +147,13 @@ def chosen_steps(model, neighbours, tableau, tolerance, clocks, state, times, re
         t = end_of_step(clock, goal, h, landing)
         slopes_at(model, neighbours, t, trial.y, next_slope, next_power)
         clock.evaluations += 1
-        ahead = arrival(model, neighbours, clock, t, trial.y, next_slope, next_power, speeds, h)
+        ahead = check_arrival(
+            model, neighbours, clock, t, trial.y, next_slope, next_power, speeds, h
+        )
         if ahead < 0.0:
             continue
 
-        go_on(clock, t, h, landing, growth_of(error, 8.0))
+        accept_step(clock, t, h, landing, growth_factor(error, 8.0))
         copy_state(trial, state)
         copy(next_slope, slopes[0])
         copy(next_power, powers_[0])

@@ -5,7 +5,7 @@ so have other sequences of drifts and kicks, see :class:`Splitting`.
 
     drift  every torsion spring rotates its pendulum exactly, centres of mass move uniformly
     kick   contact, drive, field and lattice springs change the rates at fixed places
-    turns  inside the kick: baths and reservoirs, bars frozen, see :mod:`tribo.integrators.bath_substep`
+    turns  inside the kick: baths and reservoirs, bars frozen; see `bath_substep`
 
 Each part books its own work with the mean of the rates before and after it, so that pseudowork
 = delta k_trans and work = delta (k_trans + e_int) hold to round-off at any step.
@@ -18,17 +18,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tribo.integrators.bath_substep import inner_turns, room_for_turns
+from tribo.integrators.bath_substep import bath_substep, room_for_turns
 from tribo.integrators.step_control import (
     advance,
     all_finite,
     end_of_step,
     equal_step,
-    look_ahead,
+    equal_step_status,
     nearness,
-    obstacle,
     record_due,
     time_left,
+    update_encounter,
 )
 from tribo.kernels.compiled import kernel
 from tribo.kernels.equations_of_motion import (
@@ -37,8 +37,8 @@ from tribo.kernels.equations_of_motion import (
     drive_bar,
     forces,
     gather_contact,
-    listed,
     place_bob,
+    update_neighbours,
 )
 from tribo.kernels.neighbours import crowded, refresh
 from tribo.kernels.powers import (
@@ -89,7 +89,7 @@ def alternating(drifts: tuple[float, ...], kicks: tuple[float, ...]) -> Splittin
 
 
 @kernel
-def turned(x, rate, frequency, tau):
+def rotated(x, rate, frequency, tau):
     """A harmonic oscillator after tau, without the bias of cos^2 + sin^2 != 1."""
     if frequency == 0.0:
         return x + rate * tau, rate
@@ -131,7 +131,7 @@ def book_turning_ends(a, twist, rate, frequency, t, tau, vx, vy, s):
     pull = a.kappa / a.bar_length
     for m in range(NODES.size):
         weight = WEIGHTS[m] * tau
-        now, now_rate = turned(twist, rate, frequency, NODES[m] * tau)
+        now, now_rate = rotated(twist, rate, frequency, NODES[m] * tau)
         phi = a.phi + a.nu * (t + NODES[m] * tau)
         end_x = -pull * now * math.sin(phi)
         end_y = pull * now * math.cos(phi)
@@ -149,7 +149,7 @@ def drift_clamped(a, i, t, tau, q, v, s):
     twist = q[i] - (a.phi + a.nu * t)
     rate = v[i] - a.nu
     frequency = math.sqrt(a.kappa / a.inertia)
-    new, new_rate = turned(twist, rate, frequency, tau)
+    new, new_rate = rotated(twist, rate, frequency, tau)
     if a.acc_ends >= 0:
         vx = displacement(a.dof_x, v)
         vy = displacement(a.dof_y, v)
@@ -171,7 +171,7 @@ def drift_free(a, i, tau, q, v):
     twist = q[i] - q[j]
     rate = v[i] - v[j]
     frequency = math.sqrt(a.kappa * (1.0 / a.inertia + 1.0 / a.i2))
-    new, new_rate = turned(twist, rate, frequency, tau)
+    new, new_rate = rotated(twist, rate, frequency, tau)
     share = a.i2 / (a.inertia + a.i2)
     mean = (a.inertia * v[i] + a.i2 * v[j]) / (a.inertia + a.i2)
     q[i] += mean * tau + share * (new - twist)
@@ -197,7 +197,7 @@ def drift(model, now, tau, q, v, s):
 
 
 @kernel
-def quicken(slot, tau, slope, v, middle):
+def apply_kick(slot, tau, slope, v, middle):
     """The rate in a slot, if there is one, after the kick and in the middle of it."""
     if slot >= 0:
         middle[slot] = v[slot] + 0.5 * tau * slope[slot]
@@ -205,7 +205,7 @@ def quicken(slot, tau, slope, v, middle):
 
 
 @kernel
-def tally(slot, width, tau, power, s):
+def accumulate(slot, width, tau, power, s):
     """What a group of accounts gains in tau, if there is such a group."""
     if slot >= 0:
         for m in range(slot, slot + width):
@@ -224,21 +224,21 @@ def kick(model, t, tau, q, v, s, slope, middle, power, core, common):
         a = model.asperites[i]
         drive_bar(model, i, t, q)
         accelerate(model, i, 0.0, t, q, slope)
-        quicken(i, tau, slope, v, middle)
-        quicken(a.dof_phi, tau, slope, v, middle)
-        quicken(a.dof_x, tau, slope, v, middle)
-        quicken(a.dof_y, tau, slope, v, middle)
+        apply_kick(i, tau, slope, v, middle)
+        apply_kick(a.dof_phi, tau, slope, v, middle)
+        apply_kick(a.dof_x, tau, slope, v, middle)
+        apply_kick(a.dof_y, tau, slope, v, middle)
         powers_of(model, i, 0.0, t, q, middle, power)
-        tally(a.acc_contact, CONTACT, tau, power, s)
-        tally(a.acc_slide, SLIDE, tau, power, s)
-        tally(a.acc_drive, DRIVE, tau, power, s)
-        tally(a.acc_internal, POINT, tau, power, s)
-        tally(a.acc_field, POINT, tau, power, s)
+        accumulate(a.acc_contact, CONTACT, tau, power, s)
+        accumulate(a.acc_slide, SLIDE, tau, power, s)
+        accumulate(a.acc_drive, DRIVE, tau, power, s)
+        accumulate(a.acc_internal, POINT, tau, power, s)
+        accumulate(a.acc_field, POINT, tau, power, s)
     for m in range(core, v.size):
         middle[m] = v[m]
     field_powers(model, model.fields, t, power)
     block_powers(model, t, q, middle, power)
-    tally(s.size - common, common, tau, power, s)
+    accumulate(s.size - common, common, tau, power, s)
 
 
 def composed_steps(model, neighbours, splitting, step, clocks, state, times, record, budget, noise):
@@ -261,7 +261,7 @@ def composed_steps(model, neighbours, splitting, step, clocks, state, times, rec
     twists = room_for_turns(model.torsional)
     common = shared_accounts(model, model.fields)
     split = model.bath is not None or model.torsional is not None or model.langevin is not None
-    if not listed(model, neighbours, clock.t, q):
+    if not update_neighbours(model, neighbours, clock.t, q):
         return PAUSED
     encounter, closest = nearness(model, neighbours, clock.t, state.y, speeds)
     if closest == 0.0:
@@ -279,7 +279,7 @@ def composed_steps(model, neighbours, splitting, step, clocks, state, times, rec
             return PAUSED
         goal = times[clock.sample]
         h = equal_step(left, step)
-        status = obstacle(h, encounter, times[-1])
+        status = equal_step_status(h, encounter, times[-1])
         if status != COMPLETED:
             return status
         t = clock.t
@@ -293,13 +293,13 @@ def composed_steps(model, neighbours, splitting, step, clocks, state, times, rec
             clock.evaluations += 1
             if split:
                 kick(model, t, 0.5 * tau, q, v, s, slope, middle, power, core, common)
-                inner_turns(model, tau, q, v, s, turns, twists, noise)
+                bath_substep(model, tau, q, v, s, turns, twists, noise)
                 kick(model, t, 0.5 * tau, q, v, s, slope, middle, power, core, common)
             else:
                 kick(model, t, tau, q, v, s, slope, middle, power, core, common)
         clock.owed = splitting.drifts[-1] * h
         advance(clock, end_of_step(clock, goal, h, h == left), h, h == left)
-        encounter = look_ahead(model, neighbours, clock, state.y, speeds, h, encounter)
+        encounter = update_encounter(model, neighbours, clock, state.y, speeds, h, encounter)
         if clock.unseen == 0.0 and not all_finite(state.y):
             return NOT_FINITE
     return PAUSED

@@ -7,7 +7,7 @@ import numpy as np
 
 from tribo.kernels.compiled import kernel
 from tribo.kernels.contact import encounter_rate, widest_rate
-from tribo.kernels.equations_of_motion import equations_of_motion, listed, top_speeds
+from tribo.kernels.equations_of_motion import equations_of_motion, top_speeds, update_neighbours
 from tribo.kernels.powers import all_powers
 from tribo.kernels.samples import write_sample
 from tribo.kernels.status import (
@@ -42,13 +42,13 @@ def nearness(model, neighbours, t, y, speeds):
 
 
 @kernel
-def looks(model):
+def look_interval(model):
     """Every how many steps to look for encounters at least: bobs at rest may be about to fall."""
     return 1 if model.asperites.size <= 64 else 8
 
 
 @kernel
-def glance(model, neighbours, t, y, speeds, h):
+def encounter_bound(model, neighbours, t, y, speeds, h):
     """Rate at which the nearest encounter comes, looked at pair by pair only where it matters.
 
     If the fastest bobs could not cross a potential's feature in a quarter of the step h, no pair
@@ -81,10 +81,10 @@ def rates(model, neighbours, t, y, slope, power):
 
 
 @kernel
-def begin(model, neighbours, clock, state, slope, power, speeds):
+def initialize(model, neighbours, clock, state, slope, power, speeds):
     """q'' and s' at the place where a run starts or goes on, and whether it can."""
     n = state.y.size // 2
-    if not listed(model, neighbours, clock.t, state.y[:n]):
+    if not update_neighbours(model, neighbours, clock.t, state.y[:n]):
         return PAUSED, 0.0
     rates(model, neighbours, clock.t, state.y, slope, power)
     if clock.evaluations == 0:  # going on after a pause costs one more, which is nobody's business
@@ -123,7 +123,7 @@ def equal_step(left, step):
 
 
 @kernel
-def obstacle(h, encounter, end):
+def equal_step_status(h, encounter, end):
     """Why an equal step cannot be taken; COMPLETED if it can."""
     if h < EPSILON * end:
         return STEP_UNDERFLOW
@@ -131,13 +131,13 @@ def obstacle(h, encounter, end):
 
 
 @kernel
-def look_ahead(model, neighbours, clock, y, speeds, h, encounter):
+def update_encounter(model, neighbours, clock, y, speeds, h, encounter):
     """The encounter rate after an equal step: seen anew every few steps, or where it is near."""
     clock.unseen += h
-    if clock.steps % looks(model) != 0 and (clock.unseen + h) * encounter <= CROSSED:
+    if clock.steps % look_interval(model) != 0 and (clock.unseen + h) * encounter <= CROSSED:
         return encounter
     clock.unseen = 0.0
-    return glance(model, neighbours, clock.t, y, speeds, h)
+    return encounter_bound(model, neighbours, clock.t, y, speeds, h)
 
 
 @kernel
@@ -157,19 +157,19 @@ def next_step(clock, encounter, left):
 
 
 @kernel
-def too_short(h, landing, end):
+def step_underflows(h, landing, end):
     """Whether a step is lost in the spacing of times; the last before a sample may be."""
     return h < 16.0 * EPSILON * end and not landing
 
 
 @kernel
-def underflow(clock):
+def underflow_status(clock):
     """What a run ends with whose steps became too short."""
     return NOT_FINITE if clock.lost == 1 else STEP_UNDERFLOW
 
 
 @kernel
-def growth_of(error, order):
+def growth_factor(error, order):
     """What a step is to be multiplied by, whose error was found and grows as h^order."""
     if not math.isfinite(error):
         return SHRINK
@@ -179,7 +179,7 @@ def growth_of(error, order):
 
 
 @kernel
-def turn_back(clock, h):
+def reject_step(clock, h):
     """The step that was tried is not taken; the next may be no longer than h."""
     clock.h = h
     clock.rejected += 1
@@ -187,17 +187,17 @@ def turn_back(clock, h):
 
 
 @kernel
-def too_rough(clock, error, h, order):
+def error_too_large(clock, error, h, order):
     """Whether a step is turned back for its error, in units of what is tolerated."""
     clock.lost = 0 if math.isfinite(error) else 1
     if error <= 1.0:
         return False
-    turn_back(clock, h * growth_of(error, order))
+    reject_step(clock, h * growth_factor(error, order))
     return True
 
 
 @kernel
-def arrival(model, neighbours, clock, t, y, slope, power, speeds, h):
+def check_arrival(model, neighbours, clock, t, y, slope, power, speeds, h):
     """The encounter rate where the step h ends; negative where it must not end there.
 
     Then there are no numbers, or bobs passed an encounter by the speeds they have now.
@@ -205,7 +205,7 @@ def arrival(model, neighbours, clock, t, y, slope, power, speeds, h):
     encounter, _ = nearness(model, neighbours, t, y, speeds)
     clock.lost = 0 if all_finite(slope) and all_finite(power) else 1
     if clock.lost == 1 or h * encounter > 1.0:
-        turn_back(clock, 0.5 * h)
+        reject_step(clock, 0.5 * h)
         return -1.0
     return encounter
 
@@ -225,7 +225,7 @@ def advance(clock, t, h, landing):
 
 
 @kernel
-def go_on(clock, t, h, landing, growth):
+def accept_step(clock, t, h, landing, growth):
     """The step h that ends at t is taken; the next may be `growth` times as long."""
     advance(clock, t, h, landing)
     if clock.held == 1:

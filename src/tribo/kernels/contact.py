@@ -39,11 +39,11 @@ def row_of(contact, k, one, other, i, neighbours):
 
 
 @kernel
-def candidate(neighbours, listed, m):
+def candidate(neighbours, is_listed, m):
     """The bob at place m of a row."""
     if neighbours is None:
         return m
-    return neighbours.index[m] if listed else m
+    return neighbours.index[m] if is_listed else m
 
 
 @kernel
@@ -61,9 +61,9 @@ def add_contact(model, contact, pushes, neighbours):
             fx = 0.0
             fy = 0.0
             wanted = may_meet(model.species, contact.species, i)
-            begin, stop, listed = row_of(contact, k, one, other, i, neighbours)
-            for m in range(begin, stop):
-                j = candidate(neighbours, listed, m)
+            start, stop, is_listed = row_of(contact, k, one, other, i, neighbours)
+            for m in range(start, stop):
+                j = candidate(neighbours, is_listed, m)
                 if not is_met(model.species, wanted, j):
                     continue
                 b = bobs[j]
@@ -162,9 +162,9 @@ def pair_energy(model, contact, k, neighbours):
     for i in range(one.start, one.stop):
         a = bobs[i]
         wanted = may_meet(model.species, contact.species, i)
-        begin, stop, listed = row_of(contact, k, one, other, i, neighbours)
-        for m in range(begin, stop):
-            j = candidate(neighbours, listed, m)
+        start, stop, is_listed = row_of(contact, k, one, other, i, neighbours)
+        for m in range(start, stop):
+            j = candidate(neighbours, is_listed, m)
             if not is_met(model.species, wanted, j):
                 continue
             b = bobs[j]
@@ -198,9 +198,9 @@ def encounter_of(model, contact, neighbours, speeds):
         for i in range(one.start, one.stop):
             a = bobs[i]
             wanted = may_meet(model.species, contact.species, i)
-            begin, stop, listed = row_of(contact, k, one, other, i, neighbours)
-            for m in range(begin, stop):
-                j = candidate(neighbours, listed, m)
+            start, stop, is_listed = row_of(contact, k, one, other, i, neighbours)
+            for m in range(start, stop):
+                j = candidate(neighbours, is_listed, m)
                 if not is_met(model.species, wanted, j):
                     continue
                 b = bobs[j]

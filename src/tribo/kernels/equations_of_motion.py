@@ -216,7 +216,7 @@ def custom_drives(model, drives, t, q, v):
 
 
 @kernel
-def listed(model, neighbours, t, q):
+def update_neighbours(model, neighbours, t, q):
     """Place the bobs and list their neighbours; whether there was room for all of them."""
     place_bobs(model, t, q)
     refresh(model, neighbours)

@@ -95,12 +95,12 @@ def binned(bobs, start, stop, reach, box_x, box_z):
 
 
 @kernel
-def sort_row(index, begin, end):
+def sort_row(index, start, end):
     """Put a short row in ascending order, in place."""
-    for k in range(begin + 1, end):
+    for k in range(start + 1, end):
         value = index[k]
         m = k
-        while m > begin and index[m - 1] > value:
+        while m > start and index[m - 1] > value:
             index[m] = index[m - 1]
             m -= 1
         index[m] = value

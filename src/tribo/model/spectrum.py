@@ -89,7 +89,7 @@ def exact_decay(spectrum: Spectrum, mass: float, frequency: float, t: np.ndarray
 
     The bar, of mass `mass` on a spring of angular frequency `frequency`, starts with unit velocity;
     its energy mass/2 (v^2 + frequency^2 x^2) starts as mass/2.  Each exponential in the kernel
-    (:mod:`tribo.model.recurrence`) is one more variable of a linear system without memory, whose matrix
+    (`recurrence`) is one more variable of a linear system without memory, whose matrix
     exponential is taken by its eigenvalues.  Errors, of the initial energy: 1e-10, growing like
     1e-12 w_c t for debye, where something always goes on oscillating beyond the cutoff.
     """

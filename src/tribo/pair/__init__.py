@@ -1,1 +1,1 @@
-"""TODO"""
+"""The time loop for one asperite on one, which keeps the whole state in registers."""

@@ -9,12 +9,12 @@ import math
 from tribo.integrators.collocation import FARTHEST, SHARP
 from tribo.integrators.step_control import (
     EPSILON,
+    accept_step,
     end_of_step,
-    go_on,
     next_step,
+    reject_step,
     time_left,
-    turn_back,
-    underflow,
+    underflow_status,
 )
 from tribo.kernels.compiled import kernel
 from tribo.kernels.simd import LANES, lane, lanes_of, rows_of, store, total
@@ -104,7 +104,7 @@ def wind(clock, h):
 
 
 @kernel
-def begin(pair, potential, clock, start, work):
+def initialize(pair, potential, clock, start, work):
     """Slopes and powers at the very start, and whether it is one."""
     if clock.evaluations > 0:
         return COMPLETED
@@ -136,12 +136,12 @@ def pair_collocation(pairs, potential, rows, start, clocks, times, record, budge
     `rows` (ROWS, 8) is all that the loop keeps but for the clock: the method's table, the limits,
     and the state that it goes on from; `start` is y of the scene's layout at t = 0, where a clock
     without evaluations begins; `record` (times + 1, COLUMNS) is filled in row by row, and where
-    the run stops is its last sample.  As :func:`tribo.integrators.collocation.chosen_collocation` else.
+    the run stops is its last sample.  As `chosen_collocation` else.
     """
     pair = pairs[0]
     clock = clocks[0]
     work = rows_of(rows)
-    status = begin(pair, potential, clock, start, work)
+    status = initialize(pair, potential, clock, start, work)
     sharpness = math.sqrt(work[LIMITS, LEVEL]) / SHARP
     done = 0
     while status == COMPLETED and clock.sample < times.size:
@@ -156,14 +156,14 @@ def pair_collocation(pairs, potential, rows, start, clocks, times, record, budge
         encounter = work[START, RATE]
         h, landing = next_step(clock, encounter, left)
         if h < 16.0 * EPSILON * times[-1] and not landing:
-            status = underflow(clock)
+            status = underflow_status(clock)
             continue
         taken, factor, finite = attempt(pair, potential, clock, h, encounter, sharpness, work)
         clock.lost = 0 if finite else 1
         if not taken:
-            turn_back(clock, h * factor)
+            reject_step(clock, h * factor)
             continue
-        go_on(clock, end_of_step(clock, goal, h, landing), h, landing, min(FARTHEST, factor))
+        accept_step(clock, end_of_step(clock, goal, h, landing), h, landing, min(FARTHEST, factor))
         clock.last = h
     conclude(clock, record, times.size)
     if status != COMPLETED:

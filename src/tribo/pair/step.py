@@ -128,7 +128,7 @@ def lagrange(work, x):
 
 
 @inlined
-def foretell(clock, h, work):
+def predict(clock, h, work):
     """Slopes at the nodes to begin with: those of the last step's polynomials, or of the start."""
     ratio = h * (1.0 / clock.last) if clock.last > 0.0 else math.inf
     c = load(work, AT)
@@ -172,7 +172,7 @@ def solve(pair, potential, clock, h, work):
     Returns whether that came about, and the Nodes; leaves the slopes at the end of the step in
     SCRATCH.
     """
-    f1, f2, fk = foretell(clock, h, work)
+    f1, f2, fk = predict(clock, h, work)
     start1, start2, startk = work[START, Q1], work[START, Q2], work[START, K]
     unit1, unit2, unitk = units(h, work)
     ahead = h * load(work, AT)
@@ -272,10 +272,10 @@ def sums_of(work, nodes, power):
     twice = lane(motion, 0), lane(motion, 1), lane(motion, 2)
     once = lane(motion, 3), lane(motion, 4), lane(motion, 5)
     ends = lane(motion, 6), lane(motion, 7), total(last * fk)
-    begin = load(work, BEGINNING)
+    at_start = load(work, BEGINNING)
     within, rest = put(v, 0, 0.0), put(last, 0, 0.0)
-    gain = totals(each(within, power)) + lane(v, 0) * begin
-    high = totals(each(rest, power)) + lane(last, 0) * begin
+    gain = totals(each(within, power)) + lane(v, 0) * at_start
+    high = totals(each(rest, power)) + lane(last, 0) * at_start
     return Sums(twice, once, ends, gain, high)
 
 
@@ -296,7 +296,7 @@ def error_of(h, work, sums):
 
 @inlined
 def growth_of_eighth(error):
-    """As :func:`tribo.integrators.step_control.growth_of` of an error that grows as h^8."""
+    """As :func:`tribo.integrators.step_control.growth_factor` of an error that grows as h^8."""
     growth = CAUTION / math.sqrt(math.sqrt(math.sqrt(error)))
     if not growth >= SHRINK:  # nan too
         return SHRINK

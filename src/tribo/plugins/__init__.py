@@ -1,1 +1,1 @@
-"""TODO"""
+"""Classes that users write (potentials, drives, fields): checks, stamps, compile errors."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from typing import Any
 
 from numba import njit
@@ -11,17 +12,19 @@ from numba.core.errors import NumbaError, UnsupportedBytecodeError
 from tribo.kernels.compiled import METHODS
 from tribo.plugins import classes as plugins
 from tribo.plugins.sources import is_own
-from tribo.potentials.from_ase import Live
-from tribo.run.layout import Layout
 from tribo.validation import InputError
 
 NUMBERS = ("float", "int", "complex", "bool")  # how numba's names of them begin
 Refusals = (NumbaError, UnsupportedBytecodeError)  # what the compiler raises
 
 
-def complaint(layout: Layout, error: Exception) -> InputError:
-    """What to say when the loop for a scene does not compile: whose fault it is, and why."""
-    own = [(field, plugin) for field, plugin in _placed(layout) if not is_own(type(plugin))]
+def compile_error(placed: Iterable[tuple[str, Any]], error: Exception) -> InputError:
+    """What to say when the loop for a scene does not compile: whose fault it is, and why.
+
+    `placed` are its plug-ins, each with its field in the scene.
+    """
+    parts = [(field, part) for field, plugin in placed for part in _parts(plugin)]
+    own = [(field, plugin) for field, plugin in parts if not is_own(type(plugin))]
     for field, plugin in own:
         for method in METHODS:
             try:
@@ -30,20 +33,6 @@ def complaint(layout: Layout, error: Exception) -> InputError:
                 return found
     names = ", ".join(type(plugin).__name__ for _, plugin in own)
     return InputError("plug-in", f"{names or 'the scene'} does not compile: {_reason(error)}")
-
-
-def _placed(layout: Layout) -> list[tuple[str, Any]]:
-    """Every plug-in, those inside others too, with its field in the scene."""
-    model = layout.model
-    places = [
-        (f"interaction[{i}].potential", item.potential)
-        for i, item in enumerate(layout.scene.interactions)
-        if not isinstance(item.potential, Live)
-    ]
-    places += [(f"field[{i}].kind", f.potential) for i, f in enumerate(model.fields or ())]
-    places += [(f"surface[{c.surface}].drive", c.plugin) for c in model.drives or ()]
-    places += [(f"surface[{c.surface}].bars", c.plugin) for c in model.ends or ()]
-    return [(field, part) for field, plugin in places for part in _parts(plugin)]
 
 
 def _parts(plugin: Any) -> list[Any]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from tribo.potentials.born_mayer import BornMayer
 from tribo.potentials.buckingham import Buckingham
@@ -21,9 +21,6 @@ from tribo.potentials.sum import Scaled, Sum
 from tribo.potentials.tables import named
 from tribo.potentials.weeks_chandler_andersen import WeeksChandlerAndersen
 from tribo.potentials.yukawa import Yukawa
-
-if TYPE_CHECKING:
-    from tribo.report_card import Report
 
 __all__ = [
     "BUILT_IN",
@@ -45,7 +42,6 @@ __all__ = [
     "Yukawa",
     "as_calculator",
     "as_potential",
-    "check",
     "expression",
     "from_csv",
     "from_dimer",
@@ -69,16 +65,3 @@ def as_calculator(potential: Any) -> Any:
     from tribo.potentials.to_ase import PairCalculator
 
     return PairCalculator(potential)
-
-
-def check(potential: Any, ase: Any = None, symbols: Any = "H2") -> Report:
-    """A report card: everything that a run relies on in a potential, checked and graded.
-
-    `ase` is a calculator of the Atomic Simulation Environment to compare with, in eV and Angstrom,
-    on two atoms named by `symbols`; Coulomb, LennardJones and Morse have theirs.  The card is
-    printed by ``print``, and has ``passed``, ``checks``, ``to_json()`` and ``save_figure(path)``.
-    Raises InputError for what is no potential, or does not compile.
-    """
-    from tribo.report_card import report
-
-    return report(potential, ase, symbols)

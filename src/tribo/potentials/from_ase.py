@@ -53,7 +53,7 @@ class Live:
         return math.inf
 
 
-class Unfelt(NamedTuple):
+class ZeroForce(NamedTuple):
     """No force: lets time loops watch the encounters of bobs whose force comes from outside."""
 
     length: float  # [length]

@@ -18,11 +18,17 @@ from tribo.report_card.smoothness import check_cutoff, check_smoothness
 from tribo.report_card.specimen import Specimen
 from tribo.validation import InputError
 
-__all__ = ["Check", "Report", "report"]
+__all__ = ["Check", "Report", "check"]
 
 
-def report(potential: Any, ase: Any = None, symbols: Any = "H2") -> Report:
-    """Put a potential through all checks; see :func:`tribo.potentials.check`."""
+def check(potential: Any, ase: Any = None, symbols: Any = "H2") -> Report:
+    """A report card: everything that a run relies on in a potential, checked and graded.
+
+    `ase` is a calculator of the Atomic Simulation Environment to compare with, in eV and Angstrom,
+    on two atoms named by `symbols`; Coulomb, LennardJones and Morse have theirs.  The card is
+    printed by ``print``, and has ``passed``, ``checks``, ``to_json()`` and ``save_figure(path)``.
+    Raises InputError for what is no potential, or does not compile.
+    """
     if isinstance(potential, Live):
         raise InputError("potential", "must be one of pairs; give a calculator as ase=")
     specimen = Specimen(as_potential(potential))

@@ -10,12 +10,14 @@ import numpy as np
 
 from tribo import plotting
 from tribo.plotting.style import COLUMN, INK
-from tribo.report_card.card import EPSILON, Curves, Report
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from tribo.report_card.card import Curves, Report
+
+EPSILON = float(np.finfo(float).eps)
 ENERGY, FORCE, BOUND = "#0b62a4", "#d55e00", "#a50f15"
 DEPTHS = 2.5  # typical values shown above zero and below
 FAINT = 0.01  # of them is where a curve has come to its end

@@ -14,7 +14,8 @@ import numpy as np
 
 from tribo.integrators.methods import METHODS
 from tribo.model.asperite import Asperite
-from tribo.model.scene import Interaction, Output, Scene
+from tribo.model.scene import Interaction, Scene
+from tribo.model.settings import Output
 from tribo.model.surface import Initial, Surface
 from tribo.report_card.card import Check
 from tribo.report_card.smoothness import smooth_stretch

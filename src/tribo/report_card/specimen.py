@@ -17,8 +17,8 @@ from tribo.kernels.probe import contact_probe
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.plugins import sources
-from tribo.plugins.compile_errors import Refusals, complaint
-from tribo.run.layout import laid_out
+from tribo.plugins.compile_errors import Refusals, compile_error
+from tribo.run.layout import lay_out
 from tribo.validation import LARGEST, InputError
 
 CELLS = 400  # of equal ratio, from the least distance looked at to the largest
@@ -198,7 +198,7 @@ class _Bench:
     def __init__(self, potential: Any, count: int) -> None:
         row = {"shape": (count, 1), "spacing": (1.0, 0.0)}
         surfaces = (Surface("one", **row), Surface("other", facing="up", **row))  # type: ignore
-        self._layout = laid_out(Scene(surfaces, potential, 1.0))
+        self._layout = lay_out(Scene(surfaces, potential, 1.0))
         stamp = sources.stamp(self._layout.plugins)
         self._name = type(potential).__name__
         self._probe: Callable[..., None] = time_loop(contact_probe, stamp)
@@ -208,7 +208,9 @@ class _Bench:
         try:
             self._probe(self._layout.model, places, charges, energies, forces)
         except Refusals as error:
-            raise InputError("potential", complaint(self._layout, error).problem) from None
+            raise InputError(
+                "potential", compile_error(self._layout.named_plugins, error).problem
+            ) from None
         except Exception as error:
             reason = f"{self._name} raises {type(error).__name__}: {error}"
             raise InputError("potential", f"{reason}; give nan where there is no energy") from None

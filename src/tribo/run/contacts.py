@@ -7,7 +7,7 @@ import numpy as np
 from tribo.kernels.records import Calculator, Contact, Model, Neighbours
 from tribo.model.scene import Interaction, Scene
 from tribo.potentials import Coulomb, as_potential
-from tribo.potentials.from_ase import Call, Live, Unfelt, elements
+from tribo.potentials.from_ase import Call, Live, ZeroForce, elements
 from tribo.potentials.registry import complete
 from tribo.validation import inside
 
@@ -40,7 +40,7 @@ def meetings(
         inner = any(one == other for one, other in pairs)
         potential = interaction.potential
         if isinstance(potential, Live):
-            potential = complete(Unfelt)(potential.length, potential.reach)
+            potential = complete(ZeroForce)(potential.length, potential.reach)
         (within if inner else between).append(
             Contact(
                 potential,

@@ -17,7 +17,7 @@ from tribo.kernels.neighbours import refresh
 from tribo.kernels.records import CLOCK, Neighbours
 from tribo.kernels.samples import STORED, Record, State, write_sample
 from tribo.kernels.status import COMPLETED, NAMES, PAUSED
-from tribo.plugins.compile_errors import Refusals, complaint
+from tribo.plugins.compile_errors import Refusals, compile_error
 from tribo.potentials.from_ase import Call
 from tribo.run.layout import Layout
 from tribo.run.ledger import ASPERITE_KINDS, OPTIONAL_KINDS, Ledger, Samples, Table, bulk_ledger
@@ -71,7 +71,7 @@ def _row_bytes(layout: Layout) -> int:
 
 
 @dataclass(eq=False)
-class March:
+class Integration:
     """One integration: its raw samples, put together when first looked at, and what it took."""
 
     recorded: Callable[[], Samples]
@@ -95,7 +95,7 @@ class March:
         return int(self.counts[1])
 
 
-def march(
+def integrate(
     layout: Layout,
     method: Method,
     loop: Callable[..., Any],
@@ -105,7 +105,7 @@ def march(
     first_step: float,
     progress: Progress | None = None,
     digest: Digest | None = None,
-) -> March:
+) -> Integration:
     """Integrate from `start` through `times`; `setting` is a step, or a Tolerance.
 
     Ends with the last time, or with whatever stops it: then the state reached is the last sample.
@@ -123,7 +123,7 @@ def march(
     for first in range(0, times.size, rows):
         portion = times[first : first + rows]
         clocks.sample = 0
-        status = through(call, layout.calls, clocks, state, portion, record, progress)
+        status = run_in_chunks(call, layout.calls, clocks, state, portion, record, progress)
         reached = portion[: int(clocks.sample[0])]
         if status != NAMES[COMPLETED] and (not reached.size or reached[-1] != clocks.t[0]):
             _record_now(layout, clocks, state, record)
@@ -139,10 +139,10 @@ def march(
     whole = samples
     assert whole is not None
     counts = np.array([clocks.steps[0], clocks.evaluations[0]])
-    return March(lambda: whole, status, counts, time.perf_counter() - began)
+    return Integration(lambda: whole, status, counts, time.perf_counter() - began)
 
 
-def through(
+def run_in_chunks(
     call: Callable[..., int],
     calls: tuple[Call, ...],
     clocks: Any,
@@ -181,7 +181,7 @@ def compile_loop(layout: Layout, method: Method, loop: Callable[..., Any], setti
     try:
         _bound(layout, method, loop, setting)(clocks, state, np.ones(1), _room(layout, 1), 0)
     except Refusals as error:
-        raise complaint(layout, error) from None
+        raise compile_error(layout.named_plugins, error) from None
     return time.perf_counter() - began
 
 

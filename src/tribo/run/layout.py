@@ -26,7 +26,7 @@ from tribo.model.drives import Custom as CustomDrive
 from tribo.model.drives import Ends, Forced, Free, Pulled
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
-from tribo.potentials.from_ase import Call
+from tribo.potentials.from_ase import Call, Live
 from tribo.run import contacts
 
 
@@ -59,6 +59,19 @@ class Layout:
         acting = (*model.contacts, *(model.within or ()), *(model.fields or ()))
         return [item.potential for item in acting] + own
 
+    @property
+    def named_plugins(self) -> list[tuple[str, Any]]:
+        """Every plug-in that a user may have written, with its field in the scene."""
+        model = self.model
+        places = [
+            (f"interaction[{i}].potential", item.potential)
+            for i, item in enumerate(self.scene.interactions)
+            if not isinstance(item.potential, Live)
+        ]
+        places += [(f"field[{i}].kind", f.potential) for i, f in enumerate(model.fields or ())]
+        places += [(f"surface[{c.surface}].drive", c.plugin) for c in model.drives or ()]
+        return places + [(f"surface[{c.surface}].bars", c.plugin) for c in model.ends or ()]
+
     def neighbours(self) -> Neighbours | None:
         """An empty neighbour list, to be made when the forces are first wanted."""
         if self.rows == 0:
@@ -66,7 +79,7 @@ class Layout:
         return contacts.neighbours(self.model, self.rows, self.skin)
 
 
-def laid_out(scene: Scene) -> Layout:
+def lay_out(scene: Scene) -> Layout:
     """Flat arrays for the kernels: only what the scene calls for has a slot."""
     counts = [surface.count for surface in scene.surfaces]
     stops = np.cumsum(counts).tolist()

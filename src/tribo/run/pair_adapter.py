@@ -47,9 +47,9 @@ from tribo.pair.step import (
     S,
     table,
 )
-from tribo.plugins.compile_errors import Refusals, complaint
+from tribo.plugins.compile_errors import Refusals, compile_error
 from tribo.plugins.sources import stamp
-from tribo.run.integrate import March, Progress, through
+from tribo.run.integrate import Integration, Progress, run_in_chunks
 from tribo.run.layout import Layout
 from tribo.run.ledger import Samples
 
@@ -106,17 +106,17 @@ class Pair:
         try:
             self._loop = entry(loop, *self._given, layout.start, *moving)
         except Refusals as error:
-            raise complaint(layout, error) from None
+            raise compile_error(layout.named_plugins, error) from None
         self.compile_seconds = time.perf_counter() - began
 
-    def march(
+    def integrate(
         self,
         wanted: Tolerance,
         start: np.ndarray,
         times: np.ndarray,
         progress: Progress | None = None,
-    ) -> March:
-        """As :func:`tribo.run.integrate.march`, from `start`, y of the scene's layout."""
+    ) -> Integration:
+        """As :func:`tribo.run.integrate.integrate`, from `start`, y of the scene's layout."""
         began = time.perf_counter()
         if self._wanted is not wanted:
             self._wanted = wanted
@@ -137,7 +137,7 @@ class Pair:
                     reached = np.append(reached, record[-1, REACHED])
             return self.samples(reached, record)
 
-        return March(recorded, status, record[-1], time.perf_counter() - began)
+        return Integration(recorded, status, record[-1], time.perf_counter() - began)
 
     def _on(
         self, start: np.ndarray, times: np.ndarray, record: np.ndarray, progress: Progress | None
@@ -149,7 +149,7 @@ class Pair:
             return code
 
         clocks = self._clocks
-        status = through(call, (), clocks, self._rows, times, record, progress)
+        status = run_in_chunks(call, (), clocks, self._rows, times, record, progress)
         done = int(clocks["sample"][0])
         if status == INTERRUPTED and done < times.size:  # the place reached is one more sample
             clocks["sample"], clocks["t_low"] = 0, 0.0

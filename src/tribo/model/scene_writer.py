@@ -1,0 +1,89 @@
+"""Scenes as TOML text: the inverse of :mod:`tribo.model.scene_file`."""
+
+from __future__ import annotations
+
+from dataclasses import fields as fields_of
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tribo.model import bath, drives, fields
+from tribo.model.roughness import Roughness
+from tribo.model.surface import Surface
+from tribo.potentials import tables as written
+from tribo.validation import InputError, as_path
+
+if TYPE_CHECKING:
+    from tribo.model.scene import Scene
+
+
+def save_scene(scene: Scene, path: Any) -> None:
+    """Write the TOML file that `load_scene` reads."""
+    path = as_path(path)
+    text = scene_text(scene).encode("utf-8")
+    try:
+        path.write_bytes(text)
+    except OSError as error:
+        raise InputError(str(path), f"cannot be written ({error.strerror})") from None
+
+
+def scene_text(scene: Scene) -> str:
+    """The scene as TOML."""
+    import tomli_w
+
+    return tomli_w.dumps(scene_table(scene))
+
+
+def scene_table(scene: Scene) -> dict[str, Any]:
+    """The scene as the nested table of its file."""
+    table: dict[str, Any] = {"title": scene.title} if scene.title else {}
+    table |= {"duration": scene.duration, "seed": scene.seed}
+    table["output"] = _given(scene.output)
+    if scene.output.times is not None:
+        del table["output"]["samples"]
+    table["numerics"] = _given(scene.numerics)
+    table["periodic"] = _given(scene.periodic)
+    table["interaction"] = [
+        written.as_table(i.potential)
+        | {
+            key: list(names)
+            for key, names in (("between", i.between), ("species", i.species))
+            if names
+        }
+        for i in scene.interactions
+    ]
+    table["field"] = [fields.as_table(item) for item in scene.fields]
+    table["surface"] = [_surface_table(surface) for surface in scene.surfaces]
+    return table
+
+
+def _surface_table(surface: Surface) -> dict[str, Any]:
+    table = _given(surface)
+    table["drive"] = drives.as_table(surface.drive)
+    table["bars"] = drives.bars_as_table(surface.bars)
+    table["springs"] = _given(surface.springs)
+    table["bath"] = bath.as_table(surface.bath)
+    if surface.langevin is not None:
+        table["langevin"] = _given(surface.langevin)
+    if isinstance(surface.heights, Roughness):
+        table["heights"] = _given(surface.heights)
+    table["asperite"] = _given(surface.asperite)
+    table["initial"] = _given(surface.initial)
+    if surface.positions is not None:
+        for key in ("bob", "shape", "spacing", "depth"):
+            del table[key]
+    return table
+
+
+def _given(item: Any) -> dict[str, Any]:
+    """The fields of a dataclass that are set, as TOML can hold them."""
+    table = {}
+    for f in fields_of(item):
+        value = getattr(item, f.name)
+        if isinstance(value, np.ndarray):
+            value = value.tolist()
+        elif isinstance(value, tuple):
+            value = [list(item) if isinstance(item, tuple) else item for item in value]
+        if value is not None:
+            table[f.name] = value
+    return table

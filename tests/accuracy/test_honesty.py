@@ -1,0 +1,76 @@
+"""Error bars that can be trusted: true error <= estimate <= request, on scenes at random.
+
+The method is left to choose itself; the truth is that of another family, at a thousandth of the
+request.  What the truth does not know itself, by its own estimate, is taken off the error.
+"""
+
+from statistics import median
+
+import numpy as np
+import pytest
+
+import tribo
+from support.random_scenes import random_scene, rich_scene
+from tribo.accuracy import scales as acc
+from tribo.model.scene_file import scene_from
+from tribo.run.layout import lay_out
+
+ACCURACIES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11)
+KINDS = ("coulomb", "morse", "lennard-jones", "everything")
+SAMPLES = (33, 9, 129, 401)
+FEW = 12  # scenes of each kind; the slow set has more
+MANY = 60
+GENEROUS = 100.0  # the median estimate of a few scenes is at most so many times the error
+MEDIAN = 30.0  # and of many
+
+
+def scene_of(kind: str, seed: int) -> tribo.Scene:
+    """Drives, bars, starts and parameters at random; or with every effect at once."""
+    table = rich_scene(seed) if kind == "everything" else random_scene(seed, kind)
+    return scene_from(table | {"output": {"samples": SAMPLES[seed % len(SAMPLES)]}})
+
+
+def other_method(kind: str, method: str) -> str:
+    """One of another family; where a switch has kinks, one of short steps."""
+    if kind == "everything":
+        return "rkn8" if method == "dop853" else "dop853"
+    return "rkn12" if method == "gauss-radau-15" else "gauss-radau-15"
+
+
+def judged(kind: str, seed: int) -> list[float]:
+    """Error over estimate of every quantity of one scene; complains about what is not honest."""
+    scene = scene_of(kind, seed)
+    wanted = ACCURACIES[seed % len(ACCURACIES)]
+    result = tribo.simulate(scene, accuracy=wanted)
+    other = other_method(kind, result.method)
+    truth = tribo.simulate(scene, accuracy=max(1e-3 * wanted, 1e-13), method=other)
+    assert result.status == truth.status == "completed"
+    scales = acc.reported_scales(lay_out(scene), truth.ledger)
+    ratios = []
+    for name, bound in result.error_estimate.items():
+        if not result.met:  # then it must say so
+            assert any("out of reach" in note for note in result.notes)
+        else:
+            assert bound <= wanted * scales.of(acc.kind_of(name)) * (1.0 + 1e-6), name
+        pairs = zip(result.ledger.series(name), truth.ledger.series(name), strict=True)
+        error = max(float(np.max(np.abs(one - other))) for one, other in pairs)
+        unknown = truth.error_estimate[name]
+        assert error <= bound + unknown, (name, wanted, result.method, error, bound, unknown)
+        if error > 3.0 * unknown and bound > 0.0:
+            ratios.append(bound / error)
+    return ratios
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_error_bars(kind):
+    """A dozen scenes of each kind."""
+    ratios = [ratio for seed in range(FEW) for ratio in judged(kind, 100 + seed)]
+    assert median(ratios) <= GENEROUS
+
+
+@pytest.mark.slow
+def test_error_bars_of_hundreds_of_scenes():
+    """As many of each kind; all are honest, and most are not more generous than they must be."""
+    seeds = range(200, 200 + MANY)
+    ratios = [ratio for kind in KINDS for seed in seeds for ratio in judged(kind, seed)]
+    assert median(ratios) <= MEDIAN

@@ -1,0 +1,195 @@
+"""Asking for an accuracy: of everything, of observables, by any method; and being told no."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import tribo
+from support.sliding import long_slide
+from tribo import paper
+from tribo.accuracy import costs
+from tribo.accuracy import search as tuning
+from tribo.integrators.methods import METHODS
+from tribo.potentials.cutoff import AT_CUTOFF
+from tribo.run.layout import lay_out
+
+FEW = tribo.Output(samples=9)
+
+
+def case(letter: str) -> tribo.Scene:
+    """A case of the paper, recorded at a few times."""
+    return replace(paper.scene(letter), output=FEW)
+
+
+def test_accuracy_of_observables():
+    """Only what is named is held to a number, and its estimate is reported by that name."""
+    scene = case("C")
+    wanted = {"upper.W": 1e-4, "lower.w1": 1e-3}
+    result = tribo.simulate(scene, accuracy=wanted, method="dop853")
+    whole = tribo.simulate(scene, accuracy=1e-10)
+    assert result.met
+    assert result.error_estimate["upper.W"] <= 1e-4
+    off = np.max(np.abs(result["upper"]["W"] - whole["upper"]["W"]))
+    assert off <= result.error_estimate["upper.W"] + whole.error_estimate["W"]
+
+
+def test_accuracy_of_observables_in_a_file(tmp_path):
+    """A table in the scene file, kept when it is saved."""
+    scene = replace(case("A"), numerics=tribo.Numerics(accuracy={"upper.W": 1e-3}))
+    scene.save(tmp_path / "scene.toml")
+    again = tribo.load_scene(tmp_path / "scene.toml")
+    assert again.numerics.accuracy == {"upper.W": 1e-3}
+    assert tribo.simulate(again).met
+
+
+@pytest.mark.parametrize(
+    ("accuracy", "says"),
+    [
+        ({"upper.speed": 1e-3}, "accuracy.upper.speed: names nothing that is reported"),
+        ({"side.W": 1e-3}, "accuracy.side.W: names nothing that is reported"),
+        ({}, "accuracy: must be a number, or name at least one observable"),
+        ({"W": 2.0}, "accuracy.W: must be from 1e-13 to 0.1"),
+    ],
+)
+def test_observables_that_are_none(accuracy, says):
+    """One sentence that names the field."""
+    with pytest.raises(tribo.InputError, match=says):
+        tribo.simulate(case("A"), accuracy=accuracy)
+
+
+@pytest.mark.parametrize("method", [m.name for m in METHODS.values() if not m.adaptive])
+def test_equal_steps_keep_an_accuracy(method):
+    """A method with equal steps finds the step, and its estimate is honest."""
+    wanted = 1e-4 if METHODS[method].order == 2 else 1e-8
+    result = tribo.simulate(case("C"), accuracy=wanted, method=method)
+    truth = tribo.simulate(case("C"), accuracy=1e-12)
+    assert result.met and result.method == method
+    for name in ("theta", "w1", "w2", "w"):
+        off = np.max(np.abs(result["upper"][name] - truth["upper"][name]))
+        assert off <= result.error_estimate[name] <= wanted, name
+
+
+@pytest.mark.parametrize("samples", [2, 9, 33, 401, 2001])
+@pytest.mark.parametrize("duration", [7.0, 0.3, 33.3])
+def test_stops(samples, duration):
+    """Coarser runs share no stop but the ends; no two are the same but for rounding."""
+    times = np.linspace(0.0, duration, samples)
+    stops = tuning.Stops.among(times)
+    assert np.isin(times, stops.all).all()
+    assert np.min(np.diff(stops.all)) > 1e-10 * duration
+    assert stops.all.size >= tuning.PARTS + 1
+    shared = np.intersect1d(stops.few, stops.many)
+    assert np.array_equal(shared, [0.0, duration])
+    assert max(stops.few.size, stops.many.size) <= tuning.MOST + 2
+    if stops.all.size <= tuning.MOST:
+        assert np.array_equal(np.union1d(stops.few, stops.many), stops.all)
+
+
+def test_equal_steps_where_samples_and_parts_meet():
+    """Two times that differ by rounding are one: no step is a rounding long."""
+    scene = replace(case("A"), duration=7.0, output=tribo.Output(samples=401))
+    result = tribo.simulate(scene, accuracy=1e-4, method="verlet")
+    assert result.status == "completed" and result.met
+
+
+def test_nothing_is_known_where_a_coarser_run_stopped():
+    """A bar from the time before would be a promise about the time after."""
+    simulation = tribo.prepare(case("A"), accuracy=1e-6)
+    *_, few, many, fine = simulation._tuned.runs
+    bounds, _ = tuning.estimated(simulation.layout, fine, [few, many], None)
+    assert max(bounds.values()) < np.inf
+    short = replace(many, status="EncounterJumped")
+    bounds, _ = tuning.estimated(simulation.layout, fine, [few, short], None)
+    assert min(bounds.values()) == np.inf
+
+
+def test_an_interrupt_ends_all_runs():
+    """One keystroke is enough; and a result that has no bar says so."""
+    marches = []
+    simulation = tribo.prepare(case("A"), accuracy=1e-6)
+    integrate = simulation._march
+
+    def interrupted(*given):
+        marches.append(replace(integrate(*given), status="Interrupted"))
+        return marches[-1]
+
+    simulation._march = interrupted
+    result = simulation.run()
+    assert len(marches) == 1 and result.status == "Interrupted" and not result.met
+
+
+def test_equal_steps_are_for_fast_baths():
+    """A slow bath is no reason to make short steps all the way, however many samples there are."""
+    for samples in (9, 401):
+        for frequency, equal in ((2.0, False), (3000.0, True)):
+            bath = tribo.Bath(masses=(0.01,), frequencies=(frequency,))
+            scene = case("A")
+            surfaces = tuple(replace(surface, bath=bath) for surface in scene.surfaces)
+            scene = replace(scene, surfaces=surfaces, output=tribo.Output(samples=samples))
+            best = costs.estimates(lay_out(scene), 1e-3)[0]
+            assert best.method.adaptive != equal
+
+
+def test_names_of_nothing_are_told():
+    """A quantity that a scene does not report cannot be kept to an accuracy."""
+    with pytest.raises(tribo.InputError, match="reports"):
+        tribo.simulate(case("A"), accuracy={"upper.contact_energy": 1e-3})
+
+
+def test_every_result_has_its_price():
+    """A digit more costs more, a digit fewer less; and the line that is printed says so."""
+    result = tribo.simulate(case("D"), accuracy=1e-6, method="dop853")
+    cost = result.cost
+    assert cost.digit_fewer < cost.wall_seconds < cost.digit_more
+    assert "one digit more" in str(result).splitlines()[0]
+    own = tribo.simulate(case("D"), method="verlet", step=0.1)
+    assert own.cost.digit_more is None and "digit" not in str(own)
+
+
+def test_a_choice_says_why():
+    """Which method, and by how much it should be faster than the next; none where one is named."""
+    result = tribo.simulate(case("A"), accuracy=1e-6)
+    assert result.why.startswith(f"{result.method} should be the fastest at 1e-06")
+    assert tribo.simulate(case("A"), accuracy=1e-6, method="dop853").why == ""
+
+
+def test_the_model_of_costs():
+    """More digits never cost less; every method that has numbers is one there is."""
+    assert set(costs.RATES) == set(METHODS)
+    for letter in "AC":
+        layout = lay_out(case(letter))
+        for one, other in ((1e-3, 1e-6), (1e-6, 1e-9)):
+            few = {e.method.name: e.seconds for e in costs.estimates(layout, one)}
+            more = {e.method.name: e.seconds for e in costs.estimates(layout, other)}
+            assert all(few[name] <= more[name] for name in few)
+
+
+@pytest.mark.parametrize("at_cutoff", AT_CUTOFF)
+def test_there_is_a_method_for_every_cutoff(at_cutoff):
+    """However rough it is."""
+    cut = tribo.with_cutoff(tribo.Coulomb(0.2), 3.0, at_cutoff)
+    scene = replace(case("A"), interactions=(tribo.Interaction(cut),))
+    assert costs.cheapest(lay_out(scene), 1e-6)[0].smoothness <= max(0, cut.smoothness())
+
+
+def kicked() -> tribo.Scene:
+    """Rough grids that slide past each other, their bobs kicked about."""
+    return replace(long_slide({}), duration=6.0, output=FEW)
+
+
+def test_out_of_reach_is_said_with_both_numbers():
+    """Round-off is in the way: what was reached is delivered, with a note of the amplification."""
+    result = tribo.simulate(kicked(), accuracy=1e-13, method="dop853")
+    assert result.status == "completed" and result.met is False
+    (note,) = (note for note in result.notes if "out of reach" in note)
+    assert "a change of 1e-11 in the start grows to" in note and "round-off of 2.2e-16" in note
+
+
+def test_out_of_reach_is_refused_early(monkeypatch):
+    """Where a run would take long and the scene amplifies round-off, it ends with the pilot."""
+    monkeypatch.setattr(tuning, "LONG", 0.0)
+    assert tribo.simulate(case("A"), accuracy=1e-9).met
+    monkeypatch.setattr(tuning, "amplification", lambda *given: 1e8)
+    with pytest.raises(tribo.InputError, match=r"accuracy: 1.0e-09 is out of reach.*observables"):
+        tribo.simulate(case("A"), accuracy=1e-9)

@@ -1,0 +1,413 @@
+"""Ensembles: means against closed forms, intervals that cover, members that nothing disturbs."""
+
+import json
+import tomllib
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
+from multiprocessing import get_context
+
+import numpy as np
+import pytest
+from scipy import stats
+
+import tribo
+from tribo import (
+    Asperite,
+    Initial,
+    InputError,
+    Langevin,
+    Output,
+    Scene,
+    Surface,
+    ensemble,
+)
+from tribo.ensembles import figure
+from tribo.ensembles import runner as runner
+from tribo.ensembles.intervals import interval, members_needed
+from tribo.model.roughness import Roughness
+from tribo.model.scene_file import scene_from
+from tribo.potentials import expression
+
+TEMPERATURE = 0.3
+LIGHT = Asperite(m2=0.5)
+SOFT = expression("strength * exp(-r**2)", strength=0.2)
+
+
+def warm(count=2, temperature=TEMPERATURE, **settings):
+    """Asperites on reservoirs, which do not meet; after 20 times they are as warm as those.
+
+    With light bars and that friction the slowest of their motions dies like exp(-0.3 t).
+    """
+    surface = Surface(
+        "upper",
+        shape=(count, 1),
+        spacing=(5.0, 0.0),
+        asperite=LIGHT,
+        langevin=Langevin(0.6, temperature),
+        **settings,
+    )
+    return Scene((surface,), (), 20.0, output=Output(samples=3), seed=3)
+
+
+def meeting(**settings):
+    """Two rough rows that meet, without noise."""
+    row = {"shape": (3, 1), "spacing": (1.5, 0.0), "heights": Roughness(0.1)}
+    upper = Surface("upper", bob=(-1.0, 0.5), velocity=(0.5, 0.01), **row)
+    lower = Surface("lower", facing="up", **row)
+    return Scene((upper, lower), SOFT, 4.0, output=Output(samples=5), **settings)
+
+
+STEP = {"method": "verlet", "step": 0.05}
+
+
+def series(data):
+    """The members' own series, as one array."""
+    names = [name for name in data.data_vars if data[name].dims == ("member", "time")]
+    return np.array([data[name].values for name in names])
+
+
+# --- means ---------------------------------------------------------------------------------------
+
+
+def test_equipartition():
+    """From a cold start: T for the motion as a whole, T/2 for each of the other quadratic terms.
+
+    N asperites have 2 N momenta of centres of mass, N of swings, and N springs.
+    """
+    data = ensemble(warm(), 400, seed=1)
+    for name, degrees in (("upper.delta_K", 2), ("total_energy_change", 8)):
+        wanted = 0.5 * degrees * TEMPERATURE
+        mean, half = (float(data[f"{name}_{end}"][-1]) for end in ("mean", "half_width"))
+        assert half < 0.15 * wanted
+        assert mean == pytest.approx(wanted, abs=2.0 * half)
+        # The interval is as wide as the energy of so many degrees, a gamma distribution, says.
+        sigma = TEMPERATURE * np.sqrt(0.5 * degrees / 400)
+        assert half == pytest.approx(1.96 * sigma, rel=0.25)
+
+
+def test_lost_energy():
+    """At T = 0 each asperite loses what its swing was given: kappa theta^2 / 2 + I omega^2 / 2."""
+    given = {"upper.theta": stats.norm(0.0, 0.2), "upper.omega": stats.uniform(-0.3, 0.6)}
+    data = ensemble(warm(temperature=0.0), 200, given, **STEP)
+    each = LIGHT.for_each(1)
+    kappa, inertia = each["kappa"][0], each["inertia"][0]
+    for spread, key in ((0.2, "upper.theta"), (0.6 / np.sqrt(12.0), "upper.omega")):
+        assert data[key].shape == (200, 2)
+        assert np.std(data[key]) == pytest.approx(spread, rel=0.12)
+        assert abs(np.corrcoef(data[key].values.T)[0, 1]) < 0.25
+    energy = 0.5 * (kappa * data["upper.theta"] ** 2 + inertia * data["upper.omega"] ** 2)
+    lost = data["total_energy_change"][:, -1] + energy.sum("upper_asperite")
+    assert np.abs(lost).max() < 1e-3 * energy.max()
+    expected = -2 * 0.5 * (kappa * 0.2**2 + inertia * 0.6**2 / 12.0)
+    mean, half = (float(data[f"total_energy_change_{x}"][-1]) for x in ("mean", "half_width"))
+    assert mean == pytest.approx(expected, abs=2.0 * half)
+
+
+def test_means_are_of_the_members():
+    """What stands beside the members' series is their mean, and Student's interval as SciPy's."""
+    data = ensemble(meeting(), 9, {"upper.theta": stats.norm(0.0, 0.1)}, **STEP)
+    values = data["upper.W"].values[:, -1]
+    low, high = stats.t.interval(0.95, 8, np.mean(values), stats.sem(values))
+    mean, half = float(data["upper.W_mean"][-1]), float(data["upper.W_half_width"][-1])
+    np.testing.assert_allclose([mean - half, mean + half], [low, high], rtol=1e-12)
+
+
+# --- intervals -----------------------------------------------------------------------------------
+
+
+def bounds(repetitions):
+    """How often 95 % should be right in so many, but for one case in ten thousand."""
+    return stats.binom.interval(0.9999, repetitions, 0.95)
+
+
+def covered(values, truth, first=None):
+    found = interval(values, first)
+    return abs(float(found.mean) - truth) <= float(found.half_width)
+
+
+def test_intervals_of_runs_cover_the_truth():
+    """In 200 ensembles of six: the internal energy of 20 asperites, nearly normal, is known."""
+    scene = replace(warm(20), output=Output(times=(0.0, 20.0)))
+    values = ensemble(scene, 1200, seed=5, step=0.1)["upper.delta_E_int"].values[:, -1]
+    truth = (4 * 20 - 2) * 0.5 * TEMPERATURE
+    right = sum(covered(part, truth) for part in values.reshape(200, 6))
+    low, high = bounds(200)
+    assert low <= right <= high
+
+
+def test_two_stages_cover_and_are_narrow_enough():
+    """Stein's rule on normal values of which the first few decide how many there are."""
+    rng = np.random.default_rng(1)
+    right, narrow = 0, 0
+    for _ in range(4000):
+        values = rng.normal(0.3, 1.0, 2000)
+        n = int(members_needed(values[:5], 0.5))
+        assert 5 <= n < 2000
+        right += covered(values[:n], 0.3, 5)
+        narrow += float(interval(values[:n], 5).half_width) <= 0.5
+    low, high = bounds(4000)
+    assert low <= right <= high
+    assert narrow == 4000
+
+
+def test_accuracy_decides_how_many():
+    """As many as the rule says of the first; the half-width is then what was asked for."""
+    scene, wanted = warm(), {"upper.delta_E_int": 0.1, "applied_work": 0.2}
+    data = ensemble(scene, accuracy=wanted, seed=2, step=0.1)
+    first = data.isel(member=slice(0, runner.FIRST))
+    scale = max(
+        float(np.abs(run[name]).max())
+        for seed in first["seed"].values.tolist()
+        for run in [tribo.simulate(replace(scene, seed=seed), step=0.1)["upper"]]
+        for name in run
+        if name.startswith(("w", "delta_e_int", "delta_k_trans", "heat"))
+    )
+    needed = [members_needed(first[name].values, x * scale) for name, x in wanted.items()]
+    assert data.sizes["member"] == max(needed) > runner.FIRST
+    for name, x in wanted.items():
+        assert float(data[f"{name}_half_width"].max()) <= x * scale
+    assert "Stein" in data.attrs["notes"]
+
+
+# --- members -------------------------------------------------------------------------------------
+
+
+def test_members_do_not_depend_on_how_many_there_are():
+    """Nor on what else varies; another seed makes others."""
+    vary = {"upper.theta": stats.norm(0.0, 0.1)}
+    few, many = (ensemble(warm(), n, vary, seed=4, step=0.1) for n in (3, 7))
+    np.testing.assert_array_equal(series(few), series(many)[:, :3])
+    more = ensemble(warm(), 3, {"upper.omega": stats.norm()} | vary, seed=4, step=0.1)
+    np.testing.assert_array_equal(more["upper.theta"], few["upper.theta"])
+    np.testing.assert_array_equal(more["seed"], few["seed"])
+    both = ensemble(warm(), 3, {"upper.omega": vary["upper.theta"]} | vary, step=0.1)
+    assert not np.any(both["upper.theta"].values == both["upper.omega"].values)
+    other = ensemble(warm(), 3, vary, seed=5, step=0.1)
+    assert not np.any(other["upper.theta"].values == few["upper.theta"].values)
+    assert not np.any(other["upper.W"][:, 1:].values == few["upper.W"][:, 1:].values)
+    assert len(np.unique(many["seed"])) == 7
+
+
+def test_a_member_is_a_run():
+    """Of the scene with the member's values and seed, bit for bit; the heights are the scene's."""
+    vary = {
+        "upper.velocity": np.array([[0.4, 0.0], [0.5, -0.02]]),
+        "lower.theta": np.pi + np.array([[0.1, 0.0, -0.1], [0.0, 0.2, 0.0]]),
+    }
+    scene = meeting(seed=8)
+    lower = replace(scene.surfaces[1], langevin=Langevin(0.5, 0.1))
+    scene = replace(scene, surfaces=(scene.surfaces[0], lower))
+    data = ensemble(scene, 2, vary, step=0.05)
+    kept = scene_from(tomllib.loads(data.attrs["scene"]))
+    for k in range(2):
+        upper, lower = kept.surfaces
+        upper = replace(upper, velocity=tuple(vary["upper.velocity"][k]))
+        lower = replace(lower, initial=Initial(theta=vary["lower.theta"][k]))
+        one = tribo.simulate(
+            replace(kept, surfaces=(upper, lower), seed=int(data["seed"][k])), step=0.05
+        )
+        np.testing.assert_array_equal(data["upper.W"][k], one["upper"].W)
+        np.testing.assert_array_equal(data["contact_energy"][k], one.system["contact_energy"])
+        np.testing.assert_array_equal(data["upper.w2"][k], one["upper"].w2.sum(axis=1))
+        np.testing.assert_array_equal(data["lower.heat"][k], one["lower"].heat.sum(axis=1))
+    for own, all_ in zip(kept.surfaces, scene.surfaces, strict=True):
+        drawn = all_.resting_bobs(seed=[8, scene.surfaces.index(all_), 0])
+        np.testing.assert_array_equal(own.resting_bobs(), drawn)
+
+
+def test_thermal_starts():
+    """A warm bath starts otherwise in each member, about bars where that member has them."""
+    bath = tribo.Bath(masses=[0.2, 0.1], frequencies=[0.8, 2.0], temperature=0.2)
+    upper = Surface("upper", bars="free", bath=bath)
+    scene = Scene((upper,), (), 4.0, output=Output(samples=5))
+    data = ensemble(scene, 3, {"upper.phi": [0.1, 0.1, 0.4]}, **STEP)
+    for k, phi in enumerate(data["upper.phi"].values[:, 0]):
+        turned = replace(upper, initial=Initial(theta=0.0, phi=float(phi)))
+        own = replace(scene, surfaces=(turned,), seed=int(data["seed"][k]))
+        one = tribo.simulate(own, **STEP)["upper"]
+        np.testing.assert_array_equal(data["upper.delta_E_int"][k], one.delta_E_int)
+        np.testing.assert_array_equal(data["upper.w_int"][k], one.w_int.sum(axis=1))
+    assert np.all(data["upper.w_int"][0, 1:].values != data["upper.w_int"][1, 1:].values)
+
+
+def test_one_number_of_a_velocity_is_its_x_component():
+    """The y component stays the scene's."""
+    data = ensemble(meeting(), 2, {"upper.velocity": [0.3, 0.4]}, **STEP)
+    np.testing.assert_array_equal(data["upper.velocity"], [[0.3, 0.01], [0.4, 0.01]])
+    drawn = ensemble(meeting(), 3, {"upper.velocity": stats.uniform(0.3, 0.2)}, **STEP)
+    assert drawn["upper.velocity"].shape == (3, 2)
+    assert np.all((drawn["upper.velocity"][:, 0] > 0.3) & (drawn["upper.velocity"][:, 0] < 0.5))
+
+
+def test_members_of_a_planned_scene():
+    """Where an accuracy can be kept it is: a member is a prepared run, and has an error bar."""
+    starts = [0.1, -0.2, 0.3]
+    data = ensemble(meeting(), 3, {"upper.theta": starts})
+    prepared = tribo.prepare(meeting())
+    for k, theta in enumerate(starts):
+        run = prepared.run({"upper.theta": theta}, estimate=False)
+        np.testing.assert_array_equal(data["upper.W"][k], run["upper"].W)
+    bars = [prepared.run({"upper.theta": x}).error_estimate["W"] for x in starts]
+    assert float(data["upper.W_error"]) == max(bars)
+    bars = [prepared.run({"upper.theta": x}).error_estimate["w2"] for x in starts]
+    assert float(data["upper.w2_error"]) == 3 * max(bars)
+    assert json.loads(data.attrs["step"]) is None
+    assert "upper.W_bias" not in data
+
+
+def test_every_engine_gives_the_same_bits():
+    """New processes, which have to find a plug-in of the scene; and a map alone."""
+    scene = meeting()
+    vary = {"upper.theta": stats.norm(0.0, 0.1), "upper.velocity": stats.uniform(0.3, 0.2)}
+
+    class Mapper:
+        map = staticmethod(map)
+
+    told = []
+    here = ensemble(scene, 40, vary, progress=told.append, **STEP)
+    assert told == list(range(1, 41))
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+        for engine in (pool, Mapper()):
+            there = ensemble(scene, 40, vary, engine=engine, **STEP)
+            assert there.drop_attrs().identical(here.drop_attrs())
+
+
+# --- honesty -------------------------------------------------------------------------------------
+
+
+def test_bias_of_a_step():
+    """Errors of order two: a step and its half are 3/4 of a step's own error apart."""
+    scene, starts = meeting(), np.linspace(-0.3, 0.3, 20)
+    data = ensemble(scene, 20, {"upper.theta": starts}, method="verlet", step=0.2)
+    exact = ensemble(scene, 20, {"upper.theta": starts})
+    off = (data["upper.W"] - exact["upper.W"]).values[: runner.FIRST].mean(axis=0)
+    np.testing.assert_allclose(data["upper.W_bias"][1:], 0.75 * off[1:], rtol=0.05)
+    assert float(data["upper.W_bias_half_width"][-1]) > 0.0
+
+
+def test_members_that_stop_early_are_in_no_mean():
+    """They keep their place and their status, and a note says how many."""
+    scene = meeting()
+    speeds = np.array([0.5, 400.0, 0.4])
+    data = ensemble(scene, 3, {"upper.velocity": speeds}, method="verlet", step=0.1)
+    assert data["status"].values.tolist() == ["completed", "EncounterJumped", "completed"]
+    alone = ensemble(scene, 2, {"upper.velocity": speeds[::2]}, method="verlet", step=0.1)
+    for end in ("mean", "half_width", "bias"):
+        np.testing.assert_array_equal(data[f"upper.W_{end}"], alone[f"upper.W_{end}"])
+    assert np.isnan(data["upper.W"][1, -1])
+    assert "1 of 3 members stopped early (EncounterJumped)" in data.attrs["notes"]
+    with pytest.raises(InputError, match="1 of 3 members"):
+        ensemble(scene, 3, {"upper.velocity": speeds * [1, 1, 800]}, method="verlet", step=0.1)
+
+
+def test_series_too_long_to_hold(monkeypatch):
+    """Surfaces as wholes keep theirs; sums over asperites are not to be had, which is said."""
+    whole = ensemble(warm(), 3, step=0.1)
+    monkeypatch.setattr("tribo.run.integrate.SERIES_BYTES", 0)
+    data = ensemble(warm(), 3, step=0.1)
+    np.testing.assert_array_equal(data["upper.W_mean"], whole["upper.W_mean"])
+    assert "upper.heat" in whole and "upper.heat" not in data
+    assert "only the first and the last sample are kept" in data.attrs["notes"]
+    with pytest.raises(InputError, match="give fewer samples"):
+        ensemble(warm(), accuracy={"upper.heat": 1.0}, step=0.1)
+
+
+def test_an_interrupt_keeps_what_is_complete():
+    """Two at least; of fewer there is no mean."""
+
+    def stop(at):
+        def progress(done):
+            if done == at:
+                raise KeyboardInterrupt
+
+        return progress
+
+    data = ensemble(warm(), 50, step=0.1, progress=stop(5))
+    assert data.attrs["status"] == "Interrupted" and data.sizes["member"] == 5
+    whole = ensemble(warm(), 5, step=0.1)
+    np.testing.assert_array_equal(data["upper.W_mean"], whole["upper.W_mean"])
+    with pytest.raises(KeyboardInterrupt):
+        ensemble(warm(), 50, step=0.1, progress=stop(1))
+
+
+def test_a_file_keeps_it(tmp_path):
+    """NetCDF, with everything in it."""
+    import xarray
+
+    data = ensemble(warm(), 3, {"upper.theta": [0.1, 0.2, 0.3]}, step=0.1)
+    data.to_netcdf(tmp_path / "means.nc", engine="h5netcdf")
+    assert xarray.load_dataset(tmp_path / "means.nc", engine="h5netcdf").equals(data)
+    assert scene_from(tomllib.loads(data.attrs["scene"])).count == 2
+    assert json.loads(data.attrs["step"]) == 0.1
+
+
+def test_figure(tmp_path):
+    """Members, mean and band; a name that is no mean is refused."""
+    data = ensemble(warm(), 4, step=0.1)
+    assert figure.save(data, "upper.W", tmp_path / "W.png").stat().st_size > 5000
+    with pytest.raises(InputError, match="is no mean"):
+        figure.save(data, "upper.theta", tmp_path / "W.png")
+
+
+# --- refusals ------------------------------------------------------------------------------------
+
+THETA = {"upper.theta": stats.norm(0.0, 0.1)}
+
+
+@pytest.mark.parametrize(
+    ("settings", "field", "words"),
+    [
+        ({"vary": THETA}, "n", "is missing"),
+        ({"vary": THETA, "n": 1}, "n", "at least 2"),
+        ({"n": 4, "vary": {}}, "vary", "all members would be the same"),
+        ({"n": 4, "vary": [1]}, "vary", "must map names"),
+        ({"n": 4, "vary": {"upper.tetha": [1.0]}}, "vary.upper.tetha", "or velocity of a surface"),
+        ({"n": 4, "vary": {"top.velocity": [1.0]}}, "vary.top.velocity", "of a surface"),
+        ({"n": 4, "vary": {"upper.phi": [1.0] * 4}}, "vary.upper.phi", "clamped"),
+        ({"n": 4, "vary": {"upper.theta": 0.1}}, "vary.upper.theta", "a distribution"),
+        ({"n": 4, "vary": {"upper.theta": [0.1] * 3}}, "vary.upper.theta", "for 3 members, not"),
+        ({"n": 2, "vary": {"upper.theta": np.ones((2, 2))}}, "vary.upper.theta", "(members, 3)"),
+        ({"n": 2, "vary": {"upper.theta": [0.1, np.nan]}}, "vary.upper.theta", "finite"),
+        ({"n": 2, "vary": {"upper.theta": ["a", "b"]}}, "vary.upper.theta", "must be numbers"),
+        (
+            {"n": 2, "vary": {"upper.velocity": stats.multivariate_normal([0.0] * 3)}},
+            "vary.upper.velocity",
+            "draws 3 numbers where 2",
+        ),
+        ({"n": 2, "vary": THETA, "seed": -1}, "seed", "whole number"),
+        ({"n": 2, "vary": THETA, "engine": 3}, "engine", "submit or map"),
+        ({"vary": THETA, "accuracy": 1e-2}, "accuracy", "must name quantities"),
+        ({"vary": THETA, "accuracy": {"upper.phi": 1.0}}, "accuracy.upper.phi", "names no mean"),
+        ({"vary": THETA, "accuracy": {"upper.W": 0.0}}, "accuracy.upper.W", "positive"),
+        (
+            {"n": 20, "vary": THETA, "accuracy": {"upper.W": 1e-4}, **STEP},
+            "accuracy.upper.W",
+            "members, as the spread of the first 16 says, and 20 are the most",
+        ),
+        ({"n": 2, "vary": THETA, "method": "verlet"}, "step", "is missing"),
+    ],
+)
+def test_refusals(settings, field, words):
+    with pytest.raises(InputError) as error:
+        ensemble(meeting(), **settings)
+    assert error.value.field == field
+    assert words in error.value.problem
+
+
+def test_chaos_wants_a_step():
+    """Where no accuracy of a run can be had it is said, with what would do; noise has its step."""
+    row = {"shape": (6, 1), "spacing": (1.1, 0.0), "asperite": Asperite(kappa=0.5)}
+    start = Initial(theta=(0.0, 0.02, -0.01, 0.03, 0.01, -0.02))
+    upper = Surface("upper", bob=(0.0, 0.9), velocity=(0.8, 0.0), initial=start, **row)
+    jones = tribo.with_cutoff(tribo.LennardJones(0.3, 1.0), 2.5)
+    lower = Surface("lower", facing="up", **row)
+    box = {"periodic": {"x": 6.6}, "output": Output(samples=9)}
+    with pytest.raises(InputError, match=r"out of reach.*give a method and a step"):
+        ensemble(Scene((upper, lower), jones, 60.0, **box), 4, {"upper.theta": stats.norm(0, 0.1)})
+    assert json.loads(ensemble(warm(), 2).attrs["step"]) == tribo.prepare(warm()).settings.own[0]
+
+
+def test_noise_and_chaos_point_here():
+    """Who asks single runs for what they cannot give is told of ensembles."""
+    with pytest.raises(InputError, match=r"average over runs, as tribo\.ensemble does"):
+        tribo.simulate(warm(), accuracy=1e-3)

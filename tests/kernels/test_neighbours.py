@@ -1,0 +1,118 @@
+"""Neighbour lists: the same pairs as all pairs, and the same sums bit for bit."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import tribo
+from support.sliding import CUTOFF, long_slide, scene
+from tribo.kernels.neighbours import refresh
+from tribo.run import contacts
+from tribo.run import integrate as integrate
+from tribo.run import layout as layouts
+
+
+def listed_pairs(neighbours) -> set[tuple[int, int]]:
+    """The pairs in a list that has one pair of surfaces, the first beginning with bob 0."""
+    start, index = neighbours.start, neighbours.index
+    return {
+        (row, int(j)) for row in range(start.size - 1) for j in index[start[row] : start[row + 1]]
+    }
+
+
+def pairs_within(places: np.ndarray, upper: int, reach: float, box: tuple) -> set[tuple[int, int]]:
+    """All pairs of an upper and a lower bob at most `reach` apart, by looking at each."""
+    difference = places[:upper, None] - places[None, upper:]
+    for axis, length in ((0, box[0]), (2, box[1])):
+        if length:
+            difference[..., axis] -= length * np.round(difference[..., axis] / length)
+    near = np.argwhere(np.sqrt(np.sum(difference**2, axis=-1)) < reach)
+    return {(int(i), int(j) + upper) for i, j in near}
+
+
+@st.composite
+def places(draw):
+    """Random places of upper and lower bobs, from dense to far apart, and a box or none."""
+    rng = np.random.default_rng(draw(st.integers(0, 2**32)))
+    extent = draw(st.sampled_from([0.5, 4.0, 30.0, 1e4]))
+    counts = draw(st.tuples(st.integers(1, 40), st.integers(1, 40)))
+    upper, lower = (rng.uniform(-extent, extent, (n, 3)) * [1.0, 0.05, 1.0] for n in counts)
+    box = draw(st.sampled_from([(0, 0), (3.1, 0), (0, 7.5), (12.0, 3.0)]))
+    return upper, lower, box
+
+
+@settings(max_examples=60)
+@given(places(), st.floats(-100.0, 100.0))
+def test_a_list_has_every_pair_within_reach(given_places, slide):
+    """After any slide the list holds exactly the pairs within cutoff and skin, in order."""
+    upper, lower, box = given_places
+    periodic = {key: value for key, value in zip("xz", box, strict=True) if value}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(contacts, "FEW", 0)
+        layout = layouts.lay_out(scene(upper, lower, periodic))
+        neighbours = layout.neighbours()
+    bobs = layout.model.bobs
+    world = np.concatenate([upper, lower])
+    for shift in (0.0, slide):
+        bobs.x, bobs.y = world[:, 0], world[:, 1]
+        bobs.x[: len(upper)] += shift
+        refresh(layout.model, neighbours)
+        neighbours = integrate.with_room(neighbours)
+        refresh(layout.model, neighbours)
+        now = np.column_stack([bobs.x, bobs.y, bobs.z])
+        needed = pairs_within(now, len(upper), CUTOFF, box)
+        wide = pairs_within(now, len(upper), CUTOFF + 2.01 * layout.skin, box)
+        found = listed_pairs(neighbours)
+        assert needed <= found <= wide
+        for row in range(len(upper)):
+            own = neighbours.index[neighbours.start[row] : neighbours.start[row + 1]]
+            assert np.all(np.diff(own) > 0)
+
+
+@pytest.mark.parametrize("periodic", [{}, {"x": 6.0, "z": 3.0}], ids=["open", "periodic"])
+def test_lists_give_all_pairs_bit_for_bit(periodic, monkeypatch):
+    """A long slide with bobs that loop: every series is the same, to the last bit."""
+    wanted = replace(long_slide(periodic), output=tribo.Output(samples=7))
+    plain = tribo.simulate(wanted, method="verlet", step=0.003)
+    monkeypatch.setattr(contacts, "FEW", 0)
+    by_list = tribo.simulate(wanted, method="verlet", step=0.003)
+    assert plain.status == by_list.status == "completed"
+    assert np.max(np.abs(plain["upper"].theta)) > np.pi
+    assert np.max(np.abs(plain["lower"].w1)) > 0.0
+    for name in ("upper", "lower"):
+        for quantity in plain[name]:
+            assert np.array_equal(plain[name][quantity], by_list[name][quantity]), quantity
+
+
+@pytest.mark.parametrize("method", ["verlet", "dop853", "rkn8", "gauss-radau-15"])
+def test_a_list_that_outgrows_its_room(method, monkeypatch):
+    """Rows without room count as all pairs, until the run pauses and the list has more room."""
+    wanted = replace(long_slide({}), duration=4.0, output=tribo.Output(samples=5))
+    how = {"step": 0.003} if method == "verlet" else {"accuracy": 1e-3}
+    monkeypatch.setattr(contacts, "FEW", 0)
+    plain = tribo.simulate(wanted, method=method, **how)
+    grown = []
+
+    def exactly(neighbours):
+        """As much room as the list had wanted, and no more."""
+        if neighbours is None or neighbours.start[-1] <= neighbours.index.size:
+            return neighbours
+        grown.append(int(neighbours.start[-1]))
+        nowhere = np.full_like(neighbours.place, np.nan)
+        return neighbours._replace(index=np.zeros(grown[-1], np.int64), place=nowhere)
+
+    def cramped(self):
+        """A list with room for one."""
+        return whole(self)._replace(index=np.zeros(1, np.int64))
+
+    whole = layouts.Layout.neighbours
+    monkeypatch.setattr(integrate, "with_room", exactly)
+    monkeypatch.setattr(layouts.Layout, "neighbours", cramped)
+    by_list = tribo.simulate(wanted, method=method, **how)
+    assert len(set(grown)) >= 2, "the room must run out on the way, not at the start alone"
+    for name in ("upper", "lower"):
+        for quantity in plain[name]:
+            assert np.array_equal(plain[name][quantity], by_list[name][quantity]), quantity

@@ -1,0 +1,687 @@
+"""Input that makes no sense: one sentence that names the field, exit status 2, nothing written."""
+
+import copy
+import math
+import re
+from datetime import date
+
+import numpy as np
+import pytest
+import tomli_w
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+import tribo
+from tribo import (
+    Asperite,
+    Coulomb,
+    Forced,
+    Free,
+    Initial,
+    InputError,
+    Interaction,
+    Morse,
+    Numerics,
+    Output,
+    Pulled,
+    Scene,
+    Surface,
+)
+from tribo.cli import main
+from tribo.model.scene_file import scene_from
+from tribo.run.layout import lay_out
+
+REMOVED = object()
+HUGE = 10**400  # TOML has such numbers, floats have not
+
+# Every key of a scene file has a place here, so that any can be made wrong.
+VALID = {
+    "title": "valid",
+    "duration": 1.0,
+    "seed": 0,
+    "periodic": {"x": 50.0, "z": 50.0},
+    "interaction": [
+        {
+            "potential": "morse",
+            "D": 1.0,
+            "alpha": 2.0,
+            "r0": 0.3,
+            "cutoff": 3.0,
+            "at_cutoff": "switch",
+            "switch_from": 2.0,
+            "between": ["upper", "lower"],
+        }
+    ],
+    "field": [
+        {
+            "kind": "corrugation",
+            "on": ["upper"],
+            "amplitude": 0.1,
+            "period": 2.0,
+            "origin": [0.0, 0.0],
+            "velocity": [0.0, 0.0],
+        }
+    ],
+    "surface": [
+        {
+            "name": "upper",
+            "facing": "down",
+            "bob": [-3.0, 0.0],
+            "velocity": [0.5, 0.0],
+            "shape": [2, 1],
+            "spacing": [1.0, 0.0],
+            "depth": 0.0,
+            "heights": [0.0, 0.1],
+            "drive": {"kind": "pulled", "stiffness": 1.0, "speed": 0.1, "load": 0.2},
+            "bars": "free",
+            "springs": {"stiffness": 1.0, "wrap": False},
+            "bath": {
+                "oscillators": [{"mass": 0.1, "frequency": 2.0}],
+                "torsional": [{"inertia": 0.1, "frequency": 2.0}],
+                "temperature": 0.0,
+            },
+            "langevin": {"gamma": 0.1, "temperature": 0.0},
+            "asperite": {
+                "m1": 1.0,
+                "m2": [2.0, 2.5],
+                "kappa": 2.0,
+                "length": 2.0,
+                "bar_length": 3.0,
+                "i2": 5.0,
+                "charge": 1.0,
+            },
+            "initial": {"theta": 0.1, "phi": 0.0, "omega": [0.0, 0.1], "nu": 0.0},
+        },
+        {
+            "name": "lower",
+            "facing": "up",
+            "positions": [[0.0, -0.5, 0.0], [1.0, -0.5, 0.0]],
+            "drive": {"kind": "free", "rigid": True},
+            "springs": {"stiffness": 1.0, "pairs": [[0, 1]], "turned": 0.1},
+            "bath": {"spectrum": "drude", "gamma": 0.1, "cutoff": 2.0, "n": 3},
+            "langevin": {"gamma": 0.1, "velocity": [0.0, 0.0]},
+        },
+        {
+            "name": "rough",
+            "bob": [0.0, 9.0],
+            "shape": [8, 1],
+            "spacing": [1.0, 0.0],
+            "heights": {"rms": 0.1, "hurst": 0.8, "shortest": 2.0, "longest": 8.0, "seed": 1},
+        },
+    ],
+    "output": {"samples": 11},
+    "numerics": {"accuracy": 1e-6},
+}
+
+
+def steps(path):
+    """The keys and indices along a path as messages write it: ``surface[0].asperite.m1``."""
+    return [int(key) if key.isdigit() else key for key in re.findall(r"[^.\[\]]+", path)]
+
+
+def changed(*changes):
+    """The valid scene with some of its values replaced, by path."""
+    table = copy.deepcopy(VALID)
+    for path, value in changes:
+        *way, last = steps(path)
+        place = table
+        for key in way:
+            place = place[key]
+        if value is REMOVED:
+            del place[last]
+        else:
+            place[last] = value
+    return table
+
+
+def paths(value, path=""):
+    """Every path in a nested table."""
+    items = []
+    if isinstance(value, dict):
+        items = [(f"{path}.{key}".lstrip("."), item) for key, item in value.items()]
+    elif isinstance(value, list):
+        items = [(f"{path}[{i}]", item) for i, item in enumerate(value)]
+    for where, item in items:
+        yield where
+        yield from paths(item, where)
+
+
+def compile_error(folder, capsys, source, *options):
+    """What ``tribo run`` says of a scene file that it must refuse without writing anything."""
+    file = folder / "scene.toml"
+    file.write_bytes(source if isinstance(source, bytes) else tomli_w.dumps(source).encode())
+    before = {path: path.read_bytes() for path in folder.iterdir() if path.is_file()}
+    status = main(["run", str(file), *(options or ("--out", str(folder / "out.nc")))])
+    printed = capsys.readouterr()
+    assert status == 2
+    assert printed.out == ""
+    assert {path: path.read_bytes() for path in folder.iterdir() if path.is_file()} == before
+    assert printed.err.startswith("tribo: ") and printed.err.count("\n") == 1, printed.err
+    return printed.err.removeprefix("tribo: ").rstrip("\n")
+
+
+# The path of a key, a value that it cannot have, and how the complaint begins; then the field that
+# the complaint is about if it is another, or inside the value.
+WRONG = [
+    # unknown keys at every level, with a hint
+    ("durations", 1.0, 'is not a known key; did you mean "duration"?'),
+    ("xyz", 1.0, "is not a known key; known here: title, duration"),
+    ("line\nbreak", 1.0, "is not a known key", "'line\\nbreak'"),
+    ("output.sample", 3, 'is not a known key; did you mean "samples"?'),
+    ("numerics.stepp", 3, 'is not a known key; did you mean "step"?'),
+    ("periodic.y", 3.0, "is not a known key"),
+    ("interaction[0].d", 3.0, "is not a known key"),
+    ("interaction[0].cut_off", 3.0, "is not a known key"),
+    ("field[0].ampltude", 3.0, 'is not a known key; did you mean "amplitude"?'),
+    ("surface[0].bobs", 3.0, 'is not a known key; did you mean "bob"?'),
+    ("surface[0].asperite.M1", 1.0, "is not a known key; known here: m1, m2"),
+    ("surface[0].initial.thet", 1.0, 'is not a known key; did you mean "theta"?'),
+    ("surface[0].drive.sped", 1.0, 'is not a known key; did you mean "speed"?'),
+    ("surface[0].springs.rap", 1.0, 'is not a known key; did you mean "wrap"?'),
+    ("surface[0].bath.xyz", 1.0, "is not a known key"),
+    ("surface[0].bath.oscillators[0].xyz", 1.0, "is not a known key"),
+    ("surface[0].langevin.gama", 1.0, 'is not a known key; did you mean "gamma"?'),
+    # missing keys
+    ("duration", REMOVED, "is missing"),
+    ("surface", REMOVED, "is missing"),
+    ("surface", [], "is missing"),
+    ("surface[0].name", REMOVED, "is missing"),
+    ("surface[0].drive.kind", REMOVED, "is missing"),
+    ("surface[0].drive.stiffness", REMOVED, "is missing"),
+    ("surface[0].langevin.gamma", REMOVED, "is missing"),
+    ("surface[0].bath.oscillators[0].mass", REMOVED, "is missing"),
+    ("interaction[0].potential", REMOVED, "is missing"),
+    ("interaction[0].alpha", REMOVED, "is missing"),
+    ("interaction[0].cutoff", REMOVED, "needs a cutoff", "interaction[0].at_cutoff"),
+    ("field[0].kind", REMOVED, "is missing"),
+    ("field[0].on", REMOVED, "is missing"),
+    ("field[0].period", REMOVED, "is missing"),
+    # the wrong type
+    ("title", 5, "must be text, got 5"),
+    ("duration", True, "must be a number, got True"),
+    ("duration", "1", "must be a number, got '1'"),
+    ("duration", [1.0], "must be a number, got [1.0]"),
+    ("duration", {"t": 1.0}, "must be a number, got {'t': 1.0}"),
+    ("duration", date(2020, 1, 1), "must be a number, got datetime.date(2020, 1, 1)"),
+    ("duration", "long " * 100, "must be a number, got 'long long "),
+    ("seed", 1.0, "must be a whole number of at least 0, got 1.0"),
+    ("seed", -1, "must be a whole number of at least 0, got -1"),
+    ("seed", True, "must be a whole number of at least 0, got True"),
+    ("surface", 5, "must be [[surface]] tables"),
+    ("surface", {"name": "a"}, "must be [[surface]] tables"),
+    ("surface[0]", 5, "must be a table, got 5"),
+    ("surface[0].asperite", 5, "must be a table, got 5"),
+    ("surface[0].asperite.m1", "1", "must be a number, got '1'"),
+    ("surface[0].asperite.m1", False, "must be a number, got False"),
+    ("surface[0].asperite.m1", [[1.0], 1.0], "must be a number, got [1.0]", "[0]"),
+    ("surface[0].asperite.m1", {}, "must be a number, got {}"),
+    ("surface[0].initial", [1], "must be a table, got [1]"),
+    ("surface[0].initial.theta", "up", "must be a number, got 'up'"),
+    ("surface[0].bob", 3.0, "must be 2 numbers, got 3.0"),
+    ("surface[0].bob", "ab", "must be 2 numbers, got 'ab'"),
+    ("surface[0].velocity", [0.5, True], "must be a number, got True", "[1]"),
+    ("surface[0].shape", [2.0, 1], "must be a whole number of at least 1, got 2.0", "[0]"),
+    ("surface[0].facing", "left", 'must be "down" or "up", got \'left\''),
+    ("surface[0].facing", 5, 'must be "down" or "up", got 5'),
+    ("surface[0].bars", "bent", 'must be "clamped" or "free", got \'bent\''),
+    ("surface[0].drive", "pushed", 'must be "forced" or "free" or "pulled", got \'pushed\''),
+    ("surface[0].drive", 5, "must be a table, got 5"),
+    ("surface[0].drive.kind", 5, 'must be "forced" or "free" or "pulled", got 5'),
+    ("surface[0].drive.load", "x", "must be a number, got 'x'"),
+    ("surface[0].drive.rigid", True, "is not a known key"),
+    ("surface[0].drive", {"kind": "free", "rigid": 1}, "must be true or false, got 1", ".rigid"),
+    ("surface[0].springs", 1.0, "must be a table, got 1.0"),
+    ("surface[0].springs.wrap", 1, "must be true or false, got 1"),
+    ("surface[0].bath", [], "must be a table, got []"),
+    ("surface[0].bath.oscillators", 5, "must be a list"),
+    ("surface[0].langevin", 5, "must be a table, got 5"),
+    ("interaction", 5, "must be a table, got 5"),
+    ("interaction[0]", 5, "must be a table, got 5"),
+    ("interaction[0].potential", 5, "must be a name, got 5"),
+    ("interaction[0].D", True, "must be a number, got True"),
+    ("field", {}, "must be [[field]] tables, one for each field"),
+    ("field[0]", 5, "must be a table, got 5"),
+    ("field[0].on", "upper", "must be a list of surfaces' names, got 'upper'"),
+    ("field[0].on", [], "must be a list of surfaces' names, got []"),
+    ("field[0].on", [5], "names no surface 5; there are"),
+    ("output", 5, "must be a table, got 5"),
+    ("numerics", 5, "must be a table, got 5"),
+    ("periodic", 5, "must be a table, got 5"),
+    # plug-ins of other kinds
+    ("surface[0].drive", {"kind": "own.py:Own"}, "there is no file", ".kind"),
+    ("surface[0].bars", {"ends": "own.py:Own"}, "there is no file", ".ends"),
+    ("surface[0].bars", {}, "is missing", ".ends"),
+    ("field[0].kind", "own.py:Own", "there is no file"),
+    # numbers that are none, or that make no sense
+    ("duration", math.nan, "must be a finite number, got nan"),
+    ("duration", math.inf, "must be a finite number, got inf"),
+    ("duration", HUGE, "must be at most 1e+100 in magnitude, got 1000000000000"),
+    ("duration", 0, "must be positive, got 0"),
+    ("duration", -1.5, "must be positive, got -1.5"),
+    ("surface[0].asperite.m1", -1, "must be positive, got -1"),
+    ("surface[0].asperite.m1", [1.0, 0.0], "must be positive, got 0.0", "[1]"),
+    ("surface[0].asperite.m1", HUGE, "must be at most 1e+100 in magnitude, got 1000000"),
+    ("surface[0].asperite.m2", 0, "must be positive, got 0"),
+    ("surface[0].asperite.m2", math.inf, "must be a finite number, got inf"),
+    ("surface[0].asperite.length", 0.0, "must be positive, got 0.0"),
+    ("surface[0].asperite.bar_length", -3, "must be positive, got -3"),
+    ("surface[0].asperite.i2", -5, "must be positive, got -5"),
+    ("surface[0].asperite.kappa", -2, "must not be negative, got -2"),
+    ("surface[0].asperite.charge", math.nan, "must be a finite number, got nan"),
+    ("surface[0].initial.omega", [0.0, math.nan], "must be a finite number, got nan", "[1]"),
+    ("surface[0].bob", [math.nan, 0.0], "must be a finite number, got nan", "[0]"),
+    ("surface[0].depth", math.inf, "must be a finite number, got inf"),
+    ("surface[0].shape", [0, 1], "must be a whole number of at least 1, got 0", "[0]"),
+    ("surface[0].shape", [2**62, 4], "must be at most"),
+    ("surface[0].drive.stiffness", -1.0, "must not be negative, got -1.0"),
+    ("surface[0].springs.stiffness", -1.0, "must not be negative, got -1.0"),
+    ("surface[0].bath.oscillators[0].mass", 0, "must be positive, got 0"),
+    ("surface[0].bath.temperature", -1, "must not be negative, got -1"),
+    ("surface[0].langevin.gamma", -1, "must not be negative, got -1"),
+    ("surface[1].bath.n", 0, "must be a whole number of at least 1, got 0"),
+    ("surface[1].bath.n", 2**62, "must be a whole number of at most"),
+    ("surface[1].springs.pairs", [[0, 0]], "must be two different asperites, got [0, 0]", "[0]"),
+    ("surface[1].springs.pairs", [[0, 2]], "names no asperite; there are 2", "[0]"),
+    ("surface[1].springs.pairs", 5, "must be"),
+    ("surface[2].heights.rms", -0.1, "must not be negative, got -0.1"),
+    ("surface[2].heights.hurst", 1.5, "must be between 0 and 1, both excluded, got 1.5"),
+    ("surface[2].heights.longest", 9.0, "must be at most the surface's side 8.0, got 9.0"),
+    ("interaction[0].alpha", math.nan, "must be a finite number, got nan"),
+    ("interaction[0].cutoff", 0.0, "must be positive, got 0.0"),
+    ("interaction[0].cutoff", 30.0, "must be at most half of periodic.x = 50"),
+    ("interaction[0].switch_from", 3.5, "must be below the cutoff"),
+    (
+        "interaction[0].at_cutoff",
+        "cut",
+        'must be "switch" or "truncate" or "shift" or "force-shift"',
+    ),
+    ("interaction[0].at_cutoff", "shift", "cannot go with", "interaction[0].switch_from"),
+    ("field[0].period", 0.0, "must be positive, got 0.0"),
+    ("periodic.x", -20.0, "must be positive, got -20.0"),
+    # lists of the wrong size
+    ("surface[0].bob", [1.0], "must be 2 numbers, got 1"),
+    ("surface[0].shape", [2], "must be 2 numbers, got 1"),
+    ("surface[0].heights", [0.1], "must be 2 numbers, got 1"),
+    ("surface[0].asperite.m2", [1.0], "has 1 values for 2 asperites"),
+    ("surface[0].asperite.m2", [], "has 0 values for 2 asperites"),
+    ("surface[0].initial.nu", [1.0] * 3, "has 3 values for 2 asperites"),
+    ("surface[1].positions", [], "must be a list of [x, y, z], got []"),
+    ("surface[1].positions", 5, "must be a list of [x, y, z], got 5"),
+    ("surface[1].positions", [[0, 0]], "must be 3 numbers, got 2", "[0]"),
+    ("field[0].origin", [0.0], "must be 2 numbers, got 1"),
+    # names
+    ("surface[0].name", 5, "must be a word"),
+    ("surface[0].name", "", "must be a word"),
+    ("surface[0].name", "a.b", "must be a word"),
+    ("surface[0].name", "a/b", "must be a word"),
+    ("surface[0].name", "a\nb", "must be a word"),
+    ("surface[1].name", "upper", '"upper" is taken; give another'),
+    ("interaction[0].potential", "mose", 'must be "coulomb", "morse", "lennard-jones"'),
+    ("interaction[0].between", ["upper", "middle"], "names no surface 'middle'; there are"),
+    ("interaction[0].between", ["upper"], "must be the names of two surfaces, got ['upper']"),
+    ("interaction[0].between", "upper", "must be the names of two surfaces, got 'upper'"),
+    ("interaction[0].between", [], "must be the names of two surfaces, got []"),
+    ("field[0].on", ["middle"], "names no surface 'middle'; there are"),
+    ("field[0].kind", "corugation", 'must be "corrugation"'),
+    # one or the other
+    ("surface[1].bath.oscillators", [], "cannot go with spectrum; give one or the other"),
+    ("surface[1].bob", [1.0, 0.0], "cannot go with positions; give one or the other"),
+    ("surface[1].shape", [2, 1], "cannot go with positions; give one or the other"),
+    ("surface[1].depth", 1.0, "cannot go with positions; give one or the other"),
+    # times
+    ("output.samples", 1, "must be a whole number of at least 2, got 1"),
+    ("output.samples", 5.0, "must be a whole number of at least 2, got 5.0"),
+    ("output.samples", 10**15, "must be a whole number of at most"),
+    ("output.times", 0.5, "must be a list of numbers, got 0.5"),
+    ("output.times", [], "must increase from 0 or later"),
+    ("output.times", [0.5, 0.5], "must increase from 0 or later"),
+    ("output.times", [0.5, 0.2], "must increase from 0 or later"),
+    ("output.times", [-0.1, 0.2], "must increase from 0 or later"),
+    ("output.times", [0.5, math.nan], "must be a finite number, got nan", "[1]"),
+    ("output.times", [0.5, 2.0], "must end by the duration 1.0, got 2.0"),
+    # numerics
+    ("numerics.accuracy", 0, "must be positive, got 0"),
+    ("numerics.accuracy", 1e-30, "must be from 1e-13 to 0.1, got 1e-30"),
+    ("numerics.accuracy", 1, "must be from 1e-13 to 0.1, got 1"),
+    ("numerics.accuracy", "fine", "must be a number, got 'fine'"),
+    ("numerics", {"method": "euler"}, 'must be "midpoint" or "rk4" or', ".method"),
+    ("numerics", {"method": 5}, "must be", ".method"),
+    ("numerics", {"method": ""}, "must be", ".method"),
+    ("numerics", {"method": "dop853", "step": 0.1}, "cannot go with dop853", ".step"),
+    ("numerics", {"method": "midpoint"}, "is missing", ".step"),
+    ("numerics", {"step": 0.1, "accuracy": 1e-3}, "cannot go with a step", ".accuracy"),
+    ("numerics", {"step": -0.1}, "must be positive, got -0.1", ".step"),
+]
+
+
+@pytest.mark.parametrize("case", WRONG, ids=lambda case: f"{case[0]}={case[1]!r:.20}")
+def test_wrong_value_in_a_scene_file(tmp_path, capsys, case):
+    """The field is named as the file has it, and what is wrong with it said."""
+    path, value, problem, *inner = case
+    field = "".join(inner)
+    if not field or field[0] in "[.":
+        field = path + field
+    assert compile_error(tmp_path, capsys, changed((path, value))).startswith(f"{field}: {problem}")
+
+
+def test_the_valid_scene_is_valid():
+    """What all of these tests start from has nothing wrong with it."""
+    lay_out(scene_from(changed()))
+
+
+def test_two_interactions_for_one_pair(tmp_path, capsys):
+    """Whether by name or by default."""
+    again = {"potential": "coulomb", "strength": 1.0}
+    for between in ({}, {"between": ["lower", "upper"]}):
+        table = changed(("interaction", [*VALID["interaction"], again | between]))
+        said = compile_error(tmp_path, capsys, table)
+        assert said.startswith("interaction[1].between: ('upper', 'lower') interact already")
+
+
+ENERGY = "def energy(self, r): return self.s / r"
+
+
+def own(*lines):
+    """The text of a plug-in file: a NamedTuple with these lines in it."""
+    return "\n    ".join(["from typing import NamedTuple\nclass Own(NamedTuple):", *lines, ""])
+
+
+# What a plug-in file holds (None: there is none), and how what is said of its name begins.
+PLUGINS = {
+    "no file": (None, "there is no file {path}"),
+    "a syntax error": ("class Own(", "{path} cannot be loaded (SyntaxError: "),
+    "an error when run": ("1 / 0", "{path} cannot be loaded (ZeroDivisionError: division by zero)"),
+    "no such import": ("import nowhere", "{path} cannot be loaded (ModuleNotFoundError: "),
+    "an exit": ("raise SystemExit(3)", "{path} cannot be loaded (SystemExit: 3)"),
+    "a null byte": ("\0", "{path} cannot be loaded ("),
+    "another class": ("class Other: pass", "{path} defines no Own"),
+    "a function": ("def Own(): pass", "Own must be a NamedTuple whose fields are numbers"),
+    "a number": ("Own = 5", "5 must be a NamedTuple whose fields are numbers"),
+    "a plain class": ("class Own: s = 1.0", "Own must be a NamedTuple whose fields are numbers"),
+    "no field": (own(ENERGY), "Own has no parameters; give it at least one field"),
+    "no energy": (own("s: float"), "Own has no method energy(self, r)"),
+    "a number as energy": (own("s: float", "energy: float = 1.0"), "Own has no method energy("),
+    "energy that does not compile": (own("s: float", ENERGY.replace("self.s", "self.no")), ""),
+}
+
+
+@pytest.mark.parametrize("kind", PLUGINS)
+def test_plugin_that_is_none(tmp_path, capsys, kind):
+    """A plug-in that cannot be used is an input error of the scene that names it."""
+    source, problem = PLUGINS[kind]
+    path = tmp_path / "own.py"
+    if source is not None:
+        path.write_text(source)
+    table = changed(("interaction", [{"potential": "own.py:Own", "s": 1.0}]), ("periodic", {}))
+    field = "interaction[0].potential"
+    said = compile_error(tmp_path, capsys, table)
+    assert said.startswith(f"{field}: {problem.format(path=path)}")
+
+
+@pytest.mark.parametrize(
+    ("more", "sentence"),
+    [
+        ("n: str = 'a'", "interaction[0].n: must be a number, got 'a'"),
+        ("n: float", "interaction[0].n: is missing"),
+        ("n: float = float('nan')", "interaction[0].n: must be a finite number, got nan"),
+    ],
+)
+def test_plugin_with_another_parameter(tmp_path, capsys, more, sentence):
+    """Parameters of plug-ins are checked like all others, their defaults too."""
+    (tmp_path / "own.py").write_text(own("s: float", more, ENERGY))
+    table = changed(("interaction", [{"potential": "own.py:Own", "s": 1.0}]))
+    assert compile_error(tmp_path, capsys, table) == sentence
+
+
+NAMES = ["own.py:", "own.py", ":Own", "a\0b.py:Own", "own.py:Own.x", ".py:", "/.py:A", "x" * 9999]
+
+
+@pytest.mark.parametrize("name", NAMES, ids=range(len(NAMES)))
+def test_plugin_name_that_is_none(tmp_path, name):
+    """However odd the name, it is the name that is complained about."""
+    (tmp_path / "own.py").write_text("class Own: pass")
+    table = changed(("interaction", [{"potential": name, "s": 1.0}]))
+    with pytest.raises(InputError, match=r"^interaction\[0\]\.potential: "):
+        scene_from(table, tmp_path)
+
+
+# What a file holds, and how what is said of it begins.
+FILES = {
+    "not TOML": (b"duration = = 1", "{path}: is not valid TOML: Invalid value (at line 1, column"),
+    "a key twice": (b"duration = 1\nduration = 2\n", "{path}: is not valid TOML: Cannot overwrite"),
+    "not UTF-8": (b"title = '\xff\xfe'", "{path}: is not a text file in UTF-8"),
+    "too deep": (b"a = " + b"[" * 100_000, "{path}: is not valid TOML: "),
+    "too long a number": (b"duration = " + b"1" * 5000, "{path}: is not valid TOML: "),
+    "nothing": (b"", "duration: is missing"),
+}
+
+
+@pytest.mark.parametrize("kind", FILES)
+def test_file_that_is_no_scene(tmp_path, capsys, kind):
+    """A file that cannot be read as TOML is named itself."""
+    source, sentence = FILES[kind]
+    said = compile_error(tmp_path, capsys, source)
+    expected = sentence.format(path=tmp_path / "scene.toml")
+    assert said.startswith(expected)
+
+
+def test_file_that_is_none(tmp_path, capsys):
+    """No file, or a folder."""
+    for path, why in ((tmp_path / "no.toml", "No such file"), (tmp_path, "Is a directory")):
+        assert main(["run", str(path)]) == 2
+        assert capsys.readouterr().err.startswith(f"tribo: {path}: cannot be read ({why}")
+
+
+def test_place_that_cannot_be_written(tmp_path, capsys):
+    """Where --out points to is looked at before the run."""
+    (tmp_path / "file").touch()
+    (tmp_path / "folder").mkdir()
+    places = {
+        "nowhere/out.nc": f"--out: there is no folder {tmp_path}/nowhere",
+        "file/out.nc": f"--out: there is no folder {tmp_path}/file",
+        "folder": f"--out: is a folder, {tmp_path}/folder; give the name of a file",
+    }
+    for place, sentence in places.items():
+        said = compile_error(tmp_path, capsys, changed(), "--out", str(tmp_path / place))
+        assert said == sentence
+
+
+def pair(**settings):
+    """Two surfaces that interact; some of the scene's settings replaced."""
+    surfaces = (Surface("upper", bob=(-3.0, 0.0), velocity=(0.5, 0.0)), Surface("lower", "up"))
+    given = {"surfaces": surfaces, "interactions": Coulomb(0.2), "duration": 1.0}
+    return Scene(**(given | settings))
+
+
+def surface(**settings):
+    """A surface with some of its settings replaced."""
+    return Surface(**({"name": "a"} | settings))
+
+
+def coulomb(**settings):
+    """An interaction with some settings."""
+    return Interaction(Coulomb(1.0), **settings)
+
+
+def simulated(**settings):
+    """The pair simulated with settings of one's own."""
+    return tribo.simulate(pair(), **settings)
+
+
+# What to call, with what, and how the sentence begins.
+CALLS = [
+    (Asperite, {"m1": -1}, "m1: must be positive, got -1"),
+    (Asperite, {"m1": None}, "m1: must be a number, got None"),
+    (Asperite, {"m1": 1j}, "m1: must be a number, got 1j"),
+    (Asperite, {"m1": {1.0}}, "m1: must be a number, got {1.0}"),
+    (Asperite, {"m1": HUGE}, "m1: must be at most 1e+100 in magnitude, got 10000"),
+    (Asperite, {"m1": 10**5000}, "m1: must be at most 1e+100 in magnitude, got a number far too"),
+    (Asperite, {"m1": [1.0, HUGE]}, "m1[1]: must be at most 1e+100 in magnitude, got 1000"),
+    (Asperite, {"m1": np.ones((2, 2))}, "m1[0]: must be a number, got array([1., 1.])"),
+    (Asperite, {"m1": np.array([1.0, np.nan])}, "m1[1]: must be a finite number, got nan"),
+    (Asperite, {"m1": np.array([1.0, 1e300])}, "m1[1]: must be at most 1e+100 in magnitude"),
+    (Asperite, {"m1": np.array([True])}, "m1[0]: must be a number, got"),
+    (Asperite, {"m1": np.array("one")}, "m1: must be a number, got"),
+    (Initial, {"theta": "up"}, "theta: must be a number, got 'up'"),
+    (Forced, {"load": "heavy"}, "load: must be a number, got 'heavy'"),
+    (Free, {"rigid": "yes"}, "rigid: must be true or false, got 'yes'"),
+    (Pulled, {"stiffness": -1}, "stiffness: must not be negative, got -1"),
+    (surface, {"name": None}, "name: must be a word"),
+    (surface, {"shape": np.array(2)}, "shape: must be 2 numbers, got array(2)"),
+    (surface, {"positions": np.array(1.0)}, "positions: must be a list of [x, y, z], got array"),
+    (surface, {"asperite": {"m1": 1}}, "asperite: must be a tribo.Asperite, got {'m1': 1}"),
+    (surface, {"asperite": Asperite(m1=[1, 1])}, "asperite.m1: has 2 values for 1 asperites"),
+    (surface, {"initial": 0.1}, "initial: must be a tribo.Initial, got 0.1"),
+    (surface, {"drive": Coulomb(1.0)}, "drive: must be a table, got Coulomb(strength=1.0)"),
+    (surface, {"drive": [1]}, "drive: must be a table, got [1]"),
+    (surface, {"springs": 5}, "springs: must be a table, got 5"),
+    (surface, {"bath": 5}, "bath: must be a table, got 5"),
+    (surface, {"langevin": 5}, "langevin: must be a table, got 5"),
+    (Interaction, {"potential": "coulomb"}, "potential: str must be a NamedTuple"),
+    (Interaction, {"potential": Coulomb}, "potential: "),
+    (Interaction, {"potential": Coulomb("x")}, "strength: must be a number, got 'x'"),
+    (Interaction, {"potential": Morse(1.0, 2.0, math.nan)}, "r0: must be a finite number, got n"),
+    (coulomb, {"between": 5}, "between: must be the names of two surfaces, got 5"),
+    (coulomb, {"between": ("a",)}, "between: must be the names of two surfaces, got ('a',)"),
+    (Output, {"samples": "many"}, "samples: must be a whole number of at least 2, got 'many'"),
+    (Output, {"times": 5}, "times: must be a list of numbers, got 5"),
+    (Numerics, {"method": 0}, "method: must be"),
+    (pair, {"surfaces": ()}, "surface: is missing; a scene has at least one surface"),
+    (pair, {"surfaces": Surface("a")}, "surface: is missing; a scene has at least one surface"),
+    (pair, {"surfaces": ["a"]}, "surface[0]: must be a tribo.Surface, got 'a'"),
+    (pair, {"interactions": None}, "interaction: must be a potential or a list of them, got None"),
+    (pair, {"interactions": [5]}, "potential: int must be a NamedTuple whose fields are numbers"),
+    (pair, {"duration": None}, "duration: must be a number, got None"),
+    (pair, {"title": None}, "title: must be text, got None"),
+    (pair, {"output": 5}, "output: must be a tribo.Output, got 5"),
+    (pair, {"numerics": 1e-3}, "numerics: must be a tribo.Numerics, got 0.001"),
+    (pair, {"periodic": 5}, "periodic: must be a table, got 5"),
+    (pair, {"fields": 5}, "field: must be a list of fields, got 5"),
+    (pair().save, {"path": "/nowhere/at/all.toml"}, "/nowhere/at/all.toml: cannot be written ("),
+    (tribo.prepare, {"scene": 5}, "scene: must be a tribo.Scene, got 5"),
+    (tribo.load_scene, {"path": 5}, "path: must be the name of a file, got 5"),
+    (tribo.load_scene, {"path": "a\0b"}, "path: must be the name of a file, got 'a\\x00b'"),
+    (simulated, {"accuracy": 0}, "accuracy: must be positive, got 0"),
+    (simulated, {"accuracy": False}, "accuracy: must be a number, got False"),
+    (simulated, {"accuracy": -1e-3}, "accuracy: must be positive, got -0.001"),
+    (simulated, {"accuracy": 1.0}, "accuracy: must be from 1e-13 to 0.1, got 1.0"),
+    (simulated, {"accuracy": "high"}, "accuracy: must be a number, got 'high'"),
+    (simulated, {"method": "euler"}, 'method: must be "midpoint" or "rk4" or'),
+    (simulated, {"method": ""}, "method: must be"),
+    (simulated, {"method": 5}, "method: must be"),
+    (simulated, {"step": 0.0}, "step: must be positive, got 0.0"),
+    (simulated, {"step": "x"}, "step: must be a number, got 'x'"),
+    (simulated, {"method": "dop853", "step": 0.1}, "step: cannot go with dop853, which chooses"),
+    (simulated, {"method": "midpoint"}, "step: is missing; midpoint goes in equal steps"),
+    (simulated, {"step": 0.1, "accuracy": 1e-3}, "accuracy: cannot go with a step of one's own"),
+]
+
+
+@pytest.mark.parametrize(("call", "given", "sentence"), CALLS)
+def test_wrong_value_in_python(call, given, sentence):
+    """The same sentences, from the place in the program where the value is given."""
+    with pytest.raises(InputError) as caught:
+        call(**given)
+    assert "\n" not in str(caught.value)
+    assert str(caught.value).startswith(sentence)
+
+
+STARTS = [
+    ({"upper": 1.0}, 'upper: must be "surface.theta", or phi, omega or nu of a surface'),
+    ({"middle.theta": 1.0}, 'middle.theta: must be "surface.theta", or phi, omega or nu of a sur'),
+    ({"upper.length": 1.0}, 'upper.length: must be "surface.theta", or phi, omega or nu of a sur'),
+    ({"upper.theta": [1.0, 2.0]}, "upper.theta: has 2 values for 1 asperites"),
+    ({"upper.theta": []}, "upper.theta: has 0 values for 1 asperites"),
+    ({"upper.theta": "x"}, "upper.theta: must be a number, got 'x'"),
+    ({"upper.theta": None}, "upper.theta: must be a number, got None"),
+    ({"upper.theta": True}, "upper.theta: must be a number, got True"),
+    ({"upper.theta": math.nan}, "upper.theta: must be a finite number, got nan"),
+    ({"upper.theta": HUGE}, "upper.theta: must be at most 1e+100 in magnitude, got 100000"),
+    ({"upper.phi": 0.1}, "upper.phi: cannot be changed on clamped bars of a prepared scene"),
+    ({5: 1.0}, "5: must be"),
+    (5, ""),
+    (["upper.theta"], ""),
+]
+
+
+def test_wrong_start_of_a_prepared_run():
+    """Keys and sizes of new initial values; and a refusal leaves the simulation as it was."""
+    simulation = tribo.prepare(pair(), accuracy=1e-3)
+    before = simulation.run(estimate=False)
+    for start, sentence in STARTS:
+        with pytest.raises(InputError) as caught:
+            simulation.run(start)
+        assert str(caught.value).startswith(sentence)
+    after = simulation.run(estimate=False)
+    assert np.array_equal(after["upper"].theta, before["upper"].theta)
+
+
+NUMBERS = st.one_of(
+    st.integers(-3, 40),
+    st.sampled_from([HUGE, -HUGE, 2**63, -(2**63)]),
+    st.floats(width=32),
+    st.sampled_from([1e-320, 1e-300, 1e300, -1e300, 5e99]),
+)
+WORDS = st.text(max_size=5) | st.sampled_from(["upper", "lower", "free", "coulomb", "x.py:Y"])
+LEAVES = NUMBERS | st.booleans() | WORDS | st.dates()
+KEYS = st.sampled_from(["kind", "m1", "theta", "rms", "spectrum", "x", "name", "stiffness"])
+NESTED = st.recursive(
+    LEAVES,
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(KEYS, inner, max_size=3),
+    max_leaves=6,
+)
+
+
+def is_a_scene_or_refused(table):
+    """Whatever the table holds, it is a scene that can be laid out, or an InputError."""
+    try:
+        scene = scene_from(table)
+    except InputError as error:
+        assert "\n" not in str(error)
+        return
+    with np.errstate(all="ignore"):
+        lay_out(scene)
+
+
+@pytest.mark.parametrize("path", list(paths(VALID)))
+@given(value=NESTED)
+@example(value=[])
+@example(value={})
+@example(value=[[]])
+@example(value=[HUGE, HUGE])
+@example(value=[True, False])
+@example(value={"kind": ["x.py:Y"]})
+@example(value=["\n", "x.py:Y"])
+def test_any_value_in_the_place_of_any_other(path, value):
+    """Numbers of all sizes, words, lists and tables where something else should be."""
+    is_a_scene_or_refused(changed((path, value)))
+
+
+@given(st.recursive(LEAVES, lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner)))
+def test_any_table_at_all(table):
+    """Not even a table, perhaps."""
+    is_a_scene_or_refused(table)
+
+
+SETTINGS = {
+    Asperite: list(Asperite.__dataclass_fields__),
+    Initial: list(Initial.__dataclass_fields__),
+    surface: list(Surface.__dataclass_fields__),
+    coulomb: ["between"],
+    Output: ["samples", "times"],
+    Numerics: ["accuracy", "method", "step"],
+    pair: list(Scene.__dataclass_fields__),
+}
+ODD = st.sampled_from([None, object(), 1j, b"x", {1}, np.array(1.0), Coulomb(1.0), Coulomb])
+
+
+@pytest.mark.parametrize("call", SETTINGS, ids=lambda call: call.__name__)
+@given(data=st.data())
+def test_any_value_in_python(call, data):
+    """Constructors raise InputError, and nothing else, for values of any type."""
+    name = data.draw(st.sampled_from(SETTINGS[call]))
+    value = data.draw(NESTED | ODD | st.lists(st.floats()).map(np.array))
+    try:
+        call(**{name: value})
+    except InputError as error:
+        assert "\n" not in str(error)

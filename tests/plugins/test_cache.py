@@ -1,0 +1,267 @@
+"""Compiled code is kept on disk, and never served for a source that has changed since."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import tribo
+
+PLUGIN = """
+from typing import NamedTuple
+
+POWER = 1
+
+class Own(NamedTuple):
+    s: float
+    def energy(self, r):
+        return self.s / r**POWER
+"""
+SCENE = """
+duration = 1.0
+interaction = { potential = "own.py:Own", s = 0.2 }
+numerics = { method = "midpoint", step = 0.01 }
+output = { samples = 2 }
+[[surface]]
+name = "upper"
+bob = [-1.0, 0.0]
+velocity = [0.5, 0.0]
+[[surface]]
+name = "lower"
+facing = "up"
+"""
+RUN = """
+import sys, tribo
+for scene in sys.argv[1:]:
+    print(tribo.simulate(tribo.load_scene(scene))["upper"].theta[-1, 0])
+"""
+STAMP = "from tribo.kernels.compiled import package_stamp; print(package_stamp())"
+
+
+def python(code, *arguments, **environment):
+    """What a new process prints."""
+    return subprocess.run(
+        [sys.executable, "-c", code, *map(str, arguments)],
+        env=os.environ | {key: str(value) for key, value in environment.items()},
+        check=True,
+        capture_output=True,
+        text=True,
+    ).stdout.split()
+
+
+class Workplace:
+    """Folders with a scene and a plug-in each, and a cache of their own for what is compiled."""
+
+    def __init__(self, root):
+        self.root = root
+        self.cache = root / "cache"
+
+    def write(self, name, plugin):
+        """A scene beside its plug-in."""
+        folder = self.root / name
+        folder.mkdir(exist_ok=True)
+        (folder / "scene.toml").write_text(SCENE)
+        (folder / "own.py").write_text(plugin)
+
+    def run(self, *names, **environment):
+        """theta at the end of each scene, all of them run by one new process."""
+        scenes = [self.root / name / "scene.toml" for name in names]
+        words = python(RUN, *scenes, NUMBA_CACHE_DIR=self.cache, **environment)
+        return [float(word) for word in words]
+
+    @property
+    def compiled(self):
+        """The files of compiled code, with their ages."""
+        return {path.name: path.stat().st_mtime_ns for path in self.cache.rglob("*.nbc")}
+
+
+@pytest.fixture
+def place(tmp_path):
+    """An empty workplace."""
+    return Workplace(tmp_path)
+
+
+def test_edited_plugin_is_compiled_again(place):
+    """An unchanged plug-in comes from the cache; one whose helper has changed does not."""
+    place.write("one", PLUGIN)
+    first = place.run("one")
+    compiled = place.compiled
+    assert compiled
+
+    assert place.run("one") == first
+    assert place.compiled == compiled
+
+    place.write("one", PLUGIN.replace("POWER = 1", "POWER = 2"))
+    assert place.run("one") != first
+    compiled = place.compiled
+
+    place.write("one", PLUGIN)
+    assert place.run("one") == first
+    assert place.compiled == compiled
+
+
+def test_moved_plugin_is_found(place):
+    """A scene and its plug-in can be copied elsewhere, and run with what is compiled already."""
+    place.write("one", PLUGIN)
+    first = place.run("one")
+    place.write("two", PLUGIN)
+    assert place.run("two") == first
+    assert place.run("two", "one") == first * 2
+
+
+def test_edited_import_of_a_plugin_is_seen(place):
+    """What a plug-in imports from a file of the user's own is part of it."""
+    plugin = PLUGIN.replace("POWER = 1", "from powers import POWER")
+    place.write("one", plugin)
+    found = []
+    for power in (1, 2):
+        (place.root / "powers.py").write_text(f"POWER = {power}\n")
+        found += place.run("one", PYTHONPATH=os.pathsep.join([str(place.root), *sys.path]))
+    assert found[0] != found[1]
+
+
+def test_same_name_in_another_file(place):
+    """Two plug-ins with classes of one name are two, in one process and in the cache."""
+    place.write("one", PLUGIN)
+    place.write("two", PLUGIN.replace("self.s / r", "-self.s / r"))
+    one, two = place.run("one", "two")
+    compiled = place.compiled
+    assert one < 0.0 < two
+    assert place.run("two", "one") == [two, one]
+    assert place.compiled == compiled
+
+
+def test_edited_module_is_seen(place):
+    """A class that is found by its module's name, and what that imports from its own package."""
+    package = place.root / "own_package"
+    (package / "deep").mkdir(parents=True)
+    (package / "__init__.py").touch()
+    (package / "deep" / "__init__.py").touch()
+    (package / "deep" / "own.py").write_text(
+        PLUGIN.replace("POWER = 1", "from ..powers import POWER")
+    )
+    place.write("one", "")
+    scene = place.root / "one" / "scene.toml"
+    scene.write_text(SCENE.replace("own.py:Own", "own_package.deep.own:Own"))
+    path = os.pathsep.join([str(place.root), *sys.path])
+    found = []
+    for power in (1, 2, 1):
+        (package / "powers.py").write_text(f"POWER = {power}\n")
+        found += place.run("one", PYTHONPATH=path, PYTHONDONTWRITEBYTECODE=1)
+    assert found[0] == found[2] != found[1]
+
+
+def test_expressions_are_kept_apart(place):
+    """Another expression is another class; the same is found in the cache by a new process."""
+    found = []
+    for text in ("s/r", "s/r**2", "s/r"):
+        place.write("one", "")
+        scene = place.root / "one" / "scene.toml"
+        scene.write_text(SCENE.replace("own.py:Own", text))
+        found += place.run("one")
+    compiled = place.compiled
+    assert found[0] == found[2] != found[1]
+    assert place.run("one") == found[2:]
+    assert place.compiled == compiled
+
+
+TYPED_IN = """
+import sys, tribo
+{plugin}
+scene = tribo.load_scene(sys.argv[1])
+from dataclasses import replace
+scene = replace(scene, interactions=Own(0.2))
+print(tribo.simulate(scene)["upper"].theta[-1, 0])
+"""
+
+
+def test_a_class_that_is_typed_in(place):
+    """It works, edited or not, and leaves nothing on disk that could be served for another."""
+    place.write("one", PLUGIN)
+    scene = place.root / "one" / "scene.toml"
+    expected = place.run("one")
+    place.write("one", PLUGIN.replace("POWER = 1", "POWER = 2"))
+    expected += place.run("one")
+    compiled = place.compiled
+    found = []
+    for power in (1, 2, 1):
+        plugin = PLUGIN.replace("POWER = 1", f"POWER = {power}")
+        told = subprocess.run(
+            [sys.executable, "-", str(scene)],
+            input=TYPED_IN.format(plugin=plugin),
+            env=os.environ | {"NUMBA_CACHE_DIR": str(place.cache)},
+            check=True,
+            capture_output=True,
+            text=True,
+        )
+        found.append(float(told.stdout))
+    assert found == [*expected, expected[0]]
+    assert place.compiled == compiled
+
+
+CASE_A = """
+import sys
+from dataclasses import replace
+import tribo
+from tribo import paper
+from tribo.potentials import named
+for strength in map(float, sys.argv[2:]):
+    potential = named(sys.argv[1], strength=strength)
+    scene = replace(paper.scene("A"), interactions=potential, output=tribo.Output(samples=2))
+    result = tribo.simulate(scene, accuracy=1e-10)
+    for works in (result["upper"], result["lower"]):
+        print(*(works[name][-1, 0] for name in ("w1", "w2", "wL", "wR", "w1_ps", "w2_ps")))
+"""
+
+
+def works(potential, *strengths, **environment):
+    """All works of case A of the paper, by a new process."""
+    return [float(word) for word in python(CASE_A, potential, *strengths, **environment)]
+
+
+def test_an_energy_of_ones_own_has_the_works_of_case_a(tmp_path):
+    """To 1e-8; and edited to half its strength, those of half the strength."""
+    path = tmp_path / "own.py"
+    text = (
+        "from typing import NamedTuple\n"
+        "class Own(NamedTuple):\n"
+        "    strength: float\n"
+        "    def energy(self, r): return self.strength / r\n"
+    )
+    path.write_text(text)
+    full = works(f"{path}:Own", 0.2)
+    path.write_text(text.replace("self.strength / r", "self.strength / (2.0 * r)"))
+    half = works(f"{path}:Own", 0.2)
+    expected = works("coulomb", 0.2, 0.1)
+    assert full + half == pytest.approx(expected, abs=1e-8)
+    assert max(abs(one - other) for one, other in zip(full, half, strict=True)) > 1e-2
+
+
+def test_edited_package_is_another(tmp_path):
+    """An edit of any source of the package changes the stamp that its kernels are kept under."""
+    package = tmp_path / "tribo"
+    shutil.copytree(
+        Path(tribo.__file__).parent, package, ignore=shutil.ignore_patterns("__pycache__")
+    )
+
+    def stamp():
+        return python(STAMP, PYTHONPATH=tmp_path)
+
+    stamps = [stamp()]
+    assert stamp() == stamps[0]
+    for name in ("kernels/contact.py", "potentials/coulomb.py", "model/scene.py"):
+        with (package / name).open("a") as source:
+            source.write("\n")
+        stamps.append(stamp())
+    (package / "kernels" / "another.py").touch()
+    stamps.append(stamp())
+    assert len({word for (word,) in stamps}) == len(stamps)
+
+
+def test_stamp_is_of_this_package(tmp_path):
+    """A copy that differs in nothing has the same stamp, wherever it lies."""
+    shutil.copytree(Path(tribo.__file__).parent, tmp_path / "tribo")
+    assert python(STAMP, PYTHONPATH=tmp_path) == python(STAMP)

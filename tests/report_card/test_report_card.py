@@ -1,0 +1,542 @@
+"""The report card: every potential of the package passes, and every kind of slip is caught.
+
+A slip is put into a right potential by hand, one at a time, and has to be found by the check that
+is meant for it; checks that look at something else have to go on passing.
+"""
+
+import json
+import os
+import subprocess
+import sys
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tribo.cli import main
+from tribo.potentials import (
+    BUILT_IN,
+    LennardJones,
+    Morse,
+    as_potential,
+    live,
+    with_cutoff,
+)
+from tribo.potentials.cutoff import AT_CUTOFF
+from tribo.potentials.expression import is_expression
+from tribo.potentials.tables import MADE, from_table
+from tribo.report_card import check
+from tribo.report_card.agreement import check_agreement
+from tribo.report_card.derivatives import check_force, curvature, curves, slope
+from tribo.report_card.invariances import check_laws, check_work
+from tribo.report_card.smoothness import strengths
+from tribo.report_card.specimen import Specimen
+from tribo.validation import InputError
+
+LJ = {"potential": "lennard-jones", "epsilon": 1.0, "sigma": 1.0}
+COULOMB = {"potential": "coulomb", "strength": 0.5}
+PLACES = np.linspace(0.8, 3.0, 60)
+
+# Every built-in potential, and parameters to face the card with: soft, stiff, or in odd units.
+PARAMETERS = {
+    "coulomb": [{"strength": 0.2}, {"strength": -2.3e-28}],
+    "lennard-jones": [{"epsilon": 1.0, "sigma": 1.0}, {"epsilon": 1.65e-21, "sigma": 3.4e-10}],
+    "morse": [{"D": 1.0, "alpha": 2.0, "r0": 1.5}, {"D": 4.7, "alpha": 500.0, "r0": 1.0}],
+    "yukawa": [{"strength": 1.0, "screening": 2.0}, {"strength": -1.0, "screening": 0.01}],
+    "buckingham": [
+        {"A": 1388.8, "rho": 0.36, "C": 175.0},
+        {"A": 1e-3, "rho": 0.3, "C": 5.0},
+        {"A": 2.0, "rho": 0.3, "C": 0.0},
+    ],
+    "born-mayer": [{"A": 1000.0, "rho": 0.3}, {"A": 1e-17, "rho": 2e-11}],
+    "weeks-chandler-andersen": [{"epsilon": 1.0, "sigma": 1.0}, {"epsilon": 2.0, "sigma": 1e-9}],
+    "mie": [
+        {"epsilon": 1.0, "sigma": 1.0, "n": 9.0, "m": 6.0},
+        {"epsilon": 1.0, "sigma": 2.0, "n": 36.0, "m": 35.0},
+        {"epsilon": 0.2, "sigma": 2.0, "n": 50.0, "m": 6.0},
+    ],
+    "plummer": [{"strength": 1.0, "softening": 0.1}, {"strength": -1.0, "softening": 10.0}],
+    "sum": [{"of": [LJ, COULOMB]}, {"of": [LJ | {"cutoff": 2.5}, COULOMB | {"cutoff": 4.0}]}],
+    "scaled": [{"factor": -2.0, "of": LJ}],
+    "ase-dimer": [
+        {
+            "calculator": "ase.calculators.lj:LennardJones",
+            "arguments": {"epsilon": 1.0, "sigma": 1.0, "rc": 1e4},
+            "symbols": ["Ar", "Ar"],
+            "low": 0.85,
+            "high": 3.0,
+            "accuracy": 1e-6,
+        }
+    ],
+    "table": [{"r": PLACES.tolist(), "energy": LennardJones(1.0, 1.0).energy(PLACES).tolist()}],
+    "a*exp(-(r - b)**2/c**2) - cos(k*r)/r": [{"a": 1.0, "b": 3.0, "c": 0.5, "k": 6.0}],
+}
+RUNS = {"verlet", "kahan-li-6"}
+ROUGH = {  # those on whose way the force is not smooth enough for the runs of one name
+    "weeks-chandler-andersen": {"kahan-li-6"},
+    "sum": {"kahan-li-6"},
+    "table": {"kahan-li-6"},
+    "ase-dimer": {"kahan-li-6"},
+}
+
+
+def failed(report):
+    """Names of the checks that failed."""
+    return {line.name for line in report.checks if not line.passed}
+
+
+def test_every_built_in_has_an_entry():
+    """A potential that is new to the registry is given parameters to face the card with."""
+    assert {name for name in PARAMETERS if not is_expression(name)} == {*BUILT_IN, *MADE}
+
+
+@pytest.mark.parametrize(
+    ("name", "parameters"),
+    [
+        pytest.param(name, item, marks=[pytest.mark.slow] if k > 0 else [])
+        for name, sets in PARAMETERS.items()
+        for k, item in enumerate(sets)
+    ],
+)
+def test_built_in(name, parameters, tmp_path):
+    """The whole card."""
+    report = check(from_table({"potential": name} | parameters, tmp_path))
+    assert report.passed, str(report)
+    lines = {line.name for line in report.checks}
+    assert RUNS - ROUGH.get(name, set()) <= lines
+    if name in ("lennard-jones", "morse", "mie"):
+        assert "minimum" in lines
+
+
+@pytest.mark.parametrize("at_cutoff", AT_CUTOFF)
+def test_cutoffs(at_cutoff):
+    """Each is as smooth as it says, and its lines say what it is not."""
+    report = check(with_cutoff(LennardJones(1.0, 1.0), 2.5, at_cutoff))
+    assert report.passed, str(report)
+    names = ["energy at the cutoff", "force at the cutoff", "slope at the cutoff"]
+    promised = {"truncate": 0, "shift": 1, "force-shift": 2, "switch": 3}[at_cutoff]
+    assert [report[name].bound is not None for name in names] == [k < promised for k in range(3)]
+    at_end, unit = LennardJones(1.0, 1.0).energy(2.5), report.curves.length
+    if at_cutoff == "truncate":
+        ratio = report[names[0]].value / report[names[1]].value
+        assert ratio == pytest.approx(abs(at_end / LennardJones(1.0, 1.0).force(2.5)) / unit)
+
+
+# --- slips ---------------------------------------------------------------------------------------
+
+AT = 1.3  # where the slips are that are at one place
+
+
+class Slip(NamedTuple):
+    """Lennard-Jones of unit depth and length, with a slip in one place or another."""
+
+    force_off: float = 0.0  # relative error of the force
+    energy_off: float = 0.0  # of the energy
+    jump: float = 0.0  # of U at AT
+    turn: float = 0.0  # jump of the force there, and the kink of U that goes with it
+    bend: float = 0.0  # kink of the force there, and what goes with it
+    hole: float = 0.0  # distance at which U is no number
+    drag: float = 0.0  # force that does not end
+    last: float = 0.0  # distance from which the force is no number, if not 0
+    end: float = 0.0  # where U ends, if not 0
+    deep: float = 1.0  # declared depth
+
+    def energy(self, r):
+        s6 = (1.0 / r) ** 6
+        past = np.maximum(r - AT, 0.0)
+        extra = self.jump * (r > AT) - self.turn * past - 0.5 * self.bend * past**2
+        whole = (1.0 + self.energy_off) * 4.0 * s6 * (s6 - 1.0) + extra * np.exp(-past)
+        return whole / np.where(r == self.hole, np.nan, 1.0)
+
+    def force(self, r):
+        s6 = (1.0 / r) ** 6
+        past = np.maximum(r - AT, 0.0)
+        extra = self.jump * (r > AT) - self.turn * past - 0.5 * self.bend * past**2
+        rate = self.turn * (r > AT) + self.bend * past
+        whole = (1.0 + self.force_off) * 24.0 / r * s6 * (2.0 * s6 - 1.0)
+        whole += (rate + extra * (r > AT)) * np.exp(-past) + self.drag
+        return whole / np.where((self.last > 0.0) & (r > self.last), np.nan, 1.0)
+
+    def feature(self):
+        return 1.0 / 6.0, 2.0
+
+    def range(self):
+        return self.end if self.end > 0.0 else np.inf
+
+    def minimum(self):
+        return 2.0 ** (1.0 / 6.0), -self.deep, 72.0 / 2.0 ** (1.0 / 3.0)
+
+
+AT_END = {"energy at the cutoff", "force at the cutoff", "slope at the cutoff"}
+JUMPS = {"jumps of energy", "jumps of force", "kinks of force"}
+
+# Each slip, the check that is meant for it, and those that cannot but notice too.
+SLIPS = {
+    "force off": ({"force_off": 1e-7}, "force", {"work", *RUNS}),
+    "force off a little": ({"force_off": -1e-9}, "force", {"work", *RUNS}),
+    "energy in other units": ({"energy_off": 0.0364}, "force", {"work", "minimum", *RUNS}),
+    "both in other units": ({"energy_off": 0.0364, "force_off": 0.0364}, "minimum", set()),
+    "jump": ({"jump": 1e-6}, "jumps of energy", {"work", *JUMPS, *RUNS}),
+    "kink of the energy": ({"turn": 1e-6}, "jumps of force", {"kinks of force", "work", *RUNS}),
+    "kink of the force": ({"bend": 1e-2}, "kinks of force", {"work", *RUNS}),
+    "hole": ({"hole": 1.5}, "finite", {"minimum"}),
+    "drag": ({"drag": 1e-6}, "limits", {"force", "work", *RUNS}),
+    "nothing far away": ({"last": 1e3}, "limits", set()),
+    "jump at the end": ({"end": 3.0}, "energy at the cutoff", AT_END | JUMPS),
+    "depth": ({"deep": 1.0 + 1e-8}, "minimum", set()),
+}
+
+
+def test_no_slip():
+    assert failed(check(Slip())) == set()
+
+
+@pytest.mark.parametrize("slip", SLIPS)
+def test_slip(slip):
+    """The check that is meant for it fails, and none that looks elsewhere."""
+    how, meant, others = SLIPS[slip]
+    report = check(Slip(**how))
+    assert meant in failed(report), str(report)
+    assert failed(report) <= {meant} | others, str(report)
+    assert not report.passed
+
+
+@given(st.floats(-9.0, -2.0), st.sampled_from([-1.0, 1.0]))
+def test_size_of_a_slip(digits, sign):
+    """The card's error is that of the force, where the force is most of the scale around."""
+    off = sign * 10.0**digits
+    line = check_force(curves(Specimen(as_potential(Slip(force_off=off)))))
+    assert not line.passed
+    assert 0.3 * abs(off) < line.value < 1.01 * abs(off)
+
+
+@pytest.mark.parametrize(
+    ("slip", "name", "place"),
+    [
+        ("jump", "jumps of energy", AT),
+        ("kink of the force", "kinks of force", AT),
+        ("hole", "finite", 1.5),
+        ("jump at the end", "energy at the cutoff", 3.0),
+    ],
+)
+def test_place(slip, name, place):
+    """The card says where: within a cell of the scan, or to the digit."""
+    report = check(Slip(**SLIPS[slip][0]))
+    assert report[name].where == pytest.approx(place, rel=0.03)
+    assert f"r = {report[name].where:.9g}" in str(report)
+
+
+def test_strength_of_a_slip():
+    """Jumps and kinks are measured, in units of the largest |F| + |U| / r around."""
+    for how, k, size in (({"jump": 1e-4}, 0, 1e-4), ({"turn": 1e-4}, 1, 1e-4)):
+        specimen = Specimen(as_potential(Slip(**how)))
+        found = strengths(specimen, lambda r, k=k, s=specimen: s.compiled(r)[k], 1 - k)[0].max()
+        unit = specimen.scale(AT) * (AT if k == 0 else 1.0)
+        assert found * unit == pytest.approx(size, rel=0.05)
+
+
+class OneSided(NamedTuple):
+    """A coupling that tells the two bobs apart."""
+
+    strength: float
+
+    def energy(self, r):
+        return self.strength / r
+
+    def force(self, r):
+        return self.strength / (r * r)
+
+    def coupling(self, one, other):
+        return one * one * other
+
+
+def test_third_law():
+    lines = {line.name: line for line in check_laws(Specimen(as_potential(OneSided(1.0))))}
+    assert not lines["third law"].passed
+    assert lines["translation"].passed and lines["mirror"].passed
+
+
+class OfScalars(NamedTuple):
+    """A potential that arrays cannot pass through."""
+
+    strength: float
+
+    def energy(self, r):
+        return self.strength / r if r > 0.01 else 100.0 * self.strength
+
+    def force(self, r):
+        return self.strength / (r * r) if r > 0.01 else 0.0
+
+
+def test_arrays():
+    arrays, compiled = check_agreement(Specimen(as_potential(OfScalars(1.0))))
+    assert compiled.passed and not arrays.passed
+    assert "np.where" in arrays.says
+
+
+# --- a stale cache -------------------------------------------------------------------------------
+
+OWN = """
+from typing import NamedTuple
+from own_factor import FACTOR
+class Own(NamedTuple):
+    s: float
+    def energy(self, r): return FACTOR * self.s / r
+    def force(self, r): return FACTOR * self.s / (r * r)
+"""
+STALE = """
+import sys
+from pathlib import Path
+from tribo.plugins import sources
+from tribo.potentials.tables import from_table
+from tribo.report_card import check
+from tribo.report_card.agreement import check_agreement
+from tribo.report_card.specimen import Specimen
+if sys.argv[2] == "wrong":
+    sources.stamp = lambda plugins: "always-the-same"
+own = from_table({"potential": "own.py:Own", "s": 1.0}, Path(sys.argv[1]))
+print(*(line.name for line in check_agreement(Specimen(own)) if not line.passed))
+"""
+
+
+@pytest.mark.parametrize("stamp", ["right", "wrong"])
+def test_stale_cache(tmp_path, stamp):
+    """If the disk cache served an old version, the line on compiled code would fail."""
+    (tmp_path / "own.py").write_text(OWN)
+    paths = os.pathsep.join([str(tmp_path), *sys.path])
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": paths}
+    said = []
+    for factor in (1.0, 1.0 + 1e-9):
+        (tmp_path / "own_factor.py").write_text(f"FACTOR = {factor!r}\n")
+        command = [sys.executable, "-B", "-c", STALE, str(tmp_path), stamp]
+        words = subprocess.run(command, env=environment, check=True, capture_output=True, text=True)
+        said.append(words.stdout.split())
+    assert said == [[], ["compiled"] if stamp == "wrong" else []]
+
+
+# --- derivatives ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("r", [0.3, 1.0, 7.0])
+def test_a_derivative_knows_its_error(r):
+    """The uncertainty is about as large as the error, and both are far below round-off of U'."""
+    for function, first, second in (
+        (lambda x: x**-12, lambda x: -12.0 * x**-13, lambda x: 156.0 * x**-14),
+        (lambda x: np.exp(-5 * x), lambda x: -5.0 * np.exp(-5 * x), lambda x: 25 * np.exp(-5 * x)),
+    ):
+        for rule, exact in ((slope, first), (curvature, second)):
+            found, doubt = rule(function, r, 0.1 * r)
+            truth = exact(np.longdouble(r))
+            error = abs(found - truth) / abs(truth)
+            assert error < 1e-12
+            assert error <= 10.0 * doubt / abs(truth) + 3e-16
+
+
+def test_a_noisy_energy_is_not_judged():
+    """An energy that trembles has no derivative to ten digits: the card says so, and fails."""
+
+    class Trembling(NamedTuple):
+        s: float
+
+        def energy(self, r):
+            return self.s / r * (1.0 + 1e-8 * np.sin(1e7 * r))
+
+        def force(self, r):
+            return self.s / (r * r)
+
+    line = check_force(curves(Specimen(as_potential(Trembling(1.0)))))
+    assert not line.passed and line.failed
+    assert "of the distances only" in line.says
+
+
+# --- text, JSON, figure, status ------------------------------------------------------------------
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch, capsys):
+    """Call ``tribo check`` in a folder of its own; returns status, stdout and stderr."""
+    monkeypatch.chdir(tmp_path)
+
+    def call(*arguments):
+        status = main(["check", *map(str, arguments)])
+        return status, *capsys.readouterr()
+
+    return call
+
+
+def test_status_and_text(run):
+    status, out, err = run("lennard-jones", "epsilon=1", "sigma=1")
+    assert status == 0 and err == ""
+    assert out.startswith("lennard-jones epsilon=1 sigma=1, from r = ")
+    assert out.splitlines()[-1].startswith("passed: all ")
+
+
+WRONG = """
+from typing import NamedTuple
+class Wrong(NamedTuple):
+    epsilon: float
+    sigma: float
+    def energy(self, r):
+        s6 = (self.sigma / r) ** 6
+        return 4.0 * self.epsilon * s6 * (s6 - 1.0)
+    def force(self, r):
+        s6 = (self.sigma / r) ** 6
+        return 24.0000024 * self.epsilon / r * s6 * (2.0 * s6 - 1.0)
+"""
+
+
+def test_a_wrong_file(run, tmp_path):
+    """A force that is wrong by 1e-7 fails, and the card says where and by how much."""
+    (tmp_path / "own.py").write_text(WRONG)
+    status, out, _ = run("own.py:Wrong", "epsilon=1", "sigma=1", "--json")
+    card = json.loads(out)
+    line = next(line for line in card["checks"] if line["name"] == "force")
+    assert status == 1 and not card["passed"] and not line["passed"]
+    assert 3e-8 < line["value"] <= 1.01e-7
+    assert line["grade"] == round(np.log10(line["value"] / 2.0**-52), 1)
+    assert line["where"] > 0.0
+
+
+def test_json(run):
+    """The keys of the contract; a cutoff is given as in a scene file."""
+    status, out, _ = run(
+        *("lennard-jones", "epsilon=1", "sigma=1", "cutoff=3", "at_cutoff=shift", "--json")
+    )
+    card = json.loads(out)
+    assert status == 0
+    assert set(card) == {"potential", "passed", "checks"}
+    assert card["potential"] == "lennard-jones epsilon=1 sigma=1 cutoff=3 at_cutoff=shift"
+    for line in card["checks"]:
+        assert {"name", "passed", "value", "bound", "grade"} <= set(line)
+        assert isinstance(line["passed"], bool) and isinstance(line["value"], float)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (["gravity"], "potential: must be "),
+        (["coulomb"], "strength: is missing"),
+        (["coulomb", "strength"], "strength: must be name=value"),
+        (["coulomb", "strength=strong"], "strength: must be a number, got 'strong'"),
+        (["coulomb", "strength=1", "cutoff=3", "at_cutoff=bend"], "at_cutoff: must be "),
+        (["none.py:None", "s=1"], "potential: there is no file"),
+        (["broken.py:Broken", "s=1"], "potential: Broken.energy fails in line 4 of "),
+        (["coulomb", "strength=1", "--figure", "card.txt"], "--figure: must end on .png"),
+        (["coulomb", "strength=1", "--figure", "none/card.png"], "--figure: there is no folder"),
+    ],
+)
+def test_wrong_input(run, tmp_path, arguments, compile_error):
+    """Status 2, and one line that names the field."""
+    (tmp_path / "broken.py").write_text(
+        "from typing import NamedTuple\n"
+        "class Broken(NamedTuple):\n"
+        "    s: float\n"
+        "    def energy(self, r): return open(r)\n"
+        "    def force(self, r): return open(r)\n"
+    )
+    status, out, err = run(*arguments)
+    assert status == 2 and out == ""
+    assert err.startswith(f"tribo: {complaint}") and err.count("\n") == 1
+
+
+def test_what_is_no_potential():
+    for value in (3.0, live("ase.calculators.emt:EMT")):
+        with pytest.raises(InputError, match=r"^potential: "):
+            check(value)
+
+
+class Odd(NamedTuple):
+    """A narrow hill, by itself, with holes, or with a refusal of its own."""
+
+    place: float
+    hole: float = 0.0  # nearer than which there is no number
+    end: float = 0.0  # from where it raises, if not 0
+
+    def energy(self, r):
+        if 0.0 < self.end < r:
+            raise ValueError("too far")
+        return np.exp(-(((r - self.place) / 0.1) ** 2)) / np.where(r < self.hole, np.nan, 1.0)
+
+    def force(self, r):
+        return 200.0 * (r - self.place) * self.energy(r)
+
+
+def test_odd_potentials():
+    """Next to nothing is not judged by its digits; nothing at all fails; what raises is refused."""
+    assert failed(check(Odd(3.0))) == set()
+    assert {"finite", "force"} <= failed(check(Odd(3.0, hole=1e90)))
+    with pytest.raises(InputError, match=r"^potential: Odd raises ValueError: too far"):
+        check(Odd(3.0, end=5.0))
+
+
+@pytest.mark.parametrize("kind", ["png", "pdf", "svg"])
+def test_figure(run, tmp_path, kind):
+    """The figure is written in the format that its name says."""
+    status, _, _ = run("lennard-jones", "epsilon=1", "sigma=1", "--figure", f"card.{kind}")
+    begins = {"png": b"\x89PNG", "pdf": b"%PDF", "svg": b"<?xml"}[kind]
+    assert status == 0
+    assert (tmp_path / f"card.{kind}").read_bytes().startswith(begins)
+
+
+def test_figure_shows_what_there_is():
+    """Energy, force and disagreement at the card's own distances, and the cutoff."""
+    from tribo.report_card.figure import draw
+
+    report = check(with_cutoff(LennardJones(1.0, 1.0), 3.0))
+    energy, force, disagreement = draw(report).axes
+    for ax, values in ((energy, report.curves.energy), (force, report.curves.force)):
+        line = max(ax.get_lines(), key=lambda line: len(line.get_xdata()))
+        assert np.array_equal(line.get_xdata(), report.curves.r)
+        shown = np.abs(values) < 0.5 * ax.get_ylim()[1]
+        assert np.array_equal(np.asarray(line.get_ydata())[shown], values[shown])
+    assert any(list(line.get_xdata()) == [3.0, 3.0] for line in disagreement.get_lines())
+
+
+# --- another program -----------------------------------------------------------------------------
+
+
+def test_a_calculator_of_ones_own():
+    """A potential is held against any calculator that is given, and fails if that is another."""
+    from ase.calculators.morse import MorsePotential
+
+    peer = MorsePotential(epsilon=2.0, r0=1.5, rho0=4.5, rcut1=1e4, rcut2=2e4)
+    assert check(Morse(2.0, 3.0, 1.5), ase=peer)["ase"].passed
+    assert not check(Morse(2.0, 3.0001, 1.5), ase=peer)["ase"].passed
+
+
+# --- laws that the kernels could break -----------------------------------------------------------
+
+
+def one_way(places, energies, forces):
+    """The first surface's bobs feel more than they give."""
+    half = places.shape[1] // 2
+    return energies, forces * np.where(np.arange(2 * half) < half, 1.0 + 1e-9, 1.0)[:, None]
+
+
+def uneven(places, energies, forces):
+    """Space is not the same everywhere."""
+    factor = 1.0 + 1e-9 * np.sin(places[:, 0, 0])
+    return energies * factor, forces * factor[:, None, None]
+
+
+def handed(places, energies, forces):
+    """Forces are turned out of the line between the bobs."""
+    return energies, forces + 1e-8 * forces[..., ::-1] * [-1.0, 1.0]
+
+
+@pytest.mark.parametrize(
+    ("law", "name"),
+    [(one_way, "third law"), (uneven, "translation"), (handed, "mirror"), (handed, "closed loop")],
+)
+def test_broken_laws(law, name, monkeypatch):
+    """Kernels that broke a law would be caught by the line that is called so."""
+    specimen = Specimen(as_potential(Slip()))
+    right = specimen.probe
+    assert all(line.passed for line in [*check_laws(specimen), *check_work(specimen)])
+    monkeypatch.setattr(
+        specimen, "probe", lambda places, charges: law(places, *right(places, charges))
+    )
+    lines = {line.name: line for line in [*check_laws(specimen), *check_work(specimen)]}
+    assert not lines[name].passed

@@ -1,0 +1,157 @@
+"""The house: imports run downward only, kernels stand on nothing, and `import tribo` is light."""
+
+import ast
+import subprocess
+import sys
+from graphlib import TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+import tribo
+from tribo.potentials import BUILT_IN
+
+ROOT = Path(tribo.__file__).parent
+
+
+def modules():
+    """Every module's name below `tribo`, and its file; the package itself is the empty name."""
+    for path in sorted(ROOT.rglob("*.py")):
+        name = ".".join(path.relative_to(ROOT).with_suffix("").parts)
+        yield "" if name == "__init__" else name.removesuffix(".__init__"), path
+
+
+FILES = dict(modules())
+
+
+def imported(node):
+    """Full names that are imported within a node, but for those that only type checkers see."""
+    for child in ast.iter_child_nodes(node):
+        if isinstance(child, ast.If) and ast.unparse(child.test) == "TYPE_CHECKING":
+            continue
+        if isinstance(child, ast.Import):
+            yield from (alias.name for alias in child.names)
+        elif isinstance(child, ast.ImportFrom):
+            assert child.level == 0, "imports are absolute here"
+            yield from (f"{child.module}.{alias.name}" for alias in child.names)
+        else:
+            yield from imported(child)
+
+
+def of_this_package(name):
+    """The modules of this package that a module imports, inside functions or not."""
+    for full in imported(ast.parse(FILES[name].read_text(encoding="utf-8"))):
+        top, _, inner = full.partition(".")
+        if top == "tribo":
+            while inner not in FILES:
+                inner = inner.rpartition(".")[0]
+            yield inner
+
+
+# Folders and files at the top level, from the top down: each may import those below it, and
+# `validation` may be imported by all.
+ORDER = [
+    "cli",
+    "paper",
+    "report_card",
+    "ensembles",
+    "work_precision",
+    "plotting",
+    "simulation",
+    "accuracy",
+    "run",
+    "pair",
+    "integrators",
+    "model",
+    "potentials",
+    "plugins",
+    "kernels",
+    "validation",
+]
+
+
+def room(name):
+    """The folder of a module, or the module itself at the top level."""
+    return name.partition(".")[0]
+
+
+def test_folders_import_downward():
+    """The graph of folders has the order above; every folder and top-level file has a place."""
+    assert set(ORDER) == {room(name) for name in FILES if name}
+    for name in filter(None, FILES):
+        below = ORDER[ORDER.index(room(name)) :]
+        above = [other for other in of_this_package(name) if other and room(other) not in below]
+        assert not above, f"{name} imports {above}"
+
+
+def test_modules_have_no_cycle():
+    """Nor do the modules inside a folder import one another in a circle, lazily or not."""
+    graph = {name: set(of_this_package(name)) - {name} for name in FILES if name}
+    TopologicalSorter(graph).prepare()  # raises CycleError
+
+
+@pytest.mark.parametrize("name", [name for name in FILES if name.startswith("kernels")])
+def test_kernels_see_no_scene(name):
+    """Compiled code imports compiled code, numpy and numba: floats and arrays, nothing above."""
+    assert all(other.startswith("kernels") for other in of_this_package(name))
+    tree = ast.parse(FILES[name].read_text(encoding="utf-8"))
+    tops = {full.partition(".")[0] for full in imported(tree)}
+    assert tops - set(sys.stdlib_module_names) <= {"tribo", "numpy", "numba", "llvmlite"}
+
+
+FORMULAE = [cls.__module__.rpartition(".")[2] for cls in BUILT_IN.values()]
+
+
+@pytest.mark.parametrize("name", [*FORMULAE, "mixins", "derivative"])
+def test_potentials_are_formulae(name):
+    """A potential is what a user could have written: it needs nothing of this package."""
+    assert not list(of_this_package(f"potentials.{name}"))
+
+
+@pytest.mark.parametrize("name", ["cutoff", "sum"])
+def test_potentials_of_others(name):
+    """What is made of other potentials needs to know what such have in common, and no more."""
+    assert set(of_this_package(f"potentials.{name}")) == {"potentials.mixins"}
+
+
+HEAVY = {"ase", "matplotlib", "xarray", "h5netcdf", "scipy", "tqdm", "numba", "tomli_w"}
+
+
+@pytest.mark.parametrize(
+    ("statement", "loaded"),
+    [
+        ("import tribo", set()),
+        ("import tribo; tribo.Asperite, tribo.load_scene, tribo.Scene, tribo.Coulomb", set()),
+        ("from tribo.cli import main", set()),
+        ("from tribo import *", {"numba", "scipy"}),  # numba itself loads scipy
+    ],
+)
+def test_what_an_import_loads(statement, loaded):
+    """A scene can be described without waiting for a compiler, or for what draws and saves."""
+    code = f"{statement}\nimport sys; print(*{HEAVY} & sys.modules.keys())"
+    words = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    assert set(words.stdout.split()) <= loaded
+
+
+def test_public_names():
+    """Every name in __all__ is there, has its home in the package, and nothing else is."""
+    for name in tribo.__all__:
+        assert getattr(tribo, name) is not None
+    assert sorted(dir(tribo)) == sorted(tribo.__all__)
+    assert len(set(tribo.__all__)) == len(tribo.__all__)
+    assert not hasattr(tribo, "no_such_name")
+
+
+def test_public_names_are_typed():
+    """What type checkers are told of is what there is."""
+    tree = ast.parse(FILES[""].read_text(encoding="utf-8"))
+    (block,) = [n for n in tree.body if isinstance(n, ast.If)]
+    told = {alias.name for node in block.body for alias in node.names}
+    assert told == set(tribo.__all__) - {"__version__"}
+
+
+def test_every_module_says_what_it_is():
+    """One sentence at least at the head of each file that is not empty."""
+    for name, path in FILES.items():
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        assert not tree.body or ast.get_docstring(tree), f"{name} has no docstring"
