@@ -597,7 +597,7 @@ def extrapolated(coarse, fine, order):
         yield place, {q: other[q][-1] + weight * (other[q][-1] - one[q][-1]) for q in other}
 
 
-def compile_error(scene, check, reference):
+def message(scene, check, reference):
     """What is wrong with the end of a run, by the ledger's own laws or by the reference."""
     scene = importlib.import_module("tribo.model.scene_file").scene_from(scene)
     simulate = importlib.import_module("tribo.simulation").simulate
@@ -631,7 +631,7 @@ def verdict(folder, checks, references):
         assert Path(importlib.import_module("tribo").__file__).parent.parent == folder
         for check in checks:
             for name in check.scenes:
-                found = compile_error(SCENES[name], check, references[name])
+                found = message(SCENES[name], check, references[name])
                 if found:
                     return f"{name}, {check.method}: {found}"
         return ""

@@ -95,7 +95,7 @@ class Simulation:
 
     @property
     def settings(self) -> Settings:
-        """How it is run, for :func:`from_settings`; nothing in it is compiled, and all can be pickled."""
+        """How it is run, for :func:`from_settings`; all of it can be pickled."""
         tuned = None if self._tuned is None else replace(self._tuned, runs=())
         own = (self._setting, self._stops.all)
         return Settings(self.method.name, own, self._lone, self.accuracy, tuned)

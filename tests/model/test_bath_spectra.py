@@ -321,7 +321,7 @@ def test_tables_round_trip(table):
 
 
 @pytest.mark.parametrize(
-    ("table", "complaint"),
+    ("table", "message"),
     [
         (5, "must be a table, got 5"),
         ({"oscilators": []}, 'oscilators: is not a known key; did you mean "oscillators"?'),
@@ -366,14 +366,14 @@ def test_tables_round_trip(table):
         (DRUDE | {"n": 2.5}, "n: must be a whole number of at least 1, got 2.5"),
     ],
 )
-def test_wrong_tables(table, compile_error):
+def test_wrong_tables(table, message):
     with pytest.raises(InputError) as caught:
         as_bath(table)
-    assert str(caught.value) == compile_error
+    assert str(caught.value) == message
 
 
 @pytest.mark.parametrize(
-    ("given", "complaint"),
+    ("given", "message"),
     [
         ({"masses": [1.0, -2.0], "frequencies": [1, 1]}, "masses[1]: must be positive, got -2.0"),
         ({"masses": [1.0]}, "frequencies: must be 1 numbers, got 0"),
@@ -386,10 +386,10 @@ def test_wrong_tables(table, compile_error):
         ),
     ],
 )
-def test_wrong_baths(given, compile_error):
+def test_wrong_baths(given, message):
     with pytest.raises(InputError) as caught:
         Bath(**given)
-    assert str(caught.value) == compile_error
+    assert str(caught.value) == message
 
 
 def test_wrong_spectra_and_bars():

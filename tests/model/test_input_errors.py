@@ -146,7 +146,7 @@ def paths(value, path=""):
         yield from paths(item, where)
 
 
-def compile_error(folder, capsys, source, *options):
+def message(folder, capsys, source, *options):
     """What ``tribo run`` says of a scene file that it must refuse without writing anything."""
     file = folder / "scene.toml"
     file.write_bytes(source if isinstance(source, bytes) else tomli_w.dumps(source).encode())
@@ -361,7 +361,7 @@ def test_wrong_value_in_a_scene_file(tmp_path, capsys, case):
     field = "".join(inner)
     if not field or field[0] in "[.":
         field = path + field
-    assert compile_error(tmp_path, capsys, changed((path, value))).startswith(f"{field}: {problem}")
+    assert message(tmp_path, capsys, changed((path, value))).startswith(f"{field}: {problem}")
 
 
 def test_the_valid_scene_is_valid():
@@ -374,7 +374,7 @@ def test_two_interactions_for_one_pair(tmp_path, capsys):
     again = {"potential": "coulomb", "strength": 1.0}
     for between in ({}, {"between": ["lower", "upper"]}):
         table = changed(("interaction", [*VALID["interaction"], again | between]))
-        said = compile_error(tmp_path, capsys, table)
+        said = message(tmp_path, capsys, table)
         assert said.startswith("interaction[1].between: ('upper', 'lower') interact already")
 
 
@@ -414,7 +414,7 @@ def test_plugin_that_is_none(tmp_path, capsys, kind):
         path.write_text(source)
     table = changed(("interaction", [{"potential": "own.py:Own", "s": 1.0}]), ("periodic", {}))
     field = "interaction[0].potential"
-    said = compile_error(tmp_path, capsys, table)
+    said = message(tmp_path, capsys, table)
     assert said.startswith(f"{field}: {problem.format(path=path)}")
 
 
@@ -430,7 +430,7 @@ def test_plugin_with_another_parameter(tmp_path, capsys, more, sentence):
     """Parameters of plug-ins are checked like all others, their defaults too."""
     (tmp_path / "own.py").write_text(own("s: float", more, ENERGY))
     table = changed(("interaction", [{"potential": "own.py:Own", "s": 1.0}]))
-    assert compile_error(tmp_path, capsys, table) == sentence
+    assert message(tmp_path, capsys, table) == sentence
 
 
 NAMES = ["own.py:", "own.py", ":Own", "a\0b.py:Own", "own.py:Own.x", ".py:", "/.py:A", "x" * 9999]
@@ -460,7 +460,7 @@ FILES = {
 def test_file_that_is_no_scene(tmp_path, capsys, kind):
     """A file that cannot be read as TOML is named itself."""
     source, sentence = FILES[kind]
-    said = compile_error(tmp_path, capsys, source)
+    said = message(tmp_path, capsys, source)
     expected = sentence.format(path=tmp_path / "scene.toml")
     assert said.startswith(expected)
 
@@ -482,7 +482,7 @@ def test_place_that_cannot_be_written(tmp_path, capsys):
         "folder": f"--out: is a folder, {tmp_path}/folder; give the name of a file",
     }
     for place, sentence in places.items():
-        said = compile_error(tmp_path, capsys, changed(), "--out", str(tmp_path / place))
+        said = message(tmp_path, capsys, changed(), "--out", str(tmp_path / place))
         assert said == sentence
 
 

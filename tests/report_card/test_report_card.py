@@ -414,7 +414,7 @@ def test_json(run):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "complaint"),
+    ("arguments", "message"),
     [
         (["gravity"], "potential: must be "),
         (["coulomb"], "strength: is missing"),
@@ -427,7 +427,7 @@ def test_json(run):
         (["coulomb", "strength=1", "--figure", "none/card.png"], "--figure: there is no folder"),
     ],
 )
-def test_wrong_input(run, tmp_path, arguments, compile_error):
+def test_wrong_input(run, tmp_path, arguments, message):
     """Status 2, and one line that names the field."""
     (tmp_path / "broken.py").write_text(
         "from typing import NamedTuple\n"
@@ -438,7 +438,7 @@ def test_wrong_input(run, tmp_path, arguments, compile_error):
     )
     status, out, err = run(*arguments)
     assert status == 2 and out == ""
-    assert err.startswith(f"tribo: {complaint}") and err.count("\n") == 1
+    assert err.startswith(f"tribo: {compile_error}") and err.count("\n") == 1
 
 
 def test_what_is_no_potential():
