@@ -438,7 +438,7 @@ def test_wrong_input(run, tmp_path, arguments, message):
     )
     status, out, err = run(*arguments)
     assert status == 2 and out == ""
-    assert err.startswith(f"tribo: {compile_error}") and err.count("\n") == 1
+    assert err.startswith(f"tribo: {message}") and err.count("\n") == 1
 
 
 def test_what_is_no_potential():
