@@ -152,7 +152,7 @@ def test_error_estimates_of_nystrom(name):
         assert found < ROUND_OFF if degree < order else found > 1e-8
     assert np.array_equal(t.eb, t.ev[:-1] * (1.0 - t.c))
     live = np.flatnonzero((t.v != 0.0) | (t.ev[:-1] != 0.0))
-    assert np.array_equal(live, [0, *t.booked])
+    assert np.array_equal(live, [0, *t.with_power])
 
 
 @pytest.mark.parametrize("name", COLLOCATION)
@@ -180,12 +180,12 @@ def test_polynomial_is_continued(name, ratio):
     t = COLLOCATION[name]
     power = t.c.size - 1
     memory = t.c[:, None] ** power * np.array([1.0, -2.0])
-    slopes = np.ones_like(memory)  # the start's, where it is a node, is known already
-    predict.py_func(t, SimpleNamespace(last=0.5), ratio * 0.5, memory, slopes)
+    values_at_nodes = np.ones_like(memory)  # the first, where it is at the start, is known
+    predict.py_func(t, SimpleNamespace(last_step=0.5), ratio * 0.5, memory, values_at_nodes)
     expected = (1.0 + ratio * t.c[:, None]) ** power * np.array([1.0, -2.0])
     known = t.c == 0.0
-    assert np.allclose(slopes[~known], expected[~known], rtol=1e-9)
-    assert np.all(slopes[known] == 1.0)
+    assert np.allclose(values_at_nodes[~known], expected[~known], rtol=1e-9)
+    assert np.all(values_at_nodes[known] == 1.0)
 
 
 @pytest.mark.parametrize("name", [m.name for m in METHODS.values() if m.splits])

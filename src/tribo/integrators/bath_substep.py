@@ -1,9 +1,9 @@
-"""Baths and reservoirs on frozen bars: what splitting methods do between two halves of a kick.
+"""Baths and reservoirs on frozen bars: the substep of splitting methods between two half kicks.
 
-    bath   every oscillator turns exactly about its bar, which takes up the opposite momentum
+    bath   every oscillator rotates exactly about its bar, which takes up the opposite momentum
     noise  Langevin friction and noise on the bars, by its exact solution
 
-Each books its own work with the mean of the rates before and after.
+Each adds its own work, by the mean of the velocities before and after.
 
 B. Leimkuhler, C. Matthews, Appl. Math. Res. Express 2013 (2013) 34, for the noise.
 """
@@ -19,7 +19,7 @@ from tribo.kernels.powers import momentum
 
 @kernel
 def push_bar(a, b, px, py, i, v, s, k):
-    """A momentum (px, py) given to bar i, frozen in place, and booked from account k on."""
+    """Give momentum (px, py) to bar i, frozen in place, and add to the accounts from k on."""
     along = b.tx * px + b.ty * py
     omega = v[i]
     vx = v[a.dof_x]
@@ -34,72 +34,72 @@ def push_bar(a, b, px, py, i, v, s, k):
 
 
 @kernel
-def turn_oscillators(q, v, start, count, about, bath, first, turns):
-    """Turn `count` oscillators about a place; returns the momentum that they gained."""
+def rotate_oscillators(q, v, start, count, centre, bath, first, rotations):
+    """Rotate `count` oscillators about a place; returns the momentum that they gained."""
     gained = 0.0
     for n in range(count):
         k = start + n
         o = bath[first + n]
-        x = q[k] - about
+        x = q[k] - centre
         rate = v[k]
-        less = turns[first + n, 0]
-        sin = turns[first + n, 1]
-        change = -less * rate - sin * o.frequency * x
-        q[k] += sin / o.frequency * rate - less * x
+        versine = rotations[first + n, 0]
+        sin = rotations[first + n, 1]
+        change = -versine * rate - sin * o.frequency * x
+        q[k] += sin / o.frequency * rate - versine * x
         v[k] += change
         gained += o.mass * change
     return gained
 
 
 @owning_kernel
-def room_for_turns(bath):
-    """(oscillators + 1, 2) for `turns_of` to fill."""
+def empty_rotations(bath):
+    """Room for `set_rotations`: (oscillators + 1, 2)."""
     if bath is None:
         return np.empty((0, 2))
     return np.full((bath.size + 1, 2), np.nan)
 
 
 @kernel
-def turns_of(bath, tau, turns):
-    """1 - cos and sin of every oscillator's turn in tau, which is kept in the last row."""
-    if turns[-1, 0] == tau:
+def set_rotations(bath, tau, rotations):
+    """1 - cos and sin of every oscillator's rotation in tau, which stands in the last row."""
+    if rotations[-1, 0] == tau:
         return
-    turns[-1, 0] = tau
+    rotations[-1, 0] = tau
     for n in range(bath.shape[0]):
         half = math.sin(0.5 * bath[n].frequency * tau)
-        turns[n, 0] = 2.0 * half * half
-        turns[n, 1] = math.sin(bath[n].frequency * tau)
+        rotations[n, 0] = 2.0 * half * half
+        rotations[n, 1] = math.sin(bath[n].frequency * tau)
 
 
 @kernel
-def turn_bath(model, bath, tau, q, v, s, turns):
-    """Bars frozen, all oscillators turn exactly; the bars take up the opposite momentum."""
+def rotate_bath(model, bath, tau, q, v, s, rotations):
+    """Rotate all oscillators exactly, bars frozen; the bars take up the opposite momentum."""
     if bath is not None:
-        turns_of(bath, tau, turns)
+        set_rotations(bath, tau, rotations)
         for i in range(model.asperites.shape[0]):
             a = model.asperites[i]
             count = model.surfaces[a.surface].oscillators
             if count > 0:
                 first = model.surfaces[a.surface].first_oscillator
                 x, y = bar_displacement(a, q, q[i])
-                px = turn_oscillators(q, v, a.dof_bath, count, x, bath, first, turns)
-                py = turn_oscillators(q, v, a.dof_bath + count, count, y, bath, first, turns)
+                px = rotate_oscillators(q, v, a.dof_bath, count, x, bath, first, rotations)
+                py = rotate_oscillators(q, v, a.dof_bath + count, count, y, bath, first, rotations)
                 push_bar(a, model.bobs[i], -px, -py, i, v, s, a.acc_internal)
 
 
 @kernel
-def turn_torsional(model, torsional, tau, q, v, s, turns):
-    """Bars frozen, all torsional oscillators turn exactly; the bars take up the rest."""
+def rotate_torsional(model, torsional, tau, q, v, s, rotations):
+    """Rotate all torsional oscillators exactly; the bars take up the opposite angular momentum."""
     if torsional is not None:
-        turns_of(torsional, tau, turns)
+        set_rotations(torsional, tau, rotations)
         for i in range(model.asperites.shape[0]):
             a = model.asperites[i]
             surface = model.surfaces[a.surface]
             if surface.torsionals > 0:
                 start = a.dof_bath + 2 * surface.oscillators
                 first = surface.first_torsional
-                gained = turn_oscillators(
-                    q, v, start, surface.torsionals, q[a.dof_phi], torsional, first, turns
+                gained = rotate_oscillators(
+                    q, v, start, surface.torsionals, q[a.dof_phi], torsional, first, rotations
                 )
                 nu = v[a.dof_phi]
                 v[a.dof_phi] -= gained / a.i2
@@ -108,7 +108,7 @@ def turn_torsional(model, torsional, tau, q, v, s, turns):
 
 @kernel
 def thermal_kick(gamma, temperature, mobility, relative, tau, noise):
-    """Momentum that friction and noise give in tau to a velocity of mass 1 / mobility."""
+    """Momentum that friction and noise give in tau to a degree of freedom of mass 1 / mobility."""
     kept = math.exp(-gamma * mobility * tau)
     change = (kept - 1.0) * relative
     if temperature > 0.0:
@@ -118,7 +118,7 @@ def thermal_kick(gamma, temperature, mobility, relative, tau, noise):
 
 @kernel
 def thermalise(model, langevin, tau, v, s, noise):
-    """Langevin at the frozen bars, exactly: along the bar's arc and across it."""
+    """Langevin friction and noise on the frozen bars, exactly: along the bar's arc and across."""
     if langevin is not None:
         for k in range(model.surfaces.shape[0]):
             surface = model.surfaces[k]
@@ -148,14 +148,14 @@ def thermalise(model, langevin, tau, v, s, noise):
 
 
 @kernel
-def bath_substep(model, tau, q, v, s, turns, twists, noise):
+def bath_substep(model, tau, q, v, s, rotations, torsional_rotations, noise):
     """Baths and reservoirs for tau, bars and bobs frozen: symmetric in time."""
     if model.langevin is None:
-        turn_bath(model, model.bath, tau, q, v, s, turns)
-        turn_torsional(model, model.torsional, tau, q, v, s, twists)
+        rotate_bath(model, model.bath, tau, q, v, s, rotations)
+        rotate_torsional(model, model.torsional, tau, q, v, s, torsional_rotations)
     else:
-        turn_bath(model, model.bath, 0.5 * tau, q, v, s, turns)
-        turn_torsional(model, model.torsional, 0.5 * tau, q, v, s, twists)
+        rotate_bath(model, model.bath, 0.5 * tau, q, v, s, rotations)
+        rotate_torsional(model, model.torsional, 0.5 * tau, q, v, s, torsional_rotations)
         thermalise(model, model.langevin, tau, v, s, noise)
-        turn_torsional(model, model.torsional, 0.5 * tau, q, v, s, twists)
-        turn_bath(model, model.bath, 0.5 * tau, q, v, s, turns)
+        rotate_torsional(model, model.torsional, 0.5 * tau, q, v, s, torsional_rotations)
+        rotate_bath(model, model.bath, 0.5 * tau, q, v, s, rotations)

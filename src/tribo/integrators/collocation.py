@@ -1,8 +1,8 @@
 """Collocation: over a step q'' is a polynomial whose values at nodes are found by iteration.
 
-Velocities are known at every node, so that powers are booked there, and forces may depend on
-velocities.  With Gauss nodes and equal steps a step back undoes a step; with Radau nodes steps are
-chosen by the polynomial's highest term.
+Velocities are known at every node, so that powers are evaluated there, and forces may depend on
+velocities.  With Gauss nodes and equal steps, a step back undoes a step.  With Radau nodes, which
+begin with the start of the step, its length is chosen by the polynomial's highest term.
 
 J. C. Butcher, Math. Comput. 18 (1964) 50; E. Hairer, R. I. McLachlan, A. Razakarivony, BIT 48
 (2008) 231, on iterating down to round-off; E. Everhart, in Dynamics of Comets, Reidel 1985, p. 185;
@@ -10,129 +10,187 @@ H. Rein, D. S. Spiegel, Mon. Not. R. Astron. Soc. 446 (2015) 1424.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from tribo.integrators.linear_combinations import add, add_twice, combine, combine_twice, largest
-from tribo.integrators.step_control import (
-    EPSILON,
-    accept_step,
-    advance,
-    all_finite,
-    check_arrival,
-    end_of_step,
-    equal_step,
-    equal_step_status,
-    error_too_large,
-    growth_factor,
-    initialize,
-    next_step,
-    rates,
-    record_due,
-    reject_step,
-    step_underflows,
-    underflow_status,
-    update_encounter,
-)
-from tribo.kernels.compiled import kernel
+from tribo.integrators.step_control import EPSILON, all_finite, growth_factor, rates
+from tribo.kernels.compiled import kernel, owning_kernel
 from tribo.kernels.equations_of_motion import equations_of_motion
-from tribo.kernels.neighbours import crowded
 from tribo.kernels.powers import all_powers
-from tribo.kernels.samples import blank, copy, copy_state
-from tribo.kernels.status import (
-    COMPLETED,
-    NOT_CONVERGED,
-    NOT_FINITE,
-    PAUSED,
-)
+from tribo.kernels.samples import copy, copy_rows, copy_state
+from tribo.kernels.status import COMPLETED, NOT_CONVERGED, NOT_FINITE
 
-SWEEPS = 40  # through the nodes, after which an iteration is given up
-ROUNDED = 1e6  # times round-off: an iteration that stalls below has converged
-FARTHEST = 4.0  # steps, that a polynomial is continued beyond its own
-SHARE = 1e-4  # of the tolerance, for what an iteration leaves
-SHARP = 10.0  # highest term of q'' that goes with a level of 1, in units of the scales
+# Sweeps through the nodes after which an iteration has not converged.
+MAX_SWEEPS = 40
+# Change of a sweep, in units of round-off, below which an iteration that stalls has converged.
+STALL_LIMIT = 1e6
+# Change of a sweep, in units of the tolerance, below which an iteration has converged.
+SWEEP_TOLERANCE = 1e-4
+# Ratio of a step to the last one, above which the last polynomial is not continued into it.
+MAX_EXTRAPOLATION = 4.0
+# The polynomial's highest term may be this times the root of the tolerance's level, in units of the
+# scales of velocities and accounts: the error of a step is about as the square of that term.
+HIGHEST_TERM = 10.0
+
+
+class Nodes(NamedTuple):
+    """Values at the nodes of a step, and room for one node."""
+
+    accelerations: np.ndarray  # (nodes, coordinates)
+    powers: np.ndarray  # (nodes, accounts)
+    y: np.ndarray  # (2 coordinates,) at the present node
+    acceleration: np.ndarray  # (coordinates,) there
+    unit: np.ndarray  # (coordinates,) of velocity, in which a sweep's change is measured
+
+
+class Collocation(NamedTuple):
+    """q'' is the polynomial through its values f_i at the nodes t + c_i h.
+
+    At the nodes, velocities are v + h sum_j r_ij f_j and coordinates q + c_i h v + h^2 sum_j a_ij
+    f_j; at the end of the step v + h sum_j v_j f_j and q + h v + h^2 sum_j b_j f_j.
+    """
+
+    c: np.ndarray  # (nodes,)
+    r: np.ndarray  # (nodes, nodes)
+    a: np.ndarray  # (nodes, nodes)
+    v: np.ndarray  # (nodes,)
+    b: np.ndarray  # (nodes,)
+    pole: np.ndarray  # (nodes,) 1 / product over k of c_j - c_k, of the barycentric formula
+    last: np.ndarray  # (nodes,) weights of the integral of the polynomial's highest term
+
+    def workspace(self, model, state):
+        """The arrays that a step needs."""
+        return empty_nodes(self.c.size, state)
+
+    def step(self, model, neighbours, clock, h, end, state, work):
+        """Advance the state to the time `end`, the polynomial found to round-off."""
+        set_round_off(state, h, work.unit)
+        copy(state.acceleration, work.accelerations[0])
+        if not solve(self, model, neighbours, clock, h, state, work, 0.0, STALL_LIMIT):
+            return NOT_CONVERGED if all_finite(work.acceleration) else NOT_FINITE
+        evaluate_powers(self, model, neighbours, clock, h, state, work)
+        complete_step(self, model, neighbours, clock, h, end, state, work)
+        return COMPLETED
+
+    def trial(self, model, neighbours, clock, h, end, state, new, tolerance, work):
+        """Try a step; see :mod:`tribo.integrators.time_loops`.  The first node is its start."""
+        set_tolerance(state, tolerance, work.unit)
+        copy(state.acceleration, work.accelerations[0])
+        copy(state.power, work.powers[0])
+        if not solve(self, model, neighbours, clock, h, state, work, SWEEP_TOLERANCE, 1.0):
+            return False, 0.5, all_finite(work.acceleration)
+        evaluate_powers(self, model, neighbours, clock, h, state, work)
+        error = estimate_error(self, h, state, work, tolerance)
+        if error <= 1.0:
+            copy_state(state, new)
+            complete_step(self, model, neighbours, clock, h, end, new, work)
+        growth = min(MAX_EXTRAPOLATION, growth_factor(error, self.c.size))
+        return error <= 1.0, growth, math.isfinite(error)
+
+
+@owning_kernel
+def empty_nodes(count, state):
+    """Room for that many nodes."""
+    n = state.acceleration.size
+    return Nodes(
+        np.empty((count, n)),
+        np.empty((count, state.s.size)),
+        np.empty(2 * n),
+        np.empty(n),
+        np.empty(n),
+    )
 
 
 @kernel
-def unknowns(method):
-    """How many nodes there are but the start."""
+def unknown_nodes(method):
+    """Number of nodes without the start of the step."""
     return method.c.size - 1 if method.c[0] == 0.0 else method.c.size
 
 
 @kernel
-def predict(method, clock, h, memory, slopes):
-    """Values at the nodes to begin with: those of the last step's polynomial, or of the start."""
-    ratio = h / clock.last if clock.last > 0.0 else math.inf
+def set_round_off(state, h, unit):
+    """The round-off of the largest velocity, as the unit of all."""
+    n = state.acceleration.size
+    velocity = 0.0
+    acceleration = 0.0
+    for m in range(n):
+        velocity = max(velocity, abs(state.y[n + m]))
+        acceleration = max(acceleration, abs(state.acceleration[m]))
+    for m in range(n):
+        unit[m] = EPSILON * (velocity + h * acceleration)
+
+
+@kernel
+def set_tolerance(state, tolerance, unit):
+    """The tolerance of each velocity, but not less than its round-off, as its unit."""
+    n = state.acceleration.size
+    for m in range(n):
+        unit[m] = tolerance.y[n + m] + 2.0 * EPSILON * abs(state.y[n + m])
+
+
+@kernel
+def predict(method, clock, h, memory, accelerations):
+    """First values at the nodes: those of the last step's polynomial, or that at the start.
+
+    The value at the start stands in row 0.
+    """
+    ratio = h / clock.last_step if clock.last_step > 0.0 else math.inf
     for i in range(method.c.size):
-        if ratio > FARTHEST:
-            copy(slopes[0], slopes[i])
+        if ratio > MAX_EXTRAPOLATION:
+            copy(accelerations[0], accelerations[i])
         elif method.c[i] > 0.0:
             x = 1.0 + ratio * method.c[i]
-            whole = 1.0
+            product = 1.0
             for k in range(method.c.size):
-                whole *= x - method.c[k]
-            for m in range(slopes.shape[1]):
-                slopes[i, m] = 0.0
+                product *= x - method.c[k]
+            for m in range(accelerations.shape[1]):
+                accelerations[i, m] = 0.0
             for j in range(method.c.size):
-                weight = whole * method.pole[j] / (x - method.c[j])
-                for m in range(slopes.shape[1]):
-                    slopes[i, m] += weight * memory[j, m]
+                weight = product * method.pole[j] / (x - method.c[j])
+                for m in range(accelerations.shape[1]):
+                    accelerations[i, m] += weight * memory[j, m]
 
 
 @kernel
-def remember(slopes, memory):
-    """Keep the values at all nodes for the next step."""
-    for i in range(slopes.shape[0]):
-        copy(slopes[i], memory[i])
-
-
-@kernel
-def round_off(v, h, slope, unit):
-    """The round-off of the fastest rate, as the unit of all."""
-    fastest = 0.0
-    steepest = 0.0
-    for m in range(v.size):
-        fastest = max(fastest, abs(v[m]))
-        steepest = max(steepest, abs(slope[m]))
-    for m in range(v.size):
-        unit[m] = EPSILON * (fastest + h * steepest)
-
-
-@kernel
-def at_node(model, neighbours, method, i, t, h, y, slopes, node, slope):
-    """q'' at node i, from the values so far; `node` becomes (q, v) there."""
+def evaluate_node(model, neighbours, method, i, t, h, y, work):
+    """q'' at node i, and (q, v) there, from the present values at all nodes."""
     n = y.size // 2
-    combine_twice(y[:n], h, method.c[i], y[n:], method.a[i], slopes, node[:n])
-    combine(y[n:], h, method.r[i], slopes, node[n:])
-    equations_of_motion(model, neighbours, t + method.c[i] * h, node[:n], node[n:], slope)
+    q = work.y[:n]
+    v = work.y[n:]
+    combine_twice(y[:n], h, method.c[i], y[n:], method.a[i], work.accelerations, q)
+    combine(y[n:], h, method.r[i], work.accelerations, v)
+    equations_of_motion(model, neighbours, t + method.c[i] * h, q, v, work.acceleration)
 
 
 @kernel
-def sweep(model, neighbours, method, t, h, y, slopes, node, slope, unit):
-    """Renew the values at all nodes; returns by how much, times h, in units of `unit`."""
+def sweep(model, neighbours, method, t, h, y, work):
+    """Replace the values at all nodes; returns their largest change, times h, in their units."""
     change = 0.0
     for i in range(method.c.size):
         if method.c[i] > 0.0:
-            at_node(model, neighbours, method, i, t, h, y, slopes, node, slope)
-            for m in range(slope.size):
-                new = h * abs(slope[m] - slopes[i, m]) / unit[m]
+            evaluate_node(model, neighbours, method, i, t, h, y, work)
+            for m in range(work.acceleration.size):
+                new = h * abs(work.acceleration[m] - work.accelerations[i, m]) / work.unit[m]
                 if not new <= change:  # keeps nan
                     change = new
-            copy(slope, slopes[i])
+            copy(work.acceleration, work.accelerations[i])
     return change
 
 
 @kernel
-def solve(model, neighbours, method, clock, h, y, slopes, node, slope, unit, enough, stall):
-    """Sweep until another would change less than `enough`, or less than `stall` no more.
+def solve(method, model, neighbours, clock, h, state, work, tolerance, stall):
+    """Sweep until the next change would be below `tolerance`, or stalls below `stall`.
 
-    Returns whether that came about.
+    Returns whether the iteration has converged.
     """
+    predict(method, clock, h, state.memory, work.accelerations)
     before = 0.0
-    for _ in range(SWEEPS):
-        change = sweep(model, neighbours, method, clock.t, h, y, slopes, node, slope, unit)
-        clock.evaluations += unknowns(method)
-        if change <= enough or change * change <= enough * before:
+    for _ in range(MAX_SWEEPS):
+        change = sweep(model, neighbours, method, clock.t, h, state.y, work)
+        clock.evaluations += unknown_nodes(method)
+        if change <= tolerance or change * change <= tolerance * before:
             return True
         if 0.0 < before <= change <= stall:
             return True
@@ -143,143 +201,41 @@ def solve(model, neighbours, method, clock, h, y, slopes, node, slope, unit, eno
 
 
 @kernel
-def book(model, neighbours, method, t, h, y, slopes, node, slope, powers_):
-    """A last sweep, which looks at the powers as well."""
-    n = y.size // 2
+def evaluate_powers(method, model, neighbours, clock, h, state, work):
+    """A last sweep, with the powers at all nodes."""
+    n = state.acceleration.size
     for i in range(method.c.size):
         if method.c[i] > 0.0:
-            at_node(model, neighbours, method, i, t, h, y, slopes, node, slope)
-            all_powers(model, t + method.c[i] * h, node[:n], node[n:], powers_[i])
-            copy(slope, slopes[i])
+            evaluate_node(model, neighbours, method, i, clock.t, h, state.y, work)
+            t = clock.t + method.c[i] * h
+            all_powers(model, t, work.y[:n], work.y[n:], work.powers[i])
+            copy(work.acceleration, work.accelerations[i])
+    clock.evaluations += unknown_nodes(method)
 
 
 @kernel
-def finish(method, h, state, slopes, powers_):
-    """The state at the end of the step."""
-    n = state.y.size // 2
-    add_twice(state.y[:n], state.y_low[:n], h, state.y[n:], state.y_low[n:], method.b, slopes)
-    add(state.y[n:], state.y_low[n:], h, method.v, slopes)
-    add(state.s, state.s_low, h, method.v, powers_)
+def error_weight(level):
+    """What a step's highest term is multiplied by for its error; see HIGHEST_TERM."""
+    return math.sqrt(level) / HIGHEST_TERM
 
 
-def equal_collocation(model, neighbours, method, step, clocks, state, times, record, budget):
-    """March through the samples in equal steps of at most `step`; return a status.
-
-    As :func:`tribo.integrators.runge_kutta.fixed_steps`.  Every step is solved to round-off.
-    """
-    clock = clocks[0]
-    n = state.y.size // 2
-    node = np.empty_like(state.y)
-    slopes = np.empty((method.c.size, n))
-    powers_ = np.empty((method.c.size, state.s.size))
-    slope = np.empty(n)
-    power = np.empty(state.s.size)
-    unit = np.empty(n)
-    speeds = np.empty((model.asperites.size, 3))
-    status, encounter = initialize(model, neighbours, clock, state, slope, power, speeds)
-    if status != COMPLETED:
-        return status
-    for _ in range(budget):
-        left = record_due(model, neighbours, clock, state, times, record)
-        if left == 0.0:
-            return COMPLETED
-        if crowded(neighbours):
-            return PAUSED
-        goal = times[clock.sample]
-        h = equal_step(left, step)
-        status = equal_step_status(h, encounter, times[-1])
-        if status != COMPLETED:
-            return status
-        round_off(state.y[n:], h, slope, unit)
-        copy(slope, slopes[0])
-        predict(method, clock, h, state.memory, slopes)
-        converged = solve(
-            model, neighbours, method, clock, h, state.y, slopes, node, slope, unit, 0.0, ROUNDED
-        )
-        if not converged:
-            return NOT_CONVERGED if all_finite(slope) else NOT_FINITE
-        book(model, neighbours, method, clock.t, h, state.y, slopes, node, slope, powers_)
-        finish(method, h, state, slopes, powers_)
-        remember(slopes, state.memory)
-        clock.last = h
-        advance(clock, end_of_step(clock, goal, h, h == left), h, h == left)
-        rates(model, neighbours, clock.t, state.y, slope, power)
-        clock.evaluations += unknowns(method) + 1
-        if not all_finite(slope) or not all_finite(state.s):
-            return NOT_FINITE
-        encounter = update_encounter(model, neighbours, clock, state.y, speeds, h, encounter)
-    return PAUSED
+@kernel
+def estimate_error(method, h, state, work, tolerance):
+    """The error that goes with the polynomials' highest terms, in units of the tolerance."""
+    n = state.acceleration.size
+    velocities = largest(h, method.last, work.accelerations, state.y[n:], tolerance.y[n:])
+    accounts = largest(h, method.last, work.powers, state.s, tolerance.s)
+    return error_weight(tolerance.level) * (velocities + accounts)
 
 
-def chosen_collocation(model, neighbours, method, tolerance, clocks, state, times, record, budget):
-    """March through the samples with steps whose local errors stay within `tolerance`.
-
-    As :func:`tribo.integrators.runge_kutta.chosen_steps`, encounters and statuses included.  The
-    first node is the start of the step.  Errors are about as the square of the polynomial's
-    highest term, both in units of the scales of velocities and of accounts.
-    """
-    clock = clocks[0]
-    n = state.y.size // 2
-    nodes = method.c.size
-    trial = blank(state)
-    node = np.empty_like(state.y)
-    slopes = np.empty((nodes, n))
-    powers_ = np.empty((nodes, state.s.size))
-    slope = np.empty(n)
-    next_slope = np.empty(n)
-    next_power = np.empty(state.s.size)
-    unit = np.empty(n)
-    speeds = np.empty((model.asperites.size, 3))
-    sharpness = math.sqrt(tolerance.level) / SHARP
-    status, encounter = initialize(model, neighbours, clock, state, slopes[0], powers_[0], speeds)
-    if status != COMPLETED:
-        return status
-    for _ in range(budget):
-        left = record_due(model, neighbours, clock, state, times, record)
-        if left == 0.0:
-            return COMPLETED
-        if crowded(neighbours):
-            return PAUSED
-        goal = times[clock.sample]
-        h, landing = next_step(clock, encounter, left)
-        if step_underflows(h, landing, times[-1]):
-            return underflow_status(clock)
-
-        for m in range(n):
-            unit[m] = tolerance.y[n + m] + 2.0 * EPSILON * abs(state.y[n + m])
-        predict(method, clock, h, state.memory, slopes)
-        converged = solve(
-            model, neighbours, method, clock, h, state.y, slopes, node, slope, unit, SHARE, 1.0
-        )
-        if not converged:
-            clock.lost = 0 if all_finite(slope) else 1
-            reject_step(clock, 0.5 * h)
-            continue
-        book(model, neighbours, method, clock.t, h, state.y, slopes, node, slope, powers_)
-        clock.evaluations += unknowns(method)
-        error = sharpness * (
-            largest(h, method.last, slopes, state.y[n:], tolerance.y[n:])
-            + largest(h, method.last, powers_, state.s, tolerance.s)
-        )
-        if error_too_large(clock, error, h, nodes):
-            continue
-
-        copy_state(state, trial)
-        finish(method, h, trial, slopes, powers_)
-        t = end_of_step(clock, goal, h, landing)
-        rates(model, neighbours, t, trial.y, next_slope, next_power)
-        clock.evaluations += 1
-        ahead = check_arrival(
-            model, neighbours, clock, t, trial.y, next_slope, next_power, speeds, h
-        )
-        if ahead < 0.0:
-            continue
-
-        accept_step(clock, t, h, landing, min(FARTHEST, growth_factor(error, nodes)))
-        clock.last = h
-        copy_state(trial, state)
-        remember(slopes, state.memory)
-        copy(next_slope, slopes[0])
-        copy(next_power, powers_[0])
-        encounter = ahead
-    return PAUSED
+@kernel
+def complete_step(method, model, neighbours, clock, h, end, state, work):
+    """From the state at the start of the step to the state at its end, in place."""
+    n = state.acceleration.size
+    f = work.accelerations
+    add_twice(state.y[:n], state.y_low[:n], h, state.y[n:], state.y_low[n:], method.b, f)
+    add(state.y[n:], state.y_low[n:], h, method.v, f)
+    add(state.s, state.s_low, h, method.v, work.powers)
+    copy_rows(f, state.memory)
+    rates(model, neighbours, end, state.y, state.acceleration, state.power)
+    clock.evaluations += 1

@@ -5,9 +5,10 @@ Everhart, in Dynamics of Comets, eds. Carusi and Valsecchi, Reidel 1985, p. 185.
 """
 
 from fractions import Fraction
-from typing import NamedTuple
 
 import numpy as np
+
+from tribo.integrators.collocation import Collocation
 
 # Zeros of the shifted Legendre polynomial P_4, and of P_7 + P_8.
 GAUSS = (
@@ -26,22 +27,6 @@ RADAU = (
     "0.88532094683909576809035976293248537",
     "0.97752061356128750189117450042915494",
 )
-
-
-class Collocation(NamedTuple):
-    """q'' is the polynomial through its values f_i at the nodes t + c_i h.
-
-    At the nodes, velocities are v + h sum_j r_ij f_j and places q + c_i h v + h^2 sum_j a_ij f_j;
-    at the end of the step v + h sum_j v_j f_j and q + h v + h^2 sum_j b_j f_j.
-    """
-
-    c: np.ndarray  # (nodes,)
-    r: np.ndarray  # (nodes, nodes)
-    a: np.ndarray  # (nodes, nodes)
-    v: np.ndarray  # (nodes,)
-    b: np.ndarray  # (nodes,)
-    pole: np.ndarray  # (nodes,) 1 / product over k of c_j - c_k, of the barycentric formula
-    last: np.ndarray  # (nodes,) weights of the integral of the polynomial's highest term
 
 
 def collocation(nodes: tuple[str, ...]) -> Collocation:

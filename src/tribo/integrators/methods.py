@@ -1,53 +1,77 @@
-"""The methods that advance a scene in time: what each is, and what it is good for."""
+"""The table of methods: coefficients, use, source, and the effects that each refuses."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
-from tribo.integrators import (
-    collocation,
-    collocation_tableaux,
-    nystrom,
-    nystrom_tableaux,
-    runge_kutta,
-    splitting,
-    tableaux,
-)
-from tribo.integrators.splitting import alternating, composed
+from tribo.integrators import collocation_tableaux, nystrom_tableaux, tableaux, time_loops
+from tribo.integrators.collocation import Collocation
+from tribo.integrators.nystrom import Nystrom
+from tribo.integrators.runge_kutta import EmbeddedRungeKutta, RungeKutta
+from tribo.integrators.splitting import Splitting, alternating, composed, splitting_steps
 from tribo.model.scene import Scene
 from tribo.validation import choice
 
-# Effects that a method refuses, and why, as the end of a sentence that begins with its name.
-_PLACES = "is for forces of places alone; "
-_OWN_FORCES = {
-    "own drive": _PLACES + "a drive of the user's own may depend on velocities",
-    "own ends": _PLACES + "forces of the user's own on the ends of bars may depend on velocities",
+# Effects that a method refuses, and why: the end of a sentence that begins with its name.
+_POSITIONS_ONLY = "needs forces that depend on positions only; "
+_CUSTOM_FORCES = {
+    "own drive": _POSITIONS_ONLY + "a custom drive may depend on velocities",
+    "own ends": _POSITIONS_ONLY + "custom forces on the ends of bars may depend on velocities",
 }
-_ONE_WAY = {"langevin": "steps back in time, which no reservoir can"}
-_NO_FRICTION = {"langevin": _PLACES + "a reservoir's friction depends on velocities"}
-_BARE_KICKS = dict.fromkeys(
-    ("bath", "torsional bath"), "loses its order with a bath, which turns within its kicks"
+_FRICTION = {"langevin": _POSITIONS_ONLY + "Langevin friction depends on velocities"}
+_NEGATIVE_SUBSTEPS = {
+    "langevin": "uses negative substeps, which are unstable with damping and undefined with noise"
+}
+_BATH_IN_KICKS = dict.fromkeys(
+    ("bath", "torsional bath"), "loses its order with a bath, which rotates within its kicks"
 )
 
 
 @dataclass(frozen=True)
 class Method:
-    """A time loop, with its coefficients."""
+    """A time loop and the coefficients with which it runs.
+
+    Attributes
+    ----------
+    name
+        Name in scene files and on the command line.
+    order
+        Order of convergence, of the motion and of the ledger.
+    adaptive
+        Whether it chooses its steps by a tolerance; else it takes equal steps.
+    loop
+        The time loop, not yet compiled.
+    coefficients
+        The method as data; the loop finds the method's functions by its class.
+    use
+        What it is good for.
+    source
+        Where it was published.
+    splits
+        Whether it separates torsion springs, baths and reservoirs from the other forces.
+    first_level
+        Ratio of the level that is tried first to the wanted accuracy.
+    remembers
+        Number of accelerations that it keeps of a step, to begin the next.
+    refuses
+        Effects that it cannot integrate, and why.
+    smoothness
+        Number of continuous derivatives of the potential that its order needs.
+    """
 
     name: str
     order: int
-    adaptive: bool  # chooses its own steps by a tolerance
-    loop: Callable[..., Any]
-    coefficients: Any
+    adaptive: bool
+    loop: Callable[..., int]
+    coefficients: RungeKutta | EmbeddedRungeKutta | Nystrom | Collocation | Splitting
     use: str
     source: str
-    splits: bool = False  # takes the torsion springs, baths and reservoirs apart from other forces
-    first_level: float = 0.03  # of settings first tried, in units of the accuracy
-    remembers: int = 0  # vectors of a last step, by which the next is begun
-    refuses: Mapping[str, str] = field(default_factory=dict)  # effect -> why
-    smoothness: int = 1  # continuous derivatives of U that its order needs
+    splits: bool = False
+    first_level: float = 0.03
+    remembers: int = 0
+    refuses: Mapping[str, str] = field(default_factory=dict)
+    smoothness: int = 1
 
 
 METHODS = {
@@ -57,18 +81,18 @@ METHODS = {
             "midpoint",
             2,
             False,
-            runge_kutta.fixed_steps,
+            time_loops.equal_steps,
             tableaux.MIDPOINT,
-            "the paper's own: forces and powers at the middle of every step",
+            "the method of the paper: forces and powers at the middle of every step",
             "C. Runge, Math. Ann. 46 (1895) 167",
         ),
         Method(
             "rk4",
             4,
             False,
-            runge_kutta.fixed_steps,
+            time_loops.equal_steps,
             tableaux.CLASSICAL,
-            "comparison with other programs, of which it is the commonest method",
+            "comparison with other programs that use it",
             "W. Kutta, Z. Math. Phys. 46 (1901) 435",
             smoothness=2,
         ),
@@ -76,53 +100,53 @@ METHODS = {
             "dop853",
             8,
             True,
-            runge_kutta.chosen_steps,
+            time_loops.adaptive_steps,
             tableaux.DOP853,
             "few asperites, any drive, accuracies from 1e-3 to 1e-12",
             "Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993), II.10",
-            smoothness=0,  # its steps find a jump of the force, and shorten there
+            smoothness=0,  # its steps become short at a jump of the force
         ),
         Method(
             "rkn8",
             8,
             True,
-            nystrom.nystrom_steps,
+            time_loops.adaptive_steps,
             nystrom_tableaux.RKN8,
-            "forces of places, accuracies from 1e-3 to 1e-8",
+            "forces that depend on positions only, accuracies from 1e-3 to 1e-8",
             "J. R. Dormand, M. E. A. El-Mikkawy, P. J. Prince, IMA J. Numer. Anal. 7 (1987) 423",
-            refuses=_OWN_FORCES | _NO_FRICTION,
+            refuses=_CUSTOM_FORCES | _FRICTION,
             smoothness=0,
         ),
         Method(
             "rkn12",
             12,
             True,
-            nystrom.nystrom_steps,
+            time_loops.adaptive_steps,
             nystrom_tableaux.RKN12,
-            "forces of places, accuracies from 1e-8 to 1e-13",
+            "forces that depend on positions only, accuracies from 1e-8 to 1e-13",
             "J. R. Dormand, M. E. A. El-Mikkawy, P. J. Prince, IMA J. Numer. Anal. 7 (1987) 423",
-            refuses=_OWN_FORCES | _NO_FRICTION,
+            refuses=_CUSTOM_FORCES | _FRICTION,
             smoothness=0,
         ),
         Method(
             "gauss-radau-15",
             15,
             True,
-            collocation.chosen_collocation,
+            time_loops.adaptive_steps,
             collocation_tableaux.RADAU_15,
             "any drive, accuracies from 1e-8 to 1e-13",
             "E. Everhart (1985); H. Rein, D. S. Spiegel, Mon. Not. R. Astron. Soc. 446 (2015) 1424",
             remembers=8,
             smoothness=3,
-            first_level=100.0,  # its errors are far below what its controller fears
+            first_level=100.0,  # its errors are far below its estimates
         ),
         Method(
             "gauss-8",
             8,
             False,
-            collocation.equal_collocation,
+            time_loops.equal_steps,
             collocation_tableaux.GAUSS_8,
-            "checks: any drive, and a step back undoes a step",
+            "checks: any drive, and a step back undoes a step exactly",
             "J. C. Butcher, Math. Comput. 18 (1964) 50",
             remembers=4,
             smoothness=2,
@@ -131,18 +155,18 @@ METHODS = {
             "verlet",
             2,
             False,
-            splitting.composed_steps,
+            splitting_steps,
             composed(1.0),
             "many asperites, long runs, thousands of bath oscillators, Langevin reservoirs",
-            "L. Verlet, Phys. Rev. 159 (1967) 98, with the torsion springs turned exactly",
+            "L. Verlet, Phys. Rev. 159 (1967) 98, with the torsion springs rotated exactly",
             splits=True,
-            refuses=_OWN_FORCES,
+            refuses=_CUSTOM_FORCES,
         ),
         Method(
             "kahan-li-6",
             6,
             False,
-            splitting.composed_steps,
+            splitting_steps,
             composed(
                 0.39216144400731413928,
                 0.33259913678935943860,
@@ -153,14 +177,14 @@ METHODS = {
             "long runs without reservoirs at accuracies from 1e-5 to 1e-10",
             "W. Kahan, R.-C. Li, Math. Comput. 66 (1997) 1089",
             splits=True,
-            refuses=_OWN_FORCES | _ONE_WAY,
+            refuses=_CUSTOM_FORCES | _NEGATIVE_SUBSTEPS,
             smoothness=2,
         ),
         Method(
             "kahan-li-8",
             8,
             False,
-            splitting.composed_steps,
+            splitting_steps,
             composed(
                 0.13020248308889008088,
                 0.56116298177510838456,
@@ -175,14 +199,14 @@ METHODS = {
             "long runs without reservoirs at accuracies beyond 1e-9",
             "W. Kahan, R.-C. Li, Math. Comput. 66 (1997) 1089",
             splits=True,
-            refuses=_OWN_FORCES | _ONE_WAY,
+            refuses=_CUSTOM_FORCES | _NEGATIVE_SUBSTEPS,
             smoothness=2,
         ),
         Method(
             "blanes-moan-6",
             6,
             False,
-            splitting.composed_steps,
+            splitting_steps,
             alternating(
                 (
                     0.0502627644003922,
@@ -201,7 +225,7 @@ METHODS = {
             "long runs without baths or reservoirs at accuracies from 1e-3 to 1e-10",
             "S. Blanes, P. C. Moan, J. Comput. Appl. Math. 142 (2002) 313",
             splits=True,
-            refuses=_OWN_FORCES | _ONE_WAY | _BARE_KICKS,
+            refuses=_CUSTOM_FORCES | _NEGATIVE_SUBSTEPS | _BATH_IN_KICKS,
             smoothness=2,
         ),
     )
@@ -209,20 +233,20 @@ METHODS = {
 
 
 def noisy(scene: Scene) -> bool:
-    """Whether a reservoir's noise acts somewhere."""
+    """Whether the scene has thermal noise."""
     return any(s.langevin and s.langevin.temperature > 0.0 for s in scene.surfaces)
 
 
 def refusal(method: Method, scene: Scene) -> str | None:
-    """Why a method cannot run a scene, as the end of a sentence; None if it can."""
+    """Why a method cannot run a scene, as the end of a sentence; None if it can run it."""
     if noisy(scene) and method.name != "verlet":
-        return f'must be "verlet" for noise from a reservoir, got "{method.name}"'
+        return f'must be "verlet" where a reservoir has thermal noise, got "{method.name}"'
     for effect, why in method.refuses.items():
         if effect in scene.effects:
             return f'"{method.name}" {why}'
     return None
 
 
-def named(name: Any) -> Method:
-    """The method of that name."""
+def named(name: object) -> Method:
+    """The method of that name.  Raises InputError."""
     return METHODS[choice("method", name, METHODS)]

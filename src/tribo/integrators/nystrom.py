@@ -1,157 +1,141 @@
-"""Adaptive Runge-Kutta-Nystrom: for M q'' = F(q, t), whose forces know places and time alone.
+"""Adaptive Runge-Kutta-Nystrom methods: M q'' = F(q, t), whose forces do not depend on velocities.
 
-Stages are places, and carry no velocities; but the powers of the ledger are forces times
-velocities.  Once all forces of a step are known, so are velocities at its stages,
+A stage has coordinates, but no velocities.  The powers of the ledger are forces times velocities.
+Once all forces of a step are known, so are the velocities at its stages,
 
     V_i = v + h sum_j r_ij f_j,
 
 with a full matrix r, and the ledger's quadrature sum_i v_i P(Q_i, V_i) is of the method's own
-order: see :func:`tribo.integrators.nystrom_tableaux.stage_velocities`.  Forces are therefore kept,
-stage by stage, until the step is complete.
+order: see :func:`tribo.integrators.nystrom_tableaux.stage_velocities`.  Forces are therefore
+stored, stage by stage, until the step is complete.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
 from tribo.integrators.linear_combinations import add, add_twice, combine, combine_twice, largest
-from tribo.integrators.step_control import (
-    accept_step,
-    check_arrival,
-    end_of_step,
-    error_too_large,
-    growth_factor,
-    initialize,
-    next_step,
-    rates,
-    record_due,
-    step_underflows,
-    underflow_status,
-)
-from tribo.kernels.compiled import kernel
+from tribo.integrators.step_control import growth_factor, rates
+from tribo.kernels.compiled import kernel, owning_kernel
 from tribo.kernels.equations_of_motion import equations_of_motion
-from tribo.kernels.neighbours import crowded
 from tribo.kernels.powers import all_powers
 from tribo.kernels.records import BAR, BOB
-from tribo.kernels.samples import blank, copy, copy_state
-from tribo.kernels.status import COMPLETED, PAUSED
+from tribo.kernels.samples import copy, copy_state
 
 
 class Stages(NamedTuple):
-    """What is known of a step's stages; slopes and powers have one row more, for its end."""
+    """Stages of a step; accelerations and powers have one more row, for its end."""
 
-    places: np.ndarray  # (stages, coordinates)
-    slopes: np.ndarray  # (stages + 1, coordinates) q''
+    q: np.ndarray  # (stages, coordinates)
+    accelerations: np.ndarray  # (stages + 1, coordinates)
     powers: np.ndarray  # (stages + 1, accounts)
-    bobs: np.ndarray  # (stages, asperites) of BOB; the first row is that of the end
-    bars: np.ndarray  # (stages, asperites) of BAR; the first row is that of the end
+    bobs: np.ndarray  # (stages, asperites) of BOB; row 0 is that of the end
+    bars: np.ndarray  # (stages, asperites) of BAR; row 0 is that of the end
+    v: np.ndarray  # (coordinates,) at the present stage
+
+
+class Nystrom(NamedTuple):
+    """f_i at t + c_i h from q + c_i h v + h^2 sum_j a_ij f_j, weights, and an error estimate.
+
+    The step ends at q + h v + h^2 sum_i b_i f_i and v + h sum_i v_i f_i.
+    """
+
+    a: np.ndarray  # (stages, stages), strictly lower triangular
+    b: np.ndarray  # (stages,) of coordinates
+    v: np.ndarray  # (stages,) of velocities and accounts
+    c: np.ndarray  # (stages,)
+    r: np.ndarray  # (stages, stages): velocities at the stages are v + h sum_j r_ij f_j
+    with_power: np.ndarray  # the stages, but for the first, whose powers have a weight
+    eb: np.ndarray  # (stages,) weights of the error of coordinates
+    ev: np.ndarray  # (stages + 1,) of velocities and accounts; the last at the end of the step
+    order: float  # of the error estimate as a power of h
+
+    def workspace(self, model, state):
+        """The arrays that a step needs."""
+        return empty_stages(self.c.size, model.bobs.size, state)
+
+    def trial(self, model, neighbours, clock, h, end, state, new, tolerance, work):
+        """Try a step; see :mod:`tribo.integrators.time_loops`."""
+        copy(state.acceleration, work.accelerations[0])
+        copy(state.power, work.powers[0])
+        copy_state(state, new)
+        evaluate_stages(self, model, neighbours, clock, h, end, state, new, work)
+        evaluate_powers(self, model, clock.t, h, state, work)
+        error = estimate_error(self, h, state, work, tolerance)
+        add(new.s, new.s_low, h, self.v, work.powers)
+        return error <= 1.0, growth_factor(error, self.order), math.isfinite(error)
+
+
+@owning_kernel
+def empty_stages(count, asperites, state):
+    """Room for that many stages."""
+    n = state.acceleration.size
+    return Stages(
+        np.empty((count, n)),
+        np.empty((count + 1, n)),
+        np.zeros((count + 1, state.s.size)),
+        np.empty((count, asperites), BOB),
+        np.empty((count, asperites), BAR),
+        np.empty(n),
+    )
 
 
 @kernel
-def keep(model, stages, i):
-    """Keep the forces in place as those of stage i."""
+def store_forces(model, work, i):
+    """Store the forces that are in place as those of stage i."""
     for m in range(model.bobs.size):
-        stages.bobs[i, m] = model.bobs[m]
-        stages.bars[i, m] = model.bars[m]
+        work.bobs[i, m] = model.bobs[m]
+        work.bars[i, m] = model.bars[m]
 
 
 @kernel
-def put_back(model, stages, i):
+def restore_forces(model, work, i):
     """Put the forces of stage i in place."""
     for m in range(model.bobs.size):
-        model.bobs[m] = stages.bobs[i, m]
-        model.bars[m] = stages.bars[i, m]
+        model.bobs[m] = work.bobs[i, m]
+        model.bars[m] = work.bars[i, m]
 
 
 @kernel
-def try_step(model, neighbours, tableau, t, h, end, y, stages, trial):
-    """Forces at all stages, places and rates at the end of the step, forces and powers there."""
-    n = y.size // 2
-    last = tableau.c.size
+def evaluate_stages(method, model, neighbours, clock, h, end, state, new, work):
+    """Forces at all stages; coordinates, velocities and their rates of change at the end."""
+    n = state.acceleration.size
+    last = method.c.size
+    q = state.y[:n]
+    v = state.y[n:]
+    f = work.accelerations
     for i in range(1, last):
-        place = stages.places[i]
-        combine_twice(y[:n], h, tableau.c[i], y[n:], tableau.a[i, :i], stages.slopes, place)
-        equations_of_motion(model, neighbours, t + tableau.c[i] * h, place, y[n:], stages.slopes[i])
-        keep(model, stages, i)
-    add_twice(trial.y[:n], trial.y_low[:n], h, y[n:], trial.y_low[n:], tableau.b, stages.slopes)
-    add(trial.y[n:], trial.y_low[n:], h, tableau.v, stages.slopes)
-    rates(model, neighbours, end, trial.y, stages.slopes[last], stages.powers[last])
-    keep(model, stages, 0)
+        place = work.q[i]
+        combine_twice(q, h, method.c[i], v, method.a[i, :i], f, place)
+        equations_of_motion(model, neighbours, clock.t + method.c[i] * h, place, v, f[i])
+        store_forces(model, work, i)
+    add_twice(new.y[:n], new.y_low[:n], h, v, new.y_low[n:], method.b, f)
+    add(new.y[n:], new.y_low[n:], h, method.v, f)
+    rates(model, neighbours, end, new.y, f[last], work.powers[last])
+    store_forces(model, work, 0)
+    copy(f[last], new.acceleration)
+    copy(work.powers[last], new.power)
+    clock.evaluations += last
 
 
 @kernel
-def book(model, tableau, t, h, y, stages, rate):
-    """The powers at all stages that count; the forces at the end of the step are in place again."""
-    n = y.size // 2
-    for m in range(tableau.booked.size):
-        i = tableau.booked[m]
-        put_back(model, stages, i)
-        combine(y[n:], h, tableau.r[i], stages.slopes, rate)
-        all_powers(model, t + tableau.c[i] * h, stages.places[i], rate, stages.powers[i])
-    put_back(model, stages, 0)
+def evaluate_powers(method, model, t, h, state, work):
+    """Powers at all stages where they have a weight; leaves the forces at the end in place."""
+    n = state.acceleration.size
+    for m in range(method.with_power.size):
+        i = method.with_power[m]
+        restore_forces(model, work, i)
+        combine(state.y[n:], h, method.r[i], work.accelerations, work.v)
+        all_powers(model, t + method.c[i] * h, work.q[i], work.v, work.powers[i])
+    restore_forces(model, work, 0)
 
 
 @kernel
-def error_of(tableau, h, state, stages, tolerance):
-    """The step's error by the embedded method, in units of the tolerance."""
-    n = state.y.size // 2
-    places = largest(h * h, tableau.eb, stages.slopes, state.y[:n], tolerance.y[:n])
-    velocities = largest(h, tableau.ev, stages.slopes, state.y[n:], tolerance.y[n:])
-    accounts = largest(h, tableau.ev, stages.powers, state.s, tolerance.s)
-    return places + velocities + accounts  # keeps nan
-
-
-def nystrom_steps(model, neighbours, tableau, tolerance, clocks, state, times, record, budget):
-    """March through the samples with steps whose local errors stay within `tolerance`.
-
-    As :func:`tribo.integrators.runge_kutta.chosen_steps`, encounters and statuses included.
-    """
-    clock = clocks[0]
-    n = state.y.size // 2
-    last = tableau.c.size
-    stages = Stages(
-        np.empty((last, n)),
-        np.empty((last + 1, n)),
-        np.zeros((last + 1, state.s.size)),
-        np.empty((last, model.bobs.size), BOB),
-        np.empty((last, model.bobs.size), BAR),
-    )
-    trial = blank(state)
-    rate = np.empty(n)
-    speeds = np.empty((model.asperites.size, 3))
-    status, encounter = initialize(
-        model, neighbours, clock, state, stages.slopes[0], stages.powers[0], speeds
-    )
-    if status != COMPLETED:
-        return status
-    for _ in range(budget):
-        left = record_due(model, neighbours, clock, state, times, record)
-        if left == 0.0:
-            return COMPLETED
-        if crowded(neighbours):
-            return PAUSED
-        goal = times[clock.sample]
-        h, landing = next_step(clock, encounter, left)
-        if step_underflows(h, landing, times[-1]):
-            return underflow_status(clock)
-
-        end = end_of_step(clock, goal, h, landing)
-        copy_state(state, trial)
-        try_step(model, neighbours, tableau, clock.t, h, end, state.y, stages, trial)
-        clock.evaluations += last
-        book(model, tableau, clock.t, h, state.y, stages, rate)
-        error = error_of(tableau, h, state, stages, tolerance)
-        if error_too_large(clock, error, h, tableau.order):
-            continue
-        slope, power = stages.slopes[last], stages.powers[last]
-        ahead = check_arrival(model, neighbours, clock, end, trial.y, slope, power, speeds, h)
-        if ahead < 0.0:
-            continue
-
-        add(trial.s, trial.s_low, h, tableau.v, stages.powers)
-        accept_step(clock, end, h, landing, growth_factor(error, tableau.order))
-        copy_state(trial, state)
-        copy(slope, stages.slopes[0])
-        copy(power, stages.powers[0])
-        encounter = ahead
-    return PAUSED
+def estimate_error(method, h, state, work, tolerance):
+    """The step's error by the embedded method, in units of the tolerance; nan where one is."""
+    n = state.acceleration.size
+    y = state.y
+    coordinates = largest(h * h, method.eb, work.accelerations, y[:n], tolerance.y[:n])
+    velocities = largest(h, method.ev, work.accelerations, y[n:], tolerance.y[n:])
+    return coordinates + velocities + largest(h, method.ev, work.powers, state.s, tolerance.s)

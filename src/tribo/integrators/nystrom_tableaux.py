@@ -1,32 +1,14 @@
-"""Coefficients of Runge-Kutta-Nystrom methods, and how their stages come by velocities.
+"""Coefficients of Runge-Kutta-Nystrom methods, and the velocities at their stages.
 
 Sources.  RKN8(6)9FM and RKN12(10)17M: J. R. Dormand, M. E. A. El-Mikkawy, P. J. Prince, High-order
 embedded Runge-Kutta-Nystrom formulae, IMA J. Numer. Anal. 7 (1987) 423; their rational numbers,
 rounded.  Both have b_i = v_i (1 - c_i), for the weights of the embedded formulae too.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
+from tribo.integrators.nystrom import Nystrom
 from tribo.integrators.tableaux import stages
-
-
-class Nystrom(NamedTuple):
-    """f_i at t + c_i h from q + c_i h v + h^2 sum_j a_ij f_j, weights, and an error estimate.
-
-    q + h v + h^2 sum_i b_i f_i and v + h sum_i v_i f_i end the step.
-    """
-
-    a: np.ndarray  # (stages, stages), strictly lower triangular
-    b: np.ndarray  # (stages,) of places
-    v: np.ndarray  # (stages,) of velocities and accounts
-    c: np.ndarray  # (stages,)
-    r: np.ndarray  # (stages, stages): velocities at the stages are v + h sum_j r_ij f_j
-    booked: np.ndarray  # the stages, but for the first, whose powers count
-    eb: np.ndarray  # (stages,) weights of the error of places
-    ev: np.ndarray  # (stages + 1,) of velocities and accounts; the last at the end of the step
-    order: float  # of the error estimate as a power of h
 
 
 def stage_velocities(v: np.ndarray, c: np.ndarray, matched: int, weighed: int) -> np.ndarray:
@@ -89,7 +71,7 @@ def _nystrom(
         v=v,
         c=c,
         r=stage_velocities(v, c, *velocities),
-        booked=np.flatnonzero(counts)[1:],
+        with_power=np.flatnonzero(counts)[1:],
         eb=error[:stages] * (1.0 - c),
         ev=error,
         order=order,

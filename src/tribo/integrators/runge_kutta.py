@@ -1,161 +1,117 @@
-"""Explicit Runge-Kutta time loops: one with a fixed step, one that chooses its own.
+"""Explicit Runge-Kutta methods, with equal steps and with an error estimate.
 
-Both carry the accounts of the ledger beside the state, each account by the method's own
-quadrature, and add every step's increment with compensation, so that round-off does not build up.
+The accounts of the ledger are integrated beside the state, by the method's own quadrature.  Every
+step's increment is added with compensation, so that round-off does not accumulate.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from tribo.integrators.linear_combinations import add, combine, largest
-from tribo.integrators.step_control import (
-    accept_step,
-    advance,
-    all_finite,
-    check_arrival,
-    end_of_step,
-    equal_step,
-    equal_step_status,
-    error_too_large,
-    growth_factor,
-    initialize,
-    next_step,
-    rates,
-    record_due,
-    step_underflows,
-    underflow_status,
-    update_encounter,
-)
-from tribo.kernels.compiled import kernel
-from tribo.kernels.neighbours import crowded
-from tribo.kernels.samples import blank, copy, copy_state
-from tribo.kernels.status import (
-    COMPLETED,
-    NOT_FINITE,
-    PAUSED,
-)
+from tribo.integrators.step_control import growth_factor, rates
+from tribo.kernels.compiled import inlined, owning_kernel
+from tribo.kernels.samples import copy, copy_state
+from tribo.kernels.status import COMPLETED
+
+ERROR_ORDER = 8.0  # power of h as which the combined error estimate of DOP853 grows
 
 
-@kernel
-def slopes_at(model, neighbours, t, y, slope, power):
-    """y' = (v, q'') and s' at one instant."""
-    n = y.size // 2
-    for m in range(n):
-        slope[m] = y[n + m]
-    rates(model, neighbours, t, y, slope[n:], power)
+class Stages(NamedTuple):
+    """Rates of change at the stages of a step; those of stage 0 are the state's own."""
+
+    derivatives: np.ndarray  # (stages, 2 coordinates) y' = (v, q'')
+    powers: np.ndarray  # (stages, accounts) s'
+    y: np.ndarray  # (2 coordinates,) at the present stage
 
 
-def fixed_steps(model, neighbours, tableau, step, clocks, state, times, record, budget):
-    """March through the samples in equal steps of at most `step`; return a status.
+class RungeKutta(NamedTuple):
+    """k_i = f(t + c_i h, y + h sum_j a_ij k_j); the step ends at y + h sum_i b_i k_i."""
 
-    Between two samples the steps are equal, and as few as `step` allows.  The step is obeyed
-    until it would jump an encounter.  PAUSED after `budget` steps: call again to go on.
+    a: np.ndarray  # (stages, stages), strictly lower triangular
+    b: np.ndarray  # (stages,)
+    c: np.ndarray  # (stages,)
+
+    def workspace(self, model, state):
+        """The arrays that a step needs."""
+        return empty_stages(self.b.size, state)
+
+    def step(self, model, neighbours, clock, h, end, state, work):
+        """Advance the state to the time `end`."""
+        evaluate_stages(self, model, neighbours, clock, h, state, work)
+        complete_step(self, model, neighbours, clock, h, end, state, work)
+        return COMPLETED
+
+
+class EmbeddedRungeKutta(NamedTuple):
+    """The same with the weights of two error estimates, of orders 5 and 3.
+
+    E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed.,
+    Springer 1993, II.10, for their combination.
     """
-    clock = clocks[0]
-    stages = tableau.b.size
-    y = np.empty_like(state.y)
-    slopes = np.empty((stages, state.y.size))
-    powers_ = np.empty((stages, state.s.size))
-    speeds = np.empty((model.asperites.size, 3))
-    n = state.y.size // 2
-    status, encounter = initialize(
-        model, neighbours, clock, state, slopes[0, n:], powers_[0], speeds
-    )
-    copy(state.y[n:], slopes[0, :n])
-    if status != COMPLETED:
-        return status
-    for _ in range(budget):
-        left = record_due(model, neighbours, clock, state, times, record)
-        if left == 0.0:
-            return COMPLETED
-        if crowded(neighbours):
-            return PAUSED
-        goal = times[clock.sample]
-        h = equal_step(left, step)
-        status = equal_step_status(h, encounter, times[-1])
-        if status != COMPLETED:
-            return status
-        for i in range(1, stages):
-            combine(state.y, h, tableau.a[i], slopes, y)
-            slopes_at(model, neighbours, clock.t + tableau.c[i] * h, y, slopes[i], powers_[i])
-        add(state.y, state.y_low, h, tableau.b, slopes)
-        add(state.s, state.s_low, h, tableau.b, powers_)
-        advance(clock, end_of_step(clock, goal, h, h == left), h, h == left)
-        slopes_at(model, neighbours, clock.t, state.y, slopes[0], powers_[0])
-        clock.evaluations += stages
-        if not all_finite(slopes[0]) or not all_finite(state.s):
-            return NOT_FINITE
-        encounter = update_encounter(model, neighbours, clock, state.y, speeds, h, encounter)
-    return PAUSED
 
+    a: np.ndarray  # (stages, stages), strictly lower triangular
+    b: np.ndarray  # (stages,)
+    c: np.ndarray  # (stages,)
+    e5: np.ndarray  # (stages,)
+    e3: np.ndarray  # (stages,)
 
-def chosen_steps(model, neighbours, tableau, tolerance, clocks, state, times, record, budget):
-    """March through the samples with steps whose local errors stay within `tolerance`.
+    def workspace(self, model, state):
+        """The arrays that a step needs."""
+        return empty_stages(self.b.size, state)
 
-    No step may carry a pair of bobs farther towards its next encounter than the clock allows, by
-    the speeds at its start, nor past it by the speeds at its end.  PAUSED after `budget` tries.
-    """
-    clock = clocks[0]
-    stages = tableau.b.size
-    y = np.empty_like(state.y)
-    trial = blank(state)
-    slopes = np.empty((stages, state.y.size))
-    powers_ = np.empty((stages, state.s.size))
-    next_slope = np.empty(state.y.size)
-    next_power = np.empty(state.s.size)
-    speeds = np.empty((model.asperites.size, 3))
-    n = state.y.size // 2
-    status, encounter = initialize(
-        model, neighbours, clock, state, slopes[0, n:], powers_[0], speeds
-    )
-    copy(state.y[n:], slopes[0, :n])
-    if status != COMPLETED:
-        return status
-    for _ in range(budget):
-        left = record_due(model, neighbours, clock, state, times, record)
-        if left == 0.0:
-            return COMPLETED
-        if crowded(neighbours):
-            return PAUSED
-        goal = times[clock.sample]
-        h, landing = next_step(clock, encounter, left)
-        if step_underflows(h, landing, times[-1]):
-            return underflow_status(clock)
-
-        for i in range(1, stages):
-            combine(state.y, h, tableau.a[i], slopes, y)
-            slopes_at(model, neighbours, clock.t + tableau.c[i] * h, y, slopes[i], powers_[i])
-        clock.evaluations += stages - 1
-        fifth = max(
-            largest(h, tableau.e5, slopes, state.y, tolerance.y),
-            largest(h, tableau.e5, powers_, state.s, tolerance.s),
-        )
-        third = max(
-            largest(h, tableau.e3, slopes, state.y, tolerance.y),
-            largest(h, tableau.e3, powers_, state.s, tolerance.s),
-        )
+    def trial(self, model, neighbours, clock, h, end, state, new, tolerance, work):
+        """Try a step; see :mod:`tribo.integrators.time_loops`."""
+        evaluate_stages(self, model, neighbours, clock, h, state, work)
+        fifth = largest_error(self.e5, h, state, work, tolerance)
+        third = largest_error(self.e3, h, state, work, tolerance)
         error = fifth
         if fifth > 0.0:
             error = fifth * (fifth / math.hypot(fifth, 0.1 * third))
-        if error_too_large(clock, error, h, 8.0):
-            continue
+        if error <= 1.0:
+            copy_state(state, new)
+            complete_step(self, model, neighbours, clock, h, end, new, work)
+        return error <= 1.0, growth_factor(error, ERROR_ORDER), math.isfinite(error)
 
-        copy_state(state, trial)
-        add(trial.y, trial.y_low, h, tableau.b, slopes)
-        add(trial.s, trial.s_low, h, tableau.b, powers_)
-        t = end_of_step(clock, goal, h, landing)
-        slopes_at(model, neighbours, t, trial.y, next_slope, next_power)
-        clock.evaluations += 1
-        ahead = check_arrival(
-            model, neighbours, clock, t, trial.y, next_slope, next_power, speeds, h
-        )
-        if ahead < 0.0:
-            continue
 
-        accept_step(clock, t, h, landing, growth_factor(error, 8.0))
-        copy_state(trial, state)
-        copy(next_slope, slopes[0])
-        copy(next_power, powers_[0])
-        encounter = ahead
-    return PAUSED
+@owning_kernel
+def empty_stages(count, state):
+    """Room for that many stages."""
+    return Stages(
+        np.empty((count, state.y.size)), np.empty((count, state.s.size)), np.empty_like(state.y)
+    )
+
+
+@inlined
+def evaluate_stages(method, model, neighbours, clock, h, state, work):
+    """Rates of change at all stages."""
+    n = state.acceleration.size
+    copy(state.y[n:], work.derivatives[0, :n])
+    copy(state.acceleration, work.derivatives[0, n:])
+    copy(state.power, work.powers[0])
+    y = work.y
+    for i in range(1, method.b.size):
+        combine(state.y, h, method.a[i], work.derivatives, y)
+        derivative = work.derivatives[i]
+        copy(y[n:], derivative[:n])
+        rates(model, neighbours, clock.t + method.c[i] * h, y, derivative[n:], work.powers[i])
+    clock.evaluations += method.b.size - 1
+
+
+@inlined
+def complete_step(method, model, neighbours, clock, h, end, state, work):
+    """From the state at the start of the step to the state at its end, in place."""
+    add(state.y, state.y_low, h, method.b, work.derivatives)
+    add(state.s, state.s_low, h, method.b, work.powers)
+    rates(model, neighbours, end, state.y, state.acceleration, state.power)
+    clock.evaluations += 1
+
+
+@inlined
+def largest_error(weights, h, state, work, tolerance):
+    """Largest error that these weights estimate, in units of the tolerance."""
+    return max(
+        largest(h, weights, work.derivatives, state.y, tolerance.y),
+        largest(h, weights, work.powers, state.s, tolerance.s),
+    )

@@ -1,13 +1,13 @@
-"""Symmetric splitting: pendulums turn exactly on their springs, everything else is kicks.
+"""Symmetric splitting: pendulums rotate exactly on their springs; other forces act in kicks.
 
-One step of length h is drift(h/2) kick(h) drift(h/2), and compositions of it have higher order;
+One step of length h is drift(h/2) kick(h) drift(h/2).  Compositions of it have higher order, and
 so have other sequences of drifts and kicks, see :class:`Splitting`.
 
-    drift  every torsion spring rotates its pendulum exactly, centres of mass move uniformly
-    kick   contact, drive, field and lattice springs change the rates at fixed places
-    turns  inside the kick: baths and reservoirs, bars frozen; see `bath_substep`
+    drift  every torsion spring rotates its pendulum exactly; centres of mass move uniformly
+    kick   contact, drive, field and lattice springs change velocities at fixed coordinates
+    bath   inside the kick: baths and reservoirs, bars frozen; see `bath_substep`
 
-Each part books its own work with the mean of the rates before and after it, so that pseudowork
+Each part adds its own work, by the mean of the velocities before and after it, so that pseudowork
 = delta k_trans and work = delta (k_trans + e_int) hold to round-off at any step.
 
 L. Verlet, Phys. Rev. 159 (1967) 98; G. Strang, SIAM J. Numer. Anal. 5 (1968) 506.
@@ -18,14 +18,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tribo.integrators.bath_substep import bath_substep, room_for_turns
+from tribo.integrators.bath_substep import bath_substep, empty_rotations
 from tribo.integrators.step_control import (
     advance,
     all_finite,
+    current_encounter,
     end_of_step,
     equal_step,
     equal_step_status,
-    nearness,
     record_due,
     time_left,
     update_encounter,
@@ -58,14 +58,14 @@ from tribo.kernels.status import (
     PAUSED,
 )
 
-# Gauss-Legendre nodes and weights on (0, 1), for the ends of clamped bars that turn.
+# Gauss-Legendre nodes and weights on (0, 1), for the ends of clamped bars that rotate.
 _ROOT = math.sqrt(0.6)
 NODES = np.array([0.5 - 0.5 * _ROOT, 0.5, 0.5 + 0.5 * _ROOT])
 WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18.0
 
 
 class Splitting(NamedTuple):
-    """A step as drifts and kicks in turn, drifts first and last, in parts of the step."""
+    """A step as alternating drifts and kicks, drifts first and last, in fractions of the step."""
 
     drifts: np.ndarray  # (kicks + 1,), a palindrome
     kicks: np.ndarray  # (kicks,), a palindrome
@@ -79,7 +79,7 @@ def composed(*first: float) -> Splitting:
 
 
 def alternating(drifts: tuple[float, ...], kicks: tuple[float, ...]) -> Splitting:
-    """Palindromes from the first drifts and kicks; the drift and kicks in the middle make up 1."""
+    """Palindromes from the first drifts and kicks; those in the middle make the sums 1."""
     middle = 1.0 - 2.0 * sum(drifts)
     last = 0.5 - sum(kicks)
     return Splitting(
@@ -90,15 +90,15 @@ def alternating(drifts: tuple[float, ...], kicks: tuple[float, ...]) -> Splittin
 
 @kernel
 def rotated(x, rate, frequency, tau):
-    """A harmonic oscillator after tau, without the bias of cos^2 + sin^2 != 1."""
+    """A harmonic oscillator after tau; the rounding of cos^2 + sin^2 causes no drift of energy."""
     if frequency == 0.0:
         return x + rate * tau, rate
     sin = math.sin(frequency * tau)
     half = math.sin(0.5 * frequency * tau)
-    less = 2.0 * half * half
+    versine = 2.0 * half * half
     return (
-        x - less * x + sin / frequency * rate,
-        rate - less * rate - sin * frequency * x,
+        x - versine * x + sin / frequency * rate,
+        rate - versine * rate - sin * frequency * x,
     )
 
 
@@ -109,8 +109,8 @@ def arc_work(twist):
 
 
 @kernel
-def book_ends(a, twist, rate, new, new_rate, vx, vy, s):
-    """What the ends of a clamped bar at rest do while its pendulum turns from twist to new."""
+def add_end_works(a, twist, rate, new, new_rate, vx, vy, s):
+    """Add the works of the ends of a clamped bar at rest while its pendulum goes to `new`."""
     k = a.acc_ends
     with_bar = arc_work(new) - arc_work(twist)
     with_bar *= -a.l2 * a.kappa / a.bar_length * a.facing
@@ -125,8 +125,8 @@ def book_ends(a, twist, rate, new, new_rate, vx, vy, s):
 
 
 @kernel
-def book_turning_ends(a, twist, rate, frequency, t, tau, vx, vy, s):
-    """The same where the bar itself turns uniformly: by Gauss-Legendre quadrature."""
+def add_rotating_end_works(a, twist, rate, frequency, t, tau, vx, vy, s):
+    """Add them where the bar itself rotates uniformly, by Gauss-Legendre quadrature."""
     k = a.acc_ends
     pull = a.kappa / a.bar_length
     for m in range(NODES.size):
@@ -145,7 +145,7 @@ def book_turning_ends(a, twist, rate, frequency, t, tau, vx, vy, s):
 
 @kernel
 def drift_clamped(a, i, t, tau, q, v, s):
-    """Pendulum on a bar whose angle moves uniformly."""
+    """A pendulum on a bar that rotates uniformly."""
     twist = q[i] - (a.phi + a.nu * t)
     rate = v[i] - a.nu
     frequency = math.sqrt(a.kappa / a.inertia)
@@ -154,19 +154,19 @@ def drift_clamped(a, i, t, tau, q, v, s):
         vx = displacement(a.dof_x, v)
         vy = displacement(a.dof_y, v)
         if a.nu == 0.0:
-            book_ends(a, twist, rate, new, new_rate, vx, vy, s)
+            add_end_works(a, twist, rate, new, new_rate, vx, vy, s)
         else:
-            book_turning_ends(a, twist, rate, frequency, t, tau, vx, vy, s)
-            turning = 0.5 * a.nu * a.inertia * (rate - new_rate)
-            s[a.acc_ends] -= turning
-            s[a.acc_ends + 1] -= turning
+            add_rotating_end_works(a, twist, rate, frequency, t, tau, vx, vy, s)
+            bar_work = 0.5 * a.nu * a.inertia * (rate - new_rate)
+            s[a.acc_ends] -= bar_work
+            s[a.acc_ends + 1] -= bar_work
     q[i] += (new - twist) + a.nu * tau
     v[i] += new_rate - rate
 
 
 @kernel
 def drift_free(a, i, tau, q, v):
-    """Pendulum and bar turn against each other about their uniform mean."""
+    """Pendulum and bar rotate against each other about their uniform mean."""
     j = a.dof_phi
     twist = q[i] - q[j]
     rate = v[i] - v[j]
@@ -182,7 +182,7 @@ def drift_free(a, i, tau, q, v):
 
 @kernel
 def drift(model, now, tau, q, v, s):
-    """Everything moves by itself for tau, until now, and the bobs with it."""
+    """Drift of all asperites for tau, which ends now, and the bobs' places then."""
     for i in range(model.asperites.shape[0]):
         a = model.asperites[i]
         if a.dof_phi >= 0:
@@ -197,37 +197,37 @@ def drift(model, now, tau, q, v, s):
 
 
 @kernel
-def apply_kick(slot, tau, slope, v, middle):
-    """The rate in a slot, if there is one, after the kick and in the middle of it."""
+def apply_kick(slot, tau, acceleration, v, middle):
+    """The velocity in a slot, if there is one, after the kick and in the middle of it."""
     if slot >= 0:
-        middle[slot] = v[slot] + 0.5 * tau * slope[slot]
-        v[slot] += tau * slope[slot]
+        middle[slot] = v[slot] + 0.5 * tau * acceleration[slot]
+        v[slot] += tau * acceleration[slot]
 
 
 @kernel
 def accumulate(slot, width, tau, power, s):
-    """What a group of accounts gains in tau, if there is such a group."""
+    """Add the gain in tau to a group of accounts, if there is such a group."""
     if slot >= 0:
         for m in range(slot, slot + width):
             s[m] += tau * power[m]
 
 
 @kernel
-def kick(model, t, tau, q, v, s, slope, middle, power, core, common):
-    """The forces in place act for tau; they are booked at the mid-kick rates.
+def kick(model, t, tau, q, v, s, acceleration, middle, power, core, common):
+    """The forces in place act for tau; their works are added at the mid-kick velocities.
 
-    The first `core` rates are the asperites', the last `common` accounts of no single one.
-    Asperite by asperite all at once: of many, each is read from memory once.
+    The first `core` velocities are those of the asperites; the last `common` accounts belong to no
+    single asperite.  One loop does all, so that each of many asperites is read from memory once.
     """
     gather_contact(model)
     for i in range(model.asperites.shape[0]):
         a = model.asperites[i]
         drive_bar(model, i, t, q)
-        accelerate(model, i, 0.0, t, q, slope)
-        apply_kick(i, tau, slope, v, middle)
-        apply_kick(a.dof_phi, tau, slope, v, middle)
-        apply_kick(a.dof_x, tau, slope, v, middle)
-        apply_kick(a.dof_y, tau, slope, v, middle)
+        accelerate(model, i, 0.0, t, q, acceleration)
+        apply_kick(i, tau, acceleration, v, middle)
+        apply_kick(a.dof_phi, tau, acceleration, v, middle)
+        apply_kick(a.dof_x, tau, acceleration, v, middle)
+        apply_kick(a.dof_y, tau, acceleration, v, middle)
         powers_of(model, i, 0.0, t, q, middle, power)
         accumulate(a.acc_contact, CONTACT, tau, power, s)
         accumulate(a.acc_slide, SLIDE, tau, power, s)
@@ -241,11 +241,13 @@ def kick(model, t, tau, q, v, s, slope, middle, power, core, common):
     accumulate(s.size - common, common, tau, power, s)
 
 
-def composed_steps(model, neighbours, splitting, step, clocks, state, times, record, budget, noise):
-    """March through the samples in equal steps of at most `step`; return a status.
+def splitting_steps(
+    model, neighbours, splitting, step, clocks, state, times, record, budget, noise
+):
+    """Integrate through the sample times in equal steps of at most `step`; return a status.
 
-    PAUSED after `budget` steps: call again to go on.  The drift that ends a step is done together
-    with the one that begins the next.  `noise` is a random Generator.
+    PAUSED after `budget` steps: call again to continue.  The drift that ends a step is done
+    together with the one that begins the next.  `noise` is a random Generator.
     """
     clock = clocks[0]
     n = state.y.size // 2
@@ -253,24 +255,24 @@ def composed_steps(model, neighbours, splitting, step, clocks, state, times, rec
     q = state.y[:n]
     v = state.y[n:]
     s = state.s
-    slope = np.zeros(n)
+    acceleration = np.zeros(n)
     middle = np.empty(n)
     power = np.zeros(s.size)
     speeds = np.empty((model.asperites.size, 3))
-    turns = room_for_turns(model.bath)
-    twists = room_for_turns(model.torsional)
+    rotations = empty_rotations(model.bath)
+    torsional_rotations = empty_rotations(model.torsional)
     common = shared_accounts(model, model.fields)
     split = model.bath is not None or model.torsional is not None or model.langevin is not None
     if not update_neighbours(model, neighbours, clock.t, q):
         return PAUSED
-    encounter, closest = nearness(model, neighbours, clock.t, state.y, speeds)
+    clock.encounter_rate, closest = current_encounter(model, neighbours, clock.t, state.y, speeds)
     if closest == 0.0:
         return BOBS_COINCIDE
-    clock.unseen = 0.0
+    clock.encounter_age = 0.0
     for _ in range(budget):
         if clock.sample < times.size and time_left(clock, times[clock.sample]) <= 0.0:
-            drift(model, clock.t, clock.owed, q, v, s)
-            clock.owed = 0.0
+            drift(model, clock.t, clock.drift_lag, q, v, s)
+            clock.drift_lag = 0.0
             refresh(model, neighbours)
         left = record_due(model, neighbours, clock, state, times, record)
         if left == 0.0:
@@ -279,7 +281,7 @@ def composed_steps(model, neighbours, splitting, step, clocks, state, times, rec
             return PAUSED
         goal = times[clock.sample]
         h = equal_step(left, step)
-        status = equal_step_status(h, encounter, times[-1])
+        status = equal_step_status(clock, h, times[-1])
         if status != COMPLETED:
             return status
         t = clock.t
@@ -287,19 +289,19 @@ def composed_steps(model, neighbours, splitting, step, clocks, state, times, rec
             tau = splitting.kicks[m] * h
             ahead = splitting.drifts[m] * h
             t += ahead
-            drift(model, t, clock.owed + ahead, q, v, s)
-            clock.owed = 0.0
+            drift(model, t, clock.drift_lag + ahead, q, v, s)
+            clock.drift_lag = 0.0
             forces(model, neighbours, t, q)
             clock.evaluations += 1
             if split:
-                kick(model, t, 0.5 * tau, q, v, s, slope, middle, power, core, common)
-                bath_substep(model, tau, q, v, s, turns, twists, noise)
-                kick(model, t, 0.5 * tau, q, v, s, slope, middle, power, core, common)
+                kick(model, t, 0.5 * tau, q, v, s, acceleration, middle, power, core, common)
+                bath_substep(model, tau, q, v, s, rotations, torsional_rotations, noise)
+                kick(model, t, 0.5 * tau, q, v, s, acceleration, middle, power, core, common)
             else:
-                kick(model, t, tau, q, v, s, slope, middle, power, core, common)
-        clock.owed = splitting.drifts[-1] * h
+                kick(model, t, tau, q, v, s, acceleration, middle, power, core, common)
+        clock.drift_lag = splitting.drifts[-1] * h
         advance(clock, end_of_step(clock, goal, h, h == left), h, h == left)
-        encounter = update_encounter(model, neighbours, clock, state.y, speeds, h, encounter)
-        if clock.unseen == 0.0 and not all_finite(state.y):
+        updated = update_encounter(model, neighbours, clock, state.y, speeds, h)
+        if updated and not all_finite(state.y):
             return NOT_FINITE
     return PAUSED

@@ -1,4 +1,4 @@
-"""What all time loops share: samples that are due, encounters ahead, steps chosen and refused."""
+"""Step control of all time loops: samples that are due, encounters ahead, steps accepted or not."""
 
 import math
 from typing import NamedTuple
@@ -19,45 +19,54 @@ from tribo.kernels.status import (
     STEP_UNDERFLOW,
 )
 
+# Spacing of floating-point numbers at 1.
 EPSILON = 2.0**-52
-SHRINK, GROW = 0.2, 6.0  # bounds on the ratio of two steps
-CROSSED = 0.25  # of the way to an encounter, after which equal steps look again
+# Bounds on the ratio of a step to the one before it.
+MIN_GROWTH, MAX_GROWTH = 0.2, 6.0
+# Factor on the step that an error estimate allows, so that few steps are rejected.
+SAFETY = 0.9
+# Fraction of the way to an encounter, after which equal steps compute the encounter rate again.
+ENCOUNTER_UPDATE = 0.25
+# Equal steps compute it after every step for up to so many asperites, else after so many steps:
+# bobs at rest may begin to move.
+FEW_ASPERITES, UPDATE_INTERVAL = 64, 8
+# Smallest step, in units of the spacing of floating-point numbers at the end time.
+MIN_STEP = 16.0
 
 
 class Tolerance(NamedTuple):
-    """The largest local error wanted in each component of y and of s."""
+    """The largest local error of a step in each component of y and of s."""
 
     y: np.ndarray
     s: np.ndarray
-    level: float  # what these are of the scales of their components
-    near: float = 0.5  # how far of the way to the next encounter a step may go
+    level: float  # ratio of these to the scales of their components
+    encounter_fraction: float = 0.5  # of the way to the next encounter that a step may go
 
 
 @kernel
-def nearness(model, neighbours, t, y, speeds):
-    """Rate at which the nearest encounter comes, and the smallest distance; bobs in place."""
+def current_encounter(model, neighbours, t, y, speeds):
+    """Encounter rate, and the smallest distance of two bobs; bobs in place."""
     n = y.size // 2
     top_speeds(model, t, y[:n], y[n:], speeds)
     return encounter_rate(model, neighbours, speeds)
 
 
 @kernel
-def look_interval(model):
-    """Every how many steps to look for encounters at least: bobs at rest may be about to fall."""
-    return 1 if model.asperites.size <= 64 else 8
+def update_interval(model):
+    """Number of steps after which the encounter rate is computed again."""
+    return 1 if model.asperites.size <= FEW_ASPERITES else UPDATE_INTERVAL
 
 
 @kernel
 def encounter_bound(model, neighbours, t, y, speeds, h):
-    """Rate at which the nearest encounter comes, looked at pair by pair only where it matters.
+    """An upper bound on the encounter rate, pair by pair only where it matters for a step h.
 
-    If the fastest bobs could not cross a potential's feature in a quarter of the step h, no pair
-    need be looked at.
+    If the fastest bobs cannot cross a potential's length in a quarter of the step, no pair matters.
     """
     n = y.size // 2
     top_speeds(model, t, y[:n], y[n:], speeds)
     bound = widest_rate(model, speeds)
-    if h * bound <= CROSSED:
+    if h * bound <= ENCOUNTER_UPDATE:
         return bound
     rate, _ = encounter_rate(model, neighbours, speeds)
     return rate
@@ -65,7 +74,7 @@ def encounter_bound(model, neighbours, t, y, speeds, h):
 
 @kernel
 def all_finite(x):
-    """Whether every component is a number."""
+    """Whether every component is finite."""
     for m in range(x.size):
         if not math.isfinite(x[m]):
             return False
@@ -73,35 +82,33 @@ def all_finite(x):
 
 
 @kernel
-def rates(model, neighbours, t, y, slope, power):
-    """q'' and s' at one instant."""
+def rates(model, neighbours, t, y, acceleration, power):
+    """Compute q'' and s' at one instant."""
     n = y.size // 2
-    equations_of_motion(model, neighbours, t, y[:n], y[n:], slope)
+    equations_of_motion(model, neighbours, t, y[:n], y[n:], acceleration)
     all_powers(model, t, y[:n], y[n:], power)
 
 
 @kernel
-def initialize(model, neighbours, clock, state, slope, power, speeds):
-    """q'' and s' at the place where a run starts or goes on, and whether it can."""
-    n = state.y.size // 2
+def initialize(model, neighbours, clock, state, speeds):
+    """Rates of change and the encounter rate where a run starts or continues; a status."""
+    n = state.acceleration.size
     if not update_neighbours(model, neighbours, clock.t, state.y[:n]):
-        return PAUSED, 0.0
-    rates(model, neighbours, clock.t, state.y, slope, power)
-    if clock.evaluations == 0:  # going on after a pause costs one more, which is nobody's business
+        return PAUSED
+    rates(model, neighbours, clock.t, state.y, state.acceleration, state.power)
+    if clock.evaluations == 0:
         clock.evaluations = 1
-    encounter, closest = nearness(model, neighbours, clock.t, state.y, speeds)
-    clock.unseen = 0.0
-    status = COMPLETED
+    clock.encounter_rate, closest = current_encounter(model, neighbours, clock.t, state.y, speeds)
+    clock.encounter_age = 0.0
     if closest == 0.0:
-        status = BOBS_COINCIDE
-    elif not (all_finite(state.y) and all_finite(slope) and all_finite(power)):
-        status = NOT_FINITE
-    return status, encounter
+        return BOBS_COINCIDE
+    finite = all_finite(state.y) and all_finite(state.acceleration) and all_finite(state.power)
+    return COMPLETED if finite else NOT_FINITE
 
 
 @kernel
 def time_left(clock, goal):
-    """How long it is until the next sample."""
+    """Time left until the next sample."""
     return (goal - clock.t) - clock.t_low
 
 
@@ -118,37 +125,42 @@ def record_due(model, neighbours, clock, state, times, record):
 
 @kernel
 def equal_step(left, step):
-    """The step, at most `step`, that divides what is left until the next sample."""
+    """The largest step up to `step` that divides the time left until the next sample."""
     return left / max(1.0, np.ceil(left / step - 1e-9))
 
 
 @kernel
-def equal_step_status(h, encounter, end):
-    """Why an equal step cannot be taken; COMPLETED if it can."""
+def equal_step_status(clock, h, end):
+    """The status with which an equal step stops the run; COMPLETED if it can be taken."""
     if h < EPSILON * end:
         return STEP_UNDERFLOW
-    return ENCOUNTER_JUMPED if h * encounter > 1.0 else COMPLETED
+    return ENCOUNTER_JUMPED if h * clock.encounter_rate > 1.0 else COMPLETED
 
 
 @kernel
-def update_encounter(model, neighbours, clock, y, speeds, h, encounter):
-    """The encounter rate after an equal step: seen anew every few steps, or where it is near."""
-    clock.unseen += h
-    if clock.steps % look_interval(model) != 0 and (clock.unseen + h) * encounter <= CROSSED:
-        return encounter
-    clock.unseen = 0.0
-    return encounter_bound(model, neighbours, clock.t, y, speeds, h)
+def update_encounter(model, neighbours, clock, y, speeds, h):
+    """Compute the encounter rate after an equal step, every few steps or where one is near.
+
+    Returns whether it was computed.
+    """
+    clock.encounter_age += h
+    near = (clock.encounter_age + h) * clock.encounter_rate > ENCOUNTER_UPDATE
+    if clock.steps % update_interval(model) != 0 and not near:
+        return False
+    clock.encounter_age = 0.0
+    clock.encounter_rate = encounter_bound(model, neighbours, clock.t, y, speeds, h)
+    return True
 
 
 @kernel
-def next_step(clock, encounter, left):
+def next_step(clock, encounter_rate, left):
     """The step to try, and whether it ends with the sample that is `left` ahead.
 
-    No step may carry a pair of bobs nearer to its next encounter than the clock has it.
+    No step may carry a pair of bobs farther towards its next encounter than the clock allows.
     """
     h = clock.h
-    if h * encounter > clock.near:
-        h = clock.near / encounter
+    if h * encounter_rate > clock.encounter_fraction:
+        h = clock.encounter_fraction / encounter_rate
     if h >= left:
         return left, True
     if 2.0 * h > left:
@@ -158,56 +170,49 @@ def next_step(clock, encounter, left):
 
 @kernel
 def step_underflows(h, landing, end):
-    """Whether a step is lost in the spacing of times; the last before a sample may be."""
-    return h < 16.0 * EPSILON * end and not landing
+    """Whether a step is lost in the spacing of times; the last before a sample may be short."""
+    return h < MIN_STEP * EPSILON * end and not landing
 
 
 @kernel
 def underflow_status(clock):
-    """What a run ends with whose steps became too short."""
-    return NOT_FINITE if clock.lost == 1 else STEP_UNDERFLOW
+    """The status of a run whose steps became too short."""
+    return NOT_FINITE if clock.not_finite == 1 else STEP_UNDERFLOW
 
 
 @kernel
 def growth_factor(error, order):
-    """What a step is to be multiplied by, whose error was found and grows as h^order."""
+    """The factor from a step to the next, from its error, which grows as h^order."""
     if not math.isfinite(error):
-        return SHRINK
+        return MIN_GROWTH
     if error == 0.0:
-        return GROW
-    return min(GROW, max(SHRINK, 0.9 * error ** (-1.0 / order)))
+        return MAX_GROWTH
+    return min(MAX_GROWTH, max(MIN_GROWTH, SAFETY * error ** (-1.0 / order)))
 
 
 @kernel
 def reject_step(clock, h):
-    """The step that was tried is not taken; the next may be no longer than h."""
+    """The step that was tried is not taken; the next is h at most."""
     clock.h = h
     clock.rejected += 1
-    clock.held = 1
+    clock.after_rejection = 1
 
 
 @kernel
-def error_too_large(clock, error, h, order):
-    """Whether a step is turned back for its error, in units of what is tolerated."""
-    clock.lost = 0 if math.isfinite(error) else 1
-    if error <= 1.0:
-        return False
-    reject_step(clock, h * growth_factor(error, order))
-    return True
+def check_arrival(model, neighbours, clock, t, new, speeds, h):
+    """Whether the step h may end in the state `new`; if so, the clock has the encounter rate there.
 
-
-@kernel
-def check_arrival(model, neighbours, clock, t, y, slope, power, speeds, h):
-    """The encounter rate where the step h ends; negative where it must not end there.
-
-    Then there are no numbers, or bobs passed an encounter by the speeds they have now.
+    If not, because it is not finite or because bobs passed an encounter by the speeds they have
+    there, the step is rejected.
     """
-    encounter, _ = nearness(model, neighbours, t, y, speeds)
-    clock.lost = 0 if all_finite(slope) and all_finite(power) else 1
-    if clock.lost == 1 or h * encounter > 1.0:
+    encounter_rate, _ = current_encounter(model, neighbours, t, new.y, speeds)
+    finite = all_finite(new.y) and all_finite(new.acceleration) and all_finite(new.power)
+    if not finite or h * encounter_rate > 1.0:
+        clock.not_finite = 0 if finite else 1
         reject_step(clock, 0.5 * h)
-        return -1.0
-    return encounter
+        return False
+    clock.encounter_rate = encounter_rate
+    return True
 
 
 @kernel
@@ -218,17 +223,18 @@ def end_of_step(clock, goal, h, landing):
 
 @kernel
 def advance(clock, t, h, landing):
-    """The step h that ends at t is taken; what rounding takes from t is kept."""
+    """Take the step h that ends at t, and keep the rounding error of t."""
     clock.t_low = 0.0 if landing else (h + clock.t_low) - (t - clock.t)
     clock.t = t
+    clock.last_step = h
     clock.steps += 1
 
 
 @kernel
 def accept_step(clock, t, h, landing, growth):
-    """The step h that ends at t is taken; the next may be `growth` times as long."""
+    """Take the step h that ends at t; the next may be `growth` times as long."""
     advance(clock, t, h, landing)
-    if clock.held == 1:
+    if clock.after_rejection == 1:
         growth = min(growth, 1.0)
     clock.h = max(clock.h, h * growth) if h < clock.h and growth > 1.0 else h * growth
-    clock.held = 0
+    clock.after_rejection = 0

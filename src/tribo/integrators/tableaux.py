@@ -6,31 +6,13 @@ G. Wanner, Solving Ordinary Differential Equations I, 2nd ed., Springer 1993, se
 the digits of their program.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
-
-class Tableau(NamedTuple):
-    """Explicit Runge-Kutta: k_i at t + c_i h from y + h sum_j a_ij k_j, then y + h sum b_i k_i."""
-
-    a: np.ndarray  # (stages, stages), strictly lower triangular
-    b: np.ndarray  # (stages,)
-    c: np.ndarray  # (stages,)
-
-
-class Embedded(NamedTuple):
-    """A tableau with the weights of two error estimates, of orders 5 and 3."""
-
-    a: np.ndarray
-    b: np.ndarray
-    c: np.ndarray
-    e5: np.ndarray
-    e3: np.ndarray
+from tribo.integrators.runge_kutta import EmbeddedRungeKutta, RungeKutta
 
 
 def stages(*rows: dict[int, float]) -> np.ndarray:
-    """The matrix of weights (stages, stages) that are given row by row, by their columns."""
+    """The matrix of weights (stages, stages), from one dictionary {column: weight} a row."""
     a = np.zeros((len(rows), len(rows)))
     for i, row in enumerate(rows):
         for j, value in row.items():
@@ -38,9 +20,9 @@ def stages(*rows: dict[int, float]) -> np.ndarray:
     return a
 
 
-MIDPOINT = Tableau(stages({}, {0: 0.5}), np.array([0.0, 1.0]), np.array([0.0, 0.5]))
+MIDPOINT = RungeKutta(stages({}, {0: 0.5}), np.array([0.0, 1.0]), np.array([0.0, 0.5]))
 
-CLASSICAL = Tableau(
+CLASSICAL = RungeKutta(
     stages({}, {0: 0.5}, {1: 0.5}, {2: 1.0}),
     np.array([1 / 6, 1 / 3, 1 / 3, 1 / 6]),
     np.array([0.0, 0.5, 0.5, 1.0]),
@@ -165,4 +147,4 @@ _E3 = np.array(
     ]
 )
 
-DOP853 = Embedded(_A, _B, _C, _E5, _E3)
+DOP853 = EmbeddedRungeKutta(_A, _B, _C, _E5, _E3)

@@ -104,16 +104,17 @@ CLOCK = np.dtype(
     [
         ("t", "f8"),
         ("t_low", "f8"),  # what rounding took from t
-        ("owed", "f8"),  # time by which a splitting method's drift is behind t
-        ("near", "f8"),  # how far of the way to the next encounter a step may go
+        ("drift_lag", "f8"),  # time by which a splitting method's drift is behind t
+        ("encounter_fraction", "f8"),  # of the way to the next encounter that a step may go
+        ("encounter_rate", "f8"),  # [1 / time], as it was last computed
+        ("encounter_age", "f8"),  # time since equal steps computed it
         ("h", "f8"),  # the step the controller wants next; 0: not chosen yet
-        ("last", "f8"),  # the last step of a method that remembers it; 0: none yet
+        ("last_step", "f8"),  # 0: none yet
         ("sample", "i8"),  # next sample to be recorded
         ("steps", "i8"),
         ("rejected", "i8"),
-        ("held", "i8"),  # 1 where the next step may not be longer than the last one tried
-        ("lost", "i8"),  # 1 where the last step tried did not lead to numbers
-        ("unseen", "f8"),  # time since equal steps last looked for encounters
+        ("after_rejection", "i8"),  # 1: the next step may not grow
+        ("not_finite", "i8"),  # 1: the last step that was tried led to values that are not finite
         ("evaluations", "i8"),  # of all forces
     ],
     align=True,

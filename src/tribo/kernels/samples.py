@@ -1,4 +1,4 @@
-"""What is recorded of a state: the asperites' coordinates, the accounts, and stored energies."""
+"""Samples of a state: the asperites' coordinates, the accounts, and stored energies."""
 
 from typing import NamedTuple
 
@@ -14,54 +14,85 @@ SPRINGS, BATH, TORSIONAL, WITHIN, MOMENTUM_X, MOMENTUM_Y, STORED = range(7)
 
 
 class State(NamedTuple):
-    """Where a run is: coordinates and rates y = (q, v), accounts s, and what rounding took."""
+    """Coordinates and velocities y = (q, v), accounts s, rounding errors, and rates of change.
+
+    Splitting methods need neither rounding errors nor rates of change: theirs are empty.
+    """
 
     y: np.ndarray
-    y_low: np.ndarray
+    y_low: np.ndarray  # rounding error of y
     s: np.ndarray
-    s_low: np.ndarray
-    memory: np.ndarray  # (k, coordinates) what a method wants to remember of its last step
+    s_low: np.ndarray  # rounding error of s
+    acceleration: np.ndarray  # (coordinates,) q''
+    power: np.ndarray  # (accounts,) s'
+    memory: np.ndarray  # (k, coordinates) what a method keeps of its last step
+
+
+def initial_state(y: np.ndarray, accounts: int, remembers: int, splits: bool) -> State:
+    """The state at the start of a run, for a method that keeps `remembers` rows of memory."""
+    n = y.size // 2
+    return State(
+        y=y.copy(),
+        y_low=np.zeros(0 if splits else y.size),
+        s=np.zeros(accounts),
+        s_low=np.zeros(0 if splits else accounts),
+        acceleration=np.zeros(0 if splits else n),
+        power=np.zeros(0 if splits else accounts),
+        memory=np.zeros((remembers, n)),
+    )
 
 
 class Record(NamedTuple):
-    """Where the samples go, one row a sample."""
+    """The samples of a run, one row each."""
 
     y: np.ndarray  # (times, 2 coordinates) without the baths
     s: np.ndarray  # (times, accounts)
     contact: np.ndarray  # (times,) energy of all contacts
     field: np.ndarray  # (times,) energy in all external fields
-    stored: np.ndarray  # (times, surfaces, STORED) what is kept inside, and the baths' momentum
+    stored: np.ndarray  # (times, surfaces, STORED) energies within, and the baths' momentum
 
 
 @kernel
 def copy(source, target):
     """Make one array equal to another of its length.
 
-    For `target[:] = source` numba compiles a second what it would say if they did not fit.
+    For `target[:] = source` numba takes a second to compile the message for unequal lengths.
     """
     for m in range(source.size):
         target[m] = source[m]
 
 
+@kernel
+def copy_rows(source, target):
+    """Make the rows of one array equal to those of another."""
+    for i in range(target.shape[0]):
+        copy(source[i], target[i])
+
+
 @owning_kernel
-def blank(state):
-    """Room for another state."""
+def empty_state(state):
+    """Room for another state like this one."""
     return State(
         np.empty_like(state.y),
         np.empty_like(state.y_low),
         np.empty_like(state.s),
         np.empty_like(state.s_low),
-        state.memory,
+        np.empty_like(state.acceleration),
+        np.empty_like(state.power),
+        np.empty_like(state.memory),
     )
 
 
 @kernel
 def copy_state(source, target):
-    """Make one state equal to another; what a method remembers is its own business."""
+    """Make one state equal to another."""
     copy(source.y, target.y)
     copy(source.y_low, target.y_low)
     copy(source.s, target.s)
     copy(source.s_low, target.s_low)
+    copy(source.acceleration, target.acceleration)
+    copy(source.power, target.power)
+    copy_rows(source.memory, target.memory)
 
 
 @kernel
@@ -77,7 +108,7 @@ def spring_energies(model, bonds, q, stored):
 
 @kernel
 def bath_energies(model, bath, q, v, stored):
-    """Energy of each surface's bath in the surface's first frame, and its momentum there."""
+    """Energy and momentum of each surface's bath, in the frame of its initial velocity."""
     if bath is not None:
         for i in range(model.asperites.shape[0]):
             a = model.asperites[i]

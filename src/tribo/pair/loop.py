@@ -1,18 +1,18 @@
 """Two asperites and nothing else, by collocation: the time loop.
 
-The method of :func:`tribo.integrators.collocation.chosen_collocation` for the commonest scene: one
+The method of :func:`tribo.integrators.collocation.Collocation` for the commonest scene: one
 asperite on one, forced or free, bars clamped at rest.
 """
 
 import math
 
-from tribo.integrators.collocation import FARTHEST, SHARP
+from tribo.integrators.collocation import MAX_EXTRAPOLATION, error_weight
 from tribo.integrators.step_control import (
-    EPSILON,
     accept_step,
     end_of_step,
     next_step,
     reject_step,
+    step_underflows,
     time_left,
     underflow_status,
 )
@@ -95,12 +95,12 @@ def wind(clock, h):
     clock.t = 0.0
     clock.t_low = 0.0
     clock.h = h
-    clock.last = 0.0
+    clock.last_step = 0.0
     clock.sample = 0
     clock.steps = 0
     clock.rejected = 0
-    clock.held = 0
-    clock.lost = 0
+    clock.after_rejection = 0
+    clock.not_finite = 0
 
 
 @kernel
@@ -136,13 +136,13 @@ def pair_collocation(pairs, potential, rows, start, clocks, times, record, budge
     `rows` (ROWS, 8) is all that the loop keeps but for the clock: the method's table, the limits,
     and the state that it goes on from; `start` is y of the scene's layout at t = 0, where a clock
     without evaluations begins; `record` (times + 1, COLUMNS) is filled in row by row, and where
-    the run stops is its last sample.  As `chosen_collocation` else.
+    the run stops is its last sample.  As `adaptive_steps` else.
     """
     pair = pairs[0]
     clock = clocks[0]
     work = rows_of(rows)
     status = initialize(pair, potential, clock, start, work)
-    sharpness = math.sqrt(work[LIMITS, LEVEL]) / SHARP
+    sharpness = error_weight(work[LIMITS, LEVEL])
     done = 0
     while status == COMPLETED and clock.sample < times.size:
         goal = times[clock.sample]
@@ -155,16 +155,16 @@ def pair_collocation(pairs, potential, rows, start, clocks, times, record, budge
         done += 1
         encounter = work[START, RATE]
         h, landing = next_step(clock, encounter, left)
-        if h < 16.0 * EPSILON * times[-1] and not landing:
+        if step_underflows(h, landing, times[-1]):
             status = underflow_status(clock)
             continue
         taken, factor, finite = attempt(pair, potential, clock, h, encounter, sharpness, work)
-        clock.lost = 0 if finite else 1
+        clock.not_finite = 0 if finite else 1
         if not taken:
             reject_step(clock, h * factor)
             continue
-        accept_step(clock, end_of_step(clock, goal, h, landing), h, landing, min(FARTHEST, factor))
-        clock.last = h
+        end = end_of_step(clock, goal, h, landing)
+        accept_step(clock, end, h, landing, min(MAX_EXTRAPOLATION, factor))
     conclude(clock, record, times.size)
     if status != COMPLETED:
         write(pair, potential, clock, work, record)

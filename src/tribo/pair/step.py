@@ -12,9 +12,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tribo.integrators.collocation import FARTHEST, SHARE, SWEEPS
-from tribo.integrators.collocation_tableaux import Collocation
-from tribo.integrators.step_control import EPSILON, GROW, SHRINK
+from tribo.integrators.collocation import (
+    MAX_EXTRAPOLATION,
+    MAX_SWEEPS,
+    SWEEP_TOLERANCE,
+    Collocation,
+)
+from tribo.integrators.step_control import EPSILON, MAX_GROWTH, MIN_GROWTH
 from tribo.kernels.compiled import inlined
 from tribo.kernels.simd import (
     LANES,
@@ -130,9 +134,9 @@ def lagrange(work, x):
 @inlined
 def predict(clock, h, work):
     """Slopes at the nodes to begin with: those of the last step's polynomials, or of the start."""
-    ratio = h * (1.0 / clock.last) if clock.last > 0.0 else math.inf
+    ratio = h * (1.0 / clock.last_step) if clock.last_step > 0.0 else math.inf
     c = load(work, AT)
-    if ratio <= FARTHEST:
+    if ratio <= MAX_EXTRAPOLATION:
         weights = lagrange(work, 1.0 + ratio * c)
         f1 = put(combined(weights, work, MEMORY), 0, work[START, Q1])
         f2 = put(combined(weights, work, MEMORY + 1), 0, work[START, Q2])
@@ -161,13 +165,17 @@ def coasting(work, ahead):
 
 @inlined
 def enough(change, before):
-    """Whether another sweep would change less than SHARE, or this one stalled below 1."""
-    return change <= SHARE or change * change <= SHARE * before or 0.0 < before <= change <= 1.0
+    """Whether another sweep would change less than SWEEP_TOLERANCE, or this one stalled below 1."""
+    return (
+        change <= SWEEP_TOLERANCE
+        or change * change <= SWEEP_TOLERANCE * before
+        or 0.0 < before <= change <= 1.0
+    )
 
 
 @inlined
 def solve(pair, potential, clock, h, work):
-    """Sweep until another would change less than SHARE of the tolerance.
+    """Sweep until another would change less than SWEEP_TOLERANCE of the tolerance.
 
     Returns whether that came about, and the Nodes; leaves the slopes at the end of the step in
     SCRATCH.
@@ -185,7 +193,7 @@ def solve(pair, potential, clock, h, work):
     place2 = rest2 + square * summed(work, A, f2)
     placek = restk + square * summed(work, A, fk)
     before = 0.0
-    for _ in range(SWEEPS):
+    for _ in range(MAX_SWEEPS):
         sight = seen(pair, potential, t, place1, place2, placek)
         new1, new2 = slopes(pair, sight, place1, place2)
         newk = put(sight.fx, 0, startk)
@@ -298,15 +306,15 @@ def error_of(h, work, sums):
 def growth_of_eighth(error):
     """As :func:`tribo.integrators.step_control.growth_factor` of an error that grows as h^8."""
     growth = CAUTION / math.sqrt(math.sqrt(math.sqrt(error)))
-    if not growth >= SHRINK:  # nan too
-        return SHRINK
-    return min(GROW, growth)
+    if not growth >= MIN_GROWTH:  # nan too
+        return MIN_GROWTH
+    return min(MAX_GROWTH, growth)
 
 
 @inlined
 def growth_within(error, most):
     """The same, but not above `most`: whether it is, is told without roots, which take long."""
-    most = min(FARTHEST, most)
+    most = min(MAX_EXTRAPOLATION, most)
     fourth = (most / CAUTION) ** 4
     return most if error * (fourth * fourth) <= 1.0 else growth_of_eighth(error)
 
@@ -378,11 +386,11 @@ def attempt(pair, potential, clock, h, encounter, sharpness, work):
         return False, growth_of_eighth(error), finite
     later = encounter_after(pair, potential, h, work, nodes, sums.once)
     if h * later > 1.0:
-        return False, max(SHRINK, CLEAR / (h * later)), True
+        return False, max(MIN_GROWTH, CLEAR / (h * later)), True
     finish(h, work, sums)
     remember(work, nodes, start, end)
     work[START, RATE] = later
-    clear = clock.near
+    clear = clock.encounter_fraction
     if later > encounter:  # and will go on like that
         clear = min(clear, CLEAR * later / (2.0 * later - encounter))
     return True, growth_within(error, clear / (h * later)), True

@@ -15,7 +15,7 @@ from tribo.integrators.step_control import Tolerance
 from tribo.kernels.equations_of_motion import place_bobs
 from tribo.kernels.neighbours import refresh
 from tribo.kernels.records import CLOCK, Neighbours
-from tribo.kernels.samples import STORED, Record, State, write_sample
+from tribo.kernels.samples import STORED, Record, State, initial_state, write_sample
 from tribo.kernels.status import COMPLETED, NAMES, PAUSED
 from tribo.plugins.compile_errors import Refusals, compile_error
 from tribo.potentials.from_ase import Call
@@ -116,7 +116,7 @@ def integrate(
     rows = times.size if digest is None else max(1, PORTION_BYTES // _row_bytes(layout))
     record = _room(layout, min(rows, times.size) + 1)
     if isinstance(setting, Tolerance):
-        clocks.near = setting.near
+        clocks.encounter_fraction = setting.encounter_fraction
     call = _bound(layout, method, loop, setting)
     samples: Samples | None = None
     status = NAMES[COMPLETED]
@@ -188,15 +188,10 @@ def compile_loop(layout: Layout, method: Method, loop: Callable[..., Any], setti
 def _at_rest(
     layout: Layout, method: Method, start: np.ndarray, first_step: float
 ) -> tuple[Any, State]:
-    """A clock at zero, and the state at the start; splitting keeps no account of rounding."""
+    """A clock at zero, and the state at the start."""
     clocks = np.zeros(1, CLOCK).view(np.recarray)
     clocks.h = first_step
-    low = 0 if method.splits else 1
-    s = np.zeros(layout.accounts)
-    memory = np.zeros((method.remembers, layout.coordinates))
-    return clocks, State(
-        start.copy(), np.zeros(low * start.size), s, np.zeros(low * s.size), memory
-    )
+    return clocks, initial_state(start, layout.accounts, method.remembers, method.splits)
 
 
 def _room(layout: Layout, times: int) -> Record:

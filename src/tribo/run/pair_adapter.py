@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numba import config
 
-from tribo.integrators.collocation import chosen_collocation
+from tribo.integrators.collocation import Collocation
 from tribo.integrators.methods import Method
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.compiled import entry, time_loop
@@ -63,7 +63,8 @@ INTERRUPTED = "Interrupted"
 def has_loop(layout: Layout, method: Method) -> bool:
     """Whether there is a loop of its own for the scene by this method; it needs a compiler."""
     compiled = not config.DISABLE_JIT  # type: ignore[attr-defined]
-    return compiled and method.loop is chosen_collocation and is_pair(layout)
+    adaptive = method.adaptive and isinstance(method.coefficients, Collocation)
+    return compiled and adaptive and is_pair(layout)
 
 
 def is_pair(layout: Layout) -> bool:
@@ -97,6 +98,7 @@ class Pair:
         potential = layout.model.contacts[0].potential
         self._first_step = LONGER * first_step
         self._clocks, self._rows = np.zeros(1, CLOCK), np.zeros((ROWS, LANES))
+        assert isinstance(method.coefficients, Collocation)
         self._rows[:LIMITS] = table(method.coefficients)
         self._given = (_record(layout, ease), potential, self._rows)
         self._unbegun = self._clocks["evaluations"]  # 0 makes a run begin
@@ -121,7 +123,7 @@ class Pair:
         if self._wanted is not wanted:
             self._wanted = wanted
             self._rows[LIMITS:STATE] = self.limits(wanted)
-            self._clocks["near"] = wanted.near
+            self._clocks["encounter_fraction"] = wanted.encounter_fraction
         self._unbegun[0] = 0
         record = np.empty((times.size + 1, COLUMNS))
         code = PAUSED

@@ -1,0 +1,137 @@
+"""The two time loops of all Runge-Kutta, Nystrom and collocation methods.
+
+A method is a NamedTuple of coefficients.  The loops find these functions by its class, when they
+are compiled, as kernels find those of a plug-in:
+
+    workspace(model, state)   the arrays that a step needs
+    step(...)                 for :func:`equal_steps`: advance the state in place to the time `end`;
+                              returns COMPLETED, or the status with which the run stops
+    trial(...)                for :func:`adaptive_steps`: try a step and estimate its error; returns
+                              whether the error is within the tolerance, the factor by which the
+                              next step may differ, and whether all is finite.  If the error is
+                              within the tolerance, `new` is then the state at the time `end`.
+
+Both functions complete a state: coordinates, accounts, their rates of change at `end`, and what
+the method keeps for the next step.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numba import types
+from numba.extending import overload_method
+
+from tribo.integrators.step_control import (
+    accept_step,
+    advance,
+    all_finite,
+    check_arrival,
+    end_of_step,
+    equal_step,
+    equal_step_status,
+    initialize,
+    next_step,
+    record_due,
+    reject_step,
+    step_underflows,
+    underflow_status,
+    update_encounter,
+)
+from tribo.kernels.neighbours import crowded
+from tribo.kernels.samples import copy_state, empty_state
+from tribo.kernels.status import COMPLETED, NOT_FINITE, PAUSED
+
+
+def _find_by_class(name: str, **options: Any) -> Callable[..., Any]:
+    """Decorator of a function that finds the method `name` of a class, for calls in kernels.
+
+    `options` are those of numba.njit.
+    """
+    options |= {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    return overload_method(types.BaseNamedTuple, name, jit_options=options, strict=False)
+
+
+@_find_by_class("workspace", _nrt=True)
+def _workspace(self, model, state):
+    return self.instance_class.workspace
+
+
+# A call that is not inlined passes every array of the scene.
+@_find_by_class("step", _nrt=False, forceinline=True)
+def _step(self, model, neighbours, clock, h, end, state, work):
+    return self.instance_class.step
+
+
+@_find_by_class("trial", _nrt=False, forceinline=True)
+def _trial(self, model, neighbours, clock, h, end, state, new, tolerance, work):
+    return self.instance_class.trial
+
+
+def equal_steps(model, neighbours, method, step, clocks, state, times, record, budget):
+    """Integrate through the sample times in equal steps of at most `step`; return a status.
+
+    Between two samples the steps are equal, and as few as `step` allows.  The run stops where a
+    step would jump an encounter.  PAUSED after `budget` steps: call again to continue.
+    """
+    clock = clocks[0]
+    work = method.workspace(model, state)
+    speeds = np.empty((model.asperites.size, 3))
+    status = initialize(model, neighbours, clock, state, speeds)
+    if status != COMPLETED:
+        return status
+    for _ in range(budget):
+        left = record_due(model, neighbours, clock, state, times, record)
+        if left == 0.0:
+            return COMPLETED
+        if crowded(neighbours):
+            return PAUSED
+        h = equal_step(left, step)
+        status = equal_step_status(clock, h, times[-1])
+        if status != COMPLETED:
+            return status
+        end = end_of_step(clock, times[clock.sample], h, h == left)
+        status = method.step(model, neighbours, clock, h, end, state, work)
+        if status != COMPLETED:
+            return status
+        advance(clock, end, h, h == left)
+        if not (all_finite(state.y) and all_finite(state.acceleration) and all_finite(state.s)):
+            return NOT_FINITE
+        update_encounter(model, neighbours, clock, state.y, speeds, h)
+    return PAUSED
+
+
+def adaptive_steps(model, neighbours, method, tolerance, clocks, state, times, record, budget):
+    """Integrate through the sample times with local errors within `tolerance`; return a status.
+
+    No step carries a pair of bobs farther towards its next encounter than the clock allows, by
+    the speeds at its start, nor past it by the speeds at its end.  PAUSED after `budget` trials:
+    call again to continue.
+    """
+    clock = clocks[0]
+    work = method.workspace(model, state)
+    new = empty_state(state)
+    speeds = np.empty((model.asperites.size, 3))
+    status = initialize(model, neighbours, clock, state, speeds)
+    if status != COMPLETED:
+        return status
+    for _ in range(budget):
+        left = record_due(model, neighbours, clock, state, times, record)
+        if left == 0.0:
+            return COMPLETED
+        if crowded(neighbours):
+            return PAUSED
+        h, landing = next_step(clock, clock.encounter_rate, left)
+        if step_underflows(h, landing, times[-1]):
+            return underflow_status(clock)
+        end = end_of_step(clock, times[clock.sample], h, landing)
+        within, growth, finite = method.trial(
+            model, neighbours, clock, h, end, state, new, tolerance, work
+        )
+        clock.not_finite = 0 if finite else 1
+        if not within:
+            reject_step(clock, h * growth)
+        elif check_arrival(model, neighbours, clock, end, new, speeds, h):
+            accept_step(clock, end, h, landing, growth)
+            copy_state(new, state)
+    return PAUSED
