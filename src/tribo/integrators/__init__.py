@@ -1,4 +1,4 @@
-"""Time integration methods: their coefficients, their steps and the choice of step sizes.
+"""Time integration methods: coefficients, steps, step control and time loops.
 
 `methods` is the table of all of them.
 """

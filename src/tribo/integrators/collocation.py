@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo.integrators.linear_combinations import add, add_twice, combine, combine_twice, largest
-from tribo.integrators.step_control import EPSILON, all_finite, growth_factor, rates
+from tribo.integrators.step_control import EPSILON, all_finite, evaluate_rates, growth_factor
 from tribo.kernels.compiled import kernel, owning_kernel
 from tribo.kernels.equations_of_motion import equations_of_motion
 from tribo.kernels.powers import all_powers
@@ -237,5 +237,5 @@ def complete_step(method, model, neighbours, clock, h, end, state, work):
     add(state.y[n:], state.y_low[n:], h, method.v, f)
     add(state.s, state.s_low, h, method.v, work.powers)
     copy_rows(f, state.memory)
-    rates(model, neighbours, end, state.y, state.acceleration, state.power)
+    evaluate_rates(model, neighbours, end, state.y, state.acceleration, state.power)
     clock.evaluations += 1

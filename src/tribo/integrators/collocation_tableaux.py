@@ -1,4 +1,4 @@
-"""Collocation methods, every coefficient from the nodes by exact arithmetic.
+"""Collocation methods: every coefficient follows from the nodes by exact arithmetic.
 
 Sources.  Gauss nodes: J. C. Butcher, Math. Comput. 18 (1964) 50.  Radau nodes that begin with 0: E.
 Everhart, in Dynamics of Comets, eds. Carusi and Valsecchi, Reidel 1985, p. 185.
@@ -10,7 +10,8 @@ import numpy as np
 
 from tribo.integrators.collocation import Collocation
 
-# Zeros of the shifted Legendre polynomial P_4, and of P_7 + P_8.
+# Zeros of the shifted Legendre polynomials P_4 and P_7 + P_8, to 33 digits, so that coefficients are
+# rounded only once: nodes by scipy.special.roots_jacobi are off by up to 6 units in the last place.
 GAUSS = (
     "0.069431844202973712388026755553595247",
     "0.33000947820757186759866712044837766",

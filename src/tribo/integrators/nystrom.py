@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo.integrators.linear_combinations import add, add_twice, combine, combine_twice, largest
-from tribo.integrators.step_control import growth_factor, rates
+from tribo.integrators.step_control import evaluate_rates, growth_factor
 from tribo.kernels.compiled import kernel, owning_kernel
 from tribo.kernels.equations_of_motion import equations_of_motion
 from tribo.kernels.powers import all_powers
@@ -112,7 +112,7 @@ def evaluate_stages(method, model, neighbours, clock, h, end, state, new, work):
         store_forces(model, work, i)
     add_twice(new.y[:n], new.y_low[:n], h, v, new.y_low[n:], method.b, f)
     add(new.y[n:], new.y_low[n:], h, method.v, f)
-    rates(model, neighbours, end, new.y, f[last], work.powers[last])
+    evaluate_rates(model, neighbours, end, new.y, f[last], work.powers[last])
     store_forces(model, work, 0)
     copy(f[last], new.acceleration)
     copy(work.powers[last], new.power)

@@ -12,20 +12,20 @@ from tribo.integrators.tableaux import stages
 
 
 def stage_velocities(v: np.ndarray, c: np.ndarray, matched: int, weighed: int) -> np.ndarray:
-    """The matrix r (stages, stages) by which the ledger has the order p of the method.
+    """The matrix r (stages, stages) with which the ledger has the order p of the method.
 
-    It is the smallest one supported on the stages whose weight v_i is not zero, for which
+    It is the smallest one on the stages whose weight v_i is not zero that satisfies
 
         sum_j r_ij P(c_j)      = int_0^c_i P        for polynomials P of degrees < `matched`,
         sum_i v_i P(c_i) r_ij  = v_j int_c_j^1 P    for polynomials P of degrees < `weighed`.
 
-    A power is linear in the velocity.  Let places at those stages, and so the forces there, be
-    right but for O(h^m).  The first set keeps the errors of velocities to O(h^(matched + 1)) and
-    to those that come from the forces, of O(h^(m + 1)).  Under the second set both enter the ledger
-    as errors of forces enter the end of the step, where the method's own conditions of order
-    cancel them.  The sets are compatible if `matched` + `weighed` is at most p; they suffice if
-    that is at least p - 1, and `weighed` at least p - 1 - m.  (They are J. C. Butcher's C and D,
-    Math. Comput. 18 (1964) 50.)
+    A power is linear in the velocity.  Let coordinates at those stages, and so the forces there,
+    have errors of O(h^m).  With the first set, velocities have errors of O(h^(matched + 1)) and,
+    from the forces, of O(h^(m + 1)).  With the second set, both enter the ledger as errors of
+    forces enter the end of the step, where the method's own order conditions cancel them.  The sets
+    are compatible if `matched` + `weighed` is at most p.  They suffice if that is at least p - 1
+    and `weighed` is at least p - 1 - m.  (They are J. C. Butcher's C and D, Math. Comput. 18 (1964)
+    50.)
     """
     live = np.flatnonzero(v)
     n = live.size

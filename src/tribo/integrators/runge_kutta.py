@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo.integrators.linear_combinations import add, combine, largest
-from tribo.integrators.step_control import growth_factor, rates
+from tribo.integrators.step_control import evaluate_rates, growth_factor
 from tribo.kernels.compiled import inlined, owning_kernel
 from tribo.kernels.samples import copy, copy_state
 from tribo.kernels.status import COMPLETED
@@ -95,7 +95,9 @@ def evaluate_stages(method, model, neighbours, clock, h, state, work):
         combine(state.y, h, method.a[i], work.derivatives, y)
         derivative = work.derivatives[i]
         copy(y[n:], derivative[:n])
-        rates(model, neighbours, clock.t + method.c[i] * h, y, derivative[n:], work.powers[i])
+        evaluate_rates(
+            model, neighbours, clock.t + method.c[i] * h, y, derivative[n:], work.powers[i]
+        )
     clock.evaluations += method.b.size - 1
 
 
@@ -104,7 +106,7 @@ def complete_step(method, model, neighbours, clock, h, end, state, work):
     """From the state at the start of the step to the state at its end, in place."""
     add(state.y, state.y_low, h, method.b, work.derivatives)
     add(state.s, state.s_low, h, method.b, work.powers)
-    rates(model, neighbours, end, state.y, state.acceleration, state.power)
+    evaluate_rates(model, neighbours, end, state.y, state.acceleration, state.power)
     clock.evaluations += 1
 
 

@@ -263,13 +263,16 @@ def splitting_steps(
     torsional_rotations = empty_rotations(model.torsional)
     common = shared_accounts(model, model.fields)
     split = model.bath is not None or model.torsional is not None or model.langevin is not None
-    if not update_neighbours(model, neighbours, clock.t, q):
-        return PAUSED
-    clock.encounter_rate, closest = current_encounter(model, neighbours, clock.t, state.y, speeds)
-    if closest == 0.0:
-        return BOBS_COINCIDE
-    clock.encounter_age = 0.0
+    if clock.evaluations == 0:
+        if not update_neighbours(model, neighbours, clock.t, q):
+            return PAUSED
+        encounter = current_encounter(model, neighbours, clock.t, state.y, speeds)
+        clock.encounter_rate, closest = encounter
+        if closest == 0.0:
+            return BOBS_COINCIDE
     for _ in range(budget):
+        if crowded(neighbours):
+            return PAUSED
         if clock.sample < times.size and time_left(clock, times[clock.sample]) <= 0.0:
             drift(model, clock.t, clock.drift_lag, q, v, s)
             clock.drift_lag = 0.0
@@ -277,8 +280,6 @@ def splitting_steps(
         left = record_due(model, neighbours, clock, state, times, record)
         if left == 0.0:
             return COMPLETED if all_finite(state.y) else NOT_FINITE
-        if crowded(neighbours):
-            return PAUSED
         goal = times[clock.sample]
         h = equal_step(left, step)
         status = equal_step_status(clock, h, times[-1])

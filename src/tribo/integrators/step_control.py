@@ -7,7 +7,8 @@ import numpy as np
 
 from tribo.kernels.compiled import kernel
 from tribo.kernels.contact import encounter_rate, widest_rate
-from tribo.kernels.equations_of_motion import equations_of_motion, top_speeds, update_neighbours
+from tribo.kernels.equations_of_motion import equations_of_motion, place_bobs, top_speeds
+from tribo.kernels.neighbours import crowded, is_empty, refresh
 from tribo.kernels.powers import all_powers
 from tribo.kernels.samples import write_sample
 from tribo.kernels.status import (
@@ -21,15 +22,17 @@ from tribo.kernels.status import (
 
 # Spacing of floating-point numbers at 1.
 EPSILON = 2.0**-52
-# Bounds on the ratio of a step to the one before it.
-MIN_GROWTH, MAX_GROWTH = 0.2, 6.0
+# Bounds on the ratio of a step to the one before it: an error estimate is valid close to its step.
+MIN_GROWTH = 0.2
+MAX_GROWTH = 6.0
 # Factor on the step that an error estimate allows, so that few steps are rejected.
 SAFETY = 0.9
 # Fraction of the way to an encounter, after which equal steps compute the encounter rate again.
 ENCOUNTER_UPDATE = 0.25
-# Equal steps compute it after every step for up to so many asperites, else after so many steps:
-# bobs at rest may begin to move.
-FEW_ASPERITES, UPDATE_INTERVAL = 64, 8
+# Steps after which equal steps compute the encounter rate again, since bobs at rest may begin to
+# move; up to FEW_ASPERITES asperites after every step.
+UPDATE_INTERVAL = 8
+FEW_ASPERITES = 64
 # Smallest step, in units of the spacing of floating-point numbers at the end time.
 MIN_STEP = 16.0
 
@@ -45,7 +48,7 @@ class Tolerance(NamedTuple):
 
 @kernel
 def current_encounter(model, neighbours, t, y, speeds):
-    """Encounter rate, and the smallest distance of two bobs; bobs in place."""
+    """The encounter rate [1 / time] and the smallest distance of two bobs, for bobs in place."""
     n = y.size // 2
     top_speeds(model, t, y[:n], y[n:], speeds)
     return encounter_rate(model, neighbours, speeds)
@@ -82,7 +85,7 @@ def all_finite(x):
 
 
 @kernel
-def rates(model, neighbours, t, y, acceleration, power):
+def evaluate_rates(model, neighbours, t, y, acceleration, power):
     """Compute q'' and s' at one instant."""
     n = y.size // 2
     equations_of_motion(model, neighbours, t, y[:n], y[n:], acceleration)
@@ -91,15 +94,22 @@ def rates(model, neighbours, t, y, acceleration, power):
 
 @kernel
 def initialize(model, neighbours, clock, state, speeds):
-    """Rates of change and the encounter rate where a run starts or continues; a status."""
+    """Rates of change and the encounter rate at the start of a run; a status.
+
+    After a pause only the bobs are placed again: whatever else is computed there, such as a
+    neighbour list, could differ from that of a run without the pause.
+    """
     n = state.acceleration.size
-    if not update_neighbours(model, neighbours, clock.t, state.y[:n]):
-        return PAUSED
-    rates(model, neighbours, clock.t, state.y, state.acceleration, state.power)
-    if clock.evaluations == 0:
-        clock.evaluations = 1
+    place_bobs(model, clock.t, state.y[:n])
+    if is_empty(neighbours):
+        refresh(model, neighbours)
+        if crowded(neighbours):
+            return PAUSED
+    if clock.evaluations > 0:
+        return COMPLETED
+    evaluate_rates(model, neighbours, clock.t, state.y, state.acceleration, state.power)
+    clock.evaluations = 1
     clock.encounter_rate, closest = current_encounter(model, neighbours, clock.t, state.y, speeds)
-    clock.encounter_age = 0.0
     if closest == 0.0:
         return BOBS_COINCIDE
     finite = all_finite(state.y) and all_finite(state.acceleration) and all_finite(state.power)

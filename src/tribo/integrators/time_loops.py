@@ -81,11 +81,11 @@ def equal_steps(model, neighbours, method, step, clocks, state, times, record, b
     if status != COMPLETED:
         return status
     for _ in range(budget):
+        if crowded(neighbours):
+            return PAUSED
         left = record_due(model, neighbours, clock, state, times, record)
         if left == 0.0:
             return COMPLETED
-        if crowded(neighbours):
-            return PAUSED
         h = equal_step(left, step)
         status = equal_step_status(clock, h, times[-1])
         if status != COMPLETED:
@@ -116,11 +116,11 @@ def adaptive_steps(model, neighbours, method, tolerance, clocks, state, times, r
     if status != COMPLETED:
         return status
     for _ in range(budget):
+        if crowded(neighbours):
+            return PAUSED
         left = record_due(model, neighbours, clock, state, times, record)
         if left == 0.0:
             return COMPLETED
-        if crowded(neighbours):
-            return PAUSED
         h, landing = next_step(clock, clock.encounter_rate, left)
         if step_underflows(h, landing, times[-1]):
             return underflow_status(clock)

@@ -41,6 +41,14 @@ def outdated(bobs, neighbours):
 
 
 @kernel
+def is_empty(neighbours):
+    """Whether the list has not been made since it was given room."""
+    if neighbours is None:
+        return False
+    return math.isnan(neighbours.place[0, 0])
+
+
+@kernel
 def cell_count(extent, size, most, period):
     """Number of cells of at least `size` in an extent; one where a period has under three."""
     count = int(min(max(extent / size, 1.0), most))

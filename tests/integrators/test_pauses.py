@@ -1,0 +1,138 @@
+"""A pause changes nothing: results do not depend on how many steps a loop takes between two."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import tribo.run.contacts
+from tribo import (
+    Asperite,
+    Coulomb,
+    Forced,
+    Free,
+    Initial,
+    Morse,
+    Output,
+    Scene,
+    Surface,
+    with_cutoff,
+)
+from tribo.accuracy.scales import first_step
+from tribo.integrators.methods import METHODS
+from tribo.integrators.step_control import Tolerance
+from tribo.kernels.compiled import time_loop
+from tribo.paper import scene as case
+from tribo.plugins.sources import stamp
+from tribo.run import integrate, pair_adapter
+from tribo.run.layout import lay_out
+
+BUDGETS = (10**9, 1, 7)  # steps between two pauses
+
+
+def rows(count):
+    """Two rows whose bobs pass one another's cutoff again and again, in neighbour lists."""
+    places = {"upper": ("down", (-2.0, 0.6), Forced()), "lower": ("up", (0.0, 0.0), Free())}
+    surfaces = (
+        Surface(
+            name,
+            facing=facing,
+            bob=bob,
+            velocity=(0.8 if name == "upper" else 0.0, 0.0),
+            shape=(count, 1),
+            spacing=(1.1, 0.0),
+            drive=drive,
+            asperite=Asperite(kappa=2.0),
+            initial=Initial(theta=0.2 if facing == "down" else 3.0),
+        )
+        for name, (facing, bob, drive) in places.items()
+    )
+    potential = with_cutoff(Morse(2.0, 2.5, 0.7), 1.4)
+    return Scene(tuple(surfaces), potential, 8.0, output=Output(samples=9))
+
+
+def in_chunks(monkeypatch, budget):
+    """Let loops pause after `budget` steps."""
+    original = integrate.run_in_chunks
+
+    def run_in_chunks(call, *rest):
+        def limited(clocks, state, times, record, _):
+            return call(clocks, state, times, record, budget)
+
+        return original(limited, *rest)
+
+    for module in (integrate, pair_adapter):
+        monkeypatch.setattr(module, "run_in_chunks", run_in_chunks)
+
+
+def tolerance(layout, level):
+    """The same for every component."""
+    return Tolerance(np.full(layout.start.size, level), np.full(layout.accounts, level), level)
+
+
+def outcome(run):
+    """Everything that a run returns, in bits."""
+    s = run.samples
+    arrays = (s.t, s.y, s.s, s.contact, s.field, s.stored)
+    return run.status, run.steps, run.evaluations, *(array.tobytes() for array in arrays)
+
+
+def assert_same(monkeypatch, run, status):
+    """The same outcome, with this status, however often the run pauses."""
+    outcomes = []
+    for budget in BUDGETS:
+        with monkeypatch.context() as patch:
+            in_chunks(patch, budget)
+            outcomes.append(outcome(run()))
+    assert outcomes[0][0] == status
+    assert outcomes[0] == outcomes[1] == outcomes[2]
+
+
+SETTINGS = {  # steps or tolerances, and the status of the run
+    "verlet": ((0.03, "completed"), (0.06, "EncounterJumped")),
+    "rk4": ((0.03, "completed"), (0.06, "EncounterJumped")),
+    "gauss-8": ((0.05, "completed"),),
+    "dop853": ((1e-3, "completed"), (1e-8, "completed")),
+    "rkn8": ((1e-3, "completed"), (1e-8, "completed")),
+    "gauss-radau-15": ((1e-3, "completed"), (1e-8, "completed")),
+}
+
+
+@pytest.mark.parametrize("name", SETTINGS)
+def test_pauses_of_rows(monkeypatch, name):
+    """Lists of neighbours, the rate of encounters and rejected steps survive a pause."""
+    monkeypatch.setattr(tribo.run.contacts, "FEW", 0)
+    layout = lay_out(rows(34))
+    assert layout.rows > 0
+    method = METHODS[name]
+    loop = time_loop(method.loop, stamp(layout.plugins))
+    for setting, status in SETTINGS[name]:
+        wanted = tolerance(layout, setting) if method.adaptive else setting
+
+        def run(wanted=wanted):
+            return integrate.integrate(
+                layout,
+                method,
+                loop,
+                wanted,
+                layout.start,
+                layout.scene.times,
+                first_step(layout),
+            )
+
+        assert_same(monkeypatch, run, status)
+
+
+@pytest.mark.parametrize("level", [1e-3, 1e-9])
+def test_pauses_of_a_pair(monkeypatch, level):
+    """The loop for one asperite on one."""
+    scene = replace(case("B"), interactions=Coulomb(0.2), output=Output(samples=9))
+    layout = lay_out(scene)
+    method = METHODS["gauss-radau-15"]
+    pair = pair_adapter.Pair(layout, method, first_step(layout))
+
+    def run():
+        wanted = tolerance(layout, level)
+        return pair.integrate(wanted, layout.start, scene.times, progress=lambda t: None)
+
+    assert_same(monkeypatch, run, "completed")
