@@ -10,8 +10,8 @@ import numpy as np
 
 from tribo.integrators.collocation import Collocation
 
-# Zeros of the shifted Legendre polynomials P_4 and P_7 + P_8, to 33 digits, so that coefficients are
-# rounded only once: nodes by scipy.special.roots_jacobi are off by up to 6 units in the last place.
+# Zeros of the shifted Legendre polynomials P_4 and P_7 + P_8, to 33 digits, so that coefficients
+# are rounded only once: scipy.special.roots_jacobi is off by up to 6 units in the last place.
 GAUSS = (
     "0.069431844202973712388026755553595247",
     "0.33000947820757186759866712044837766",

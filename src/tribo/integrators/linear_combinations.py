@@ -1,4 +1,4 @@
-"""Linear combinations of derivatives of change, of which Runge-Kutta methods and their like consist."""
+"""Linear combinations of derivatives, of which the steps of most methods consist."""
 
 from tribo.integrators.step_control import EPSILON
 from tribo.kernels.compiled import kernel
