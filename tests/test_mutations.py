@@ -378,14 +378,14 @@ MUTATIONS = {
         ],
     },
     "integrators/splitting.py": {
-        "turned": [
-            "x - less -> x + less",
+        "rotated": [
+            "x - versine -> x + versine",
             "+ sin / frequency -> - sin / frequency",
-            "rate - less -> rate + less",
+            "rate - versine -> rate + versine",
             "- sin * frequency -> + sin * frequency",
         ],
         "arc_work": ["- twist -> + twist", "math.cos -> math.sin"],
-        "book_ends": [
+        "add_end_works": [
             "arc_work(new) - -> arc_work(new) +",
             "*= -a.l2 -> *= a.l2",
             "a.l2 -> a.l1",
@@ -397,7 +397,7 @@ MUTATIONS = {
             "s[k + 1] -= -> s[k + 1] +=",
             "end_x * vx + -> end_x * vx -",
         ],
-        "book_turning_ends": [
+        "add_rotating_end_works": [
             "= -pull * now * math.sin -> = pull * now * math.sin",
             "= pull * now * math.cos -> = -pull * now * math.cos",
             "= -a.l2 -> = a.l2",
@@ -430,8 +430,8 @@ MUTATIONS = {
             "v[j] -= -> v[j] +=",
         ],
         "drift": ["q[a.dof_x] += -> q[a.dof_x] -=", "q[a.dof_y] += -> q[a.dof_y] -="],
-        "quicken": ["v[slot] + 0.5 -> v[slot] - 0.5", "v[slot] += -> v[slot] -="],
-        "tally": ["s[m] += -> s[m] -="],
+        "apply_kick": ["v[slot] + 0.5 -> v[slot] - 0.5", "v[slot] += -> v[slot] -="],
+        "accumulate": ["s[m] += -> s[m] -="],
     },
     "integrators/bath_substep.py": {
         "push_bar": [
@@ -445,11 +445,11 @@ MUTATIONS = {
             "px * 0.5 -> px * 0.6",
             "(vx + v[a.dof_x]) + -> (vx + v[a.dof_x]) -",
         ],
-        "turn_oscillators": [
-            "q[k] - about -> q[k] + about",
-            "-less * rate - -> less * rate -",
+        "rotate_oscillators": [
+            "q[k] - centre -> q[k] + centre",
+            "-versine * rate - -> versine * rate -",
             "rate - sin -> rate + sin",
-            "rate - less * x -> rate + less * x",
+            "rate - versine * x -> rate + versine * x",
             "v[k] += -> v[k] -=",
             "gained += -> gained -=",
         ],
@@ -458,7 +458,7 @@ MUTATIONS = {
             "after_x - before_x -> after_x + before_x",
             "before_y + after_y -> before_y - after_y",
         ],
-        "turn_bath": ["-px, -py -> px, -py", "-px, -py -> -px, py"],
+        "rotate_bath": ["-px, -py -> px, -py", "-px, -py -> -px, py"],
     },
     "run/ledger.py": {
         "pseudowork": ["self.pseudo + -> self.pseudo -", "self.jx + -> self.jx -"],

@@ -9,6 +9,7 @@ II.14.
 from functools import cache
 from types import SimpleNamespace
 
+import mpmath
 import numpy as np
 import pytest
 
@@ -171,6 +172,18 @@ def test_collocation(name):
         assert t.v @ t.c**k == pytest.approx(1.0 / (k + 1), abs=1e-15)
     assert abs(t.v @ t.c**order - 1.0 / (order + 1)) > 1e-10
     assert np.allclose(t.b, t.v * (1.0 - t.c), rtol=0.0, atol=1e-15)
+
+
+@pytest.mark.parametrize("name", COLLOCATION)
+def test_nodes(name):
+    """Zeros of shifted Legendre polynomials P_n, or of P_(n - 1) + P_n, to 33 digits."""
+    digits = {"gauss-8": collocation_tableaux.GAUSS, "gauss-radau-15": collocation_tableaux.RADAU}
+    nodes = digits[name]
+    with mpmath.workdps(50):
+        for node in nodes:
+            x = 2 * mpmath.mpf(node) - 1
+            low, high = (mpmath.legendre(n, x) for n in (len(nodes) - 1, len(nodes)))
+            assert abs(high if name == "gauss-8" else low + high) < 1e-31, node
 
 
 @pytest.mark.parametrize("name", COLLOCATION)
