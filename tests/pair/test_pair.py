@@ -22,7 +22,7 @@ from tribo.kernels.status import COMPLETED, PAUSED
 from tribo.pair.loop import COLUMNS, pair_collocation
 from tribo.plugins.sources import stamp
 from tribo.run.layout import lay_out
-from tribo.run.pair_adapter import has_loop, is_pair
+from tribo.run.pair_adapter import has_pair_loop, is_pair
 from tribo.simulation import Simulation
 
 RADAU = METHODS["gauss-radau-15"]
@@ -31,7 +31,7 @@ RADAU = METHODS["gauss-radau-15"]
 def by_general_loop(scene: tribo.Scene, accuracy: float, monkeypatch) -> tribo.Result:
     """The same method asperite by asperite."""
     with monkeypatch.context() as patch:
-        patch.setattr("tribo.simulation.has_loop", lambda layout, method: False)
+        patch.setattr("tribo.simulation.has_pair_loop", lambda layout, method: False)
         return tribo.simulate(scene, accuracy=accuracy, method=RADAU.name)
 
 
@@ -152,8 +152,8 @@ def test_random_pairs(scene):
 def test_who_has_the_loop():
     """All cases of the paper; and no scene with anything more to it."""
     for case in paper.CASES:
-        assert has_loop(lay_out(paper.scene(case)), RADAU)
-        assert not has_loop(lay_out(paper.scene(case)), METHODS["dop853"])
+        assert has_pair_loop(lay_out(paper.scene(case)), RADAU)
+        assert not has_pair_loop(lay_out(paper.scene(case)), METHODS["dop853"])
     scene = pair(tribo.Coulomb(0.3), DRIVES[0])
     upper, lower = scene.surfaces
     row = {"shape": (2, 1), "spacing": (1.0, 0.0)}
@@ -263,11 +263,11 @@ def test_in_pieces_as_in_one(samples):
     layout, own = simulation.layout, simulation._pair
     whole = simulation.attempt(simulation._setting)
     loop = time_loop(pair_collocation, stamp(layout.plugins))
-    own._unbegun[0] = 0
+    own._evaluations[0] = 0
     record = np.empty((scene.times.size + 1, COLUMNS))
     code, calls = PAUSED, 0
     while code == PAUSED:
-        code = loop(*own._given, layout.start, own._clocks, scene.times, record, 3)
+        code = loop(*own._fixed, layout.start, scene.times, record, 3)
         calls += 1
     assert code == COMPLETED and calls > 3
     assert np.array_equal(own.samples(scene.times, record).s, whole.samples.s)
@@ -337,14 +337,14 @@ def _everything(x, out):
     simd.store(into, 0, a + b)
     simd.store(into, 1, 2.0 - a * b)
     simd.store(into, 2, a / b)
-    simd.store(into, 3, simd.root(simd.magnitude(a)))
+    simd.store(into, 3, simd.sqrt(simd.absolute(a)))
     simd.store(into, 4, simd.where_less(a, b, a, 7.0))
-    simd.store(into, 5, simd.put(a, 3, simd.lane(b, 5)))
-    into[6, 0] = simd.total(a)
-    into[6, 1] = simd.highest(a)
+    simd.store(into, 5, simd.with_lane(a, 3, simd.lane(b, 5)))
+    into[6, 0] = simd.sum_of_lanes(a)
+    into[6, 1] = simd.maximum(a)
     into[6, 2] = rows[1, 4]
-    scaled = (a, 2.0 * a, b, simd.lanes_of(rows[0, 1]), a * b, a - b, a + b, 3.0 * b)
-    simd.store(into, 7, simd.totals(scaled))
+    scaled = (a, 2.0 * a, b, simd.broadcast(rows[0, 1]), a * b, a - b, a + b, 3.0 * b)
+    simd.store(into, 7, simd.sums_of_lanes(scaled))
 
 
 def test_arithmetic():

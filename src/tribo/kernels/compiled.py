@@ -132,19 +132,23 @@ class EntryPoint:
         self._code = loop.overloads[kinds].entry_point
         self._fixed = fixed
         self._arrays = tuple(
-            (place, example.dtype, example.ndim)
+            (place, example.dtype, example.strides)
             for place, example in enumerate(examples)
             if isinstance(example, np.ndarray)
         )
 
     def __call__(self, *arguments: Any) -> Any:
         """Call the loop with `fixed` and these arguments; TypeError for arrays of other types."""
-        for place, dtype, ndim in self._arrays:
+        for place, dtype, strides in self._arrays:
             array = arguments[place]
-            if array.dtype != dtype or array.ndim != ndim or not array.flags.c_contiguous:
-                raise TypeError(
-                    f"argument {place} must be a C-contiguous array of {dtype} with {ndim} "
-                    f"dimensions, got {array.dtype} with shape {array.shape} "
-                    f"and strides {array.strides}"
-                )
+            if array.dtype is not dtype or array.strides != strides:
+                _refuse_other(place, array, dtype, len(strides))
         return self._code(*self._fixed, *arguments)
+
+
+def _refuse_other(place: int, array: np.ndarray, dtype: np.dtype, ndim: int) -> None:
+    if array.dtype != dtype or array.ndim != ndim or not array.flags.c_contiguous:
+        raise TypeError(
+            f"argument {place} must be a C-contiguous array of {dtype} with {ndim} dimension(s), "
+            f"got {array.dtype} with shape {array.shape} and strides {array.strides}"
+        )

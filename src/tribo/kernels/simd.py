@@ -78,7 +78,7 @@ def _llvm(builder: Any, name: str, result: Any, arguments: list[Any], fast: Any 
 
 
 @intrinsic
-def root(typing_context: Any, x: Any) -> Any:
+def sqrt(typing_context: Any, x: Any) -> Any:
     """Square roots."""
 
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -88,7 +88,7 @@ def root(typing_context: Any, x: Any) -> Any:
 
 
 @intrinsic
-def magnitude(typing_context: Any, x: Any) -> Any:
+def absolute(typing_context: Any, x: Any) -> Any:
     """Absolute values."""
 
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -98,7 +98,7 @@ def magnitude(typing_context: Any, x: Any) -> Any:
 
 
 @intrinsic
-def total(typing_context: Any, x: Any) -> Any:
+def sum_of_lanes(typing_context: Any, x: Any) -> Any:
     """Sum of the eight, in any order."""
 
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -123,7 +123,7 @@ _ROUNDS = (
 
 
 @intrinsic
-def totals(typing_context: Any, xs: Any) -> Any:
+def sums_of_lanes(typing_context: Any, xs: Any) -> Any:
     """Sums of eight times eight numbers: that of the first in lane 0, and so on."""
 
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -140,7 +140,7 @@ def totals(typing_context: Any, xs: Any) -> Any:
 
 
 @intrinsic
-def highest(typing_context: Any, x: Any) -> Any:
+def maximum(typing_context: Any, x: Any) -> Any:
     """The largest of the eight, none of which is nan."""
 
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -167,7 +167,7 @@ def where_less(typing_context: Any, x: Any, y: Any, one: Any, other: Any) -> Any
 
 
 @intrinsic
-def lanes_of(typing_context: Any, x: Any) -> Any:
+def broadcast(typing_context: Any, x: Any) -> Any:
     """The same number in every lane."""
 
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -187,7 +187,7 @@ def lane(typing_context: Any, x: Any, i: Any) -> Any:
 
 
 @intrinsic
-def put(typing_context: Any, x: Any, i: Any, value: Any) -> Any:
+def with_lane(typing_context: Any, x: Any, i: Any, value: Any) -> Any:
     """The same with another number in lane i."""
 
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -315,7 +315,7 @@ def sine_cosine(x):
     -------
     sin, cos : Lanes
     """
-    largest = highest(magnitude(x))
+    largest = maximum(absolute(x))
     if largest < 0.5 * QUARTER_TURN:  # as most swings are
         return near_zero(x)
     if largest < MOST_QUARTERS * QUARTER_TURN:
@@ -329,8 +329,8 @@ def lane_by_lane(x):
     sin = x
     cos = x
     for i in range(LANES):
-        sin = put(sin, i, math.sin(lane(x, i)))
-        cos = put(cos, i, math.cos(lane(x, i)))
+        sin = with_lane(sin, i, math.sin(lane(x, i)))
+        cos = with_lane(cos, i, math.cos(lane(x, i)))
     return sin, cos
 
 
@@ -344,11 +344,11 @@ def reduced(x):
     rest = (x - quarters * QUARTER_TURN) - quarters * QUARTER_TURN_MIDDLE
     sin, cos = near_zero(rest - quarters * QUARTER_TURN_LOW)
     quadrant = quarters - 4.0 * ((quarters * 0.25 - 0.375 + ROUNDING) - ROUNDING)  # 0, 1, 2 or 3
-    even = magnitude(magnitude(quadrant - 2.0) - 1.0)  # 1 in quadrants 0 and 2, else 0
+    even = absolute(absolute(quadrant - 2.0) - 1.0)  # 1 in quadrants 0 and 2, else 0
     one = where_less(even, 0.5, cos, sin)
     other = where_less(even, 0.5, sin, cos)
     one = where_less(quadrant, 1.5, one, 0.0 - one)
-    other = where_less(magnitude(quadrant - 1.5), 1.0, 0.0 - other, other)
+    other = where_less(absolute(quadrant - 1.5), 1.0, 0.0 - other, other)
     return one, other
 
 

@@ -15,7 +15,7 @@ from tribo.plugins.sources import is_own
 from tribo.validation import InputError
 
 NUMBERS = ("float", "int", "complex", "bool")  # how numba's names of them begin
-Refusals = (NumbaError, UnsupportedBytecodeError)  # what the compiler raises
+COMPILE_ERRORS = (NumbaError, UnsupportedBytecodeError)  # what the compiler raises
 
 
 def compile_error(placed: Iterable[tuple[str, Any]], error: Exception) -> InputError:
@@ -67,7 +67,7 @@ def _compile(plugin: Any, field: str, method: str, arguments: tuple[Any, ...]) -
     function = getattr(type(plugin), method)
     try:
         njit(error_model="numpy")(function)(plugin, *arguments)
-    except Refusals as error:
+    except COMPILE_ERRORS as error:
         reason = plugins.at_line(plugin, method, _line(function, error), _reason(error))
         raise InputError(field, reason) from None
 
