@@ -135,7 +135,7 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=20.0, help="for the runs of each scene")
     options = parser.parse_args()
     pairs = appetite(small_scenes()[:4], ["gauss-radau-15"], options.seconds)
-    simulation.has_loop = lambda *scene: False  # pairs by the loops for all scenes
+    simulation.has_pair_loop = lambda *scene: False  # pairs by the loops for all scenes
     hungry = appetite(small_scenes(), list(METHODS), options.seconds)
     exact = [m.name for m in METHODS.values() if m.splits and not methods.refusal(m, bathed())]
     bathing = appetite(fast_baths(), exact, options.seconds)

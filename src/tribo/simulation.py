@@ -37,7 +37,7 @@ from tribo.potentials.tables import as_table
 from tribo.run.integrate import Digest, Integration, Progress, compile_loop, integrate
 from tribo.run.layout import Layout, lay_out, set_bath
 from tribo.run.ledger import Ledger, ledger
-from tribo.run.pair_adapter import Pair, has_loop
+from tribo.run.pair_adapter import Pair, has_pair_loop
 from tribo.run.result import Cost, Result
 from tribo.validation import InputError, inside, number_or_each, shown
 
@@ -76,7 +76,7 @@ class Simulation:
         self._stops = Stops.at(scene.times)
         self._setting = setting_at(self.layout, method, acc.first_guess(self.layout), PILOT)
         self._pair: Pair | None = None
-        if has_loop(self.layout, method):
+        if has_pair_loop(self.layout, method):
             self._pair = Pair(self.layout, method, self._first_step)
             self.compile_seconds = self._pair.compile_seconds
         else:

@@ -4,25 +4,22 @@ import math
 import pickle
 from dataclasses import replace
 
-import mpmath
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from numba import njit
 
 import tribo
 from support.laws import identities, tables
 from support.strategies import asperites, coulombs, dyadic, potentials
 from tribo import paper
 from tribo.integrators.methods import METHODS
-from tribo.kernels import simd
 from tribo.kernels.compiled import time_loop
 from tribo.kernels.status import COMPLETED, PAUSED
 from tribo.pair.loop import COLUMNS, pair_collocation
 from tribo.plugins.sources import stamp
 from tribo.run.layout import lay_out
-from tribo.run.pair_adapter import has_loop, is_pair
+from tribo.run.pair_adapter import has_pair_loop, is_pair
 from tribo.simulation import Simulation
 
 RADAU = METHODS["gauss-radau-15"]
@@ -31,7 +28,7 @@ RADAU = METHODS["gauss-radau-15"]
 def by_general_loop(scene: tribo.Scene, accuracy: float, monkeypatch) -> tribo.Result:
     """The same method asperite by asperite."""
     with monkeypatch.context() as patch:
-        patch.setattr("tribo.simulation.has_loop", lambda layout, method: False)
+        patch.setattr("tribo.simulation.has_pair_loop", lambda layout, method: False)
         return tribo.simulate(scene, accuracy=accuracy, method=RADAU.name)
 
 
@@ -152,8 +149,8 @@ def test_random_pairs(scene):
 def test_who_has_the_loop():
     """All cases of the paper; and no scene with anything more to it."""
     for case in paper.CASES:
-        assert has_loop(lay_out(paper.scene(case)), RADAU)
-        assert not has_loop(lay_out(paper.scene(case)), METHODS["dop853"])
+        assert has_pair_loop(lay_out(paper.scene(case)), RADAU)
+        assert not has_pair_loop(lay_out(paper.scene(case)), METHODS["dop853"])
     scene = pair(tribo.Coulomb(0.3), DRIVES[0])
     upper, lower = scene.surfaces
     row = {"shape": (2, 1), "spacing": (1.0, 0.0)}
@@ -263,11 +260,11 @@ def test_in_pieces_as_in_one(samples):
     layout, own = simulation.layout, simulation._pair
     whole = simulation.attempt(simulation._setting)
     loop = time_loop(pair_collocation, stamp(layout.plugins))
-    own._unbegun[0] = 0
+    own._evaluations[0] = 0
     record = np.empty((scene.times.size + 1, COLUMNS))
     code, calls = PAUSED, 0
     while code == PAUSED:
-        code = loop(*own._given, layout.start, own._clocks, scene.times, record, 3)
+        code = loop(*own._fixed, layout.start, scene.times, record, 3)
         calls += 1
     assert code == COMPLETED and calls > 3
     assert np.array_equal(own.samples(scene.times, record).s, whole.samples.s)
@@ -302,63 +299,3 @@ def test_a_run_without_an_estimate_keeps_the_accuracy(case, accuracy):
     for name in ("upper", "lower"):
         assert abs(lone[name].theta - exact[name].theta)[-1, 0] < accuracy
         assert abs(lone[name].w1 - exact[name].w1)[-1, 0] < accuracy
-
-
-# --- lanes ---------------------------------------------------------------------------------------
-
-
-@njit
-def _sine_cosine(x, out):
-    """Row 0 of `x` into both rows of `out`."""
-    sin, cos = simd.sine_cosine(simd.load(simd.rows_of(x), 0))
-    simd.store(simd.rows_of(out), 0, sin)
-    simd.store(simd.rows_of(out), 1, cos)
-
-
-@pytest.mark.parametrize("size", [1e-9, 0.5, 3.0, 50.0, 1e5])
-def test_sine_and_cosine(size):
-    """To round-off, in all quadrants."""
-    rng = np.random.default_rng(1)
-    out = np.empty((2, 8))
-    for _ in range(200):
-        x = rng.uniform(-size, size, (1, 8))
-        _sine_cosine(x, out)
-        for i in range(8):
-            with mpmath.workdps(40):
-                assert abs(out[0, i] - mpmath.sin(mpmath.mpf(x[0, i]))) < 2.3e-16
-                assert abs(out[1, i] - mpmath.cos(mpmath.mpf(x[0, i]))) < 2.3e-16
-
-
-@njit
-def _everything(x, out):
-    """Each operation once."""
-    rows, into = simd.rows_of(x), simd.rows_of(out)
-    a, b = simd.load(rows, 0), simd.load(rows, 1)
-    simd.store(into, 0, a + b)
-    simd.store(into, 1, 2.0 - a * b)
-    simd.store(into, 2, a / b)
-    simd.store(into, 3, simd.root(simd.magnitude(a)))
-    simd.store(into, 4, simd.where_less(a, b, a, 7.0))
-    simd.store(into, 5, simd.put(a, 3, simd.lane(b, 5)))
-    into[6, 0] = simd.total(a)
-    into[6, 1] = simd.highest(a)
-    into[6, 2] = rows[1, 4]
-    scaled = (a, 2.0 * a, b, simd.lanes_of(rows[0, 1]), a * b, a - b, a + b, 3.0 * b)
-    simd.store(into, 7, simd.totals(scaled))
-
-
-def test_arithmetic():
-    """Lanes are numpy's arrays of eight."""
-    rng = np.random.default_rng(2)
-    for _ in range(50):
-        x = rng.normal(size=(2, 8))
-        out = np.empty((8, 8))
-        _everything(x, out)
-        a, b = x
-        third = a.copy()
-        third[3] = b[5]
-        expected = (a + b, 2.0 - a * b, a / b, np.sqrt(abs(a)), np.where(a < b, a, 7.0), third)
-        assert np.allclose(out[:6], expected, rtol=4e-16, atol=4e-16)
-        assert np.allclose(out[6, :3], (np.sum(a), np.max(a), b[4]), rtol=1e-14)
-        scaled = (a, 2.0 * a, b, np.full(8, a[1]), a * b, a - b, a + b, 3.0 * b)
-        assert np.allclose(out[7], np.sum(scaled, axis=1), rtol=1e-13, atol=1e-14)

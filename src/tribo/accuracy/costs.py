@@ -24,7 +24,7 @@ from tribo.accuracy.scales import unit_step
 from tribo.integrators import methods
 from tribo.model.scene import Scene
 from tribo.run.layout import Layout
-from tribo.run.pair_adapter import has_loop
+from tribo.run.pair_adapter import has_pair_loop
 
 
 @dataclass(frozen=True)
@@ -121,7 +121,7 @@ def estimates(layout: Layout, accuracy: float) -> list[Estimate]:
             continue
         if method.smoothness > scene.smoothness and method.adaptive:
             continue
-        if has_loop(layout, method):
+        if has_pair_loop(layout, method):
             rate = PAIR
         count = evaluations(name, rate, job, accuracy)
         each = rate.run + scene.count * rate.asperite + oscillators * rate.oscillator

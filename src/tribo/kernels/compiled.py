@@ -1,27 +1,28 @@
 """How Python functions become kernels: compiled, cached on disk, and never stale.
 
-numba's disk cache looks at one file only.  A kernel whose potential, or whose helper in another
-file, has been edited since would be served from it with the *old physics*.  So the kernels that
-are cached carry a stamp, the hash of every source they are built from, in their name: another
-source is another kernel.
+numba's disk cache looks at the file of the compiled function only.  If a potential, or a helper in
+another file, is edited, the cache would still serve the machine code of the old physics.  Kernels
+that are cached therefore have a stamp in their name: the hash of all sources they are built from.
+Other sources make another kernel.
 """
 
 import functools
 import hashlib
+import re
 from collections.abc import Callable
 from pathlib import Path
 from types import FunctionType
 from typing import Any
 
-from numba import njit, types
-from numba.extending import overload_method
+import numpy as np
+from numba import njit
 
-# What kernels are made of.  Division by zero gives inf or nan, as in numpy, which the time loops
-# turn into a named status.  Most are called by other kernels only: the wrappers by which Python
-# would call them cost a quarter of the compile time.
-#
-# Most kernels neither make arrays nor hand any on, and do without the counting of references: for
-# a pair of asperites that is more than half of the time.
+from tribo.kernels import plugin_methods  # noqa: F401 (kernels call methods of plug-ins)
+
+# Division by zero gives inf or nan, as in numpy; the time loops turn both into a named status.
+# Without the wrappers by which Python would call it, a kernel compiles a quarter faster.  Without
+# reference counting (_nrt) it can neither make nor return arrays, and a pair of asperites runs
+# more than twice as fast.
 kernel = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False)
 inlined = njit(
     error_model="numpy",
@@ -30,7 +31,9 @@ inlined = njit(
     forceinline=True,
     _nrt=False,
 )
+# Kernels that Python calls too.
 shared_kernel = njit(error_model="numpy", _nrt=False)
+# Kernels that make or return arrays.
 owning_kernel = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=True)
 shared_owning_kernel = njit(error_model="numpy", _nrt=True)
 
@@ -48,64 +51,104 @@ def package_stamp() -> str:
 
 @functools.cache
 def time_loop(loop: FunctionType, stamp: str | None) -> Callable[..., Any]:
-    """The function `loop` compiled and cached on disk under its own name and `stamp`.
+    """Compile a time loop and keep it on disk.
 
-    Without a stamp it is not kept on disk.
+    Machine code that earlier versions of the package left for the same loop is removed.
+
+    Parameters
+    ----------
+    loop : function
+        The loop, as Python.
+    stamp : str or None
+        Hash of the sources of the scene's plug-ins; None to keep nothing on disk.
+
+    Returns
+    -------
+    callable
+        The loop, compiled at the first call with arguments of new types.
     """
     if stamp is None:
         return njit(error_model="numpy")(loop)
-    name = f"{loop.__name__}_{package_stamp()}_{stamp}"
+    compiled = _named(loop, f"{package_stamp()}_{stamp}")
+    remove_stale(loop)
+    return compiled
+
+
+def _named(loop: FunctionType, stamps: str) -> Any:
+    """The loop under a name of its own, by which numba's disk cache finds it."""
+    name = f"{loop.__name__}_{stamps}"
     clone = FunctionType(loop.__code__, loop.__globals__, name, loop.__defaults__)
     clone.__qualname__ = name
     return njit(error_model="numpy", cache=True)(clone)
 
 
-def entry(loop: Any, *arguments: Any) -> Callable[..., Any]:
-    """The machine code of a compiled loop for arguments like these, and no others.
+def cached_files(loop: FunctionType) -> list[Path]:
+    """Files of machine code of a time loop on disk, of all versions of package and plug-ins."""
+    folder = Path(_named(loop, package_stamp()).stats.cache_path)
+    name = re.compile(rf"\w+\.{loop.__name__}_[0-9a-f]{{16}}_.*\.nb[ic]")
+    return sorted(path for path in folder.glob("*.nb?") if name.fullmatch(path.name))
 
-    To look at the types of a dozen arguments takes longer than a short run.
+
+def remove_stale(loop: FunctionType) -> None:
+    """Remove the machine code of a loop that other versions of the package left on disk.
+
+    numba keeps the code of each source file, by its full path, in a folder of its own, so these
+    are earlier versions of the package in the same place.  A process that still runs one of them
+    has its code in memory, and compiles again what it does not find.
     """
-    kinds = tuple(loop.typeof_pyval(argument) for argument in arguments)
-    loop.compile(kinds)
-    found: Callable[..., Any] = loop.overloads[kinds].entry_point
-    return found
+    current = f".{loop.__name__}_{package_stamp()}_"
+    for path in cached_files(loop):
+        if current not in path.name:
+            remove(path)
 
 
-# A plug-in is a NamedTuple: numba types it by its class, so its methods are found, and inlined,
-# when the kernel is compiled.
-def _found_by_class(method: str, arguments: int) -> None:
-    def find(plugin: Any) -> Any:
-        return getattr(plugin.instance_class, method)
-
-    finders: dict[int, Callable[..., Any]] = {
-        0: lambda self: find(self),
-        1: lambda self, a: find(self),
-        2: lambda self, a, b: find(self),
-        3: lambda self, a, b, c: find(self),
-        4: lambda self, a, b, c, d: find(self),
-        7: lambda self, a, b, c, d, e, f, g: find(self),
-    }
-    # Plug-ins may use what makes arrays on the way, as numpy.where does even of numbers.
-    options = {"_nrt": True}
-    found = overload_method(types.BaseNamedTuple, method, jit_options=options, strict=False)
-    found(finders[arguments])
+def remove(path: Path) -> None:
+    """Remove a file unless another process has removed it, uses it, or owns it."""
+    try:
+        path.unlink()
+    except OSError:
+        return
 
 
-METHODS = {  # of plug-ins, and how many arguments each has after self
-    "energy": 1,  # of potentials, at r
-    "force": 1,
-    "coupling": 2,  # of two charges
-    "energy_between": 3,  # at r, of two charges
-    "force_between": 3,
-    "feature": 0,
-    "clearance": 1,  # at r
-    "range": 0,
-    "interval": 1,  # of tables, at r: what energy and force share has to be a method too,
-    "defined": 1,  # since potentials know nothing of a compiler that could be shown a function
-    "energy_at": 2,  # of fields, at x, y
-    "force_at": 2,
-    "force_on_bar": 7,  # of drives, at t, x, y, vx, vy, fx, fy
-    "end_forces": 4,  # on ends, at t, phi, nu, twist
-}
-for _method, _arguments in METHODS.items():
-    _found_by_class(_method, _arguments)
+class EntryPoint:
+    """The machine code of a compiled loop, called without looking up the types of arguments.
+
+    To look up the types of a dozen arguments takes longer than a short run.
+
+    Parameters
+    ----------
+    loop : callable
+        A loop made by :func:`time_loop`.
+    fixed : tuple
+        Its first arguments, the same in each call.
+    examples : tuple
+        The other arguments, of the types that each call will have.
+    """
+
+    def __init__(self, loop: Any, fixed: tuple[Any, ...], examples: tuple[Any, ...]) -> None:
+        """Compile the loop, or load it from disk.  Raises numba's errors."""
+        kinds = tuple(loop.typeof_pyval(argument) for argument in (*fixed, *examples))
+        loop.compile(kinds)
+        self._code = loop.overloads[kinds].entry_point
+        self._fixed = fixed
+        self._arrays = tuple(
+            (place, example.dtype, example.strides)
+            for place, example in enumerate(examples)
+            if isinstance(example, np.ndarray)
+        )
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Call the loop with `fixed` and these arguments; TypeError for arrays of other types."""
+        for place, dtype, strides in self._arrays:
+            array = arguments[place]
+            if array.dtype is not dtype or array.strides != strides:
+                _refuse_other(place, array, dtype, len(strides))
+        return self._code(*self._fixed, *arguments)
+
+
+def _refuse_other(place: int, array: np.ndarray, dtype: np.dtype, ndim: int) -> None:
+    if array.dtype != dtype or array.ndim != ndim or not array.flags.c_contiguous:
+        raise TypeError(
+            f"argument {place} must be a C-contiguous array of {dtype} with {ndim} dimension(s), "
+            f"got {array.dtype} with shape {array.shape} and strides {array.strides}"
+        )

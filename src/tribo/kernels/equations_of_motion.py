@@ -12,6 +12,7 @@ from numba import literal_unroll
 
 from tribo.kernels.compiled import kernel, shared_kernel
 from tribo.kernels.contact import contact_forces, force_within
+from tribo.kernels.kinematics import bar_position, bar_velocity, bob_position
 from tribo.kernels.neighbours import crowded, refresh
 from tribo.kernels.records import FORCED, PULLED, RIGID
 
@@ -46,8 +47,9 @@ def place_bob(model, i, t, q):
     b = model.bobs[i]
     b.tx = a.facing * math.cos(q[i])
     b.ty = a.facing * math.sin(q[i])
-    b.x = a.x + a.vx * t + displacement(a.dof_x, q) + a.l1 * b.ty
-    b.y = a.y + a.vy * t + displacement(a.dof_y, q) - a.l1 * b.tx
+    x = a.x + a.vx * t + displacement(a.dof_x, q)
+    y = a.y + a.vy * t + displacement(a.dof_y, q)
+    b.x, b.y = bob_position(x, y, a.l1, b.tx, b.ty)
     b.fx = 0.0
     b.fy = 0.0
 
@@ -60,6 +62,23 @@ def place_bobs(model, t, q):
 
 
 @kernel
+def bar_rate(a, b, i, v):
+    """Velocity of bar i's centre in the surface's first frame, bobs in place."""
+    vx = displacement(a.dof_x, v)
+    vy = displacement(a.dof_y, v)
+    return bar_velocity(vx, vy, v[i], a.l2, b.tx, b.ty)
+
+
+@kernel
+def into_field(field, t):
+    """What to add to a position in the scene to have it in the field's own frame."""
+    return (
+        field.origin[0] + field.velocity[0] * t,
+        field.origin[1] + field.velocity[1] * t,
+    )
+
+
+@kernel
 def field_forces(model, fields, t):
     """The external fields' force on the bobs."""
     if fields is not None:
@@ -68,8 +87,7 @@ def field_forces(model, fields, t):
             bars[i].ex = 0.0
             bars[i].ey = 0.0
         for field in literal_unroll(fields):
-            shift_x = field.origin[0] + field.velocity[0] * t
-            shift_y = field.origin[1] + field.velocity[1] * t
+            shift_x, shift_y = into_field(field, t)
             for k in range(field.surfaces.shape[0]):
                 s = model.surfaces[field.surfaces[k]]
                 for i in range(s.start, s.stop):
@@ -86,8 +104,7 @@ def field_energy(model, fields, t):
     energy = 0.0
     if fields is not None:
         for field in literal_unroll(fields):
-            shift_x = field.origin[0] + field.velocity[0] * t
-            shift_y = field.origin[1] + field.velocity[1] * t
+            shift_x, shift_y = into_field(field, t)
             for k in range(field.surfaces.shape[0]):
                 s = model.surfaces[field.surfaces[k]]
                 for i in range(s.start, s.stop):
@@ -151,11 +168,10 @@ def friction_forces(model, langevin, v):
             a = model.asperites[i]
             b = model.bobs[i]
             s = model.surfaces[a.surface]
-            x = displacement(a.dof_x, v) - a.l2 * v[i] * b.tx
-            y = displacement(a.dof_y, v) - a.l2 * v[i] * b.ty
+            vx, vy = bar_rate(a, b, i, v)
             d = model.bars[i]
-            d.lx = -s.gamma * (x - s.reservoir_x)
-            d.ly = -s.gamma * (y - s.reservoir_y)
+            d.lx = -s.gamma * (vx - s.reservoir_x)
+            d.ly = -s.gamma * (vy - s.reservoir_y)
 
 
 @kernel
@@ -205,10 +221,14 @@ def custom_drives(model, drives, t, q, v):
             for i in range(s.start, s.stop):
                 a = model.asperites[i]
                 b = model.bobs[i]
-                x = b.x - (a.l1 + a.l2) * b.ty + drive.origin[0] + drive.velocity[0] * t
-                y = b.y + (a.l1 + a.l2) * b.tx + drive.origin[1] + drive.velocity[1] * t
-                vx = a.vx + displacement(a.dof_x, v) - a.l2 * v[i] * b.tx + drive.velocity[0]
-                vy = a.vy + displacement(a.dof_y, v) - a.l2 * v[i] * b.ty + drive.velocity[1]
+                x, y = bar_position(b.x, b.y, a.l1 + a.l2, b.tx, b.ty)
+                x = x + drive.origin[0] + drive.velocity[0] * t
+                y = y + drive.origin[1] + drive.velocity[1] * t
+                vx = a.vx + displacement(a.dof_x, v)
+                vy = a.vy + displacement(a.dof_y, v)
+                vx, vy = bar_velocity(vx, vy, v[i], a.l2, b.tx, b.ty)
+                vx += drive.velocity[0]
+                vy += drive.velocity[1]
                 gx, gy = drive.plugin.force_on_bar(t, x, y, vx, vy, b.fx, b.fy)
                 d = model.bars[i]
                 d.gx = gx
@@ -235,6 +255,13 @@ def forces(model, neighbours, t, q):
 
 
 @kernel
+def user_end_forces(end, a, i, t, q, v):
+    """Force of the user's own on the ends of bar i: f_L and f_R, x and y of each."""
+    phi = bar_angle(a, t, q)
+    return end.plugin.end_forces(t, phi, displacement(a.dof_phi, v), q[i] - phi)
+
+
+@kernel
 def own_ends(model, ends, t, q, v, slope):
     """Bars whose ends bear the user's own forces f_L and f_R: what they add to q''."""
     if ends is not None:
@@ -244,8 +271,7 @@ def own_ends(model, ends, t, q, v, slope):
                 a = model.asperites[i]
                 b = model.bobs[i]
                 phi = bar_angle(a, t, q)
-                nu = displacement(a.dof_phi, v)
-                left_x, left_y, right_x, right_y = end.plugin.end_forces(t, phi, nu, q[i] - phi)
+                left_x, left_y, right_x, right_y = user_end_forces(end, a, i, t, q, v)
                 fx = left_x + right_x
                 fy = left_y + right_y
                 half = 0.5 * a.bar_length

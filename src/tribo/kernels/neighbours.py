@@ -10,22 +10,15 @@ import math
 import numpy as np
 
 from tribo.kernels.compiled import kernel, owning_kernel, shared_owning_kernel
+from tribo.kernels.kinematics import nearest_image
 
 
 @kernel
-def nearest(d, length):
-    """The nearest image of a separation in a period; as it is where there is none."""
-    if length > 0.0:
-        return d - length * math.floor(d / length + 0.5)
-    return d
-
-
-@kernel
-def image(d, box, along):
-    """The nearest image along x (0) or z (1)."""
+def image(difference, box, axis):
+    """Separation from the nearest image along x (axis 0) or z (axis 1) of a scene's box."""
     if box is None:
-        return d
-    return nearest(d, box.x if along == 0 else box.z)
+        return difference
+    return nearest_image(difference, box.x if axis == 0 else box.z)
 
 
 @kernel
@@ -182,9 +175,9 @@ def list_pair(model, box, neighbours, one, other, k, used):
                     if j <= i or not is_met(species, wanted, j):
                         continue
                     b = bobs[j]
-                    dx = nearest(a.x - b.x, box_x)
+                    dx = nearest_image(a.x - b.x, box_x)
                     dy = a.y - b.y
-                    dz = nearest(a.z - b.z, box_z)
+                    dz = nearest_image(a.z - b.z, box_z)
                     if dx * dx + dy * dy + dz * dz < reach * reach:
                         if used < index.size:
                             index[used] = j

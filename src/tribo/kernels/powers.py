@@ -25,7 +25,13 @@ from numba import literal_unroll
 
 from tribo.kernels.compiled import kernel
 from tribo.kernels.contact import force_within
-from tribo.kernels.equations_of_motion import bar_angle, displacement
+from tribo.kernels.equations_of_motion import (
+    bar_angle,
+    displacement,
+    into_field,
+    user_end_forces,
+)
+from tribo.kernels.kinematics import bar_velocity, end_force, rotational_power
 
 CONTACT, SLIDE, DRIVE, ENDS, USER_ENDS, POINT = 4, 2, 4, 5, 8, 4  # accounts in each group
 
@@ -35,28 +41,34 @@ def at_bar(power, k, fx, fy, a, b, omega, vx, vy):
     """Jx, Jy, work about the centre of mass and pseudowork of a force at the bar's centre."""
     power[k] = fx
     power[k + 1] = fy
-    power[k + 2] = -a.l2 * omega * (b.tx * fx + b.ty * fy)
+    power[k + 2] = rotational_power(-a.l2, omega, b.tx, b.ty, fx, fy)
     power[k + 3] = fx * vx + fy * vy
 
 
 @kernel
-def book_bob(power, k, fx, fy, a, b, omega, vx, vy):
-    """The same of a force on the bob, added to what is booked."""
+def at_bob(power, k, fx, fy, a, b, omega, vx, vy):
+    """The same of a force on the bob, added to what is there."""
     power[k] += fx
     power[k + 1] += fy
-    power[k + 2] += a.l1 * omega * (b.tx * fx + b.ty * fy)
+    power[k + 2] += rotational_power(a.l1, omega, b.tx, b.ty, fx, fy)
     power[k + 3] += fx * vx + fy * vy
 
 
 @kernel
+def clear(power, k):
+    """No power yet in a group of POINT accounts."""
+    for m in range(POINT):
+        power[k + m] = 0.0
+
+
+@kernel
 def clamped_ends(power, k, a, b, t, q, i, omega, vx, vy):
-    """f_L = -f_R = kappa (theta - phi - rest) / bar_length (-sin phi, cos phi)."""
+    """The powers of f_L, and of f_R = -f_L about the centre of mass."""
     phi = bar_angle(a, t, q)
-    end = a.kappa * (q[i] - phi) / a.bar_length
-    end_x = -end * math.sin(phi)
-    end_y = end * math.cos(phi)
-    with_bar = -a.l2 * omega * (end_x * b.tx + end_y * b.ty)
-    turning = -0.5 * a.bar_length * end * a.nu
+    torque = a.kappa * (q[i] - phi)
+    end_x, end_y = end_force(torque, a.bar_length, math.sin(phi), math.cos(phi))
+    with_bar = rotational_power(-a.l2, omega, b.tx, b.ty, end_x, end_y)
+    turning = -0.5 * a.bar_length * (torque / a.bar_length) * a.nu
     power[k] = with_bar + turning
     power[k + 1] = -with_bar + turning
     power[k + 2] = end_x
@@ -95,19 +107,15 @@ def powers_of(model, i, torsion, t, q, v, power):
         clamped_ends(power, a.acc_ends, a, b, t, q, i, omega, vx, vy)
     if model.fields is not None:
         if a.acc_field >= 0:
-            k = a.acc_field
-            power[k] = d.ex
-            power[k + 1] = d.ey
-            power[k + 2] = a.l1 * omega * (b.tx * d.ex + b.ty * d.ey)
-            power[k + 3] = d.ex * vx + d.ey * vy
+            clear(power, a.acc_field)
+            at_bob(power, a.acc_field, d.ex, d.ey, a, b, omega, vx, vy)
     if a.acc_internal >= 0:
         if model.bonds is not None or model.bath is not None or model.torsional is not None:
             at_bar(power, a.acc_internal, d.hx, d.hy, a, b, omega, vx, vy)
         else:
-            for m in range(POINT):
-                power[a.acc_internal + m] = 0.0
+            clear(power, a.acc_internal)
         fx, fy = force_within(model.inner, i)
-        book_bob(power, a.acc_internal, fx, fy, a, b, omega, vx, vy)
+        at_bob(power, a.acc_internal, fx, fy, a, b, omega, vx, vy)
     if model.langevin is not None:
         if a.acc_thermal >= 0:
             at_bar(power, a.acc_thermal, d.lx, d.ly, a, b, omega, vx, vy)
@@ -120,8 +128,7 @@ def field_powers(model, fields, t, power):
         for field in literal_unroll(fields):
             if field.account >= 0:
                 power[field.account] = 0.0
-                shift_x = field.origin[0] + field.velocity[0] * t
-                shift_y = field.origin[1] + field.velocity[1] * t
+                shift_x, shift_y = into_field(field, t)
                 for k in range(field.surfaces.shape[0]):
                     s = model.surfaces[field.surfaces[k]]
                     for i in range(s.start, s.stop):
@@ -157,11 +164,10 @@ def own_end_powers(model, ends, t, q, v, power):
                 nu = displacement(a.dof_phi, v)
                 vx = displacement(a.dof_x, v)
                 vy = displacement(a.dof_y, v)
-                left_x, left_y, right_x, right_y = end.plugin.end_forces(t, phi, nu, q[i] - phi)
+                left_x, left_y, right_x, right_y = user_end_forces(end, a, i, t, q, v)
                 tip_x = -0.5 * a.bar_length * math.sin(phi) * nu
                 tip_y = 0.5 * a.bar_length * math.cos(phi) * nu
-                bar_x = -a.l2 * v[i] * b.tx
-                bar_y = -a.l2 * v[i] * b.ty
+                bar_x, bar_y = bar_velocity(0.0, 0.0, v[i], a.l2, b.tx, b.ty)
                 k = a.acc_user_ends
                 power[k] = left_x * (bar_x - tip_x) + left_y * (bar_y - tip_y)
                 power[k + 1] = right_x * (bar_x + tip_x) + right_y * (bar_y + tip_y)
@@ -233,7 +239,7 @@ def external_force(model, s):
 
 
 @kernel
-def end_force(model, ends, k, t, q, v):
+def total_user_force(model, ends, k, t, q, v):
     """Sum of the user's own forces on the ends of surface k's bars."""
     fx = 0.0
     fy = 0.0
@@ -243,9 +249,7 @@ def end_force(model, ends, k, t, q, v):
                 s = model.surfaces[k]
                 for i in range(s.start, s.stop):
                     a = model.asperites[i]
-                    phi = bar_angle(a, t, q)
-                    nu = displacement(a.dof_phi, v)
-                    left_x, left_y, right_x, right_y = end.plugin.end_forces(t, phi, nu, q[i] - phi)
+                    left_x, left_y, right_x, right_y = user_end_forces(end, a, i, t, q, v)
                     fx += left_x + right_x
                     fy += left_y + right_y
     return fx, fy
@@ -258,7 +262,7 @@ def block_powers(model, t, q, v, power):
         s = model.surfaces[k]
         if s.acc_block >= 0:
             fx, fy = external_force(model, s)
-            end_x, end_y = end_force(model, model.ends, k, t, q, v)
+            end_x, end_y = total_user_force(model, model.ends, k, t, q, v)
             px, py = momentum(model, s, v)
             power[s.acc_block] = ((fx + end_x) * px + (fy + end_y) * py) / s.total_mass
 

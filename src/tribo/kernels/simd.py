@@ -4,6 +4,7 @@
 floats, and the functions below.  What stands in a formula once is done to all eight.
 """
 
+import math
 import operator
 from typing import Any
 
@@ -13,7 +14,7 @@ from numba.core import cgutils
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import intrinsic, lower_builtin, models, overload, register_model
 
-from tribo.kernels.compiled import inlined
+from tribo.kernels.compiled import inlined, kernel
 
 LANES = 8
 _FLOAT, _INDEX = ir.DoubleType(), ir.IntType(32)
@@ -77,7 +78,7 @@ def _llvm(builder: Any, name: str, result: Any, arguments: list[Any], fast: Any 
 
 
 @intrinsic
-def root(typing_context: Any, x: Any) -> Any:
+def sqrt(typing_context: Any, x: Any) -> Any:
     """Square roots."""
 
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -87,7 +88,7 @@ def root(typing_context: Any, x: Any) -> Any:
 
 
 @intrinsic
-def magnitude(typing_context: Any, x: Any) -> Any:
+def absolute(typing_context: Any, x: Any) -> Any:
     """Absolute values."""
 
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -97,7 +98,7 @@ def magnitude(typing_context: Any, x: Any) -> Any:
 
 
 @intrinsic
-def total(typing_context: Any, x: Any) -> Any:
+def sum_of_lanes(typing_context: Any, x: Any) -> Any:
     """Sum of the eight, in any order."""
 
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -122,7 +123,7 @@ _ROUNDS = (
 
 
 @intrinsic
-def totals(typing_context: Any, xs: Any) -> Any:
+def sums_of_lanes(typing_context: Any, xs: Any) -> Any:
     """Sums of eight times eight numbers: that of the first in lane 0, and so on."""
 
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -139,7 +140,7 @@ def totals(typing_context: Any, xs: Any) -> Any:
 
 
 @intrinsic
-def highest(typing_context: Any, x: Any) -> Any:
+def maximum(typing_context: Any, x: Any) -> Any:
     """The largest of the eight, none of which is nan."""
 
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -166,7 +167,7 @@ def where_less(typing_context: Any, x: Any, y: Any, one: Any, other: Any) -> Any
 
 
 @intrinsic
-def lanes_of(typing_context: Any, x: Any) -> Any:
+def broadcast(typing_context: Any, x: Any) -> Any:
     """The same number in every lane."""
 
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -186,7 +187,7 @@ def lane(typing_context: Any, x: Any, i: Any) -> Any:
 
 
 @intrinsic
-def put(typing_context: Any, x: Any, i: Any, value: Any) -> Any:
+def with_lane(typing_context: Any, x: Any, i: Any, value: Any) -> Any:
     """The same with another number in lane i."""
 
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -284,30 +285,70 @@ def store(typing_context: Any, data: Any, row: Any, x: Any) -> Any:
     return types.void(rows, types.intp, lanes), build
 
 
-ROUNDING = 1.5 * 2.0**52  # x + this - this is x rounded to a whole number
-TURN = 1.5707963267948966  # pi / 2, and what is missing from it
-REST_OF_TURN = 6.123233995736766e-17
+# Adding and subtracting this rounds a float below 2^51 to an integer.
+ROUNDING = 1.5 * 2.0**52
+
+# pi / 2 as a sum of three numbers, from fdlibm (Sun Microsystems 1993).  The first two have 33
+# significant bits, so that their products with an integer below MOST_QUARTERS are exact, with or
+# without fused multiply-add; the third is rounded, and what is missing is below 1e-36.
+QUARTER_TURN = 1.57079632673412561417e00
+QUARTER_TURN_MIDDLE = 6.07710050630396597660e-11
+QUARTER_TURN_LOW = 2.02226624879595063154e-21
+
+# Number of quarter turns below which products with a number of 33 bits are exact: 53 - 33 bits.
+MOST_QUARTERS = 2.0**20
 
 
 @inlined
 def sine_cosine(x):
-    """sin x and cos x to round-off, for |x| up to 1e6 or so."""
-    if highest(magnitude(x)) < 0.5 * TURN:  # as most swings are
+    """Sine and cosine of eight angles.
+
+    Absolute errors are below 2.3e-16 for every finite angle, with and without fused multiply-add.
+    The largest angle decides for all eight whether they need a reduction, and which one.
+
+    Parameters
+    ----------
+    x : Lanes
+        Angles [rad].
+
+    Returns
+    -------
+    sin, cos : Lanes
+    """
+    largest = maximum(absolute(x))
+    if largest < 0.5 * QUARTER_TURN:  # as most swings are
         return near_zero(x)
-    return anywhere(x)
+    if largest < MOST_QUARTERS * QUARTER_TURN:
+        return reduced(x)
+    return lane_by_lane(x)
+
+
+@kernel
+def lane_by_lane(x):
+    """Sine and cosine by the C library, for angles beyond a million quarter turns."""
+    sin = x
+    cos = x
+    for i in range(LANES):
+        sin = with_lane(sin, i, math.sin(lane(x, i)))
+        cos = with_lane(cos, i, math.cos(lane(x, i)))
+    return sin, cos
 
 
 @inlined
-def anywhere(x):
-    """sin x and cos x: those of x less the nearest multiple of pi/2, in their places."""
+def reduced(x):
+    """Sine and cosine from those of x less the nearest multiple of pi/2.
+
+    The reduction is Cody and Waite's (Software Manual for the Elementary Functions, 1980).
+    """
     quarters = (x * 0.6366197723675814 + ROUNDING) - ROUNDING
-    sin, cos = near_zero((x - quarters * TURN) - quarters * REST_OF_TURN)
+    rest = (x - quarters * QUARTER_TURN) - quarters * QUARTER_TURN_MIDDLE
+    sin, cos = near_zero(rest - quarters * QUARTER_TURN_LOW)
     quadrant = quarters - 4.0 * ((quarters * 0.25 - 0.375 + ROUNDING) - ROUNDING)  # 0, 1, 2 or 3
-    even = magnitude(magnitude(quadrant - 2.0) - 1.0)  # 1 in quadrants 0 and 2, else 0
+    even = absolute(absolute(quadrant - 2.0) - 1.0)  # 1 in quadrants 0 and 2, else 0
     one = where_less(even, 0.5, cos, sin)
     other = where_less(even, 0.5, sin, cos)
     one = where_less(quadrant, 1.5, one, 0.0 - one)
-    other = where_less(magnitude(quadrant - 1.5), 1.0, 0.0 - other, other)
+    other = where_less(absolute(quadrant - 1.5), 1.0, 0.0 - other, other)
     return one, other
 
 

@@ -1,1 +1,1 @@
-"""The time loop for one asperite on one, which keeps the whole state in registers."""
+"""The time loop for one asperite on one, whose nodes are computed side by side in registers."""

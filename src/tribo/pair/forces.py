@@ -1,8 +1,8 @@
 """The contact force of two asperites at eight times and places at once.
 
-Coordinates are the swings q1 and q2, and k with k'' = f_x, the contact force on the first bob:
-k' = j is its impulse, and centres of mass that are free to slide are at ease * k from their
-uniform motion, where ease is 1 / mass (of the second: minus that), and 0 for a forced one.
+The coordinates are the swings q1 and q2, and k with k'' = f_x, where f is the contact force on the
+first bob.  k' = j is its impulse.  A centre of mass that is free to slide is displaced by k / mass
+from its uniform motion, the second one by -k / mass, and a forced one not at all.
 """
 
 import math
@@ -10,38 +10,47 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit, types
-from numba.core.errors import NumbaError
-from numba.extending import overload
+from numba.core.errors import TypingError
+from numba.extending import overload, register_jitable
 
 from tribo.kernels.compiled import inlined
 from tribo.kernels.contact import separation
-from tribo.kernels.simd import LANES, lane, lanes, lanes_of, put, root, sine_cosine, where_less
+from tribo.kernels.simd import (
+    LANES,
+    broadcast,
+    lane,
+    lanes,
+    sine_cosine,
+    sqrt,
+    where_less,
+    with_lane,
+)
 
 PAIR = np.dtype(
     [
         ("gap_x", "f8"),  # from the second centre of mass to the first, at t = 0
         ("gap_y", "f8"),
-        ("square_z", "f8"),  # square of what the bobs are apart in z
-        ("speed_x", "f8"),  # of the first surface, seen from the second
-        ("speed_y", "f8"),
-        ("ease", "f8"),  # both asperites': the gap is the given one and ease * k
+        ("z_squared", "f8"),  # square of the bobs' distance in z
+        ("velocity_x", "f8"),  # of the first surface relative to the second
+        ("velocity_y", "f8"),
+        ("mobility", "f8"),  # sum of 1 / mass of the free ones: k displaces the gap by mobility * k
         ("charge1", "f8"),
         ("charge2", "f8"),
-        ("arm1", "f8"),  # l1 times facing: the bob is at arm (sin q, -cos q) from the centre
+        ("arm1", "f8"),  # l1 times facing: the bob is at arm (sin q, -cos q) from r_cm
         ("arm2", "f8"),
-        ("turn_x1", "f8"),  # q1'' = cos q1 turn_x1 f_x + sin q1 turn_y1 f_y - square1 q1
-        ("turn_y1", "f8"),
-        ("square1", "f8"),
-        ("turn_x2", "f8"),  # with f_x and f_y on the first bob here too
-        ("turn_y2", "f8"),
-        ("square2", "f8"),
+        ("lever_x1", "f8"),  # q1'' = cos q1 lever_x1 f_x + sin q1 lever_y1 f_y - omega_squared1 q1
+        ("lever_y1", "f8"),
+        ("omega_squared1", "f8"),  # kappa / inertia
+        ("lever_x2", "f8"),  # here, too, f is the force on the first bob
+        ("lever_y2", "f8"),
+        ("omega_squared2", "f8"),
     ],
     align=True,
 )
 
 
-class Sight(NamedTuple):
-    """What the forces at eight places come from, and they, in Lanes."""
+class PairContact(NamedTuple):
+    """Directions of the rods, contact force on the first bob, and distance; all are Lanes."""
 
     sin1: Any
     cos1: Any
@@ -52,74 +61,106 @@ class Sight(NamedTuple):
     r: Any
 
 
-def forces_at(potential, r, one, other):
-    """The force at eight distances: as its formula stands where that is arithmetic alone."""
-    return potential.force_between(r, one, other)
+def is_vectorized(potential_type: types.BaseNamedTuple) -> bool:
+    """Whether a potential's formula compiles for Lanes, that is, whether it is arithmetic alone.
 
+    Parameters
+    ----------
+    potential_type : numba type
+        Type of a potential, as :func:`numba.typeof` returns it.
 
-@overload(forces_at, strict=False)
-def _forces_at(potential, r, one, other):
-    formula = njit(error_model="numpy")(potential.instance_class.force_between)
+    Raises
+    ------
+    numba.core.errors.NumbaError
+        If the formula fails to compile for a reason other than an operation that Lanes lack.
+    """
+    formula = njit(error_model="numpy")(potential_type.instance_class.force_between)
     try:
-        formula.compile((potential, lanes, types.float64, types.float64))
-    except NumbaError:
-        return _one_by_one
-    return forces_at
+        formula.compile((potential_type, lanes, types.float64, types.float64))
+    except TypingError as error:
+        if lanes.name not in str(error):
+            raise
+        return False
+    return True
 
 
-def _one_by_one(potential, r, one, other):
+def potential_force(potential, r, charge1, charge2):
+    """Force of a potential at eight distances: at all together, or at one after another."""
+    return potential.force_between(r, charge1, charge2)
+
+
+@overload(potential_force, strict=False)
+def _potential_force(potential, r, charge1, charge2):
+    return potential_force if is_vectorized(potential) else _one_by_one
+
+
+def _one_by_one(potential, r, charge1, charge2):
     f = r
     for i in range(LANES):
-        f = put(f, i, potential.force_between(lane(r, i), one, other))
+        f = with_lane(f, i, potential.force_between(lane(r, i), charge1, charge2))
     return f
 
 
 @inlined
-def pushes(pair, potential, r, inverse):
-    """Contact force over distance."""
-    end = potential.range()
-    push = forces_at(potential, r, pair.charge1, pair.charge2) * inverse
-    return where_less(r, end, push, 0.0)
+def force_over_distance(pair, potential, r, inverse):
+    """Contact force over distance; `inverse` is 1 / r."""
+    cutoff = potential.range()
+    force = potential_force(potential, r, pair.charge1, pair.charge2) * inverse
+    return where_less(r, cutoff, force, 0.0)
+
+
+@register_jitable(error_model="numpy", forceinline=True, _nrt=False)
+def bob_separation(pair, t, k, sin1, cos1, sin2, cos2):
+    """Vector from the second bob to the first, in x and y; floats or Lanes.
+
+    Of two positions by :func:`tribo.kernels.kinematics.bob_position` this is the difference,
+    summed in the order that loses no digits where the bobs are close: the gap of the centres of
+    mass is a coordinate here.
+    """
+    dx = (pair.gap_x + pair.velocity_x * t + pair.mobility * k) + (
+        pair.arm1 * sin1 - pair.arm2 * sin2
+    )
+    dy = (pair.gap_y + pair.velocity_y * t) - (pair.arm1 * cos1 - pair.arm2 * cos2)
+    return dx, dy
 
 
 @inlined
-def seen(pair, potential, t, q1, q2, k):
+def contact_at(pair, potential, t, q1, q2, k):
     """The contact force at eight times and places."""
     sin1, cos1 = sine_cosine(q1)
     sin2, cos2 = sine_cosine(q2)
-    dx = (pair.gap_x + pair.speed_x * t + pair.ease * k) + (pair.arm1 * sin1 - pair.arm2 * sin2)
-    dy = (pair.gap_y + pair.speed_y * t) - (pair.arm1 * cos1 - pair.arm2 * cos2)
-    square = dx * dx + (dy * dy + pair.square_z)
-    r = root(square)
-    f = pushes(pair, potential, r, r * (1.0 / square))
-    return Sight(sin1, cos1, sin2, cos2, f * dx, f * dy, r)
+    dx, dy = bob_separation(pair, t, k, sin1, cos1, sin2, cos2)
+    square = dx * dx + (dy * dy + pair.z_squared)
+    r = sqrt(square)
+    f = force_over_distance(pair, potential, r, r * (1.0 / square))
+    return PairContact(sin1, cos1, sin2, cos2, f * dx, f * dy, r)
 
 
 @inlined
-def slopes(pair, sight, q1, q2):
+def swing_accelerations(pair, contact, q1, q2):
     """q1'' and q2''; k'' is f_x."""
-    one = sight.cos1 * (pair.turn_x1 * sight.fx) + sight.sin1 * (pair.turn_y1 * sight.fy)
-    two = sight.cos2 * (pair.turn_x2 * sight.fx) + sight.sin2 * (pair.turn_y2 * sight.fy)
-    return one - pair.square1 * q1, two - pair.square2 * q2
+    one = contact.cos1 * (pair.lever_x1 * contact.fx) + contact.sin1 * (pair.lever_y1 * contact.fy)
+    two = contact.cos2 * (pair.lever_x2 * contact.fx) + contact.sin2 * (pair.lever_y2 * contact.fy)
+    return one - pair.omega_squared1 * q1, two - pair.omega_squared2 * q2
 
 
 @inlined
-def encounter_of(pair, potential, r, q1, q2, v1, v2, j):
-    """As :func:`tribo.kernels.contact.encounter_rate`, of bobs that are r apart."""
-    swing1 = math.sqrt(v1 * v1 + pair.square1 * q1 * q1)
-    swing2 = math.sqrt(v2 * v2 + pair.square2 * q2 * q2)
-    speed_x = pair.speed_x + pair.ease * j
-    speed = math.sqrt(speed_x * speed_x + pair.speed_y * pair.speed_y)
-    speed += abs(pair.arm1) * swing1 + abs(pair.arm2) * swing2
+def encounter_rate_of(pair, potential, r, q1, q2, v1, v2, j):
+    """Rate of encounters of bobs at a distance r [1 / time].
+
+    See :func:`tribo.kernels.contact.encounter_rate`.
+    """
+    omega1 = math.sqrt(v1 * v1 + pair.omega_squared1 * q1 * q1)
+    omega2 = math.sqrt(v2 * v2 + pair.omega_squared2 * q2 * q2)
+    velocity_x = pair.velocity_x + pair.mobility * j
+    speed = math.sqrt(velocity_x * velocity_x + pair.velocity_y * pair.velocity_y)
+    speed += abs(pair.arm1) * omega1 + abs(pair.arm2) * omega2
     return speed / potential.clearance(r)
 
 
 @inlined
 def distance(pair, t, q1, q2, k):
     """Distance of the bobs."""
-    sin, cos = sine_cosine(put(lanes_of(q1), 1, q2))
-    dx = pair.gap_x + pair.speed_x * t + pair.ease * k
-    dx += pair.arm1 * lane(sin, 0) - pair.arm2 * lane(sin, 1)
-    dy = pair.gap_y + pair.speed_y * t
-    dy -= pair.arm1 * lane(cos, 0) - pair.arm2 * lane(cos, 1)
-    return separation(dx, dy, math.sqrt(pair.square_z))
+    sin, cos = sine_cosine(with_lane(broadcast(q1), 1, q2))
+    dx, dy = bob_separation(pair, t, k, lane(sin, 0), lane(cos, 0), lane(sin, 1), lane(cos, 1))
+    return separation(dx, dy, math.sqrt(pair.z_squared))

@@ -1,10 +1,10 @@
 """A step of two asperites by collocation: all nodes side by side.
 
-What :mod:`tribo.integrators.collocation` does node by node and asperite by asperite is done here to
-eight nodes at once, in registers.
+The step is that of :mod:`tribo.integrators.collocation`, which goes node by node and asperite by
+asperite; here eight nodes are computed at once, in vector registers.
 
-Lane 0 stands for the end of the step, whose forces are those of the next one's start, and the
-others for the nodes within.  Slopes and powers have those of the start in lane 0 instead.
+Lane 0 is the end of the step, whose forces are those at the start of the next step; the other
+lanes are the nodes within.  Accelerations and powers have those at the start in lane 0 instead.
 """
 
 import math
@@ -22,57 +22,75 @@ from tribo.integrators.step_control import EPSILON, MAX_GROWTH, MIN_GROWTH
 from tribo.kernels.compiled import inlined
 from tribo.kernels.simd import (
     LANES,
-    highest,
+    absolute,
+    broadcast,
     lane,
-    lanes_of,
     load,
-    magnitude,
-    put,
+    maximum,
     store,
-    total,
-    totals,
+    sum_of_lanes,
+    sums_of_lanes,
+    with_lane,
 )
-from tribo.pair.forces import encounter_of, seen, slopes
+from tribo.pair.forces import contact_at, encounter_rate_of, swing_accelerations
 
-CAUTION = 0.65  # of the growth that an error allows: a step turned back costs as much as one taken
-CLEAR = 0.75  # of the way to an encounter, that a step shall go by the rate expected at its end
+# Part of the growth of a step that its error allows: a rejected step costs as much as an
+# accepted one.
+CAUTION = 0.65
 
-# Rows of what a pair's loop keeps, eight numbers each: first the method's table,
+# Part of the way to an encounter that a step may go, at the rate expected at its end.
+CLEAR = 0.75
+
+# The loop's memory is an array of rows of eight numbers.  Rows of the method's table:
 AT, NODES, POLE, B, V, LAST, A, AA, R = 0, 1, 2, 3, 4, 5, 6, 14, 22
-# then what is tolerated of the rates, with the level and the first step, and of the accounts as
-# reciprocals,
+
+# Rows of the limits: the tolerances of the rates, with the level and the first step, and the
+# reciprocals of the tolerances of the accounts.
 LIMITS, ALLOWED = R + LANES, R + LANES + 1
+
+# Columns of LIMITS.
 OF_V1, OF_V2, OF_J, LEVEL, FIRST = range(5)
-# then the state, with the rate of encounters behind the slopes of START.
+
+# First row of the state.
 STATE = ALLOWED + 1
-RATE = 3
+
+# Rows of the state; MEMORY has three, the accelerations of the last step.
 PLACE, LOW, START, ACCOUNTS, REMAINDERS, BEGINNING, SCRATCH, MEMORY = range(STATE, STATE + 8)
+
+# Number of rows.
 ROWS = MEMORY + 3
-Q1, Q2, K, V1, V2, J = range(6)  # in PLACE; LOW has what rounding took; START q1'', q2'' and k''
-# Accounts, before which a record has PLACE's first six: integrals of the force on the first bob.
-# J_Y of f_y; X1 of f_x omega1 cos q1, Y1 of f_y omega1 sin q1, X2, Y2; T1 of q1, T2; S of f_x j.
+
+# Columns of PLACE, and of LOW with the rounding errors.  START and SCRATCH have q1'', q2'' and k''
+# in the first three.
+Q1, Q2, K, V1, V2, J = range(6)
+
+# Column of START with the rate of encounters, behind the accelerations.
+RATE = 3
+
+# Accounts: integrals over time, where f is the force on the first bob.  J_Y: f_y.
+# X1: f_x omega1 cos q1, Y1: f_y omega1 sin q1; X2, Y2 likewise.  T1: q1, T2: q2.  S: f_x j.
 J_Y, X1, Y1, X2, Y2, T1, T2, S = range(8)
 
 
 class Nodes(NamedTuple):
-    """What an iteration finds at the nodes, in Lanes."""
+    """Accelerations, places and contact at the nodes, in Lanes."""
 
     f1: Any  # q1''
     f2: Any
     fk: Any  # k''
     q1: Any
     q2: Any
-    sight: Any
+    contact: Any
 
 
 class Sums(NamedTuple):
-    """What a step comes to, in units of it: numbers of the motion, and Lanes of the accounts."""
+    """Integrals over a step of length 1: three numbers each for q1, q2 and k, Lanes of accounts."""
 
-    twice: Any  # q'' integrated twice, for q1, q2 and k
-    once: Any
-    highest: Any  # integral of the highest term of q''
-    gain: Any  # of the accounts
-    highest_gain: Any
+    twice: Any  # q'' integrated twice
+    once: Any  # q'' integrated once
+    leading: Any  # the highest term of q'', integrated once
+    gains: Any  # of the accounts
+    leading_gains: Any  # of the highest terms of the powers
 
 
 def table(method: Collocation) -> np.ndarray:
@@ -89,7 +107,7 @@ def table(method: Collocation) -> np.ndarray:
 
 
 @inlined
-def summed(work, first, f):
+def weighted_sums(work, first, f):
     """sum_j a_ij f_j in lane i; `first` is the row of a_i0."""
     one = load(work, first) * lane(f, 0) + load(work, first + 4) * lane(f, 4)
     two = load(work, first + 1) * lane(f, 1) + load(work, first + 5) * lane(f, 5)
@@ -99,7 +117,7 @@ def summed(work, first, f):
 
 
 @inlined
-def combined(weights, work, row):
+def weighted_sum(weights, work, row):
     """sum_j w_j f_j, with the eight f_j in a row."""
     w0, w1, w2, w3, w4, w5, w6, w7 = weights
     one = w0 * work[row, 0] + w4 * work[row, 4]
@@ -133,21 +151,21 @@ def lagrange(work, x):
 
 @inlined
 def predict(clock, h, work):
-    """Slopes at the nodes to begin with: those of the last step's polynomials, or of the start."""
+    """Accelerations at the nodes: the last step's polynomials there, or those at the start."""
     ratio = h * (1.0 / clock.last_step) if clock.last_step > 0.0 else math.inf
     c = load(work, AT)
     if ratio <= MAX_EXTRAPOLATION:
         weights = lagrange(work, 1.0 + ratio * c)
-        f1 = put(combined(weights, work, MEMORY), 0, work[START, Q1])
-        f2 = put(combined(weights, work, MEMORY + 1), 0, work[START, Q2])
-        fk = put(combined(weights, work, MEMORY + 2), 0, work[START, K])
+        f1 = with_lane(weighted_sum(weights, work, MEMORY), 0, work[START, Q1])
+        f2 = with_lane(weighted_sum(weights, work, MEMORY + 1), 0, work[START, Q2])
+        fk = with_lane(weighted_sum(weights, work, MEMORY + 2), 0, work[START, K])
         return f1, f2, fk
-    return lanes_of(work[START, Q1]), lanes_of(work[START, Q2]), lanes_of(work[START, K])
+    return broadcast(work[START, Q1]), broadcast(work[START, Q2]), broadcast(work[START, K])
 
 
 @inlined
-def units(h, work):
-    """What the tolerances of v1, v2 and j allow their slopes to be off by, as reciprocals."""
+def reciprocal_tolerances(h, work):
+    """Reciprocals of the tolerances of q1'', q2'' and k'' that follow from those of the rates."""
     unit1 = h / (work[LIMITS, OF_V1] + 2.0 * EPSILON * abs(work[PLACE, V1]))
     unit2 = h / (work[LIMITS, OF_V2] + 2.0 * EPSILON * abs(work[PLACE, V2]))
     unitk = h / (work[LIMITS, OF_J] + 2.0 * EPSILON * abs(work[PLACE, J]))
@@ -155,8 +173,8 @@ def units(h, work):
 
 
 @inlined
-def coasting(work, ahead):
-    """q1, q2 and k at times so far ahead, if nothing pushed."""
+def uniform_motion(work, ahead):
+    """q1, q2 and k a time `ahead`, without forces."""
     q1 = work[PLACE, Q1] + work[PLACE, V1] * ahead
     q2 = work[PLACE, Q2] + work[PLACE, V2] * ahead
     k = work[PLACE, K] + work[PLACE, J] * ahead
@@ -164,97 +182,93 @@ def coasting(work, ahead):
 
 
 @inlined
-def enough(change, before):
-    """Whether another sweep would change less than SWEEP_TOLERANCE, or this one stalled below 1."""
-    return (
-        change <= SWEEP_TOLERANCE
-        or change * change <= SWEEP_TOLERANCE * before
-        or 0.0 < before <= change <= 1.0
-    )
+def has_converged(change, before):
+    """Whether the next sweep would change less than SWEEP_TOLERANCE, or this one stalled below 1."""
+    return change <= SWEEP_TOLERANCE or change * change <= SWEEP_TOLERANCE * before or 0.0 < before <= change <= 1.0
 
 
 @inlined
 def solve(pair, potential, clock, h, work):
-    """Sweep until another would change less than SWEEP_TOLERANCE of the tolerance.
+    """Solve for the accelerations at the nodes, to SWEEP_TOLERANCE of the tolerance.
 
-    Returns whether that came about, and the Nodes; leaves the slopes at the end of the step in
-    SCRATCH.
+    Returns whether the sweeps converged, and the Nodes.  Leaves the accelerations at the end of the
+    step in SCRATCH.
     """
     f1, f2, fk = predict(clock, h, work)
     start1, start2, startk = work[START, Q1], work[START, Q2], work[START, K]
-    unit1, unit2, unitk = units(h, work)
+    unit1, unit2, unitk = reciprocal_tolerances(h, work)
     ahead = h * load(work, AT)
     t = clock.t + ahead
     square = h * h
-    springs1 = square * pair.square1
-    springs2 = square * pair.square2
-    rest1, rest2, restk = coasting(work, ahead)
-    place1 = rest1 + square * summed(work, A, f1)
-    place2 = rest2 + square * summed(work, A, f2)
-    placek = restk + square * summed(work, A, fk)
+    springs1 = square * pair.omega_squared1
+    springs2 = square * pair.omega_squared2
+    rest1, rest2, restk = uniform_motion(work, ahead)
+    place1 = rest1 + square * weighted_sums(work, A, f1)
+    place2 = rest2 + square * weighted_sums(work, A, f2)
+    placek = restk + square * weighted_sums(work, A, fk)
     before = 0.0
     for _ in range(MAX_SWEEPS):
-        sight = seen(pair, potential, t, place1, place2, placek)
-        new1, new2 = slopes(pair, sight, place1, place2)
-        newk = put(sight.fx, 0, startk)
-        late1 = put(new1, 0, start1) - f1
-        late2 = put(new2, 0, start2) - f2
-        latek = newk - fk
-        off1 = summed(work, A, late1)
-        off2 = summed(work, A, late2)
-        new1 = new1 - springs1 * off1
-        new2 = new2 - springs2 * off2
+        contact = contact_at(pair, potential, t, place1, place2, placek)
+        new1, new2 = swing_accelerations(pair, contact, place1, place2)
+        newk = with_lane(contact.fx, 0, startk)
+        change1 = with_lane(new1, 0, start1) - f1
+        change2 = with_lane(new2, 0, start2) - f2
+        changek = newk - fk
+        shift1 = weighted_sums(work, A, change1)
+        shift2 = weighted_sums(work, A, change2)
+        new1 = new1 - springs1 * shift1
+        new2 = new2 - springs2 * shift2
         work[SCRATCH, Q1] = lane(new1, 0)
         work[SCRATCH, Q2] = lane(new2, 0)
-        work[SCRATCH, K] = lane(sight.fx, 0)
-        change = highest(
-            unit1 * magnitude(late1) + unit2 * magnitude(late2) + unitk * magnitude(latek)
+        work[SCRATCH, K] = lane(contact.fx, 0)
+        change = maximum(
+            unit1 * absolute(change1) + unit2 * absolute(change2) + unitk * absolute(changek)
         )
         clock.evaluations += LANES
-        f1 = put(new1, 0, start1)
-        f2 = put(new2, 0, start2)
+        f1 = with_lane(new1, 0, start1)
+        f2 = with_lane(new2, 0, start2)
         fk = newk
-        if enough(change, before):
-            return True, Nodes(f1, f2, fk, place1, place2, sight)
+        if has_converged(change, before):
+            return True, Nodes(f1, f2, fk, place1, place2, contact)
         if not math.isfinite(change):
             break
         before = change
-        place1 = place1 + square * (off1 - springs1 * summed(work, AA, late1))
-        place2 = place2 + square * (off2 - springs2 * summed(work, AA, late2))
-        placek = placek + square * summed(work, A, latek)
-    return False, Nodes(f1, f2, fk, rest1, rest2, sight)
+        place1 = place1 + square * (shift1 - springs1 * weighted_sums(work, AA, change1))
+        place2 = place2 + square * (shift2 - springs2 * weighted_sums(work, AA, change2))
+        placek = placek + square * weighted_sums(work, A, changek)
+    return False, Nodes(f1, f2, fk, rest1, rest2, contact)
 
 
 @inlined
 def powers(h, work, nodes):
     """Account by account, at the nodes; those at the end of the step in lane 0."""
-    sight = nodes.sight
-    omega1 = work[PLACE, V1] + h * summed(work, R, nodes.f1)
-    omega2 = work[PLACE, V2] + h * summed(work, R, nodes.f2)
-    j = work[PLACE, J] + h * summed(work, R, nodes.fk)
+    contact = nodes.contact
+    omega1 = work[PLACE, V1] + h * weighted_sums(work, R, nodes.f1)
+    omega2 = work[PLACE, V2] + h * weighted_sums(work, R, nodes.f2)
+    j = work[PLACE, J] + h * weighted_sums(work, R, nodes.fk)
     return (
-        sight.fy,
-        sight.fx * omega1 * sight.cos1,
-        sight.fy * omega1 * sight.sin1,
-        sight.fx * omega2 * sight.cos2,
-        sight.fy * omega2 * sight.sin2,
+        contact.fy,
+        contact.fx * omega1 * contact.cos1,
+        contact.fy * omega1 * contact.sin1,
+        contact.fx * omega2 * contact.cos2,
+        contact.fy * omega2 * contact.sin2,
         nodes.q1,
         nodes.q2,
-        sight.fx * j,
+        contact.fx * j,
     )
 
 
 @inlined
-def at_end(power):
+def end_values(power):
     """Lane 0 of each account."""
     first = power[0]
     for account in range(1, LANES):
-        first = put(first, account, lane(power[account], 0))
+        first = with_lane(first, account, lane(power[account], 0))
     return first
 
 
 @inlined
-def each(weights, power):
+def weighted(weights, power):
     """The powers of all accounts with weights."""
     p0, p1, p2, p3, p4, p5, p6, p7 = power
     return (
@@ -271,40 +285,43 @@ def each(weights, power):
 
 @inlined
 def sums_of(work, nodes, power):
-    """What the polynomials through the nodes come to over the step."""
+    """Integrals over a step of the polynomials through the nodes."""
     b = load(work, B)
     v = load(work, V)
     last = load(work, LAST)
     f1, f2, fk = nodes.f1, nodes.f2, nodes.fk
-    motion = totals((b * f1, b * f2, b * fk, v * f1, v * f2, v * fk, last * f1, last * f2))
+    motion = sums_of_lanes((b * f1, b * f2, b * fk, v * f1, v * f2, v * fk, last * f1, last * f2))
     twice = lane(motion, 0), lane(motion, 1), lane(motion, 2)
     once = lane(motion, 3), lane(motion, 4), lane(motion, 5)
-    ends = lane(motion, 6), lane(motion, 7), total(last * fk)
+    ends = lane(motion, 6), lane(motion, 7), sum_of_lanes(last * fk)
     at_start = load(work, BEGINNING)
-    within, rest = put(v, 0, 0.0), put(last, 0, 0.0)
-    gain = totals(each(within, power)) + lane(v, 0) * at_start
-    high = totals(each(rest, power)) + lane(last, 0) * at_start
-    return Sums(twice, once, ends, gain, high)
+    within, rest = with_lane(v, 0, 0.0), with_lane(last, 0, 0.0)
+    gains = sums_of_lanes(weighted(within, power)) + lane(v, 0) * at_start
+    high = sums_of_lanes(weighted(rest, power)) + lane(last, 0) * at_start
+    return Sums(twice, once, ends, gains, high)
 
 
 @inlined
-def miss(x, v, tolerance):
-    """|x| in units of the tolerance of v (never below round-off)."""
+def relative_error(x, v, tolerance):
+    """|x| over the tolerance of v, which is never below round-off."""
     return abs(x) / (tolerance + 2.0 * EPSILON * abs(v))
 
 
 @inlined
 def error_of(h, work, sums):
-    """The integrals of the polynomials' highest terms, in units of the tolerances."""
-    worst = miss(h * sums.highest[0], work[PLACE, V1], work[LIMITS, OF_V1])
-    worst = max(worst, miss(h * sums.highest[1], work[PLACE, V2], work[LIMITS, OF_V2]))
-    worst = max(worst, miss(h * sums.highest[2], work[PLACE, J], work[LIMITS, OF_J]))
-    return worst + highest(h * magnitude(sums.highest_gain) * load(work, ALLOWED))
+    """The largest integral of a highest term over its tolerance."""
+    worst = relative_error(h * sums.leading[0], work[PLACE, V1], work[LIMITS, OF_V1])
+    worst = max(worst, relative_error(h * sums.leading[1], work[PLACE, V2], work[LIMITS, OF_V2]))
+    worst = max(worst, relative_error(h * sums.leading[2], work[PLACE, J], work[LIMITS, OF_J]))
+    return worst + maximum(h * absolute(sums.leading_gains) * load(work, ALLOWED))
 
 
 @inlined
-def growth_of_eighth(error):
-    """As :func:`tribo.integrators.step_control.growth_factor` of an error that grows as h^8."""
+def growth_factor(error):
+    """Factor for the next step, of an error that grows as h^8.
+
+    See :func:`tribo.integrators.step_control.growth_factor`.
+    """
     growth = CAUTION / math.sqrt(math.sqrt(math.sqrt(error)))
     if not growth >= MIN_GROWTH:  # nan too
         return MIN_GROWTH
@@ -312,31 +329,31 @@ def growth_of_eighth(error):
 
 
 @inlined
-def growth_within(error, most):
-    """The same, but not above `most`: whether it is, is told without roots, which take long."""
+def bounded_growth(error, most):
+    """The same, but at most `most`; without roots, which are slow, where that is the result."""
     most = min(MAX_EXTRAPOLATION, most)
     fourth = (most / CAUTION) ** 4
-    return most if error * (fourth * fourth) <= 1.0 else growth_of_eighth(error)
+    return most if error * (fourth * fourth) <= 1.0 else growth_factor(error)
 
 
 @inlined
-def plus(x, low, step):
-    """x + step, and what rounding took, of which `low` was left before."""
+def compensated_sum(x, low, step):
+    """x + low + step, and its rounding error."""
     step = step + low
     new = x + step
     return new, step - (new - x)
 
 
 @inlined
-def finish(h, work, sums):
-    """Places, rates and accounts at the end of the step, rounding errors kept."""
+def update_state(h, work, sums):
+    """Advance places, rates and accounts to the end of the step, with their rounding errors."""
     for m in range(3):
         rate = work[PLACE, m + 3] + (work[LOW, m + 3] + h * sums.twice[m])
-        new = plus(work[PLACE, m], work[LOW, m], h * rate)
+        new = compensated_sum(work[PLACE, m], work[LOW, m], h * rate)
         work[PLACE, m], work[LOW, m] = new
-        new = plus(work[PLACE, m + 3], work[LOW, m + 3], h * sums.once[m])
+        new = compensated_sum(work[PLACE, m + 3], work[LOW, m + 3], h * sums.once[m])
         work[PLACE, m + 3], work[LOW, m + 3] = new
-    new, left = plus(load(work, ACCOUNTS), load(work, REMAINDERS), h * sums.gain)
+    new, left = compensated_sum(load(work, ACCOUNTS), load(work, REMAINDERS), h * sums.gains)
     store(work, ACCOUNTS, new)
     store(work, REMAINDERS, left)
 
@@ -344,10 +361,10 @@ def finish(h, work, sums):
 @inlined
 def encounter_after(pair, potential, h, work, nodes, once):
     """The rate of encounters at the end of the step."""
-    return encounter_of(
+    return encounter_rate_of(
         pair,
         potential,
-        lane(nodes.sight.r, 0),
+        lane(nodes.contact.r, 0),
         lane(nodes.q1, 0),
         lane(nodes.q2, 0),
         work[PLACE, V1] + h * once[0],
@@ -357,8 +374,8 @@ def encounter_after(pair, potential, h, work, nodes, once):
 
 
 @inlined
-def remember(work, nodes, start, end):
-    """What the next step begins with: slopes and powers at its start, and this one's slopes."""
+def store_start(work, nodes, start, end):
+    """Store accelerations and powers at the start of the next step, and those of this one."""
     store(work, MEMORY, nodes.f1)
     store(work, MEMORY + 1, nodes.f2)
     store(work, MEMORY + 2, nodes.fk)
@@ -367,30 +384,31 @@ def remember(work, nodes, start, end):
 
 
 @inlined
-def attempt(pair, potential, clock, h, encounter, sharpness, work):
-    """Try a step of h, whose error is `sharpness` times what the highest terms come to.
+def try_step(pair, potential, clock, h, encounter, sharpness, work):
+    """Try a step of length h.
 
-    `encounter` is the rate of encounters at its start.  Returns whether it was taken, by what to
-    multiply h for the next, and whether all was finite.
+    Its error is `sharpness` times the integrals of the highest terms; `encounter` is the rate of
+    encounters at its start.  Returns whether the step was accepted, the factor for the next one,
+    and whether all values were finite.
     """
     converged, nodes = solve(pair, potential, clock, h, work)
     if not converged:
-        return False, 0.5, math.isfinite(total(nodes.f1 + nodes.f2 + nodes.fk))
+        return False, 0.5, math.isfinite(sum_of_lanes(nodes.f1 + nodes.f2 + nodes.fk))
     start = work[SCRATCH, Q1], work[SCRATCH, Q2], work[SCRATCH, K]
     power = powers(h, work, nodes)
-    end = at_end(power)
+    end = end_values(power)
     sums = sums_of(work, nodes, power)
     error = sharpness * error_of(h, work, sums)
-    finite = math.isfinite(error) and math.isfinite(total(end) + (start[0] + start[1]))
+    finite = math.isfinite(error) and math.isfinite(sum_of_lanes(end) + (start[0] + start[1]))
     if not error <= 1.0 or not finite:
-        return False, growth_of_eighth(error), finite
+        return False, growth_factor(error), finite
     later = encounter_after(pair, potential, h, work, nodes, sums.once)
     if h * later > 1.0:
         return False, max(MIN_GROWTH, CLEAR / (h * later)), True
-    finish(h, work, sums)
-    remember(work, nodes, start, end)
+    update_state(h, work, sums)
+    store_start(work, nodes, start, end)
     work[START, RATE] = later
     clear = clock.encounter_fraction
-    if later > encounter:  # and will go on like that
+    if later > encounter:  # the rate is taken to grow on as much
         clear = min(clear, CLEAR * later / (2.0 * later - encounter))
-    return True, growth_within(error, clear / (h * later)), True
+    return True, bounded_growth(error, clear / (h * later)), True

@@ -9,13 +9,13 @@ from typing import Any
 from numba import njit
 from numba.core.errors import NumbaError, UnsupportedBytecodeError
 
-from tribo.kernels.compiled import METHODS
+from tribo.kernels.plugin_methods import METHOD_ARGUMENTS
 from tribo.plugins import classes as plugins
 from tribo.plugins.sources import is_own
 from tribo.validation import InputError
 
 NUMBERS = ("float", "int", "complex", "bool")  # how numba's names of them begin
-Refusals = (NumbaError, UnsupportedBytecodeError)  # what the compiler raises
+COMPILE_ERRORS = (NumbaError, UnsupportedBytecodeError)  # what the compiler raises
 
 
 def compile_error(placed: Iterable[tuple[str, Any]], error: Exception) -> InputError:
@@ -26,7 +26,7 @@ def compile_error(placed: Iterable[tuple[str, Any]], error: Exception) -> InputE
     parts = [(field, part) for field, plugin in placed for part in _parts(plugin)]
     own = [(field, plugin) for field, plugin in parts if not is_own(type(plugin))]
     for field, plugin in own:
-        for method in METHODS:
+        for method in METHOD_ARGUMENTS:
             try:
                 _try(plugin, field, method)
             except InputError as found:
@@ -46,7 +46,7 @@ def _try(plugin: Any, field: str, method: str) -> None:
     function = getattr(type(plugin), method, None)
     if function is None or function.__module__.startswith("tribo."):
         return
-    arguments = (1.0,) * METHODS[method]
+    arguments = (1.0,) * METHOD_ARGUMENTS[method]
     plugins.numbers(plugin, field, method, *arguments)
     _compile(plugin, field, method, arguments)
     derived = {"energy": "force", "energy_at": "force_at"}.get(method)
@@ -67,7 +67,7 @@ def _compile(plugin: Any, field: str, method: str, arguments: tuple[Any, ...]) -
     function = getattr(type(plugin), method)
     try:
         njit(error_model="numpy")(function)(plugin, *arguments)
-    except Refusals as error:
+    except COMPILE_ERRORS as error:
         reason = plugins.at_line(plugin, method, _line(function, error), _reason(error))
         raise InputError(field, reason) from None
 

@@ -18,9 +18,9 @@ import math
 from collections.abc import Callable
 
 import numpy as np
+from scipy import differentiate
 
 from tribo.report_card.card import Check
-from tribo.report_card.derivatives import limit
 from tribo.report_card.specimen import Specimen
 
 LEVELS = 32  # of looking closer: a cell of one percent ends as 1e-12
@@ -107,19 +107,18 @@ def check_cutoff(specimen: Specimen) -> list[Check]:
     promised = float(specimen.potential.smoothness())
     last = np.nextafter(end, 0.0)
     energy, force = (float(x[0]) for x in specimen.compiled(np.array([last])))
-    inner = np.longdouble(last)
     with np.errstate(all="ignore"):
-        edge = specimen.written_force(inner)
-        slope, _ = limit(
-            lambda h: (edge - specimen.written_force(inner - h)) / h,
-            np.longdouble(INWARD * end),
-            2.0,
-        )
+        slope = differentiate.derivative(
+            np.vectorize(specimen.written_force, otypes=[np.float64]),
+            last,
+            initial_step=INWARD * end,
+            step_direction=-1,
+        ).df
     unit, length = specimen.typical_energy, specimen.length
     jumps = {
         "energy": abs(energy) / unit,
         "force": abs(force) * length / unit,
-        "slope": abs(slope) * length**2 / unit,
+        "slope": abs(float(slope)) * length**2 / unit,
     }
     return [
         Check(

@@ -17,7 +17,7 @@ from tribo.kernels.probe import contact_probe
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.plugins import sources
-from tribo.plugins.compile_errors import Refusals, compile_error
+from tribo.plugins.compile_errors import COMPILE_ERRORS, compile_error
 from tribo.run.layout import lay_out
 from tribo.validation import LARGEST, InputError
 
@@ -207,7 +207,7 @@ class _Bench:
         energies, forces = np.empty(len(places)), np.empty((*places.shape[:2], 2))
         try:
             self._probe(self._layout.model, places, charges, energies, forces)
-        except Refusals as error:
+        except COMPILE_ERRORS as error:
             raise InputError(
                 "potential", compile_error(self._layout.named_plugins, error).problem
             ) from None

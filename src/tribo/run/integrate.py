@@ -17,7 +17,7 @@ from tribo.kernels.neighbours import refresh
 from tribo.kernels.records import CLOCK, Neighbours
 from tribo.kernels.samples import STORED, Record, State, initial_state, write_sample
 from tribo.kernels.status import COMPLETED, NAMES, PAUSED
-from tribo.plugins.compile_errors import Refusals, compile_error
+from tribo.plugins.compile_errors import COMPILE_ERRORS, compile_error
 from tribo.potentials.from_ase import Call
 from tribo.run.layout import Layout
 from tribo.run.ledger import ASPERITE_KINDS, OPTIONAL_KINDS, Ledger, Samples, Table, bulk_ledger
@@ -180,7 +180,7 @@ def compile_loop(layout: Layout, method: Method, loop: Callable[..., Any], setti
     clocks, state = _at_rest(layout, method, layout.start, 0.0)
     try:
         _bound(layout, method, loop, setting)(clocks, state, np.ones(1), _room(layout, 1), 0)
-    except Refusals as error:
+    except COMPILE_ERRORS as error:
         raise compile_error(layout.named_plugins, error) from None
     return time.perf_counter() - began
 

@@ -1,7 +1,7 @@
-"""Two asperites and nothing else: their own layout, for the loop that takes them in registers.
+"""One asperite on one: the layout of a scene for the loop of :mod:`tribo.pair`, and back.
 
-The loop's record has few columns; every coordinate and every account of the scene's own layout
-is a multiple of one of them, which one matrix says.
+The loop's record has few columns.  Every coordinate and every account of the scene's layout is a
+multiple of one of them; two matrices hold the factors.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from numba import config
 from tribo.integrators.collocation import Collocation
 from tribo.integrators.methods import Method
 from tribo.integrators.step_control import Tolerance
-from tribo.kernels.compiled import entry, time_loop
+from tribo.kernels.compiled import EntryPoint, time_loop
 from tribo.kernels.records import CLOCK, FORCED, FREE
 from tribo.kernels.samples import STORED
 from tribo.kernels.simd import LANES
@@ -47,21 +47,25 @@ from tribo.pair.step import (
     S,
     table,
 )
-from tribo.plugins.compile_errors import Refusals, compile_error
+from tribo.plugins.compile_errors import COMPILE_ERRORS, compile_error
 from tribo.plugins.sources import stamp
 from tribo.run.integrate import Integration, Progress, run_in_chunks
 from tribo.run.layout import Layout
 from tribo.run.ledger import Samples
 
-ARC1, ARC2 = ENERGY, ENERGY + 1  # in place of the energy: see `_arcs`
+# Columns behind the record's accounts, in place of the contact energy: see `_arcs`.
+ARC1, ARC2 = ENERGY, ENERGY + 1
 FIRST_ACCOUNT = J + 1
-LONGER = 8.0  # times the usual first length: a method of this order can begin with longer ones
-FEW = 2048  # steps, before the keyboard is looked at for the first time
+# First step in units of the one that is usual: the loop's method is of order 15, and a first step
+# that is too long costs one rejection only.
+FIRST_STEP_FACTOR = 8.0
+# Steps before a run without a progress report can be interrupted: a few milliseconds.
+UNINTERRUPTED_STEPS = 2048
 INTERRUPTED = "Interrupted"
 
 
-def has_loop(layout: Layout, method: Method) -> bool:
-    """Whether there is a loop of its own for the scene by this method; it needs a compiler."""
+def has_pair_loop(layout: Layout, method: Method) -> bool:
+    """Whether the pair's loop serves a scene and a method; it exists in compiled form only."""
     compiled = not config.DISABLE_JIT  # type: ignore[attr-defined]
     adaptive = method.adaptive and isinstance(method.coefficients, Collocation)
     return compiled and adaptive and is_pair(layout)
@@ -83,163 +87,184 @@ def is_pair(layout: Layout) -> bool:
 
 
 class Pair:
-    """A scene of two asperites and its compiled loop; `has_loop` says for which there is one.
+    """A scene of two asperites, and its compiled loop.
 
-    `places` (2 coordinates, columns) and `books` (accounts, columns) make y and s of the scene's
-    layout from a row of the loop's record and its arcs.
+    Parameters
+    ----------
+    layout : Layout
+        Of a scene for which `has_pair_loop` is true.
+    method : Method
+        The collocation method.
+    first_step : float
+        A short first step [time].
+
+    Raises
+    ------
+    InputError
+        If the potential does not compile.
+
+    Attributes
+    ----------
+    layout : Layout
+        Of the scene.
+    compile_seconds : float
+        Time taken to compile the loop, or to load it from disk.
     """
 
     def __init__(self, layout: Layout, method: Method, first_step: float) -> None:
-        """Have the loop compiled, or loaded from disk.  Raises InputError."""
+        """Compile the loop, or load it from disk."""
         began = time.perf_counter()
         self.layout = layout
-        ease = _ease(layout)
-        self.places, self.books = _matrices(layout, ease)
+        mobility = _mobility(layout)
         potential = layout.model.contacts[0].potential
-        self._first_step = LONGER * first_step
+        self._first_step = FIRST_STEP_FACTOR * first_step
         self._clocks, self._rows = np.zeros(1, CLOCK), np.zeros((ROWS, LANES))
         assert isinstance(method.coefficients, Collocation)
         self._rows[:LIMITS] = table(method.coefficients)
-        self._given = (_record(layout, ease), potential, self._rows)
-        self._unbegun = self._clocks["evaluations"]  # 0 makes a run begin
-        self._wanted: Tolerance | None = None  # that the rows' limits are made of
+        # (2 coordinates, columns) and (accounts, columns): y and s of the scene's layout are the
+        # products of these with a row of the loop's record and its arcs.
+        self._to_state, self._to_accounts = _matrices(layout, mobility)
+        # The loop's first arguments, the same in each call.
+        self._fixed = (_record(layout, mobility), potential, self._rows, self._clocks)
+        self._evaluations = self._clocks["evaluations"]  # the loop begins a run where this is 0
+        self._tolerance: Tolerance | None = None  # from which the rows' limits were made
         loop = time_loop(pair_collocation, stamp(layout.plugins))
-        moving = (self._clocks, np.zeros(1), np.empty((2, COLUMNS)), 0)
+        examples = (layout.start, np.zeros(1), np.empty((2, COLUMNS)), 0)
         try:
-            self._loop = entry(loop, *self._given, layout.start, *moving)
-        except Refusals as error:
+            self._loop = EntryPoint(loop, self._fixed, examples)
+        except COMPILE_ERRORS as error:
             raise compile_error(layout.named_plugins, error) from None
         self.compile_seconds = time.perf_counter() - began
 
     def integrate(
         self,
-        wanted: Tolerance,
+        tolerance: Tolerance,
         start: np.ndarray,
         times: np.ndarray,
         progress: Progress | None = None,
     ) -> Integration:
         """As :func:`tribo.run.integrate.integrate`, from `start`, y of the scene's layout."""
         began = time.perf_counter()
-        if self._wanted is not wanted:
-            self._wanted = wanted
-            self._rows[LIMITS:STATE] = self.limits(wanted)
-            self._clocks["encounter_fraction"] = wanted.encounter_fraction
-        self._unbegun[0] = 0
+        if self._tolerance is not tolerance:
+            self._tolerance = tolerance
+            self._rows[LIMITS:STATE] = self.limits(tolerance)
+            self._clocks["encounter_fraction"] = tolerance.near
+        self._evaluations[0] = 0
         record = np.empty((times.size + 1, COLUMNS))
         code = PAUSED
-        if progress is None:  # nobody to be told
-            code = self._loop(*self._given, start, self._clocks, times, record, FEW)
-        status = NAMES[code] if code != PAUSED else self._on(start, times, record, progress)
+        if progress is None:
+            code = self._loop(start, times, record, UNINTERRUPTED_STEPS)
+        status = NAMES[code] if code != PAUSED else self._resume(start, times, record, progress)
 
         def recorded() -> Samples:
             reached = times
             if status != NAMES[COMPLETED]:
                 reached = times[: int(record[-1, SAMPLES])]
-                if reached.size < times.size:  # the place reached is one more
+                if reached.size < times.size:  # the last state is one more sample
                     reached = np.append(reached, record[-1, REACHED])
             return self.samples(reached, record)
 
         return Integration(recorded, status, record[-1], time.perf_counter() - began)
 
-    def _on(
+    def _resume(
         self, start: np.ndarray, times: np.ndarray, record: np.ndarray, progress: Progress | None
     ) -> str:
-        """Go on with a run that takes long, to where it ends."""
+        """Continue a long run to its end, with reports of its progress."""
 
         def call(clocks: Any, _: Any, times: np.ndarray, record: Any, budget: int) -> int:
-            code: int = self._loop(*self._given, start, clocks, times, record, budget)
+            code: int = self._loop(start, times, record, budget)
             return code
 
         clocks = self._clocks
         status = run_in_chunks(call, (), clocks, self._rows, times, record, progress)
         done = int(clocks["sample"][0])
-        if status == INTERRUPTED and done < times.size:  # the place reached is one more sample
+        if status == INTERRUPTED and done < times.size:  # the last state is one more sample
             clocks["sample"], clocks["t_low"] = 0, 0.0
             call(clocks, self._rows, clocks["t"].copy(), record[done:], 1)
             taken = (clocks[name][0] for name in ("steps", "evaluations"))
             record[-1, : REACHED + 1] = *taken, done, clocks["t"][0]
         return status
 
-    def limits(self, wanted: Tolerance) -> np.ndarray:
+    def limits(self, tolerance: Tolerance) -> np.ndarray:
         """The loop's own limits (2, 8), with which all of the layout's tolerances are met."""
-        everything = np.concatenate([wanted.y, wanted.s])
-        factors = np.abs(np.concatenate([self.places, self.books]))[:, :ENERGY]
+        everything = np.concatenate([tolerance.y, tolerance.s])
+        factors = np.abs(np.concatenate([self._to_state, self._to_accounts]))[:, :ENERGY]
         with np.errstate(divide="ignore"):
             own = np.min(everything[:, None] / factors, axis=0)
         both = np.zeros((2, LANES))
         rates = {OF_V1: own[V1], OF_V2: own[V2], OF_J: own[J]}
-        for place, value in (rates | {LEVEL: wanted.level, FIRST: self._first_step}).items():
+        for place, value in (rates | {LEVEL: tolerance.level, FIRST: self._first_step}).items():
             both[0, place] = value
         both[1] = 1.0 / own[FIRST_ACCOUNT : FIRST_ACCOUNT + LANES]
         return both
 
     def samples(self, times: np.ndarray, record: np.ndarray) -> Samples:
-        """What the general loop would have recorded."""
+        """The samples of the scene's layout, from the loop's record."""
         own = record[: times.size]
         rows = np.concatenate([own[:, :ENERGY], self._arcs(own)], axis=1)
         none = np.zeros(times.size)
         return Samples(
             t=times,
-            y=rows @ self.places.T,
-            s=rows @ self.books.T,
+            y=rows @ self._to_state.T,
+            s=rows @ self._to_accounts.T,
             contact=own[:, ENERGY],
             field=none,
             stored=np.zeros((times.size, 2, STORED)),
         )
 
     def _arcs(self, record: np.ndarray) -> np.ndarray:
-        """Integrals of q omega sin q: the spring's force on an end of the bar, as the bar moves."""
+        """Integrals of q omega sin q: the powers of the end forces are multiples of it."""
         q = record[:, [Q1, Q2]]
         arcs = np.sin(q) - q * np.cos(q)
         return arcs - arcs[:1]
 
 
-def _ease(layout: Layout) -> np.ndarray:
-    """(2,) what each centre of mass is displaced by for k = 1."""
+def _mobility(layout: Layout) -> np.ndarray:
+    """(2,) displacement of each centre of mass for k = 1."""
     free = layout.model.surfaces.drive == FREE
     return np.array([1.0, -1.0]) * free / layout.model.asperites.mass
 
 
-def _record(layout: Layout, ease: np.ndarray) -> np.ndarray:
+def _record(layout: Layout, mobility: np.ndarray) -> np.ndarray:
     """The scene as the loop reads it."""
     a, b = layout.model.asperites, layout.model.bobs
     record = np.zeros(1, PAIR)
     record["gap_x"], record["gap_y"] = a.x[0] - a.x[1], a.y[0] - a.y[1]
-    record["speed_x"], record["speed_y"] = a.vx[0] - a.vx[1], a.vy[0] - a.vy[1]
-    record["square_z"] = (b.z[0] - b.z[1]) ** 2
-    record["ease"] = ease[0] - ease[1]
+    record["velocity_x"], record["velocity_y"] = a.vx[0] - a.vx[1], a.vy[0] - a.vy[1]
+    record["z_squared"] = (b.z[0] - b.z[1]) ** 2
+    record["mobility"] = mobility[0] - mobility[1]
     for i, sign in enumerate((1.0, -1.0)):
         lever = sign * a.facing[i] / a.inertia[i]
         across = a.l1[i] + a.l2[i]
         record[f"charge{i + 1}"] = b.charge[i]
         record[f"arm{i + 1}"] = a.facing[i] * a.l1[i]
-        record[f"turn_x{i + 1}"] = lever * (across if ease[i] == 0.0 else a.l1[i])
-        record[f"turn_y{i + 1}"] = lever * across
-        record[f"square{i + 1}"] = a.kappa[i] / a.inertia[i]
+        record[f"lever_x{i + 1}"] = lever * (across if mobility[i] == 0.0 else a.l1[i])
+        record[f"lever_y{i + 1}"] = lever * across
+        record[f"omega_squared{i + 1}"] = a.kappa[i] / a.inertia[i]
     return record
 
 
-def _matrices(layout: Layout, ease: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """`places` and `books` of a Pair; see kernels.powers for the accounts' meaning."""
+def _matrices(layout: Layout, mobility: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The matrices of a Pair; for the meaning of the accounts see :mod:`tribo.kernels.powers`."""
     n = layout.coordinates
-    places = np.zeros((2 * n, ENERGY + 2))
-    books = np.zeros((layout.accounts, ENERGY + 2))
+    to_state = np.zeros((2 * n, ENERGY + 2))
+    to_accounts = np.zeros((layout.accounts, ENERGY + 2))
     columns = ((Q1, V1, X1, Y1, T1, ARC1), (Q2, V2, X2, Y2, T2, ARC2))
     for i, (a, sign) in enumerate(zip(layout.model.asperites, (1.0, -1.0), strict=True)):
         q, v, about_x, about_y, twist, arc = columns[i]
-        places[i, q] = places[n + i, v] = 1.0
+        to_state[i, q] = to_state[n + i, v] = 1.0
         first = FIRST_ACCOUNT
         contact = a.acc_contact
-        books[contact, J] = books[contact + 1, first + J_Y] = sign
-        books[contact + 2, first + about_x] = sign * a.facing
-        books[contact + 3, first + about_y] = sign * a.facing
+        to_accounts[contact, J] = to_accounts[contact + 1, first + J_Y] = sign
+        to_accounts[contact + 2, first + about_x] = sign * a.facing
+        to_accounts[contact + 3, first + about_y] = sign * a.facing
         if a.dof_x >= 0:
-            places[a.dof_x, K] = places[n + a.dof_x, J] = ease[i]
+            to_state[a.dof_x, K] = to_state[n + a.dof_x, J] = mobility[i]
             block = layout.model.surfaces[i].acc_block
-            books[a.acc_slide, first + S] = books[block, first + S] = sign * ease[i]
+            to_accounts[a.acc_slide, first + S] = to_accounts[block, first + S] = sign * mobility[i]
         if a.acc_ends >= 0:
             end = a.kappa / a.bar_length
-            books[a.acc_ends, arc] = -a.l2 * a.facing * end
-            books[a.acc_ends + 1, arc] = a.l2 * a.facing * end
-            books[a.acc_ends + 3, first + twist] = end
-    return places, books
+            to_accounts[a.acc_ends, arc] = -a.l2 * a.facing * end
+            to_accounts[a.acc_ends + 1, arc] = a.l2 * a.facing * end
+            to_accounts[a.acc_ends + 3, first + twist] = end
+    return to_state, to_accounts

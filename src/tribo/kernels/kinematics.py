@@ -1,0 +1,73 @@
+"""Positions, velocities and forces on one asperite, each equation written once.
+
+These are plain functions of numbers.  Kernels compile them; other modules may call them with
+arrays, which broadcast.  The direction (t_x, t_y) = facing (cos s, sin s), where s = theta - rest,
+is the unit vector along which a growing theta moves the bob.
+"""
+
+import numpy as np
+from numba.extending import register_jitable
+
+equation = register_jitable(error_model="numpy", _nrt=False)
+
+
+@equation
+def nearest_image(difference, period):
+    """Separation from the nearest periodic image.
+
+    Parameters
+    ----------
+    difference : float or ndarray
+        Difference of two coordinates [length].
+    period : float
+        Period of that coordinate [length]; 0 where it is not periodic.
+
+    Returns
+    -------
+    float or ndarray
+        The difference, from -period/2 up to and excluding period/2 where there is a period.
+    """
+    if period > 0.0:
+        return difference - period * np.floor(difference / period + 0.5)
+    return difference
+
+
+@equation
+def bob_position(x, y, l1, tx, ty):
+    """Position of the bob, r1 = r_cm + l1 (sin theta, -cos theta), from that of r_cm."""
+    return x + l1 * ty, y - l1 * tx
+
+
+@equation
+def bob_velocity(vx, vy, omega, l1, tx, ty):
+    """Velocity of the bob, v1 = v_cm + l1 omega t."""
+    return vx + l1 * omega * tx, vy + l1 * omega * ty
+
+
+@equation
+def bar_position(x, y, l2, tx, ty):
+    """Position of the bar's centre, r2 = r_cm - l2 (sin theta, -cos theta)."""
+    return x - l2 * ty, y + l2 * tx
+
+
+@equation
+def bar_velocity(vx, vy, omega, l2, tx, ty):
+    """Velocity of the bar's centre, v2 = v_cm - l2 omega t."""
+    return vx - l2 * omega * tx, vy - l2 * omega * ty
+
+
+@equation
+def end_force(torque, bar_length, sin_phi, cos_phi):
+    """Force on the left end of a clamped bar, f_L = -f_R = (torque / length) (-sin phi, cos phi).
+
+    `torque` is that of the torsion spring on the pendulum, kappa (theta - phi - rest) where the
+    bar is at an angle phi.  An angular impulse instead gives the impulse on the end.
+    """
+    force = torque / bar_length
+    return -force * sin_phi, force * cos_phi
+
+
+@equation
+def rotational_power(arm, omega, tx, ty, fx, fy):
+    """Power of a force about the centre of mass; `arm` is l1 at the bob and -l2 at the bar."""
+    return arm * omega * (tx * fx + ty * fy)

@@ -1,0 +1,68 @@
+"""Eight numbers in a register: arithmetic as in numpy, sine and cosine to round-off."""
+
+import mpmath
+import numpy as np
+import pytest
+from numba import njit
+
+from tribo.kernels import simd
+
+
+@njit
+def _sine_cosine(x, out):
+    """Row 0 of `x` into both rows of `out`."""
+    sin, cos = simd.sine_cosine(simd.load(simd.rows_of(x), 0))
+    simd.store(simd.rows_of(out), 0, sin)
+    simd.store(simd.rows_of(out), 1, cos)
+
+
+@pytest.mark.parametrize("size", [1e-9, 0.5, 3.0, 50.0, 2364.0, 1e5, 1.6e6, 1.7e6, 1e12])
+@pytest.mark.parametrize("near", ["any angle", "multiples of pi/2"])
+def test_sine_and_cosine(size, near):
+    """To round-off, in all quadrants, and at both sides of the limit of the fast reduction."""
+    rng = np.random.default_rng(1)
+    out = np.empty((2, 8))
+    for _ in range(100):
+        x = rng.uniform(-size, size, (1, 8))
+        if near == "multiples of pi/2":
+            x = np.rint(x / (0.5 * np.pi)) * (0.5 * np.pi)
+        _sine_cosine(x, out)
+        for i in range(8):
+            with mpmath.workdps(40):
+                assert abs(out[0, i] - mpmath.sin(mpmath.mpf(x[0, i]))) < 2.3e-16
+                assert abs(out[1, i] - mpmath.cos(mpmath.mpf(x[0, i]))) < 2.3e-16
+
+
+@njit
+def _everything(x, out):
+    """Each operation once."""
+    rows, into = simd.rows_of(x), simd.rows_of(out)
+    a, b = simd.load(rows, 0), simd.load(rows, 1)
+    simd.store(into, 0, a + b)
+    simd.store(into, 1, 2.0 - a * b)
+    simd.store(into, 2, a / b)
+    simd.store(into, 3, simd.sqrt(simd.absolute(a)))
+    simd.store(into, 4, simd.where_less(a, b, a, 7.0))
+    simd.store(into, 5, simd.with_lane(a, 3, simd.lane(b, 5)))
+    into[6, 0] = simd.sum_of_lanes(a)
+    into[6, 1] = simd.maximum(a)
+    into[6, 2] = rows[1, 4]
+    scaled = (a, 2.0 * a, b, simd.broadcast(rows[0, 1]), a * b, a - b, a + b, 3.0 * b)
+    simd.store(into, 7, simd.sums_of_lanes(scaled))
+
+
+def test_arithmetic():
+    """Lanes are numpy's arrays of eight."""
+    rng = np.random.default_rng(2)
+    for _ in range(50):
+        x = rng.normal(size=(2, 8))
+        out = np.empty((8, 8))
+        _everything(x, out)
+        a, b = x
+        third = a.copy()
+        third[3] = b[5]
+        expected = (a + b, 2.0 - a * b, a / b, np.sqrt(abs(a)), np.where(a < b, a, 7.0), third)
+        assert np.allclose(out[:6], expected, rtol=4e-16, atol=4e-16)
+        assert np.allclose(out[6, :3], (np.sum(a), np.max(a), b[4]), rtol=1e-14)
+        scaled = (a, 2.0 * a, b, np.full(8, a[1]), a * b, a - b, a + b, 3.0 * b)
+        assert np.allclose(out[7], np.sum(scaled, axis=1), rtol=1e-13, atol=1e-14)

@@ -1,0 +1,39 @@
+"""The contact force at eight places: all at once where a formula is arithmetic alone."""
+
+from typing import NamedTuple
+
+import numba
+import pytest
+from numba.core.errors import NumbaError
+
+import tribo
+from tribo.pair.forces import is_vectorized
+
+
+class WithAName(NamedTuple):
+    """A formula with an error that is not for lack of an operation on Lanes."""
+
+    scale: float
+
+    def force_between(self, r, charge1, charge2):
+        """A force."""
+        return self.scale * undefined  # noqa: F821
+
+
+@pytest.mark.parametrize(
+    ("potential", "expected"),
+    [
+        (tribo.Coulomb(0.3), True),
+        (tribo.Morse(0.3, 1.5, 0.6), False),
+        (tribo.with_cutoff(tribo.LennardJones(0.2, 0.5), 1.8), False),
+    ],
+)
+def test_formulas_of_arithmetic_are_vectorized(potential, expected):
+    """Functions and branches are computed one distance after another."""
+    assert is_vectorized(numba.typeof(potential)) is expected
+
+
+def test_other_errors_are_raised():
+    """Only an operation that Lanes lack leads to the slower way."""
+    with pytest.raises(NumbaError, match="undefined"):
+        is_vectorized(numba.typeof(WithAName(1.0)))
