@@ -8,17 +8,12 @@ import numpy as np
 
 from tribo.integrators.step_control import Tolerance
 from tribo.run.layout import Layout
-from tribo.run.ledger import (
-    ASPERITE_KINDS,
-    BLOCK_KINDS,
-    OPTIONAL_KINDS,
-    SYSTEM_KINDS,
-    Ledger,
-    Samples,
-)
+from tribo.run.ledger import Ledger
+from tribo.run.quantities import ASPERITE_QUANTITIES, OPTIONAL_QUANTITIES, QUANTITIES
+from tribo.run.samples import Samples
 
 EPSILON = float(np.finfo(float).eps)
-KINDS = ASPERITE_KINDS | OPTIONAL_KINDS | BLOCK_KINDS | SYSTEM_KINDS
+KINDS = {name: quantity.kind for name, quantity in QUANTITIES.items()}
 FLOOR = 2e-15  # no tolerance asks for less, relative to its scale
 
 
@@ -43,8 +38,8 @@ def reported_scales(layout: Layout, books: Ledger) -> Scales:
     def top(*names: str) -> float:
         return max(largest(series) for name in names for series in books.series(name))
 
-    asperite = ASPERITE_KINDS | OPTIONAL_KINDS
-    works = [name for name, kind in asperite.items() if kind == "energy" and books.series(name)]
+    asperite = ASPERITE_QUANTITIES | OPTIONAL_QUANTITIES
+    works = [name for name in asperite if KINDS[name] == "energy" and books.series(name)]
     return Scales(
         rate=top("omega", "nu"),
         length=_longest_rod(layout),

@@ -18,7 +18,7 @@ from tribo.accuracy.estimate import distance, estimate, excess_of_request, round
 from tribo.integrators.methods import Method
 from tribo.run.integrate import Integration
 from tribo.run.layout import Layout
-from tribo.run.ledger import Ledger, ledger
+from tribo.run.ledger import Ledger, assemble
 from tribo.validation import InputError
 
 PILOT = 1e-3  # tolerance level of the first run, which finds out the scales
@@ -216,7 +216,7 @@ def estimated(
     known where a coarser run stopped early.  Raises InputError if `names` has what this scene does
     not report.
     """
-    books = ledger(layout, fine.samples)
+    books = assemble(layout, fine.samples)
     for name in names:
         if not books.series(name):
             raise InputError(f"accuracy.{name}", "names nothing that this scene reports")
@@ -235,7 +235,7 @@ def _shared(
     """Two runs at the times that both recorded; `books` are those of the one."""
     mine, theirs = one.samples.t, other.samples
     kept = theirs.at(mine)
-    return books.rows(np.isin(mine, kept.t)), ledger(layout, kept)
+    return books.rows(np.isin(mine, kept.t)), assemble(layout, kept)
 
 
 def amplification(
@@ -251,7 +251,7 @@ def amplification(
     other = attempt(setting, run.samples.t, nudged)
     if other.status in HALTED:
         return None
-    books = ledger(layout, run.samples)
+    books = assemble(layout, run.samples)
     scales = acc.reported_scales(layout, books)
     told = [name for name in names or acc.KINDS if scales.of(acc.kind_of(name)) > 0.0]
     return distance(*_shared(layout, books, run, other), scales, told) / PERTURBATION
