@@ -53,7 +53,7 @@ class Second(NamedTuple):
 def bulk_names(scene: Scene) -> list[str]:
     """Names of the series of the surfaces as wholes and of the system."""
     blocks = [f"{s.name}.{name}" for s in scene.surfaces for name in BLOCK_QUANTITIES]
-    return blocks + [*SYSTEM_QUANTITIES]
+    return [*blocks, *SYSTEM_QUANTITIES]
 
 
 def sum_names(scene: Scene) -> list[str]:
