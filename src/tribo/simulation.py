@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping, Sequence
-from functools import cached_property, partial
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -25,12 +25,12 @@ from tribo.accuracy.search import (
 from tribo.integrators import methods
 from tribo.kernels.status import Status
 from tribo.model.scene import Scene
-from tribo.run.integrate import Integration, Progress
+from tribo.run.integrate import Integration, Progress, Setting
 from tribo.run.integrator import Integrator
 from tribo.run.layout import Layout, lay_out, set_bath
 from tribo.run.ledger import Ledger, assemble
 from tribo.run.notes import calculator_notes, scene_notes
-from tribo.run.result import Assembled, Cost, Result
+from tribo.run.result import Cost, Known, Result
 from tribo.run.streamed_ledger import StreamedLedger, exceeds_memory
 from tribo.validation import InputError, TriboWarning, inside, number_or_each
 
@@ -140,7 +140,7 @@ class Simulation:
     @property
     def settings(self) -> Plan:
         """The plan for other scenes of this kind, for :func:`from_settings`; it can be pickled."""
-        return self.plan.without_runs(self._single[0])
+        return self.plan.without_runs(self._single_setting)
 
     @property
     def finest(self) -> Integration:
@@ -156,23 +156,42 @@ class Simulation:
         return self.plan.tuned.runs[-1]
 
     @cached_property
-    def _single(self) -> tuple[Any, np.ndarray]:
-        """Setting and times of runs without an error estimate; found when first needed."""
-        setting = single_setting(self.plan, self._integrator)
-        if setting is None:
+    def _single_setting(self) -> Setting | None:
+        """The plan's `single`, found when first needed."""
+        return single_setting(self.plan, self._integrator)
+
+    @cached_property
+    def _single(self) -> tuple[Setting, np.ndarray]:
+        """Setting and times of runs without an error estimate."""
+        if self._single_setting is None:
             return self.plan.setting, self.plan.times
-        return setting, self.scene.times
+        return self._single_setting, self.scene.times
 
     def _single_run(self, y: np.ndarray) -> Result:
         """A run without an error estimate."""
         if self._streams:
-            streamed = StreamedLedger(self.layout)
-            run = self._integrator(self.plan.setting, self.plan.times, y, streamed)
-            note = "of the asperites' series only the first and the last sample are kept"
-            assembled = Assembled(streamed.with_ends(run.samples))
-            return self._result([run], None, (note,), {}, assembled)
-        run = self._integrator(*self._single, y)
-        return self._result([run], None, (), {}, partial(_reported, self.layout, run))
+            return self._streamed_run(y)
+        layout, seconds, ratio = self.layout, self.compile_seconds, self._digit_ratio
+        setting, times = self._single
+        run = self._integrator(setting, times, y)
+        # The ledger and the cost are left for later: a run of a pair takes ten microseconds.
+        return self._result(
+            run.status,
+            None,
+            (),
+            {},
+            lambda: _reported(layout, run),
+            lambda: _cost([run], seconds, ratio),
+        )
+
+    def _streamed_run(self, y: np.ndarray) -> Result:
+        """A run without an error estimate, of which not all samples are kept."""
+        streamed = StreamedLedger(self.layout)
+        run = self._integrator(self.plan.setting, self.plan.times, y, streamed)
+        note = "of the asperites' series only the first and the last sample are kept"
+        ledger = streamed.with_ends(run.samples)
+        cost = _cost([run], self.compile_seconds, self._digit_ratio)
+        return self._result(run.status, None, (note,), {}, Known(ledger), Known(cost))
 
     def _estimated_result(self, runs: Sequence[Integration]) -> Result:
         """The last run as a result, its error estimated from the two before it."""
@@ -183,9 +202,10 @@ class Simulation:
             bounds, excess = self._errors(runs[-3:])
             met = excess <= 1.0
             notes = () if met else (self._missed(excess),)
-        assembled = Assembled(_reported(self.layout, fine))
+        ledger = _reported(self.layout, fine)
+        cost = _cost(runs, self.compile_seconds, self._digit_ratio)
         known = met if len(runs) > 1 else None
-        return self._result(runs, known, notes, bounds, assembled)
+        return self._result(fine.status, known, notes, bounds, Known(ledger), Known(cost))
 
     def _errors(self, runs: Sequence[Integration]) -> tuple[dict[str, float], float]:
         """Bounds on the last run's errors, and the largest in units of the request."""
@@ -208,41 +228,27 @@ class Simulation:
 
     def _result(
         self,
-        runs: Sequence[Integration],
+        status: Status,
         met: bool | None,
         notes: tuple[str, ...],
         bounds: Mapping[str, float],
-        assembly: Any,
+        assemble_ledger: Callable[[], Ledger],
+        add_up_cost: Callable[[], Cost],
     ) -> Result:
-        """The last of the runs as a result."""
-        status = runs[-1].status
+        """A result, with what all results of the simulation share."""
         if self.layout.calls:
             notes = calculator_notes(self.layout) + notes
-        # By position: a result is made in every run of a pair, which takes ten microseconds.
         return Result(
             self.scene,
             status,
             self.method.name,
             self.why,
-            self._cost(runs),
             self.accuracy,
             met,
             self._notes + notes,
             bounds,
-            assembly,
-        )
-
-    def _cost(self, runs: Sequence[Integration]) -> Cost:
-        """What the runs cost, and what a digit more or less would cost."""
-        last, ratio = runs[-1], self._digit_ratio
-        seconds = sum(run.seconds for run in runs)
-        return Cost(
-            last.steps,
-            sum(run.evaluations for run in runs),
-            seconds,
-            self.compile_seconds,
-            None if ratio is None else seconds * ratio,
-            None if ratio is None else seconds / ratio,
+            assemble_ledger,
+            add_up_cost,
         )
 
     @cached_property
@@ -308,6 +314,19 @@ def _reported(layout: Layout, run: Integration) -> Ledger:
     samples = run.samples
     wanted = np.intersect1d(samples.t, layout.scene.times)
     return assemble(layout, samples.at(np.union1d(wanted, samples.t[-1:])))
+
+
+def _cost(runs: Sequence[Integration], compile_seconds: float, ratio: float | None) -> Cost:
+    """What the runs cost, and what a digit more or less would cost, by `ratio`."""
+    seconds = sum(run.seconds for run in runs)
+    return Cost(
+        steps=runs[-1].steps,
+        force_evaluations=sum(run.evaluations for run in runs),
+        wall_seconds=seconds,
+        compile_seconds=compile_seconds,
+        digit_more=None if ratio is None else seconds * ratio,
+        digit_fewer=None if ratio is None else seconds / ratio,
+    )
 
 
 def _with_warning(result: Result) -> Result:

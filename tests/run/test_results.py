@@ -238,12 +238,13 @@ def test_a_run_that_stops_warns():
 
 
 def test_a_run_that_misses_its_accuracy_warns():
-    """Equal steps that were found for a slow start do not serve a fast one."""
-    simulation = tribo.prepare(scene(), accuracy=1e-3, method="rk4")
+    """Settings for a low accuracy do not give a high one."""
+    plan = tribo.prepare(scene(), accuracy=1e-4).settings
+    simulation = from_settings(scene(), replace(plan, accuracy=1e-10))
     with pytest.warns(
         TriboWarning, match="the accuracy is not met: errors are estimated"
     ) as caught:
-        result = simulation.run({"upper.omega": 4.0})
+        result = simulation.run()
     assert len(caught) == 1 and result.met is False
 
 
