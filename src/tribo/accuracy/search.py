@@ -105,7 +105,7 @@ def named_in(wanted: Wanted) -> tuple[str, ...]:
 
 
 def setting_at(
-    layout: Layout, method: Method, scales: acc.InnerScales, level: float, near: float = NEAR
+    layout: Layout, method: Method, scales: acc.ToleranceScales, level: float, near: float = NEAR
 ) -> Any:
     """Tolerances for an accuracy of about `level`, or the step whose errors fall as it does.
 
@@ -133,7 +133,7 @@ def tune(layout: Layout, method: Method, wanted: Wanted, stops: Stops, attempt: 
     before, grown, stalls, excess = np.inf, None, 0, np.inf
     for _ in range(ROUNDS):
         if runs:
-            scales = acc.inner_scales(layout, runs[-1].samples)
+            scales = acc.tolerance_scales(layout, runs[-1].samples)
         coarse = setting_at(layout, method, scales, level)
         nearer = NEAR * APART ** (1.0 / method.order)
         fine = setting_at(layout, method, scales, APART * level, nearer)
@@ -180,7 +180,7 @@ def loosest(
     if finest.status != "completed" or finest.seconds > LONG:
         return None
     names, grown = named_in(wanted), tuned.amplification
-    scales = acc.inner_scales(layout, finest.samples)
+    scales = acc.tolerance_scales(layout, finest.samples)
     found, least, level, factor, spent = None, np.inf, tuned.level, LOOSER, 0.0
     for _ in range(TRIES):
         if spent > LONG:

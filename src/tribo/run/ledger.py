@@ -207,6 +207,12 @@ def bulk_ledger(layout: Layout, samples: Samples) -> Ledger:
     return _made_out(layout, samples, series=False)
 
 
+def motions(layout: Layout, samples: Samples, index: int) -> Iterator[tuple[Part, Motion]]:
+    """The motion of surface `index`, part by part."""
+    for part in _parts(layout, index):
+        yield part, _motion(layout, part, samples)
+
+
 def _made_out(layout: Layout, samples: Samples, series: bool) -> Ledger:
     surfaces: dict[str, Table] = {}
     blocks: dict[str, Table] = {}
@@ -214,8 +220,7 @@ def _made_out(layout: Layout, samples: Samples, series: bool) -> Ledger:
     for k, surface in enumerate(layout.scene.surfaces):
         tables = []
         sums = []
-        for part in _parts(layout, k):
-            motion = _motion(layout, part, samples)
+        for part, motion in motions(layout, samples, k):
             accounts = _accounts(part, samples.s)
             energies = _energies(part, motion)
             sums.append(_sums(part, motion, accounts, energies))
@@ -285,13 +290,18 @@ def _motion(layout: Layout, part: Part, samples: Samples) -> Motion:
     )
 
 
+def rod_direction(facing: np.ndarray, swing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """sin(theta) and cos(theta): the bob is at r1 = r_cm + l1 (sin theta, -cos theta)."""
+    return facing * np.sin(swing), facing * np.cos(swing)
+
+
 def _places(layout: Layout, part: Part, m: Motion) -> Table:
-    """Angles, rates, places and velocities; r1 = r_cm + l1 (sin theta, -cos theta)."""
+    """Angles, rates, places and velocities."""
     a = part.asperites
     rest = np.where(a.facing > 0.0, 0.0, np.pi)
     x = layout.origin[0] + (a.x + part.velocity[0] * m.t + m.x)
     y = layout.origin[1] + (a.y + part.velocity[1] * m.t + m.y)
-    sin, cos = a.facing * np.sin(m.swing), a.facing * np.cos(m.swing)
+    sin, cos = rod_direction(a.facing, m.swing)
     return {
         "theta": m.swing + rest,
         "phi": m.phi,
@@ -374,9 +384,15 @@ def _optional(layout: Layout, part: Part, accounts: dict[str, Account]) -> Table
     return table
 
 
+def internal_energy(part: Part, m: Motion) -> np.ndarray:
+    """1/2 I omega^2 + 1/2 i2 nu^2 + 1/2 kappa (theta - rest - phi)^2, (times, asperites)."""
+    a = part.asperites
+    return 0.5 * (a.inertia * m.omega**2 + a.i2 * m.nu**2 + a.kappa * (m.swing - m.phi) ** 2)
+
+
 def _energies(part: Part, m: Motion) -> Table:
     a = part.asperites
-    internal = 0.5 * (a.inertia * m.omega**2 + a.i2 * m.nu**2 + a.kappa * (m.swing - m.phi) ** 2)
+    internal = internal_energy(part, m)
     lag = part.velocity[0] * m.vx + part.velocity[1] * m.vy + 0.5 * (m.vx**2 + m.vy**2)
     return {
         "delta_k_trans": a.mass * lag,
