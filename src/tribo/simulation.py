@@ -13,20 +13,20 @@ from tribo.accuracy import scales as acc
 from tribo.accuracy.choose_method import plan_for
 from tribo.accuracy.estimate import check_observables, excess_of_request
 from tribo.accuracy.search import (
-    APART,
-    HALTED,
+    ABORTED,
+    FINE_LEVEL,
     PARTS,
-    PILOT,
-    Stops,
-    Tuned,
-    Wanted,
-    estimated,
-    loosest,
-    named_in,
+    PILOT_LEVEL,
+    Accuracy,
+    FoundSettings,
+    StopTimes,
+    cheapest_setting,
+    error_bounds,
+    find_settings,
+    observables,
     out_of_reach,
     setting_at,
-    tightest,
-    tune,
+    strictest,
 )
 from tribo.integrators import methods
 from tribo.kernels.compiled import time_loop
@@ -41,7 +41,7 @@ from tribo.run.pair_adapter import Pair, has_loop
 from tribo.run.result import Cost, Result
 from tribo.validation import InputError, inside, number_or_each, shown
 
-DIGIT = -1.0 / np.log10(APART)  # how often runs that are compared are apart in a digit
+DIGIT = -1.0 / np.log10(FINE_LEVEL)  # how often runs that are compared are apart in a digit
 
 
 @dataclass(frozen=True)
@@ -51,8 +51,8 @@ class Settings:
     method: str
     own: tuple[Any, np.ndarray]  # setting and times of a run that is delivered
     lone: tuple[Any, np.ndarray]  # of a run that is compared with no other
-    accuracy: Wanted | None
-    tuned: Tuned | None  # without its runs
+    accuracy: Accuracy | None
+    tuned: FoundSettings | None  # without its runs
 
 
 class Simulation:
@@ -69,12 +69,12 @@ class Simulation:
         scene = self.scene = layout.scene
         self.method = method
         self.why = why
-        self.accuracy: Wanted | None = None
+        self.accuracy: Accuracy | None = None
         self.layout = layout
         self._progress = progress
         self._first_step = acc.first_step(self.layout)
-        self._stops = Stops.at(scene.times)
-        self._setting = setting_at(self.layout, method, acc.first_guess(self.layout), PILOT)
+        self._stops = StopTimes.split(scene.times)
+        self._setting = setting_at(self.layout, method, acc.first_guess(self.layout), PILOT_LEVEL)
         self._pair: Pair | None = None
         if has_loop(self.layout, method):
             self._pair = Pair(self.layout, method, self._first_step)
@@ -83,7 +83,7 @@ class Simulation:
             self._loop = time_loop(method.loop, sources.stamp(self.layout.plugins))
             self.compile_seconds = compile_loop(self.layout, method, self._loop, self._setting)
         self._coarse: Any = None
-        self._tuned: Tuned | None = None
+        self._tuned: FoundSettings | None = None
         self._known: dict[Any, tuple[Any, float, int]] = {}  # of initial values that were changed
         self._warnings = _roughness(scene, method) + _warnings(scene)
 
@@ -97,24 +97,24 @@ class Simulation:
     def settings(self) -> Settings:
         """How it is run, for :func:`from_settings`; all of it can be pickled."""
         tuned = None if self._tuned is None else replace(self._tuned, runs=())
-        own = (self._setting, self._stops.all)
+        own = (self._setting, self._stops.fine)
         return Settings(self.method.name, own, self._lone, self.accuracy, tuned)
 
     def by(self, settings: Settings) -> Simulation:
         """Run as another was that has been prepared, instead of finding out how."""
         self._setting = settings.own[0]
-        self._stops = Stops.at(settings.own[1])
+        self._stops = StopTimes.split(settings.own[1])
         self.__dict__["_lone"] = settings.lone
         self.accuracy, self._tuned = settings.accuracy, settings.tuned
         self._coarse = None if settings.tuned is None else settings.tuned.coarse
         return self
 
-    def within(self, accuracy: Wanted) -> Simulation:
+    def within(self, accuracy: Accuracy) -> Simulation:
         """Find the settings that keep an accuracy.  Raises InputError."""
         if isinstance(accuracy, Mapping):
             check_observables(self.layout, accuracy)
         self.accuracy = accuracy
-        self._stops = Stops.among(self.scene.times)
+        self._stops = StopTimes.for_samples(self.scene.times)
         if self._digests:
             many = f"{self.scene.count} asperites"
             if Digest.wanted(self.layout, PARTS + 1):
@@ -127,7 +127,7 @@ class Simulation:
                 f"{self.scene.times.size} samples of {many} are too many to compare runs; give "
                 "fewer samples, or a method and a step",
             )
-        self._tuned = tune(self.layout, self.method, accuracy, self._stops, self.attempt)
+        self._tuned = find_settings(self.layout, self.method, accuracy, self._stops, self.attempt)
         self._coarse, self._setting = self._tuned.coarse, self._tuned.fine
         return self
 
@@ -136,7 +136,7 @@ class Simulation:
     ) -> Integration:
         """One run with a step or tolerances, recorded at times of its own or where others stop."""
         if times is None:
-            times = self._stops.all
+            times = self._stops.fine
         return self._march(self.layout.start if start is None else start, setting, times)
 
     def run(self, start: Mapping[str, Any] | None = None, estimate: bool = True) -> Result:
@@ -151,7 +151,7 @@ class Simulation:
         settings = (self._coarse, self._coarse, self._setting)
         runs: list[Integration] = []
         for setting, times in zip(settings, self._stops, strict=True):
-            if not runs or runs[-1].status not in HALTED:
+            if not runs or runs[-1].status not in ABORTED:
                 runs.append(self._march(y, setting, times))
         return self._result(runs)
 
@@ -159,7 +159,7 @@ class Simulation:
         """A run without an estimate; its ledger is put together when somebody looks."""
         if self._digests:
             digest = Digest(self.layout)
-            run = self._march(y, self._setting, self._stops.all, digest)
+            run = self._march(y, self._setting, self._stops.fine, digest)
             return self._result([run], digest)
         run = self._march(y, *self._lone)
         if self.layout.calls:
@@ -171,7 +171,7 @@ class Simulation:
         """Setting and times of a run that is compared with no other."""
         if self._tuned is not None:
             assert self.accuracy is not None
-            found = loosest(
+            found = cheapest_setting(
                 self.layout,
                 self.method,
                 self._tuned,
@@ -180,7 +180,7 @@ class Simulation:
             )
             if found is not None:
                 return found, self.scene.times
-        return self._setting, self._stops.all
+        return self._setting, self._stops.fine
 
     def first_result(self) -> Result:
         """The result of the runs that fixed the step, or of a run if none was needed."""
@@ -196,7 +196,7 @@ class Simulation:
 
     @cached_property
     def _digests(self) -> bool:
-        return Digest.wanted(self.layout, self._stops.all.size)
+        return Digest.wanted(self.layout, self._stops.fine.size)
 
     def _march(
         self, start: np.ndarray, setting: Any, times: np.ndarray, digest: Digest | None = None
@@ -305,8 +305,8 @@ class Simulation:
     def _judged(self, runs: list[Integration]) -> tuple[dict[str, float], float]:
         """Bounds on the last run's errors, and the largest in units of what was asked for."""
         assert self.accuracy is not None and self._tuned is not None
-        names, grown = named_in(self.accuracy), self._tuned.amplification
-        found, scales = estimated(self.layout, runs[-1], runs[:-1], grown, names)
+        names, grown = observables(self.accuracy), self._tuned.amplification
+        found, scales = error_bounds(self.layout, runs[-1], runs[:-1], grown, names)
         return found, excess_of_request(found, scales, self.accuracy)
 
     def _missed(self, excess: float) -> str:
@@ -318,7 +318,7 @@ class Simulation:
         elif self._tuned.met or grown is None:
             why = "the settings were found from the scene's own start, which kept it"
         else:
-            why = out_of_reach(tightest(self.accuracy), grown)
+            why = out_of_reach(strictest(self.accuracy), grown)
         return f"errors are estimated at {excess:.1e} of the request; {why}"
 
     def _price(self, runs: list[Integration]) -> Cost:
@@ -378,7 +378,7 @@ def _warnings(scene: Scene) -> list[str]:
 
 def prepare(
     scene: Scene,
-    accuracy: Wanted | None = None,
+    accuracy: Accuracy | None = None,
     method: str | None = None,
     step: float | None = None,
     progress: Progress | None = None,
@@ -417,7 +417,7 @@ def from_settings(scene: Scene, settings: Settings) -> Simulation:
 
 def simulate(
     scene: Scene,
-    accuracy: Wanted | None = None,
+    accuracy: Accuracy | None = None,
     method: str | None = None,
     step: float | None = None,
     progress: Progress | None = None,

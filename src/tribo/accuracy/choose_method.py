@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from tribo.accuracy import scales as acc
 from tribo.accuracy.costs import cheapest
-from tribo.accuracy.search import Wanted, tightest
+from tribo.accuracy.search import Accuracy, strictest
 from tribo.integrators import methods
 from tribo.model.settings import check_accuracy
 from tribo.run.layout import Layout
@@ -21,13 +21,13 @@ class Plan:
     """A method, with an accuracy or a step; `why` it was chosen, if it was."""
 
     method: methods.Method
-    accuracy: Wanted | None
+    accuracy: Accuracy | None
     step: float | None
     why: str = ""
 
 
 def plan_for(
-    layout: Layout, accuracy: Wanted | None, method: str | None, step: float | None
+    layout: Layout, accuracy: Accuracy | None, method: str | None, step: float | None
 ) -> Plan:
     """The plan for what was asked for; complains if that does not go together."""
     scene = layout.scene
@@ -43,7 +43,7 @@ def plan_for(
         method = "midpoint"
     wanted = check_accuracy(DEFAULT_ACCURACY if accuracy is None else accuracy)
     if method is None:
-        chosen, why = cheapest(layout, tightest(wanted))
+        chosen, why = cheapest(layout, strictest(wanted))
         return Plan(chosen, wanted, None, why)
     chosen = methods.named(method)
     if step is None and (chosen.adaptive or accuracy is not None):
@@ -57,7 +57,7 @@ def plan_for(
     return Plan(chosen, None, number("step", step, POSITIVE))
 
 
-def _noisy(layout: Layout, accuracy: Wanted | None, step: float | None) -> Plan:
+def _noisy(layout: Layout, accuracy: Accuracy | None, step: float | None) -> Plan:
     """Noise is for one method, and has no digits that two runs could agree on."""
     if accuracy is not None:
         raise InputError(
