@@ -16,7 +16,7 @@ from tribo.run.ledger import rod_direction
 
 # Most times at which clearances are computed.
 MOST_TIMES = 129
-# Most distances computed for two surfaces: about a second.
+# Most distances computed for two surfaces: they take a quarter of a second.
 MOST_DISTANCES = 2e7
 # Bobs of the first of two surfaces whose clearances are computed.
 FOLLOWED = 8

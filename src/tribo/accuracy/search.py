@@ -64,7 +64,7 @@ PERTURBATION = 1e-11
 # of reach: 20 s at the 0.13 us that benchmarks/calibrate.py measures for an asperite.  The tries of
 # a looser setting end after as much work.
 LONG_RUN = 1.5e8
-# Asperites that take as long as a call of an ASE calculator, about 1 ms.
+# Asperites that take as long as a call of an ASE calculator: 1 ms, as measured for EMT.
 CALL = 8000
 # First factor by which the level is raised for a run that is compared with no other.
 LOOSER = 16.0
