@@ -9,7 +9,7 @@ import tribo
 from tribo import paper
 from tribo.accuracy.scales import first_guess, reported_scales, tolerance_scales
 from tribo.run.layout import lay_out
-from tribo.run.ledger import ledger
+from tribo.run.ledger import assemble
 
 TURNING = {
     "a free bar": {"bars": "free", "initial": tribo.Initial(theta=0.4, phi=-0.7, nu=0.9)},
@@ -33,7 +33,7 @@ def test_tolerance_scales_are_those_of_the_ledger(bars):
     """Rate, torsion and internal energy as the ledger of the same samples has them."""
     simulation = tribo.prepare(scene(bars), method="dop853", step=None, accuracy=1e-6)
     samples, layout = simulation.finest.samples, simulation.layout
-    scales, books = tolerance_scales(layout, samples), ledger(layout, samples)
+    scales, books = tolerance_scales(layout, samples), assemble(layout, samples)
     assert scales.rate == reported_scales(layout, books).rate
     torsion = [
         np.max(np.abs(books.surfaces[s.name]["theta"] - s.rest - books.surfaces[s.name]["phi"]))

@@ -65,7 +65,7 @@ for scene in SCENES:
 
 def series(scene, how):
     """Every series of a run, by names that a file can have."""
-    with mock.patch("tribo.simulation.has_loop", return_value=False):  # which needs a compiler
+    with mock.patch("tribo.run.integrator.has_loop", return_value=False):  # which needs a compiler
         result = tribo.simulate(SCENES[scene], **HOW[how])
     assert result.status == "completed"
     system = {f"system-{key}": values for key, values in result.system.items()}

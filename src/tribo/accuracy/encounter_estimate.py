@@ -12,7 +12,7 @@ import numpy as np
 from tribo.accuracy.search import NEAR
 from tribo.kernels.records import Box
 from tribo.run.layout import Layout
-from tribo.run.ledger import rod_direction
+from tribo.run.motion import rod_direction
 
 # Most times at which clearances are computed.
 MOST_TIMES = 129

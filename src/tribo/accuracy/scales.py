@@ -8,22 +8,15 @@ import numpy as np
 
 from tribo.integrators.step_control import Tolerance
 from tribo.run.layout import Layout
-from tribo.run.ledger import (
-    ASPERITE_KINDS,
-    BLOCK_KINDS,
-    OPTIONAL_KINDS,
-    SYSTEM_KINDS,
-    Ledger,
-    Samples,
-    internal_energy,
-    motions,
-    rod_direction,
-)
+from tribo.run.ledger import Ledger
+from tribo.run.motion import internal_energy, motions, rod_direction
+from tribo.run.quantities import ASPERITE_QUANTITIES, OPTIONAL_QUANTITIES, QUANTITIES
+from tribo.run.samples import Samples
 
 # The distance from 1 to the next double.
 EPSILON = float(np.finfo(float).eps)
 # The kind of every reported quantity, which selects its scale.
-KINDS = ASPERITE_KINDS | OPTIONAL_KINDS | BLOCK_KINDS | SYSTEM_KINDS
+KINDS = {name: quantity.kind for name, quantity in QUANTITIES.items()}
 # The smallest relative tolerance: nine roundings.  Step control cannot resolve less.
 FLOOR = 2e-15
 
@@ -64,8 +57,8 @@ def reported_scales(layout: Layout, ledger: Ledger) -> Scales:
     def top(*names: str) -> float:
         return max(largest(series) for name in names for series in ledger.series(name))
 
-    asperite = ASPERITE_KINDS | OPTIONAL_KINDS
-    works = [name for name, kind in asperite.items() if kind == "energy" and ledger.series(name)]
+    asperite = ASPERITE_QUANTITIES | OPTIONAL_QUANTITIES
+    works = [name for name in asperite if KINDS[name] == "energy" and ledger.series(name)]
     return Scales(
         rate=top("omega", "nu"),
         length=_longest_rod(layout),
@@ -138,8 +131,8 @@ def tolerance_scales(layout: Layout, samples: Samples) -> ToleranceScales:
     guess = first_guess(layout)
     change = rate = twist = 0.0
     for index in range(len(layout.scene.surfaces)):
-        for part, motion in motions(layout, samples, index):
-            internal = internal_energy(part, motion)
+        for batch, motion in motions(layout, samples, index):
+            internal = internal_energy(batch, motion)
             change = max(change, largest(internal - internal[0]))
             rate = max(rate, largest(motion.omega), largest(motion.nu))
             twist = max(twist, largest(motion.swing - motion.phi))

@@ -29,10 +29,10 @@ from tribo.accuracy.scales import (
     unit_step,
 )
 from tribo.integrators.methods import Method
-from tribo.integrators.step_control import Tolerance
-from tribo.run.integrate import Integration
+from tribo.kernels.status import Status
+from tribo.run.integrate import Integration, Setting
 from tribo.run.layout import Layout
-from tribo.run.ledger import Ledger, ledger
+from tribo.run.ledger import Ledger, assemble
 from tribo.validation import InputError
 
 # Level of the tolerances of the pilot run: three digits are enough for scales.
@@ -76,7 +76,7 @@ LOOSE_EXCESS = 1.25
 # A try with more evaluations than this times the fewest so far is no cheaper; fewer is chance.
 MORE = 1.05
 # Statuses of runs that were ended from outside, which other settings would not change.
-ABORTED = ("Interrupted", "CalculatorFailed")
+ABORTED = (Status.INTERRUPTED, Status.CALCULATOR_FAILED)
 
 # Equal parts of the duration after which a fine run stops, so that its steps differ from those of
 # the coarse runs even if there are few samples.
@@ -89,17 +89,15 @@ SAME = 1e-9
 
 # The largest relative error of everything, or of each quantity by name.
 Accuracy = float | Mapping[str, float]
-# A step [time], or local tolerances.
-Setting = float | Tolerance
 
 
 class Attempt(Protocol):
     """Runs the scene with a setting."""
 
     def __call__(
-        self, setting: Setting, times: np.ndarray | None = None, start: np.ndarray | None = None
+        self, setting: Setting, times: np.ndarray, start: np.ndarray | None = None
     ) -> Integration:
-        """Record at `times`, from the state `start`; by default as the scene says."""
+        """Record at `times`, from the state `start` or else the scene's own start."""
 
 
 class StopTimes(NamedTuple):
@@ -242,7 +240,7 @@ def find_settings(
                 runs.append(attempt(setting, times))
         if runs[-1].status in ABORTED:
             break
-        if not method.adaptive and any(run.status == "EncounterJumped" for run in runs[-3:]):
+        if not method.adaptive and any(run.status == Status.ENCOUNTER_JUMPED for run in runs[-3:]):
             level *= LOWER**2
             continue
         aborted = False
@@ -286,7 +284,7 @@ def _refuse_early(
 ) -> None:
     """Refuse an accuracy out of reach if its runs would be long."""
     longer = (PILOT_LEVEL / (FINE_LEVEL * level)) ** (1.0 / method.order)
-    if pilot.status != "completed" or longer * _work(layout, pilot) < LONG_RUN:
+    if pilot.status != Status.COMPLETED or longer * _work(layout, pilot) < LONG_RUN:
         return
     amplification = measure_amplification(layout, attempt, setting, pilot, observables(accuracy))
     if amplification is not None and amplification * EPSILON > strictest(accuracy):
@@ -330,7 +328,7 @@ def cheapest_setting(
         None if no try agrees, or if the finest run is long
     """
     finest = found.runs[-1]
-    if finest.status != "completed" or _work(layout, finest) > LONG_RUN:
+    if finest.status != Status.COMPLETED or _work(layout, finest) > LONG_RUN:
         return None
     names = observables(accuracy)
     scales = tolerance_scales(layout, finest.samples)
@@ -341,9 +339,9 @@ def cheapest_setting(
         setting = setting_at(layout, method, scales, level, NEAR_ALONE)
         run = attempt(setting)
         work += _work(layout, run)
-        if run.status == "Interrupted":
+        if run.status == Status.INTERRUPTED:
             raise KeyboardInterrupt
-        good = run.status == "completed" and run.evaluations <= MORE * fewest
+        good = run.status == Status.COMPLETED and run.evaluations <= MORE * fewest
         if good:
             bounds, reported = error_bounds(layout, finest, [run], found.amplification, names)
             good = excess_of_request(bounds, reported, accuracy) <= LOOSE_EXCESS
@@ -390,7 +388,7 @@ def error_bounds(
         if the scene does not report a quantity in `names`
     """
     names = tuple(names)
-    own = ledger(layout, fine.samples)
+    own = assemble(layout, fine.samples)
     for name in names:
         if not own.series(name):
             raise InputError(f"accuracy.{name}", "is not a quantity that this scene reports")
@@ -398,7 +396,7 @@ def error_bounds(
     scales = reported_scales(layout, own)
     rough, rounded = np.isfinite(layout.scene.smoothness), rounding(amplification, fine.steps)
     bounds = estimate(own, compared, scales, bool(rough), rounded, names)
-    if any(run.status != "completed" for run in coarser):
+    if any(run.status != Status.COMPLETED for run in coarser):
         bounds = dict.fromkeys(bounds, np.inf)
     return bounds, scales
 
@@ -408,7 +406,7 @@ def _at_shared_times(
 ) -> tuple[Ledger, Ledger]:
     """The ledgers of two runs at the times that both recorded; `own` is that of the first."""
     shared = other.samples.at(one.samples.t)
-    return own.rows(np.isin(one.samples.t, shared.t)), ledger(layout, shared)
+    return own.rows(np.isin(one.samples.t, shared.t)), assemble(layout, shared)
 
 
 def measure_amplification(
@@ -442,7 +440,7 @@ def measure_amplification(
     other = attempt(setting, run.samples.t, start)
     if other.status in ABORTED:
         return None
-    own = ledger(layout, run.samples)
+    own = assemble(layout, run.samples)
     scales = reported_scales(layout, own)
     scaled = [name for name in names or KINDS if scales.of(kind_of(name)) > 0.0]
     return distance(*_at_shared_times(layout, own, run, other), scales, scaled) / PERTURBATION

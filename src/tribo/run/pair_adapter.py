@@ -19,7 +19,7 @@ from tribo.kernels.compiled import entry, time_loop
 from tribo.kernels.records import CLOCK, FORCED, FREE
 from tribo.kernels.samples import STORED
 from tribo.kernels.simd import LANES
-from tribo.kernels.status import COMPLETED, NAMES, PAUSED
+from tribo.kernels.status import COMPLETED, PAUSED, STATUS_OF_CODE, Status
 from tribo.pair.forces import PAIR
 from tribo.pair.loop import COLUMNS, ENERGY, REACHED, SAMPLES, pair_collocation
 from tribo.pair.step import (
@@ -51,7 +51,7 @@ from tribo.plugins.compile_errors import Refusals, compile_error
 from tribo.plugins.sources import stamp
 from tribo.run.integrate import Integration, Progress, run_in_chunks
 from tribo.run.layout import Layout
-from tribo.run.ledger import Samples
+from tribo.run.samples import Samples
 
 ARC1, ARC2 = ENERGY, ENERGY + 1  # in place of the energy: see `_arcs`
 FIRST_ACCOUNT = J + 1
@@ -127,11 +127,13 @@ class Pair:
         code = PAUSED
         if progress is None:  # nobody to be told
             code = self._loop(*self._given, start, self._clocks, times, record, FEW)
-        status = NAMES[code] if code != PAUSED else self._on(start, times, record, progress)
+        status = (
+            STATUS_OF_CODE[code] if code != PAUSED else self._on(start, times, record, progress)
+        )
 
         def recorded() -> Samples:
             reached = times
-            if status != NAMES[COMPLETED]:
+            if status != STATUS_OF_CODE[COMPLETED]:
                 reached = times[: int(record[-1, SAMPLES])]
                 if reached.size < times.size:  # the place reached is one more
                     reached = np.append(reached, record[-1, REACHED])
@@ -141,7 +143,7 @@ class Pair:
 
     def _on(
         self, start: np.ndarray, times: np.ndarray, record: np.ndarray, progress: Progress | None
-    ) -> str:
+    ) -> Status:
         """Go on with a run that takes long, to where it ends."""
 
         def call(clocks: Any, _: Any, times: np.ndarray, record: Any, budget: int) -> int:
