@@ -13,14 +13,14 @@ from tribo.accuracy.choose_method import choose
 from tribo.accuracy.estimate import excess_of_request
 from tribo.accuracy.plan import Plan, integrator_for, make_plan, single_setting
 from tribo.accuracy.search import (
-    APART,
-    HALTED,
-    Stops,
-    Wanted,
-    estimated,
-    named_in,
+    ABORTED,
+    FINE_LEVEL,
+    Accuracy,
+    StopTimes,
+    error_bounds,
+    observables,
     out_of_reach,
-    tightest,
+    strictest,
 )
 from tribo.integrators import methods
 from tribo.kernels.status import Status
@@ -34,8 +34,8 @@ from tribo.run.result import Cost, Known, Result
 from tribo.run.streamed_ledger import StreamedLedger, exceeds_memory
 from tribo.validation import InputError, TriboWarning, inside, number_or_each
 
-# Levels of two runs that are compared differ by APART; this many such ratios make a digit.
-RATIOS_PER_DIGIT = -1.0 / np.log10(APART)
+# Levels of two runs that are compared differ by FINE_LEVEL; this many such ratios make a digit.
+RATIOS_PER_DIGIT = -1.0 / np.log10(FINE_LEVEL)
 
 
 class Simulation:
@@ -127,8 +127,8 @@ class Simulation:
             return self._single_run(y)
         settings = (tuned.coarse, tuned.coarse, self.plan.setting)
         runs: list[Integration] = []
-        for setting, times in zip(settings, Stops.at(self.plan.times), strict=True):
-            if not runs or runs[-1].status not in HALTED:
+        for setting, times in zip(settings, StopTimes.split(self.plan.times), strict=True):
+            if not runs or runs[-1].status not in ABORTED:
                 runs.append(self._integrator(setting, times, y))
         return self._estimated_result(runs)
 
@@ -210,8 +210,8 @@ class Simulation:
     def _errors(self, runs: Sequence[Integration]) -> tuple[dict[str, float], float]:
         """Bounds on the last run's errors, and the largest in units of the request."""
         assert self.accuracy is not None and self.plan.tuned is not None
-        names, grown = named_in(self.accuracy), self.plan.tuned.amplification
-        found, scales = estimated(self.layout, runs[-1], runs[:-1], grown, names)
+        names, grown = observables(self.accuracy), self.plan.tuned.amplification
+        found, scales = error_bounds(self.layout, runs[-1], runs[:-1], grown, names)
         return found, excess_of_request(found, scales, self.accuracy)
 
     def _missed(self, excess: float) -> str:
@@ -223,7 +223,7 @@ class Simulation:
         elif tuned.amplification is None:
             why = "the search for settings was interrupted"
         else:
-            why = out_of_reach(tightest(self.accuracy), tuned.amplification)
+            why = out_of_reach(strictest(self.accuracy), tuned.amplification)
         return f"errors are estimated at {excess:.1e} of the request; {why}"
 
     def _result(
@@ -338,7 +338,7 @@ def _with_warning(result: Result) -> Result:
 
 def prepare(
     scene: Scene,
-    accuracy: Wanted | None = None,
+    accuracy: Accuracy | None = None,
     method: str | None = None,
     step: float | None = None,
     progress: Progress | None = None,
@@ -404,7 +404,7 @@ def from_settings(scene: Scene, settings: Plan) -> Simulation:
 
 def simulate(
     scene: Scene,
-    accuracy: Wanted | None = None,
+    accuracy: Accuracy | None = None,
     method: str | None = None,
     step: float | None = None,
     progress: Progress | None = None,

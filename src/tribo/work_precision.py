@@ -164,7 +164,7 @@ def work_precision(
 
 def _reference(
     scene: Scene, watched: tuple[str, ...]
-) -> tuple[Ledger, acc.InnerScales, dict[str, Any]]:
+) -> tuple[Ledger, acc.ToleranceScales, dict[str, Any]]:
     """The finest run, the scales it had, and how good it is by its own estimate."""
     rough = np.isfinite(scene.smoothness)
     name = ROUGH if rough else SMOOTH  # whose polynomial does not span the joints of a switch
@@ -176,14 +176,14 @@ def _reference(
     scales = acc.reported_scales(simulation.layout, result.ledger)
     bounds = {k: v for k, v in result.error_estimate.items() if v is not None}
     error = excess_of_request(bounds, scales, 1.0) / safety(rough)
-    inner = acc.inner_scales(simulation.layout, finest.samples)
+    inner = acc.tolerance_scales(simulation.layout, finest.samples)
     return result.ledger, inner, {"method": name, "error": error, "seconds": finest.seconds}
 
 
 def _curve(
     integrator: Integrator,
     truth: Ledger,
-    inner: acc.InnerScales,
+    inner: acc.ToleranceScales,
     watched: tuple[str, ...],
     floor: float,
     seconds: float,

@@ -47,8 +47,8 @@ def test_accuracy_of_observables_in_a_file(tmp_path):
 @pytest.mark.parametrize(
     ("accuracy", "says"),
     [
-        ({"upper.speed": 1e-3}, "accuracy.upper.speed: names nothing that is reported"),
-        ({"side.W": 1e-3}, "accuracy.side.W: names nothing that is reported"),
+        ({"upper.speed": 1e-3}, "accuracy.upper.speed: is not a reported quantity"),
+        ({"side.W": 1e-3}, "accuracy.side.W: is not a reported quantity"),
         ({}, "accuracy: must be a number, or name at least one observable"),
         ({"W": 2.0}, "accuracy.W: must be from 1e-13 to 0.1"),
     ],
@@ -76,15 +76,15 @@ def test_equal_steps_keep_an_accuracy(method):
 def test_stops(samples, duration):
     """Coarser runs share no stop but the ends; no two are the same but for rounding."""
     times = np.linspace(0.0, duration, samples)
-    stops = tuning.Stops.among(times)
-    assert np.isin(times, stops.all).all()
-    assert np.min(np.diff(stops.all)) > 1e-10 * duration
-    assert stops.all.size >= tuning.PARTS + 1
+    stops = tuning.StopTimes.for_samples(times)
+    assert np.isin(times, stops.fine).all()
+    assert np.min(np.diff(stops.fine)) > 1e-10 * duration
+    assert stops.fine.size >= tuning.PARTS + 1
     shared = np.intersect1d(stops.few, stops.many)
     assert np.array_equal(shared, [0.0, duration])
-    assert max(stops.few.size, stops.many.size) <= tuning.MOST + 2
-    if stops.all.size <= tuning.MOST:
-        assert np.array_equal(np.union1d(stops.few, stops.many), stops.all)
+    assert max(stops.few.size, stops.many.size) <= tuning.MOST_STOPS + 2
+    if stops.fine.size <= tuning.MOST_STOPS:
+        assert np.array_equal(np.union1d(stops.few, stops.many), stops.fine)
 
 
 def test_equal_steps_where_samples_and_parts_meet():
@@ -98,10 +98,10 @@ def test_nothing_is_known_where_a_coarser_run_stopped():
     """A bar from the time before would be a promise about the time after."""
     simulation = tribo.prepare(case("A"), accuracy=1e-6)
     *_, few, many, fine = simulation.plan.tuned.runs
-    bounds, _ = tuning.estimated(simulation.layout, fine, [few, many], None)
+    bounds, _ = tuning.error_bounds(simulation.layout, fine, [few, many], None)
     assert max(bounds.values()) < np.inf
     short = replace(many, status=Status.ENCOUNTER_JUMPED)
-    bounds, _ = tuning.estimated(simulation.layout, fine, [few, short], None)
+    bounds, _ = tuning.error_bounds(simulation.layout, fine, [few, short], None)
     assert min(bounds.values()) == np.inf
 
 
@@ -191,8 +191,8 @@ def test_out_of_reach_is_said_with_both_numbers():
 
 def test_out_of_reach_is_refused_early(monkeypatch):
     """Where a run would take long and the scene amplifies round-off, it ends with the pilot."""
-    monkeypatch.setattr(tuning, "LONG", 0.0)
+    monkeypatch.setattr(tuning, "LONG_RUN", 0.0)
     assert tribo.simulate(case("A"), accuracy=1e-9).met
-    monkeypatch.setattr(tuning, "amplification", lambda *given: 1e8)
+    monkeypatch.setattr(tuning, "measure_amplification", lambda *given: 1e8)
     with pytest.raises(tribo.InputError, match=r"accuracy: 1.0e-09 is out of reach.*observables"):
         tribo.simulate(case("A"), accuracy=1e-9)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import mpmath
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from numba import njit
 
@@ -17,7 +17,7 @@ from support.strategies import asperites, coulombs, dyadic, potentials
 from tribo import paper
 from tribo.accuracy.plan import integrator_for
 from tribo.accuracy.scales import first_guess
-from tribo.accuracy.search import PILOT, setting_at
+from tribo.accuracy.search import PILOT_LEVEL, setting_at
 from tribo.integrators.methods import METHODS
 from tribo.kernels import simd
 from tribo.kernels.compiled import time_loop
@@ -32,7 +32,7 @@ RADAU = METHODS["gauss-radau-15"]
 
 def pilot(layout):
     """Tolerances of a first run."""
-    return setting_at(layout, RADAU, first_guess(layout), PILOT)
+    return setting_at(layout, RADAU, first_guess(layout), PILOT_LEVEL)
 
 
 def by_general_loop(scene: tribo.Scene, accuracy: float, monkeypatch) -> tribo.Result:
@@ -147,12 +147,11 @@ def pairs(draw):
 def test_random_pairs(scene):
     """The ledger closes, and another method finds the same."""
     own = tribo.simulate(scene, accuracy=1e-9, method=RADAU.name)
-    assume(own.status == "completed" and own.met)
+    assert own.status == "completed"
     for law, names, whole, parts in identities([table for _, table in tables(own)]):
         bound = sum(own.error_estimate[name] for name in names)
         assert np.max(np.abs(whole - parts)) <= bound, law
     other = tribo.simulate(scene, accuracy=1e-10, method="dop853")
-    assume(other.status == "completed" and other.met)
     assert_agree(own, other)
 
 

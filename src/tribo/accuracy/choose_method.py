@@ -21,7 +21,7 @@ import numpy as np
 
 from tribo.accuracy.encounter_estimate import steps_towards
 from tribo.accuracy.scales import first_step, unit_step
-from tribo.accuracy.search import Wanted, tightest
+from tribo.accuracy.search import Accuracy, strictest
 from tribo.integrators import methods
 from tribo.model.scene import Scene
 from tribo.model.settings import check_accuracy
@@ -94,13 +94,13 @@ class Choice:
     """
 
     method: methods.Method
-    accuracy: Wanted | None
+    accuracy: Accuracy | None
     step: float | None
     why: str = ""
 
 
 def choose(
-    layout: Layout, accuracy: Wanted | None, method: str | None, step: float | None
+    layout: Layout, accuracy: Accuracy | None, method: str | None, step: float | None
 ) -> Choice:
     """The method and its accuracy or step for a request.
 
@@ -137,7 +137,7 @@ def choose(
         method = "midpoint"
     wanted = check_accuracy(DEFAULT_ACCURACY if accuracy is None else accuracy)
     if method is None:
-        chosen, why = cheapest(layout, tightest(wanted))
+        chosen, why = cheapest(layout, strictest(wanted))
         return Choice(chosen, wanted, None, why)
     chosen = methods.named(method)
     if step is None and (chosen.adaptive or accuracy is not None):
@@ -151,7 +151,7 @@ def choose(
     return Choice(chosen, None, number("step", step, POSITIVE))
 
 
-def _noisy(layout: Layout, accuracy: Wanted | None, step: float | None) -> Choice:
+def _noisy(layout: Layout, accuracy: Accuracy | None, step: float | None) -> Choice:
     """One method integrates noise, and no two runs agree on any digit."""
     if accuracy is not None:
         raise InputError(

@@ -10,7 +10,14 @@ import numpy as np
 from tribo.accuracy.choose_method import Choice
 from tribo.accuracy.estimate import check_observables
 from tribo.accuracy.scales import first_step
-from tribo.accuracy.search import PARTS, Stops, Tuned, Wanted, loosest, tune
+from tribo.accuracy.search import (
+    PARTS,
+    Accuracy,
+    FoundSettings,
+    StopTimes,
+    cheapest_setting,
+    find_settings,
+)
 from tribo.integrators import methods
 from tribo.run.integrate import Progress, Setting
 from tribo.run.integrator import Integrator
@@ -47,8 +54,8 @@ class Plan:
     why: str
     setting: Setting
     times: np.ndarray
-    accuracy: Wanted | None = None
-    tuned: Tuned | None = None
+    accuracy: Accuracy | None = None
+    tuned: FoundSettings | None = None
     single: Setting | None = None
 
     def without_runs(self, single: Setting | None) -> Plan:
@@ -95,10 +102,10 @@ def make_plan(choice: Choice, integrator: Integrator) -> Plan:
         return Plan(name, choice.why, choice.step, times)
     if isinstance(accuracy, Mapping):
         check_observables(layout, accuracy)
-    stops = Stops.among(times)
+    stops = StopTimes.for_samples(times)
     _check_memory(layout, stops)
-    tuned = tune(layout, choice.method, accuracy, stops, integrator)
-    return Plan(name, choice.why, tuned.fine, stops.all, accuracy, tuned)
+    tuned = find_settings(layout, choice.method, accuracy, stops, integrator)
+    return Plan(name, choice.why, tuned.fine, stops.fine, accuracy, tuned)
 
 
 def single_setting(plan: Plan, integrator: Integrator) -> Setting | None:
@@ -110,7 +117,7 @@ def single_setting(plan: Plan, integrator: Integrator) -> Setting | None:
         return plan.single
     assert plan.accuracy is not None
     layout = integrator.layout
-    return loosest(
+    return cheapest_setting(
         layout,
         integrator.method,
         plan.tuned,
@@ -119,9 +126,9 @@ def single_setting(plan: Plan, integrator: Integrator) -> Setting | None:
     )
 
 
-def _check_memory(layout: Layout, stops: Stops) -> None:
+def _check_memory(layout: Layout, stops: StopTimes) -> None:
     """Refuse to compare runs whose samples are too many to hold."""
-    if not exceeds_memory(layout, stops.all.size):
+    if not exceeds_memory(layout, stops.fine.size):
         return
     asperites = f"{layout.scene.count} asperites"
     if exceeds_memory(layout, PARTS + 1):
