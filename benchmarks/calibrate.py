@@ -1,4 +1,4 @@
-"""The numbers of the cost model in src/tribo/costs.py, measured.
+"""The numbers of the cost model in src/tribo/accuracy/choose_method.py, measured.
 
 Evaluations for an error of 1e-6, and how they grow with every digit, are medians over a few small
 scenes, of the runs that tribo.work_precision makes; of methods that turn bath oscillators exactly
@@ -7,7 +7,8 @@ pair, of a grid, and of a pair with a large bath, all methods in turn, the least
 
     python benchmarks/calibrate.py [--json]
 
-Prints one line a method, in the order of the fields of tribo.accuracy.costs.Rate, the table BATHED,
+Prints one line a method, in the order of the fields of tribo.accuracy.choose_method.Rate, the table
+WITH_FAST_BATH,
 and the first numbers of PAIR.
 """
 
@@ -19,21 +20,20 @@ from statistics import median
 import numpy as np
 
 import tribo
-import tribo.accuracy.costs
-from tribo import paper, simulation
+import tribo.run.integrator
+from tribo import paper
 from tribo.accuracy import scales as acc
+from tribo.accuracy.choose_method import RATES
+from tribo.accuracy.plan import integrator_for
 from tribo.accuracy.search import setting_at
 from tribo.integrators import methods
 from tribo.integrators.methods import METHODS
 from tribo.run.layout import lay_out
-from tribo.simulation import Simulation
 from tribo.work_precision import WorkPrecision, work_precision
 
 COARSE, FINE = 1e-6, 1e-11
 ROUNDS = 5
-STEP = {
-    name: rate.step for name, rate in tribo.accuracy.costs.RATES.items()
-}  # as the methods have it
+STEP = {name: rate.step for name, rate in RATES.items()}  # as the methods have it
 
 
 def small_scenes() -> list[tribo.Scene]:
@@ -115,14 +115,14 @@ def nanoseconds(scene: tribo.Scene, names: list[str]) -> dict[str, float]:
     """Of an evaluation, by method: the least of several rounds in turn."""
     few = tribo.Output(samples=2)
     scene = tribo.Scene(scene.surfaces, scene.interactions, scene.duration, output=few)
-    runs = {name: Simulation(lay_out(scene), METHODS[name]) for name in names}
+    runs = {name: integrator_for(lay_out(scene), METHODS[name]) for name in names}
     least = dict.fromkeys(names, np.inf)
     for _ in range(ROUNDS):
         for name, run_by in runs.items():
             layout, method = run_by.layout, METHODS[name]
             level = 1e-8 if method.adaptive else 0.1**method.order
             setting = setting_at(layout, method, acc.first_guess(layout), level)
-            run = run_by.attempt(setting)
+            run = run_by(setting, scene.times)
             if run.status == "completed":
                 least[name] = min(least[name], 1e9 * run.seconds / run.evaluations)
     return least
@@ -135,7 +135,7 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=20.0, help="for the runs of each scene")
     options = parser.parse_args()
     pairs = appetite(small_scenes()[:4], ["gauss-radau-15"], options.seconds)
-    simulation.has_pair_loop = lambda *scene: False  # pairs by the loops for all scenes
+    tribo.run.integrator.has_pair_loop = lambda *scene: False  # pairs by the loops for all scenes
     hungry = appetite(small_scenes(), list(METHODS), options.seconds)
     exact = [m.name for m in METHODS.values() if m.splits and not methods.refusal(m, bathed())]
     bathing = appetite(fast_baths(), exact, options.seconds)

@@ -103,8 +103,8 @@ def table_of_methods() -> Iterable[Iterable[str]]:
 def table_of_effects() -> Iterable[Iterable[str]]:
     """Every effect by its name."""
     yield "effect", ""
-    for name, meaning in scene.EFFECTS.items():
-        yield f"`{name}`", meaning
+    for effect in scene.Effect:
+        yield f"`{effect}`", effect.description
 
 
 def table_of_statuses() -> Iterable[Iterable[str]]:

@@ -19,6 +19,7 @@ from typing import Any
 
 import tribo
 from tribo import paper
+from tribo.accuracy.plan import integrator_for
 from tribo.integrators.methods import METHODS
 from tribo.work_precision import TIMES, Row, WorkPrecision, work_precision
 
@@ -91,10 +92,12 @@ def choices(name: str) -> Iterator[dict[str, Any]]:
     scene = replace(SCENES[name](), output=tribo.Output(samples=TIMES))
     for wanted in CHOSEN_AT:
         simulation = tribo.prepare(scene, accuracy=wanted)
-        setting, _ = simulation.settings.lone  # timed as the runs of the diagram are
-        seconds = simulation.attempt(setting, scene.times).seconds
+        integrate = integrator_for(simulation.layout, simulation.method)
+        plan = simulation.settings
+        setting = plan.setting if plan.single is None else plan.single
+        seconds = integrate(setting, scene.times).seconds  # timed as the runs of the diagram are
         for _ in range(max(2, int(REPEATED / seconds))):
-            seconds = min(seconds, simulation.attempt(setting, scene.times).seconds)
+            seconds = min(seconds, integrate(setting, scene.times).seconds)
         yield {
             "accuracy": wanted,
             "method": simulation.method.name,

@@ -1,4 +1,4 @@
-"""tribo: sliding friction from the asperite up."""
+"""Sliding friction from the asperite up: scenes, simulations and their ledgers."""
 
 from __future__ import annotations
 
@@ -35,9 +35,9 @@ if TYPE_CHECKING:
     from tribo.report_card import check
     from tribo.run.result import Result, load_result
     from tribo.simulation import Simulation, prepare, simulate
-    from tribo.validation import InputError
+    from tribo.validation import InputError, TriboWarning
 
-# Each public name and the module that has it; loaded when first used.
+# The module of each public name; it is imported when the name is first used.
 _HOME = {
     "Asperite": "tribo.model.asperite",
     "Bath": "tribo.model.bath",
@@ -78,12 +78,13 @@ _HOME = {
     "Spectrum": "tribo.model.spectrum",
     "Springs": "tribo.model.springs",
     "Surface": "tribo.model.surface",
+    "TriboWarning": "tribo.validation",
     "WeeksChandlerAndersen": "tribo.potentials",
     "with_cutoff": "tribo.potentials",
     "Yukawa": "tribo.potentials",
 }
 
-# Subpackages that are part of the public interface; imported when first used.
+# Public subpackages, imported when first used.
 _SUBPACKAGES = ("paper", "plotting", "potentials")
 
 __all__ = [*_HOME, *_SUBPACKAGES, "__version__"]

@@ -31,6 +31,10 @@ class InputError(ValueError):
         return InputError(f"{prefix}{joint}{self.field}", self.problem)
 
 
+class TriboWarning(UserWarning):
+    """A run stopped early or missed its accuracy; its result says so too."""
+
+
 ANY: Condition = ("must be a number", lambda x: True)
 POSITIVE: Condition = ("must be positive", lambda x: x > 0.0)
 NOT_NEGATIVE: Condition = ("must not be negative", lambda x: x >= 0.0)

@@ -18,14 +18,16 @@ import numpy as np
 
 from tribo.accuracy import scales as acc
 from tribo.accuracy.estimate import check_observables, distance, excess_of_request, safety
+from tribo.accuracy.plan import integrator_for
 from tribo.accuracy.search import setting_at
 from tribo.integrators import methods
 from tribo.model.scene import Scene
 from tribo.model.settings import Output
 from tribo.plotting.style import INK, WIDE
+from tribo.run.integrator import Integrator
 from tribo.run.layout import lay_out
-from tribo.run.ledger import Ledger, ledger
-from tribo.simulation import Simulation, prepare
+from tribo.run.ledger import Ledger, assemble
+from tribo.simulation import prepare
 from tribo.validation import InputError
 
 if TYPE_CHECKING:
@@ -153,55 +155,55 @@ def work_precision(
     for method in taken:
         if progress:
             progress(method.name)
-        simulation = Simulation(lay_out(scene), method)
-        compiled[method.name] = simulation.compile_seconds
+        integrator = integrator_for(lay_out(scene), method)
+        compiled[method.name] = integrator.compile_seconds
         share = seconds / len(taken)
-        rows += _curve(simulation, truth, scales, watched, reference["error"], share)
+        rows += _curve(integrator, truth, scales, watched, reference["error"], share)
     return WorkPrecision(tuple(with_front(rows, reference["error"])), reference, compiled)
 
 
 def _reference(
     scene: Scene, watched: tuple[str, ...]
-) -> tuple[Ledger, acc.InnerScales, dict[str, Any]]:
+) -> tuple[Ledger, acc.ToleranceScales, dict[str, Any]]:
     """The finest run, the scales it had, and how good it is by its own estimate."""
     rough = np.isfinite(scene.smoothness)
     name = ROUGH if rough else SMOOTH  # whose polynomial does not span the joints of a switch
     simulation = prepare(scene, FINEST, name)
     check_observables(simulation.layout, watched, "observables")
-    result, finest = simulation.first_result(), simulation.finest
+    result, finest = simulation.compute_first(), simulation.finest
     if result.status != "completed":
         raise InputError("scene", f"does not run to its end: {result.status}")
     scales = acc.reported_scales(simulation.layout, result.ledger)
     bounds = {k: v for k, v in result.error_estimate.items() if v is not None}
     error = excess_of_request(bounds, scales, 1.0) / safety(rough)
-    inner = acc.inner_scales(simulation.layout, finest.samples)
+    inner = acc.tolerance_scales(simulation.layout, finest.samples)
     return result.ledger, inner, {"method": name, "error": error, "seconds": finest.seconds}
 
 
 def _curve(
-    simulation: Simulation,
+    integrator: Integrator,
     truth: Ledger,
-    inner: acc.InnerScales,
+    inner: acc.ToleranceScales,
     watched: tuple[str, ...],
     floor: float,
     seconds: float,
 ) -> Iterator[Row]:
     """Runs of one method, coarse to fine."""
     began = time.perf_counter()
-    layout, method = simulation.layout, simulation.method
-    scales = acc.reported_scales(layout, truth)
+    layout, method = integrator.layout, integrator.method
+    times, scales = layout.scene.times, acc.reported_scales(layout, truth)
     ratio = LEVEL_RATIO if method.adaptive else STEP_RATIO**method.order
     level = COARSEST
     best, most = np.inf, 0
     stalled = 0
     while stalled < STALLED and best > floor and time.perf_counter() - began < seconds:
         setting = setting_at(layout, method, inner, level)
-        run = simulation.attempt(setting)
+        run = integrator(setting, times)
         if run.status == "completed" and run.evaluations > most:
             taken = run.seconds
             if taken < REPEAT_BELOW:
-                taken = min(taken, *(simulation.attempt(setting).seconds for _ in range(2)))
-            error = distance(ledger(layout, run.samples), truth, scales, watched)
+                taken = min(taken, *(integrator(setting, times).seconds for _ in range(2)))
+            error = distance(assemble(layout, run.samples), truth, scales, watched)
             shown = level if method.adaptive else float(setting)
             yield Row(method.name, shown, error, run.evaluations, taken)
             stalled = 0 if error < GAIN * best else stalled + 1

@@ -8,9 +8,10 @@ import pytest
 import tribo
 from support.sliding import long_slide
 from tribo import paper
-from tribo.accuracy import costs
+from tribo.accuracy import choose_method
 from tribo.accuracy import search as tuning
 from tribo.integrators.methods import METHODS
+from tribo.kernels.status import Status
 from tribo.potentials.cutoff import AT_CUTOFF
 from tribo.run.layout import lay_out
 
@@ -46,8 +47,8 @@ def test_accuracy_of_observables_in_a_file(tmp_path):
 @pytest.mark.parametrize(
     ("accuracy", "says"),
     [
-        ({"upper.speed": 1e-3}, "accuracy.upper.speed: names nothing that is reported"),
-        ({"side.W": 1e-3}, "accuracy.side.W: names nothing that is reported"),
+        ({"upper.speed": 1e-3}, "accuracy.upper.speed: is not a reported quantity"),
+        ({"side.W": 1e-3}, "accuracy.side.W: is not a reported quantity"),
         ({}, "accuracy: must be a number, or name at least one observable"),
         ({"W": 2.0}, "accuracy.W: must be from 1e-13 to 0.1"),
     ],
@@ -75,15 +76,15 @@ def test_equal_steps_keep_an_accuracy(method):
 def test_stops(samples, duration):
     """Coarser runs share no stop but the ends; no two are the same but for rounding."""
     times = np.linspace(0.0, duration, samples)
-    stops = tuning.Stops.among(times)
-    assert np.isin(times, stops.all).all()
-    assert np.min(np.diff(stops.all)) > 1e-10 * duration
-    assert stops.all.size >= tuning.PARTS + 1
+    stops = tuning.StopTimes.for_samples(times)
+    assert np.isin(times, stops.fine).all()
+    assert np.min(np.diff(stops.fine)) > 1e-10 * duration
+    assert stops.fine.size >= tuning.PARTS + 1
     shared = np.intersect1d(stops.few, stops.many)
     assert np.array_equal(shared, [0.0, duration])
-    assert max(stops.few.size, stops.many.size) <= tuning.MOST + 2
-    if stops.all.size <= tuning.MOST:
-        assert np.array_equal(np.union1d(stops.few, stops.many), stops.all)
+    assert max(stops.few.size, stops.many.size) <= tuning.MOST_STOPS + 2
+    if stops.fine.size <= tuning.MOST_STOPS:
+        assert np.array_equal(np.union1d(stops.few, stops.many), stops.fine)
 
 
 def test_equal_steps_where_samples_and_parts_meet():
@@ -96,27 +97,28 @@ def test_equal_steps_where_samples_and_parts_meet():
 def test_nothing_is_known_where_a_coarser_run_stopped():
     """A bar from the time before would be a promise about the time after."""
     simulation = tribo.prepare(case("A"), accuracy=1e-6)
-    *_, few, many, fine = simulation._tuned.runs
-    bounds, _ = tuning.estimated(simulation.layout, fine, [few, many], None)
+    *_, few, many, fine = simulation.plan.tuned.runs
+    bounds, _ = tuning.error_bounds(simulation.layout, fine, [few, many], None)
     assert max(bounds.values()) < np.inf
-    short = replace(many, status="EncounterJumped")
-    bounds, _ = tuning.estimated(simulation.layout, fine, [few, short], None)
+    short = replace(many, status=Status.ENCOUNTER_JUMPED)
+    bounds, _ = tuning.error_bounds(simulation.layout, fine, [few, short], None)
     assert min(bounds.values()) == np.inf
 
 
 def test_an_interrupt_ends_all_runs():
     """One keystroke is enough; and a result that has no bar says so."""
-    marches = []
+    runs = []
     simulation = tribo.prepare(case("A"), accuracy=1e-6)
-    integrate = simulation._march
+    integrate = simulation._integrator
 
     def interrupted(*given):
-        marches.append(replace(integrate(*given), status="Interrupted"))
-        return marches[-1]
+        runs.append(replace(integrate(*given), status=Status.INTERRUPTED))
+        return runs[-1]
 
-    simulation._march = interrupted
-    result = simulation.run()
-    assert len(marches) == 1 and result.status == "Interrupted" and not result.met
+    simulation._integrator = interrupted
+    with pytest.warns(tribo.TriboWarning, match="Interrupted"):
+        result = simulation.run()
+    assert len(runs) == 1 and result.status == "Interrupted" and not result.met
 
 
 def test_equal_steps_are_for_fast_baths():
@@ -127,7 +129,7 @@ def test_equal_steps_are_for_fast_baths():
             scene = case("A")
             surfaces = tuple(replace(surface, bath=bath) for surface in scene.surfaces)
             scene = replace(scene, surfaces=surfaces, output=tribo.Output(samples=samples))
-            best = costs.estimates(lay_out(scene), 1e-3)[0]
+            best = choose_method.estimates(lay_out(scene), 1e-3)[0]
             assert best.method.adaptive != equal
 
 
@@ -156,12 +158,12 @@ def test_a_choice_says_why():
 
 def test_the_model_of_costs():
     """More digits never cost less; every method that has numbers is one there is."""
-    assert set(costs.RATES) == set(METHODS)
+    assert set(choose_method.RATES) == set(METHODS)
     for letter in "AC":
         layout = lay_out(case(letter))
         for one, other in ((1e-3, 1e-6), (1e-6, 1e-9)):
-            few = {e.method.name: e.seconds for e in costs.estimates(layout, one)}
-            more = {e.method.name: e.seconds for e in costs.estimates(layout, other)}
+            few = {e.method.name: e.seconds for e in choose_method.estimates(layout, one)}
+            more = {e.method.name: e.seconds for e in choose_method.estimates(layout, other)}
             assert all(few[name] <= more[name] for name in few)
 
 
@@ -170,7 +172,7 @@ def test_there_is_a_method_for_every_cutoff(at_cutoff):
     """However rough it is."""
     cut = tribo.with_cutoff(tribo.Coulomb(0.2), 3.0, at_cutoff)
     scene = replace(case("A"), interactions=(tribo.Interaction(cut),))
-    assert costs.cheapest(lay_out(scene), 1e-6)[0].smoothness <= max(0, cut.smoothness())
+    assert choose_method.cheapest(lay_out(scene), 1e-6)[0].smoothness <= max(0, cut.smoothness())
 
 
 def kicked() -> tribo.Scene:
@@ -180,7 +182,8 @@ def kicked() -> tribo.Scene:
 
 def test_out_of_reach_is_said_with_both_numbers():
     """Round-off is in the way: what was reached is delivered, with a note of the amplification."""
-    result = tribo.simulate(kicked(), accuracy=1e-13, method="dop853")
+    with pytest.warns(tribo.TriboWarning, match="the accuracy is not met: .* out of reach"):
+        result = tribo.simulate(kicked(), accuracy=1e-13, method="dop853")
     assert result.status == "completed" and result.met is False
     (note,) = (note for note in result.notes if "out of reach" in note)
     assert "a change of 1e-11 in the start grows to" in note and "round-off of 2.2e-16" in note
@@ -188,8 +191,8 @@ def test_out_of_reach_is_said_with_both_numbers():
 
 def test_out_of_reach_is_refused_early(monkeypatch):
     """Where a run would take long and the scene amplifies round-off, it ends with the pilot."""
-    monkeypatch.setattr(tuning, "LONG", 0.0)
+    monkeypatch.setattr(tuning, "LONG_RUN", 0.0)
     assert tribo.simulate(case("A"), accuracy=1e-9).met
-    monkeypatch.setattr(tuning, "amplification", lambda *given: 1e8)
+    monkeypatch.setattr(tuning, "measure_amplification", lambda *given: 1e8)
     with pytest.raises(tribo.InputError, match=r"accuracy: 1.0e-09 is out of reach.*observables"):
         tribo.simulate(case("A"), accuracy=1e-9)

@@ -23,6 +23,7 @@ from tribo import (
     Scene,
     Surface,
 )
+from tribo.accuracy.plan import integrator_for
 from tribo.accuracy.scales import KINDS, reported_scales
 from tribo.integrators.methods import METHODS
 from tribo.integrators.step_control import Tolerance
@@ -106,12 +107,12 @@ def test_weak_coupling_is_followed(name):
 @pytest.mark.parametrize("name", ADAPTIVE)
 def test_accounts_are_looked_at(name):
     """Less error wanted in the accounts alone, and steps are shorter."""
-    simulation = tribo.prepare(changed("A", 40.0), accuracy=1e-2, method=name)
-    layout = simulation.layout
+    layout = lay_out(changed("A", 40.0))
+    integrate = integrator_for(layout, METHODS[name])
     steps = []
     for wanted in (1e-4, 1e-12):
         y, s = np.full(layout.start.size, 1e-4), np.full(layout.accounts, wanted)
-        run = simulation._march(layout.start, Tolerance(y, s, 1e-4), np.array([40.0]))
+        run = integrate(Tolerance(y, s, 1e-4), np.array([40.0]))
         steps.append(run.steps)
     assert steps[1] > 1.2 * steps[0]
 

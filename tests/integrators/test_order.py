@@ -19,9 +19,13 @@ from tribo import (
     Springs,
     Surface,
 )
+from tribo.accuracy.choose_method import cheapest
+from tribo.accuracy.plan import integrator_for
 from tribo.integrators.methods import METHODS
 from tribo.integrators.step_control import Tolerance
 from tribo.paper import scene as case
+from tribo.run.integrator import Integrator
+from tribo.run.layout import lay_out
 
 END = 4.0
 # In how many equal steps each method goes there, and by how much its slope may fall short.
@@ -69,7 +73,7 @@ def everything(bath):
     return Scene((upper, lower), Coulomb(4.0), END, fields=(field,), output=Output(samples=2))
 
 
-def in_steps(simulation, count):
+def in_steps(layout, method, count):
     """The state and the accounts after `count` equal steps.
 
     A method that chooses its steps is given a sample after each, and no reason for more: no
@@ -77,12 +81,11 @@ def in_steps(simulation, count):
     """
     times = END / count * np.arange(1, count + 1)
     setting = END / count
-    if simulation.method.adaptive:
-        iterates = simulation.method.remembers > 0
-        y, s = (np.full(n, 1e-15 if iterates else np.inf) for n in sizes(simulation.layout))
+    if method.adaptive:
+        iterates = method.remembers > 0
+        y, s = (np.full(n, 1e-15 if iterates else np.inf) for n in sizes(layout))
         setting = Tolerance(y, s, 0.0)
-        simulation._first_step = END
-    run = simulation._march(simulation.layout.start, setting, times)
+    run = Integrator(layout, method, END)(setting, times)
     assert (run.status, run.steps) == ("completed", count)
     return run.samples.y[-1], run.samples.s[-1]
 
@@ -111,9 +114,9 @@ def exact():
     """The end of `everything`, without a bath and with one, as round-off allows."""
 
     def end(bath):
-        simulation = tribo.prepare(everything(bath), accuracy=1e-13)
-        tight = Tolerance(*(np.full(n, 1e-15) for n in sizes(simulation.layout)), 1e-15)
-        run = simulation._march(simulation.layout.start, tight, np.array([END]))
+        layout = lay_out(everything(bath))
+        tight = Tolerance(*(np.full(n, 1e-15) for n in sizes(layout)), 1e-15)
+        run = integrator_for(layout, cheapest(layout, 1e-13)[0])(tight, np.array([END]))
         return run.samples.y[-1], run.samples.s[-1]
 
     return [end(bath) for bath in (False, True)]
@@ -124,13 +127,12 @@ def test_order_of_motion_and_ledger(exact, name):
     """Errors fall as the declared power of the step: of the motion, and of accounts of any kind."""
     method = METHODS[name]
     bath = "bath" not in method.refuses
-    given = {"accuracy": 1e-2} if method.adaptive else {"step": 0.1}
-    simulation = tribo.prepare(everything(bath), method=name, **given)
+    layout = lay_out(everything(bath))
     counts, slack = COUNTS[name]
     y, s = exact[bath]
-    ends = [in_steps(simulation, count) for count in counts]
+    ends = [in_steps(layout, method, count) for count in counts]
     errors = {"motion": [np.max(np.abs(one[0][: y.size] - y)) for one in ends]}
-    for family, slots in families(simulation.layout):
+    for family, slots in families(layout):
         errors[family] = [np.max(np.abs(one[1] - s)[slots]) for one in ends]
     assert {"motion", "block", "moving", *ACCOUNTS} - {"internal"} <= errors.keys()
     for family, error in errors.items():

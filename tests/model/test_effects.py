@@ -21,7 +21,7 @@ from tribo import (
     Springs,
     Surface,
 )
-from tribo.model.scene import EFFECTS
+from tribo.model.scene import Effect
 from tribo.run.layout import lay_out
 
 PLAIN = {"swing", "contact", "clamped ends"}  # of the paper's forced sliding
@@ -97,7 +97,7 @@ def test_effects(name):
     """A scene says what it calls for, by names that are explained."""
     scene, more, less = SCENES[name]
     assert scene.effects == PLAIN - less | more
-    assert scene.effects <= set(EFFECTS)
+    assert scene.effects <= set(Effect)
 
 
 # How many coordinates a scene has: a swing each, and what is free to move beside.

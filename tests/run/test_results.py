@@ -1,13 +1,30 @@
-"""Results: what can be read off them, what they print, and what comes back from disk."""
+"""Results: their series, what they print, what comes back from disk, and when they warn."""
 
+import copy
 import json
+import pickle
+import warnings
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import tribo
-from tribo import Coulomb, Free, Initial, InputError, Numerics, Output, Result, Scene, Surface
+from tribo import (
+    Coulomb,
+    Free,
+    Initial,
+    InputError,
+    Numerics,
+    Output,
+    Result,
+    Scene,
+    Surface,
+    TriboWarning,
+)
+from tribo.kernels.status import MEANINGS, Status
+from tribo.run.quantities import QUANTITIES
+from tribo.simulation import from_settings
 
 
 def scene(**upper):
@@ -28,7 +45,8 @@ def result():
 def same_series(one, other):
     """Whether all arrays of two results are the same, to the last bit."""
     pairs = [(one.t, other.t)]
-    for a, b in zip(one.ledger.__dict__.values(), other.ledger.__dict__.values(), strict=True):
+    ledgers = ([item.ledger.surfaces, item.ledger.blocks, item.system] for item in (one, other))
+    for a, b in zip(*ledgers, strict=True):
         assert set(a) == set(b)
         for key in a:
             tables = [a[key], b[key]] if isinstance(a[key], dict) else [{"": a[key]}, {"": b[key]}]
@@ -76,7 +94,7 @@ def test_end_is_what_is_printed(result):
 
 def test_json_is_strict(result):
     """What is no number is null: JSON has no word for nan."""
-    broken = replace(result, error_estimate=result.error_estimate | {"w1": float("nan")})
+    broken = replace(result, bounds=result.bounds | {"w1": float("nan")})
     assert json.loads(broken.to_json())["error_estimate"]["w1"] is None
 
 
@@ -115,9 +133,15 @@ def test_round_trip(result, tmp_path):
     assert [p.name for p in tmp_path.iterdir()] == ["run.nc"]
 
 
+def stopped_run():
+    """A run that ends where it begins."""
+    with pytest.warns(TriboWarning, match="BobsCoincide"):
+        return tribo.simulate(scene(bob=(0.0, 0.0)), method="midpoint", step=0.01)
+
+
 def test_round_trip_of_a_run_that_stopped(tmp_path):
     """Also when there is no estimate, and when numbers are none."""
-    stopped = tribo.simulate(scene(bob=(0.0, 0.0)), method="midpoint", step=0.01)
+    stopped = stopped_run()
     assert stopped.status == "BobsCoincide"
     stopped.save(tmp_path / "run.nc")
     loaded = tribo.load_result(tmp_path / "run.nc")
@@ -141,12 +165,152 @@ def test_file_that_is_none(tmp_path, result):
 
 
 def test_xarray(result):
-    """Labelled series, by surface and quantity."""
+    """Labelled series, by surface and quantity, each with its units and its error."""
     data = result.to_xarray()
     assert data["upper.theta"].dims == ("time", "upper_asperite")
     assert np.array_equal(data["lower.w1"].values, result["lower"].w1)
     assert np.array_equal(data["upper.W"].values, result["upper"].W)
     assert np.array_equal(data.time.values, result.t)
+    for name, variable in data.variables.items():
+        assert variable.attrs["units"] and variable.attrs["long_name"], name
+    units = {name: data[f"upper.{name}"].attrs["units"] for name in ("theta", "omega", "x_cm", "W")}
+    assert units == {"theta": "rad", "omega": "time^-1", "x_cm": "length", "W": "energy"}
+    assert float(data["lower.w1_error"]) == result.error_estimate["w1"] > 0.0
+    assert float(data["applied_work_error"]) == result.error_estimate["applied_work"]
+    assert data["lower.w1_error"].attrs["units"] == "energy"
+    series = [name for name in data.data_vars if not name.endswith("_error")]
+    assert {f"{name}_error" for name in series} == set(data.data_vars) - set(series)
+
+
+def test_xarray_of_observables():
+    """The error of an observable that was asked for by name is its own."""
+    result = tribo.simulate(scene(), accuracy={"upper.W": 1e-3, "w1": 1e-3})
+    data = result.to_xarray()
+    assert float(data["upper.W_error"]) == result.error_estimate["upper.W"]
+    assert float(data["lower.W_error"]) == result.error_estimate["W"]
+
+
+def test_asperites_have_coordinates(result):
+    """One dimension for each surface; a position is looked up by the resting bob."""
+    data = result.to_xarray()
+    assert data["lower_asperite"].values.tolist() == [0, 1]
+    assert data["lower.x_rest"].values.tolist() == [0.0, 1.0]
+    assert data["upper.x_rest"].values.tolist() == [-1.0]
+    assert set(data["lower.w1"].coords) == {"time", "lower_asperite"} | {
+        f"lower.{axis}_rest" for axis in "xyz"
+    }
+
+
+def test_kinds_of_quantities(result):
+    """Every reported quantity has a meaning; none has the name of an error."""
+    assert {*result["upper"], *result.system} <= set(QUANTITIES)
+    assert not any(name.endswith("_error") for name in QUANTITIES)
+
+
+def test_statuses_are_strings():
+    """A status is its name, prints as it, and has a meaning."""
+    assert set(MEANINGS) == set(Status)
+    assert all(isinstance(status, str) for status in Status)
+    assert f"{Status.STEP_UNDERFLOW}" == "StepUnderflow" == Status.STEP_UNDERFLOW
+    assert json.dumps([Status.COMPLETED]) == '["completed"]'
+    stopped = stopped_run()
+    assert json.loads(stopped.to_json())["status"] == "BobsCoincide"
+    assert stopped.to_xarray().attrs["status"] == "BobsCoincide"
+
+
+def test_a_run_that_stops_warns():
+    """Once, at the line that ran it, with the status and its meaning; also when it is repeated."""
+    start = scene(bob=(0.0, 0.0))
+    simulation = tribo.prepare(start, method="midpoint", step=0.01)
+    calls = (
+        lambda: tribo.simulate(start, method="midpoint", step=0.01),
+        simulation.first_result,
+        simulation.run,
+        lambda: simulation.run(estimate=False),
+    )
+    for call in calls:
+        with pytest.warns(TriboWarning) as caught:
+            result = call()
+        (warning,) = caught
+        assert str(warning.message).startswith("the run stopped at t = 0, BobsCoincide: two")
+        assert warning.filename == __file__
+        assert result.status == "BobsCoincide"
+
+
+def test_a_run_that_misses_its_accuracy_warns():
+    """Settings for a low accuracy do not give a high one."""
+    plan = tribo.prepare(scene(), accuracy=1e-4).settings
+    simulation = from_settings(scene(), replace(plan, accuracy=1e-10))
+    with pytest.warns(
+        TriboWarning, match="the accuracy is not met: errors are estimated"
+    ) as caught:
+        result = simulation.run()
+    assert len(caught) == 1 and result.met is False
+
+
+def test_a_run_as_asked_for_does_not_warn():
+    """With an accuracy that is met, and with a step."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        tribo.simulate(scene())
+        tribo.simulate(scene(), method="midpoint", step=0.01)
+
+
+def test_an_error_in_the_ledger_is_raised_each_time(result):
+    """It is neither turned into a missing attribute nor forgotten."""
+
+    def broken():
+        raise ZeroDivisionError("no ledger")
+
+    other = replace(result, assemble=broken)
+    for name in ("ledger", "t", "end", "error_estimate", "system", "ledger"):
+        with pytest.raises(ZeroDivisionError, match="no ledger"):
+            getattr(other, name)
+
+
+def test_the_ledger_is_assembled_once():
+    """When it is first needed."""
+    made = []
+    whole = tribo.prepare(scene(), method="midpoint", step=0.01).run(estimate=False)
+    counted = replace(whole, assemble=lambda: made.append(1) or whole.ledger)
+    assert counted.status == "completed" and counted.cost.steps == 400 and not made
+    assert counted.ledger is counted.ledger and counted.t is whole.t and made == [1]
+
+
+@pytest.mark.parametrize(
+    "image", [copy.copy, copy.deepcopy, lambda item: pickle.loads(pickle.dumps(item))]
+)
+def test_copies(image):
+    """A copy is the same result, whether its ledger was assembled before or not."""
+    simulation = tribo.prepare(scene(), accuracy=1e-6)
+    for estimate in (False, True):
+        other = image(simulation.run(estimate=estimate))
+        first = simulation.run(estimate=estimate)
+        assert same_series(other, first)
+        assert other.error_estimate == first.error_estimate
+        assert (other.met, other.notes, other.status) == (first.met, first.notes, first.status)
+        assert list(image(first["upper"])) == list(first["upper"])
+
+
+def test_plans_are_immutable():
+    """A simulation does not change its plan, whatever it runs."""
+    simulation = tribo.prepare(scene(), accuracy=1e-6)
+    plan, before = simulation.plan, dict(vars(simulation.plan))
+    simulation.run({"upper.theta": 0.3})
+    simulation.run(estimate=False)
+    assert simulation.plan is plan and all(vars(plan)[name] is before[name] for name in before)
+    with pytest.raises(AttributeError):
+        plan.setting = 1.0
+    assert not pickle.loads(pickle.dumps(simulation.settings)).tuned.runs
+
+
+def test_another_scene_by_the_same_plan():
+    """It gives the bits of the simulation that was planned, without a search."""
+    simulation = tribo.prepare(scene(), accuracy=1e-6)
+    other = from_settings(scene(), pickle.loads(pickle.dumps(simulation.settings)))
+    for estimate in (False, True):
+        one, two = (item.run({"upper.theta": 0.2}, estimate) for item in (simulation, other))
+        assert same_series(one, two) and one.error_estimate == two.error_estimate
 
 
 def test_prepared_run(result):
@@ -217,10 +381,11 @@ def test_interrupted_run_keeps_what_it_has():
         raise KeyboardInterrupt
 
     for how in ({"method": "midpoint", "step": 1e-4}, {}):
-        stopped = tribo.simulate(scene(), progress=interrupt, **how)
+        with pytest.warns(TriboWarning, match="Interrupted"):
+            stopped = tribo.simulate(scene(), progress=interrupt, **how)
         assert stopped.status == "Interrupted" and stopped.t.size >= 1
         assert not stopped.met
-        assert "what it had reached is kept" in str(stopped)
+        assert "the result has the samples up to there" in str(stopped)
 
 
 def test_progress_is_told():
@@ -240,3 +405,21 @@ def test_file_has_the_first_word_and_the_call_the_last():
     assert tribo.simulate(rough).accuracy == 1e-3
     assert tribo.simulate(rough, accuracy=1e-5).accuracy == 1e-5
     assert tribo.simulate(scene()).accuracy == 1e-8
+
+
+def test_long_runs_keep_the_asperites_ends_alone(monkeypatch, tmp_path):
+    """Portion by portion, the surfaces' and the system's series are what they are in one piece."""
+    simulation = tribo.prepare(scene(), method="midpoint", step=0.01)
+    whole = simulation.run()
+    monkeypatch.setattr("tribo.run.streamed_ledger.SERIES_BYTES", 0)
+    monkeypatch.setattr("tribo.run.streamed_ledger.PORTION_BYTES", 5000)
+    streamed = tribo.prepare(scene(), method="midpoint", step=0.01).run()
+    assert np.array_equal(streamed.t, whole.t)
+    for name in ("upper", "lower"):
+        for key, values in whole.ledger.blocks[name].items():
+            assert np.array_equal(streamed[name][key], values)
+        assert np.array_equal(streamed[name].theta, whole[name].theta[[0, -1]])
+    assert "only the first and the last sample are kept" in streamed.notes[-1]
+    streamed.save(tmp_path / "long.nc")
+    assert same_series(tribo.load_result(tmp_path / "long.nc"), streamed)
+    assert streamed.to_xarray()["end"].values.tolist() == [0.0, 4.0]

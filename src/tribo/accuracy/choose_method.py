@@ -1,38 +1,132 @@
-"""How a scene is going to be run: the method, and the accuracy or the step that it is to keep."""
+"""Choosing a method by a model of what each costs on a scene.
+
+    seconds = evaluations x (seconds of an evaluation)
+    evaluations = evaluations(1e-6) (accuracy / 1e-6)^(-1/slope), for each radian of the pendulums,
+                  but at least those of one step for each sample, and of the steps towards the
+                  encounters ahead
+    seconds of an evaluation = (for each run) + (for each asperite) + (for each bath oscillator)
+
+The numbers were measured by benchmarks/calibrate.py and are part of the source: no clock decides
+which method is chosen.  Only their ratios enter, which differ little between machines.  Methods
+that integrate bath oscillators numerically are stable only if steps are short against the fastest
+of them.  Methods that advance oscillators exactly are stable, but their errors fall more slowly
+until steps are that short.  Encounters ahead are those of bobs that keep their initial velocity.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from tribo.accuracy import scales as acc
-from tribo.accuracy.costs import cheapest
-from tribo.accuracy.search import Wanted, tightest
+import numpy as np
+
+from tribo.accuracy.encounter_estimate import steps_towards
+from tribo.accuracy.scales import first_step, unit_step
+from tribo.accuracy.search import Accuracy, strictest
 from tribo.integrators import methods
+from tribo.model.scene import Scene
 from tribo.model.settings import check_accuracy
 from tribo.run.layout import Layout
+from tribo.run.pair_adapter import has_pair_loop
 from tribo.validation import POSITIVE, InputError, number
 
+# The accuracy where neither the call nor the scene file gives one: far below what a figure can
+# show, and far above round-off.
 DEFAULT_ACCURACY = 1e-8
-NOISY_STEP = 2.0  # of a run with noise, in units of the first step of one without
+# Step of a run with noise, in units of the first step of a run without: a tenth of a radian of the
+# fastest pendulum or oscillator.
+NOISY_STEP = 2.0
 
 
 @dataclass(frozen=True)
-class Plan:
-    """A method, with an accuracy or a step; `why` it was chosen, if it was."""
+class Rate:
+    """What a method costs."""
+
+    evaluations: float  # per radian of the fastest pendulum, at an accuracy of 1e-6
+    slope: float  # a tenth of the error takes 10^(1/slope) times as many evaluations
+    run: float  # time of an evaluation, whatever the scene [ns]
+    asperite: float  # and for each asperite [ns]
+    oscillator: float  # and for each coordinate of a bath [ns]
+    step: int  # evaluations of a step
+
+
+# Of all methods, including those that are the cheapest on no scene.
+RATES = {
+    "midpoint": Rate(440.0, 2.0, 204.0, 124.0, 6.73, 2),
+    "rk4": Rate(20.1, 4.0, 146.0, 121.0, 6.01, 4),
+    "dop853": Rate(5.91, 11.2, 201.0, 134.0, 8.78, 12),
+    "rkn8": Rate(3.8, 12.1, 196.0, 136.0, 9.93, 9),
+    "rkn12": Rate(8.0, 105.0, 150.0, 137.0, 11.1, 17),
+    "gauss-radau-15": Rate(7.21, 26.7, 0.0, 106.0, 11.7, 18),
+    "gauss-8": Rate(31.3, 26.9, 68.2, 96.1, 9.69, 28),
+    "verlet": Rate(90.6, 2.0, 253.0, 122.0, 7.7, 1),
+    "kahan-li-6": Rate(15.2, 6.25, 24.9, 122.0, 10.4, 9),
+    "kahan-li-8": Rate(20.4, 14.4, 2.0, 123.0, 10.5, 17),
+    "blanes-moan-6": Rate(13.3, 8.02, 12.5, 125.0, 0.0, 10),
+}
+# Of gauss-radau-15 in the loop for pairs.
+PAIR = Rate(5.13, 21.4, 12.0, 0.0, 0.0, 18)
+# Evaluations per radian of a bath's fastest oscillator that methods need for stability.
+FAST = 1.6
+# Evaluations and slope, as in Rate, with a fast bath, of methods that advance it exactly.
+WITH_FAST_BATH = {
+    "verlet": (108.0, 2.0),
+    "kahan-li-6": (55.4, 4.25),
+    "kahan-li-8": (71.5, 5.79),
+}
+# The steepest slope where some derivative of a potential jumps.
+ROUGH_SLOPE = 12.0
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A method with an accuracy or a step.
+
+    Attributes
+    ----------
+    method : Method
+        How time advances.
+    accuracy : float, mapping or None
+        The relative error of everything, or of each observable named; None with a step.
+    step : float or None
+        The step [time]; None with an accuracy.
+    why : str
+        Why the method was chosen; empty where it was given.
+    """
 
     method: methods.Method
-    accuracy: Wanted | None
+    accuracy: Accuracy | None
     step: float | None
     why: str = ""
 
 
-def plan_for(
-    layout: Layout, accuracy: Wanted | None, method: str | None, step: float | None
-) -> Plan:
-    """The plan for what was asked for; complains if that does not go together."""
+def choose(
+    layout: Layout, accuracy: Accuracy | None, method: str | None, step: float | None
+) -> Choice:
+    """The method and its accuracy or step for a request.
+
+    Parameters
+    ----------
+    layout : Layout
+        The scene.
+    accuracy : float, mapping or None
+        The relative error wanted, of everything or of each observable named.
+    method : str or None
+        A method's name; None takes the one that should be the fastest.
+    step : float or None
+        A step [time], in place of an accuracy.
+
+    Returns
+    -------
+    Choice
+
+    Raises
+    ------
+    InputError
+        These do not go together, or the method cannot integrate the scene.
+    """
     scene = layout.scene
     if accuracy is not None and step is not None:
-        raise InputError("accuracy", "cannot go with a step of one's own; give one or the other")
+        raise InputError("accuracy", "cannot go with a step; give one or the other")
     if method is not None:
         refusal = methods.refusal(methods.named(method), scene)
         if refusal is not None:
@@ -43,28 +137,122 @@ def plan_for(
         method = "midpoint"
     wanted = check_accuracy(DEFAULT_ACCURACY if accuracy is None else accuracy)
     if method is None:
-        chosen, why = cheapest(layout, tightest(wanted))
-        return Plan(chosen, wanted, None, why)
+        chosen, why = cheapest(layout, strictest(wanted))
+        return Choice(chosen, wanted, None, why)
     chosen = methods.named(method)
     if step is None and (chosen.adaptive or accuracy is not None):
-        return Plan(chosen, wanted, None)
+        return Choice(chosen, wanted, None)
     if chosen.adaptive:
         raise InputError(
-            "step", f"cannot go with {chosen.name}, which chooses its own; give accuracy"
+            "step", f"cannot go with {chosen.name}, which chooses its steps; give an accuracy"
         )
     if step is None:
-        raise InputError("step", f"is missing; {chosen.name} goes in equal steps; or give accuracy")
-    return Plan(chosen, None, number("step", step, POSITIVE))
+        raise InputError("step", f"is missing; {chosen.name} takes equal steps; or give accuracy")
+    return Choice(chosen, None, number("step", step, POSITIVE))
 
 
-def _noisy(layout: Layout, accuracy: Wanted | None, step: float | None) -> Plan:
-    """Noise is for one method, and has no digits that two runs could agree on."""
+def _noisy(layout: Layout, accuracy: Accuracy | None, step: float | None) -> Choice:
+    """One method integrates noise, and no two runs agree on any digit."""
     if accuracy is not None:
         raise InputError(
             "accuracy",
-            "cannot be kept where a reservoir makes noise: no two runs agree; give a step, and "
-            "average over runs, as tribo.ensemble does",
+            "cannot be kept with thermal noise, where no two runs agree; give a step, and average "
+            "over runs, as tribo.ensemble does",
         )
     if step is None:
-        step = NOISY_STEP * acc.first_step(layout)
-    return Plan(methods.METHODS["verlet"], None, number("step", step, POSITIVE))
+        step = NOISY_STEP * first_step(layout)
+    return Choice(methods.METHODS["verlet"], None, number("step", step, POSITIVE))
+
+
+def cheapest(layout: Layout, accuracy: float) -> tuple[methods.Method, str]:
+    """The method that should take the least time, and why in one sentence."""
+    best, *others = estimates(layout, accuracy)
+    why = f"{best.method.name} should be the fastest at {accuracy:.0e}"
+    if others:
+        ratio = others[0].seconds / best.seconds
+        why += f"; {others[0].method.name}, the next, should take {ratio:.2g} times as long"
+    return best.method, why
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """What one method should cost on one scene."""
+
+    method: methods.Method
+    evaluations: float
+    seconds: float
+
+
+def estimates(layout: Layout, accuracy: float) -> list[Estimate]:
+    """Methods for the scene, the cheapest first.
+
+    Equal steps cannot shorten at an encounter.  So methods with equal steps are considered only
+    where a fast bath would make even the best of the others take short steps throughout.
+    """
+    scene = layout.scene
+    work, oscillators = workload(layout), _oscillators(scene)
+    found = []
+    for name, rate in RATES.items():
+        method = methods.METHODS[name]
+        if methods.refusal(method, scene) is not None:
+            continue
+        if method.smoothness > scene.smoothness and method.adaptive:
+            continue
+        if has_pair_loop(layout, method):
+            rate = PAIR
+        count = evaluations(name, rate, work, accuracy)
+        each = rate.run + scene.count * rate.asperite + oscillators * rate.oscillator
+        found.append(Estimate(method, count, 1e-9 * count * each))
+    found.sort(key=lambda item: item.seconds)
+    adaptive = [item for item in found if item.method.adaptive]
+    return adaptive if adaptive and adaptive[0].evaluations > work.fast else found
+
+
+@dataclass(frozen=True)
+class Workload:
+    """What a scene demands of any method."""
+
+    radians: float  # of its fastest pendulum
+    steps: float  # at least, for samples and encounters
+    fast: float  # evaluations for stability with the fastest oscillator of its baths
+    rough: bool  # whether some derivative of a potential jumps
+
+
+def workload(layout: Layout) -> Workload:
+    """What the scene demands of any method."""
+    scene = layout.scene
+    return Workload(
+        radians=scene.duration / unit_step(layout),
+        steps=max(steps_towards(layout), float(scene.times.size)),
+        fast=FAST * _fast_radians(layout),
+        rough=bool(np.isfinite(scene.smoothness)),
+    )
+
+
+def evaluations(name: str, rate: Rate, work: Workload, accuracy: float) -> float:
+    """Force evaluations that a method should take."""
+
+    def at_accuracy(each: float, slope: float) -> float:
+        slope = min(slope, ROUGH_SLOPE) if work.rough else slope
+        return work.radians * each * (accuracy / 1e-6) ** (-1.0 / slope)
+
+    least = rate.step * work.steps
+    count = max(at_accuracy(rate.evaluations, rate.slope), least)
+    if not methods.METHODS[name].splits:
+        return max(count, work.fast)
+    return max(count, at_accuracy(*WITH_FAST_BATH[name])) if count < work.fast else count
+
+
+def _fast_radians(layout: Layout) -> float:
+    """The phase of the fastest oscillator of any bath at the end of the run."""
+    baths = (layout.model.bath, layout.model.torsional)
+    fastest = [float(np.max(bath.frequency)) for bath in baths if bath is not None]
+    return layout.scene.duration * max(fastest, default=0.0)
+
+
+def _oscillators(scene: Scene) -> int:
+    """Coordinates of all baths together."""
+    return sum(
+        surface.count * (2 * surface.bath.masses.size + surface.bath.inertias.size)
+        for surface in scene.surfaces
+    )

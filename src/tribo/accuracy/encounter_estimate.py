@@ -1,28 +1,35 @@
-"""Encounters ahead, before anything is run: of bobs that slide as they begin, and do not swing."""
+"""An estimate of the steps that encounters take, made before a run.
+
+Bobs slide with the initial velocity of their surface and the swing they start with.  A step goes at
+most a fraction of the way to the nearest bob, so the steps are about the integral of
+speed / clearance over time.
+"""
 
 from __future__ import annotations
-
-from typing import Any
 
 import numpy as np
 
 from tribo.accuracy.search import NEAR
+from tribo.kernels.records import Box
 from tribo.run.layout import Layout
+from tribo.run.motion import rod_direction
 
-LOOKS = 129  # at most, at the bobs on their way
-PAIR_LOOKS = 2e7  # at most, for each two surfaces
-FOLLOWED = 8  # bobs of a surface that are followed
+# Most times at which clearances are computed.
+MOST_TIMES = 129
+# Most distances computed for two surfaces: they take a quarter of a second.
+MOST_DISTANCES = 2e7
+# Bobs of the first of two surfaces whose clearances are computed.
+FOLLOWED = 8
 
 
 def steps_towards(layout: Layout) -> float:
-    """How many steps there are at least that none jumps an encounter, bobs sliding as they begin.
+    """The fewest steps that jump no encounter, with bobs that slide and keep their initial swing.
 
-    Of surfaces of many, some bobs are followed.
+    Of each surface at most FOLLOWED bobs are followed.
     """
     a = layout.model.asperites
-    swing = a.facing * np.sin(layout.start[: a.size])
-    upright = a.facing * np.cos(layout.start[: a.size])
-    place = np.array([a.x + a.l1 * swing, a.y - a.l1 * upright, layout.model.bobs.z])
+    sin, cos = rod_direction(a.facing, layout.start[: a.size])
+    place = np.array([a.x + a.l1 * sin, a.y - a.l1 * cos, layout.model.bobs.z])
     swinging = float(np.max(a.l1 * np.abs(layout.start[layout.coordinates :][: a.size])))
     rates = [0.0]
     for contact in layout.model.contacts:
@@ -32,9 +39,9 @@ def steps_towards(layout: Layout) -> float:
             followed = place[:, first.astype(int)]
             others = place[:, theirs.start : theirs.stop]
             drift = layout.velocity[mine.start] - layout.velocity[theirs.start]
-            looks = int(np.clip(PAIR_LOOKS / (followed.shape[1] * others.shape[1]), 5, LOOKS))
+            count = MOST_DISTANCES / (followed.shape[1] * others.shape[1])
+            times = np.linspace(0.0, layout.scene.duration, int(np.clip(count, 5, MOST_TIMES)))
             speed = float(np.hypot(*drift)) + 2.0 * swinging
-            times = np.linspace(0.0, layout.scene.duration, looks)
             near = [_nearest(followed, others, drift * t, layout.model.box) for t in times]
             clear = np.array([contact.potential.clearance(r) for r in near])
             if np.max(clear) > 0.0:  # bobs that stay at one place have no run
@@ -42,8 +49,8 @@ def steps_towards(layout: Layout) -> float:
     return max(rates) * layout.scene.duration / NEAR
 
 
-def _nearest(some: np.ndarray, others: np.ndarray, shift: np.ndarray, box: Any) -> float:
-    """The smallest distance of two bobs, (3, n) and (3, m), the first of which are shifted."""
+def _nearest(some: np.ndarray, others: np.ndarray, shift: np.ndarray, box: Box | None) -> float:
+    """The smallest distance of bobs (3, n), shifted by (2,), from bobs (3, m)."""
     dx = (some[0] + shift[0])[:, None] - others[0]
     dy = (some[1] + shift[1])[:, None] - others[1]
     dz = some[2][:, None] - others[2]

@@ -1,9 +1,9 @@
-"""Error estimates: from a run and two coarser ones to an honest bound for every quantity.
+"""Error estimates: a bound for every quantity, from a run and two coarser ones.
 
-An estimate is the largest raw difference of a run from two coarser ones, times two: one coarse
-run may agree with the fine run by chance.  It is never the difference divided by 2^p - 1, never
-the tolerance, and never how well the ledger closes: each of those can be wrong by orders of
-magnitude.
+The bound is twice the largest difference of the run from two coarser ones.  One coarse run may
+agree with the fine run by chance; two with independent steps, compared at every recorded time,
+almost never do.  The difference is never divided by 2^p - 1, and neither the tolerance nor the
+closure of the ledger serves as an estimate: each of these can be wrong by orders of magnitude.
 """
 
 from __future__ import annotations
@@ -17,29 +17,36 @@ from tribo.run.layout import Layout
 from tribo.run.ledger import Ledger
 from tribo.validation import InputError
 
-SAFETY = 2.0  # the estimate is this times the largest difference from the coarser runs
-ROUGH = 2.0  # times that where derivatives of a potential jump, and errors fall irregularly
-POOLED = 0.02  # of the largest estimate of all, in units of scales, that is added to every other
-ROUNDED = 256.0 * EPSILON  # of its scale: what rounding, first steps, iterations do to runs alike
-WALK = 1.0  # of sqrt(steps) roundings, magnified as the scene does: what they may come to
+# An estimate is this times the largest difference from the coarser runs.
+SAFETY = 2.0
+# It is also multiplied by this where a derivative of a potential jumps, because errors then fall
+# irregularly with the step.
+ROUGH = 2.0
+# Fraction of the largest estimate of all, in units of the scales, that is added to each: runs may
+# agree by chance in one quantity.
+POOLED = 0.02
+# Errors that all runs share, in units of the scale: rounding, first steps and iterations.
+ROUNDED = 256.0 * EPSILON
+# Effect of the rounding of a run, in units of sqrt(steps) roundings times the amplification.
+WALK = 1.0
 
 
 def check_observables(layout: Layout, names: Iterable[str], field: str = "accuracy") -> None:
-    """Complain about names of nothing that is reported."""
+    """Refuse names of quantities that are not reported.  Raises InputError."""
     for name in names:
         surface, _, quantity = name.rpartition(".")
         if quantity not in KINDS or (surface and surface not in layout.parts):
             raise InputError(
                 f"{field}.{name}",
-                'names nothing that is reported; give a quantity, as "w1", or a surface\'s, as '
+                'is not a reported quantity; give one, as "w1", or one of a surface, as '
                 f'"{next(iter(layout.parts))}.W"',
             )
 
 
 def distance(one: Ledger, other: Ledger, scales: Scales, names: Iterable[str] = ()) -> float:
-    """The largest difference of two runs at the same times, each in units of its scale.
+    """The largest difference of two runs at the same times, in units of the scales.
 
-    Of the quantities named, or of everything.
+    Of the quantities in `names`, or of all.
     """
     worst = 0.0
     for name in names or KINDS:
@@ -51,21 +58,21 @@ def distance(one: Ledger, other: Ledger, scales: Scales, names: Iterable[str] = 
 
 
 def safety(rough: bool) -> float:
-    """What a difference of two runs is multiplied by, where forces are `rough` or not."""
+    """The factor from the difference of two runs to an estimate; larger for `rough` forces."""
     return SAFETY * ROUGH if rough else SAFETY
 
 
-def rounding(grown: float | None, steps: int) -> float:
-    """What rounding may do to a quantity, in units of its scale.
+def rounding(amplification: float | None, steps: int) -> float:
+    """The effect of rounding on a quantity, in units of its scale.
 
-    `grown` is what becomes of a small change of the start, where it was looked at: each step
-    makes one as small as can be.
+    Each step makes one rounding, which grows by the `amplification` of a small change of the start;
+    None where that was not measured.
     """
-    return ROUNDED + WALK * EPSILON * (grown or 0.0) * steps**0.5
+    return ROUNDED + WALK * EPSILON * (amplification or 0.0) * steps**0.5
 
 
 def estimate(
-    books: Ledger,
+    ledger: Ledger,
     compared: Iterable[tuple[Ledger, Ledger]],
     scales: Scales,
     rough: bool,
@@ -74,18 +81,31 @@ def estimate(
 ) -> dict[str, float]:
     """A bound on the error of each reported quantity, over asperites and recorded times.
 
-    `books` has a run at all of its times; `compared` are pairs, of this run and of a coarser one,
-    each at the times that both recorded.  To SAFETY times the largest difference, and ROUGH times
-    that where forces are `rough`, comes what rounding costs, which runs may share: of forces and
-    of sums, `rounded` in units of the scale, and of the number written down.  And a small part of
-    the largest estimate of all: runs may come close by chance in one quantity.  `names` are
-    further ones, as "upper.W".
+    Parameters
+    ----------
+    ledger
+        of the run, at all of its times
+    compared
+        pairs of ledgers, of the run and of a coarser one, at the times that both recorded
+    scales
+        which errors are relative to
+    rough
+        whether a derivative of a potential jumps
+    rounded
+        the effect of rounding, in units of the scales; it may be the same in all runs
+    names
+        of further quantities, as "upper.W"
+
+    Returns
+    -------
+    dict
+        bounds by quantity, in its own unit
     """
-    wanted = [name for name in dict.fromkeys([*KINDS, *names]) if books.series(name)]
+    reported = [name for name in dict.fromkeys([*KINDS, *names]) if ledger.series(name)]
     times = safety(rough)
-    apart = dict.fromkeys(wanted, 0.0)
+    apart = dict.fromkeys(reported, 0.0)
     for fine, coarse in compared:
-        for name in wanted:
+        for name in reported:
             pairs = zip(fine.series(name), coarse.series(name), strict=True)
             with np.errstate(invalid="ignore"):  # an infinite energy has no known error
                 gaps = [times * largest(one - other) for one, other in pairs]
@@ -96,21 +116,21 @@ def estimate(
     pooled = POOLED * max((x for x in relative if np.isfinite(x)), default=0.0)
     bounds = {}
     for name, gap in apart.items():
-        bounds[name] = gap + 4.0 * EPSILON * max(map(largest, books.series(name)))
+        bounds[name] = gap + 4.0 * EPSILON * max(map(largest, ledger.series(name)))
         if gap > 0.0:
             bounds[name] += (pooled + rounded) * scales.of(kind_of(name))
     return bounds
 
 
 def excess_of_request(
-    bounds: Mapping[str, float], scales: Scales, wanted: float | Mapping[str, float]
+    bounds: Mapping[str, float], scales: Scales, accuracy: float | Mapping[str, float]
 ) -> float:
-    """The largest estimate in units of what was asked for; at most 1 where the request is met."""
+    """The largest estimate in units of the accuracy; at most 1 where the accuracy is kept."""
     worst = 0.0
-    for name in wanted if isinstance(wanted, Mapping) else bounds:
+    for name in accuracy if isinstance(accuracy, Mapping) else bounds:
         bound, scale = bounds[name], scales.of(kind_of(name))
-        accuracy = wanted[name] if isinstance(wanted, Mapping) else wanted
-        if not bound <= 0.0:  # nor where it is no number
+        relative = accuracy[name] if isinstance(accuracy, Mapping) else accuracy
+        if not bound <= 0.0:  # nor where it is NaN
             known = scale > 0.0 and np.isfinite(bound)
-            worst = max(worst, bound / (accuracy * scale) if known else np.inf)
+            worst = max(worst, bound / (relative * scale) if known else np.inf)
     return worst

@@ -1,4 +1,4 @@
-"""The scales that accuracies are relative to, and the local tolerances made from them."""
+"""The scales that errors are relative to, and the local tolerances made from them."""
 
 from __future__ import annotations
 
@@ -8,28 +8,42 @@ import numpy as np
 
 from tribo.integrators.step_control import Tolerance
 from tribo.run.layout import Layout
-from tribo.run.ledger import (
-    ASPERITE_KINDS,
-    BLOCK_KINDS,
-    OPTIONAL_KINDS,
-    SYSTEM_KINDS,
-    Ledger,
-    Samples,
-)
+from tribo.run.ledger import Ledger
+from tribo.run.motion import internal_energy, motions, rod_direction
+from tribo.run.quantities import ASPERITE_QUANTITIES, OPTIONAL_QUANTITIES, QUANTITIES
+from tribo.run.samples import Samples
 
+# The distance from 1 to the next double.
 EPSILON = float(np.finfo(float).eps)
-KINDS = ASPERITE_KINDS | OPTIONAL_KINDS | BLOCK_KINDS | SYSTEM_KINDS
-FLOOR = 2e-15  # no tolerance asks for less, relative to its scale
+# The kind of every reported quantity, which selects its scale.
+KINDS = {name: quantity.kind for name, quantity in QUANTITIES.items()}
+# The smallest relative tolerance: nine roundings.  Step control cannot resolve less.
+FLOOR = 2e-15
 
 
 @dataclass(frozen=True)
 class Scales:
-    """One scale a kind of quantity: what an accuracy is relative to."""
+    """One scale for each kind of quantity, which its errors are relative to.
 
-    rate: float  # the largest |omega| or |nu|
-    length: float  # the largest rod
-    velocity: float  # the largest bob speed seen from the surfaces' mean initial velocity
-    energy: float  # the largest work, pseudowork, delta_e_int or delta_k_trans
+    Attributes
+    ----------
+    rate
+        the largest ``|omega|`` or ``|nu|`` [1 / time]
+    length
+        the longest rod [length]
+    velocity
+        the largest speed of a bob relative to the mean of the surfaces' initial
+        velocities [length / time]
+    energy
+        the largest work, pseudowork, delta_e_int or delta_k_trans [energy]
+    angle
+        1 radian
+    """
+
+    rate: float
+    length: float
+    velocity: float
+    energy: float
     angle: float = 1.0
 
     def of(self, kind: str) -> float:
@@ -37,18 +51,18 @@ class Scales:
         return float(getattr(self, kind))
 
 
-def reported_scales(layout: Layout, books: Ledger) -> Scales:
-    """The scales by which a run is judged, over all asperites and samples, in the laboratory."""
+def reported_scales(layout: Layout, ledger: Ledger) -> Scales:
+    """The scales of a run's errors: maxima over asperites and samples, in the laboratory."""
 
     def top(*names: str) -> float:
-        return max(largest(series) for name in names for series in books.series(name))
+        return max(largest(series) for name in names for series in ledger.series(name))
 
-    asperite = ASPERITE_KINDS | OPTIONAL_KINDS
-    works = [name for name, kind in asperite.items() if kind == "energy" and books.series(name)]
+    asperite = ASPERITE_QUANTITIES | OPTIONAL_QUANTITIES
+    works = [name for name in asperite if KINDS[name] == "energy" and ledger.series(name)]
     return Scales(
         rate=top("omega", "nu"),
         length=_longest_rod(layout),
-        velocity=_fastest_bob(layout, books),
+        velocity=_fastest_bob(layout, ledger),
         energy=top(*works),
     )
 
@@ -58,32 +72,48 @@ def _longest_rod(layout: Layout) -> float:
     return float(np.max(a.l1 + a.l2))
 
 
-def _fastest_bob(layout: Layout, books: Ledger) -> float:
+def _fastest_bob(layout: Layout, ledger: Ledger) -> float:
+    """The largest |v_cm + l1 omega (cos theta, sin theta)|, less the surfaces' mean velocity."""
     mean = np.mean([surface.velocity for surface in layout.scene.surfaces], axis=0)
     fastest = 0.0
-    for name, table in books.surfaces.items():
-        a = layout.model.asperites[layout.parts[name]]
-        swing = np.where(a.facing > 0.0, table["theta"], table["theta"] - np.pi)
-        along = a.l1 * a.facing * table["omega"]
-        vx = (table["vx_cm"] - mean[0]) + along * np.cos(swing)
-        vy = (table["vy_cm"] - mean[1]) + along * np.sin(swing)
+    for surface in layout.scene.surfaces:
+        table = ledger.surfaces[surface.name]
+        a = layout.model.asperites[layout.parts[surface.name]]
+        sin, cos = rod_direction(a.facing, table["theta"] - surface.rest)
+        speed = a.l1 * table["omega"]
+        vx = (table["vx_cm"] - mean[0]) + speed * cos
+        vy = (table["vy_cm"] - mean[1]) + speed * sin
         fastest = max(fastest, float(np.max(np.hypot(vx, vy))))
     return fastest
 
 
 @dataclass(frozen=True)
-class InnerScales:
-    """Scales that every inertial frame agrees on, from which the tolerances are made."""
+class ToleranceScales:
+    """The scales of local tolerances, which are the same in every inertial frame.
+
+    Attributes
+    ----------
+    velocity
+        the largest speed of a bob relative to the surfaces' mean [length / time]
+    energy
+        the largest work or change of an asperite's internal energy [energy]
+    impulse
+        the largest impulse of a force [mass length / time]
+    rate
+        the largest ``|omega|`` or ``|nu|`` [1 / time]
+    twist
+        the largest ``|theta - rest - phi|`` [radian]
+    """
 
     velocity: float
     energy: float
     impulse: float
-    rate: float  # the largest |omega|
-    swing: float  # the largest |theta - rest - phi|
+    rate: float
+    twist: float
 
 
-def first_guess(layout: Layout) -> InnerScales:
-    """Scales for a first, coarse run: those of the scene as it starts."""
+def first_guess(layout: Layout) -> ToleranceScales:
+    """Scales for a first, coarse run, from the start of the scene."""
     a = layout.model.asperites
     mean = np.mean(layout.velocity - layout.velocity[0], axis=0)
     relative = layout.velocity - layout.velocity[0] - mean
@@ -91,35 +121,39 @@ def first_guess(layout: Layout) -> InnerScales:
     omega = np.max(np.abs(layout.start[layout.coordinates :][: a.size]))
     velocity = float(np.max(np.hypot(relative[:, 0], relative[:, 1])) + np.max(a.l1) * omega)
     velocity = velocity or float(np.max(frequency * a.l1)) or 1.0
-    rate = float(max(omega, np.max(frequency), velocity / np.max(a.l1)))
+    rate = float(max(omega, largest(a.nu), np.max(frequency), velocity / np.max(a.l1)))
     energy = float(np.max(a.mass)) * velocity**2
-    return InnerScales(velocity, energy, energy / velocity, rate, 1.0)
+    return ToleranceScales(velocity, energy, energy / velocity, rate, 1.0)
 
 
-def inner_scales(layout: Layout, samples: Samples) -> InnerScales:
-    """The scales that a run turned out to have; those that stayed zero are taken from the start."""
+def tolerance_scales(layout: Layout, samples: Samples) -> ToleranceScales:
+    """Scales measured in a run; `first_guess` replaces those that are zero."""
     guess = first_guess(layout)
-    a = layout.model.asperites
-    swing = samples.y[:, : a.size]
-    omega = samples.y[:, layout.core : layout.core + a.size]
+    change = rate = twist = 0.0
+    for index in range(len(layout.scene.surfaces)):
+        for batch, motion in motions(layout, samples, index):
+            internal = internal_energy(batch, motion)
+            change = max(change, largest(internal - internal[0]))
+            rate = max(rate, largest(motion.omega), largest(motion.nu))
+            twist = max(twist, largest(motion.swing - motion.phi))
     weights = _account_weights(layout)
     top = np.max(np.abs(samples.s), axis=0, initial=0.0)
-    internal = 0.5 * (a.inertia * omega**2 + a.kappa * swing**2)
-    return InnerScales(
+    return ToleranceScales(
         velocity=guess.velocity,
-        energy=max(float(np.max(top * weights)), largest(internal - internal[0])) or guess.energy,
+        energy=max(float(np.max(top * weights)), change) or guess.energy,
         impulse=float(np.max(top[weights == 0.0])) or guess.impulse,
-        rate=largest(omega) or guess.rate,
-        swing=largest(swing) or guess.swing,
+        rate=rate or guess.rate,
+        twist=twist or guess.twist,
     )
 
 
 def largest(values: np.ndarray) -> float:
+    """The largest magnitude; 0 of an empty array."""
     return float(np.max(np.abs(values), initial=0.0))
 
 
 def _account_weights(layout: Layout) -> np.ndarray:
-    """What an account is multiplied by to become a work; 0 for impulses, which are none."""
+    """The factor that makes a work of each account; 0 for impulses. Shape (accounts,)."""
     weights = np.ones(layout.accounts)
     a = layout.model.asperites
     length = a.l1 + a.l2
@@ -132,7 +166,8 @@ def _account_weights(layout: Layout) -> np.ndarray:
         "acc_field": (0, 1),
         "acc_thermal": (0, 1),
     }
-    arms = {"acc_contact": (2, 3), "acc_drive": (2,)}  # integrals that lack the length of the arm
+    # These integrals have no factor of the arm's length yet.
+    arms = {"acc_contact": (2, 3), "acc_drive": (2,)}
     for name, offsets in impulses.items():
         present = a[name] >= 0
         for k in offsets:
@@ -142,12 +177,23 @@ def _account_weights(layout: Layout) -> np.ndarray:
     return weights
 
 
-def tolerances(layout: Layout, scales: InnerScales, level: float, near: float) -> Tolerance:
-    """Local tolerances in each component that serve an accuracy of about `level`.
+def tolerances(layout: Layout, scales: ToleranceScales, level: float, near: float) -> Tolerance:
+    """Local tolerances of all coordinates, rates and accounts for an accuracy of about `level`.
 
-    Every coordinate is held to its own scale and to what its error does to the energies, so that
-    a weakly coupled scene, whose works are tiny, is still followed to the digits they need.
-    `near` is how far of the way to the next encounter a step may go.
+    A coordinate's tolerance is the smaller of two: `level` times its own scale, and the change
+    that alters an energy by `level` times the scale of energies.  The second governs weakly
+    coupled scenes, whose works are tiny.
+
+    Parameters
+    ----------
+    layout
+        the scene
+    scales
+        of a run of the scene, or a first guess
+    level
+        relative to the scales, at least ``FLOOR``
+    near
+        the largest step, as a fraction of the time to the next encounter
     """
     level = max(level, FLOOR)
     a = layout.model.asperites
@@ -156,7 +202,7 @@ def tolerances(layout: Layout, scales: InnerScales, level: float, near: float) -
     q = np.full(layout.coordinates, level * _longest_rod(layout))
     v = np.full(layout.coordinates, speed)
     swing = slice(0, a.size)
-    q[swing] = np.minimum(level, energy / _positive(a.kappa * scales.swing))
+    q[swing] = np.minimum(level, energy / _positive(a.kappa * scales.twist))
     v[swing] = np.minimum(level * scales.rate, energy / _positive(a.inertia * scales.rate))
     turning = a.dof_phi >= 0
     q[a.dof_phi[turning]] = q[swing][turning]
@@ -175,7 +221,7 @@ def _positive(values: np.ndarray) -> np.ndarray:
 
 
 def first_step(layout: Layout) -> float:
-    """A step to begin with: short against every pendulum's period and the run."""
+    """The first step: short against the run and the period of every pendulum and oscillator."""
     a = layout.model.asperites
     fastest = float(np.max(np.sqrt(a.kappa * np.maximum(1.0 / a.inertia, 1.0 / a.i2))))
     for oscillators in (layout.model.bath, layout.model.torsional):
@@ -185,7 +231,7 @@ def first_step(layout: Layout) -> float:
 
 
 def unit_step(layout: Layout) -> float:
-    """The time of a radian of the fastest pendulum: the unit of equal steps."""
+    """The unit of equal steps: the time in which the fastest pendulum turns by one radian."""
     a = layout.model.asperites
     inverse = 1.0 / a.inertia + np.where(a.dof_phi >= 0, 1.0 / a.i2, 0.0)
     fastest = float(np.max(np.sqrt(a.kappa * inverse)))

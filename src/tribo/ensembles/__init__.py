@@ -130,7 +130,7 @@ def _planned(scene: Scene, method: str | None, step: float | None) -> Simulation
     simulation = prepare(scene, method=method, step=step)
     if simulation.accuracy is None:
         return simulation
-    found = simulation.first_result()
+    found = simulation.compute_first()
     if found.status == INTERRUPTED:
         raise KeyboardInterrupt
     if not found.met:

@@ -14,7 +14,7 @@ from tribo.ensembles.intervals import CONFIDENCE, Interval, interval
 from tribo.ensembles.members import VELOCITY, Member
 from tribo.ensembles.runner import INTERRUPTED, Outcome, Second
 from tribo.model.scene_writer import scene_text
-from tribo.run.ledger import ASPERITE_KINDS, OPTIONAL_KINDS
+from tribo.run.quantities import ASPERITE_QUANTITIES, OPTIONAL_QUANTITIES
 from tribo.simulation import Simulation
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ class Collected:
         """The largest estimate of a quantity's error in a single run; of a sum, all terms'."""
         surface, _, kind = name.rpartition(".")
         terms = 1
-        if kind in ASPERITE_KINDS | OPTIONAL_KINDS:
+        if kind in ASPERITE_QUANTITIES | OPTIONAL_QUANTITIES:
             part = self.simulation.layout.parts[surface]
             terms = part.stop - part.start
         found = [outcome.errors[kind] for outcome in self.second.errors]
@@ -112,7 +112,7 @@ def _about(collected: Collected, seconds: float) -> dict[str, Any]:
     from tribo import __version__
 
     settings = collected.simulation.settings
-    step = settings.own[0] if settings.tuned is None else None
+    step = settings.setting if settings.tuned is None else None
     return {
         "tribo_version": __version__,
         "numpy_version": np.__version__,

@@ -4,21 +4,21 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from tribo.accuracy import scales as acc
+from tribo.accuracy.plan import Plan
 from tribo.ensembles.members import Member, Variation
-from tribo.kernels.status import MEANINGS
+from tribo.kernels.status import MEANINGS, Status
 from tribo.model.scene import Scene
 from tribo.model.scene_file import scene_from
 from tribo.model.scene_writer import scene_text
-from tribo.run.integrate import Digest
-from tribo.run.ledger import BLOCK_KINDS, SYSTEM_KINDS
+from tribo.run.quantities import BLOCK_QUANTITIES, SYSTEM_QUANTITIES
 from tribo.run.result import Result
-from tribo.simulation import Settings, Simulation, from_settings
+from tribo.run.streamed_ledger import exceeds_memory
+from tribo.simulation import Simulation, from_settings
 from tribo.validation import InputError, shown
 
 FIRST = 16  # members, whose spread decides how many there will be, and which are run again
@@ -30,7 +30,7 @@ WORKS = ("w1", "w2", "wL", "wR", "w_int")  # of every asperite
 class Outcome(NamedTuple):
     """What is kept of one member's run."""
 
-    status: str
+    status: Status
     values: np.ndarray  # (names, times); NaN after it stopped
     scale: float  # of energies, by tribo.accuracy.scales.reported_scales
     errors: dict[str, float | None]  # as a result's error_estimate
@@ -52,7 +52,8 @@ class Second(NamedTuple):
 
 def bulk_names(scene: Scene) -> list[str]:
     """Names of the series of the surfaces as wholes and of the system."""
-    return [f"{s.name}.{kind}" for s in scene.surfaces for kind in BLOCK_KINDS] + [*SYSTEM_KINDS]
+    blocks = [f"{s.name}.{name}" for s in scene.surfaces for name in BLOCK_QUANTITIES]
+    return [*blocks, *SYSTEM_QUANTITIES]
 
 
 def sum_names(scene: Scene) -> list[str]:
@@ -82,7 +83,7 @@ class Runner:
         """Nobody has been run yet."""
         self.simulation = simulation
         self.names = bulk_names(simulation.scene)
-        if not Digest.wanted(simulation.layout, simulation.scene.times.size):
+        if not exceeds_memory(simulation.layout, simulation.scene.times.size):
             self.names += sum_names(simulation.scene)
         self.members: list[Member] = []
         self.outcomes: list[Outcome] = []
@@ -135,8 +136,7 @@ class Runner:
         settings = self.simulation.settings
         estimate = settings.tuned is not None
         if not estimate:
-            half = (0.5 * settings.own[0], settings.own[1])
-            settings = replace(settings, own=half, lone=half)
+            settings = settings.at_half_step()
         try:
             again = list(self._run(some, settings, estimate))
         except KeyboardInterrupt:
@@ -148,7 +148,7 @@ class Runner:
         numbered = zip(some, again, strict=True)
         return Second(halved={m.number: o.values for m, o in numbered if o.completed})
 
-    def _run(self, members: list[Member], settings: Settings, estimate: bool) -> Iterator[Outcome]:
+    def _run(self, members: list[Member], settings: Plan, estimate: bool) -> Iterator[Outcome]:
         """Outcomes in the members' order."""
         if self._engine is None:
             here = from_settings(self.simulation.scene, settings)
@@ -157,7 +157,7 @@ class Runner:
             )
         return self._sent(members, settings, estimate)
 
-    def _sent(self, members: list[Member], settings: Settings, estimate: bool) -> Iterator[Outcome]:
+    def _sent(self, members: list[Member], settings: Plan, estimate: bool) -> Iterator[Outcome]:
         """The same by the engine; a scene travels as its file, whose plug-ins are loaded there."""
         size = -(-len(members) // CHUNKS)
         text = scene_text(self.simulation.scene)
@@ -178,7 +178,7 @@ class Runner:
                 future.cancel()
 
 
-def run_chunk(job: tuple[str, Settings, list[str], list[Member], bool, bool]) -> list[Outcome]:
+def run_chunk(job: tuple[str, Plan, list[str], list[Member], bool, bool]) -> list[Outcome]:
     """Run some members in a process that knows nothing of the scene yet."""
     text, settings, names, members, anew, estimate = job
     simulation = from_settings(scene_from(tomllib.loads(text)), settings)
@@ -191,7 +191,7 @@ def run_member(
     """One member; `anew` where more of its scene is its own than initial angles and rates."""
     if anew:
         simulation = from_settings(member.scene(simulation.scene), simulation.settings)
-    result = simulation.run(member.start, estimate=estimate)
+    result = simulation.compute(member.start, estimate=estimate)
     return Outcome(
         result.status,
         _values(result, names),

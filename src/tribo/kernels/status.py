@@ -1,24 +1,43 @@
-"""How a run can end: each outcome has a number for kernels and a name for people."""
+"""How a run can end: an integer code inside kernels, a `Status` everywhere else."""
+
+from enum import StrEnum
 
 COMPLETED, PAUSED, BOBS_COINCIDE, STEP_UNDERFLOW = range(4)
 NOT_FINITE, ENCOUNTER_JUMPED, NOT_CONVERGED = range(4, 7)
 
-NAMES = {
-    COMPLETED: "completed",
-    BOBS_COINCIDE: "BobsCoincide",
-    STEP_UNDERFLOW: "StepUnderflow",
-    NOT_FINITE: "NotFinite",
-    ENCOUNTER_JUMPED: "EncounterJumped",
-    NOT_CONVERGED: "NotConverged",
+
+class Status(StrEnum):
+    """How a run ended; each member equals its name as a string."""
+
+    COMPLETED = "completed"
+    BOBS_COINCIDE = "BobsCoincide"
+    STEP_UNDERFLOW = "StepUnderflow"
+    NOT_FINITE = "NotFinite"
+    ENCOUNTER_JUMPED = "EncounterJumped"
+    NOT_CONVERGED = "NotConverged"
+    CALCULATOR_FAILED = "CalculatorFailed"
+    INTERRUPTED = "Interrupted"
+
+
+# The status of each code that a time loop returns at its end.
+STATUS_OF_CODE = {
+    COMPLETED: Status.COMPLETED,
+    BOBS_COINCIDE: Status.BOBS_COINCIDE,
+    STEP_UNDERFLOW: Status.STEP_UNDERFLOW,
+    NOT_FINITE: Status.NOT_FINITE,
+    ENCOUNTER_JUMPED: Status.ENCOUNTER_JUMPED,
+    NOT_CONVERGED: Status.NOT_CONVERGED,
 }
 
 MEANINGS = {
-    "completed": "the run reached its end",
-    "BobsCoincide": "two bobs that interact are at the same place; their force has no direction",
-    "StepUnderflow": "the motion asks for steps below the spacing of floating-point times",
-    "NotFinite": "a force or an energy is not a finite number",
-    "EncounterJumped": "the given step would carry bobs past an encounter; a smaller one would do",
-    "NotConverged": "the equations of a step were not solved by iteration; a smaller step would do",
-    "CalculatorFailed": "an ASE calculator raised an error, which the notes tell",
-    "Interrupted": "the run was interrupted; what it had reached is kept",
+    Status.COMPLETED: "the run reached its end",
+    Status.BOBS_COINCIDE: "two interacting bobs are at the same place, where their force has no "
+    "direction",
+    Status.STEP_UNDERFLOW: "the motion needs steps below the spacing of floating-point times",
+    Status.NOT_FINITE: "a force or an energy is not a finite number",
+    Status.ENCOUNTER_JUMPED: "a step of the given size would carry bobs past an encounter; "
+    "give a smaller one",
+    Status.NOT_CONVERGED: "iteration did not solve the equations of a step; give a smaller step",
+    Status.CALCULATOR_FAILED: "an ASE calculator raised an error, which the notes quote",
+    Status.INTERRUPTED: "the run was interrupted; the result has the samples up to there",
 }

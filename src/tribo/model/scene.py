@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass, field, replace
+from enum import StrEnum
 from typing import Any
 
 import numpy as np
@@ -26,26 +27,43 @@ from tribo.validation import (
     whole,
 )
 
-EFFECTS = {
-    "contact": "forces between the bobs of different surfaces",
-    "swing": "pendulums on torsion springs",
-    "sliding": "centres of mass that can leave their uniform motion",
-    "turning bars": "bars that are free to turn",
-    "clamped ends": "forces on the ends of clamped bars that have a torsion spring to hold",
-    "pull": "springs to a moving stage",
-    "load": "a force that presses the surfaces together",
-    "own drive": "forces f2 of the user's own",
-    "own ends": "forces of the user's own on the ends of bars",
-    "springs": "lattice springs between neighbouring bars",
-    "bath": "oscillators on every bar",
-    "torsional bath": "torsional oscillators on every bar",
-    "langevin": "damping and noise at every bar",
-    "field": "external fields on bobs",
-    "calculator": "contact computed by an ASE calculator, at its own cost",
-    "contact within": "forces among the bobs of one surface",
-    "cutoff": "interactions that end at a distance, by neighbour lists where there are many bobs",
-    "periodic": "nearest images along x or z",
-}
+
+class Effect(StrEnum):
+    """Something that a scene can call for; `description` says what it is."""
+
+    description: str
+
+    CONTACT = "contact", "forces between the bobs of different surfaces"
+    SWING = "swing", "pendulums on torsion springs"
+    SLIDING = "sliding", "centres of mass that can leave their uniform motion"
+    TURNING_BARS = "turning bars", "bars that are free to turn"
+    CLAMPED_ENDS = (
+        "clamped ends",
+        "forces on the ends of clamped bars that have a torsion spring to hold",
+    )
+    PULL = "pull", "springs to a moving stage"
+    LOAD = "load", "a force that presses the surfaces together"
+    OWN_DRIVE = "own drive", "forces f2 of the user's own"
+    OWN_ENDS = "own ends", "forces of the user's own on the ends of bars"
+    SPRINGS = "springs", "lattice springs between neighbouring bars"
+    BATH = "bath", "oscillators on every bar"
+    TORSIONAL_BATH = "torsional bath", "torsional oscillators on every bar"
+    LANGEVIN = "langevin", "damping and noise at every bar"
+    FIELD = "field", "external fields on bobs"
+    CALCULATOR = "calculator", "contact computed by an ASE calculator, at its own cost"
+    CONTACT_WITHIN = "contact within", "forces among the bobs of one surface"
+    CUTOFF = (
+        "cutoff",
+        "interactions that end at a distance, by neighbour lists where there are many bobs",
+    )
+    PERIODIC = "periodic", "nearest images along x or z"
+
+    def __new__(cls, name: str, description: str) -> Effect:
+        """A string with a description."""
+        effect = str.__new__(cls, name)
+        effect._value_ = name
+        effect.description = description
+        return effect
 
 
 @dataclass(frozen=True)
@@ -268,45 +286,45 @@ class Scene:
         return max(0, min(own, default=math.inf))
 
     @property
-    def effects(self) -> frozenset[str]:
-        """The effects that the scene calls for, named as in EFFECTS; no other is simulated."""
-        present = {"swing"}
+    def effects(self) -> frozenset[Effect]:
+        """The effects that the scene calls for; no other is simulated."""
+        present = {Effect.SWING}
         pairs = [pair for i in self.interactions for pair in self.pairs(i)]
         if any(one != other for one, other in pairs):
-            present.add("contact")
+            present.add(Effect.CONTACT)
         if any(one == other for one, other in pairs):
-            present.add("contact within")
+            present.add(Effect.CONTACT_WITHIN)
         if any(isinstance(i.potential, Live) for i in self.interactions):
-            present.add("calculator")
+            present.add(Effect.CALCULATOR)
         for s in self.surfaces:
             if self.slides_along_x(s) or self.slides_along_y(s):
-                present.add("sliding")
+                present.add(Effect.SLIDING)
             if isinstance(s.drive, Pulled):
-                present.add("pull")
+                present.add(Effect.PULL)
             if s.drive.load is not None:
-                present.add("load")
+                present.add(Effect.LOAD)
             if isinstance(s.drive, Custom):
-                present.add("own drive")
+                present.add(Effect.OWN_DRIVE)
             if isinstance(s.bars, Ends):
-                present.add("own ends")
+                present.add(Effect.OWN_ENDS)
             if s.springs:
-                present.add("springs")
+                present.add(Effect.SPRINGS)
             if s.bath.masses.size:
-                present.add("bath")
+                present.add(Effect.BATH)
             if s.bath.inertias.size:
-                present.add("torsional bath")
+                present.add(Effect.TORSIONAL_BATH)
             if s.langevin:
-                present.add("langevin")
+                present.add(Effect.LANGEVIN)
             if s.bars != "clamped":
-                present.add("turning bars")
+                present.add(Effect.TURNING_BARS)
             elif np.any(np.asarray(s.asperite.kappa) > 0.0):
-                present.add("clamped ends")
+                present.add(Effect.CLAMPED_ENDS)
         if self.fields:
-            present.add("field")
+            present.add(Effect.FIELD)
         if self.periodic:
-            present.add("periodic")
+            present.add(Effect.PERIODIC)
         if any(np.isfinite(i.potential.range()) for i in self.interactions):
-            present.add("cutoff")
+            present.add(Effect.CUTOFF)
         return frozenset(present)
 
     def shaken(self, surface: Surface) -> bool:

@@ -183,8 +183,12 @@ def uniform_motion(work, ahead):
 
 @inlined
 def has_converged(change, before):
-    """Whether the next sweep would change less than SWEEP_TOLERANCE, or this one stalled below 1."""
-    return change <= SWEEP_TOLERANCE or change * change <= SWEEP_TOLERANCE * before or 0.0 < before <= change <= 1.0
+    """Whether a sweep more would change less than SWEEP_TOLERANCE, or this one stalled below 1."""
+    return (
+        change <= SWEEP_TOLERANCE
+        or change * change <= SWEEP_TOLERANCE * before
+        or 0.0 < before <= change <= 1.0
+    )
 
 
 @inlined

@@ -119,7 +119,7 @@ def _line(specimen: Specimen, scene: Scene, method: str) -> Check:
 
 def _energy_error(scene: Scene, method: str, step: float) -> tuple[float, str]:
     """Largest |energy gained - work applied| of a run, relative to what energies there are."""
-    result = prepare(scene, method=method, step=step).run()
+    result = prepare(scene, method=method, step=step).compute()
     system = result.system
     swing = 0.5 * float(scene.surfaces[0].asperite.kappa) * KICK**2
     gap = system["total_energy_change"] - system["applied_work"]

@@ -1,4 +1,4 @@
-"""One integration of a scene: a compiled time loop, called in chunks, and what it recorded."""
+"""One integration of a scene: a compiled time loop, called in chunks, and its samples."""
 
 from __future__ import annotations
 
@@ -16,125 +16,129 @@ from tribo.kernels.equations_of_motion import place_bobs
 from tribo.kernels.neighbours import refresh
 from tribo.kernels.records import CLOCK, Neighbours
 from tribo.kernels.samples import STORED, Record, State, initial_state, write_sample
-from tribo.kernels.status import COMPLETED, NAMES, PAUSED
+from tribo.kernels.status import PAUSED, STATUS_OF_CODE, Status
 from tribo.plugins.compile_errors import COMPILE_ERRORS, compile_error
 from tribo.potentials.from_ase import Call
 from tribo.run.layout import Layout
-from tribo.run.ledger import ASPERITE_KINDS, OPTIONAL_KINDS, Ledger, Samples, Table, bulk_ledger
+from tribo.run.samples import Samples
+from tribo.run.streamed_ledger import StreamedLedger, portion_size
 
-Progress = Callable[[float], None]  # told the time reached, a few times a second
-CHUNK_SECONDS = 0.1  # between two looks at the keyboard
-SERIES_BYTES = 2**30  # of asperites' series, above which only their first and last are kept
-ROOM = 1.5  # of what a list of neighbours wanted, when it had too little
-PORTION_BYTES = 2**27  # of samples taken in at a time then
+Progress = Callable[[float], None]  # called with the time reached, a few times a second
+Setting = float | Tolerance  # of a time loop: its step, or the tolerances of an adaptive one
+Loop = Callable[..., int]  # a compiled time loop
 
-
-class Digest:
-    """What is kept of a run whose samples are too many to hold: all but the asperites' series."""
-
-    def __init__(self, layout: Layout) -> None:
-        self._layout = layout
-        self._times: list[np.ndarray] = []
-        self._portions: list[Ledger] = []
-
-    @staticmethod
-    def wanted(layout: Layout, times: int) -> bool:
-        """Whether that many samples of all asperites are too many to hold."""
-        return times * _row_bytes(layout) > SERIES_BYTES
-
-    def add(self, samples: Samples) -> None:
-        """Take in a portion, whose first sample is the run's first."""
-        books = bulk_ledger(self._layout, samples)
-        new = slice(1 if self._portions else 0, None)
-        self._portions.append(books.rows(new))
-        self._times.append(samples.t[new])
-
-    def series(self) -> tuple[np.ndarray, dict[str, Table], Table]:
-        """Times, and the series of the surfaces as wholes and of the system."""
-        portions = self._portions
-        blocks = {
-            name: _joined([portion.blocks[name] for portion in portions])
-            for name in portions[0].blocks
-        }
-        system = _joined([portion.system for portion in portions])
-        return np.concatenate(self._times), blocks, system
-
-
-def _joined(tables: list[Table]) -> Table:
-    return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
-
-
-def _row_bytes(layout: Layout) -> int:
-    """Memory of one sample, raw and as the ledger."""
-    reported = len(ASPERITE_KINDS) + len(OPTIONAL_KINDS)
-    return 8 * (2 * layout.core + layout.accounts + 2 * reported * layout.scene.count)
+# Seconds between two checks for an interrupt: short for a person, long against a call.
+CHUNK_SECONDS = 0.1
+# Steps of the first chunk, and the least and the most of any other.
+FIRST_CHUNK, SMALLEST_CHUNK, LARGEST_CHUNK = 256, 16.0, 1e9
+# A chunk that took no measurable time counts as one that took so many seconds.
+LEAST_SECONDS = 1e-6
+# Room of a neighbour list, in units of what it needed when it had too little: bobs that approach
+# one another need somewhat more soon after.
+EXTRA_ROOM = 1.5
 
 
 @dataclass(eq=False)
 class Integration:
-    """One integration: its raw samples, put together when first looked at, and what it took."""
+    """One integration of the equations of motion.
+
+    Attributes
+    ----------
+    recorded : callable
+        Returns the raw samples.
+    status : Status
+        How the integration ended.
+    counts : ndarray
+        Steps and evaluations of all forces, its first two elements.
+    seconds : float
+        Wall time.
+    """
 
     recorded: Callable[[], Samples]
-    status: str
-    counts: np.ndarray  # (2,) steps, and evaluations of all forces
+    status: Status
+    counts: np.ndarray
     seconds: float
 
     @cached_property
     def samples(self) -> Samples:
-        """The raw samples."""
+        """The raw samples, built when they are first needed."""
         return self.recorded()
 
     @property
     def steps(self) -> int:
-        """How many there were."""
+        """Steps taken."""
         return int(self.counts[0])
 
     @property
     def evaluations(self) -> int:
-        """How often all forces were looked at."""
+        """Evaluations of all forces."""
         return int(self.counts[1])
 
 
 def integrate(
     layout: Layout,
     method: Method,
-    loop: Callable[..., Any],
-    setting: Any,
+    loop: Loop,
+    setting: Setting,
     start: np.ndarray,
     times: np.ndarray,
     first_step: float,
     progress: Progress | None = None,
-    digest: Digest | None = None,
+    streamed: StreamedLedger | None = None,
 ) -> Integration:
-    """Integrate from `start` through `times`; `setting` is a step, or a Tolerance.
+    """Integrate from `start` through `times`.
 
-    Ends with the last time, or with whatever stops it: then the state reached is the last sample.
-    With a `digest`, samples are handed to it in portions, and only the first and the last kept.
+    Ends at the last time, or where something stops it: then the state reached is the last sample.
+    With `streamed`, samples are handed to it in portions, and only the first and the last are kept.
+
+    Parameters
+    ----------
+    layout : Layout
+        The scene.
+    method : Method
+        Its coefficients are those of `loop`.
+    loop : callable
+        The compiled time loop.
+    setting : float or Tolerance
+        The step, or the tolerances of an adaptive method.
+    start : ndarray, (2 coordinates,)
+        y at t = 0.
+    times : ndarray, (times,)
+        When to record.
+    first_step : float
+        The first step of an adaptive method [time].
+    progress : callable, optional
+        Called with the time reached.
+    streamed : StreamedLedger, optional
+        Takes the samples in.
+
+    Returns
+    -------
+    Integration
     """
     began = time.perf_counter()
     clocks, state = _at_rest(layout, method, start, first_step)
-    rows = times.size if digest is None else max(1, PORTION_BYTES // _row_bytes(layout))
+    rows = times.size if streamed is None else portion_size(layout)
     record = _room(layout, min(rows, times.size) + 1)
     if isinstance(setting, Tolerance):
         clocks.encounter_fraction = setting.encounter_fraction
     call = _bound(layout, method, loop, setting)
     samples: Samples | None = None
-    status = NAMES[COMPLETED]
+    status = Status.COMPLETED
     for first in range(0, times.size, rows):
         portion = times[first : first + rows]
         clocks.sample = 0
         status = run_in_chunks(call, layout.calls, clocks, state, portion, record, progress)
         reached = portion[: int(clocks.sample[0])]
-        if status != NAMES[COMPLETED] and (not reached.size or reached[-1] != clocks.t[0]):
+        if status != Status.COMPLETED and (not reached.size or reached[-1] != clocks.t[0]):
             _record_now(layout, clocks, state, record)
             reached = np.append(reached, clocks.t[0])
         new = Samples(reached, *(column[: reached.size] for column in record))
-        if digest is not None:
-            digest.add(new if samples is None else samples.first().then(new))
-            samples = new.ends() if samples is None else samples.first().then(new.last())
-        else:
-            samples = new
-        if status != NAMES[COMPLETED]:
+        if streamed is not None:
+            streamed.add(new if samples is None else samples.first().then(new))
+            new = new.ends() if samples is None else samples.first().then(new.last())
+        samples = new
+        if status != Status.COMPLETED:
             break
     whole = samples
     assert whole is not None
@@ -143,16 +147,19 @@ def integrate(
 
 
 def run_in_chunks(
-    call: Callable[..., int],
+    call: Loop,
     calls: tuple[Call, ...],
     clocks: Any,
     state: Any,
     times: np.ndarray,
     record: Any,
     progress: Progress | None,
-) -> str:
-    """Run through the times in chunks short enough to look at the keyboard between them."""
-    budget = 256
+) -> Status:
+    """Run through the times in chunks, and check for an interrupt between them.
+
+    The clock only decides how many steps a chunk has; loops give the same bits for any chunks.
+    """
+    budget = FIRST_CHUNK
     code = PAUSED
     for item in calls:
         item.error, item.interrupted = None, False
@@ -160,22 +167,23 @@ def run_in_chunks(
         while code == PAUSED:
             began = time.perf_counter()
             code = call(clocks, state, times, record, budget)
-            taken = time.perf_counter() - began
+            taken = max(time.perf_counter() - began, LEAST_SECONDS)
             for item in calls:
                 if item.error is not None:
-                    return "CalculatorFailed"
+                    return Status.CALCULATOR_FAILED
                 if item.interrupted:
-                    return "Interrupted"
-            budget = int(min(max(budget * CHUNK_SECONDS / max(taken, 1e-6), 16.0), 1e9))
+                    return Status.INTERRUPTED
+            wanted = budget * CHUNK_SECONDS / taken
+            budget = int(min(max(wanted, SMALLEST_CHUNK), LARGEST_CHUNK))
             if progress is not None:
                 progress(float(clocks["t"][0]))
     except KeyboardInterrupt:
-        return "Interrupted"
-    return NAMES[code]
+        return Status.INTERRUPTED
+    return STATUS_OF_CODE[code]
 
 
-def compile_loop(layout: Layout, method: Method, loop: Callable[..., Any], setting: Any) -> float:
-    """Have the loop compiled for this scene, or loaded from the disk cache; returns the seconds."""
+def compile_loop(layout: Layout, method: Method, loop: Loop, setting: Setting) -> float:
+    """Compile the loop for this scene, or load it from the disk cache; returns the seconds."""
     began = time.perf_counter()
     clocks, state = _at_rest(layout, method, layout.start, 0.0)
     try:
@@ -195,6 +203,7 @@ def _at_rest(
 
 
 def _room(layout: Layout, times: int) -> Record:
+    """Arrays for so many samples."""
     surfaces = len(layout.scene.surfaces)
     return Record(
         np.empty((times, 2 * layout.core)),
@@ -205,10 +214,8 @@ def _room(layout: Layout, times: int) -> Record:
     )
 
 
-def _bound(
-    layout: Layout, method: Method, loop: Callable[..., Any], setting: Any
-) -> Callable[..., int]:
-    """The loop with all but the moving parts given."""
+def _bound(layout: Layout, method: Method, loop: Loop, setting: Setting) -> Loop:
+    """The loop with its constant arguments given."""
     neighbours = layout.neighbours()
     noise: tuple[Any, ...] = ()
     if method.splits:
@@ -217,7 +224,7 @@ def _bound(
     def call(clocks: Any, state: State, times: np.ndarray, record: Record, budget: int) -> int:
         nonlocal neighbours
         neighbours = with_room(neighbours)
-        code: int = loop(
+        return loop(
             layout.model,
             neighbours,
             method.coefficients,
@@ -229,7 +236,6 @@ def _bound(
             budget,
             *noise,
         )
-        return code
 
     return call
 
@@ -238,14 +244,14 @@ def with_room(neighbours: Neighbours | None) -> Neighbours | None:
     """The same list, or an empty one with more room if it had too little."""
     if neighbours is None or neighbours.start[-1] <= neighbours.index.size:
         return neighbours
-    room = int(ROOM * neighbours.start[-1])
+    room = int(EXTRA_ROOM * neighbours.start[-1])
     return neighbours._replace(
         index=np.zeros(room, np.int64), place=np.full_like(neighbours.place, np.nan)
     )
 
 
 def _record_now(layout: Layout, clocks: Any, state: State, record: Record) -> None:
-    """Write the state in which a run stopped as one more sample."""
+    """Record the state in which a run stopped as one more sample."""
     model = layout.model
     now = float(clocks.t[0])
     place_bobs(model, now, state.y[: layout.coordinates])

@@ -19,7 +19,7 @@ from tribo.kernels.compiled import EntryPoint, time_loop
 from tribo.kernels.records import CLOCK, FORCED, FREE
 from tribo.kernels.samples import STORED
 from tribo.kernels.simd import LANES
-from tribo.kernels.status import COMPLETED, NAMES, PAUSED
+from tribo.kernels.status import COMPLETED, PAUSED, STATUS_OF_CODE, Status
 from tribo.pair.forces import PAIR
 from tribo.pair.loop import COLUMNS, ENERGY, REACHED, SAMPLES, pair_collocation
 from tribo.pair.step import (
@@ -51,7 +51,7 @@ from tribo.plugins.compile_errors import COMPILE_ERRORS, compile_error
 from tribo.plugins.sources import stamp
 from tribo.run.integrate import Integration, Progress, run_in_chunks
 from tribo.run.layout import Layout
-from tribo.run.ledger import Samples
+from tribo.run.samples import Samples
 
 # Columns behind the record's accounts, in place of the contact energy: see `_arcs`.
 ARC1, ARC2 = ENERGY, ENERGY + 1
@@ -148,17 +148,19 @@ class Pair:
         if self._tolerance is not tolerance:
             self._tolerance = tolerance
             self._rows[LIMITS:STATE] = self.limits(tolerance)
-            self._clocks["encounter_fraction"] = tolerance.near
+            self._clocks["encounter_fraction"] = tolerance.encounter_fraction
         self._evaluations[0] = 0
         record = np.empty((times.size + 1, COLUMNS))
         code = PAUSED
         if progress is None:
             code = self._loop(start, times, record, UNINTERRUPTED_STEPS)
-        status = NAMES[code] if code != PAUSED else self._resume(start, times, record, progress)
+        status = (
+            STATUS_OF_CODE[code] if code != PAUSED else self._resume(start, times, record, progress)
+        )
 
         def recorded() -> Samples:
             reached = times
-            if status != NAMES[COMPLETED]:
+            if status != STATUS_OF_CODE[COMPLETED]:
                 reached = times[: int(record[-1, SAMPLES])]
                 if reached.size < times.size:  # the last state is one more sample
                     reached = np.append(reached, record[-1, REACHED])
@@ -168,7 +170,7 @@ class Pair:
 
     def _resume(
         self, start: np.ndarray, times: np.ndarray, record: np.ndarray, progress: Progress | None
-    ) -> str:
+    ) -> Status:
         """Continue a long run to its end, with reports of its progress."""
 
         def call(clocks: Any, _: Any, times: np.ndarray, record: Any, budget: int) -> int:

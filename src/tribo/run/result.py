@@ -1,33 +1,43 @@
-"""What a run gives back: time series, the end, the error estimate, and what it cost."""
+"""The result of a run: time series, the end, error estimates and cost."""
 
 from __future__ import annotations
 
 import json
 import math
-import os
 import tomllib
-from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
 
-from tribo.kernels.status import MEANINGS
+from tribo.kernels.status import MEANINGS, Status
 from tribo.model.scene import Scene
 from tribo.model.scene_file import scene_from
-from tribo.model.scene_writer import scene_text
-from tribo.run.ledger import Ledger, Table
-from tribo.validation import InputError
+from tribo.run import dataset
+from tribo.run.ledger import Ledger
+from tribo.run.quantities import QUANTITIES, Table
+from tribo.validation import as_path
 
 if TYPE_CHECKING:
     import xarray
 
+T = TypeVar("T")
+
 
 class Series(Mapping[str, np.ndarray]):
-    """The series of one surface: asperite by asperite (times, asperites), and as a block (times,).
+    """The series of one surface, by name: ``series["theta"]`` or ``series.theta``.
 
-    ``series.theta`` is ``series["theta"]``.
+    Quantities of asperites are (times, asperites), those of the surface as a whole (times,).
+
+    Parameters
+    ----------
+    asperites : dict
+        Quantity -> (times, asperites).
+    block : dict
+        Quantity of the surface as a whole -> (times,).
     """
 
     def __init__(self, asperites: Table, block: Table) -> None:
@@ -36,17 +46,17 @@ class Series(Mapping[str, np.ndarray]):
     def __getitem__(self, name: str) -> np.ndarray:
         return self._tables[name]
 
-    def __iter__(self) -> Any:
+    def __iter__(self) -> Iterator[str]:
         return iter(self._tables)
 
     def __len__(self) -> int:
         return len(self._tables)
 
     def __getattr__(self, name: str) -> np.ndarray:
-        try:
-            return self.__dict__["_tables"][name]
-        except KeyError:
-            raise AttributeError(f"no quantity {name!r}; there are {', '.join(self)}") from None
+        tables: Table = self.__dict__.get("_tables", {})
+        if name not in tables:
+            raise AttributeError(f"no quantity {name!r}; there are {', '.join(tables)}")
+        return tables[name]
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *self._tables]
@@ -54,52 +64,115 @@ class Series(Mapping[str, np.ndarray]):
 
 @dataclass(frozen=True)
 class Cost:
-    """What a run took."""
+    """What a run cost.
+
+    Attributes
+    ----------
+    steps : int
+        Steps of the run that the result is of.
+    force_evaluations : int
+        Evaluations of all forces, in that run and in those that estimate its error.
+    wall_seconds : float
+        Time that these runs took [s].
+    compile_seconds : float
+        Time to compile the time loop, or to load it from disk [s].
+    digit_more, digit_fewer : float or None
+        Estimated times of a run with an accuracy ten times better or worse [s]; None if unknown.
+    """
 
     steps: int
     force_evaluations: int  # of the run delivered and of those made to estimate its error
     wall_seconds: float
     compile_seconds: float
-    digit_more: float | None = None  # seconds that one more digit would take; None: not known
+    digit_more: float | None = None  # seconds that one more digit would take; None: unknown
     digit_fewer: float | None = None  # and one fewer
 
 
 @dataclass(frozen=True, eq=False)
+class Known(Generic[T]):
+    """A value that is known already, in place of a function that computes it."""
+
+    value: T
+
+    def __call__(self) -> T:
+        """The value."""
+        return self.value
+
+
+@dataclass(eq=False)
 class Result:
-    """A run: ``result["upper"].theta`` is (times, asperites), ``result.end`` what --json prints."""
+    """The result of a run.
+
+    ``result["upper"].theta`` is an array (times, asperites) in the scene's units,
+    ``result.system["applied_work"]`` one of (times,).
+
+    Attributes
+    ----------
+    scene : Scene
+        What was run.
+    t : ndarray, (times,)
+        The recorded times [time].
+    ledger : Ledger
+        All series; assembled from the raw samples when first needed.
+    system : dict
+        The series of the system: quantity -> (times,).
+    end : dict
+        The end state and the cost, as ``tribo run --json`` prints them.
+    status : Status
+        "completed", or the name of what stopped the run.
+    method : str
+        The integration method.
+    why : str
+        Why the method was chosen; empty where it was given.
+    cost : Cost
+        Steps, force evaluations and times.
+    accuracy : float, dict or None
+        The accuracy that was asked for, or one for each observable by name; None where a method
+        and a step were given.
+    met : bool or None
+        Whether every error estimate is within the accuracy; None without estimates.
+    notes : tuple of str
+        Anything else that a reader of the result should know.
+    error_estimate : dict
+        Quantity -> bound on its error over all surfaces, asperites and times; None if unknown.
+    """
 
     scene: Scene
-    t: np.ndarray  # (times,)
-    ledger: Ledger
-    status: str  # "completed", or the name of what stopped it
+    status: Status  # "completed", or the name of what stopped the run
     method: str
-    cost: Cost
-    error_estimate: dict[str, float | None]
-    # None of these has a default, which a result put together later would show instead of its own.
-    accuracy: Any  # what was asked for: a number, or one by the name of each observable
-    met: bool | None  # whether every estimate is within it; None where there is none
-    notes: tuple[str, ...]
     why: str  # the method was chosen; empty where it was given
+    accuracy: float | Mapping[str, float] | None  # asked for: one number, or one per observable
+    met: bool | None  # whether every error estimate is within the accuracy; None without estimates
+    notes: tuple[str, ...]
+    bounds: Mapping[str, float] = field(repr=False)  # on errors, by name; empty without estimates
+    assemble: Callable[[], Ledger] = field(repr=False)  # computes the ledger
+    add_up: Callable[[], Cost] = field(repr=False)  # computes the cost
 
-    @classmethod
-    def later(cls, make: Callable[[], Result]) -> Result:
-        """A result that is put together when it is first looked at."""
-        result = object.__new__(cls)
-        result.__dict__["_make"] = make
-        return result
+    @cached_property
+    def ledger(self) -> Ledger:
+        """All series, assembled from the raw samples when first needed."""
+        return self.assemble()
 
-    def __getattr__(self, name: str) -> Any:
-        """Only asked for what is not there: all of it, if it has not been put together yet."""
-        make = self.__dict__.pop("_make", None)
-        if make is None:
-            raise AttributeError(f"a result has no {name!r}")
-        self.__dict__.update(make().__dict__)
-        return getattr(self, name)
+    @cached_property
+    def cost(self) -> Cost:
+        """Steps, force evaluations and times."""
+        return self.add_up()
 
-    def __getstate__(self) -> dict[str, Any]:
-        """What is pickled or copied is whole."""
-        _ = self.status
-        return self.__dict__
+    @property
+    def t(self) -> np.ndarray:
+        """The recorded times, (times,)."""
+        return self.ledger.t
+
+    @property
+    def system(self) -> Table:
+        """The series of the system: quantity -> (times,)."""
+        return self.ledger.system
+
+    @cached_property
+    def error_estimate(self) -> dict[str, float | None]:
+        """Quantity -> bound on its error over all surfaces, asperites and times, or None."""
+        reported = [name for name in QUANTITIES if self.ledger.series(name)]
+        return dict.fromkeys(reported) | dict(self.bounds)
 
     def __getitem__(self, surface: str) -> Series:
         if surface not in self.ledger.surfaces:
@@ -107,15 +180,14 @@ class Result:
             raise KeyError(f"there is no surface {surface!r}; there are {names}")
         return Series(self.ledger.surfaces[surface], self.ledger.blocks[surface])
 
-    @property
-    def system(self) -> Table:
-        """The system's ledger: quantity -> (times,)."""
-        return self.ledger.system
+    def __getstate__(self) -> dict[str, Any]:
+        """What is pickled or copied: the ledger and the cost, without the runs."""
+        return {**self.__dict__, "assemble": Known(self.ledger), "add_up": Known(self.cost)}
 
     @property
     def end(self) -> dict[str, Any]:
-        """The end state and the price, as ``tribo run --json`` prints it."""
-        books = self.ledger
+        """The end state and the cost, as ``tribo run --json`` prints them."""
+        ledger = self.ledger
         return {
             "status": self.status,
             "t": float(self.t[-1]),
@@ -132,18 +204,25 @@ class Result:
             "notes": list(self.notes),
             "surfaces": {
                 name: {key: values[-1].tolist() for key, values in table.items()}
-                for name, table in books.surfaces.items()
+                for name, table in ledger.surfaces.items()
             },
             "blocks": {
                 name: {key: float(values[-1]) for key, values in table.items()}
-                for name, table in books.blocks.items()
+                for name, table in ledger.blocks.items()
             },
-            "system": {key: float(values[-1]) for key, values in books.system.items()},
+            "system": {key: float(values[-1]) for key, values in ledger.system.items()},
             "error_estimate": dict(self.error_estimate),
         }
 
+    @property
+    def shortcoming(self) -> str:
+        """Why the run is not what was asked for, in one sentence; empty where it is."""
+        if self.status != Status.COMPLETED:
+            return f"the run stopped at t = {self.t[-1]:g}, {self.status}: {MEANINGS[self.status]}"
+        return f"the accuracy is not met: {self.notes[-1]}" if self.met is False else ""
+
     def to_json(self) -> str:
-        """`end` as strict JSON: what is not a number is null."""
+        """`end` as strict JSON: numbers that are not finite are null."""
         return json.dumps(without_nan(self.end), indent=1, allow_nan=False)
 
     def __str__(self) -> str:
@@ -155,7 +234,7 @@ class Result:
             f"{cost.steps} steps, {cost.force_evaluations} force evaluations, "
             f"{cost.wall_seconds:.3g} s{self._digits()}; {error}"
         ]
-        if self.status != "completed":
+        if self.status != Status.COMPLETED:
             lines.append(f"  {MEANINGS[self.status]}")
         for name, block in self.ledger.blocks.items():
             lines.append(
@@ -165,23 +244,43 @@ class Result:
         return "\n".join(lines + [f"  note: {note}" for note in self.notes])
 
     def _digits(self) -> str:
-        """What a digit more or fewer would take."""
+        """The cost of a digit more or fewer."""
         if self.cost.digit_more is None or self.cost.digit_fewer is None:
             return ""
         more, fewer = self.cost.digit_more, self.cost.digit_fewer
         return f" (one digit more {more:.2g} s, one fewer {fewer:.2g} s)"
 
     def to_xarray(self) -> xarray.Dataset:
-        """All series as a labelled data set; names are ``surface.quantity``."""
-        return _dataset(self)
+        """All series as a labelled data set.
 
-    def save(self, path: Any) -> None:
-        """Write everything to a NetCDF file that :func:`tribo.load_result` reads."""
-        _save(self, path)
+        Returns
+        -------
+        xarray.Dataset
+            ``upper.theta`` (time, upper_asperite), ``upper.W`` and ``applied_work`` (time,), each
+            with `units` and `long_name`, and, as ``upper.theta_error``, a bound on its error where
+            one is known.  Coordinates ``time``, ``upper_asperite``, and the resting bobs as
+            ``upper.x_rest``, ``upper.y_rest`` and ``upper.z_rest``.
+        """
+        return dataset.dataset(self)
+
+    def save(self, path: str | Path) -> None:
+        """Write everything to a NetCDF file that :func:`tribo.load_result` reads.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file, which is replaced if it exists.
+
+        Raises
+        ------
+        InputError
+            The file cannot be written.
+        """
+        dataset.save(self, as_path(path))
 
 
 def without_nan(value: Any) -> Any:
-    """The same nested data with None for every float that JSON has no word for."""
+    """The same nested data with None for every float that JSON cannot represent."""
     if isinstance(value, dict):
         return {key: without_nan(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
@@ -191,80 +290,36 @@ def without_nan(value: Any) -> Any:
     return value
 
 
-def _dataset(result: Result) -> xarray.Dataset:
-    """All series as a labelled data set, with everything else that is known in its attributes."""
-    import xarray
+def load_result(path: str | Path) -> Result:
+    """Read a result from the file that :meth:`tribo.Result.save` wrote.
 
-    from tribo import __version__
+    Parameters
+    ----------
+    path : str or Path
+        The file.
 
-    variables: dict[str, Any] = {}
-    for name, table in result.ledger.surfaces.items():
-        for key, values in table.items():
-            variables[f"{name}.{key}"] = (("time", f"{name}_asperite"), values)
-        for key, values in result.ledger.blocks[name].items():
-            variables[f"{name}.{key}"] = (("time",), values)
-    for key, values in result.system.items():
-        variables[key] = (("time",), values)
-    about = {
-        "tribo_version": __version__,
-        "scene": scene_text(result.scene),
-        "status": result.status,
-        "method": result.method,
-        "cost": json.dumps(asdict(result.cost)),
-        "error_estimate": json.dumps(result.error_estimate),
-        "accuracy": json.dumps(result.accuracy),
-        "met": json.dumps(result.met),
-        "notes": json.dumps(result.notes),
-        "why": result.why,
-    }
-    return xarray.Dataset(variables, coords={"time": result.t}, attrs=about)
+    Returns
+    -------
+    Result
 
-
-def _save(result: Result, path: Any) -> None:
-    """Write a NetCDF file; it appears whole or not at all."""
-    path = Path(path)
-    partial = path.with_name(path.name + ".partial")
-    try:
-        _dataset(result).to_netcdf(partial, engine="h5netcdf")
-        os.replace(partial, path)
-    except OSError as error:
-        partial.unlink(missing_ok=True)
-        raise InputError(str(path), f"cannot be written ({error.strerror or error})") from None
-
-
-def load_result(path: Any) -> Result:
-    """The result that `Result.save` wrote."""
-    import xarray
-
-    path = Path(path)
-    try:
-        data = xarray.load_dataset(path, engine="h5netcdf")
-    except OSError as error:
-        raise InputError(str(path), f"cannot be read ({error.strerror or error})") from None
-    if "scene" not in data.attrs:
-        raise InputError(str(path), "is not a result that tribo has written")
+    Raises
+    ------
+    InputError
+        There is no such file, or it holds no result.
+    """
+    path = as_path(path)
+    data = dataset.load(path)
     scene = scene_from(tomllib.loads(data.attrs["scene"]), path.parent)
-    surfaces: dict[str, dict[str, np.ndarray]] = {s.name: {} for s in scene.surfaces}
-    blocks: dict[str, dict[str, np.ndarray]] = {s.name: {} for s in scene.surfaces}
-    system = {}
-    for name, values in data.data_vars.items():
-        surface, _, key = str(name).rpartition(".")
-        if not surface:
-            system[key] = values.values
-        elif values.ndim == 2:
-            surfaces[surface][key] = values.values
-        else:
-            blocks[surface][key] = values.values
+    bounds = json.loads(data.attrs["error_estimate"])
     return Result(
         scene=scene,
-        t=data["time"].values,
-        ledger=Ledger(surfaces, blocks, system),
-        status=data.attrs["status"],
+        status=Status(data.attrs["status"]),
         method=data.attrs["method"],
-        cost=Cost(**json.loads(data.attrs["cost"])),
-        error_estimate=json.loads(data.attrs["error_estimate"]),
+        why=data.attrs["why"],
         accuracy=json.loads(data.attrs["accuracy"]),
         met=json.loads(data.attrs["met"]),
         notes=tuple(json.loads(data.attrs["notes"])),
-        why=data.attrs.get("why", ""),  # which older files do not say
+        bounds={name: bound for name, bound in bounds.items() if bound is not None},
+        assemble=Known(dataset.ledger_of(data, scene)),
+        add_up=Known(Cost(**json.loads(data.attrs["cost"]))),
     )

@@ -1,0 +1,143 @@
+"""The plan of a run: the method and all settings, fixed before the run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from tribo.accuracy.choose_method import Choice
+from tribo.accuracy.estimate import check_observables
+from tribo.accuracy.scales import first_step
+from tribo.accuracy.search import (
+    PARTS,
+    Accuracy,
+    FoundSettings,
+    StopTimes,
+    cheapest_setting,
+    find_settings,
+)
+from tribo.integrators import methods
+from tribo.run.integrate import Progress, Setting
+from tribo.run.integrator import Integrator
+from tribo.run.layout import Layout
+from tribo.run.streamed_ledger import exceeds_memory
+from tribo.validation import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """How a scene is run; it fits any other scene of the same kind.
+
+    Attributes
+    ----------
+    method : str
+        The name of the method.
+    why : str
+        Why the method was chosen; empty where it was given.
+    setting : float or Tolerance
+        Of the run that is delivered.
+    times : ndarray, (times,)
+        When that run stops: at the scene's times, and where it is compared with coarser runs.
+    accuracy : float, mapping or None
+        The relative error of everything, or of each observable named; None with a given step.
+    tuned : Tuned or None
+        The search for `setting` and for the setting of the two coarser runs that estimate the
+        error; None with a given step.
+    single : float, Tolerance or None
+        Of a run without an error estimate, recorded at the scene's times alone; None where there
+        is none that is cheaper than `setting`, or where it has not been looked for yet.
+    """
+
+    method: str
+    why: str
+    setting: Setting
+    times: np.ndarray
+    accuracy: Accuracy | None = None
+    tuned: FoundSettings | None = None
+    single: Setting | None = None
+
+    def without_runs(self, single: Setting | None) -> Plan:
+        """The plan for other scenes: without the runs that found it, and with `single`."""
+        tuned = None if self.tuned is None else replace(self.tuned, runs=())
+        return replace(self, tuned=tuned, single=single)
+
+    def at_half_step(self) -> Plan:
+        """The same plan with half of its given step."""
+        assert isinstance(self.setting, float)
+        return replace(self, setting=0.5 * self.setting)
+
+
+def integrator_for(
+    layout: Layout, method: methods.Method, progress: Progress | None = None
+) -> Integrator:
+    """A compiled loop with the usual first step.  Raises InputError."""
+    return Integrator(layout, method, first_step(layout), progress)
+
+
+def make_plan(choice: Choice, integrator: Integrator) -> Plan:
+    """The plan of a run; looks for the settings that keep an accuracy.
+
+    Parameters
+    ----------
+    choice : Choice
+        The method, and the accuracy or the step.
+    integrator : Integrator
+        Runs the scene by that method.
+
+    Returns
+    -------
+    Plan
+
+    Raises
+    ------
+    InputError
+        The accuracy is out of reach, or names quantities that the scene does not report.
+    """
+    layout, accuracy = integrator.layout, choice.accuracy
+    name, times = choice.method.name, layout.scene.times
+    if accuracy is None:
+        assert choice.step is not None
+        return Plan(name, choice.why, choice.step, times)
+    if isinstance(accuracy, Mapping):
+        check_observables(layout, accuracy)
+    stops = StopTimes.for_samples(times)
+    _check_memory(layout, stops)
+    tuned = find_settings(layout, choice.method, accuracy, stops, integrator)
+    return Plan(name, choice.why, tuned.fine, stops.fine, accuracy, tuned)
+
+
+def single_setting(plan: Plan, integrator: Integrator) -> Setting | None:
+    """The cheapest setting that keeps the plan's accuracy in runs without an error estimate.
+
+    None where there is none that is cheaper than the plan's.
+    """
+    if plan.single is not None or plan.tuned is None or not plan.tuned.runs:
+        return plan.single
+    assert plan.accuracy is not None
+    layout = integrator.layout
+    return cheapest_setting(
+        layout,
+        integrator.method,
+        plan.tuned,
+        plan.accuracy,
+        lambda setting: integrator(setting, layout.scene.times),
+    )
+
+
+def _check_memory(layout: Layout, stops: StopTimes) -> None:
+    """Refuse to compare runs whose samples are too many to hold."""
+    if not exceeds_memory(layout, stops.fine.size):
+        return
+    asperites = f"{layout.scene.count} asperites"
+    if exceeds_memory(layout, PARTS + 1):
+        raise InputError(
+            "accuracy",
+            f"cannot be kept with {asperites}, too many to compare runs; give a method and a step",
+        )
+    raise InputError(
+        "output.samples",
+        f"{layout.scene.times.size} samples of {asperites} are too many to compare runs; give "
+        "fewer samples, or a method and a step",
+    )

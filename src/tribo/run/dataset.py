@@ -1,0 +1,141 @@
+"""Results as labelled data sets, and as the NetCDF files that hold them."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tribo.model.scene import Scene
+from tribo.model.scene_writer import scene_text
+from tribo.run.ledger import Ledger
+from tribo.run.quantities import QUANTITIES, UNITS, Table
+from tribo.validation import InputError
+
+if TYPE_CHECKING:
+    import xarray
+
+    from tribo.run.result import Result
+
+# A variable of a data set: its dimensions, its values and its attributes.
+Variable = tuple[tuple[str, ...], Any, dict[str, str]]
+
+
+def dataset(result: Result) -> xarray.Dataset:
+    """All series of a result and their error estimates, with all else in the attributes."""
+    import xarray
+
+    variables: dict[str, Variable] = {}
+    for name, table in result.ledger.surfaces.items():
+        times = "end" if _has_ends_alone(result) else "time"
+        variables |= _series(table, result.error_estimate, name, (times, f"{name}_asperite"))
+        variables |= _series(result.ledger.blocks[name], result.error_estimate, name, ("time",))
+    variables |= _series(result.system, result.error_estimate, "", ("time",))
+    return xarray.Dataset(variables, coords=_coordinates(result), attrs=_attributes(result))
+
+
+def _series(
+    table: Table, bounds: dict[str, float | None], surface: str, dimensions: tuple[str, ...]
+) -> dict[str, Variable]:
+    """The variables of a table, each followed by the estimate of its error."""
+    variables: dict[str, Variable] = {}
+    for key, values in table.items():
+        name = f"{surface}.{key}" if surface else key
+        quantity = QUANTITIES[key]
+        about = {"units": quantity.units, "long_name": quantity.long_name}
+        variables[name] = (dimensions, values, about)
+        bound = bounds.get(name, bounds[key])
+        if bound is not None:
+            about = about | {"long_name": f"bound on the error of: {quantity.long_name}"}
+            variables[f"{name}_error"] = ((), bound, about)
+    return variables
+
+
+def _has_ends_alone(result: Result) -> bool:
+    """Whether the asperites' series have the first and the last time alone."""
+    table = next(iter(result.ledger.surfaces.values()))
+    return len(table["theta"]) != result.t.size
+
+
+def _coordinates(result: Result) -> dict[str, Variable]:
+    """The times; and the asperites of each surface, with their resting bobs."""
+    coordinates: dict[str, Variable] = {
+        "time": (("time",), result.t, {"units": "time", "long_name": "time"})
+    }
+    if _has_ends_alone(result):
+        about = {"units": "time", "long_name": "first and last time"}
+        coordinates["end"] = (("end",), result.t[[0, -1]], about)
+    for index, surface in enumerate(result.scene.surfaces):
+        dimension = f"{surface.name}_asperite"
+        number = np.arange(surface.count)
+        about = {"units": "1", "long_name": f'asperite of "{surface.name}"'}
+        coordinates[dimension] = ((dimension,), number, about)
+        resting = surface.resting_bobs(seed=[result.scene.seed, index, 0])
+        for k, axis in enumerate("xyz"):
+            about = {"units": UNITS["length"], "long_name": f"{axis} of the resting bob"}
+            coordinates[f"{surface.name}.{axis}_rest"] = ((dimension,), resting[:, k], about)
+    return coordinates
+
+
+def _attributes(result: Result) -> dict[str, str]:
+    """The scene and all that is known of the run, as text."""
+    from tribo import __version__
+
+    return {
+        "tribo_version": __version__,
+        "scene": scene_text(result.scene),
+        "status": str(result.status),
+        "method": result.method,
+        "cost": json.dumps(asdict(result.cost)),
+        "error_estimate": json.dumps(result.error_estimate),
+        "accuracy": json.dumps(result.accuracy),
+        "met": json.dumps(result.met),
+        "notes": json.dumps(result.notes),
+        "why": result.why,
+    }
+
+
+def save(result: Result, path: Path) -> None:
+    """Write a NetCDF file, which appears complete or not at all.  Raises InputError."""
+    partial = path.with_name(path.name + ".partial")
+    try:
+        dataset(result).to_netcdf(partial, engine="h5netcdf")
+        os.replace(partial, path)
+    except OSError as error:
+        partial.unlink(missing_ok=True)
+        raise InputError(str(path), f"cannot be written ({error.strerror or error})") from None
+
+
+def load(path: Path) -> xarray.Dataset:
+    """The data set that `save` wrote.  Raises InputError."""
+    import xarray
+
+    try:
+        data = xarray.load_dataset(path, engine="h5netcdf")
+    except OSError as error:
+        raise InputError(str(path), f"cannot be read ({error.strerror or error})") from None
+    if "scene" not in data.attrs:
+        raise InputError(str(path), "is not a result that tribo has written")
+    return data
+
+
+def ledger_of(data: xarray.Dataset, scene: Scene) -> Ledger:
+    """The ledger in a data set."""
+    surfaces: dict[str, Table] = {surface.name: {} for surface in scene.surfaces}
+    blocks: dict[str, Table] = {surface.name: {} for surface in scene.surfaces}
+    system: Table = {}
+    for name, variable in data.data_vars.items():
+        surface, _, key = str(name).rpartition(".")
+        if key not in QUANTITIES:
+            continue  # an error estimate
+        if not surface:
+            system[key] = variable.values
+        elif variable.ndim == 2:
+            surfaces[surface][key] = variable.values
+        else:
+            blocks[surface][key] = variable.values
+    return Ledger(data["time"].values, surfaces, blocks, system)

@@ -1,0 +1,108 @@
+"""A compiled time loop for one layout and one method."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tribo.integrators.methods import Method
+from tribo.integrators.step_control import Tolerance
+from tribo.kernels.compiled import time_loop
+from tribo.plugins import sources
+from tribo.run.integrate import Integration, Progress, Setting, compile_loop, integrate
+from tribo.run.layout import Layout
+from tribo.run.pair_adapter import Pair, has_pair_loop
+from tribo.run.streamed_ledger import StreamedLedger
+
+
+class Integrator:
+    """Integrates one layout by one method, with a loop that is compiled at construction.
+
+    A pair of asperites has a loop of its own where the method provides one.
+
+    Parameters
+    ----------
+    layout : Layout
+        The scene.
+    method : Method
+        How time advances.
+    first_step : float
+        The first step of an adaptive method [time].
+    progress : callable, optional
+        Called with the time reached, a few times a second.
+
+    Attributes
+    ----------
+    compile_seconds : float
+        Time to compile the loop, or to load it from disk.
+
+    Raises
+    ------
+    InputError
+        A plug-in cannot be compiled.
+    """
+
+    def __init__(
+        self,
+        layout: Layout,
+        method: Method,
+        first_step: float,
+        progress: Progress | None = None,
+    ) -> None:
+        self.layout = layout
+        self.method = method
+        self._first_step = first_step
+        self._progress = progress
+        self._pair = Pair(layout, method, first_step) if has_pair_loop(layout, method) else None
+        if self._pair is not None:
+            self.compile_seconds = self._pair.compile_seconds
+        else:
+            self._loop = time_loop(method.loop, sources.stamp(layout.plugins))
+            self.compile_seconds = compile_loop(layout, method, self._loop, _example(self))
+
+    def __call__(
+        self,
+        setting: Setting,
+        times: np.ndarray,
+        start: np.ndarray | None = None,
+        streamed: StreamedLedger | None = None,
+    ) -> Integration:
+        """Integrate through `times`.
+
+        Parameters
+        ----------
+        setting : float or Tolerance
+            The step, or the tolerances of an adaptive method.
+        times : ndarray, (times,)
+            When to record.
+        start : ndarray, (2 coordinates,), optional
+            y at t = 0; the scene's without it.
+        streamed : StreamedLedger, optional
+            Takes the samples in, of which only the first and the last are kept then.
+
+        Returns
+        -------
+        Integration
+        """
+        start = self.layout.start if start is None else start
+        if self._pair is not None:
+            assert isinstance(setting, Tolerance)
+            return self._pair.integrate(setting, start, times, self._progress)
+        return integrate(
+            self.layout,
+            self.method,
+            self._loop,
+            setting,
+            start,
+            times,
+            self._first_step,
+            self._progress,
+            streamed,
+        )
+
+
+def _example(integrator: Integrator) -> Setting:
+    """A setting of the type that the method takes, for which its loop is compiled."""
+    layout = integrator.layout
+    if integrator.method.adaptive:
+        return Tolerance(np.ones(2 * layout.coordinates), np.ones(layout.accounts), 1.0, 1.0)
+    return 1.0

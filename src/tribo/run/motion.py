@@ -1,0 +1,106 @@
+"""The motion of a surface's asperites, from raw samples."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from tribo.run.layout import Layout
+from tribo.run.samples import Samples
+
+# Asperites of a batch: more of them would make the temporary arrays of a ledger large.
+BATCH_SIZE = 50_000
+
+
+@dataclass(frozen=True, eq=False)
+class Batch:
+    """Some consecutive asperites of one surface."""
+
+    index: int  # of the surface
+    place: slice  # of the asperites among all
+    surface: Any  # record of kernels.records.SURFACE
+    asperites: Any  # recarray of kernels.records.ASPERITE
+    velocity: np.ndarray  # (2,) initial velocity of the surface, in the laboratory
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """The motion of a batch relative to its surface's initial velocity.
+
+    Every array is (times, asperites).
+    """
+
+    t: np.ndarray  # (times, 1)
+    swing: np.ndarray  # theta - rest
+    phi: np.ndarray
+    omega: np.ndarray
+    nu: np.ndarray
+    x: np.ndarray  # displacement of the centre of mass from its uniform motion
+    y: np.ndarray
+    vx: np.ndarray
+    vy: np.ndarray
+
+
+def motions(layout: Layout, samples: Samples, index: int) -> Iterator[tuple[Batch, Motion]]:
+    """The motion of surface `index`, batch by batch."""
+    for batch in _batches(layout, index):
+        yield batch, _motion(layout, batch, samples)
+
+
+def _batches(layout: Layout, index: int) -> Iterator[Batch]:
+    """The asperites of a surface, at most BATCH_SIZE at a time."""
+    whole = layout.parts[layout.scene.surfaces[index].name]
+    for start in range(whole.start, whole.stop, BATCH_SIZE):
+        place = slice(start, min(start + BATCH_SIZE, whole.stop))
+        yield Batch(
+            index,
+            place,
+            layout.model.surfaces[index],
+            layout.model.asperites[place],
+            np.array(layout.scene.surfaces[index].velocity),
+        )
+
+
+def _motion(layout: Layout, batch: Batch, samples: Samples) -> Motion:
+    a = batch.asperites
+    q, v = samples.y[:, : layout.core], samples.y[:, layout.core :]
+    time = samples.t[:, None]
+    return Motion(
+        t=time,
+        swing=q[:, batch.place],
+        phi=columns(a.dof_phi, q, a.phi + a.nu * time),
+        omega=v[:, batch.place],
+        nu=columns(a.dof_phi, v, a.nu),
+        x=columns(a.dof_x, q),
+        y=columns(a.dof_y, q),
+        vx=columns(a.dof_x, v),
+        vy=columns(a.dof_y, v),
+    )
+
+
+def columns(slots: np.ndarray, table: np.ndarray, absent: np.ndarray | float = 0.0) -> np.ndarray:
+    """Columns of a table by slot; `absent` where the slot is -1."""
+    shape = (table.shape[0], slots.size)
+    present = slots >= 0
+    if not np.any(present):
+        return np.broadcast_to(np.asarray(absent), shape)
+    if np.all(present):
+        return table[:, slots]
+    values = np.empty(shape)
+    values[:] = absent
+    values[:, present] = table[:, slots[present]]
+    return values
+
+
+def rod_direction(facing: np.ndarray, swing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """sin(theta) and cos(theta): the bob is at r1 = r_cm + l1 (sin theta, -cos theta)."""
+    return facing * np.sin(swing), facing * np.cos(swing)
+
+
+def internal_energy(batch: Batch, m: Motion) -> np.ndarray:
+    """1/2 I omega^2 + 1/2 i2 nu^2 + 1/2 kappa (theta - rest - phi)^2, (times, asperites)."""
+    a = batch.asperites
+    return 0.5 * (a.inertia * m.omega**2 + a.i2 * m.nu**2 + a.kappa * (m.swing - m.phi) ** 2)

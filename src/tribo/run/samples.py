@@ -1,0 +1,46 @@
+"""The raw samples of a run, as the time loops record them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """The raw samples of a run, one row for each time.
+
+    The columns are explained in `tribo.run.layout` and `tribo.kernels.samples`.
+    """
+
+    t: np.ndarray  # (times,)
+    y: np.ndarray  # (times, 2 core coordinates)
+    s: np.ndarray  # (times, accounts)
+    contact: np.ndarray  # (times,) energy of contacts between surfaces
+    field: np.ndarray  # (times,) energy in external fields
+    stored: np.ndarray  # (times, surfaces, STORED)
+
+    def at(self, times: np.ndarray) -> Samples:
+        """The samples whose times are among `times`."""
+        return self._rows(np.isin(self.t, times))
+
+    def first(self) -> Samples:
+        """The first sample alone."""
+        return self._rows(np.array([0]))
+
+    def last(self) -> Samples:
+        """The last sample alone."""
+        return self._rows(np.array([-1]))
+
+    def ends(self) -> Samples:
+        """The first and the last sample."""
+        return self._rows(np.unique([0, self.t.size - 1]))
+
+    def then(self, later: Samples) -> Samples:
+        """These samples, followed by `later` ones."""
+        pairs = ((getattr(self, f.name), getattr(later, f.name)) for f in fields(self))
+        return Samples(*(np.concatenate(pair) for pair in pairs))
+
+    def _rows(self, selected: np.ndarray) -> Samples:
+        return Samples(*(getattr(self, f.name)[selected] for f in fields(self)))
