@@ -121,7 +121,7 @@ class WorkPrecision:
         from tribo import plotting
 
         with plotting.style():
-            plotting.write(_figure(self), path)
+            plotting.save(_figure(self), path)
 
 
 def work_precision(
