@@ -351,7 +351,7 @@ def test_figure(tmp_path):
         np.testing.assert_array_equal(line.get_ydata(), values)
     np.testing.assert_array_equal(mean.get_ydata(), data["upper.W_mean"])
     assert plotting.save(ax, str(tmp_path / "W.png")).stat().st_size > 5000
-    with pytest.raises(InputError, match="name: must be one of upper.W, .* got 'upper.theta'"):
+    with pytest.raises(InputError, match=r"name: must be one of upper\.W, .* got 'upper\.theta'"):
         mean_band(data, "upper.theta")
 
 

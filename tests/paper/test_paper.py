@@ -66,7 +66,7 @@ def test_what_differs_says_why(tables):
 
 def test_noted_times_are_true(tables):
     """Where a note says that another time would give the number, it does."""
-    runs = {case: paper.Run.followed(case) for case in "AC"}
+    runs = {case: paper.Run.extended(case) for case in "AC"}
     found = 0
     for case, run in runs.items():
         for row in tables[case]:
@@ -82,8 +82,8 @@ def test_noted_times_are_true(tables):
 @pytest.mark.parametrize(("attractive", "still"), [(False, "C"), (True, "D")])
 def test_moving_table_is_a_boost(attractive, still):
     """E is C, or D if attractive, seen from a moving frame: every quantity, at every time."""
-    moving = paper.Run.followed("E", attractive=attractive)
-    assert paper.boost_gap(moving, paper.Run.followed(still)) < 1e-9
+    moving = paper.Run.extended("E", attractive=attractive)
+    assert paper.boost_error(moving, paper.Run.extended(still)) < 1e-9
 
 
 def test_report(tables):

@@ -31,8 +31,8 @@ from tribo.report_card import check
 from tribo.report_card.agreement import check_agreement
 from tribo.report_card.derivatives import check_force, curvature, curves, slope
 from tribo.report_card.invariances import check_laws, check_work
+from tribo.report_card.scan import PotentialScan
 from tribo.report_card.smoothness import strengths
-from tribo.report_card.specimen import Specimen
 from tribo.validation import InputError
 
 LJ = {"potential": "lennard-jones", "epsilon": 1.0, "sigma": 1.0}
@@ -207,7 +207,7 @@ def test_slip(slip):
 def test_size_of_a_slip(digits, sign):
     """The card's error is that of the force, where the force is most of the scale around."""
     off = sign * 10.0**digits
-    line = check_force(curves(Specimen(as_potential(Slip(force_off=off)))))
+    line = check_force(curves(PotentialScan(as_potential(Slip(force_off=off)))))
     assert not line.passed
     assert 0.3 * abs(off) < line.value < 1.01 * abs(off)
 
@@ -231,9 +231,9 @@ def test_place(slip, name, place):
 def test_strength_of_a_slip():
     """Jumps and kinks are measured, in units of the largest |F| + |U| / r around."""
     for how, k, size in (({"jump": 1e-4}, 0, 1e-4), ({"turn": 1e-4}, 1, 1e-4)):
-        specimen = Specimen(as_potential(Slip(**how)))
-        found = strengths(specimen, lambda r, k=k, s=specimen: s.compiled(r)[k], 1 - k)[0].max()
-        unit = specimen.scale(AT) * (AT if k == 0 else 1.0)
+        scan = PotentialScan(as_potential(Slip(**how)))
+        found = strengths(scan, lambda r, k=k, s=scan: s.compiled(r)[k], 1 - k)[0].max()
+        unit = scan.scale(AT) * (AT if k == 0 else 1.0)
         assert found * unit == pytest.approx(size, rel=0.05)
 
 
@@ -253,7 +253,7 @@ class OneSided(NamedTuple):
 
 
 def test_third_law():
-    lines = {line.name: line for line in check_laws(Specimen(as_potential(OneSided(1.0))))}
+    lines = {line.name: line for line in check_laws(PotentialScan(as_potential(OneSided(1.0))))}
     assert not lines["third law"].passed
     assert lines["translation"].passed and lines["mirror"].passed
 
@@ -271,9 +271,9 @@ class OfScalars(NamedTuple):
 
 
 def test_arrays():
-    arrays, compiled = check_agreement(Specimen(as_potential(OfScalars(1.0))))
+    arrays, compiled = check_agreement(PotentialScan(as_potential(OfScalars(1.0))))
     assert compiled.passed and not arrays.passed
-    assert "np.where" in arrays.says
+    assert "np.where" in arrays.note
 
 
 # --- a stale cache -------------------------------------------------------------------------------
@@ -293,11 +293,11 @@ from tribo.plugins import sources
 from tribo.potentials.tables import from_table
 from tribo.report_card import check
 from tribo.report_card.agreement import check_agreement
-from tribo.report_card.specimen import Specimen
+from tribo.report_card.scan import PotentialScan
 if sys.argv[2] == "wrong":
     sources.stamp = lambda plugins: "always-the-same"
 own = from_table({"potential": "own.py:Own", "s": 1.0}, Path(sys.argv[1]))
-print(*(line.name for line in check_agreement(Specimen(own)) if not line.passed))
+print(*(line.name for line in check_agreement(PotentialScan(own)) if not line.passed))
 """
 
 
@@ -346,9 +346,9 @@ def test_a_noisy_energy_is_not_judged():
         def force(self, r):
             return self.s / (r * r)
 
-    line = check_force(curves(Specimen(as_potential(Trembling(1.0)))))
+    line = check_force(curves(PotentialScan(as_potential(Trembling(1.0)))))
     assert not line.passed and line.failed
-    assert "of the distances only" in line.says
+    assert "dU/dr is known at only" in line.note
 
 
 # --- text, JSON, figure, status ------------------------------------------------------------------
@@ -482,10 +482,10 @@ def test_figure(run, tmp_path, kind):
 
 def test_figure_shows_what_there_is():
     """Energy, force and disagreement at the card's own distances, and the cutoff."""
-    from tribo.report_card.figure import draw
+    from tribo.report_card.figure import card_figure
 
     report = check(with_cutoff(LennardJones(1.0, 1.0), 3.0))
-    energy, force, disagreement = draw(report).axes
+    energy, force, disagreement = card_figure(report).axes
     for ax, values in ((energy, report.curves.energy), (force, report.curves.force)):
         line = max(ax.get_lines(), key=lambda line: len(line.get_xdata()))
         assert np.array_equal(line.get_xdata(), report.curves.r)
@@ -532,11 +532,9 @@ def handed(places, energies, forces):
 )
 def test_broken_laws(law, name, monkeypatch):
     """Kernels that broke a law would be caught by the line that is called so."""
-    specimen = Specimen(as_potential(Slip()))
-    right = specimen.probe
-    assert all(line.passed for line in [*check_laws(specimen), *check_work(specimen)])
-    monkeypatch.setattr(
-        specimen, "probe", lambda places, charges: law(places, *right(places, charges))
-    )
-    lines = {line.name: line for line in [*check_laws(specimen), *check_work(specimen)]}
+    scan = PotentialScan(as_potential(Slip()))
+    right = scan.probe
+    assert all(line.passed for line in [*check_laws(scan), *check_work(scan)])
+    monkeypatch.setattr(scan, "probe", lambda places, charges: law(places, *right(places, charges)))
+    lines = {line.name: line for line in [*check_laws(scan), *check_work(scan)]}
     assert not lines[name].passed

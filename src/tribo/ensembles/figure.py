@@ -49,7 +49,7 @@ def mean_band(data: xarray.Dataset, name: str, ax: Axes | None = None) -> Axes:
     faint: Any = {"color": MEMBER_COLOUR, "linewidth": 0.5, "alpha": opacity}
     with drawing_on(ax, WIDE, 0.55 * WIDE) as ax:
         lines = ax.plot(time, shown.T, **faint)
-        interval = {"color": INTERVAL_COLOUR, "alpha": 0.45, "linewidth": 0.0}
+        interval: Any = {"color": INTERVAL_COLOUR, "alpha": 0.45, "linewidth": 0.0}
         band = ax.fill_between(time, mean - half, mean + half, **interval)
         (middle,) = ax.plot(time, mean, color=INK, linewidth=1.0)
         ax.set(xlabel="$t$", ylabel=name, xlim=(time[0], time[-1]))

@@ -101,7 +101,7 @@ def draw(folder: str | Path, cases: Iterable[str]) -> list[Path]:
 
 
 def _angle(case: str) -> Axes:
-    ax = plotting.angle_curve(Run.followed(case).result)
+    ax = plotting.angle_curve(Run.extended(case).result)
     ax.axhline(0.0, color="0.6", linewidth=0.5, zorder=0)
     ax.set_xlim(0.0, END[case])
     ax.set_ylim(-0.9, 0.9)
@@ -110,7 +110,7 @@ def _angle(case: str) -> Axes:
 
 def _snapshots(case: str, times: tuple[float, ...]) -> Axes:
     """Snapshots side by side, each with a line at the lower centre of mass, which stays."""
-    result = Run.followed(case).result
+    result = Run.extended(case).result
     drawn: list[SceneGeometry] = []
     right = 0.0
     for t in times:
@@ -131,11 +131,11 @@ def _snapshots(case: str, times: tuple[float, ...]) -> Axes:
 
 
 def _works(case: str) -> Axes:
-    return plotting.work_curves(Run.followed(case).result, span=(10.0, END[case]))
+    return plotting.work_curves(Run.extended(case).result, span=(10.0, END[case]))
 
 
 def _phases(case: str, times: tuple[float, ...], points: tuple[str, ...]) -> Axes:
-    result = Run.followed(case).result
+    result = Run.extended(case).result
     return plotting.sequence(result, times, points=points, phases=("approach", "recede"))
 
 

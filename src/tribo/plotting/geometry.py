@@ -118,8 +118,10 @@ def _asperites(result: Result, surface: Surface, t: float) -> list[AsperiteGeome
     bar_length = surface.asperite.for_each(surface.count)["bar_length"]
     depth = surface.resting_bobs()[:, 2]
     return [
-        AsperiteGeometry(*each, facing=surface.facing, depth=z)
-        for *each, z in zip(cm, bob, bar, theta, phi, bar_length, depth, strict=True)
+        AsperiteGeometry(
+            cm[i], bob[i], bar[i], theta[i], phi[i], bar_length[i], surface.facing, depth[i]
+        )
+        for i in range(surface.count)
     ]
 
 

@@ -185,8 +185,8 @@ def _force_arrows(
     nearest = contacts.nearest(surface, asperite)
     if nearest is None:
         return
-    *neighbour, distance = nearest
-    for name, k in ((surface, asperite), neighbour):
+    other_surface, other, distance = nearest
+    for name, k in ((surface, asperite), (other_surface, other)):
         force = contacts.force(name, k)
         if np.any(force) and np.all(np.isfinite(force)):
             _force_arrow(ax, geometry[name][k], force / np.hypot(*force), distance)

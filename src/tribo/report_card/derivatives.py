@@ -1,4 +1,4 @@
-"""Force against the derivative of the energy, which comes with its own uncertainty; minima."""
+"""Force and minimum compared with derivatives of the energy, whose uncertainty is estimated."""
 
 from __future__ import annotations
 
@@ -9,14 +9,22 @@ from typing import Any
 import numpy as np
 
 from tribo.report_card.card import Check, Curves
-from tribo.report_card.specimen import Specimen
+from tribo.report_card.scan import PotentialScan
 
-BOUND = 1e-10  # of force + dU/dr, relative to the scale around
-TRUSTED = 10.0  # uncertainties that a disagreement must exceed to be one
-KNOWN = 0.9  # of the distances at which the derivative must be known to within the bound
+# Largest acceptable |F + dU/dr|, relative to the scale of the force.
+BOUND = 1e-10
+
+# Factor by which the bound must exceed the uncertainty of dU/dr where the two are compared.
+TRUSTED = 10.0
+
+# Least fraction of the distances at which they must be compared.
+KNOWN = 0.9
+
 REACH = 0.1  # of r or the typical distance: the first difference is taken over twice that
 LEVELS = 12  # of differences, each over half the distance of the one before
-MINIMUM = 1e-9  # relative error of a declared minimum
+
+# Largest acceptable relative error of a declared minimum.
+MINIMUM = 1e-9
 
 Rule = Callable[[Any], Any]  # of a distance h, something whose limit at h = 0 is wanted
 
@@ -64,29 +72,29 @@ def curvature(function: Rule, r: float, reach: float) -> tuple[float, float]:
     )
 
 
-def curves(specimen: Specimen) -> Curves:
-    """Energy, force, and how far the force is from minus the energy's derivative."""
-    r, end = specimen.r, specimen.cutoff
-    reach = REACH * np.minimum(r, specimen.length)
+def curves(scan: PotentialScan) -> Curves:
+    """Energy, force, and |F + dU/dr| with the uncertainty of dU/dr."""
+    r, end = scan.r, scan.cutoff
+    reach = REACH * np.minimum(r, scan.length)
     reach = np.where(r < end, np.minimum(reach, 0.9 * np.abs(end - r)), reach)
     with np.errstate(all="ignore"):
-        found = [slope(specimen.written_energy, *both) for both in zip(r, reach, strict=True)]
+        found = [slope(scan.python_energy, *both) for both in zip(r, reach, strict=True)]
         derivative, uncertainty = np.array(found).T
-        scale = specimen.scale(r)
+        scale = scan.scale(r)
         return Curves(
             r=r,
-            energy=specimen.energy,
-            force=specimen.force,
-            disagreement=np.abs(specimen.force + derivative) / scale,
+            energy=scan.energy,
+            force=scan.force,
+            disagreement=np.abs(scan.force + derivative) / scale,
             uncertainty=uncertainty / scale,
             bound=BOUND,
             cutoff=end,
-            length=specimen.length,
+            length=scan.length,
         )
 
 
 def check_force(found: Curves) -> Check:
-    """Where the derivative is known well enough, the force has to be minus that."""
+    """Check that the force is -dU/dr where the uncertainty of dU/dr permits it."""
     inside = found.r < found.cutoff
     known = inside & (TRUSTED * found.uncertainty <= BOUND)
     share = float(np.count_nonzero(known)) / max(1, int(np.count_nonzero(inside)))
@@ -99,25 +107,25 @@ def check_force(found: Curves) -> Check:
         float(errors[worst]),
         BOUND,
         float(found.r[worst]),
-        says="" if share >= KNOWN else f"dU/dr is known at {share:.0%} of the distances only",
+        note="" if share >= KNOWN else f"dU/dr is known at only {share:.0%} of the distances",
         failed=share < KNOWN,
     )
 
 
-def check_minimum(specimen: Specimen) -> list[Check]:
-    """The place, depth and curvature of the minimum, where the potential declares them."""
-    if not hasattr(specimen.potential, "minimum"):
+def check_minimum(scan: PotentialScan) -> list[Check]:
+    """Check distance, depth and curvature of the minimum, if the potential declares them."""
+    if not hasattr(scan.potential, "minimum"):
         return []
-    r, depth, stiffness = (float(x) for x in specimen.potential.minimum())
+    r, depth, stiffness = (float(x) for x in scan.potential.minimum())
     if not math.isfinite(r):
         return []
     with np.errstate(all="ignore"):
-        first, _ = slope(specimen.written_energy, r, REACH * r)
-        second, _ = curvature(specimen.written_energy, r, REACH * r)
-        energy = float(specimen.written_energy(np.float64(r)))
-    scale = max(abs(depth), float(specimen.scale(r)) * r)
+        first, _ = slope(scan.python_energy, r, REACH * r)
+        second, _ = curvature(scan.python_energy, r, REACH * r)
+        energy = float(scan.python_energy(np.float64(r)))
+    scale = max(abs(depth), float(scan.scale(r)) * r)
     errors = {
-        "place": abs(first) * r / scale,
+        "distance": abs(first) * r / scale,
         "depth": abs(energy - depth) / scale,
         "curvature": abs(second - stiffness) * r * r / max(abs(second) * r * r, scale),
     }
@@ -125,11 +133,13 @@ def check_minimum(specimen: Specimen) -> list[Check]:
     return [
         Check(
             "minimum",
-            "declared place, depth and curvature",
+            "declared distance, depth and curvature",
             errors[worst],
             MINIMUM,
             r,
-            says=f"the {worst} is the worst of them" if second > 0.0 else "U has no minimum there",
+            note=f"the {worst} has the largest error"
+            if second > 0.0
+            else "U has no minimum at this distance",
             failed=not second > 0.0,
         )
     ]

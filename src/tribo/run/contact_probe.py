@@ -7,8 +7,8 @@ import numpy as np
 from tribo.kernels.compiled import time_loop
 from tribo.kernels.probe import contact_probe, distance_probe
 from tribo.model.scene import Scene
+from tribo.plugins import sources
 from tribo.plugins.compile_errors import Refusals, compile_error
-from tribo.plugins.sources import stamp
 from tribo.run.layout import lay_out
 from tribo.validation import InputError
 
@@ -31,7 +31,7 @@ class ContactProbe:
 
     def __init__(self, scene: Scene) -> None:
         self.layout = lay_out(scene)
-        self._stamp = stamp(self.layout.plugins)
+        self._stamp = sources.stamp(self.layout.plugins)
 
     @property
     def charges(self) -> np.ndarray:
