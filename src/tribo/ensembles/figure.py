@@ -11,7 +11,10 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.axes import Axes
 
-MEMBER_COLOUR, INTERVAL_COLOUR = "#7fadd0", "#d7301f"
+MEMBER_COLOUR, INTERVAL_COLOUR = "#5b93bf", "#d7301f"
+
+# Opacity of one member's line: OPACITY / members, but at least FAINTEST.
+OPACITY, FAINTEST = 10.0, 0.25
 
 # Members drawn at most: with more their lines would cover the figure.
 MOST_MEMBERS = 100
@@ -45,7 +48,7 @@ def mean_band(data: xarray.Dataset, name: str, ax: Axes | None = None) -> Axes:
     complete = data[name].values[data["status"].values == "completed"]
     shown = complete[:MOST_MEMBERS]
     mean, half = data[f"{name}_mean"].values, data[f"{name}_half_width"].values
-    opacity = min(1.0, max(0.15, 3.0 / len(shown)))
+    opacity = min(1.0, max(FAINTEST, OPACITY / len(shown)))
     faint: Any = {"color": MEMBER_COLOUR, "linewidth": 0.5, "alpha": opacity}
     with drawing_on(ax, WIDE, 0.55 * WIDE) as ax:
         lines = ax.plot(time, shown.T, **faint)

@@ -49,7 +49,7 @@ def _compared(
     worst = int(np.argmax(errors))
     return Check(
         name,
-        f"with one r at a time, at {r.size} distances",
+        f"values for one r at a time, at {r.size} distances",
         float(errors[worst]),
         ROUND_OFF,
         float(r[worst]),

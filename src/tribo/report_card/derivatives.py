@@ -103,7 +103,7 @@ def check_force(found: Curves) -> Check:
     best = float(np.median(found.uncertainty[known])) if known.any() else math.inf
     return Check(
         "force",
-        f"with -dU/dr, known to {best:.1e}",
+        f"force and -dU/dr, whose uncertainty is {best:.1e}",
         float(errors[worst]),
         BOUND,
         float(found.r[worst]),
