@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache, cached_property
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,6 +20,9 @@ from tribo.paper.published_values import agrees, published
 from tribo.potentials import Coulomb
 from tribo.run.result import Result
 from tribo.simulation import simulate
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
 
 CASES = {
     "A": "forced sliding, repulsive",
@@ -98,7 +101,7 @@ class Run:
     def __init__(self, case: str, result: Result) -> None:
         self.case = case
         self.result = result
-        self._splines: dict[str, Any] = {}
+        self._splines: dict[str, BSpline] = {}
 
     @classmethod
     @cache
@@ -134,13 +137,13 @@ class Run:
         twice = 2.0 if quantity.startswith("delta x") else 1.0
         return twice * sum(bounds[name] or 0.0 for name in names)
 
-    def at(self, quantity: str, t: float | np.ndarray) -> Any:
+    def at(self, quantity: str, t: float | np.ndarray) -> np.ndarray:
         """The quantity at a time, or at several, by a spline that is accurate to 1e-9."""
         from scipy.interpolate import make_interp_spline
 
         if quantity not in self._splines:
             self._splines[quantity] = make_interp_spline(self.result.t, self.series(quantity), k=7)
-        return self._splines[quantity](t)
+        return np.asarray(self._splines[quantity](t))
 
     def root(self, values: np.ndarray, near: float) -> float:
         """The time at which a series changes sign, of several the nearest to `near`."""

@@ -135,7 +135,7 @@ def save(drawing: Axes | Figure, path: str | Path) -> Path:
         If the name ends otherwise, or the file cannot be written.
     """
     place = figure_path("path", path)
-    undated: Any = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}
+    undated = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}
     try:
         with style():
             figure_of(drawing).savefig(place, metadata=undated.get(place.suffix.lower()))

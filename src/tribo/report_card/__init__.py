@@ -86,7 +86,7 @@ def _named(table: dict[str, Any]) -> str:
     return " ".join([name, *(f"{key}={_as_text(value)}" for key, value in values.items())])
 
 
-def _as_text(value: Any) -> str:
+def _as_text(value: object) -> str:
     """A parameter: a number, a word, a potential, several potentials, or many numbers."""
     if isinstance(value, float):
         return f"{value:g}"

@@ -8,8 +8,8 @@ A. H. Larsen et al., J. Phys.: Condens. Matter 29 (2017) 273002.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,6 +17,9 @@ from tribo.potentials import Coulomb, LennardJones, Morse
 from tribo.report_card.card import Check
 from tribo.report_card.scan import PotentialScan
 from tribo.validation import InputError
+
+if TYPE_CHECKING:
+    from ase.calculators.calculator import Calculator
 
 # Largest acceptable difference, relative to the scale of the potential at that distance.
 ROUND_OFF = 1e-12
@@ -28,7 +31,7 @@ DISTANCES = 40
 FAR = 1e4
 
 
-def coulomb(potential: Coulomb, rc: float | None = None) -> Any:
+def coulomb(potential: Coulomb, rc: float | None = None) -> Calculator:
     """Two ions whose charges give k_c q_1 q_2 = strength; k_c = e^2 / (4 pi eps0) [eV Angstrom]."""
     from ase.calculators.counterions import AtomicCounterIon, k_c
 
@@ -38,7 +41,7 @@ def coulomb(potential: Coulomb, rc: float | None = None) -> Any:
     return AtomicCounterIon(charges, epsilon=0.0, sigma=1.0, sites_per_mol=2, rc=reach)
 
 
-def lennard_jones(potential: LennardJones, rc: float | None = None) -> Any:
+def lennard_jones(potential: LennardJones, rc: float | None = None) -> Calculator:
     """epsilon and sigma as here; the energy is shifted to be zero at rc."""
     from ase.calculators.lj import LennardJones as Peer
 
@@ -46,7 +49,7 @@ def lennard_jones(potential: LennardJones, rc: float | None = None) -> Any:
     return Peer(epsilon=potential.epsilon, sigma=potential.sigma, rc=reach)
 
 
-def morse(potential: Morse, rcut1: float | None = None, rcut2: float | None = None) -> Any:
+def morse(potential: Morse, rcut1: float | None = None, rcut2: float | None = None) -> Calculator:
     """rho0 = alpha r0; between rcut1 and rcut2, in units of r0, the energy is smoothed to zero."""
     from ase.calculators.morse import MorsePotential
 
@@ -59,10 +62,16 @@ def morse(potential: Morse, rcut1: float | None = None, rcut2: float | None = No
     )
 
 
-PEERS: dict[Any, Callable[..., Any]] = {Coulomb: coulomb, LennardJones: lennard_jones, Morse: morse}
+PEERS: dict[type, Callable[..., Calculator]] = {
+    Coulomb: coulomb,
+    LennardJones: lennard_jones,
+    Morse: morse,
+}
 
 
-def pair(calculator: Any, symbols: Any, r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def pair(
+    calculator: Calculator, symbols: str | Sequence[str], r: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """A calculator's energy of two atoms [eV], and the force between them [eV / Angstrom]."""
     from ase import Atoms
 
@@ -74,7 +83,9 @@ def pair(calculator: Any, symbols: Any, r: np.ndarray) -> tuple[np.ndarray, np.n
     return energies, forces
 
 
-def check_ase(scan: PotentialScan, calculator: Any, symbols: Any) -> list[Check]:
+def check_ase(
+    scan: PotentialScan, calculator: Calculator | None, symbols: str | Sequence[str]
+) -> list[Check]:
     """Compare energy and force with the calculator, or with the potential's own in ASE."""
     if calculator is None:
         peer = PEERS.get(type(scan.potential))

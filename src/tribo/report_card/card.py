@@ -6,7 +6,6 @@ import json
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -58,7 +57,7 @@ class Check:
         return round(max(0.0, math.log10(max(self.value, EPSILON) / EPSILON)), 1)
 
     @property
-    def table(self) -> dict[str, Any]:
+    def table(self) -> dict[str, object]:
         """The line as ``tribo check --json`` prints it."""
         return {
             "name": self.name,

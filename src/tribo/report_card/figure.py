@@ -128,6 +128,6 @@ def _disagreement(ax: Axes, curves: Curves) -> None:
     top = float(np.nanmax(curves.disagreement, initial=curves.bound))
     ax.set_xlim(curves.r[0], curves.r[-1])
     ax.set_ylim(FLOOR, 30.0 * min(top, 1e3))
-    ax.set_ylabel("$|F + dU/dr|$")
+    ax.set_ylabel("relative $|F + dU/dr|$")
     style: Any = {"xytext": (4, 3), "textcoords": "offset points", "fontsize": 7.5, "color": BOUND}
     ax.annotate("bound", (curves.r[0], curves.bound), **style)

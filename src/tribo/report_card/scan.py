@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.run.contact_probe import ContactProbe
 from tribo.validation import LARGEST, InputError
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 # Cells of equal ratio between the smallest and the largest distance.
 CELLS = 400
@@ -102,21 +105,21 @@ class PotentialScan:
 
     # --- values ----------------------------------------------------------------------------------
 
-    def in_python(self, r: Any) -> tuple[Any, Any]:
-        """U and -dU/dr between charges of 1 by the potential's methods, at one r or an array."""
+    def in_python(self, r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """U and -dU/dr between charges of 1 by the potential's methods, on an array."""
         return (
             self.potential.energy_between(r, 1.0, 1.0),
             self.potential.force_between(r, 1.0, 1.0),
         )
 
-    def python_energy(self, r: Any) -> Any:
+    def python_energy(self, r: np.floating) -> float | np.floating:
         """U(r) by the potential's methods, in the precision of r; nan where they raise."""
         try:
             return self.potential.energy_between(r, 1.0, 1.0)
         except Exception:
             return np.nan
 
-    def python_force(self, r: Any) -> Any:
+    def python_force(self, r: np.floating) -> float | np.floating:
         """-dU/dr by the potential's methods, in the precision of r; nan where they raise."""
         try:
             return self.potential.force_between(r, 1.0, 1.0)
@@ -149,7 +152,7 @@ class PotentialScan:
 
     # --- scales ----------------------------------------------------------------------------------
 
-    def scale(self, r: Any) -> np.ndarray:
+    def scale(self, r: ArrayLike) -> np.ndarray:
         """Scale of errors of the force at r: the largest |F| + |U| / r in the cells around."""
         cell = np.clip(np.searchsorted(self.edges, r) - 1, 0, self.r.size - 1)
         return np.asarray(self._scale[cell])
