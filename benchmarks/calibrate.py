@@ -1,15 +1,14 @@
-"""The numbers of the cost model in src/tribo/accuracy/choose_method.py, measured.
+"""Measure the constants of the cost model in tribo.accuracy.choose_method.
 
-Evaluations for an error of 1e-6, and how they grow with every digit, are medians over a few small
-scenes, of the runs that tribo.work_precision makes; of methods that turn bath oscillators exactly
-also with baths that are fast.  Nanoseconds of an evaluation are those of a
-pair, of a grid, and of a pair with a large bath, all methods in turn, the least of several rounds.
+Evaluations for an error of 1e-6, and their growth with every digit, are medians over a few small
+scenes, of the runs of tribo.work_precision.  For methods that integrate bath oscillators exactly
+they are also measured with fast baths.  Nanoseconds of an evaluation are those of a pair, of a grid
+and of a pair with a large bath: the smallest of several rounds, with the methods interleaved.
 
     python benchmarks/calibrate.py [--json]
 
-Prints one line a method, in the order of the fields of tribo.accuracy.choose_method.Rate, the table
-WITH_FAST_BATH,
-and the first numbers of PAIR.
+It prints one line for each method, in the order of the fields of Rate in choose_method, then
+the table WITH_FAST_BATH and the first numbers of PAIR.
 """
 
 import argparse
@@ -31,13 +30,18 @@ from tribo.integrators.methods import METHODS
 from tribo.run.layout import lay_out
 from tribo.work_precision import WorkPrecision, work_precision
 
+# Relative errors at which evaluations are counted.
 COARSE, FINE = 1e-6, 1e-11
+
+# Rounds in which nanoseconds are measured.
 ROUNDS = 5
-STEP = {name: rate.step for name, rate in RATES.items()}  # as the methods have it
+
+# Evaluations of a step by each method.
+STEP = {name: rate.step for name, rate in RATES.items()}
 
 
 def small_scenes() -> list[tribo.Scene]:
-    """Cases of the paper, and a short row with a bond and a switch."""
+    """Cases A to D of the paper, and a short row with a Morse potential."""
     row = {"shape": (4, 1), "spacing": (1.1, 0.0)}
     upper = tribo.Surface("upper", bob=(-6.0, 0.9), velocity=(0.8, 0.0), **row)
     lower = tribo.Surface("lower", facing="up", **row)
@@ -46,7 +50,7 @@ def small_scenes() -> list[tribo.Scene]:
 
 
 def evaluations(found: WorkPrecision, method: str, error: float) -> float:
-    """Evaluations for an error, between the runs on either side of it."""
+    """Evaluations for an error, interpolated between runs."""
     rows = [row for row in found.rows if row.method == method and row.error > 0.0]
     x = np.log([row.error for row in rows])[::-1]
     y = np.log([row.force_evaluations for row in rows])[::-1]
@@ -54,7 +58,7 @@ def evaluations(found: WorkPrecision, method: str, error: float) -> float:
 
 
 def fast_baths() -> list[tribo.Scene]:
-    """Pairs with oscillators that turn much faster than the pendulums do."""
+    """Pairs with oscillators that are much faster than the pendulums."""
     scenes = []
     for case, n in (("A", 100), ("A", 200), ("C", 100)):
         bath = {"spectrum": "drude", "gamma": 0.2, "cutoff": 2.0, "n": n}
@@ -64,10 +68,10 @@ def fast_baths() -> list[tribo.Scene]:
     return scenes
 
 
-def appetite(
+def evaluation_rates(
     scenes: list[tribo.Scene], names: list[str], seconds: float
 ) -> dict[str, tuple[float, float]]:
-    """Evaluations a radian at 1e-6, and the slope of their growth, by method."""
+    """Evaluations per radian at 1e-6 and the slope of their growth, by method."""
     counts: dict[str, list[tuple[float, float]]] = {name: [] for name in names}
     for scene in scenes:
         found = work_precision(scene, names, seconds=seconds)
@@ -90,12 +94,12 @@ def appetite(
 
 
 def pair() -> tribo.Scene:
-    """The least that there is."""
+    """Case C of the paper."""
     return paper.scene("C")
 
 
 def grid() -> tribo.Scene:
-    """A thousand asperites, each in reach of a few."""
+    """A thousand asperites, each within the cutoff of a few."""
     surface = {"shape": (23, 23), "spacing": (1.5, 1.5), "asperite": tribo.Asperite(kappa=20.0)}
     upper = tribo.Surface("upper", bob=(0.3, 1.2), velocity=(0.5, 0.0), drive="free", **surface)
     lower = tribo.Surface("lower", facing="up", **surface)
@@ -112,7 +116,7 @@ def bathed() -> tribo.Scene:
 
 
 def nanoseconds(scene: tribo.Scene, names: list[str]) -> dict[str, float]:
-    """Of an evaluation, by method: the least of several rounds in turn."""
+    """Nanoseconds of an evaluation by method: the smallest of several rounds."""
     few = tribo.Output(samples=2)
     scene = tribo.Scene(scene.surfaces, scene.interactions, scene.duration, output=few)
     runs = {name: integrator_for(lay_out(scene), METHODS[name]) for name in names}
@@ -129,33 +133,33 @@ def nanoseconds(scene: tribo.Scene, names: list[str]) -> dict[str, float]:
 
 
 def main() -> None:
-    """Measure, and print what belongs into the table."""
+    """Measure, and print the lines of the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--json", action="store_true")
     parser.add_argument("--seconds", type=float, default=20.0, help="for the runs of each scene")
     options = parser.parse_args()
-    pairs = appetite(small_scenes()[:4], ["gauss-radau-15"], options.seconds)
-    tribo.run.integrator.has_pair_loop = lambda *scene: False  # pairs by the loops for all scenes
-    hungry = appetite(small_scenes(), list(METHODS), options.seconds)
+    pairs = evaluation_rates(small_scenes()[:4], ["gauss-radau-15"], options.seconds)
+    tribo.run.integrator.has_pair_loop = lambda *scene: False  # pairs by the general loops too
+    general = evaluation_rates(small_scenes(), list(METHODS), options.seconds)
     exact = [m.name for m in METHODS.values() if m.splits and not methods.refusal(m, bathed())]
-    bathing = appetite(fast_baths(), exact, options.seconds)
-    names = list(hungry)
+    with_bath = evaluation_rates(fast_baths(), exact, options.seconds)
+    names = list(general)
     of_pair, of_grid = nanoseconds(pair(), names), nanoseconds(grid(), names)
-    kind = [name for name in names if name != "blanes-moan-6"]
-    of_bath = nanoseconds(bathed(), kind)
+    taking_baths = [name for name in names if name != "blanes-moan-6"]
+    of_bath = nanoseconds(bathed(), taking_baths)
     count, oscillators = grid().count, 2 * 2 * 1000
     rows = {}
-    for name, (each, slope) in hungry.items():
+    for name, (each, slope) in general.items():
         asperite = (of_grid[name] - of_pair[name]) / (count - 2)
         oscillator = max(0.0, (of_bath.get(name, np.nan) - of_pair[name]) / oscillators)
         fixed = max(0.0, of_pair[name] - 2.0 * asperite)
         rows[name] = [each, slope, fixed, asperite, oscillator]
     if options.json:
-        print(json.dumps({"rates": rows, "bathed": bathing, "pairs": pairs}, indent=1))
+        print(json.dumps({"rates": rows, "bathed": with_bath, "pairs": pairs}, indent=1))
         return
     for name, numbers in rows.items():
         print(f'    "{name}": Rate({", ".join(f"{x:.3g}" for x in numbers)}, {STEP[name]}),')
-    for name, (each, slope) in [*bathing.items(), *pairs.items()]:
+    for name, (each, slope) in [*with_bath.items(), *pairs.items()]:
         print(f'    "{name}": ({each:.3g}, {slope:.3g}),')
 
 

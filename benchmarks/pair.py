@@ -1,18 +1,18 @@
-"""Two asperites with their whole ledger, again and again: tribo against heyoka, SciPy and rebound.
+"""Measure the time of one pair of asperites with its whole ledger: tribo, heyoka, SciPy, rebound.
 
-The paper's cases A to D, each run from a new angle theta of the upper asperite to its end.  Every
-program is compiled and set up beforehand, at the loosest tolerance whose true error stays below
-the one wanted: the largest over several angles and all reported angles, rates, places, velocities,
-energies, works and pseudoworks at the end, each relative to its scale, against heyoka in extended
-precision.  Runs are interleaved, and the shortest of each counts.
+The paper's cases A to D are run to their ends, every time from a new angle theta of the upper
+asperite.  Every program is compiled and set up before, at the loosest tolerance whose true error
+is below the one wanted.  That error is the largest over several angles and over all reported
+angles, rates, positions, velocities, energies, works and pseudoworks at the end, each relative to
+its scale, against heyoka in extended precision.  Runs are interleaved, and the shortest of each
+counts.
 
-A timed call takes the angle and hands back the state at the end, from which the ledger is put
-together by formulas when somebody looks; that is timed for none.  tribo integrates all of its
-accounts.  heyoka is given the easier task: coordinates that do not move are left out, and of the
-ledger it integrates the contact's impulse and works alone, from which all the rest follows by
-formulas.  "heyoka-motion", SciPy, and rebound where it is installed are given the easiest: the
-motion alone, since of one pair every work can be had from it by conservation of energy and
-momentum.  heyoka runs with fast_math.
+A timed call takes the angle and returns the state at the end.  The ledger follows from the state by
+formulas, which are not timed for any program.  tribo integrates all of its accounts.  heyoka has an
+easier task: coordinates that do not move are left out, and of the ledger it integrates only the
+impulse and the works of the contact, from which the rest follows.  "heyoka-motion", SciPy, and
+rebound if it is installed have the easiest: the motion alone, since for one pair all works follow
+from it by conservation of energy and momentum.  heyoka runs with fast_math.
 
     python benchmarks/pair.py [--json | --markdown] [--rounds 100] [--cases ABCD]
 """
@@ -31,14 +31,19 @@ import numpy as np
 import tribo
 from tribo import paper
 
+# Relative errors wanted.
 ERRORS = (1e-6, 1e-9, 1e-12)
-REPEATS = 10  # of a program in each round: the first find its code and data out of the caches
-ANGLES = (0.0, 0.03, -0.07, 0.12, 0.2)  # at which errors are looked at
+
+# Runs of a program in each round: the first one reloads its code and data into the caches.
+REPEATS = 10
+
+# Angles at which true errors are measured [rad].
+ANGLES = (0.0, 0.03, -0.07, 0.12, 0.2)
 
 
 @dataclass(frozen=True)
 class Problem:
-    """A case of the paper as numbers: equal asperites, the upper one forced or free."""
+    """The parameters of a case: equal asperites, the upper one forced or free."""
 
     case: str
     duration: float
@@ -54,7 +59,7 @@ class Problem:
 
     @classmethod
     def of(cls, case: str) -> "Problem":
-        """From the scene that tribo runs."""
+        """The parameters of the scene that tribo runs."""
         scene = paper.scene(case)
         upper, lower = scene.surfaces
         a = upper.asperite.for_each(1)
@@ -77,17 +82,17 @@ class Problem:
 
     @property
     def mass(self) -> float:
-        """Of one asperite."""
+        """Mass of one asperite."""
         return self.m1 + self.m2
 
     @property
     def arms(self) -> tuple[float, float]:
-        """From the centre of mass to the bob and to the bar."""
+        """Distances of the centre of mass from the bob and from the bar."""
         return self.length * self.m2 / self.mass, self.length * self.m1 / self.mass
 
     @property
     def inertia(self) -> float:
-        """About the centre of mass."""
+        """Moment of inertia about the centre of mass."""
         l1, l2 = self.arms
         return self.m1 * l1**2 + self.m2 * l2**2
 
@@ -102,9 +107,9 @@ class Problem:
         return push * dx, push * dy, sin, cos, sin2, cos2
 
     def equations(self, y: Any, t: Any, lib: Any) -> list[Any]:
-        """y' for y = (q, Q, q', Q') and, if the upper one is free, (x, x') behind.
+        """y' for y = (q, Q, q', Q'), followed by (x, x') if the upper asperite is free.
 
-        q and Q are the swings theta and Theta - pi, x the place of the upper centre of mass.
+        q and Q are the swings theta and Theta - pi, x is the position of the upper centre of mass.
         """
         l1, _ = self.arms
         q, other, rate, other_rate = y[:4]
@@ -116,15 +121,17 @@ class Problem:
         return [rate, other_rate, turn, turn2, *slide]
 
     def powers(self, y: Any, t: Any, lib: Any) -> list[Any]:
-        """Of the contact: force along x, power about the upper centre of mass by x and by y, and
-        about the lower."""
+        """Powers of the contact, whose integrals are its accounts.
+
+        Force along x, powers about the upper centre of mass by x and by y, and about the lower one.
+        """
         l1, _ = self.arms
         fx, fy, sin, cos, sin2, cos2 = self.contact(y, t, lib)
         one, two = l1 * y[2], l1 * y[3]
         return [fx, one * cos * fx, one * sin * fy, two * (cos2 * fx + sin2 * fy)]
 
-    def booked(self, angle: float, y: Any, accounts: Any) -> dict[str, float]:
-        """The end of the ledger, its works from the integrals of the powers."""
+    def ledger_from_accounts(self, angle: float, y: Any, accounts: Any) -> dict[str, float]:
+        """The ledger at the end, with works from the integrals of the powers."""
         impulse, about_x, about_y, lower = (float(value) for value in accounts)
         l1, l2 = self.arms
         ledger = self.ledger(angle, y)
@@ -144,7 +151,7 @@ class Problem:
         return [angle, 0.0, 0.0, 0.0, *([self.gap[0], self.speed] if self.free else [])]
 
     def ledger(self, angle: float, y: Any) -> dict[str, float]:
-        """The end of the ledger from the end of the motion, by conservation laws."""
+        """The ledger at the end from the motion, by conservation of energy and momentum."""
         l1, l2 = self.arms
         begin = [float(value) for value in self.start(angle)]
         q, other, rate, other_rate = (float(value) for value in y[:4])
@@ -155,8 +162,8 @@ class Problem:
         def inner(swing: float, omega: float) -> float:
             return 0.5 * (self.inertia * omega**2 + self.kappa * swing**2)
 
-        def energy(place: float, one: float, two: float) -> float:
-            dx = place + l1 * (math.sin(one) + math.sin(two))
+        def energy(position: float, one: float, two: float) -> float:
+            dx = position + l1 * (math.sin(one) + math.sin(two))
             dy = self.gap[1] - l1 * (math.cos(one) + math.cos(two))
             return self.strength / math.hypot(dx, dy)
 
@@ -201,7 +208,7 @@ KIND = {"theta": "angle", "omega": "rate", "x_cm": "length", "vx_cm": "velocity"
 
 
 def deviation(problem: Problem, one: dict[str, float], other: dict[str, float]) -> float:
-    """The largest difference relative to its scale, of which there is one a kind of quantity."""
+    """The largest difference, relative to the scale of its kind of quantity."""
     kinds = {name: KIND.get(name.rpartition(".")[2], "energy") for name in other}
     scales = {"angle": 1.0, "length": problem.length, "velocity": problem.speed}
     for kind in ("energy", "rate"):
@@ -211,7 +218,7 @@ def deviation(problem: Problem, one: dict[str, float], other: dict[str, float]) 
 
 
 class Tribo:
-    """By gauss-radau-15, every account integrated."""
+    """tribo by gauss-radau-15, which integrates every account."""
 
     name = "tribo"
     settings = 10.0 ** np.arange(-1.0, -13.0, -0.1)
@@ -222,11 +229,11 @@ class Tribo:
         self._simulation.run({}, estimate=False)
 
     def run(self, angle: float) -> Any:
-        """One run, timed."""
+        """Run from an angle; this is timed."""
         return self._simulation.run({"upper.theta": angle}, estimate=False)
 
     def ledger(self, problem: Problem, angle: float, end: Any) -> dict[str, float]:
-        """What it reports."""
+        """The reported ledger at the end."""
         names = problem.ledger(angle, problem.start(angle))
         found = {}
         for name in names:
@@ -239,11 +246,11 @@ class Tribo:
 
 
 class HeyokaMotion:
-    """Taylor series, whose coefficients are compiled; the motion alone."""
+    """heyoka, compiled Taylor series, with the motion alone."""
 
     name = "heyoka-motion"
     settings = 10.0 ** np.arange(-3.0, -18.1, -0.1)
-    books = False
+    accounts = False
 
     def __init__(self, problem: Problem, setting: float, kind: Any = float) -> None:
         import heyoka
@@ -251,7 +258,7 @@ class HeyokaMotion:
         names = ["q", "Q", "v", "V", "x", "u"][: len(problem.start(0.0))]
         y = [heyoka.expression(name) for name in names]
         equations = list(zip(y, problem.equations(y, heyoka.time, heyoka), strict=True))
-        powers = problem.powers(y, heyoka.time, heyoka) if self.books else []
+        powers = problem.powers(y, heyoka.time, heyoka) if self.accounts else []
         equations += [(heyoka.expression(f"s{k}"), power) for k, power in enumerate(powers)]
         start = [*problem.start(0.0), *(0.0 for _ in powers)]
         self._coordinates = len(names)
@@ -263,7 +270,7 @@ class HeyokaMotion:
         self._state = self._taylor.state
 
     def run(self, angle: float) -> Any:
-        """One run, timed."""
+        """Run from an angle; this is timed."""
         self._taylor.time = self._zero
         self._state[:] = self._start
         self._state[0] = angle
@@ -271,23 +278,25 @@ class HeyokaMotion:
         return self._state
 
     def ledger(self, problem: Problem, angle: float, end: Any) -> dict[str, float]:
-        """By conservation laws."""
+        """The ledger at the end by conservation laws."""
         return problem.ledger(angle, end)
 
 
 class Heyoka(HeyokaMotion):
-    """The same with the contact's accounts."""
+    """heyoka with the accounts of the contact."""
 
     name = "heyoka"
-    books = True
+    accounts = True
 
     def ledger(self, problem: Problem, angle: float, end: Any) -> dict[str, float]:
-        """From the accounts."""
-        return problem.booked(angle, end[: self._coordinates], end[self._coordinates :])
+        """The ledger at the end from the accounts."""
+        return problem.ledger_from_accounts(
+            angle, end[: self._coordinates], end[self._coordinates :]
+        )
 
 
 class Scipy:
-    """DOP853 with the equations in Python; the motion alone."""
+    """SciPy, DOP853 with the equations in Python, with the motion alone."""
 
     name = "scipy"
     settings = 10.0 ** np.arange(-3.0, -14.1, -0.5)
@@ -297,7 +306,7 @@ class Scipy:
         self._setting = max(setting, 3e-14)
 
     def run(self, angle: float) -> Any:
-        """One run, timed."""
+        """Run from an angle; this is timed."""
         from scipy.integrate import solve_ivp
 
         problem = self._problem
@@ -311,12 +320,12 @@ class Scipy:
         ).y[:, -1]
 
     def ledger(self, problem: Problem, angle: float, end: Any) -> dict[str, float]:
-        """By conservation laws."""
+        """The ledger at the end by conservation laws."""
         return problem.ledger(angle, end)
 
 
 class Rebound:
-    """Bulirsch-Stoer with the equations in Python; the motion alone."""
+    """rebound, Bulirsch-Stoer with the equations in Python, with the motion alone."""
 
     name = "rebound"
     settings = 10.0 ** np.arange(-4.0, -15.1, -0.5)
@@ -326,7 +335,7 @@ class Rebound:
         self._setting = setting
 
     def run(self, angle: float) -> Any:
-        """One run, timed."""
+        """Run from an angle; this is timed."""
         import rebound
 
         problem = self._problem
@@ -348,7 +357,7 @@ class Rebound:
         return [ode.y[k] for k in range(len(start))]
 
     def ledger(self, problem: Problem, angle: float, end: Any) -> dict[str, float]:
-        """By conservation laws."""
+        """The ledger at the end by conservation laws."""
         return problem.ledger(angle, end)
 
 
@@ -359,7 +368,7 @@ SLOW = ("scipy", "rebound")  # timed less often
 
 
 def references(problem: Problem) -> list[dict[str, float]]:
-    """The ledger's end from each angle, in extended precision."""
+    """The ledger at the end from each angle, in extended precision."""
     exact = HeyokaMotion(problem, 1e-18, np.longdouble)
     return [problem.ledger(angle, exact.run(np.longdouble(angle))) for angle in ANGLES]
 
@@ -367,7 +376,7 @@ def references(problem: Problem) -> list[dict[str, float]]:
 def settled(
     problem: Problem, system: Callable[[Problem, float], Any], known: list[dict[str, float]]
 ) -> dict[float, tuple[Any, float, float]]:
-    """For each error wanted, the program at its loosest setting, that setting and the error."""
+    """For each error wanted, the program at its loosest setting, the setting and the error."""
     found: dict[float, tuple[Any, float, float]] = {}
     wanted = list(ERRORS)
     for setting in system.settings:  # type: ignore[attr-defined]
@@ -384,7 +393,7 @@ def settled(
 
 
 def measure(cases: str, rounds: int) -> list[dict[str, Any]]:
-    """Every case, error and program: microseconds a run, and the true error."""
+    """Microseconds of a run and true error, for every case, error wanted and program."""
     rows = []
     for case in cases:
         problem = Problem.of(case)
@@ -462,10 +471,10 @@ def markdown(rows: list[dict[str, Any]]) -> str:
 
 
 def main() -> None:
-    """Measure all in one process."""
+    """Measure all programs in one process."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--json", action="store_true")
-    parser.add_argument("--markdown", action="store_true", help="as the documents have it")
+    parser.add_argument("--markdown", action="store_true", help="as in docs/pairs.md")
     parser.add_argument("--rounds", type=int, default=100)
     parser.add_argument("--cases", default="ABCD")
     options = parser.parse_args()

@@ -1,12 +1,14 @@
-"""What a potential of one's own costs: the same Lennard-Jones in five ways, against the built-in.
+"""Measure the cost of user-defined potentials against the built-in Lennard-Jones.
 
-A copy of the built-in in a user's file, the same without its force (which is then taken from the
-energy's source), the same with an energy that is no formula (for the complex step), and an
-expression.  Two rows of 64 bobs slide over one another without a cutoff, so
-that nearly all of the time goes into 4096 pairs.  Runs are interleaved, and the shortest of each
-counts.  The loop that a process has first is several per cent faster than the same when it comes
-later, so that place goes to one that is not counted; a second copy of the plug-in shows what a
-ratio is good for.  Prints nanoseconds per pair and step, and their ratio.
+The versions are a copy of the built-in in a user's file; the copy without its force, which is then
+derived from the source of the energy; the copy with a loop in its energy, which is differentiated
+by a complex step; and an expression.  Two rows of 64 bobs slide over one another without a cutoff,
+so that nearly all of the time is that of 4096 pairs.
+
+Runs are interleaved, and the shortest run of each version counts.  The first loop of a process is
+several per cent faster than the same loop later, so a version that is not counted comes first.  A
+second copy of the plug-in shows the error of the ratios.  It prints nanoseconds per pair and step,
+and their ratio to the built-in's.
 
     python benchmarks/plugins.py [--json] [--rounds 20]
 """
@@ -20,9 +22,14 @@ from pathlib import Path
 import tribo
 from tribo.potentials import expression, lennard_jones, named
 
+# Bobs of each row.
 BOBS = 64
+
+# Step of Verlet [time], and number of steps.
 STEP = 0.01
 STEPS = 500
+
+# Body of an energy with a loop.
 COMPLEX_STEP = """
         s6 = 1.0
         for _ in range(6):
@@ -33,7 +40,7 @@ PARAMETERS = {"epsilon": 0.05, "sigma": 1.0}
 
 
 def scene(potential: object) -> tribo.Scene:
-    """Two rows that pass over one another."""
+    """Two rows that slide over one another."""
     row = {"shape": (BOBS, 1), "spacing": (1.5, 0.0), "asperite": tribo.Asperite(kappa=20.0)}
     upper = tribo.Surface("upper", bob=(0.3, 1.2), velocity=(0.5, 0.0), **row)
     lower = tribo.Surface("lower", facing="up", **row)
@@ -42,7 +49,7 @@ def scene(potential: object) -> tribo.Scene:
 
 
 def versions(folder: Path) -> dict[str, object]:
-    """The potential in each of the ways that it can be had."""
+    """The same potential in every version, by name."""
     source = inspect.getsource(lennard_jones)
     for name in ("first", "copied", "again"):
         (folder / f"{name}.py").write_text(source)
@@ -61,7 +68,7 @@ def versions(folder: Path) -> dict[str, object]:
 
 
 def measure(rounds: int) -> list[dict[str, object]]:
-    """Every version's time, and that it ends where the built-in does."""
+    """Measure the time of every version, and the difference of its end from the built-in's."""
     with tempfile.TemporaryDirectory() as folder:
         prepared = {
             name: tribo.prepare(scene(potential), method="verlet", step=STEP)

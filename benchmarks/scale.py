@@ -1,10 +1,10 @@
-"""Time and memory against the number of asperites, at fixed density: flat is linear.
+"""Measure time and memory against the number of asperites, at fixed density.
 
-Two square grids of Lennard-Jones bobs with a cutoff slide over one another by Verlet.  Each size
-is run for few and for more steps; the difference is the time of a step, and what remains (laying
-out, the first list of neighbours, the two samples) is told apart.  Prints nanoseconds per asperite
-and step and their ratio to the smallest size, seconds to build the scene and lay it out, and the
-largest memory in use.
+Two square grids of Lennard-Jones bobs with a cutoff slide over one another by Verlet.  Each size is
+run for few and for more steps.  The difference gives the time of a step; the rest (layout, first
+neighbour list, two samples) is reported apart.  It prints nanoseconds per asperite and step, their
+ratio to those of the smallest size, the seconds that building and laying out the scene take, and
+the peak memory.  A constant ratio means that the time is linear in the number of asperites.
 
     python benchmarks/scale.py [--json] [--most 1000000]
 """
@@ -19,12 +19,15 @@ import numpy as np
 import tribo
 from tribo.run.layout import lay_out
 
+# Numbers of asperites.
 SIZES = (1_000, 10_000, 100_000, 1_000_000)
+
+# Step of Verlet [time].
 STEP = 0.01
 
 
 def scene(asperites: int, duration: float) -> tribo.Scene:
-    """Two grids of half the asperites each, rough by a tenth of the potential's length."""
+    """Two grids of half the asperites each, with random heights of up to a tenth of sigma."""
     side = round((asperites / 2) ** 0.5)
     heights = np.random.default_rng(0).uniform(-0.1, 0.1, side * side)
     grid = {"shape": (side, side), "spacing": (1.5, 1.5), "asperite": tribo.Asperite(kappa=20.0)}
@@ -35,7 +38,7 @@ def scene(asperites: int, duration: float) -> tribo.Scene:
 
 
 def seconds(asperites: int, steps: int) -> float:
-    """The shortest of three runs."""
+    """Seconds of a run: the shortest of three."""
     simulation = tribo.prepare(scene(asperites, steps * STEP), method="verlet", step=STEP)
     results = [simulation.run() for _ in range(3)]
     assert results[0].cost.steps == steps
@@ -43,7 +46,7 @@ def seconds(asperites: int, steps: int) -> float:
 
 
 def building(asperites: int) -> float:
-    """Seconds to make the scene and lay it out for the kernels: the shortest of three."""
+    """Seconds to build the scene and lay it out for the kernels: the shortest of three."""
     taken = []
     for _ in range(3):
         began = time.perf_counter()
@@ -53,7 +56,7 @@ def building(asperites: int) -> float:
 
 
 def measure(asperites: int) -> dict[str, float]:
-    """One size; small ones take more steps, so that each is timed over a second or so."""
+    """Measure one size; small ones take more steps, so that each run takes about a second."""
     few = int(np.clip(3e5 / asperites, 4, 200))
     more = few + int(np.clip(3e6 / asperites, 24, 2000))
     short, long = seconds(asperites, few), seconds(asperites, more)
@@ -83,7 +86,7 @@ def main() -> None:
         ratio = row["nanoseconds"] / rows[0]["nanoseconds"]
         print(
             f"{row['asperites']:>9} asperites {row['nanoseconds']:8.1f} ns a step and asperite "
-            f"({ratio:.2f} of the smallest), {row['fixed_nanoseconds']:8.0f} ns once, "
+            f"({ratio:.2f} of the smallest), {row['fixed_nanoseconds']:8.0f} ns per asperite once, "
             f"built in {row['build_seconds']:.3f} s, {row['peak_gigabytes']:6.2f} GB"
         )
 

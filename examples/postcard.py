@@ -1,8 +1,8 @@
-"""A potential of one's own, from nothing to an answer: what it does, and whether it is right.
+"""A user's own potential, from its definition to a result and a report card.
 
-The class is all that has to be written: parameters and an energy.  64 bobs slide over 64 others
-by it, and it faces the report card, which looks at its force, its smoothness, its limits, and at
-what a run makes of its energy.
+A class with parameters and an energy is all that is needed.  Here 64 bobs slide over 64 others with
+this potential, and the report card checks its force, its smoothness, its limits, and the energy
+balance of a run.
 """
 
 from pathlib import Path
@@ -20,12 +20,12 @@ class Gauss(NamedTuple):
     width: float  # [length]
 
     def energy(self, r):
-        """At a distance r."""
+        """Energy at a distance r."""
         return self.height * np.exp(-0.5 * (r / self.width) ** 2)
 
 
 def main(folder=None):
-    """What the run and the card say; the card's figure is saved in a folder."""
+    """Run the scene, check the potential, and save the figure of its card in a folder."""
     mine = Gauss(height=0.05, width=0.2)
     row = {"shape": (64, 1), "spacing": (1.0, 0.0)}
     upper = tribo.Surface("upper", bob=(0.0, 0.3), velocity=(0.5, 0.0), **row)
@@ -38,11 +38,11 @@ def main(folder=None):
     gap = np.max(np.abs(system["applied_work"] - system["total_energy_change"]))
     return {
         "work done by the drives": system["applied_work"][-1],
-        "largest gap in the budget": gap,
-        "what it may be by the error bars": result.error_estimate["applied_work"]
+        "largest gap of the energy balance": gap,
+        "error estimates of both sides": result.error_estimate["applied_work"]
         + result.error_estimate["total_energy_change"],
         "checks on the card": len(card.checks),
-        "of which passed": sum(check.passed for check in card.checks),
+        "checks that passed": sum(check.passed for check in card.checks),
     }
 
 

@@ -1,9 +1,10 @@
-"""Warm tips slip: how friction falls with temperature, by means over many noisy runs.
+"""Friction of a tip decreases with temperature, as means over many runs with noise show.
 
-A bob rides on a corrugation -A cos(2 pi x / a); its bar hangs on a spring to a stage that moves
-along.  Cold, it sticks until its place of rest ends, and jumps.  A reservoir at a temperature T
-kicks it over what is left of the barrier before that, the sooner the warmer, and the pull does less
-work.  No two runs are alike; the mean over many is known as well as their number makes it.
+A bob moves in a corrugation -A cos(2 pi x / a); a spring ties its bar to a stage that moves.  At
+T = 0 the bob sticks until its equilibrium ends, and then jumps.  At a temperature T the noise of
+the reservoir takes it over the rest of the barrier before that, the earlier the higher T is, and
+the pull does less work.  Every run is different; the error of the mean decreases with the number of
+runs.
 
 E. Gnecco et al., Phys. Rev. Lett. 84 (2000) 1172;
 S. Yu. Krylov et al., Phys. Rev. E 71 (2005) 065101.
@@ -19,11 +20,23 @@ from tribo.ensembles.intervals import interval
 from tribo.model.bath import Langevin
 from tribo.model.fields import Corrugation, Field
 
+# Amplitude [energy] and period [length] of the corrugation.
 A = PERIOD = 1.0
-ETA, ROD, SPEED = 4.0, 10.0, 0.05
-K = (2.0 * np.pi / PERIOD) ** 2 * A / ETA  # of the two springs in series, as in stick_slip.py
-MEMBERS, SAMPLES = 48, 60  # samples in each of the three periods pulled
-COLOURS = {0.01: "#0b62a4", 0.1: "#8a6f00", 0.3: "#d55e00"}  # by temperature
+
+# Curvature of the corrugation relative to the springs, as in stick_slip.py.
+ETA = 4.0
+
+# Length of the rod [length], and speed of the stage [length / time].
+ROD, SPEED = 10.0, 0.05
+
+# Stiffness of the two springs in series, as in stick_slip.py [force / length].
+K = (2.0 * np.pi / PERIOD) ** 2 * A / ETA
+
+# Runs at each temperature, and samples in each of the three periods of the pull.
+MEMBERS, SAMPLES = 48, 60
+
+# Colours by temperature [energy].
+COLOURS = {0.01: "#0b62a4", 0.1: "#8a6f00", 0.3: "#d55e00"}
 
 
 def scene(temperature):
@@ -42,8 +55,7 @@ def scene(temperature):
 def friction(data):
     """Mean friction over the last period, and the half-width of its 95 % interval.
 
-    The work in a period is a difference of two times, whose errors go together: so the interval is
-    made from the members' own differences.
+    Works at two times are correlated, so the interval is that of the differences of the members.
     """
     work = data["tip.w2"]
     each = (work[:, -1] - work[:, -1 - SAMPLES]).values / PERIOD
@@ -51,21 +63,23 @@ def friction(data):
 
 
 def draw(path, runs):
-    """The mean work over the way of the stage, each with its band."""
+    """Draw mean works with their intervals against the distance of the stage."""
     with plotting.style():
         ax = plotting.axes(plotting.WIDE, 2.8)
         for temperature, data in runs.items():
-            way, mean = SPEED * data["time"], data["tip.w2_mean"]
+            distance, mean = SPEED * data["time"], data["tip.w2_mean"]
             half, colour = data["tip.w2_half_width"], COLOURS[temperature]
-            ax.fill_between(way, mean - half, mean + half, color=colour, alpha=0.35, lw=0.0)
-            ax.plot(way, mean, color=colour, label=f"$T = {temperature:g}\\,A$")
-        ax.set(xlabel="way of the stage / $a$", ylabel="work of the pull / $A$", xlim=(0.0, 3.0))
+            ax.fill_between(distance, mean - half, mean + half, color=colour, alpha=0.35, lw=0.0)
+            ax.plot(distance, mean, color=colour, label=f"$T = {temperature:g}\\,A$")
+        ax.set(
+            xlabel="distance of the stage / $a$", ylabel="work of the pull / $A$", xlim=(0.0, 3.0)
+        )
         ax.legend(loc="upper left", frameon=False)
-        ax.get_figure().savefig(path)
+    plotting.save(ax, path)
 
 
 def main(folder=None):
-    """The friction at each temperature, and how well it is known."""
+    """Compute the friction at each temperature, and half the width of its 95 % interval."""
     cold = scene(min(COLOURS))
     (tip,) = cold.surfaces
     runs = {}

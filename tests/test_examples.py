@@ -1,4 +1,4 @@
-"""Every example runs, draws its picture, and shows the one number that it is about."""
+"""Every example runs, draws its figure, and gives the number that it is about."""
 
 import pytest
 
@@ -8,39 +8,39 @@ EXAMPLES = sorted(path.stem for path in FOLDER.glob("*.py"))
 
 
 def commensurate_rows(shown):
-    """512 that fit have the friction of one each; 512 that do not, of one together."""
+    """512 commensurate asperites have the friction of one each; 512 others, of one together."""
     one = shown["friction of one asperite"]
-    assert shown["commensurate, of each of 512"] == pytest.approx(one, rel=0.01)
-    assert shown["the same, all 512 together"] == pytest.approx(1.05 * one, rel=0.02)
+    assert shown["commensurate, per asperite of 512"] == pytest.approx(one, rel=0.01)
+    assert shown["golden mean, whole row of 512"] == pytest.approx(1.05 * one, rel=0.02)
 
 
 def heat_into_baths(shown):
-    """The continuum's decay, within 1 % for as long as is claimed."""
-    assert shown["their largest distance until then"] < 0.01
+    """The decay is that of the continuum, to 1 %, for as long as tribo says."""
+    assert shown["largest error of 40 oscillators until then"] < 0.01
     assert shown["e_int with 160 oscillators at the end"] < 1e-6
 
 
 def postcard(shown):
-    """The books close within the error bars, and the card passes."""
-    assert shown["largest gap in the budget"] <= shown["what it may be by the error bars"]
-    assert shown["of which passed"] == shown["checks on the card"] >= 10
+    """The energy balance is closed within the error estimates, and the card passes."""
+    assert shown["largest gap of the energy balance"] <= shown["error estimates of both sides"]
+    assert shown["checks that passed"] == shown["checks on the card"] >= 10
 
 
 def rough_surface(shown):
-    """Nothing is lost."""
-    assert shown["largest gap in the budget / work"] < 1e-8
-    assert shown["heat"] > 0.8 * shown["work put in"]
+    """The energy balance is closed, and most of the work is heat."""
+    assert shown["largest gap of the balance / work"] < 1e-8
+    assert shown["heat"] > 0.8 * shown["work"]
 
 
 def stick_slip(shown):
-    """Below eta = 1 a slow pull costs next to nothing, above what the statics say."""
+    """The work of a slow pull is nearly zero below eta = 1, and that of the equilibria above."""
     assert shown["work in a period, eta = 0.7"] < 0.02
-    statics = shown["the same by statics, eta = 4.0"]
-    assert shown["work in a period, eta = 4.0"] == pytest.approx(statics, rel=0.02)
+    expected = shown["the same by equilibria, eta = 4.0"]
+    assert shown["work in a period, eta = 4.0"] == pytest.approx(expected, rel=0.02)
 
 
 def thermal_friction(shown):
-    """The warmer the less, by more than the means are uncertain."""
+    """Friction decreases with temperature by more than the intervals of the means."""
     mean = [shown[f"friction at T = {t}"] for t in (0.01, 0.1, 0.3)]
     half = [shown[f"half-width at T = {t}"] for t in (0.01, 0.1, 0.3)]
     assert mean[0] - half[0] > mean[1] + half[1]

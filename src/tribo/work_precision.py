@@ -12,6 +12,7 @@ import json
 import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -118,12 +119,12 @@ class WorkPrecision:
         )
         return "\n".join(lines)
 
-    def save_figure(self, path: Any) -> None:
-        """Draw error against time and against evaluations."""
+    def save_figure(self, path: str | Path) -> Path:
+        """Draw error against time and against evaluations into a file; returns its path."""
         from tribo import plotting
 
         with plotting.style():
-            plotting.write(_figure(self), path)
+            return plotting.save(_figure(self), path)
 
 
 def work_precision(

@@ -20,9 +20,10 @@ from tribo import (
     Scene,
     Surface,
     ensemble,
+    plotting,
 )
-from tribo.ensembles import figure
 from tribo.ensembles import runner as runner
+from tribo.ensembles.figure import mean_band
 from tribo.ensembles.intervals import interval, members_needed
 from tribo.model.roughness import Roughness
 from tribo.model.scene_file import scene_from
@@ -342,11 +343,16 @@ def test_a_file_keeps_it(tmp_path):
 
 
 def test_figure(tmp_path):
-    """Members, mean and band; a name that is no mean is refused."""
+    """Members, mean and interval; a quantity without a mean is refused."""
     data = ensemble(warm(), 4, step=0.1)
-    assert figure.save(data, "upper.W", tmp_path / "W.png").stat().st_size > 5000
-    with pytest.raises(InputError, match="is no mean"):
-        figure.save(data, "upper.theta", tmp_path / "W.png")
+    ax = mean_band(data, "upper.W")
+    *members, mean = ax.get_lines()
+    for line, values in zip(members, data["upper.W"].values, strict=True):
+        np.testing.assert_array_equal(line.get_ydata(), values)
+    np.testing.assert_array_equal(mean.get_ydata(), data["upper.W_mean"])
+    assert plotting.save(ax, str(tmp_path / "W.png")).stat().st_size > 5000
+    with pytest.raises(InputError, match=r"name: must be one of upper\.W, .* got 'upper\.theta'"):
+        mean_band(data, "upper.theta")
 
 
 # --- refusals ------------------------------------------------------------------------------------

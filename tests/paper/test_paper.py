@@ -1,4 +1,4 @@
-"""The paper's numbers beside ours: every row is there, and what is said of it is true."""
+"""The paper's numbers beside the computed ones: no row is missing, and the notes are right."""
 
 import csv
 from decimal import Decimal
@@ -8,7 +8,8 @@ import pytest
 
 from tribo import paper
 
-AGREE = 76  # of the 103 numbers; the others come from rounded times, or from the paper's method
+# Numbers that agree, of 103; the others come from rounded times, or from the paper's method.
+AGREE = 76
 
 
 @pytest.fixture(scope="module")
@@ -19,24 +20,24 @@ def tables():
 
 def printed():
     """The file of published values that comes with the package."""
-    text = files("tribo").joinpath("data/published_values.csv").read_text(encoding="utf-8")
+    text = files("tribo").joinpath("paper/published_values.csv").read_text(encoding="utf-8")
     return list(csv.DictReader(text.splitlines()))
 
 
 def test_every_row_is_there(tables):
-    """One row of ours for every row of the file, in its order."""
+    """There is a computed row for every row of the file, in its order."""
     keys = ("where", "t", "quantity", "printed")
     for case in "ABCDE":
         rows = [row for row in printed() if row["case"] == case]
         assert paper.published(case) == rows
-        theirs = [tuple(row[key] for key in keys) for row in rows]
-        ours = [tuple(getattr(row, key) for key in keys) for row in tables[case]]
-        assert ours == theirs
+        expected = [tuple(row[key] for key in keys) for row in rows]
+        found = [tuple(getattr(row, key) for key in keys) for row in tables[case]]
+        assert found == expected
     assert list(tables) == list("ABCDE")
     assert sum(map(len, tables.values())) == len(printed()) == 103
 
 
-def test_agreement_is_what_it_says(tables):
+def test_agreement_is_half_a_unit(tables):
     """Within half a unit of the last digit printed, and not beyond it."""
     for rows in tables.values():
         for row in rows:
@@ -49,24 +50,24 @@ def test_agreement_is_what_it_says(tables):
 
 
 def test_agreement(tables):
-    """At least as many agree as are known to; all of case D, and all given at the end of a run."""
+    """At least AGREE numbers agree, all of case D, and all that are given at the end of a run."""
     rows = [row for table in tables.values() for row in table]
     assert sum(row.agrees for row in rows) >= AGREE
     assert all(row.agrees for row in tables["D"])
     assert all(row.agrees for row in rows if row.t == "end")
 
 
-def test_what_differs_says_why(tables):
-    """A row that does not agree has a note; and what it proposes is a time or the paper's step."""
+def test_a_difference_is_explained(tables):
+    """A row that does not agree has a note, and errors are far below the printed digits."""
     for rows in tables.values():
         for row in rows:
             assert row.agrees or row.note
             assert row.error is None or row.error < 1e-7
 
 
-def test_noted_times_are_true(tables):
-    """Where a note says that another time would give the number, it does."""
-    runs = {case: paper.Run.followed(case) for case in "AC"}
+def test_noted_times_are_right(tables):
+    """Where a note says that another time gives the number, it does."""
+    runs = {case: paper.Run.extended(case) for case in "AC"}
     found = 0
     for case, run in runs.items():
         for row in tables[case]:
@@ -81,13 +82,13 @@ def test_noted_times_are_true(tables):
 
 @pytest.mark.parametrize(("attractive", "still"), [(False, "C"), (True, "D")])
 def test_moving_table_is_a_boost(attractive, still):
-    """E is C, or D if attractive, seen from a moving frame: every quantity, at every time."""
-    moving = paper.Run.followed("E", attractive=attractive)
-    assert paper.boost_gap(moving, paper.Run.followed(still)) < 1e-9
+    """E is C, or D if attractive, in a moving frame: every quantity, at every time."""
+    moving = paper.Run.extended("E", attractive=attractive)
+    assert paper.boost_error(moving, paper.Run.extended(still)) < 1e-9
 
 
 def test_report(tables):
-    """The text has a line a row, and the sum at its end."""
+    """The text has a line for each row and a total for each case."""
     lines = paper.report(tables).splitlines()
     for case, rows in tables.items():
         agree = sum(row.agrees for row in rows)

@@ -1,4 +1,4 @@
-"""The drawings hold what the runs computed, and land where they are told to."""
+"""Figures show the series of the run, and are written where the caller says."""
 
 from dataclasses import replace
 
@@ -8,7 +8,7 @@ import pytest
 import tribo
 from tribo import paper, plotting
 from tribo.paper import figures as paper_figures
-from tribo.plotting.geometry import contact_force, poses
+from tribo.plotting import scene_geometry
 from tribo.validation import InputError
 
 
@@ -16,11 +16,6 @@ from tribo.validation import InputError
 def result():
     scene = replace(paper.scene("A"), output=tribo.Output(samples=401))
     return tribo.simulate(scene, accuracy=1e-6)
-
-
-@pytest.fixture
-def ax():
-    return plotting.axes(plotting.COLUMN, 2.0)
 
 
 def test_case_a_is_drawn(tmp_path):
@@ -50,57 +45,81 @@ def test_a_file_is_no_folder(tmp_path, end):
 
 
 @pytest.mark.parametrize("surface", ["upper", "lower"])
-def test_an_asperite_is_drawn_where_it_is(result, ax, surface):
+def test_an_asperite_is_drawn_where_it_is(result, surface):
     k = 232
-    (pose,) = poses(result, result.t[k])[surface]
-    parts = plotting.draw_asperite(ax, pose)
+    (asperite,) = scene_geometry(result, result.t[k])[surface]
+    parts = plotting.draw_asperite(plotting.axes(), asperite)
     series = result[surface]
     for name, place in (("bob", "bob"), ("cm", "cm"), ("pivot", "bar")):
         expected = [series[f"{axis}_{place}"][k, 0] for axis in "xy"]
         assert parts[name].center == pytest.approx(expected, abs=1e-12)
     rod = parts["rod"].get_corners().mean(axis=0)
-    assert rod == pytest.approx((pose.bob + pose.bar) / 2)
-    assert parts["bar"].get_corners().mean(axis=0) == pytest.approx(pose.bar)
+    assert rod == pytest.approx((asperite.bob + asperite.bar) / 2)
+    assert parts["bar"].get_corners().mean(axis=0) == pytest.approx(asperite.bar)
 
 
-def test_between_samples_the_motion_is_followed(result):
-    coarse = tribo.simulate(replace(paper.scene("A"), output=tribo.Output(samples=101)), 1e-6)
-    (exact,) = poses(result, 22.1)["upper"]
-    (followed,) = poses(coarse, 22.1)["upper"]
-    assert followed.bob == pytest.approx(exact.bob, abs=1e-3)
-    with pytest.raises(InputError, match="t: must be from 0 to 40"):
-        poses(result, 41.0)
-
-
-def test_pseudowork_is_dashed(result, ax):
-    lines = plotting.work_curves(ax, result, "upper")
-    assert list(lines) == ["w1", "w2", "wL", "wR", "w", "w1_ps", "w2_ps"]
-    for name, line in lines.items():
+def test_pseudowork_is_dashed(result):
+    *lines, _ = plotting.work_curves(result, "upper").get_lines()
+    names = [line.get_label() for line in lines]
+    assert names == ["w1", "w2", "wL", "wR", "w", "w1_ps", "w2_ps"]
+    for name, line in zip(names, lines, strict=True):
         assert np.array_equal(line.get_xdata(), result.t)
         assert np.array_equal(line.get_ydata(), result["upper"][name][:, 0])
         assert line.is_dashed() == name.endswith("_ps")
 
 
-def test_the_force_is_the_slope_of_the_potential(result):
-    there = poses(result, 20.0)
-    away = there["upper"][0].bob - there["lower"][0].bob
-    force = contact_force(result, there, "upper", 0)
-    assert force == pytest.approx(0.2 * away / np.hypot(*away) ** 3)
-    assert contact_force(result, there, "lower", 0) == pytest.approx(-force)
-
-
 def test_a_sequence_measures_displacements(result):
-    ax = plotting.axes(plotting.COLUMN)
-    plotting.sequence(ax, result, (15.0, 23.2, 26.0))
+    ax = plotting.sequence(result, (15.0, 23.2, 26.0))
     arrows = [a for a in ax.texts if a.arrow_patch and a.xy[1] == a.xyann[1]]
     moved = [a.xy[0] - a.xyann[0] for a in arrows]
     assert moved == pytest.approx([4.4844, 4.1, 3.3314, 0.6653, 1.4, 2.8694], abs=6e-3)
 
 
+DRAWN = {
+    "angle": lambda result, ax: plotting.angle_curve(result, ax=ax),
+    "works": lambda result, ax: plotting.work_curves(result, ax=ax),
+    "snapshot": lambda result, ax: plotting.snapshot(result, 20.0, ("upper", 0), ax=ax),
+    "sequence": lambda result, ax: plotting.sequence(result, (15.0, 26.0), ax=ax),
+}
+
+
+@pytest.mark.parametrize("name", DRAWN)
+def test_axes_are_given_or_made(result, name, tmp_path):
+    """Axes that are given come back; without any there is a new figure in tribo's style."""
+    from matplotlib.figure import Figure
+
+    given = Figure().add_subplot()
+    assert DRAWN[name](result, given) is given
+    made = DRAWN[name](result, None)
+    assert made.figure is not given.figure
+    assert made.figure.get_figwidth() == plotting.COLUMN
+    path = plotting.save(made, str(tmp_path / f"{name}.pdf"))
+    assert path == tmp_path / f"{name}.pdf"
+    assert b"STIX" in path.read_bytes()
+
+
+@pytest.mark.parametrize("suffix", plotting.FILES)
+def test_a_figure_is_always_the_same_file(result, tmp_path, suffix):
+    """Two files of the same result are equal, byte for byte."""
+    one, other = (
+        plotting.save(plotting.angle_curve(result), tmp_path / f"{k}{suffix}") for k in range(2)
+    )
+    assert one.read_bytes() == other.read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("name", "problem"),
+    [("figure.txt", "must end on .png, .pdf, .svg"), ("none/figure.png", "cannot be written")],
+)
+def test_a_file_that_cannot_be_written(result, tmp_path, name, problem):
+    with pytest.raises(InputError, match=f"path: .*{problem}"):
+        plotting.save(plotting.angle_curve(result), tmp_path / name)
+
+
 def test_labels_keep_their_distance_and_their_order():
-    places = np.array([0.5, 0.51, 0.5, 0.99, 1.0, 0.1])
-    apart = plotting.spread(places, 0.1)
+    levels = np.array([0.5, 0.51, 0.5, 0.99, 1.0, 0.1])
+    apart = plotting.spread(levels, 0.1)
     assert np.all(np.diff(np.sort(apart)) >= 0.1 - 1e-12)
-    assert np.array_equal(np.argsort(apart), np.argsort(places, kind="stable"))
+    assert np.array_equal(np.argsort(apart), np.argsort(levels, kind="stable"))
     assert apart[5] == pytest.approx(0.1)
     assert apart.max() <= 1.0 + 1e-12

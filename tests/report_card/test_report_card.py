@@ -1,7 +1,7 @@
-"""The report card: every potential of the package passes, and every kind of slip is caught.
+"""Report cards: every potential of the package passes, and every kind of flaw is found.
 
-A slip is put into a right potential by hand, one at a time, and has to be found by the check that
-is meant for it; checks that look at something else have to go on passing.
+Each flaw is put into a correct potential by itself.  The check for it must fail, and checks of
+other properties must pass.
 """
 
 import json
@@ -31,15 +31,15 @@ from tribo.report_card import check
 from tribo.report_card.agreement import check_agreement
 from tribo.report_card.derivatives import check_force, curves, derivative
 from tribo.report_card.invariances import check_laws, check_work
+from tribo.report_card.scan import PotentialScan
 from tribo.report_card.smoothness import strengths
-from tribo.report_card.specimen import Specimen
 from tribo.validation import InputError
 
 LJ = {"potential": "lennard-jones", "epsilon": 1.0, "sigma": 1.0}
 COULOMB = {"potential": "coulomb", "strength": 0.5}
 PLACES = np.linspace(0.8, 3.0, 60)
 
-# Every built-in potential, and parameters to face the card with: soft, stiff, or in odd units.
+# Parameters of every built-in potential: soft, stiff, or in unusual units.
 PARAMETERS = {
     "coulomb": [{"strength": 0.2}, {"strength": -2.3e-28}],
     "lennard-jones": [{"epsilon": 1.0, "sigma": 1.0}, {"epsilon": 1.65e-21, "sigma": 3.4e-10}],
@@ -74,7 +74,7 @@ PARAMETERS = {
     "a*exp(-(r - b)**2/c**2) - cos(k*r)/r": [{"a": 1.0, "b": 3.0, "c": 0.5, "k": 6.0}],
 }
 RUNS = {"verlet", "kahan-li-6"}
-ROUGH = {  # those on whose way the force is not smooth enough for the runs of one name
+ROUGH = {  # potentials whose force is not smooth enough on the path for some runs
     "weeks-chandler-andersen": {"kahan-li-6"},
     "sum": {"kahan-li-6"},
     "table": {"kahan-li-6"},
@@ -88,7 +88,7 @@ def failed(report):
 
 
 def test_every_built_in_has_an_entry():
-    """A potential that is new to the registry is given parameters to face the card with."""
+    """Every potential of the registry has parameters above."""
     assert {name for name in PARAMETERS if not is_expression(name)} == {*BUILT_IN, *MADE}
 
 
@@ -101,7 +101,7 @@ def test_every_built_in_has_an_entry():
     ],
 )
 def test_built_in(name, parameters, tmp_path):
-    """The whole card."""
+    """Every check passes."""
     report = check(from_table({"potential": name} | parameters, tmp_path))
     assert report.passed, str(report)
     lines = {line.name for line in report.checks}
@@ -112,7 +112,7 @@ def test_built_in(name, parameters, tmp_path):
 
 @pytest.mark.parametrize("at_cutoff", AT_CUTOFF)
 def test_cutoffs(at_cutoff):
-    """Each is as smooth as it says, and its lines say what it is not."""
+    """Each cutoff is as smooth as declared, and has no bound where it declares nothing."""
     report = check(with_cutoff(LennardJones(1.0, 1.0), 2.5, at_cutoff))
     assert report.passed, str(report)
     names = ["energy at the cutoff", "force at the cutoff", "slope at the cutoff"]
@@ -124,23 +124,23 @@ def test_cutoffs(at_cutoff):
         assert ratio == pytest.approx(abs(at_end / LennardJones(1.0, 1.0).force(2.5)) / unit)
 
 
-# --- slips ---------------------------------------------------------------------------------------
+# --- flaws ---------------------------------------------------------------------------------------
 
-AT = 1.3  # where the slips are that are at one place
+AT = 1.3  # distance of flaws at a single distance [length]
 
 
-class Slip(NamedTuple):
-    """Lennard-Jones of unit depth and length, with a slip in one place or another."""
+class Flawed(NamedTuple):
+    """Lennard-Jones of unit depth and length, with a flaw."""
 
     force_off: float = 0.0  # relative error of the force
-    energy_off: float = 0.0  # of the energy
+    energy_off: float = 0.0  # relative error of the energy
     jump: float = 0.0  # of U at AT
-    turn: float = 0.0  # jump of the force there, and the kink of U that goes with it
-    bend: float = 0.0  # kink of the force there, and what goes with it
-    hole: float = 0.0  # distance at which U is no number
-    drag: float = 0.0  # force that does not end
-    last: float = 0.0  # distance from which the force is no number, if not 0
-    end: float = 0.0  # where U ends, if not 0
+    turn: float = 0.0  # jump of the force at AT, with the kink of U
+    bend: float = 0.0  # kink of the force at AT, with the bend of U
+    hole: float = 0.0  # distance at which U is nan
+    drag: float = 0.0  # constant force
+    last: float = 0.0  # distance from which the force is nan, if not 0
+    end: float = 0.0  # cutoff, if not 0
     deep: float = 1.0  # declared depth
 
     def energy(self, r):
@@ -172,8 +172,8 @@ class Slip(NamedTuple):
 AT_END = {"energy at the cutoff", "force at the cutoff", "slope at the cutoff"}
 JUMPS = {"jumps of energy", "jumps of force", "kinks of force"}
 
-# Each slip, the check that is meant for it, and those that cannot but notice too.
-SLIPS = {
+# Each flaw, the check for it, and other checks that it also affects.
+FLAWS = {
     "force off": ({"force_off": 1e-7}, "force", {"work", *RUNS}),
     "force off a little": ({"force_off": -1e-9}, "force", {"work", *RUNS}),
     "energy in other units": ({"energy_off": 0.0364}, "force", {"work", "minimum", *RUNS}),
@@ -189,31 +189,31 @@ SLIPS = {
 }
 
 
-def test_no_slip():
-    assert failed(check(Slip())) == set()
+def test_no_flaw():
+    assert failed(check(Flawed())) == set()
 
 
-@pytest.mark.parametrize("slip", SLIPS)
-def test_slip(slip):
-    """The check that is meant for it fails, and none that looks elsewhere."""
-    how, meant, others = SLIPS[slip]
-    report = check(Slip(**how))
+@pytest.mark.parametrize("flaw", FLAWS)
+def test_flaw(flaw):
+    """The check for it fails, and checks of other properties pass."""
+    how, meant, others = FLAWS[flaw]
+    report = check(Flawed(**how))
     assert meant in failed(report), str(report)
     assert failed(report) <= {meant} | others, str(report)
     assert not report.passed
 
 
 @given(st.floats(-9.0, -2.0), st.sampled_from([-1.0, 1.0]))
-def test_size_of_a_slip(digits, sign):
-    """The card's error is that of the force, where the force is most of the scale around."""
+def test_size_of_a_flaw(digits, sign):
+    """The error on the card is that of the force."""
     off = sign * 10.0**digits
-    line = check_force(curves(Specimen(as_potential(Slip(force_off=off)))))
+    line = check_force(curves(PotentialScan(as_potential(Flawed(force_off=off)))))
     assert not line.passed
     assert 0.3 * abs(off) < line.value < 1.01 * abs(off)
 
 
 @pytest.mark.parametrize(
-    ("slip", "name", "place"),
+    ("flaw", "name", "place"),
     [
         ("jump", "jumps of energy", AT),
         ("kink of the force", "kinks of force", AT),
@@ -221,24 +221,24 @@ def test_size_of_a_slip(digits, sign):
         ("jump at the end", "energy at the cutoff", 3.0),
     ],
 )
-def test_place(slip, name, place):
-    """The card says where: within a cell of the scan, or to the digit."""
-    report = check(Slip(**SLIPS[slip][0]))
+def test_place(flaw, name, place):
+    """The card has the distance of the flaw, within a cell of the scan."""
+    report = check(Flawed(**FLAWS[flaw][0]))
     assert report[name].where == pytest.approx(place, rel=0.03)
     assert f"r = {report[name].where:.9g}" in str(report)
 
 
-def test_strength_of_a_slip():
-    """Jumps and kinks are measured, in units of the largest |F| + |U| / r around."""
+def test_strength_of_a_flaw():
+    """Jumps and kinks have the right size, in units of the scale."""
     for how, k, size in (({"jump": 1e-4}, 0, 1e-4), ({"turn": 1e-4}, 1, 1e-4)):
-        specimen = Specimen(as_potential(Slip(**how)))
-        found = strengths(specimen, lambda r, k=k, s=specimen: s.compiled(r)[k], 1 - k)[0].max()
-        unit = specimen.scale(AT) * (AT if k == 0 else 1.0)
+        scan = PotentialScan(as_potential(Flawed(**how)))
+        found = strengths(scan, lambda r, k=k, s=scan: s.compiled(r)[k], 1 - k)[0].max()
+        unit = scan.scale(AT) * (AT if k == 0 else 1.0)
         assert found * unit == pytest.approx(size, rel=0.05)
 
 
 class OneSided(NamedTuple):
-    """A coupling that tells the two bobs apart."""
+    """A coupling that is not symmetric in the two bobs."""
 
     strength: float
 
@@ -253,13 +253,13 @@ class OneSided(NamedTuple):
 
 
 def test_third_law():
-    lines = {line.name: line for line in check_laws(Specimen(as_potential(OneSided(1.0))))}
+    lines = {line.name: line for line in check_laws(PotentialScan(as_potential(OneSided(1.0))))}
     assert not lines["third law"].passed
     assert lines["translation"].passed and lines["mirror"].passed
 
 
 class OfScalars(NamedTuple):
-    """A potential that arrays cannot pass through."""
+    """A potential that takes no arrays."""
 
     strength: float
 
@@ -271,9 +271,9 @@ class OfScalars(NamedTuple):
 
 
 def test_arrays():
-    arrays, compiled = check_agreement(Specimen(as_potential(OfScalars(1.0))))
+    arrays, compiled = check_agreement(PotentialScan(as_potential(OfScalars(1.0))))
     assert compiled.passed and not arrays.passed
-    assert "np.where" in arrays.says
+    assert "np.where" in arrays.note
 
 
 # --- a stale cache -------------------------------------------------------------------------------
@@ -293,17 +293,17 @@ from tribo.plugins import sources
 from tribo.potentials.tables import from_table
 from tribo.report_card import check
 from tribo.report_card.agreement import check_agreement
-from tribo.report_card.specimen import Specimen
+from tribo.report_card.scan import PotentialScan
 if sys.argv[2] == "wrong":
     sources.stamp = lambda plugins: "always-the-same"
 own = from_table({"potential": "own.py:Own", "s": 1.0}, Path(sys.argv[1]))
-print(*(line.name for line in check_agreement(Specimen(own)) if not line.passed))
+print(*(line.name for line in check_agreement(PotentialScan(own)) if not line.passed))
 """
 
 
 @pytest.mark.parametrize("stamp", ["right", "wrong"])
 def test_stale_cache(tmp_path, stamp):
-    """If the disk cache served an old version, the line on compiled code would fail."""
+    """If the disk cache served an old version, the check of compiled code would fail."""
     (tmp_path / "own.py").write_text(OWN)
     paths = os.pathsep.join([str(tmp_path), *sys.path])
     environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": paths}
@@ -345,9 +345,9 @@ def test_a_derivative_of_pieces():
 
 
 def test_a_noisy_energy_is_not_judged():
-    """An energy that trembles has no derivative to ten digits: the card says so, and fails."""
+    """A noisy energy has no derivative to ten digits: the check fails and says so."""
 
-    class Trembling(NamedTuple):
+    class Noisy(NamedTuple):
         s: float
 
         def energy(self, r):
@@ -356,9 +356,9 @@ def test_a_noisy_energy_is_not_judged():
         def force(self, r):
             return self.s / (r * r)
 
-    line = check_force(curves(Specimen(as_potential(Trembling(1.0)))))
+    line = check_force(curves(PotentialScan(as_potential(Noisy(1.0)))))
     assert not line.passed and line.failed
-    assert "of the distances only" in line.says
+    assert "dU/dr is known at only" in line.note
 
 
 # --- text, JSON, figure, status ------------------------------------------------------------------
@@ -366,7 +366,7 @@ def test_a_noisy_energy_is_not_judged():
 
 @pytest.fixture
 def run(tmp_path, monkeypatch, capsys):
-    """Call ``tribo check`` in a folder of its own; returns status, stdout and stderr."""
+    """Call ``tribo check`` in an empty folder; returns status, stdout and stderr."""
     monkeypatch.chdir(tmp_path)
 
     def call(*arguments):
@@ -398,7 +398,7 @@ class Wrong(NamedTuple):
 
 
 def test_a_wrong_file(run, tmp_path):
-    """A force that is wrong by 1e-7 fails, and the card says where and by how much."""
+    """A force with an error of 1e-7 fails, and the card has the distance and the error."""
     (tmp_path / "own.py").write_text(WRONG)
     status, out, _ = run("own.py:Wrong", "epsilon=1", "sigma=1", "--json")
     card = json.loads(out)
@@ -451,18 +451,18 @@ def test_wrong_input(run, tmp_path, arguments, message):
     assert err.startswith(f"tribo: {message}") and err.count("\n") == 1
 
 
-def test_what_is_no_potential():
+def test_other_objects_are_refused():
     for value in (3.0, live("ase.calculators.emt:EMT")):
         with pytest.raises(InputError, match=r"^potential: "):
             check(value)
 
 
 class Odd(NamedTuple):
-    """A narrow hill, by itself, with holes, or with a refusal of its own."""
+    """A narrow hill, which may have a hole, or raise an exception."""
 
     place: float
-    hole: float = 0.0  # nearer than which there is no number
-    end: float = 0.0  # from where it raises, if not 0
+    hole: float = 0.0  # distance below which the energy is nan
+    end: float = 0.0  # distance from which it raises, if not 0
 
     def energy(self, r):
         if 0.0 < self.end < r:
@@ -474,7 +474,7 @@ class Odd(NamedTuple):
 
 
 def test_odd_potentials():
-    """Next to nothing is not judged by its digits; nothing at all fails; what raises is refused."""
+    """Faint values are not judged by their digits; nan fails; exceptions are refused."""
     assert failed(check(Odd(3.0))) == set()
     assert {"finite", "force"} <= failed(check(Odd(3.0, hole=1e90)))
     with pytest.raises(InputError, match=r"^potential: Odd raises ValueError: too far"):
@@ -490,12 +490,12 @@ def test_figure(run, tmp_path, kind):
     assert (tmp_path / f"card.{kind}").read_bytes().startswith(begins)
 
 
-def test_figure_shows_what_there_is():
+def test_figure_shows_the_curves():
     """Energy, force and disagreement at the card's own distances, and the cutoff."""
-    from tribo.report_card.figure import draw
+    from tribo.report_card.figure import card_figure
 
     report = check(with_cutoff(LennardJones(1.0, 1.0), 3.0))
-    energy, force, disagreement = draw(report).axes
+    energy, force, disagreement = card_figure(report).axes
     for ax, values in ((energy, report.curves.energy), (force, report.curves.force)):
         line = max(ax.get_lines(), key=lambda line: len(line.get_xdata()))
         assert np.array_equal(line.get_xdata(), report.curves.r)
@@ -507,8 +507,8 @@ def test_figure_shows_what_there_is():
 # --- another program -----------------------------------------------------------------------------
 
 
-def test_a_calculator_of_ones_own():
-    """A potential is held against any calculator that is given, and fails if that is another."""
+def test_a_given_calculator():
+    """A potential passes with its own calculator, and fails with another one."""
     from ase.calculators.morse import MorsePotential
 
     peer = MorsePotential(epsilon=2.0, r0=1.5, rho0=4.5, rcut1=1e4, rcut2=2e4)
@@ -520,19 +520,19 @@ def test_a_calculator_of_ones_own():
 
 
 def one_way(places, energies, forces):
-    """The first surface's bobs feel more than they give."""
+    """The force on the first surface is larger than its reaction."""
     half = places.shape[1] // 2
     return energies, forces * np.where(np.arange(2 * half) < half, 1.0 + 1e-9, 1.0)[:, None]
 
 
 def uneven(places, energies, forces):
-    """Space is not the same everywhere."""
+    """Energy and forces depend on the position."""
     factor = 1.0 + 1e-9 * np.sin(places[:, 0, 0])
     return energies * factor, forces * factor[:, None, None]
 
 
 def handed(places, energies, forces):
-    """Forces are turned out of the line between the bobs."""
+    """Forces are turned away from the line between the bobs."""
     return energies, forces + 1e-8 * forces[..., ::-1] * [-1.0, 1.0]
 
 
@@ -541,12 +541,10 @@ def handed(places, energies, forces):
     [(one_way, "third law"), (uneven, "translation"), (handed, "mirror"), (handed, "closed loop")],
 )
 def test_broken_laws(law, name, monkeypatch):
-    """Kernels that broke a law would be caught by the line that is called so."""
-    specimen = Specimen(as_potential(Slip()))
-    right = specimen.probe
-    assert all(line.passed for line in [*check_laws(specimen), *check_work(specimen)])
-    monkeypatch.setattr(
-        specimen, "probe", lambda places, charges: law(places, *right(places, charges))
-    )
-    lines = {line.name: line for line in [*check_laws(specimen), *check_work(specimen)]}
+    """If the kernels broke a law, the check of that name would fail."""
+    scan = PotentialScan(as_potential(Flawed()))
+    right = scan.probe
+    assert all(line.passed for line in [*check_laws(scan), *check_work(scan)])
+    monkeypatch.setattr(scan, "probe", lambda places, charges: law(places, *right(places, charges)))
+    lines = {line.name: line for line in [*check_laws(scan), *check_work(scan)]}
     assert not lines[name].passed

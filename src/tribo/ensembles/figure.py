@@ -1,54 +1,65 @@
-"""A mean over time with the band that it is known to, and the members that it is of."""
+"""The members of an ensemble over time, their mean and its confidence interval."""
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tribo import plotting
-from tribo.plotting import INK, WIDE
+from tribo.plotting import INK, WIDE, drawing_on
 from tribo.validation import InputError
 
 if TYPE_CHECKING:
     import xarray
     from matplotlib.axes import Axes
 
-MEMBERS, BAND = "#7fadd0", "#d7301f"
-SHOWN = 100  # members, of which more would only blacken the picture
+MEMBER_COLOUR, INTERVAL_COLOUR = "#5b93bf", "#d7301f"
+
+# Opacity of one member's line: OPACITY / members, but at least FAINTEST.
+OPACITY, FAINTEST = 10.0, 0.25
+
+# Members drawn at most: with more their lines would cover the figure.
+MOST_MEMBERS = 100
 
 
-def save(data: xarray.Dataset, name: str, path: Any) -> Path:
-    """Draw one quantity, as "upper.W", into a .png, .pdf or .svg file; returns its path."""
-    from matplotlib.figure import Figure
+def mean_band(data: xarray.Dataset, name: str, ax: Axes | None = None) -> Axes:
+    """Draw the members of an ensemble, their mean and its confidence interval.
 
-    with plotting.style():
-        figure = Figure(figsize=(WIDE, 0.55 * WIDE), layout="constrained")
-        mean_band(figure.add_subplot(), data, name)
-        return plotting.write(figure, path)
+    Parameters
+    ----------
+    data : xarray.Dataset
+        As :func:`tribo.ensemble` returns it.
+    name : str
+        A quantity that has a mean, as "upper.W".
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; a new figure without it.
 
+    Returns
+    -------
+    matplotlib.axes.Axes
 
-def mean_band(ax: Axes, data: xarray.Dataset, name: str) -> None:
-    """Draw members of an ensemble, faint, their mean and its interval.  Raises InputError."""
+    Raises
+    ------
+    InputError
+        If the quantity has no mean.
+    """
     if f"{name}_mean" not in data:
         known = [str(key)[:-5] for key in data.data_vars if str(key).endswith("_mean")]
-        raise InputError("name", f"{name!r} is no mean; there are {', '.join(known)}")
+        raise InputError("name", f"must be one of {', '.join(known)}, got {name!r}")
     time = data["time"].values
     complete = data[name].values[data["status"].values == "completed"]
-    shown = complete[:SHOWN]
+    shown = complete[:MOST_MEMBERS]
     mean, half = data[f"{name}_mean"].values, data[f"{name}_half_width"].values
-    opacity = min(1.0, max(0.15, 3.0 / len(shown)))
-    faint: Any = {
-        "color": MEMBERS,
-        "linewidth": 0.5,
-        "alpha": opacity,
-    }
-    lines = ax.plot(time, shown.T, **faint)
-    band = ax.fill_between(time, mean - half, mean + half, color=BAND, alpha=0.45, linewidth=0.0)
-    (middle,) = ax.plot(time, mean, color=INK, linewidth=1.0)
-    ax.set(xlabel="$t$", ylabel=name, xlim=(time[0], time[-1]))
-    few = "" if len(shown) == len(complete) else f"{len(shown)} of "
-    labels = [f"{few}{len(complete)} members", "95 % interval of the mean", "mean"]
-    legend = ax.legend([lines[0], band, middle], labels, frameon=False, loc="best")
-    for handle in legend.get_lines():
-        handle.set_alpha(1.0)
-    ax.margins(y=0.05)
+    opacity = min(1.0, max(FAINTEST, OPACITY / len(shown)))
+    faint: Any = {"color": MEMBER_COLOUR, "linewidth": 0.5, "alpha": opacity}
+    with drawing_on(ax, WIDE, 0.55 * WIDE) as ax:
+        lines = ax.plot(time, shown.T, **faint)
+        interval: Any = {"color": INTERVAL_COLOUR, "alpha": 0.45, "linewidth": 0.0}
+        band = ax.fill_between(time, mean - half, mean + half, **interval)
+        (middle,) = ax.plot(time, mean, color=INK, linewidth=1.0)
+        ax.set(xlabel="$t$", ylabel=name, xlim=(time[0], time[-1]))
+        few = "" if len(shown) == len(complete) else f"{len(shown)} of "
+        labels = [f"{few}{len(complete)} members", "95 % interval of the mean", "mean"]
+        legend = ax.legend([lines[0], band, middle], labels, frameon=False, loc="best")
+        for handle in legend.get_lines():
+            handle.set_alpha(1.0)
+        ax.margins(y=0.05)
+    return ax

@@ -1,20 +1,21 @@
-"""A look at contacts by themselves: bobs are put in given places, and nothing moves."""
+"""Contacts evaluated at given positions of the bobs: nothing moves."""
 
-from tribo.kernels.contact import contact_energy, contact_forces
+from tribo.kernels.contact import contact_energy, contact_forces, separation
+from tribo.kernels.neighbours import image
 
 
-def contact_probe(model, places, charges, energies, forces):
-    """Fill in the contact energy, and the force on every bob, of one arrangement after another.
+def contact_probe(model, positions, charges, energies, forces):
+    """Compute the contact energy, and the force on every bob, for one arrangement after another.
 
-    places (k, n, 3), charges (k, n), energies (k,), forces (k, n, 2).
+    positions (k, n, 3), charges (k, n), energies (k,), forces (k, n, 2).
     """
     bobs = model.bobs
-    for k in range(places.shape[0]):
+    for k in range(positions.shape[0]):
         for i in range(bobs.shape[0]):
             b = bobs[i]
-            b.x = places[k, i, 0]
-            b.y = places[k, i, 1]
-            b.z = places[k, i, 2]
+            b.x = positions[k, i, 0]
+            b.y = positions[k, i, 1]
+            b.z = positions[k, i, 2]
             b.charge = charges[k, i]
             b.fx = 0.0
             b.fy = 0.0
@@ -23,3 +24,14 @@ def contact_probe(model, places, charges, energies, forces):
         for i in range(bobs.shape[0]):
             forces[k, i, 0] = bobs[i].fx
             forces[k, i, 1] = bobs[i].fy
+
+
+def distance_probe(model, positions, i, distances):
+    """Compute the distance from bob i to the nearest image of every bob.
+
+    positions (n, 3), distances (n,).
+    """
+    for j in range(positions.shape[0]):
+        dx = image(positions[i, 0] - positions[j, 0], model.box, 0)
+        dz = image(positions[i, 2] - positions[j, 2], model.box, 1)
+        distances[j] = separation(dx, positions[i, 1] - positions[j, 1], dz)

@@ -1,8 +1,10 @@
-"""The paper's five cases, its published values beside computed ones, and its figures.
+"""The paper's five cases, its printed numbers beside computed ones, and its figures.
 
 J. David Brown, *Work Done by Sliding Friction*.
 """
 
-from tribo.paper.cases import CASES, END, Row, Run, boost_gap, compare, published, report, scene
+from tribo.paper.cases import CASES, END, Run, scene
+from tribo.paper.comparison import Row, boost_error, compare, report
+from tribo.paper.published_values import published
 
-__all__ = ["CASES", "END", "Row", "Run", "boost_gap", "compare", "published", "report", "scene"]
+__all__ = ["CASES", "END", "Row", "Run", "boost_error", "compare", "published", "report", "scene"]

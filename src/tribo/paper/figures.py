@@ -1,7 +1,6 @@
-"""The paper's figures, drawn again from the computed motion.
+"""The paper's figures, drawn from the computed motion.
 
-J. David Brown, *Work Done by Sliding Friction*.  Figures have the paper's order; its labels for
-them are those in FIGURES.
+J. David Brown, *Work Done by Sliding Friction*.  Figures are in the order of the paper.
 """
 
 from __future__ import annotations
@@ -16,50 +15,93 @@ import numpy as np
 
 from tribo import plotting
 from tribo.paper.cases import END, Run
-from tribo.plotting import COLUMN, INK, WIDE, arrow, note
-from tribo.plotting.geometry import Pose, Poses, poses
-from tribo.validation import InputError
+from tribo.plotting import (
+    COLUMN,
+    INK,
+    WIDE,
+    AsperiteGeometry,
+    SceneGeometry,
+    arrow,
+    note,
+    scene_geometry,
+)
+from tribo.validation import InputError, as_path
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+# Colour of forces in the drawing of the model.
+FORCE_COLOUR = "#a50f15"
 
-FORCE = "#a50f15"
-GUTTER = 0.2  # between snapshots [length]
+# Distance between snapshots side by side [length].
+SNAPSHOT_GAP = 0.2
+
+# Kinds of files that each figure is written to.
+SUFFIXES = (".pdf", ".png")
 
 
 @dataclass(frozen=True)
 class Figure:
-    """One figure: the file's name, the paper's own label, and how it is drawn."""
+    """One figure of the paper.
+
+    Attributes
+    ----------
+    name : str
+        Name of the file, without suffix.
+    label : str
+        The figure's label in the source of the paper.
+    case : str
+        "A" to "E"; empty for the drawing of the model.
+    draw : callable
+        Draws the figure and returns its Axes.
+    """
 
     name: str
     label: str
-    case: str  # "" for the model itself
+    case: str
     draw: Callable[[], Axes]
 
 
-def draw(folder: Path, cases: Iterable[str]) -> list[Path]:
-    """Draw the model and the figures of the given cases into a folder; returns the files.
+def draw(folder: str | Path, cases: Iterable[str]) -> list[Path]:
+    """Draw the model and the figures of the given cases.
 
-    Every figure is written as PDF and as PNG.  Raises InputError if the folder cannot be used.
+    Parameters
+    ----------
+    folder : str or Path
+        Where to write; made if it does not exist.
+    cases : iterable of str
+        Of "A" to "E".
+
+    Returns
+    -------
+    list of Path
+        The files: each figure as PDF and as PNG.
+
+    Raises
+    ------
+    InputError
+        If nothing can be written to the folder.
     """
+    folder = as_path(folder)
     wanted = {"", *cases}
     written: list[Path] = []
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        with plotting.style():
-            for figure in FIGURES:
-                if figure.case in wanted:
-                    written += plotting.save(figure.draw(), folder / figure.name)
+        for figure in FIGURES:
+            if figure.case in wanted:
+                with plotting.style():
+                    ax = figure.draw()
+                written += [plotting.save(ax, folder / f"{figure.name}{end}") for end in SUFFIXES]
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError("--figures", f"{folder} cannot be written to ({reason})") from None
+    except InputError as error:
+        raise InputError("--figures", error.problem) from None
     return written
 
 
 def _angle(case: str) -> Axes:
-    ax = plotting.axes(COLUMN, 0.62 * COLUMN)
-    plotting.angle_curve(ax, Run.followed(case).result)
+    ax = plotting.angle_curve(Run.extended(case).result)
     ax.axhline(0.0, color="0.6", linewidth=0.5, zorder=0)
     ax.set_xlim(0.0, END[case])
     ax.set_ylim(-0.9, 0.9)
@@ -67,114 +109,116 @@ def _angle(case: str) -> Axes:
 
 
 def _snapshots(case: str, times: tuple[float, ...]) -> Axes:
-    """Snapshots side by side, and through each a line where the lower centre of mass stays."""
-    ax = plotting.axes(WIDE)
-    result = Run.followed(case).result
-    drawn: list[Poses] = []
+    """Snapshots side by side, each with a line at the lower centre of mass, which stays."""
+    result = Run.extended(case).result
+    drawn: list[SceneGeometry] = []
     right = 0.0
     for t in times:
-        left = plotting.extent(poses(result, t))[0]
-        drawn.append(plotting.snapshot(ax, result, t, shift=(right - left, 0.0)))
-        right = plotting.extent(drawn[-1])[1] + GUTTER
+        geometry = scene_geometry(result, t)
+        left = plotting.extent(geometry)[0]
+        drawn.append(plotting.shifted(geometry, (right - left, 0.0)))
+        right = plotting.extent(drawn[-1])[1] + SNAPSHOT_GAP
     box = plotting.extent(*drawn)
-    for there, label in zip(drawn, plotting.clock(times), strict=True):
-        left, right, *_ = plotting.extent(there)
-        note(ax, (0.5 * (left + right), box[2]), label, (0.0, -8.0))
-        (lower,) = there["lower"]
-        ax.plot(2 * [lower.cm[0]], box[2:], color=INK, lw=0.6, ls=(0, (4, 2)), zorder=1)
-    plotting.frame(ax, box, bottom=18.0)
-    plotting.trim(ax)
+    with plotting.drawing_on(None, WIDE) as ax:
+        for geometry, label in zip(drawn, plotting.time_labels(times), strict=True):
+            plotting.draw_asperites(ax, geometry)
+            left, right, *_ = plotting.extent(geometry)
+            note(ax, (0.5 * (left + right), box[2]), label, (0.0, -8.0))
+            (lower,) = geometry["lower"]
+            ax.plot(2 * [lower.cm[0]], box[2:], color=INK, lw=0.6, ls=(0, (4, 2)), zorder=1)
+        plotting.frame(ax, box, bottom=18.0)
     return ax
 
 
 def _works(case: str) -> Axes:
-    ax = plotting.axes(COLUMN, 0.72 * COLUMN)
-    plotting.work_curves(ax, Run.followed(case).result, span=(10.0, END[case]))
-    return ax
+    return plotting.work_curves(Run.extended(case).result, span=(10.0, END[case]))
 
 
 def _phases(case: str, times: tuple[float, ...], points: tuple[str, ...]) -> Axes:
-    ax = plotting.axes(COLUMN)
-    result = Run.followed(case).result
-    plotting.sequence(ax, result, times, points=points, phases=("approach", "recede"))
-    plotting.trim(ax)
-    return ax
+    result = Run.extended(case).result
+    return plotting.sequence(result, times, points=points, phases=("approach", "recede"))
 
 
 def _model() -> Axes:
-    """The upper asperite with all that the equations of motion name."""
-    ax = plotting.axes(COLUMN)
-    theta, l2 = np.pi / 6, 1.6
-    centre = np.array([l2 * np.sin(theta), -l2 * np.cos(theta)])  # so that the bar's is at (0, 0)
-    pose = Pose(centre, theta, phi=np.pi / 12, l1=1.7, l2=l2, bar_length=5.0)
-    plotting.draw_asperite(ax, pose)
-    _model_lengths(ax, pose)
-    _model_angles(ax, pose)
-    _model_places(ax, pose)
-    _model_forces(ax, pose)
-    plotting.frame(ax, (-3.05, 3.2, -3.6, 1.8))
-    plotting.trim(ax)
+    """The upper asperite with every quantity that the equations of motion name."""
+    theta, l1, l2 = np.pi / 6, 1.7, 1.6
+    rod = np.array([np.sin(theta), -np.cos(theta)])  # from the bar, at the origin, to the bob
+    asperite = AsperiteGeometry(
+        cm=l2 * rod,
+        bob=(l1 + l2) * rod,
+        bar=np.zeros(2),
+        theta=theta,
+        phi=np.pi / 12,
+        bar_length=5.0,
+    )
+    with plotting.drawing_on(None, COLUMN) as ax:
+        plotting.draw_asperite(ax, asperite)
+        _model_lengths(ax, asperite)
+        _model_angles(ax, asperite)
+        _model_positions(ax, asperite)
+        _model_forces(ax, asperite)
+        plotting.frame(ax, (-3.05, 3.2, -3.6, 1.8))
     return ax
 
 
-def _model_lengths(ax: Axes, pose: Pose) -> None:
-    rod = np.array([np.cos(pose.theta), np.sin(pose.theta)])  # across it, to the right
-    bar = np.array([-np.sin(pose.phi), np.cos(pose.phi)])  # across it, upwards
-    left, right = pose.ends
-    for place, text in (
-        (0.4 * pose.bar + 0.6 * pose.cm + 0.32 * rod, r"$\ell_2$"),
-        (0.5 * (pose.cm + pose.bob) + 0.32 * rod, r"$\ell_1$"),
-        (pose.cm + 0.4 * rod, "cm"),
-        (pose.bob + np.array([0.6, -0.1]), "$m_1$"),
-        (pose.bar + 0.4 * bar + (0.55, 0.15), "$m_2,\\ i_2$"),
-        (0.65 * left + 0.35 * pose.bar + 0.4 * bar, "$a/2$"),
-        (0.65 * right + 0.35 * pose.bar + 0.4 * bar, "$a/2$"),
+def _model_lengths(ax: Axes, asperite: AsperiteGeometry) -> None:
+    rod = np.array([np.cos(asperite.theta), np.sin(asperite.theta)])  # across it, to the right
+    bar = np.array([-np.sin(asperite.phi), np.cos(asperite.phi)])  # across it, upwards
+    left, right = asperite.ends
+    for position, text in (
+        (0.4 * asperite.bar + 0.6 * asperite.cm + 0.32 * rod, r"$\ell_2$"),
+        (0.5 * (asperite.cm + asperite.bob) + 0.32 * rod, r"$\ell_1$"),
+        (asperite.cm + 0.4 * rod, "cm"),
+        (asperite.bob + np.array([0.6, -0.1]), "$m_1$"),
+        (asperite.bar + 0.4 * bar + (0.55, 0.15), "$m_2,\\ i_2$"),
+        (0.65 * left + 0.35 * asperite.bar + 0.4 * bar, "$a/2$"),
+        (0.65 * right + 0.35 * asperite.bar + 0.4 * bar, "$a/2$"),
     ):
-        note(ax, place, text)
+        note(ax, position, text)
 
 
-def _model_angles(ax: Axes, pose: Pose) -> None:
+def _model_angles(ax: Axes, asperite: AsperiteGeometry) -> None:
     from matplotlib.patches import Arc
 
     for tip in ((2.75, 0.0), (0.0, -1.45)):
         ax.plot([0.0, tip[0]], [0.0, tip[1]], color=INK, lw=0.6, ls=(0, (4, 2)), zorder=3)
-    for radius, start, angle in ((2.05, 0.0, pose.phi), (1.05, -90.0, pose.theta)):
+    for radius, start, angle in ((2.05, 0.0, asperite.phi), (1.05, -90.0, asperite.theta)):
         turn = {"theta1": start, "theta2": start + float(np.degrees(angle))}
         ax.add_patch(Arc((0.0, 0.0), 2 * radius, 2 * radius, **turn, lw=0.7, zorder=3))
     note(ax, (2.22, 0.24), r"$\phi$")
     note(ax, (0.31, -1.2), r"$\theta$")
 
 
-def _model_places(ax: Axes, pose: Pose) -> None:
+def _model_positions(ax: Axes, asperite: AsperiteGeometry) -> None:
     origin = np.array([-2.4, -3.45])
     for axis, text in zip(1.3 * np.eye(2), ("$x$", "$y$"), strict=True):
         arrow(ax, origin, origin + axis, linewidth=0.6, linestyle=(0, (4, 2)), mutation_scale=6)
         note(ax, origin + 1.12 * axis, text)
     for tip, shift, text in (
-        (pose.cm, (-0.1, 0.25), r"$\vec{r}_{\rm cm}$"),
-        (pose.bob, (0.1, 0.25), r"$\vec{r}_1$"),
-        (pose.bar, (-0.3, 0.1), r"$\vec{r}_2$"),
+        (asperite.cm, (-0.1, 0.25), r"$\vec{r}_{\rm cm}$"),
+        (asperite.bob, (0.1, 0.25), r"$\vec{r}_1$"),
+        (asperite.bar, (-0.3, 0.1), r"$\vec{r}_2$"),
     ):
         arrow(ax, origin, tip, linewidth=0.7, mutation_scale=6)
         note(ax, 0.5 * (origin + tip) + shift, text)
     for end, shift, text in (
-        (pose.ends[0], (-0.3, 0.0), r"$\vec{r}_L$"),
-        (pose.ends[1], (0.3, 0.0), r"$\vec{r}_R$"),
+        (asperite.ends[0], (-0.3, 0.0), r"$\vec{r}_L$"),
+        (asperite.ends[1], (0.3, 0.0), r"$\vec{r}_R$"),
     ):
-        arrow(ax, pose.bar, end, linewidth=0.7, mutation_scale=6)
+        arrow(ax, asperite.bar, end, linewidth=0.7, mutation_scale=6)
         note(ax, end + shift, text)
 
 
-def _model_forces(ax: Axes, pose: Pose) -> None:
+def _model_forces(ax: Axes, asperite: AsperiteGeometry) -> None:
     for start, force, shift, text in (
-        (pose.bob, (1.4, 1.1), (0.2, 0.1), r"$\vec{f}_1$"),
-        (pose.bar, (-1.2, 1.05), (-0.2, 0.1), r"$\vec{f}_2$"),
-        (pose.ends[0], (-0.2, -0.9), (-0.25, 0.0), r"$\vec{f}_L$"),
-        (pose.ends[1], (0.4, 0.95), (0.3, 0.0), r"$\vec{f}_R$"),
+        (asperite.bob, (1.4, 1.1), (0.2, 0.1), r"$\vec{f}_1$"),
+        (asperite.bar, (-1.2, 1.05), (-0.2, 0.1), r"$\vec{f}_2$"),
+        (asperite.ends[0], (-0.2, -0.9), (-0.25, 0.0), r"$\vec{f}_L$"),
+        (asperite.ends[1], (0.4, 0.95), (0.3, 0.0), r"$\vec{f}_R$"),
     ):
         tip = start + np.array(force)
-        arrow(ax, start, tip, linewidth=1.5, color=FORCE, mutation_scale=10)
-        note(ax, tip + shift, text, color=FORCE)
+        arrow(ax, start, tip, linewidth=1.5, color=FORCE_COLOUR, mutation_scale=10)
+        note(ax, tip + shift, text, color=FORCE_COLOUR)
 
 
 ALL_THREE = ("bar", "cm", "bob")

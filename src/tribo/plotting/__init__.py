@@ -1,19 +1,18 @@
-"""Pictures of results: asperites, snapshots, sequences of them, angles and works over time.
+"""Figures of results: asperites, snapshots, sequences of snapshots, angles and works over time.
 
-Everything is drawn into matplotlib Axes that the caller owns::
+Functions that draw a figure take ``ax=None`` and return the Axes: those given, or those of a new
+figure in tribo's style.  `save` writes a figure to a path and returns the path::
 
-    with plotting.style():
-        ax = plotting.axes(plotting.COLUMN)
-        plotting.sequence(ax, result, times=(15.0, 23.2, 26.0))
-        plotting.trim(ax)
-        plotting.save(ax, folder / "sequence")
+    ax = plotting.work_curves(result, span=(10.0, 40.0))
+    plotting.save(ax, "works.pdf")
 
-Lengths of drawings are in the scene's own units, so that a bob is where the run had it; sizes of
-letters, gaps and margins are in points.
+Functions that add a mark to a figure (`note`, `arrow`, `draw_asperite`) take its Axes first.
+Lengths in drawings are in the scene's units.  Sizes of letters, gaps and margins are in points.
 """
 
+from tribo.plotting.geometry import AsperiteGeometry, SceneGeometry, scene_geometry, shifted
 from tribo.plotting.series import WORKS, angle_curve, spread, work_curves
-from tribo.plotting.snapshots import draw_asperite, extent, sequence, snapshot
+from tribo.plotting.snapshots import draw_asperite, draw_asperites, extent, sequence, snapshot
 from tribo.plotting.style import (
     COLUMN,
     EDGE,
@@ -23,14 +22,13 @@ from tribo.plotting.style import (
     WIDE,
     arrow,
     axes,
-    clock,
+    drawing_on,
     frame,
     note,
     save,
     style,
+    time_labels,
     trim,
-    unit,
-    write,
 )
 
 __all__ = [
@@ -41,21 +39,25 @@ __all__ = [
     "STYLE",
     "WIDE",
     "WORKS",
+    "AsperiteGeometry",
+    "SceneGeometry",
     "angle_curve",
     "arrow",
     "axes",
-    "clock",
     "draw_asperite",
+    "draw_asperites",
+    "drawing_on",
     "extent",
     "frame",
     "note",
     "save",
+    "scene_geometry",
     "sequence",
+    "shifted",
     "snapshot",
     "spread",
     "style",
+    "time_labels",
     "trim",
-    "unit",
     "work_curves",
-    "write",
 ]

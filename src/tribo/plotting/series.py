@@ -1,4 +1,4 @@
-"""Angles and works over time, each line with its name at its end."""
+"""Angles and works over time, each line labelled at its end."""
 
 from __future__ import annotations
 
@@ -6,13 +6,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tribo.plotting.style import INK, POINTS_PER_INCH
+from tribo.plotting.style import COLUMN, INK, POINTS_PER_INCH, drawing_on
 from tribo.run.result import Result
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.lines import Line2D
 
-WORKS = {  # subscript and colour of each; a pseudowork has its work's
+# Subscript and colour of each work; a pseudowork has those of its work.
+WORKS = {
     "w1": ("1", "#0b62a4"),
     "w2": ("2", "#d55e00"),
     "wL": ("L", "#2fae8c"),
@@ -23,69 +25,103 @@ WORKS = {  # subscript and colour of each; a pseudowork has its work's
     "w": ("", INK),
 }
 
+# Distance between labels at the ends of lines [points].
+LABEL_GAP = 11.0
+
 
 def angle_curve(
-    ax: Axes, result: Result, surface: str = "upper", asperite: int = 0, **properties: Any
-) -> Any:
-    """theta(t) of an asperite [rad]; returns the line."""
+    result: Result, surface: str = "upper", asperite: int = 0, ax: Axes | None = None
+) -> Axes:
+    """Draw theta over time [rad].
+
+    Parameters
+    ----------
+    result : Result
+    surface, asperite : str, int
+        The asperite.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; a new figure without it.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        Its last line is the angle, with the label "theta".
+    """
     theta = result[surface].theta[:, asperite]
     facing = {s.name: s.facing for s in result.scene.surfaces}[surface]
-    (line,) = ax.plot(result.t, theta, **({"color": WORKS["w1"][1]} | properties))
-    ax.set_xlabel("$t$")
-    ax.set_ylabel(r"$\theta$ (rad)" if facing == "down" else r"$\Theta$ (rad)")
-    ax.set_xlim(result.t[0], result.t[-1])
-    return line
+    with drawing_on(ax, COLUMN, 0.62 * COLUMN) as ax:
+        ax.plot(result.t, theta, color=WORKS["w1"][1], label="theta")
+        ax.set_xlabel("$t$")
+        ax.set_ylabel(r"$\theta$ (rad)" if facing == "down" else r"$\Theta$ (rad)")
+        ax.set_xlim(result.t[0], result.t[-1])
+    return ax
 
 
 def work_curves(
-    ax: Axes,
     result: Result,
     surface: str = "upper",
     asperite: int = 0,
     span: tuple[float, float] | None = None,
-) -> dict[str, Any]:
-    """Works on an asperite over time, pseudoworks dashed; returns the lines by their names.
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw the works on an asperite over time, pseudoworks dashed.
 
-    What is nothing throughout is left out.  Labels stand at the end of the `span` of time.
+    Works that are zero throughout are left out, and so is the total pseudowork.
+
+    Parameters
+    ----------
+    result : Result
+    surface, asperite : str, int
+        The asperite.
+    span : tuple of float, optional
+        Times between which curves are shown; labels stand at the later one [time].  All without it.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; a new figure without it.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The label of each line is the name of the work in the ledger, as "w1_ps".
     """
     from matplotlib.ticker import MaxNLocator
 
     series = result[surface]
     span = span or (float(result.t[0]), float(result.t[-1]))
-    lines, labels = {}, []
-    for suffix, ending in (("", ""), ("_ps", r"{,}{\rm ps}")):
-        for work, (subscript, colour) in WORKS.items():
-            name = work + suffix
-            if name == "w_ps" or name not in series or not np.any(series[name][:, asperite]):
-                continue
-            look: dict[str, Any] = {"linestyle": (0, (4, 2))} if suffix else {}
-            look |= {"linewidth": 1.6, "zorder": 3} if name == "w" else {}
-            values = series[name][:, asperite]
-            (lines[name],) = ax.plot(result.t, values, color=colour, **look)
-            labels.append(f"$w_{{{subscript}{ending}}}$")
-    ax.axhline(0.0, color="0.6", linewidth=0.5, zorder=0)
-    ax.set_xlabel("$t$")
-    ax.set_ylabel("work")
-    ax.set_xlim(*span)
-    ax.xaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 5, 10]))
-    if lines:
-        _label_ends(ax, dict(zip(labels, lines.values(), strict=True)), span[1])
-    return lines
+    lines: dict[str, Line2D] = {}
+    with drawing_on(ax, COLUMN, 0.72 * COLUMN) as ax:
+        for suffix, ending in (("", ""), ("_ps", r"{,}{\rm ps}")):
+            for work, (subscript, colour) in WORKS.items():
+                name = work + suffix
+                if name == "w_ps" or name not in series or not np.any(series[name][:, asperite]):
+                    continue
+                look: dict[str, Any] = {"linestyle": (0, (4, 2))} if suffix else {}
+                look |= {"linewidth": 1.6, "zorder": 3} if name == "w" else {}
+                values = series[name][:, asperite]
+                (line,) = ax.plot(result.t, values, color=colour, label=name, **look)
+                lines[f"$w_{{{subscript}{ending}}}$"] = line
+        ax.axhline(0.0, color="0.6", linewidth=0.5, zorder=0)
+        ax.set_xlabel("$t$")
+        ax.set_ylabel("work")
+        ax.set_xlim(*span)
+        ax.xaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 5, 10]))
+        if lines:
+            _label_ends(ax, lines, span[1])
+    return ax
 
 
-def _label_ends(ax: Axes, lines: dict[str, Any], t: float) -> None:
-    """Labels right of the frame, each beside its line's end and clear of its neighbours."""
+def _label_ends(ax: Axes, lines: dict[str, Line2D], t: float) -> None:
+    """Write labels right of the frame, each beside the end of its line and clear of the others."""
     low, high = ax.get_ylim()
     ax.set_ylim(low, high)
-    values = np.array([np.interp(t, *line.get_data()) for line in lines.values()])
+    values = np.array([np.interp(t, *np.asarray(line.get_data())) for line in lines.values()])
     height = ax.bbox.height / ax.figure.dpi * POINTS_PER_INCH
-    places = spread((values - low) / (high - low), 11.0 / height)
-    for (label, line), value, place in zip(lines.items(), values, places, strict=True):
+    levels = spread((values - low) / (high - low), LABEL_GAP / height)
+    for (label, line), value, level in zip(lines.items(), values, levels, strict=True):
         colour = line.get_color()
         ax.annotate(
             label,
             xy=(1.0, (value - low) / (high - low)),
-            xytext=(1.06, place),
+            xytext=(1.06, level),
             xycoords="axes fraction",
             va="center",
             color=colour,
@@ -99,17 +135,31 @@ def _label_ends(ax: Axes, lines: dict[str, Any], t: float) -> None:
         )
 
 
-def spread(places: np.ndarray, gap: float) -> np.ndarray:
-    """The nearest places from 0 to 1 in the same order that are at least `gap` apart."""
-    order = np.argsort(places, kind="stable")
-    groups: list[list[float]] = []  # of places less their turn's share, which only may not fall
-    for turn, place in enumerate(places[order]):
-        groups.append([float(place) - turn * gap])
+def spread(levels: np.ndarray, gap: float) -> np.ndarray:
+    """Move levels apart, as little as possible in least squares, and keep their order.
+
+    Parameters
+    ----------
+    levels : ndarray, (n,)
+        From 0 to 1.
+    gap : float
+        Least distance between two levels of the result.
+
+    Returns
+    -------
+    ndarray, (n,)
+        From 0 to 1, as far as there is room.
+    """
+    order = np.argsort(levels, kind="stable")
+    # Levels less `gap` for each level below must not decrease: pool those that do.
+    groups: list[list[float]] = []
+    for rank, level in enumerate(levels[order]):
+        groups.append([float(level) - rank * gap])
         while len(groups) > 1 and np.mean(groups[-2]) > np.mean(groups[-1]):
             last = groups.pop()
             groups[-1] += last
-    level = np.concatenate([np.full(len(group), np.mean(group)) for group in groups])
-    turns = np.arange(len(places))
-    apart = np.empty(len(places))
-    apart[order] = np.clip(level, 0.0, 1.0 - gap * turns[-1]) + gap * turns
+    pooled = np.concatenate([np.full(len(group), np.mean(group)) for group in groups])
+    ranks = np.arange(len(levels))
+    apart = np.empty(len(levels))
+    apart[order] = np.clip(pooled, 0.0, 1.0 - gap * ranks[-1]) + gap * ranks
     return apart

@@ -1,12 +1,12 @@
-"""Paper, ink and fonts: figures in the style of a journal, and how things are put on them.
+"""The style of tribo's figures, their files, and the marks that are put on them.
 
 Sizes of letters, gaps and margins are in points.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from contextlib import AbstractContextManager
+from collections.abc import Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,13 +15,23 @@ from tribo.validation import InputError, as_path
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from numpy.typing import ArrayLike
 
-COLUMN, WIDE = 3.375, 5.1  # one and one-and-a-half columns of a journal [inch]
-FILES = (".png", ".pdf", ".svg")  # kinds that a figure can be written as
+# Widths of one and of one and a half columns of a journal [inch].
+COLUMN, WIDE = 3.375, 5.1
+
+# Names of files that a figure can be written to end on one of these.
+FILES = (".png", ".pdf", ".svg")
+
 POINTS_PER_INCH = 72.0
-EDGE = 4.0  # of paper around a drawing [points]
+
+# Margin around a drawing [points].
+EDGE = 4.0
+
+# Sides of a box, in the order of its four numbers.
 SIDES = ("left", "right", "bottom", "top")
 
+# Colour of text, edges and arrows.
 INK = "#1a1a1a"
 
 STYLE: Any = {
@@ -40,103 +50,173 @@ STYLE: Any = {
     "ytick.minor.visible": True,
     "lines.linewidth": 1.1,
     "savefig.dpi": 300,
-    "pdf.fonttype": 42,  # letters stay letters, as journals ask for
+    # TrueType: text in a PDF file stays text, as journals require.
+    "pdf.fonttype": 42,
+    # The same figure is the same SVG file.
+    "svg.hashsalt": "tribo",
 }
 
 
-def figure_path(field: str, path: Any) -> Path:
-    """A path whose name ends on .png, .pdf or .svg.  Raises InputError."""
-    place = as_path(path)
-    if place.suffix.lower() not in FILES:
-        raise InputError(field, f"must end on {', '.join(FILES)}, got {str(path)!r}")
-    return place
+def style() -> AbstractContextManager[None]:
+    """Apply tribo's fonts and lines while the context lasts.
+
+    Functions that make their own Axes, and `save`, apply it themselves.
+
+    Returns
+    -------
+    context manager
+    """
+    from matplotlib import rc_context
+
+    return rc_context(STYLE)
 
 
-def write(figure: Figure, path: Any) -> Path:
-    """Write a figure into a file whose name ends on .png, .pdf or .svg.  Raises InputError."""
+def axes(width: float = COLUMN, height: float | None = None) -> Axes:
+    """Make the Axes of a new figure in tribo's style.
+
+    Parameters
+    ----------
+    width : float
+        Width of the figure [inch].
+    height : float, optional
+        Height of a graph [inch].  Without it the Axes are for a drawing: they fill the figure and
+        have no frame, and `trim` sets the height that the drawing needs.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    from matplotlib.figure import Figure
+
+    with style():
+        if height is not None:
+            return Figure(figsize=(width, height), layout="constrained").add_subplot()
+        ax = Figure(figsize=(width, width)).add_axes((0.0, 0.0, 1.0, 1.0))
+    ax.set_axis_off()
+    return ax
+
+
+@contextmanager
+def drawing_on(ax: Axes | None, width: float, height: float | None = None) -> Iterator[Axes]:
+    """Yield the given Axes, or new ones of that size, as `axes` makes them, in tribo's style.
+
+    A drawing on new Axes is trimmed at the end.
+    """
+    if ax is not None:
+        yield ax
+        return
+    with style():
+        ax = axes(width, height)
+        yield ax
+    if height is None:
+        trim(ax)
+
+
+def save(drawing: Axes | Figure, path: str | Path) -> Path:
+    """Write a figure to a file.
+
+    The same figure gives the same bytes: PDF and SVG files have no date.
+
+    Parameters
+    ----------
+    drawing : matplotlib.axes.Axes or matplotlib.figure.Figure
+        The figure, or Axes in it.
+    path : str or Path
+        Name of the file, which ends on .png, .pdf or .svg.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    InputError
+        If the name ends otherwise, or the file cannot be written.
+    """
     place = figure_path("path", path)
+    undated = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}
     try:
-        figure.savefig(place)
+        with style():
+            figure_of(drawing).savefig(place, metadata=undated.get(place.suffix.lower()))
     except OSError as error:
         why = error.strerror or str(error)
         raise InputError("path", f"{place} cannot be written ({why})") from None
     return place
 
 
-def style() -> AbstractContextManager[None]:
-    """Fonts and lines of a journal, for as long as the context lasts."""
-    from matplotlib import rc_context
-
-    return rc_context(STYLE)
-
-
-def axes(width: float, height: float | None = None) -> Axes:
-    """Axes of a new figure [inch]: with a height for a graph, without one for a drawing.
-
-    A drawing fills its figure and has no frame; `trim` gives it the height that it needs.
-    """
-    from matplotlib.figure import Figure
-
-    if height is not None:
-        return Figure(figsize=(width, height), layout="constrained").add_subplot()
-    ax = Figure(figsize=(width, width)).add_axes((0.0, 0.0, 1.0, 1.0))
-    ax.set_axis_off()
-    return ax
+def figure_path(field: str, path: str | Path) -> Path:
+    """The path of a figure's file; `field` is the name for errors.  Raises InputError."""
+    place = as_path(path)
+    if place.suffix.lower() not in FILES:
+        raise InputError(field, f"must end on {', '.join(FILES)}, got {str(path)!r}")
+    return place
 
 
-def save(ax: Axes, stem: Path) -> list[Path]:
-    """Write the figure that `ax` is in as ``stem.pdf`` and ``stem.png``."""
-    paths = [stem.with_name(stem.name + suffix) for suffix in (".pdf", ".png")]
-    for path in paths:
-        # Without a date the same picture is the same file.
-        stamp: Any = {"CreationDate": None} if path.suffix == ".pdf" else {}
-        _figure(ax).savefig(path, metadata=stamp)
-    return paths
-
-
-def _figure(ax: Axes) -> Figure:
-    figure = ax.get_figure(root=True)
+def figure_of(drawing: Axes | Figure) -> Figure:
+    """The outermost figure of Axes or of a figure."""
+    figure = drawing.get_figure(root=True)
     assert figure is not None
     return figure
 
 
-def arrow(ax: Axes, start: Any, tip: Any, **properties: Any) -> None:
-    """A straight arrow between two places."""
+def arrow(ax: Axes, start: ArrayLike, tip: ArrayLike, **properties: Any) -> None:
+    """Draw a straight arrow from `start` (2,) to `tip` (2,); `properties` are matplotlib's."""
     drawn = {"arrowstyle": "-|>,head_length=0.5,head_width=0.2", "linewidth": 0.9, "color": INK}
+    fixed = {"shrinkA": 0, "shrinkB": 0, "mutation_scale": 8}
     ax.annotate(
-        "",
-        xy=tuple(tip),
-        xytext=tuple(start),
-        arrowprops=drawn | {"shrinkA": 0, "shrinkB": 0, "mutation_scale": 8} | properties,
-        zorder=1000,
+        "", xy=_pair(tip), xytext=_pair(start), arrowprops=drawn | fixed | properties, zorder=1000
     )
 
 
 def note(
-    ax: Axes, place: Any, text: str, away: tuple[float, float] = (0.0, 0.0), **properties: Any
+    ax: Axes,
+    position: ArrayLike,
+    text: str,
+    offset: tuple[float, float] = (0.0, 0.0),
+    **properties: Any,
 ) -> None:
-    """A text beside a place, `away` from it [points]."""
-    where: dict[str, Any] = {"ha": "center", "va": "center", "zorder": 1001}
-    ax.annotate(
-        text, xy=tuple(place), xytext=away, textcoords="offset points", **(where | properties)
-    )
+    """Write a text at `position` (2,) plus `offset` [points]; `properties` are matplotlib's."""
+    where: dict[str, Any] = {"ha": "center", "va": "center", "zorder": 1001} | properties
+    ax.annotate(text, xy=_pair(position), xytext=offset, textcoords="offset points", **where)
 
 
-def clock(times: Sequence[float]) -> list[str]:
-    """Times with as many decimals as the longest of them needs."""
+def _pair(position: ArrayLike) -> tuple[float, float]:
+    import numpy as np
+
+    x, y = np.asarray(position, float)
+    return float(x), float(y)
+
+
+def time_labels(times: Sequence[float]) -> list[str]:
+    """Times as text, all with as many decimals as the longest of them needs."""
     decimals = max(len(f"{t:.6g}".partition(".")[2]) for t in times)
     return [f"$t = {t:.{decimals}f}$" for t in times]
 
 
-def unit(ax: Axes, box: tuple[float, float, float, float], **margins: float) -> float:
-    """The length that a point is, if a box is to fill the width of `ax` up to its margins."""
+def point_length(ax: Axes, box: tuple[float, float, float, float], **margins: float) -> float:
+    """The length that one point is if a box fills the width of `ax` up to its margins.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+    box : tuple of float
+        Left, right, bottom and top [length].
+    **margins : float
+        Margins ``left`` and ``right``, where they are not EDGE [points].
+
+    Returns
+    -------
+    float
+        [length]
+    """
     width = ax.bbox.width / ax.figure.dpi * POINTS_PER_INCH
     return (box[1] - box[0]) / (width - margins.get("left", EDGE) - margins.get("right", EDGE))
 
 
 def frame(ax: Axes, box: tuple[float, float, float, float], **margins: float) -> None:
     """Show a box (left, right, bottom, top) with margins of the same names [points]."""
-    point = unit(ax, box, **margins)
+    point = point_length(ax, box, **margins)
     left, right, bottom, top = (point * margins.get(side, EDGE) for side in SIDES)
     ax.set_xlim(box[0] - left, box[1] + right)
     ax.set_ylim(box[2] - bottom, box[3] + top)
@@ -144,7 +224,7 @@ def frame(ax: Axes, box: tuple[float, float, float, float], **margins: float) ->
 
 
 def trim(ax: Axes) -> None:
-    """Give the figure that a drawing fills the height that the drawing needs."""
+    """Set the height of a figure to that of the drawing which fills it."""
     (left, right), (bottom, top) = ax.get_xlim(), ax.get_ylim()
-    figure = _figure(ax)
+    figure = figure_of(ax)
     figure.set_figheight(figure.get_figwidth() * (top - bottom) / (right - left))

@@ -1,8 +1,9 @@
-"""A report card for a potential: everything that a run relies on, checked and graded."""
+"""Report cards: every property of a potential that a run relies on, checked and graded."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 from tribo.potentials.from_ase import Live
 from tribo.potentials.registry import as_potential
@@ -14,61 +15,84 @@ from tribo.report_card.derivatives import check_force, check_minimum, curves
 from tribo.report_card.invariances import check_laws, check_work
 from tribo.report_card.limits import check_finite, check_limits
 from tribo.report_card.motion import check_motion
+from tribo.report_card.scan import PotentialScan
 from tribo.report_card.smoothness import check_cutoff, check_smoothness
-from tribo.report_card.specimen import Specimen
 from tribo.validation import InputError
+
+if TYPE_CHECKING:
+    from ase.calculators.calculator import Calculator
 
 __all__ = ["Check", "Report", "check"]
 
 
-def check(potential: Any, ase: Any = None, symbols: Any = "H2") -> Report:
-    """A report card: everything that a run relies on in a potential, checked and graded.
+def check(
+    potential: Any, ase: Calculator | None = None, symbols: str | Sequence[str] = "H2"
+) -> Report:
+    """Check every property of a potential that a run relies on, and grade the errors.
 
-    `ase` is a calculator of the Atomic Simulation Environment to compare with, in eV and Angstrom,
-    on two atoms named by `symbols`; Coulomb, LennardJones and Morse have theirs.  The card is
-    printed by ``print``, and has ``passed``, ``checks``, ``to_json()`` and ``save_figure(path)``.
-    Raises InputError for what is no potential, or does not compile.
+    Parameters
+    ----------
+    potential : NamedTuple
+        A potential, of this package or the user's own.
+    ase : ase.calculators.calculator.Calculator, optional
+        A calculator of the Atomic Simulation Environment to compare with, in eV and Angstrom.
+        Without it, Coulomb, LennardJones and Morse are compared with those of ASE.
+    symbols : str or sequence of str
+        The two atoms that the calculator is given, as "H2" or ["Na", "Cl"].
+
+    Returns
+    -------
+    Report
+        It has ``passed``, ``checks``, ``to_json()`` and ``save_figure(path)``, and can be printed.
+
+    Raises
+    ------
+    InputError
+        If it is not a potential between pairs of bobs, or does not compile, or the calculator
+        fails.
     """
     if isinstance(potential, Live):
-        raise InputError("potential", "must be one of pairs; give a calculator as ase=")
-    specimen = Specimen(as_potential(potential))
-    found = curves(specimen)
+        raise InputError(
+            "potential", "must be a potential between pairs; give a calculator as ase="
+        )
+    scan = PotentialScan(as_potential(potential))
+    found = curves(scan)
     checks = [
-        check_finite(specimen),
+        check_finite(scan),
         check_force(found),
-        *check_minimum(specimen),
-        *check_smoothness(specimen),
-        *check_cutoff(specimen),
-        check_limits(specimen),
-        *check_laws(specimen),
-        *check_work(specimen),
-        *check_agreement(specimen),
-        *check_ase(specimen, ase, symbols),
-        *check_motion(specimen),
+        *check_minimum(scan),
+        *check_smoothness(scan),
+        *check_cutoff(scan),
+        check_limits(scan),
+        *check_laws(scan),
+        *check_work(scan),
+        *check_agreement(scan),
+        *check_ase(scan, ase, symbols),
+        *check_motion(scan),
     ]
-    return Report(_name(specimen.potential), tuple(checks), found)
+    return Report(_name(scan.potential), tuple(checks), found)
 
 
 def _name(potential: Any) -> str:
     """The potential's name and parameters, as on a command line."""
-    return _written(as_table(potential))
+    return _named(as_table(potential))
 
 
-def _written(table: dict[str, Any]) -> str:
+def _named(table: dict[str, Any]) -> str:
     values = dict(table)
     name = str(values.pop("potential"))
     if ".py:" in name:
         name = name.rpartition("/")[2]
-    return " ".join([name, *(f"{key}={_shown(value)}" for key, value in values.items())])
+    return " ".join([name, *(f"{key}={_as_text(value)}" for key, value in values.items())])
 
 
-def _shown(value: Any) -> str:
-    """A parameter: a number, a word, another potential, several of them, or many numbers."""
+def _as_text(value: object) -> str:
+    """A parameter: a number, a word, a potential, several potentials, or many numbers."""
     if isinstance(value, float):
         return f"{value:g}"
     if isinstance(value, dict):
-        return f"({_written(value)})"
+        return f"({_named(value)})"
     if isinstance(value, list):
         dicts = [item for item in value if isinstance(item, dict)]
-        return " + ".join(map(_shown, dicts)) if dicts else f"[{len(value)} numbers]"
+        return " + ".join(map(_as_text, dicts)) if dicts else f"[{len(value)} numbers]"
     return str(value)

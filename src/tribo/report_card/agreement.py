@@ -1,57 +1,58 @@
-"""One potential, four ways to compute it: scalar, array, and what runs have compiled."""
+"""One potential computed in three ways: one distance at a time, arrays, and compiled code."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from tribo.report_card.card import Check
-from tribo.report_card.specimen import Specimen
+from tribo.report_card.scan import PotentialScan
 
-ROUND_OFF = 1e-12  # relative to the scale around
+# Largest acceptable difference, relative to the scale of the potential at that distance.
+ROUND_OFF = 1e-12
 
 
-def check_agreement(specimen: Specimen) -> list[Check]:
-    """Arrays and compiled code say what the methods say of one distance after another."""
-    r = np.concatenate([specimen.r, specimen.special])
-    r = r[r < specimen.cutoff]
+def check_agreement(scan: PotentialScan) -> list[Check]:
+    """Compare arrays and compiled code with the potential's methods, one distance at a time."""
+    r = np.concatenate([scan.r, scan.special])
+    r = r[r < scan.cutoff]
     with np.errstate(all="ignore"):
-        energy = np.array([float(specimen.written_energy(np.float64(x))) for x in r])
-        force = np.array([float(specimen.written_force(np.float64(x))) for x in r])
-        says = ""
+        energy = np.array([float(scan.python_energy(np.float64(x))) for x in r])
+        force = np.array([float(scan.python_force(np.float64(x))) for x in r])
+        note = ""
         try:
-            arrays = [np.broadcast_to(np.asarray(x, float), r.shape) for x in specimen.written(r)]
+            arrays = [np.broadcast_to(np.asarray(x, float), r.shape) for x in scan.in_python(r)]
         except Exception as error:
-            says = f"no arrays ({type(error).__name__}); numpy's functions and np.where take them"
+            note = f"arrays raise {type(error).__name__}; use functions of numpy, and np.where"
             arrays = [energy, force]
     return [
-        _line("arrays", specimen, r, (energy, force), (arrays[0], arrays[1]), says),
-        _line("compiled", specimen, r, (energy, force), specimen.compiled(r)),
+        _compared("arrays", scan, r, (energy, force), (arrays[0], arrays[1]), note),
+        _compared("compiled", scan, r, (energy, force), scan.compiled(r)),
     ]
 
 
-def _line(
+def _compared(
     name: str,
-    specimen: Specimen,
+    scan: PotentialScan,
     r: np.ndarray,
     one: tuple[np.ndarray, np.ndarray],
     other: tuple[np.ndarray, np.ndarray],
-    says: str = "",
+    note: str = "",
 ) -> Check:
-    """The largest difference; where neither is a number there is none."""
-    scale = specimen.scale(r)
+    """The largest difference; none where neither value is finite, infinite where one is."""
+    scale = scan.scale(r)
     errors = np.zeros(r.size)
     for k, unit in enumerate((scale * r, scale)):
-        numbers = np.isfinite(one[k]) & np.isfinite(other[k])
-        alike = np.isfinite(one[k]) == np.isfinite(other[k])
-        gap = np.abs(np.subtract(one[k], other[k], where=numbers, out=np.zeros(r.size))) / unit
-        errors = np.maximum(errors, np.where(alike, gap, np.inf))
+        both = np.isfinite(one[k]) & np.isfinite(other[k])
+        same_kind = np.isfinite(one[k]) == np.isfinite(other[k])
+        gap = np.abs(np.subtract(one[k], other[k], where=both, out=np.zeros(r.size))) / unit
+        errors = np.maximum(errors, np.where(same_kind, gap, np.inf))
     worst = int(np.argmax(errors))
     return Check(
         name,
-        f"with one r at a time, at {r.size} distances",
+        f"values for one r at a time, at {r.size} distances",
         float(errors[worst]),
         ROUND_OFF,
         float(r[worst]),
-        says=says,
-        failed=bool(says),
+        note=note,
+        failed=bool(note),
     )

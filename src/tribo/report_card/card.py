@@ -1,14 +1,15 @@
-"""The card itself: what was checked, how large the error is, and whether that will do."""
+"""A report card: what was checked, how large the errors are, and whether they are acceptable."""
 
 from __future__ import annotations
 
 import json
 import math
 from dataclasses import dataclass
-from typing import Any
+from pathlib import Path
 
 import numpy as np
 
+from tribo.plotting.style import save
 from tribo.run.result import without_nan
 
 EPSILON = float(np.finfo(float).eps)
@@ -16,30 +17,47 @@ EPSILON = float(np.finfo(float).eps)
 
 @dataclass(frozen=True)
 class Check:
-    """One line of the card."""
+    """One line of a report card.
+
+    Attributes
+    ----------
+    name : str
+    compared : str
+        The quantities that were compared.
+    value : float
+        Error: relative, or a number of distances.
+    bound : float or None
+        Largest acceptable error; None where the potential promises nothing.
+    where : float or None
+        Distance at which the error is largest [length].
+    note : str
+        An explanation, as of a failure for another reason than the error.
+    failed : bool
+        Whether the check failed for a reason that `note` gives.
+    """
 
     name: str
-    looked_at: str  # what was compared with what
-    value: float  # the error found: relative, but for a count of distances
-    bound: float | None  # the largest that will do; None where nothing is promised
-    where: float | None = None  # the distance at which the error is largest [length]
-    says: str = ""  # what else is to be known of it
-    failed: bool = False  # for a reason other than the value, which `says` gives
+    compared: str
+    value: float
+    bound: float | None
+    where: float | None = None
+    note: str = ""
+    failed: bool = False
 
     @property
     def passed(self) -> bool:
-        """Whether the value is within its bound; what is not a number never is."""
+        """Whether the error is within its bound; nan never is."""
         return not self.failed and (self.bound is None or self.value <= self.bound)
 
     @property
     def grade(self) -> float | None:
-        """log10(error / machine epsilon): decimal digits lost; None for what is no number."""
+        """Decimal digits lost, log10(error / machine epsilon); None if the error is not finite."""
         if not math.isfinite(self.value):
             return None
         return round(max(0.0, math.log10(max(self.value, EPSILON) / EPSILON)), 1)
 
     @property
-    def table(self) -> dict[str, Any]:
+    def table(self) -> dict[str, object]:
         """The line as ``tribo check --json`` prints it."""
         return {
             "name": self.name,
@@ -48,36 +66,63 @@ class Check:
             "bound": self.bound,
             "grade": self.grade,
             "where": self.where,
-            "looked_at": self.looked_at,
-            "says": self.says,
+            "looked_at": self.compared,
+            "says": self.note,
         }
 
 
 @dataclass(frozen=True, eq=False)
 class Curves:
-    """What the figure shows: everything at the distances r, (n,)."""
+    """The curves of a report card's figure, at n distances.
 
-    r: np.ndarray  # [length]
-    energy: np.ndarray  # [energy]
-    force: np.ndarray  # [energy / length]
-    disagreement: np.ndarray  # of force and -dU/dr, relative to the scale around
-    uncertainty: np.ndarray  # of -dU/dr by differences, relative to the same
-    bound: float  # of the disagreement
-    cutoff: float  # infinite where there is none [length]
-    length: float  # of the minimum, or another distance that is typical
+    Attributes
+    ----------
+    r : ndarray, (n,)
+        Distances [length].
+    energy, force : ndarray, (n,)
+        [energy], [energy / length]
+    disagreement : ndarray, (n,)
+        |F + dU/dr| relative to the scale of the force.
+    uncertainty : ndarray, (n,)
+        Uncertainty of dU/dr by differences, relative to the same.
+    bound : float
+        Largest acceptable disagreement.
+    cutoff : float
+        Infinite without a cutoff [length].
+    length : float
+        Typical distance: that of the minimum if there is one [length].
+    """
+
+    r: np.ndarray
+    energy: np.ndarray
+    force: np.ndarray
+    disagreement: np.ndarray
+    uncertainty: np.ndarray
+    bound: float
+    cutoff: float
+    length: float
 
 
 @dataclass(frozen=True, eq=False)
 class Report:
-    """A potential's report card."""
+    """The report card of a potential; ``report["force"]`` is one of its checks.
 
-    potential: str  # its name and parameters
+    Attributes
+    ----------
+    potential : str
+        Name and parameters of the potential.
+    checks : tuple of Check
+    curves : Curves
+        Energy, force and their disagreement, for the figure.
+    """
+
+    potential: str
     checks: tuple[Check, ...]
     curves: Curves
 
     @property
     def passed(self) -> bool:
-        """Whether all checks passed."""
+        """Whether every check passed."""
         return all(check.passed for check in self.checks)
 
     def __getitem__(self, name: str) -> Check:
@@ -85,10 +130,10 @@ class Report:
             if check.name == name:
                 return check
         names = ", ".join(check.name for check in self.checks)
-        raise KeyError(f"there is no check {name!r}; there are {names}")
+        raise KeyError(f"must be one of {names}, got {name!r}")
 
     def to_json(self) -> str:
-        """The card as strict JSON: what is not a number is null."""
+        """The card as strict JSON, as ``tribo check --json`` prints it; null stands for nan."""
         table = {
             "potential": self.potential,
             "passed": self.passed,
@@ -96,11 +141,27 @@ class Report:
         }
         return json.dumps(without_nan(table), indent=1, allow_nan=False)
 
-    def save_figure(self, path: Any) -> None:
-        """Draw energy, force, their disagreement and the cutoff into a PNG, PDF or SVG file."""
-        from tribo.report_card.figure import save
+    def save_figure(self, path: str | Path) -> Path:
+        """Draw energy, force, their disagreement and the cutoff.
 
-        save(self, path)
+        Parameters
+        ----------
+        path : str or Path
+            Name of the file, which ends on .png, .pdf or .svg.
+
+        Returns
+        -------
+        Path
+            The file.
+
+        Raises
+        ------
+        InputError
+            If the name ends otherwise, or the file cannot be written.
+        """
+        from tribo.report_card.figure import card_figure
+
+        return save(card_figure(self), path)
 
     def __str__(self) -> str:
         r = self.curves.r
@@ -112,12 +173,12 @@ class Report:
             grade = "-" if check.grade is None else f"{check.grade:.1f}"
             verdict = "passed" if check.passed else "FAILED"
             numbers = f"  {check.name:{width}}  {check.value:7.1e}  {bound:>7}  {grade:>5}  "
-            lines.append(f"{numbers}{verdict}  {check.looked_at}")
+            lines.append(f"{numbers}{verdict}  {check.compared}")
             margin = " " * len(f"{numbers}{verdict}  ")
             if not check.passed and check.where is not None:
                 lines.append(f"{margin}worst at r = {check.where:.9g}")
-            if check.says:
-                lines.append(f"{margin}{check.says}")
+            if check.note:
+                lines.append(f"{margin}{check.note}")
         return "\n".join([*lines, "", self._verdict()])
 
     def _verdict(self) -> str:

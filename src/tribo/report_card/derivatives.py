@@ -1,4 +1,4 @@
-"""Force against the derivative of the energy, which comes with its own uncertainty; minima."""
+"""Force and minimum compared with derivatives of the energy, whose uncertainty is estimated."""
 
 from __future__ import annotations
 
@@ -10,19 +10,35 @@ import numpy as np
 from scipy import differentiate
 
 from tribo.report_card.card import Check, Curves
-from tribo.report_card.specimen import Specimen
+from tribo.report_card.scan import PotentialScan
 
-BOUND = 1e-10  # of force + dU/dr, relative to the scale around
-TRUSTED = 10.0  # uncertainties that a disagreement must exceed to be one
-KNOWN = 0.9  # of the distances at which the derivative must be known to within the bound
-REACH = 0.1  # of r or the typical distance: how far from r the energy is evaluated
-LEVELS = 12  # of differences, each over half the distance of the one before
-SHORTER = (1.0, 1.0 / 16.0, 1.0 / 256.0)  # of the reach, with which differences begin
-AGREEMENT = 1e-13  # relative, of two successive estimates of a derivative
+# Largest acceptable |F + dU/dr|, relative to the scale of the force.
+BOUND = 1e-10
+
+# Factor by which the bound must exceed the uncertainty of dU/dr where the two are compared.
+TRUSTED = 10.0
+
+# Least fraction of the distances at which they must be compared.
+KNOWN = 0.9
+
+# Largest distance from r at which the energy is evaluated [r, or the typical distance].
+REACH = 0.1
+
+# Number of differences, each over half the distance of the one before.
+LEVELS = 12
+
+# Distances at which differences begin [reach].
+SHORTER = (1.0, 1.0 / 16.0, 1.0 / 256.0)
+
+# Relative difference of two successive estimates of a derivative that ends the sequence.
+AGREEMENT = 1e-13
+
 # Relative error of a derivative by SciPy's coefficients, which are rounded to double precision:
 # up to 3.5e-15 was measured for r^-12, exp(-5 r) and the Lennard-Jones energy.
 WEIGHTS = 4e-15
-MINIMUM = 1e-9  # relative error of a declared minimum
+
+# Largest acceptable relative error of a declared minimum.
+MINIMUM = 1e-9
 
 Rule = Callable[[Any], Any]  # of a distance h, something whose limit at h = 0 is wanted
 
@@ -69,28 +85,28 @@ def derivative(function: Rule, r: Any, reach: Any) -> tuple[np.ndarray, np.ndarr
     return best, uncertainty
 
 
-def curves(specimen: Specimen) -> Curves:
-    """Energy, force, and how far the force is from minus the energy's derivative."""
-    r, end = specimen.r, specimen.cutoff
-    reach = REACH * np.minimum(r, specimen.length)
+def curves(scan: PotentialScan) -> Curves:
+    """Energy, force, and |F + dU/dr| with the uncertainty of dU/dr."""
+    r, end = scan.r, scan.cutoff
+    reach = REACH * np.minimum(r, scan.length)
     reach = np.where(r < end, np.minimum(reach, 0.9 * np.abs(end - r)), reach)
     with np.errstate(all="ignore"):
-        slope, uncertainty = derivative(specimen.written_energy, r, reach)
-        scale = specimen.scale(r)
+        slope, uncertainty = derivative(scan.python_energy, r, reach)
+        scale = scan.scale(r)
         return Curves(
             r=r,
-            energy=specimen.energy,
-            force=specimen.force,
-            disagreement=np.abs(specimen.force + slope) / scale,
+            energy=scan.energy,
+            force=scan.force,
+            disagreement=np.abs(scan.force + slope) / scale,
             uncertainty=uncertainty / scale,
             bound=BOUND,
             cutoff=end,
-            length=specimen.length,
+            length=scan.length,
         )
 
 
 def check_force(found: Curves) -> Check:
-    """Where the derivative is known well enough, the force has to be minus that."""
+    """Check that the force is -dU/dr where the uncertainty of dU/dr permits it."""
     inside = found.r < found.cutoff
     known = inside & (TRUSTED * found.uncertainty <= BOUND)
     share = float(np.count_nonzero(known)) / max(1, int(np.count_nonzero(inside)))
@@ -99,41 +115,45 @@ def check_force(found: Curves) -> Check:
     best = float(np.median(found.uncertainty[known])) if known.any() else math.inf
     return Check(
         "force",
-        f"with -dU/dr, known to {best:.1e}",
+        f"force and -dU/dr, whose uncertainty is {best:.1e}",
         float(errors[worst]),
         BOUND,
         float(found.r[worst]),
-        says="" if share >= KNOWN else f"dU/dr is known at {share:.0%} of the distances only",
+        note="" if share >= KNOWN else f"dU/dr is known at only {share:.0%} of the distances",
         failed=share < KNOWN,
     )
 
 
-def check_minimum(specimen: Specimen) -> list[Check]:
-    """The place, depth and curvature of the minimum, where the potential declares them."""
-    if not hasattr(specimen.potential, "minimum"):
+def check_minimum(scan: PotentialScan) -> list[Check]:
+    """Check distance, depth and curvature of the minimum, if the potential declares them."""
+    if not hasattr(scan.potential, "minimum"):
         return []
-    r, depth, stiffness = (float(x) for x in specimen.potential.minimum())
+    r, depth, stiffness = (float(x) for x in scan.potential.minimum())
     if not math.isfinite(r):
         return []
     with np.errstate(all="ignore"):
-        first, _ = derivative(specimen.written_energy, r, REACH * r)
-        second = -derivative(specimen.written_force, r, REACH * r)[0]
-        energy = float(specimen.written_energy(np.float64(r)))
-    scale = max(abs(depth), float(specimen.scale(r)) * r)
+        first, _ = derivative(scan.python_energy, r, REACH * r)
+        second = -derivative(scan.python_force, r, REACH * r)[0]
+        energy = float(scan.python_energy(np.float64(r)))
+    scale = max(abs(depth), float(scan.scale(r)) * r)
     errors = {
-        "place": abs(float(first)) * r / scale,
+        "distance": abs(float(first)) * r / scale,
         "depth": abs(energy - depth) / scale,
-        "curvature": float(abs(second - stiffness) * r * r / max(abs(second) * r * r, scale)),
+        "curvature": float(
+            abs(second - stiffness) * r * r / max(abs(float(second)) * r * r, scale)
+        ),
     }
     worst = max(errors, key=lambda name: np.nan_to_num(errors[name], nan=np.inf))
     return [
         Check(
             "minimum",
-            "declared place, depth and curvature",
+            "declared distance, depth and curvature",
             errors[worst],
             MINIMUM,
             r,
-            says=f"the {worst} is the worst of them" if second > 0.0 else "U has no minimum there",
+            note=f"the {worst} has the largest error"
+            if second > 0.0
+            else "U has no minimum at this distance",
             failed=not bool(second > 0.0),
         )
     ]

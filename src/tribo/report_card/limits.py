@@ -1,4 +1,4 @@
-"""Numbers where they are wanted, and a clean refusal beyond: r -> 0, far away, and in between."""
+"""Energy and force are finite where runs need them: as r -> 0, far away, and in between."""
 
 from __future__ import annotations
 
@@ -7,17 +7,23 @@ import math
 import numpy as np
 
 from tribo.report_card.card import Check
-from tribo.report_card.specimen import NOTHING, Specimen
+from tribo.report_card.scan import SMALLEST_SCALE, PotentialScan
 
-FAR = 1e6  # of the largest distance looked at: bobs may be that far apart, if no domain forbids it
-FROZEN = 1e-9  # of the energy: what a force may do over a stretch where U does not change
-OCTAVES = 996  # from r = 1 either way: 1e-300 to 1e300
+# Distance to which energy and force must be finite if no domain ends before
+# [largest distance of the scan].
+FAR = 1e6
+
+# Largest acceptable work of the force between distances where U is constant [energy].
+FROZEN = 1e-9
+
+# Octaves below and above r = 1 at which the potential is evaluated: from 1e-300 to 1e300.
+OCTAVES = 996
 
 
-def check_finite(specimen: Specimen) -> Check:
-    """Energy and force are numbers at every distance of the domain, special ones too."""
-    r = np.concatenate([specimen.edges, specimen.r, specimen.special])
-    energy, force = specimen.compiled(r)
+def check_finite(scan: PotentialScan) -> Check:
+    """Check that energy and force are finite at all distances of the scan."""
+    r = np.concatenate([scan.edges, scan.r, scan.special])
+    energy, force = scan.compiled(r)
     bad = ~(np.isfinite(energy) & np.isfinite(force))
     worst = r[int(np.argmax(bad))] if bad.any() else None
     return Check(
@@ -26,55 +32,57 @@ def check_finite(specimen: Specimen) -> Check:
         float(np.count_nonzero(bad)),
         0.0,
         None if worst is None else float(worst),
-        says="" if worst is None else "a run that comes there ends as NotFinite",
+        note="" if worst is None else "a run that reaches this distance ends as NotFinite",
     )
 
 
-def check_limits(specimen: Specimen) -> Check:
-    """From 1e-300 to 1e300: numbers from some small distance on, and as far as bobs may be apart.
+def check_limits(scan: PotentialScan) -> Check:
+    """Check that energy and force are finite from a small distance to a very large one.
 
-    Nearer and farther a run may end as NotFinite.  And where the energy does not change any more,
-    lost to round-off or underflow, the force may do no work.
+    At smaller and larger distances a run may end as NotFinite.  Where U is constant, by round-off
+    or underflow, the force must do no work.
     """
     r = 2.0 ** np.arange(-OCTAVES, OCTAVES + 1)
-    energy, force = specimen.compiled(r)
+    energy, force = scan.compiled(r)
     finite = np.isfinite(energy) & np.isfinite(force)
-    says, where = _said(specimen, r, finite)
-    value, place = _work_of_nothing(specimen, r, energy, force)
+    note, where = _finite_range(scan, r, finite)
+    value, worst = _work_at_constant_energy(scan, r, energy, force)
     return Check(
         "limits",
         "force where U is constant, 1e-300 < r < 1e300",
         value,
         FROZEN,
-        place if where is None else where,
-        says=says,
+        worst if where is None else where,
+        note=note,
         failed=where is not None,
     )
 
 
-def _said(specimen: Specimen, r: np.ndarray, finite: np.ndarray) -> tuple[str, float | None]:
-    """What there is to say of a ladder of distances, and where it fails if it does."""
-    domain_ends = math.isfinite(specimen.declared[1])
-    needed = specimen.high if domain_ends else min(FAR * specimen.high, float(r[-1]))
+def _finite_range(
+    scan: PotentialScan, r: np.ndarray, finite: np.ndarray
+) -> tuple[str, float | None]:
+    """The range of finite values, as text, and the distance of the first failure if any."""
+    domain_ends = math.isfinite(scan.domain[1])
+    needed = scan.high if domain_ends else min(FAR * scan.high, float(r[-1]))
     if not finite.any():
-        return "there are no numbers at all", float(r[0])
+        return "not finite at any distance", float(r[0])
     first = int(np.argmax(finite))
     bad = np.flatnonzero(~finite[first:]) + first
     last = float(r[bad[0]]) if bad.size else math.inf
     if last <= needed:
-        return "not finite there, though nearer it is", last
+        return "not finite at this distance, but finite at smaller ones", last
     inward = "r -> 0" if first == 0 else f"r = {r[first]:.1e} (NotFinite below)"
-    outward = f"{last:.1e} (NotFinite from there)" if bad.size else "infinity"
+    outward = f"{last:.1e} (NotFinite beyond)" if bad.size else "infinity"
     return f"finite from {inward} to {outward}", None
 
 
-def _work_of_nothing(
-    specimen: Specimen, r: np.ndarray, energy: np.ndarray, force: np.ndarray
+def _work_at_constant_energy(
+    scan: PotentialScan, r: np.ndarray, energy: np.ndarray, force: np.ndarray
 ) -> tuple[float, float | None]:
     """The largest |F| r, relative to the energy, where U is the same over two octaves."""
     with np.errstate(all="ignore"):
         same = (energy[:-2] == energy[1:-1]) & (energy[1:-1] == energy[2:])
-        unit = np.abs(energy[1:-1]) + max(specimen.typical_energy, NOTHING)
+        unit = np.abs(energy[1:-1]) + max(scan.typical_energy, SMALLEST_SCALE)
         work = np.abs(force[1:-1]) * r[1:-1] / unit
     work = np.where(same & np.isfinite(work), work, 0.0)
     worst = int(np.argmax(work))

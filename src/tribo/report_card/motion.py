@@ -1,8 +1,8 @@
-"""A short run: two asperites pass, and the energy error falls at the order of the method.
+"""A short run: two asperites pass, and the energy error decreases at the order of the method.
 
-Only if the force is the slope of the energy, smooth along the way, does the energy that the system
-gains come as near to the work applied as the method's order says.  Order two needs a force without
-jumps, order six one that is smooth all the way.
+The error of the energy balance has the order of the method only if the force is the slope of the
+energy, and smooth enough along the path: without jumps for order two, smooth throughout for order
+six.
 """
 
 from __future__ import annotations
@@ -18,54 +18,88 @@ from tribo.model.scene import Interaction, Scene
 from tribo.model.settings import Output
 from tribo.model.surface import Initial, Surface
 from tribo.report_card.card import Check
+from tribo.report_card.scan import PotentialScan
 from tribo.report_card.smoothness import smooth_stretch
-from tribo.report_card.specimen import Specimen
 from tribo.simulation import prepare
 
-RODS_OF_FEATURE = 6.0  # a rod is at most so many of the lengths on which the force changes
-SPACE = 0.15  # of a rod, for the pendulums to swing in
-PASSAGE = 2.0  # rods by which the bobs come nearer, and part again
-STIFFNESS = 20.0  # of the torsion springs, in units of the largest torque on the way
-KICK = 0.1  # swing at the start [rad]
-SPEED = 0.5  # rods in the time of a pendulum's radian
-CLEAR = 0.95  # of the range: the bobs stay within that
+# Longest rod [length over which the force changes].
+LONGEST_ROD = 6.0
+
+# Distance that is left for the pendulums to swing in [rod length].
+SPACE = 0.15
+
+# Distance by which the bobs approach, and part again [rod length].
+PASSAGE = 2.0
+
+# Stiffness of the torsion springs [largest torque on the path / rad].
+STIFFNESS = 20.0
+
+# Swing at the start [rad].
+KICK = 0.1
+
+# Speed of the upper surface [rod length / time], where a radian of the pendulums takes one unit of
+# time.
+SPEED = 0.5
+
+# Largest distance of the bobs [cutoff], so that they stay within it.
+CLEAR = 0.95
+
+# Samples of a run.
 SAMPLES = 17
-FIRST_STEP = 0.2  # of a pendulum's radian
-OF_FEATURE = 0.25  # and of the time in which a bob crosses a feature
-HALVINGS = 7
-FLOOR = 1e-12  # relative energy errors below that are round-off
-SLACK = 0.3  # by which the order may be missed, over two halvings
+
+# Longest step [time], as for SPEED, and [time in which a bob crosses a feature], for order two.
+FIRST_STEP = 0.2
+STEP_OF_FEATURE = 0.25
+
+# Number of runs, each with half the step of the one before.
+RUNS = 7
+
+# Energy error that is round-off, relative to the energies of the run.
+FLOOR = 1e-12
+
+# Amount by which the order may be missed over two halvings.
+SLACK = 0.3
 
 
-def check_motion(specimen: Specimen) -> list[Check]:
-    """A line for each method that the potential is smooth enough for."""
-    promised = float(specimen.potential.smoothness_within())
-    low, high = smooth_stretch(specimen)
-    room = SPACE * _rod(specimen)
-    smooth = low <= specimen.length - room and specimen.length + 2.0 * room <= high
-    scene = passage(specimen, high if smooth else specimen.high)
-    fit = {"verlet": True, "kahan-li-6": smooth}
+def check_motion(scan: PotentialScan) -> list[Check]:
+    """Check the order of each method for which the potential is smooth enough."""
+    promised = float(scan.potential.smoothness_within())
+    low, high = smooth_stretch(scan)
+    room = SPACE * _rod(scan)
+    smooth = low <= scan.length - room and scan.length + 2.0 * room <= high
+    scene = passage(scan, high if smooth else scan.high)
+    suitable = {"verlet": True, "kahan-li-6": smooth}
     return [
-        _line(specimen, scene, name)
-        for name, wanted in fit.items()
+        _order(scan, scene, name)
+        for name, wanted in suitable.items()
         if wanted and promised >= METHODS[name].smoothness
     ]
 
 
-def passage(specimen: Specimen, end: float) -> Scene:
-    """A bob passes another at the typical distance; stiff pendulums keep it near its path.
+def passage(scan: PotentialScan, end: float) -> Scene:
+    """A scene in which a bob passes another at the typical distance.
 
-    They stay within `end` of one another.  Rods are as long as the distance, or short if the force
-    changes on a short length; a radian of the pendulums takes one unit of time.
+    Parameters
+    ----------
+    scan : PotentialScan
+    end : float
+        Largest distance between the bobs [length].
+
+    Returns
+    -------
+    Scene
+        Stiff pendulums keep the bobs near straight paths.  Rods are as long as the typical
+        distance, or shorter if the force changes over a short length; a radian of the pendulums
+        takes one unit of time.
     """
-    closest, rod = specimen.length, _rod(specimen)
-    end = min(CLEAR * specimen.cutoff, end) - SPACE * rod
+    closest, rod = scan.length, _rod(scan)
+    end = min(CLEAR * scan.cutoff, end) - SPACE * rod
     farthest = max(min(closest + PASSAGE * rod, end), closest + SPACE * rod)
     start = math.sqrt(farthest**2 - closest**2)
-    on_the_way = np.linspace(max(closest - SPACE * rod, specimen.low), farthest, 64)
-    force = np.abs(specimen.compiled(on_the_way)[1])
-    pull = float(np.max(force, initial=0.0, where=np.isfinite(force))) or 1.0
-    kappa = STIFFNESS * rod * pull
+    distances = np.linspace(max(closest - SPACE * rod, scan.low), farthest, 64)
+    force = np.abs(scan.compiled(distances)[1])
+    largest = float(np.max(force, initial=0.0, where=np.isfinite(force))) or 1.0
+    kappa = STIFFNESS * rod * largest
     mass = 2.0 * kappa / rod**2
     asperite = Asperite(m1=mass, m2=mass, kappa=kappa, length=rod, bar_length=rod)
     upper = Surface(
@@ -77,30 +111,30 @@ def passage(specimen: Specimen, end: float) -> Scene:
     )
     lower = Surface("lower", facing="up", asperite=asperite)
     duration = 2.0 * start / (SPEED * rod)
-    interactions = (Interaction(specimen.potential),)
+    interactions = (Interaction(scan.potential),)
     return Scene((upper, lower), interactions, duration, output=Output(samples=SAMPLES))
 
 
-def _feature(specimen: Specimen) -> float:
-    """The length on which the force changes."""
-    return float(specimen.potential.feature()[0]) or specimen.length / RODS_OF_FEATURE
+def _feature(scan: PotentialScan) -> float:
+    """The length over which the force changes."""
+    return float(scan.potential.feature()[0]) or scan.length / LONGEST_ROD
 
 
-def _rod(specimen: Specimen) -> float:
-    return min(specimen.length, RODS_OF_FEATURE * _feature(specimen))
+def _rod(scan: PotentialScan) -> float:
+    return min(scan.length, LONGEST_ROD * _feature(scan))
 
 
-def _line(specimen: Specimen, scene: Scene, method: str) -> Check:
-    """Energy errors at one halving of the step after another, down to round-off."""
+def _order(scan: PotentialScan, scene: Scene, method: str) -> Check:
+    """Check that the energy error decreases at the order of the method, down to round-off."""
     order = METHODS[method].order
     between = scene.duration / (SAMPLES - 1)
-    crossing = _feature(specimen) / (SPEED * _rod(specimen))
-    parts = math.ceil(between / (0.5 * order * min(FIRST_STEP, OF_FEATURE * crossing)))
+    crossing = _feature(scan) / (SPEED * _rod(scan))
+    parts = math.ceil(between / (0.5 * order * min(FIRST_STEP, STEP_OF_FEATURE * crossing)))
     errors: list[float] = []
-    for k in range(HALVINGS):
+    for k in range(RUNS):
         error, status = _energy_error(scene, method, between / (parts * 2**k))
         if status != "completed":
-            return Check(method, f"order {order}", math.nan, FLOOR, says=status, failed=True)
+            return Check(method, f"order {order}", math.nan, FLOOR, note=status, failed=True)
         errors.append(error)
         if error < FLOOR:
             break
@@ -113,12 +147,12 @@ def _line(specimen: Specimen, scene: Scene, method: str) -> Check:
         f"energy error of a run, at order {order}",
         errors[-1],
         bound,
-        says=f"orders seen as the step is halved: {', '.join(orders)}" if orders else "",
+        note=f"orders as the step is halved: {', '.join(orders)}" if orders else "",
     )
 
 
 def _energy_error(scene: Scene, method: str, step: float) -> tuple[float, str]:
-    """Largest |energy gained - work applied| of a run, relative to what energies there are."""
+    """Largest |energy gained - work applied| of a run relative to its energies, and the status."""
     result = prepare(scene, method=method, step=step).compute()
     system = result.system
     swing = 0.5 * float(scene.surfaces[0].asperite.kappa) * KICK**2

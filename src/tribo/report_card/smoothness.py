@@ -1,15 +1,15 @@
-"""Jumps, kinks and bends: what is left of a difference when one looks closer and closer.
+"""Jumps, kinks and bends of a function, from differences on ever smaller cells.
 
-A cell of the scan is looked at in nine points.  Of a smooth function the largest fourth difference
-shrinks sixteenfold when the cell is halved; where the function jumps it stays, where its slope
-does it halves, and where its second derivative does it shrinks fourfold.  So the half that has the
-largest is looked at again, down to the spacing of floating-point numbers, and
+A cell is evaluated at nine points.  When it is halved, the largest fourth difference of a smooth
+function decreases by a factor of 16; at a jump of the function it stays, at a jump of the slope it
+decreases by 2, and at a jump of the second derivative by 4.  The half with the largest difference
+is halved again, down to the spacing of floating-point numbers.  Over all these levels,
 
-    jump  the least over all levels of  fourth difference
-    kink  the least over all levels of  fourth difference / distance between points
-    bend  the least over all levels of  fourth difference / (distance between points)^2
+    jump  is the smallest  fourth difference
+    kink  is the smallest  fourth difference / distance between points
+    bend  is the smallest  fourth difference / (distance between points)^2
 
-are what is there beyond doubt.
+so that a smooth function has none of them.
 """
 
 from __future__ import annotations
@@ -21,26 +21,40 @@ import numpy as np
 from scipy import differentiate
 
 from tribo.report_card.card import Check
-from tribo.report_card.specimen import Specimen
+from tribo.report_card.scan import PotentialScan
 
-LEVELS = 32  # of looking closer: a cell of one percent ends as 1e-12
-JUMP, KINK, BEND = 1e-9, 1e-4, 1e-2  # relative to the scale around
-LENGTH = 60.0  # cells: about r, or less where cells are finer
-AT_END = {"energy": 1e-10, "force": 1e-10, "slope": 1e-6}  # relative to the typical scale
-INWARD = 1e-3  # of the cutoff: how far inside of it the force's slope is looked at
+# Number of halvings: a cell of one percent of r ends at 1e-12 of r.
+LEVELS = 32
+
+# Largest acceptable jump, kink and bend, relative to the scale of the potential.
+JUMP, KINK, BEND = 1e-9, 1e-4, 1e-2
+
+# Unit of distance of kinks and bends [cells]: about r, or less where cells are finer.
+LENGTH = 60.0
+
+# Largest acceptable jumps at the cutoff, in typical units.
+AT_END = {"energy": 1e-10, "force": 1e-10, "slope": 1e-6}
+
+# Distance inside the cutoff from which the slope of the force is extrapolated [cutoff].
+INWARD = 1e-3
+
+# Fourth difference.
 STENCIL = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
+
 NOT_PROMISED = "; smoothness() promises none"
-LARGEST = (3.0, 2.0, 1.0)  # fourth difference of a jump, of a kink, of a bend of 1
+
+# Largest fourth difference of a jump, of a kink and of a bend of 1.
+LARGEST = (3.0, 2.0, 1.0)
 
 Function = Callable[[np.ndarray], np.ndarray]
 
 
-def check_smoothness(specimen: Specimen) -> list[Check]:
-    """Nearer than its end, the potential has as many continuous derivatives as it declares."""
-    promised = float(specimen.potential.smoothness_within())
-    inside = specimen.edges[2:] < specimen.cutoff
-    energy = strengths(specimen, lambda r: specimen.compiled(r)[0], 1)[:, inside]
-    force = strengths(specimen, lambda r: specimen.compiled(r)[1], 0)[:, inside]
+def check_smoothness(scan: PotentialScan) -> list[Check]:
+    """Check that the potential has as many continuous derivatives within its cutoff as declared."""
+    promised = float(scan.potential.smoothness_within())
+    inside = scan.edges[2:] < scan.cutoff
+    energy = strengths(scan, lambda r: scan.compiled(r)[0], 1)[:, inside]
+    force = strengths(scan, lambda r: scan.compiled(r)[1], 0)[:, inside]
     lines = []
     for least, (name, found, bound) in enumerate(
         [
@@ -54,35 +68,46 @@ def check_smoothness(specimen: Specimen) -> list[Check]:
         lines.append(
             Check(
                 name,
-                f"{len(found)} cells, zoomed into" + ("" if kept else NOT_PROMISED),
+                f"{len(found)} cells, each halved {LEVELS} times" + ("" if kept else NOT_PROMISED),
                 float(found[worst]),
                 bound if kept else None,
-                float(specimen.edges[worst + 1]),
+                float(scan.edges[worst + 1]),
             )
         )
     return lines
 
 
-def smooth_stretch(specimen: Specimen) -> tuple[float, float]:
-    """Distances between which, the typical one among them, the force has no jump, kink or bend."""
-    force = strengths(specimen, lambda r: specimen.compiled(r)[1], 0)
+def smooth_stretch(scan: PotentialScan) -> tuple[float, float]:
+    """Ends of the interval around the typical distance in which the force is smooth."""
+    force = strengths(scan, lambda r: scan.compiled(r)[1], 0)
     rough = (force[0] > JUMP) | (force[1] > KINK) | (force[2] > BEND)
-    nearer = specimen.edges[2:][rough & (specimen.edges[2:] <= specimen.length)]
-    farther = specimen.edges[:-2][rough & (specimen.edges[2:] > specimen.length)]
-    low = max(nearer, default=specimen.low)
-    return float(low), float(min(farther, default=specimen.high))
+    nearer = scan.edges[2:][rough & (scan.edges[2:] <= scan.length)]
+    farther = scan.edges[:-2][rough & (scan.edges[2:] > scan.length)]
+    low = max(nearer, default=scan.low)
+    return float(low), float(min(farther, default=scan.high))
 
 
-def strengths(specimen: Specimen, function: Function, power: int) -> np.ndarray:
-    """(3, cells) jump, kink and bend beyond doubt, relative to the scale around times r^power.
+def strengths(scan: PotentialScan, function: Function, power: int) -> np.ndarray:
+    """Jump, kink and bend of a function in every cell.
 
-    Distances are in units of LENGTH cells.  Cells overlap by half, so that no place is on the edge
-    of all that contain it.
+    Parameters
+    ----------
+    scan : PotentialScan
+    function : callable
+        Takes distances of any shape and returns values of that shape.
+    power : int
+        Values are relative to the scale of the force times r^power.
+
+    Returns
+    -------
+    ndarray, (3, cells)
+        Distances are in units of LENGTH cells.  Cells overlap by half, so that every distance is in
+        the interior of one.
     """
-    begin, end = specimen.edges[:-2], specimen.edges[2:]
-    middle = specimen.edges[1:-1]
+    begin, end = scan.edges[:-2], scan.edges[2:]
+    middle = scan.edges[1:-1]
     length = 0.5 * LENGTH * (end - begin)
-    scale = specimen.scale(middle) * middle**power
+    scale = scan.scale(middle) * middle**power
     least = np.full((3, begin.size), np.inf)
     rows = np.arange(begin.size)
     for _ in range(LEVELS):
@@ -99,22 +124,22 @@ def strengths(specimen: Specimen, function: Function, power: int) -> np.ndarray:
     return least
 
 
-def check_cutoff(specimen: Specimen) -> list[Check]:
-    """What energy, force and the force's slope drop from to nothing where the potential ends."""
-    end = specimen.cutoff
+def check_cutoff(scan: PotentialScan) -> list[Check]:
+    """Check the jumps of energy, force and slope of the force at the cutoff."""
+    end = scan.cutoff
     if not math.isfinite(end):
         return []
-    promised = float(specimen.potential.smoothness())
+    promised = float(scan.potential.smoothness())
     last = np.nextafter(end, 0.0)
-    energy, force = (float(x[0]) for x in specimen.compiled(np.array([last])))
+    energy, force = (float(x[0]) for x in scan.compiled(np.array([last])))
     with np.errstate(all="ignore"):
         slope = differentiate.derivative(
-            np.vectorize(specimen.written_force, otypes=[np.float64]),
+            np.vectorize(scan.python_force, otypes=[np.float64]),
             last,
             initial_step=INWARD * end,
             step_direction=-1,
         ).df
-    unit, length = specimen.typical_energy, specimen.length
+    unit, length = scan.typical_energy, scan.length
     jumps = {
         "energy": abs(energy) / unit,
         "force": abs(force) * length / unit,
@@ -123,7 +148,7 @@ def check_cutoff(specimen: Specimen) -> list[Check]:
     return [
         Check(
             f"{name} at the cutoff",
-            "drop to zero, in typical units" + ("" if promised >= least else NOT_PROMISED),
+            "jump to zero, in typical units" + ("" if promised >= least else NOT_PROMISED),
             jump,
             AT_END[name] if promised >= least else None,
             end,

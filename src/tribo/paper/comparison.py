@@ -1,0 +1,279 @@
+"""Every number that the paper prints beside the computed one.
+
+A printed number agrees when the computed one, at the printed time, is within half a unit of its
+last digit.  Where it does not agree, the row says at which time that rounds to the printed one, or
+with which step of the paper's own method, it does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from tribo.paper.cases import CASES, END, LAST, Run
+from tribo.paper.published_values import agrees, published, unit
+
+# Steps at which the paper's method is compared with its numbers [time].
+STEPS = (0.002, 0.005, 0.01, 0.02, 0.05, 0.1)
+
+
+@dataclass(frozen=True)
+class Row:
+    """A printed number and the computed one.
+
+    Attributes
+    ----------
+    where : str
+        Figure, table or section of the paper.
+    t : str
+        Time as printed: a time, two times with ".." between them, "end", or empty.
+    quantity : str
+    printed : str
+        The number as printed.
+    computed : float or str or None
+        The computed number, or the sign as "+" or "-".
+    error : float or None
+        Error estimate of the computed number.
+    agrees : bool
+        Whether they agree to half a unit of the last digit printed.
+    note : str
+        Remarks, and where they disagree an explanation.
+    """
+
+    where: str
+    t: str
+    quantity: str
+    printed: str
+    computed: float | str | None
+    error: float | None
+    agrees: bool
+    note: str = ""
+
+    def as_json(self) -> dict[str, object]:
+        """The row of ``tribo paper --json``."""
+        return {name: getattr(self, name) for name in self.__dataclass_fields__}
+
+
+def compare(cases: Iterable[str]) -> dict[str, list[Row]]:
+    """Compute every printed number of the given cases.
+
+    Parameters
+    ----------
+    cases : iterable of str
+        Of "A" to "E".
+
+    Returns
+    -------
+    dict of str to list of Row
+        The rows of each case, in the order of the file of printed numbers.
+    """
+    return {case: list(_rows(case)) for case in cases}
+
+
+def _rows(case: str) -> Iterator[Row]:
+    run = Run.extended(case)
+    printed_rows = published(case)
+    for row in printed_rows:
+        if row["quantity"] == "sign of w_ps":
+            yield _sign_row(run, row)
+        elif row["t"] == "":
+            yield _event_row(run, row)
+        else:
+            yield _value_row(run, row, printed_rows)
+
+
+def _value_row(run: Run, row: dict[str, str], printed_rows: list[dict[str, str]]) -> Row:
+    quantity, printed = row["quantity"], row["printed"]
+    times = (END[run.case],) if row["t"] == "end" else tuple(map(float, row["t"].split("..")))
+    computed = _change(run, quantity, times)
+    agreeing = agrees(computed, printed)
+    notes = [row["note"]] if row["note"] and row["t"] != "end" else []
+    if row["t"] == "end":
+        others = [t for t in run.ends if t != END[run.case]]
+        also = f" (and at {_ranges(others)})" if others else ""
+        notes.append(f"end time not printed; at t = {END[run.case]:g}{also} all end values agree")
+    if not agreeing:
+        notes.extend(_explanations(run, quantity, times, printed))
+        notes.extend(_from_positions(run, row, printed_rows))
+    elsewhere = {
+        other["printed"]
+        for other in printed_rows
+        if (other["t"], other["quantity"]) == (row["t"], quantity)
+    } - {printed}
+    for other in sorted(elsewhere):
+        if abs(float(other) - float(printed)) > 0.5 * max(unit(other), unit(printed)) * (1 + 1e-9):
+            notes.append(f"the paper also prints {other} for it")
+    return _row(row, computed, run.error(quantity), agreeing, notes)
+
+
+def _from_positions(run: Run, row: dict[str, str], printed_rows: list[dict[str, str]]) -> list[str]:
+    """The displacement by positions and angles printed for the same times, if it differs."""
+    if ".." not in row["t"]:
+        return []
+    printed = {
+        (r["t"], r["quantity"]): float(r["printed"])
+        for r in printed_rows
+        if ".." not in r["t"] and r["t"] not in ("", "end")
+    }
+    begin, end = row["t"].split("..")
+    speed = run.result.scene.surfaces[0].velocity[0]
+    try:
+        if run.case in "AB":
+            shift = speed * (float(end) - float(begin))
+        else:
+            shift = printed[end, "x_cm"] - printed[begin, "x_cm"]
+        turn = np.sin(printed[end, "theta"]) - np.sin(printed[begin, "theta"])
+    except KeyError:
+        return []
+    each = run.result.scene.surfaces[0].asperite.for_each(1)
+    arm = {"delta x_bob": each["l1"][0], "delta x_bar": -each["l2"][0], "delta x_cm": 0.0}
+    own = shift + arm[row["quantity"]] * turn
+    if agrees(own, row["printed"]):
+        return []
+    return [f"the positions and angles that the paper prints for these times give {own:.4f}"]
+
+
+def _change(run: Run, quantity: str, times: tuple[float, ...]) -> float:
+    """The quantity at one time, or its change between two."""
+    values = [float(run.at(quantity, t)) for t in times]
+    return values[-1] - values[0] if len(times) == 2 else values[0]
+
+
+# Differences within half a unit of the last digit of a printed time [time]: round ones first.
+_SHIFTS = [
+    shift
+    for size, count in ((1e-2, 4), (1e-3, 49), (1e-4, 499))
+    for n in range(1, count + 1)
+    for shift in (-n * size, n * size)
+]
+
+
+def _explanations(run: Run, quantity: str, times: tuple[float, ...], printed: str) -> list[str]:
+    """Explanations of a printed number: a time before rounding, or the error of the method."""
+    notes = []
+    for k, t in enumerate(times):
+        near = [round(t + shift, 4) for shift in _SHIFTS if t + shift <= LAST]
+        moved = run.at(quantity, np.array(near)) - float(run.at(quantity, t))
+        sign = 1.0 if k == len(times) - 1 else -1.0
+        changed = _change(run, quantity, times) + sign * moved
+        hit = next((n for n, c in zip(near, changed, strict=True) if agrees(c, printed)), None)
+        if hit is not None:
+            notes.append(f"agrees with t = {hit:.10g} in place of {t:g}")
+    step = next((h for h in STEPS if agrees(_by_midpoint(run, quantity, times, h), printed)), None)
+    if step is not None:
+        notes.append(f"agrees with the paper's method at a step of {step:g}")
+    neither = (
+        "neither a time that rounds to the printed one nor the paper's method gives this number"
+    )
+    return notes or [neither]
+
+
+def _by_midpoint(run: Run, quantity: str, times: tuple[float, ...], step: float) -> float:
+    """The same number by the paper's own method with a step."""
+    coarse = Run.by_midpoint(run.case, times, step)
+    values = coarse.series(quantity)[np.searchsorted(coarse.result.t, times)]
+    return float(values[-1] - values[0] if len(times) == 2 else values[0])
+
+
+def _event_row(run: Run, row: dict[str, str]) -> Row:
+    printed = row["printed"]
+    computed = run.event(row["quantity"], float(printed))
+    agreeing = agrees(computed, printed)
+    notes = []
+    if not agreeing:
+        quantity = row["quantity"].rpartition(" ")[2]
+        gap = abs(float(run.at(quantity, float(printed)) - run.at(quantity, computed)))
+        scale = run.error(quantity)
+        notes.append(
+            f"at the printed time {quantity} differs by {gap:.4f} (error {scale:.0e}) from its "
+            "extremum, which forces along y separate from the time the bobs pass"
+        )
+    return _row(row, computed, 1e-8, agreeing, notes)
+
+
+def _sign_row(run: Run, row: dict[str, str]) -> Row:
+    other = Run.extended(run.case, attractive=True)
+    end = END[run.case]
+    values = [float(r.at("w_ps", end)) for r in (run, other)]
+    computed = "+" if min(values) > 0.0 else "-"
+    notes = [f"w_ps = {values[0]:.6f} repulsive, {values[1]:.6f} attractive, at t = {end:g}"]
+    for moving, still in ((run, "C"), (other, "D")):
+        error = boost_error(moving, Run.extended(still))
+        notes.append(f"{still} boosted agrees in every quantity within {error:.0e}")
+    return _row(row, computed, None, computed == row["printed"], notes)
+
+
+def boost_error(moving: Run, still: Run) -> float:
+    """Largest difference of any quantity of case E from case C or D in a moving frame."""
+    u = moving.result.scene.surfaces[0].velocity[0] - still.result.scene.surfaces[0].velocity[0]
+    largest = 0.0
+    mass = still.result.scene.surfaces[0].asperite.for_each(1)["mass"][0]
+    t = moving.result.t[:, None]
+    for name in ("upper", "lower"):
+        new, old = moving.result[name], still.result[name]
+        impulse = mass * (old.vx_cm - old.vx_cm[0])
+        expected = {
+            key: old[key] for key in ("theta", "omega", "y_cm", "delta_e_int", "w2", "wL", "wR")
+        }
+        expected |= {"x_cm": old.x_cm + u * t, "vx_cm": old.vx_cm + u}
+        if name == "upper":  # f2 has no x component: all of the impulse is that of f1
+            expected |= {key: old[key] + u * impulse for key in ("w1", "w1_ps", "w", "w_ps")}
+        else:
+            del expected["w2"]
+        largest = max(largest, *(float(np.max(np.abs(new[k] - v))) for k, v in expected.items()))
+    return largest
+
+
+def _row(
+    row: dict[str, str], computed: float | str, error: float | None, agrees: bool, notes: list[str]
+) -> Row:
+    return Row(
+        row["where"],
+        row["t"],
+        row["quantity"],
+        row["printed"],
+        computed,
+        error,
+        agrees,
+        "; ".join(notes),
+    )
+
+
+def _ranges(numbers: list[int]) -> str:
+    """Whole numbers as text, consecutive ones as a range."""
+    ranges: list[list[int]] = []
+    for n in numbers:
+        if ranges and n == ranges[-1][-1] + 1:
+            ranges[-1].append(n)
+        else:
+            ranges.append([n])
+    return ", ".join(str(r[0]) if len(r) == 1 else f"{r[0]} to {r[-1]}" for r in ranges)
+
+
+def report(tables: dict[str, list[Row]]) -> str:
+    """The tables of `compare` as text, as ``tribo paper`` prints them."""
+    lines = []
+    for case, rows in tables.items():
+        agreeing = sum(row.agrees for row in rows)
+        lines += [f"{case}  {CASES[case]}: {agreeing} of {len(rows)} printed numbers agree", ""]
+        lines.append(
+            f"  {'where':<30} {'t':<11} {'quantity':<29} {'printed':>9} "
+            f"{'computed':>14} {'error':>8}"
+        )
+        for row in rows:
+            computed = row.computed if isinstance(row.computed, str) else f"{row.computed:.8f}"
+            error = "" if row.error is None else f"{row.error:.0e}"
+            verdict = "agrees" if row.agrees else "DIFFERS"
+            lines.append(
+                f"  {row.where:<30} {row.t:<11} {row.quantity:<29} {row.printed:>9} "
+                f"{computed:>14} {error:>8}  {verdict}"
+            )
+            if row.note and (not row.agrees or row.t != "end" or "also prints" in row.note):
+                lines.append(f"      {row.note}")
+        ends = next((row.note for row in rows if row.t == "end" and "end time" in row.note), "")
+        lines += [f"  {ends}" if ends else "", ""]
+    total = [row for rows in tables.values() for row in rows]
+    lines.append(f"{sum(row.agrees for row in total)} of {len(total)} printed numbers agree.")
+    return "\n".join(lines)

@@ -1,0 +1,85 @@
+"""The contacts of a scene at given positions of its bobs, through the kernels that runs use."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tribo.kernels.compiled import time_loop
+from tribo.kernels.probe import contact_probe, distance_probe
+from tribo.model.scene import Scene
+from tribo.plugins import sources
+from tribo.plugins.compile_errors import COMPILE_ERRORS, compile_error
+from tribo.run.layout import lay_out
+from tribo.validation import InputError
+
+
+class ContactProbe:
+    """Contact energies and forces of a scene whose bobs are placed by the caller.
+
+    Bobs are numbered surface after surface.  Calculators of ASE are called too.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its interactions, species and periods apply; nothing in it moves.
+
+    Attributes
+    ----------
+    layout : Layout
+        The scene as the kernels see it; ``layout.parts`` has the bobs of each surface.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self.layout = lay_out(scene)
+        self._stamp = sources.stamp(self.layout.plugins)
+
+    @property
+    def charges(self) -> np.ndarray:
+        """(n,) charges of the bobs in the scene."""
+        return self.layout.model.bobs.charge.copy()
+
+    @property
+    def depths(self) -> np.ndarray:
+        """(n,) z of the bobs in the scene, from the first bob [length]."""
+        return self.layout.model.bobs.z.copy()
+
+    def __call__(self, positions: np.ndarray, charges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Evaluate every contact between surfaces.
+
+        Parameters
+        ----------
+        positions : ndarray, (k, n, 3)
+            Bobs of k arrangements [length].
+        charges : ndarray, (k, n)
+            Charges of the bobs.
+
+        Returns
+        -------
+        energies : ndarray, (k,)
+            Contact energy of each arrangement.
+        forces : ndarray, (k, n, 2)
+            Force f1 on each bob; contact within a surface is not in it.
+
+        Raises
+        ------
+        InputError
+            If a potential does not compile, or a calculator fails.
+        """
+        energies, forces = np.empty(len(positions)), np.empty((*positions.shape[:2], 2))
+        probe = time_loop(contact_probe, self._stamp)
+        try:
+            probe(self.layout.model, positions, charges, energies, forces)
+        except COMPILE_ERRORS as error:
+            raise compile_error(self.layout.named_plugins, error) from None
+        for call in self.layout.calls:
+            if call.error is not None:
+                problem = f"the calculator raises {type(call.error).__name__}: {call.error}"
+                raise InputError("potential", problem)
+        return energies, forces
+
+    def distances(self, positions: np.ndarray, bob: int) -> np.ndarray:
+        """(n,) distances from one bob to the nearest image of every bob at `positions` (n, 3)."""
+        distances = np.empty(len(positions))
+        probe = time_loop(distance_probe, self._stamp)
+        probe(self.layout.model, positions, bob, distances)
+        return distances
