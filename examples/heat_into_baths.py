@@ -1,12 +1,12 @@
-"""Heat: where the internal energy of the pendulums goes once their bars have baths.
+"""Heat: the internal energy of the pendulums flows into baths on their bars.
 
-The paper's case A: two asperites repel each other as they pass, and swing on for ever.  Here each
-bar also drags n oscillators along, with Drude's damping kernel gamma w_c exp(-w_c t), and the
-swing dies away.  A finite bath gives the energy back in the end, and says until when it is to be
-believed.
+The paper's case A: two asperites repel each other as they pass, and swing without end.  Here each
+bar also carries n oscillators, with Drude's damping kernel gamma w_c exp(-w_c t), and the swing
+decays.  A finite bath returns the energy after a recurrence time; `valid_until` computes the time
+up to which it damps as the continuum does.
 
-The exact answer has the continuum in place of the oscillators.  Its pull p on the bar remembers
-where the bar has been, and for this kernel that is one more equation of motion in each direction,
+The exact answer has the continuum in place of the oscillators.  Its force p on the bar depends on
+the bar's past, and for this kernel that is one more equation of motion in each direction,
 
     p' = -w_c p - gamma w_c (v_bar - V) .
 
@@ -21,7 +21,7 @@ from scipy.integrate import solve_ivp
 
 from tribo import Output, paper, plotting, simulate
 from tribo.model.bath import Bath
-from tribo.model.spectrum import Spectrum, believed_until
+from tribo.model.spectrum import Spectrum, valid_until
 
 GAMMA, CUTOFF = 1.0, 2.0
 FEW, MANY = 40, 160  # oscillators on every bar
@@ -63,11 +63,11 @@ def continuum(t):
     return 0.5 * (INERTIA * swing[1] ** 2 + KAPPA * swing[0] ** 2)
 
 
-def believed(n):
-    """Until when n oscillators are to be believed, counted from the encounter."""
+def end_of_validity(n):
+    """Time up to which n oscillators damp as the continuum, counted from the encounter."""
     spectrum = Spectrum("drude", GAMMA, CUTOFF, n)
     encounter = -UPPER.bob[0] / UPPER.velocity[0]
-    return encounter + believed_until(spectrum, BAR, np.sqrt(KAPPA / INERTIA))
+    return encounter + valid_until(spectrum, BAR, np.sqrt(KAPPA / INERTIA))
 
 
 def draw(path, t, runs, exact):
@@ -78,12 +78,12 @@ def draw(path, t, runs, exact):
         for n, colour in zip(runs, (grey, blue, red), strict=True):
             ax.plot(t, runs[n], color=colour)
         ax.plot(t, exact, color=plotting.INK, lw=0.8, ls=(0, (3, 3)))
-        ax.axvline(believed(FEW), color=blue, lw=0.8, ls=":")
+        ax.axvline(end_of_validity(FEW), color=blue, lw=0.8, ls=":")
         for place, text, colour in (
             ((48.0, 0.54), "no bath", grey),
             ((36.0, 0.17), f"{MANY} oscillators\n(dashed: the continuum)", red),
             ((84.0, 0.33), f"{FEW} oscillators on each bar", blue),
-            ((believed(FEW) + 1.0, 0.47), "from here not to be believed", blue),
+            ((end_of_validity(FEW) + 1.0, 0.47), "no longer valid", blue),
         ):
             plotting.note(ax, place, text, color=colour, ha="left")
         ax.set(xlabel="$t$", ylabel=r"$e_{\rm int}$", xlim=(t[0], t[-1]), ylim=(0.0, 0.6))
@@ -91,18 +91,20 @@ def draw(path, t, runs, exact):
 
 
 def main(folder=None):
-    """What is left of the internal energy, and how far the baths are from the continuum."""
+    """The internal energy that remains, and the baths' distance from the continuum."""
     t = CASE.times
     runs, exact = {n: internal_energy(n) for n in (0, FEW, MANY)}, continuum(t)
     if folder is not None:
         draw(Path(folder) / "heat_into_baths.png", t, runs, exact)
-    off = {n: np.abs(runs[n] - exact)[t < believed(n)].max() / exact.max() for n in (FEW, MANY)}
+    off = {
+        n: np.abs(runs[n] - exact)[t < end_of_validity(n)].max() / exact.max() for n in (FEW, MANY)
+    }
     return {
         "e_int without a bath at the end": runs[0][-1],
         "its change since t = 60": np.ptp(runs[0][t > 60.0]),
         f"e_int with {MANY} oscillators at the end": runs[MANY][-1],
         "their largest distance from the continuum / its largest e_int": off[MANY],
-        f"{FEW} oscillators are believed until": believed(FEW),
+        f"{FEW} oscillators are valid until": end_of_validity(FEW),
         "their largest distance until then": off[FEW],
     }
 

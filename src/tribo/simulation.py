@@ -31,7 +31,7 @@ from tribo.accuracy.search import (
 from tribo.integrators import methods
 from tribo.kernels.compiled import time_loop
 from tribo.model.scene import Scene
-from tribo.model.spectrum import believed_until
+from tribo.model.spectrum import valid_until
 from tribo.plugins import sources
 from tribo.potentials.tables import as_table
 from tribo.run.integrate import Digest, Integration, Progress, compile_loop, integrate
@@ -360,14 +360,14 @@ def _roughness(scene: Scene, method: methods.Method) -> list[str]:
 
 
 def _warnings(scene: Scene) -> list[str]:
-    """Baths that stand for a continuum are to be believed only for a time."""
+    """Discretised baths that return their energy before the run ends."""
     warnings = []
     for surface in scene.surfaces:
         if surface.bath.spectrum is None:
             continue
         each = surface.asperite.for_each(surface.count)
         frequency = float(np.max(np.sqrt(each["kappa"] / each["inertia"])))
-        until = believed_until(surface.bath.spectrum, float(np.min(each["mass"])), frequency)
+        until = valid_until(surface.bath.spectrum, float(np.min(each["mass"])), frequency)
         if until < scene.duration:
             warnings.append(
                 f'the bath of "{surface.name}" stands for a continuum until t = {until:.4g}; the '
