@@ -39,7 +39,7 @@ from tribo.run.layout import Layout, lay_out, set_bath
 from tribo.run.ledger import Ledger, ledger
 from tribo.run.pair_adapter import Pair, has_loop
 from tribo.run.result import Cost, Result
-from tribo.validation import InputError, inside, number_or_each, shown
+from tribo.validation import InputError, inside, number_or_array, short_repr
 
 DIGIT = -1.0 / np.log10(APART)  # how often runs that are compared are apart in a digit
 
@@ -225,7 +225,7 @@ class Simulation:
             if found is None:
                 found = self._known[key] = self._slots(key)
             slots, less, count = found
-            values = number_or_each(key, value)
+            values = number_or_array(key, value)
             if isinstance(values, np.ndarray):
                 if values.size != count:
                     raise InputError(key, f"has {values.size} values for {count} asperites")
@@ -345,7 +345,7 @@ def _roughness(scene: Scene, method: methods.Method) -> list[str]:
     notes = []
     for interaction in scene.interactions:
         smoothness = interaction.potential.smoothness()
-        name = shown(as_table(interaction.potential)["potential"])
+        name = short_repr(as_table(interaction.potential)["potential"])
         if smoothness < 0:
             notes.append(
                 f"the energy of {name} jumps, for which no force accounts: the books do not close "

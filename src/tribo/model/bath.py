@@ -19,8 +19,8 @@ from tribo.validation import (
     choice,
     inside,
     known_keys,
+    must_be,
     number,
-    shown,
     vector,
 )
 
@@ -63,17 +63,21 @@ class Bath:
 
     def __post_init__(self) -> None:
         put = object.__setattr__
-        for sizes, rates in (("masses", "frequencies"), ("inertias", "torsional_frequencies")):
-            put(self, sizes, vector(sizes, getattr(self, sizes), POSITIVE))
+        for sizes, rates, unit in (
+            ("masses", "frequencies", "mass"),
+            ("inertias", "torsional_frequencies", "mass length^2"),
+        ):
+            put(self, sizes, vector(sizes, getattr(self, sizes), POSITIVE, unit=unit))
             count = getattr(self, sizes).size
-            put(self, rates, vector(rates, getattr(self, rates), POSITIVE, size=count))
-        put(self, "temperature", number("temperature", self.temperature, NOT_NEGATIVE))
+            frequencies = vector(rates, getattr(self, rates), POSITIVE, count, "rad / time")
+            put(self, rates, frequencies)
+        put(self, "temperature", number("temperature", self.temperature, NOT_NEGATIVE, "energy"))
         if self.spectrum is not None:
             self._take_from_spectrum()
 
     def _take_from_spectrum(self) -> None:
         if not isinstance(self.spectrum, Spectrum):
-            raise InputError("spectrum", f"must be a tribo.Spectrum, got {shown(self.spectrum)}")
+            raise must_be("spectrum", "a tribo.Spectrum", self.spectrum)
         own = self.spectrum.oscillators()
         given = (self.masses, self.frequencies)
         if self.masses.size and not all(map(np.array_equal, given, own)):
@@ -138,7 +142,7 @@ def _listed(table: dict[str, Any], key: str, size: str) -> tuple[list[float], li
     """Sizes (masses or moments of inertia) and frequencies of a list of oscillators."""
     items = table.get(key, [])
     if not isinstance(items, (list, tuple)):
-        raise InputError(key, f"must be a list of {{{size}, frequency}}, got {shown(items)}")
+        raise must_be(key, f"a list of {{{size}, frequency}}", items)
     columns: tuple[list[float], list[float]] = ([], [])
     for i, item in enumerate(items):
         with inside(f"{key}[{i}]"):
@@ -212,7 +216,7 @@ class Langevin:
     Attributes
     ----------
     gamma : float
-        Damping coefficient [force / velocity].
+        Damping coefficient [mass / time].
     temperature : float
         Temperature T [energy], with k_B = 1.
     velocity : (float, float), optional
@@ -225,17 +229,18 @@ class Langevin:
 
     def __post_init__(self) -> None:
         put = object.__setattr__
-        put(self, "gamma", number("gamma", self.gamma, NOT_NEGATIVE))
-        put(self, "temperature", number("temperature", self.temperature, NOT_NEGATIVE))
+        put(self, "gamma", number("gamma", self.gamma, NOT_NEGATIVE, "mass / time"))
+        put(self, "temperature", number("temperature", self.temperature, NOT_NEGATIVE, "energy"))
         if self.velocity is not None:
-            put(self, "velocity", tuple(vector("velocity", self.velocity, size=2).tolist()))
+            velocity = vector("velocity", self.velocity, size=2, unit="length / time")
+            put(self, "velocity", tuple(velocity.tolist()))
 
     def __bool__(self) -> bool:
         return self.gamma > 0.0
 
 
 def as_langevin(value: Any) -> Langevin | None:
-    """A Langevin reservoir from a table of a scene file, or the value itself (None: no reservoir)."""
+    """A reservoir from a table of a scene file, a Langevin unchanged, or None (no reservoir)."""
     if value is None or isinstance(value, Langevin):
         return value
     return Langevin(**known_keys(value, Langevin.__dataclass_fields__, ["gamma"]))

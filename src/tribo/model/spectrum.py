@@ -27,7 +27,7 @@ from tribo.model.recurrence import (
     motion_with_oscillators,
     normal_modes,
 )
-from tribo.validation import MANY, NOT_NEGATIVE, POSITIVE, choice, number, vector, whole
+from tribo.validation import LARGEST_COUNT, NOT_NEGATIVE, POSITIVE, choice, integer, number, vector
 
 __all__ = ["Spectrum", "discrete_decay", "exact_decay", "normal_modes", "valid_until"]
 
@@ -100,9 +100,9 @@ class Spectrum:
 
     def __post_init__(self) -> None:
         choice("kind", self.kind, KINDS)
-        object.__setattr__(self, "gamma", number("gamma", self.gamma, POSITIVE))
-        object.__setattr__(self, "cutoff", number("cutoff", self.cutoff, POSITIVE))
-        object.__setattr__(self, "n", whole("n", self.n, 1, MANY))
+        object.__setattr__(self, "gamma", number("gamma", self.gamma, POSITIVE, "mass / time"))
+        object.__setattr__(self, "cutoff", number("cutoff", self.cutoff, POSITIVE, "rad / time"))
+        object.__setattr__(self, "n", integer("n", self.n, 1, LARGEST_COUNT))
 
     def oscillators(self) -> tuple[np.ndarray, np.ndarray]:
         """Masses (n,) [mass] and angular frequencies (n,) [rad / time]."""
@@ -238,9 +238,9 @@ def valid_until(spectrum: Spectrum, mass: float, frequency: float) -> float:
 
 def _checked(mass: float, frequency: float, t: np.ndarray) -> tuple[float, float, np.ndarray]:
     return (
-        number("mass", mass, POSITIVE),
-        number("frequency", frequency, NOT_NEGATIVE),
-        vector("t", np.atleast_1d(t), NOT_NEGATIVE),
+        number("mass", mass, POSITIVE, "mass"),
+        number("frequency", frequency, NOT_NEGATIVE, "rad / time"),
+        vector("t", np.atleast_1d(t), NOT_NEGATIVE, unit="time"),
     )
 
 

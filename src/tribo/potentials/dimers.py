@@ -14,7 +14,7 @@ import numpy as np
 
 from tribo.potentials.from_ase import made
 from tribo.potentials.spline import Table, tabulated
-from tribo.validation import InputError, is_list, number, shown
+from tribo.validation import InputError, is_list, number, short_repr
 
 SIDES = ((1.0, 1.0), (1.0, 1.4), (1.3, 1.3))  # of the triangles looked at, in the closest distance
 
@@ -48,7 +48,7 @@ def from_dimer(
     """
     calculator = made(calculator, arguments or {})
     if not is_list(symbols) or len(symbols) != 2 or not all(isinstance(s, str) for s in symbols):
-        raise InputError("symbols", f"must be two elements, got {shown(symbols)}")
+        raise InputError("symbols", f"must be two elements, got {short_repr(symbols)}")
     end = curve(calculator, symbols, number("high", high))
     table = tabulated(lambda r: curve(calculator, symbols, r) - end, low, high, accuracy)
     off = _three_body(calculator, symbols, table)

@@ -16,7 +16,7 @@ from tribo.plugins import classes as plugins
 from tribo.plugins import sources
 from tribo.potentials.derivative import FUNCTIONS, OPERATORS, Rules
 from tribo.potentials.registry import as_potential
-from tribo.validation import InputError, shown
+from tribo.validation import InputError, short_repr
 
 TAKEN = (  # names that a parameter cannot have: of a potential's methods, of a scene file's keys
     *("energy", "force", "feature", "clearance", "coupling", "energy_between", "force_between"),
@@ -121,7 +121,7 @@ def _check(node: ast.expr, text: str) -> None:
             raise _refusal(
                 text,
                 f"arithmetic, r, pi, parameters and {', '.join(FUNCTIONS)} alone, "
-                f"not {shown(found)} at its character {node.col_offset + 1}",
+                f"not {short_repr(found)} at its character {node.col_offset + 1}",
             )
 
 

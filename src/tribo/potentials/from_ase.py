@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tribo.validation import NOT_NEGATIVE, POSITIVE, InputError, known_keys, number, shown
+from tribo.validation import NOT_NEGATIVE, POSITIVE, InputError, known_keys, number, short_repr
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +39,9 @@ class Live:
 
     def __post_init__(self) -> None:
         if not callable(getattr(self.calculator, "get_potential_energy", None)):
-            raise InputError("calculator", f"must be one of ASE's, got {shown(self.calculator)}")
+            raise InputError(
+                "calculator", f"must be one of ASE's, got {short_repr(self.calculator)}"
+            )
         object.__setattr__(self, "length", number("length", self.length, NOT_NEGATIVE))
         if self.reach != math.inf:
             object.__setattr__(self, "reach", number("reach", self.reach, POSITIVE))
@@ -88,7 +90,7 @@ def made(calculator: Any, arguments: dict[str, Any]) -> Any:
     """A calculator as it is, or that of a class named by its module, with its arguments."""
     if not isinstance(calculator, str):
         if not callable(getattr(calculator, "get_potential_energy", None)):
-            raise InputError("calculator", f"must be one of ASE's, got {shown(calculator)}")
+            raise InputError("calculator", f"must be one of ASE's, got {short_repr(calculator)}")
         if arguments:
             name = next(iter(arguments))
             raise InputError(name, "cannot go with a calculator that is made already")
@@ -96,7 +98,8 @@ def made(calculator: Any, arguments: dict[str, Any]) -> Any:
     name = calculator
     if ":" not in name:
         raise InputError(
-            "calculator", f'must be "module:Class", as "ase.calculators.emt:EMT", got {shown(name)}'
+            "calculator",
+            f'must be "module:Class", as "ase.calculators.emt:EMT", got {short_repr(name)}',
         )
     module, _, cls = name.partition(":")
     try:
@@ -112,9 +115,9 @@ def from_table(table: dict[str, Any]) -> Live:
     table = known_keys(table, ["calculator", "arguments", "length", "reach"], ["calculator"])
     name, arguments = table.pop("calculator"), table.pop("arguments", {})
     if not isinstance(name, str):
-        raise InputError("calculator", f'must be "module:Class", got {shown(name)}')
+        raise InputError("calculator", f'must be "module:Class", got {short_repr(name)}')
     if not isinstance(arguments, dict):
-        raise InputError("arguments", f"must be a table, got {shown(arguments)}")
+        raise InputError("arguments", f"must be a table, got {short_repr(arguments)}")
     return live(name, **table, **arguments)
 
 
@@ -139,7 +142,8 @@ def elements(names: list[str]) -> list[str]:
     for name in names:
         if atomic_numbers.get(name, 0) == 0:
             raise InputError(
-                "potential", f'needs the bobs\' species to be elements, as "Cu", got {shown(name)}'
+                "potential",
+                f'needs the bobs\' species to be elements, as "Cu", got {short_repr(name)}',
             )
     return names
 

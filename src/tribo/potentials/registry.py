@@ -46,7 +46,7 @@ from tribo.potentials.spline import Table, from_points
 from tribo.potentials.sum import Scaled, Sum
 from tribo.potentials.weeks_chandler_andersen import WeeksChandlerAndersen
 from tribo.potentials.yukawa import Yukawa
-from tribo.validation import InputError, choice, number, shown
+from tribo.validation import InputError, choice, number, short_repr
 
 SWITCH_FROM = 0.9  # of the cutoff, where it is not said
 
@@ -160,7 +160,7 @@ def _check(potential: Any) -> None:
         reason = "must give (name, whether it will do, what would) for each"
         raise InputError("potential", plugins.at_line(potential, "demands", None, reason)) from None
     for name, problem in wrong:
-        raise InputError(name, f"{problem}, got {shown(getattr(potential, name))}")
+        raise InputError(name, f"{problem}, got {short_repr(getattr(potential, name))}")
     for method in ("range", "feature", "smoothness", "smoothness_within"):
         plugins.numbers(potential, "potential", method)
 

@@ -20,7 +20,7 @@ from tribo.potentials.registry import (
 )
 from tribo.potentials.spline import Table, from_csv, from_points
 from tribo.potentials.sum import Scaled, Sum
-from tribo.validation import InputError, inside, is_list, known_keys, shown
+from tribo.validation import InputError, inside, is_list, known_keys, short_repr
 
 ENDING = ("cutoff", "at_cutoff", "switch_from")
 
@@ -37,7 +37,7 @@ def named(name: str, /, **parameters: Any) -> Any:
 def from_table(table: Any, folder: Path) -> Any:
     """The potential that a table of a scene file describes, with its parameters and cutoff."""
     if not isinstance(table, dict):
-        raise InputError("", f"must be a table, got {shown(table)}")
+        raise InputError("", f"must be a table, got {short_repr(table)}")
     parameters = dict(table)
     if "potential" not in parameters:
         raise InputError("potential", "is missing")
@@ -70,7 +70,7 @@ def class_named(name: Any, folder: Path) -> Any:
     raise InputError(
         "potential",
         f'must be {known}, "yourfile.py:YourClass", "package.module:YourClass" or an expression '
-        f"in r, got {shown(name)}",
+        f"in r, got {short_repr(name)}",
     )
 
 
@@ -105,7 +105,7 @@ def _parts(potential: Any) -> list[Any]:
 def _sum(parameters: dict[str, Any], folder: Path) -> Any:
     items = known_keys(parameters, ["of"], ["of"])["of"]
     if not is_list(items):
-        raise InputError("of", f"must be a list of potentials, got {shown(items)}")
+        raise InputError("of", f"must be a list of potentials, got {short_repr(items)}")
     parts = []
     for i, item in enumerate(items):
         with inside(f"of[{i}]"):
@@ -124,7 +124,7 @@ def _table(parameters: dict[str, Any], folder: Path) -> Any:
     if "file" in parameters:
         parameters = known_keys(parameters, ["file", "error"])
         if not isinstance(parameters["file"], str):
-            raise InputError("file", f"must be a name, got {shown(parameters['file'])}")
+            raise InputError("file", f"must be a name, got {short_repr(parameters['file'])}")
         return from_csv(folder / parameters.pop("file"), **parameters)
     return from_points(**known_keys(parameters, ["r", "energy", "error"], ["r", "energy"]))
 

@@ -22,7 +22,7 @@ from ase.neighborlist import neighbor_list
 from ase.stress import full_3x3_to_voigt_6_stress
 
 from tribo.potentials.registry import as_potential
-from tribo.validation import InputError, shown
+from tribo.validation import InputError, short_repr
 
 
 class PairCalculator(Calculator):
@@ -84,7 +84,7 @@ def _by_elements(potential: Any) -> dict[tuple[str, str] | None, Any]:
     table: dict[tuple[str, str] | None, Any] = {}
     for key, item in potential.items():
         if not isinstance(key, tuple) or len(key) != 2:
-            raise InputError("potential", f"must be by two elements, got {shown(key)}")
+            raise InputError("potential", f"must be by two elements, got {short_repr(key)}")
         table[key] = as_potential(item)
     return table
 

@@ -19,7 +19,7 @@ from tribo.model.surface import Surface
 from tribo.plugins import sources
 from tribo.plugins.compile_errors import Refusals, compile_error
 from tribo.run.layout import lay_out
-from tribo.validation import LARGEST, InputError
+from tribo.validation import LARGEST_NUMBER, InputError
 
 CELLS = 400  # of equal ratio, from the least distance looked at to the largest
 PER_FEATURE, FINE = 8, 80  # finer cells in each length on which the force changes, each way
@@ -158,7 +158,7 @@ class Specimen:
         if self.declared[0] > 0.0:
             return low
         r = np.geomspace(low, self.length, CELLS)
-        huge = np.any(np.abs(self.compiled(r)) > LARGEST, axis=0)
+        huge = np.any(np.abs(self.compiled(r)) > LARGEST_NUMBER, axis=0)
         return float(r[min(int(np.flatnonzero(huge)[-1]) + 1, CELLS - 1)]) if huge.any() else low
 
     def _edges(self) -> np.ndarray:
