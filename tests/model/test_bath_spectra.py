@@ -14,10 +14,10 @@ from tribo.model.bath import Bath, as_bath, as_table, thermal_start, thermal_tor
 from tribo.model.spectrum import (
     KINDS,
     Spectrum,
-    valid_until,
     discrete_decay,
     exact_decay,
     normal_modes,
+    valid_until,
 )
 
 DENSITY = {  # J(w) / (gamma w) at w_c = 1, and where it ends

@@ -21,7 +21,7 @@ from tribo.potentials import (
     LennardJones,
     Morse,
     as_potential,
-    live,
+    from_calculator,
     with_cutoff,
 )
 from tribo.potentials.cutoff import AT_CUTOFF
@@ -442,7 +442,7 @@ def test_wrong_input(run, tmp_path, arguments, message):
 
 
 def test_what_is_no_potential():
-    for value in (3.0, live("ase.calculators.emt:EMT")):
+    for value in (3.0, from_calculator("ase.calculators.emt:EMT")):
         with pytest.raises(InputError, match=r"^potential: "):
             check(value)
 
