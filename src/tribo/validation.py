@@ -107,11 +107,11 @@ def vector(
     unit: str = "",
 ) -> np.ndarray:
     """A read-only array of finite numbers, of the given size if there is one."""
+    wanted = "a list of numbers" if size is None else "1 number" if size == 1 else f"{size} numbers"
     if not is_list(value):
-        wanted = f"{size} numbers" if size is not None else "a list of numbers"
         raise must_be(field, f"{wanted}{_in(unit)}", value)
     if size is not None and len(value) != size:
-        raise InputError(field, f"must be {size} numbers{_in(unit)}, got {len(value)}")
+        raise InputError(field, f"must be {wanted}{_in(unit)}, got {len(value)}")
     if isinstance(value, np.ndarray) and value.ndim == 1 and value.dtype.kind in "if":
         array = value.astype(float)
     else:

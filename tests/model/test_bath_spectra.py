@@ -352,11 +352,11 @@ def test_tables_round_trip(table):
         ({"oscillators": [{"frequency": 1}]}, "oscillators[0].mass: is missing"),
         (
             {"oscillators": [{"mass": -1, "frequency": 1}]},
-            "oscillators[0].mass: must be positive, got -1",
+            "oscillators[0].mass: must be positive [mass], got -1",
         ),
         (
             {"oscillators": [{"mass": 1, "frequency": 1}, {"mass": 1, "frequency": 0}]},
-            "oscillators[1].frequency: must be positive, got 0",
+            "oscillators[1].frequency: must be positive [rad / time], got 0",
         ),
         (
             {"oscillators": [{"mass": 1, "frequency": 1, "gamma": 1}]},
@@ -368,9 +368,9 @@ def test_tables_round_trip(table):
         ),
         (
             {"torsional": [{"inertia": "x", "frequency": 1}]},
-            "torsional[0].inertia: must be a number, got 'x'",
+            "torsional[0].inertia: must be a number [mass length^2], got 'x'",
         ),
-        ({"temperature": -1.0}, "temperature: must not be negative, got -1.0"),
+        ({"temperature": -1.0}, "temperature: must not be negative [energy], got -1.0"),
         ({"gamma": 1.0}, "spectrum: is missing; gamma needs a spectrum"),
         (
             DRUDE | {"oscillators": []},
@@ -381,10 +381,10 @@ def test_tables_round_trip(table):
             'spectrum: must be "drude" or "ohmic" or "debye", got \'white\'',
         ),
         ({"spectrum": "drude", "gamma": 1.0, "n": 3}, "cutoff: is missing"),
-        (DRUDE | {"gamma": 0.0}, "gamma: must be positive, got 0.0"),
-        (DRUDE | {"cutoff": float("inf")}, "cutoff: must be a finite number, got inf"),
-        (DRUDE | {"n": 0}, "n: must be a whole number of at least 1, got 0"),
-        (DRUDE | {"n": 2.5}, "n: must be a whole number of at least 1, got 2.5"),
+        (DRUDE | {"gamma": 0.0}, "gamma: must be positive [mass / time], got 0.0"),
+        (DRUDE | {"cutoff": float("inf")}, "cutoff: must be a finite number [rad / time], got inf"),
+        (DRUDE | {"n": 0}, "n: must be an integer of at least 1, got 0"),
+        (DRUDE | {"n": 2.5}, "n: must be an integer of at least 1, got 2.5"),
     ],
 )
 def test_wrong_tables(table, message):
@@ -396,10 +396,13 @@ def test_wrong_tables(table, message):
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"masses": [1.0, -2.0], "frequencies": [1, 1]}, "masses[1]: must be positive, got -2.0"),
-        ({"masses": [1.0]}, "frequencies: must be 1 numbers, got 0"),
-        ({"inertias": [1.0]}, "torsional_frequencies: must be 1 numbers, got 0"),
-        ({"temperature": -2}, "temperature: must not be negative, got -2"),
+        (
+            {"masses": [1.0, -2.0], "frequencies": [1, 1]},
+            "masses[1]: must be positive [mass], got -2.0",
+        ),
+        ({"masses": [1.0]}, "frequencies: must be 1 number [rad / time], got 0"),
+        ({"inertias": [1.0]}, "torsional_frequencies: must be 1 number [rad / time], got 0"),
+        ({"temperature": -2}, "temperature: must not be negative [energy], got -2"),
         ({"spectrum": "drude"}, "spectrum: must be a tribo.Spectrum, got 'drude'"),
         (
             {"masses": [1.0], "frequencies": [1.0], "spectrum": Spectrum("debye", 1.0, 1.0, 1)},
@@ -417,13 +420,15 @@ def test_wrong_spectra_and_bars():
     with pytest.raises(InputError, match=r"^kind: must be "):
         Spectrum("white", 1.0, 1.0, 1)
     spectrum = Spectrum("drude", 1.0, 1.0, 1)
-    with pytest.raises(InputError, match=r"^mass: must be positive, got 0"):
+    with pytest.raises(InputError, match=r"^mass: must be positive \[mass\], got 0"):
         valid_until(spectrum, 0.0, 1.0)
-    with pytest.raises(InputError, match=r"^frequency: must not be negative, got -1"):
+    with pytest.raises(
+        InputError, match=r"^frequency: must not be negative \[rad / time\], got -1"
+    ):
         valid_until(spectrum, 1.0, -1.0)
-    with pytest.raises(InputError, match=r"^t\[0\]: must not be negative, got -1"):
+    with pytest.raises(InputError, match=r"^t\[0\]: must not be negative \[time\], got -1"):
         exact_decay(spectrum, 1.0, 1.0, np.array([-1.0]))
-    with pytest.raises(InputError, match=r"^frequencies: must be 1 numbers, got 0"):
+    with pytest.raises(InputError, match=r"^frequencies: must be 1 number \[rad / time\], got 0"):
         discrete_decay([1.0], [], 1.0, 1.0, np.zeros(1))
 
 

@@ -15,6 +15,7 @@ import tribo
 from tribo import (
     Asperite,
     Coulomb,
+    Custom,
     Forced,
     Free,
     Initial,
@@ -280,7 +281,7 @@ WRONG = [
     ("surface[0].shape", [2**62, 4], "must be at most"),
     ("surface[0].drive.stiffness", -1.0, "must not be negative [force / length], got -1.0"),
     ("surface[0].springs.stiffness", -1.0, "must not be negative [force / length], got -1.0"),
-    ("surface[0].bath.oscillators[0].mass", 0, "must be positive, got 0"),
+    ("surface[0].bath.oscillators[0].mass", 0, "must be positive [mass], got 0"),
     ("surface[0].bath.temperature", -1, "must not be negative [energy], got -1"),
     ("surface[0].langevin.gamma", -1, "must not be negative [mass / time], got -1"),
     ("surface[1].bath.n", 0, "must be an integer of at least 1, got 0"),
@@ -311,9 +312,17 @@ WRONG = [
     ("surface[0].bob", [1.0], "must be 2 numbers [length], got 1"),
     ("surface[0].shape", [2], "must be 2 numbers, got 1"),
     ("surface[0].heights", [0.1], "must be 2 numbers [length], got 1"),
-    ("surface[0].asperite.m2", [1.0], "has 1 values for 2 asperites"),
-    ("surface[0].asperite.m2", [], "has 0 values for 2 asperites"),
-    ("surface[0].initial.nu", [1.0] * 3, "has 3 values for 2 asperites"),
+    (
+        "surface[0].asperite.m2",
+        [1.0],
+        "must be one number or an array of size 2, got size 1",
+    ),
+    ("surface[0].asperite.m2", [], "must be one number or an array of size 2, got size 0"),
+    (
+        "surface[0].initial.nu",
+        [1.0] * 3,
+        "must be one number or an array of size 2, got size 3",
+    ),
     ("surface[1].positions", [], "must be a list of [x, y, z] [length], got []"),
     ("surface[1].positions", 5, "must be a list of [x, y, z] [length], got 5"),
     ("surface[1].positions", [[0, 0]], "must be 3 numbers [length], got 2", "[0]"),
@@ -337,6 +346,7 @@ WRONG = [
     ("field[0].on", ["middle"], "must be one of the surfaces ['upper', 'lower', 'rough'], got"),
     ("field[0].kind", "corugation", 'must be "corrugation"'),
     # one or the other
+    ("surface[0].initial.swing", 0.1, "cannot go with theta; give one or the other"),
     ("surface[1].bath.oscillators", [], "cannot go with spectrum; give one or the other"),
     ("surface[1].bob", [1.0, 0.0], "cannot go with positions; give one or the other"),
     ("surface[1].shape", [2, 1], "cannot go with positions; give one or the other"),
@@ -388,7 +398,9 @@ def test_two_interactions_for_one_pair(tmp_path, capsys):
     for between in ({}, {"between": ["lower", "upper"]}):
         table = changed(("interaction", [*VALID["interaction"], again | between]))
         said = message(tmp_path, capsys, table)
-        assert said.startswith("interaction[1].between: ('upper', 'lower') interact already")
+        assert said.startswith(
+            "interaction[1].between: ('upper', 'lower') have another interaction"
+        )
 
 
 ENERGY = "def energy(self, r): return self.s / r"
@@ -490,9 +502,9 @@ def test_place_that_cannot_be_written(tmp_path, capsys):
     (tmp_path / "file").touch()
     (tmp_path / "folder").mkdir()
     places = {
-        "nowhere/out.nc": f"--out: there is no folder {tmp_path}/nowhere",
-        "file/out.nc": f"--out: there is no folder {tmp_path}/file",
-        "folder": f"--out: is a folder, {tmp_path}/folder; give the name of a file",
+        "nowhere/out.nc": f"--out: must be in a folder that exists, got {tmp_path}/nowhere",
+        "file/out.nc": f"--out: must be in a folder that exists, got {tmp_path}/file",
+        "folder": f"--out: must be the name of a file, got the folder {tmp_path}/folder",
     }
     for place, sentence in places.items():
         said = message(tmp_path, capsys, changed(), "--out", str(tmp_path / place))
@@ -536,6 +548,7 @@ CALLS = [
     (Asperite, {"m1": np.array([True])}, "m1[0]: must be a number [mass], got"),
     (Asperite, {"m1": np.array("one")}, "m1: must be a number [mass], got"),
     (Initial, {"theta": "up"}, "theta: must be a number [rad], got 'up'"),
+    (Initial, {"theta": 0.1, "swing": 0.1}, "swing: cannot go with theta; give one or the other"),
     (Forced, {"load": "heavy"}, "load: must be a number [force], got 'heavy'"),
     (Free, {"rigid": "yes"}, "rigid: must be true or false, got 'yes'"),
     (Pulled, {"stiffness": -1}, "stiffness: must not be negative [force / length], got -1"),
@@ -547,7 +560,11 @@ CALLS = [
         "positions: must be a list of [x, y, z] [length], got",
     ),
     (surface, {"asperite": {"m1": 1}}, "asperite: must be a tribo.Asperite, got {'m1': 1}"),
-    (surface, {"asperite": Asperite(m1=[1, 1])}, "asperite.m1: has 2 values for 1 asperites"),
+    (
+        surface,
+        {"asperite": Asperite(m1=[1, 1])},
+        "asperite.m1: must be one number or an array of size 1",
+    ),
     (surface, {"initial": 0.1}, "initial: must be a tribo.Initial, got 0.1"),
     (surface, {"drive": Coulomb(1.0)}, "drive: must be a table, got Coulomb(strength=1.0)"),
     (surface, {"drive": [1]}, "drive: must be a table, got [1]"),
@@ -607,10 +624,18 @@ def test_wrong_value_in_python(call, given, sentence):
     assert str(caught.value).startswith(sentence)
 
 
+@pytest.mark.parametrize("drive", [Forced, Free, Pulled, Custom])
+def test_drives_take_keywords_only(drive):
+    """A number without its name would be the load; the message lists the names."""
+    with pytest.raises(TypeError, match=rf"^{drive.__name__} takes keywords only: .*load=\.\.\."):
+        drive(0.5)
+
+
 STARTS = [
-    ({"upper": 1.0}, 'upper: must be "surface.theta", or phi, omega or nu of a surface'),
-    ({"middle.theta": 1.0}, 'middle.theta: must be "surface.theta", or phi, omega or nu of a sur'),
-    ({"upper.length": 1.0}, 'upper.length: must be "surface.theta", or phi, omega or nu of a sur'),
+    ({"upper": 1.0}, "upper: must name a surface and one of theta, phi, omega, nu, swing, as"),
+    ({"middle.theta": 1.0}, "middle.theta: must name a surface and one of theta, phi, omega,"),
+    ({"upper.length": 1.0}, "upper.length: must name a surface and one of theta, phi, omega,"),
+    ({"upper.swing": [1.0, 2.0]}, "upper.swing: has 2 values for 1 asperites"),
     ({"upper.theta": [1.0, 2.0]}, "upper.theta: has 2 values for 1 asperites"),
     ({"upper.theta": []}, "upper.theta: has 0 values for 1 asperites"),
     ({"upper.theta": "x"}, "upper.theta: must be a number, got 'x'"),
@@ -618,8 +643,11 @@ STARTS = [
     ({"upper.theta": True}, "upper.theta: must be a number, got True"),
     ({"upper.theta": math.nan}, "upper.theta: must be a finite number, got nan"),
     ({"upper.theta": HUGE}, "upper.theta: must be at most 1e+100 in magnitude, got 100000"),
-    ({"upper.phi": 0.1}, "upper.phi: cannot be changed on clamped bars of a prepared scene"),
-    ({5: 1.0}, "5: must be"),
+    (
+        {"upper.phi": 0.1},
+        "upper.phi: cannot be changed where bars are clamped; prepare another scene",
+    ),
+    ({5: 1.0}, "5: must name a surface"),
     (5, ""),
     (["upper.theta"], ""),
 ]
@@ -635,6 +663,9 @@ def test_wrong_start_of_a_prepared_run():
         assert str(caught.value).startswith(sentence)
     after = simulation.run(estimate=False)
     assert np.array_equal(after["upper"].theta, before["upper"].theta)
+    swung = simulation.run({"lower.swing": 0.1, "upper.swing": 0.2}, estimate=False)
+    assert swung["lower"].theta[0, 0] == pytest.approx(math.pi + 0.1, rel=1e-15)
+    assert swung["upper"].theta[0, 0] == pytest.approx(0.2, rel=1e-15)
 
 
 NUMBERS = st.one_of(

@@ -115,7 +115,7 @@ def test_a_dimer_curve_to_a_stated_error():
 
 def test_many_bodies_are_refused_or_said():
     """EMT is not a sum over pairs: refused by default; else its table's error says how far off."""
-    with pytest.raises(tribo.InputError, match="EMT does not sum over pairs: for three atoms of Cu"):
+    with pytest.raises(tribo.InputError, match="EMT does not sum over pairs: for three atoms of"):
         from_dimer(EMT(), ("Cu", "Cu"), 1.6, 4.5, tolerance=1e-4)
     table = from_dimer(EMT(), ("Cu", "Cu"), 1.6, 4.5, tolerance=1e-4, many_body=True)
     assert table.error > 0.1

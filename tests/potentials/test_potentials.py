@@ -635,7 +635,7 @@ WRONG = [
         'potential = "mie"\nepsilon = 1\nsigma = 1\nn = 6\nm = 12',
         "interaction.n: must be above m = 12, got 6",
     ),
-    ('potential = "morse"\nD = 1\nalpha = 0\nr0 = 1', "interaction.alpha: must be positive [1 / length], got 0"),
+    ('potential = "morse"\nD = 1\nalpha = 0\nr0 = 1', "interaction.alpha: must be positive [1"),
     ('potential = "yukawa"\nstrength = 1\nscreening = -1', "interaction.screening: must not be n"),
     ('potential = "nowhere:Own"', 'interaction.potential: the module "nowhere" cannot be loaded'),
     ('potential = "math:Own"', "interaction.potential: math defines no Own"),

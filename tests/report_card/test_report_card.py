@@ -418,13 +418,13 @@ def test_json(run):
     [
         (["gravity"], "potential: must be "),
         (["coulomb"], "strength: is missing"),
-        (["coulomb", "strength"], "strength: must be name=value"),
+        (["coulomb", "strength"], "parameter: must be NAME=VALUE, got 'strength'"),
         (["coulomb", "strength=strong"], "strength: must be a number, got 'strong'"),
         (["coulomb", "strength=1", "cutoff=3", "at_cutoff=bend"], "at_cutoff: must be "),
         (["none.py:None", "s=1"], "potential: there is no file"),
         (["broken.py:Broken", "s=1"], "potential: Broken.energy fails in line 4 of "),
         (["coulomb", "strength=1", "--figure", "card.txt"], "--figure: must end on .png"),
-        (["coulomb", "strength=1", "--figure", "none/card.png"], "--figure: there is no folder"),
+        (["coulomb", "strength=1", "--figure", "none/card.png"], "--figure: must be in a folder"),
     ],
 )
 def test_wrong_input(run, tmp_path, arguments, message):

@@ -23,6 +23,14 @@ LIMITS = {
 }
 
 
+def broadcast(field: str, value: Each, count: int) -> np.ndarray:
+    """The value as an array of `count`.  Raises InputError for an array of another size."""
+    if isinstance(value, np.ndarray) and value.size != count:
+        problem = f"must be one number or an array of size {count}, got size {value.size}"
+        raise InputError(field, problem)
+    return np.broadcast_to(np.asarray(value, dtype=float), (count,))
+
+
 @dataclass(frozen=True, eq=False)
 class Asperite:
     """Parameters of the asperites of a surface: each a number, or one number per asperite.
@@ -71,15 +79,7 @@ class Asperite:
         The derived quantities are `mass` M = m1 + m2, `l1` and `l2` (distances of bob and bar
         from the centre of mass), and `inertia` I = m1 l1^2 + m2 l2^2.
         """
-        each = {}
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if isinstance(value, np.ndarray) and value.size != count:
-                raise InputError(
-                    field.name,
-                    f"has {value.size} values for {count} asperites; give one, or {count}",
-                )
-            each[field.name] = np.broadcast_to(np.asarray(value, dtype=float), (count,))
+        each = {f.name: broadcast(f.name, getattr(self, f.name), count) for f in fields(self)}
         m1, m2, length = each["m1"], each["m2"], each["length"]
         each["mass"] = m1 + m2
         each["l1"] = length * m2 / each["mass"]

@@ -26,6 +26,8 @@ from tribo.validation import (
 
 # Keys that the table of a bath needs together with `spectrum`.
 SPECTRAL_KEYS = ("gamma", "cutoff", "n")
+# Units of the keys of a listed oscillator.
+UNITS = {"mass": "mass", "inertia": "mass length^2", "frequency": "rad / time"}
 
 
 def _none() -> np.ndarray:
@@ -148,7 +150,7 @@ def _listed(table: dict[str, Any], key: str, size: str) -> tuple[list[float], li
         with inside(f"{key}[{i}]"):
             known_keys(item, [size, "frequency"], [size, "frequency"])
             for column, name in zip(columns, (size, "frequency"), strict=True):
-                column.append(number(name, item[name], POSITIVE))
+                column.append(number(name, item[name], POSITIVE, UNITS[name]))
     return columns
 
 

@@ -185,8 +185,8 @@ def discrete_decay(
         If a value is out of range, or the two lists differ in size.
     """
     mass, frequency, t = _checked(mass, frequency, t)
-    masses = vector("masses", masses, POSITIVE)
-    frequencies = vector("frequencies", frequencies, POSITIVE, size=masses.size)
+    masses = vector("masses", masses, POSITIVE, unit="mass")
+    frequencies = vector("frequencies", frequencies, POSITIVE, masses.size, "rad / time")
     return 0.5 * mass * motion_with_oscillators(masses / mass, frequencies, frequency).energy(t)
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from tribo.model.asperite import Asperite, Each
+from tribo.model.asperite import Asperite, Each, broadcast
 from tribo.model.bath import Bath, Langevin, as_bath, as_langevin
 from tribo.model.drives import Drive, Ends, Forced, as_bars, as_drive
 from tribo.model.roughness import Roughness, as_heights, draw
@@ -78,15 +78,10 @@ class Initial:
 
     def for_each(self, count: int) -> dict[str, np.ndarray | None]:
         """Each angle and rate as an array of `count`; None if it is not given."""
-        each: dict[str, np.ndarray | None] = {}
-        for name in UNITS:
-            value = getattr(self, name)
-            if isinstance(value, np.ndarray) and value.size != count:
-                raise InputError(
-                    name, f"has {value.size} values for {count} asperites; give one, or {count}"
-                )
-            each[name] = None if value is None else np.broadcast_to(value, (count,))
-        return each
+        given = ((name, getattr(self, name)) for name in UNITS)
+        return {
+            name: None if value is None else broadcast(name, value, count) for name, value in given
+        }
 
 
 @dataclass(frozen=True, eq=False)
@@ -222,13 +217,9 @@ class Surface:
         value: Any = self.species
         if isinstance(value, str):
             return value
-        if not is_list(value) or not all(isinstance(name, str) for name in value):
-            raise must_be("species", "a name, or one name per asperite", value)
-        if len(value) != self.count:
-            raise InputError(
-                "species",
-                f"has {len(value)} names for {self.count} asperites; give one, or {self.count}",
-            )
+        names = is_list(value) and all(isinstance(name, str) for name in value)
+        if not names or len(value) != self.count:
+            raise must_be("species", f"one name, or one per asperite ({self.count})", value)
         return tuple(str(name) for name in value)
 
     @property
