@@ -21,7 +21,7 @@ from scipy.integrate import solve_ivp
 
 from tribo import Output, paper, plotting, simulate
 from tribo.model.bath import Bath
-from tribo.model.spectrum import Spectrum, believed_until
+from tribo.model.spectrum import Spectrum, valid_until
 
 # Friction of the bath at low frequency [mass / time], and its cutoff w_c [rad / time].
 GAMMA, CUTOFF = 1.0, 2.0
@@ -68,11 +68,11 @@ def continuum(t):
     return 0.5 * (INERTIA * swing[1] ** 2 + KAPPA * swing[0] ** 2)
 
 
-def valid_until(n):
+def end_of_validity(n):
     """Time until which n oscillators act as a continuum from the encounter on."""
     spectrum = Spectrum("drude", GAMMA, CUTOFF, n)
     encounter = -UPPER.bob[0] / UPPER.velocity[0]
-    return encounter + believed_until(spectrum, BAR, np.sqrt(KAPPA / INERTIA))
+    return encounter + valid_until(spectrum, BAR, np.sqrt(KAPPA / INERTIA))
 
 
 def draw(path, t, runs, exact):
@@ -83,12 +83,12 @@ def draw(path, t, runs, exact):
         for n, colour in zip(runs, (grey, blue, red), strict=True):
             ax.plot(t, runs[n], color=colour)
         ax.plot(t, exact, color=plotting.INK, lw=0.8, ls=(0, (3, 3)))
-        ax.axvline(valid_until(FEW), color=blue, lw=0.8, ls=":")
+        ax.axvline(end_of_validity(FEW), color=blue, lw=0.8, ls=":")
         for position, text, colour in (
             ((48.0, 0.54), "no bath", grey),
             ((36.0, 0.17), f"{MANY} oscillators\n(dashed: the continuum)", red),
             ((84.0, 0.33), f"{FEW} oscillators on each bar", blue),
-            ((valid_until(FEW) + 1.0, 0.47), "the bath returns energy", blue),
+            ((end_of_validity(FEW) + 1.0, 0.47), "the bath returns energy", blue),
         ):
             plotting.note(ax, position, text, color=colour, ha="left")
         ax.set(xlabel="$t$", ylabel=r"$e_{\rm int}$", xlim=(t[0], t[-1]), ylim=(0.0, 0.6))
@@ -102,14 +102,14 @@ def main(folder=None):
     if folder is not None:
         draw(Path(folder) / "heat_into_baths.png", t, runs, exact)
     errors = {
-        n: np.abs(runs[n] - exact)[t < valid_until(n)].max() / exact.max() for n in (FEW, MANY)
+        n: np.abs(runs[n] - exact)[t < end_of_validity(n)].max() / exact.max() for n in (FEW, MANY)
     }
     return {
         "e_int without a bath at the end": runs[0][-1],
         "its change since t = 60": np.ptp(runs[0][t > 60.0]),
         f"e_int with {MANY} oscillators at the end": runs[MANY][-1],
         f"largest error of {MANY} oscillators / largest e_int": errors[MANY],
-        f"{FEW} oscillators act as a continuum until t": valid_until(FEW),
+        f"{FEW} oscillators act as a continuum until t": end_of_validity(FEW),
         f"largest error of {FEW} oscillators until then": errors[FEW],
     }
 

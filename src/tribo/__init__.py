@@ -12,9 +12,10 @@ if TYPE_CHECKING:
     from tribo.model.bath import Bath, Langevin
     from tribo.model.drives import Custom, Ends, Forced, Free, Pulled
     from tribo.model.fields import Corrugation, Field
+    from tribo.model.interaction import Interaction, Periodic
     from tribo.model.roughness import Roughness
     from tribo.model.rows import commensurate_rows, incommensurate_rows, periodic_rows
-    from tribo.model.scene import Interaction, Periodic, Scene
+    from tribo.model.scene import Scene
     from tribo.model.scene_file import load_scene
     from tribo.model.settings import Numerics, Output
     from tribo.model.spectrum import Spectrum
@@ -56,7 +57,7 @@ _HOME = {
     "incommensurate_rows": "tribo.model.rows",
     "Initial": "tribo.model.surface",
     "InputError": "tribo.validation",
-    "Interaction": "tribo.model.scene",
+    "Interaction": "tribo.model.interaction",
     "Langevin": "tribo.model.bath",
     "LennardJones": "tribo.potentials",
     "load_result": "tribo.run.result",
@@ -65,7 +66,7 @@ _HOME = {
     "Morse": "tribo.potentials",
     "Numerics": "tribo.model.settings",
     "Output": "tribo.model.settings",
-    "Periodic": "tribo.model.scene",
+    "Periodic": "tribo.model.interaction",
     "periodic_rows": "tribo.model.rows",
     "Plummer": "tribo.potentials",
     "prepare": "tribo.simulation",

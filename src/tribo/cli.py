@@ -1,4 +1,4 @@
-"""The command line: ``tribo run``, ``tribo paper``, ``tribo check``."""
+"""The command line: ``tribo run``, ``tribo paper``, ``tribo accuracy``, ``tribo check``."""
 
 from __future__ import annotations
 
@@ -11,14 +11,15 @@ import warnings
 from pathlib import Path
 from typing import Any
 
-from tribo.validation import InputError, TriboWarning
+from tribo.validation import InputError, TriboWarning, must_be
 
-COMPLETED, STOPPED, WRONG_INPUT = 0, 1, 2  # exit statuses
-FAILED = 1  # of a check
+# Exit statuses: the run completed or the check passed; the run stopped early, or the check failed;
+# the input is wrong.
+COMPLETED, STOPPED, WRONG_INPUT = 0, 1, 2
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run the command line; returns the exit status."""
+    """Run the command line; return the exit status."""
     options = _parser().parse_args(arguments)
     try:
         with warnings.catch_warnings():
@@ -28,7 +29,7 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"tribo: {error}", file=sys.stderr)
         return WRONG_INPUT
     except MemoryError as error:
-        print(f"tribo: not enough memory for this scene ({error})", file=sys.stderr)
+        print(f"tribo: this scene needs more memory ({error})", file=sys.stderr)
         return WRONG_INPUT
     except BrokenPipeError:
         sys.stderr.close()
@@ -40,48 +41,71 @@ def _parser() -> argparse.ArgumentParser:
     from tribo import __version__
 
     parser = argparse.ArgumentParser(
-        prog="tribo", description="Sliding friction from the asperite up."
+        prog="tribo", description="Simulate sliding friction of asperites, with work accounting."
     )
     parser.add_argument("--version", action="version", version=f"tribo {__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
-    run = commands.add_parser("run", help="run a scene file")
-    run.add_argument("scene", type=Path, metavar="SCENE.toml")
-    run.add_argument("--out", type=Path, metavar="FILE", help="write all series as NetCDF")
-    run.add_argument("--json", action="store_true", help="print the end state alone, as JSON")
+    _add_run(commands.add_parser("run", help="simulate a scene file and print its end state"))
+    _add_paper(commands.add_parser("paper", help="compare the paper's cases with its numbers"))
+    _add_accuracy(commands.add_parser("accuracy", help="measure error against time per method"))
+    _add_check(commands.add_parser("check", help="test a potential and print a report card"))
+    return parser
+
+
+def _add_run(run: argparse.ArgumentParser) -> None:
+    run.add_argument("scene", type=Path, metavar="SCENE.toml", help="the scene file")
+    run.add_argument("--out", type=Path, metavar="FILE", help="write all time series as NetCDF")
+    run.add_argument("--json", action="store_true", help="print only the end state, as JSON")
     run.set_defaults(command=_run)
 
-    paper = commands.add_parser("paper", help="the paper's cases, its numbers beside ours")
-    paper.add_argument("case", nargs="?", choices=list("ABCDE"), help="one case; all without")
-    paper.add_argument("--json", action="store_true", help="one object a printed number")
+
+def _add_paper(paper: argparse.ArgumentParser) -> None:
+    paper.add_argument("case", nargs="?", choices=list("ABCDE"), help="one case (default: all)")
+    paper.add_argument("--json", action="store_true", help="print the comparison as JSON")
     paper.add_argument("--figures", type=Path, metavar="DIR", help="draw the paper's figures")
     paper.set_defaults(command=_paper)
 
-    accuracy = commands.add_parser("accuracy", help="error against time, for every method")
-    accuracy.add_argument("scene", type=Path, metavar="SCENE.toml")
-    accuracy.add_argument("--json", action="store_true", help="print rows as JSON")
-    accuracy.add_argument("--figure", type=Path, metavar="FILE", help="draw both diagrams")
-    accuracy.add_argument("--methods", nargs="+", metavar="NAME", help="these alone")
+
+def _add_accuracy(accuracy: argparse.ArgumentParser) -> None:
+    accuracy.add_argument("scene", type=Path, metavar="SCENE.toml", help="the scene file")
+    accuracy.add_argument("--json", action="store_true", help="print the rows as JSON")
     accuracy.add_argument(
-        "--observables", nargs="+", metavar="NAME", help='errors of these alone, as "upper.W"'
+        "--figure", type=Path, metavar="FILE", help="draw error against time and evaluations"
     )
-    accuracy.add_argument("--seconds", type=float, default=30.0, help="for all runs together")
+    accuracy.add_argument("--methods", nargs="+", metavar="NAME", help="methods (default: all)")
+    accuracy.add_argument(
+        "--observables",
+        nargs="+",
+        metavar="NAME",
+        help='observables whose errors count, as "upper.W" (default: all)',
+    )
+    accuracy.add_argument(
+        "--seconds", type=float, default=30.0, help="time for all runs together (default: 30)"
+    )
     accuracy.set_defaults(command=_accuracy)
 
-    check = commands.add_parser("check", help="a report card for a potential")
-    check.add_argument("potential", metavar="POTENTIAL", help="its name, or file.py:Class")
+
+def _add_check(check: argparse.ArgumentParser) -> None:
+    check.add_argument(
+        "potential",
+        metavar="POTENTIAL",
+        help="name of a built-in potential, file.py:Class, or an expression in r",
+    )
     check.add_argument(
         "parameters",
         nargs="*",
         metavar="NAME=VALUE",
-        help="parameters, and cutoff, at_cutoff, switch_from, as in [interaction]",
+        help="parameters, and cutoff, at_cutoff and switch_from as in [interaction]",
     )
-    check.add_argument("--json", action="store_true", help="print the card as JSON")
+    check.add_argument("--json", action="store_true", help="print the report card as JSON")
     check.add_argument(
-        "--figure", type=Path, metavar="FILE", help="draw energy, force and their disagreement"
+        "--figure",
+        type=Path,
+        metavar="FILE",
+        help="draw energy, force and the difference between force and derivative",
     )
     check.set_defaults(command=_check)
-    return parser
 
 
 def _run(options: argparse.Namespace) -> int:
@@ -90,23 +114,23 @@ def _run(options: argparse.Namespace) -> int:
 
     scene = load_scene(options.scene)
     if options.out is not None:
-        _check_place("--out", options.out.absolute())
-    with _Bar(scene.duration) as bar:
-        result = simulate(scene, progress=bar)
+        _check_writable("--out", options.out.absolute())
+    with _ProgressBar(scene.duration) as progress:
+        result = simulate(scene, progress=progress)
     if options.out is not None:
         result.save(options.out)
     print(result.to_json() if options.json else result)
     return COMPLETED if result.status == "completed" else STOPPED
 
 
-def _check_place(option: str, path: Path) -> None:
-    """Complain before the run, not after it, about a file that could not be written."""
+def _check_writable(option: str, path: Path) -> None:
+    """Raise InputError before a run whose file could not be written."""
     if not path.parent.is_dir():
-        raise InputError(option, f"there is no folder {path.parent}")
+        raise InputError(option, f"must be in a folder that exists, got {path.parent}")
     if path.is_dir():
-        raise InputError(option, f"is a folder, {path}; give the name of a file")
+        raise InputError(option, f"must be the name of a file, got the folder {path}")
     if not os.access(path.parent, os.W_OK):
-        raise InputError(option, f"nothing can be written in {path.parent}")
+        raise InputError(option, f"must be in a folder that can be written, got {path.parent}")
 
 
 def _paper(options: argparse.Namespace) -> int:
@@ -136,13 +160,13 @@ def _accuracy(options: argparse.Namespace) -> int:
 
     scene = load_scene(options.scene)
     _check_figure(options.figure)
-    told = (lambda name: print(name, file=sys.stderr)) if sys.stderr.isatty() else None
-    found = work_precision(
-        scene, options.methods, options.observables or (), options.seconds, progress=told
+    report = (lambda name: print(name, file=sys.stderr)) if sys.stderr.isatty() else None
+    diagram = work_precision(
+        scene, options.methods, options.observables or (), options.seconds, progress=report
     )
     if options.figure is not None:
-        found.save_figure(options.figure)
-    print(found.to_json() if options.json else found)
+        diagram.save_figure(options.figure)
+    print(diagram.to_json() if options.json else diagram)
     return COMPLETED
 
 
@@ -156,22 +180,22 @@ def _check(options: argparse.Namespace) -> int:
     if options.figure is not None:
         report.save_figure(options.figure)
     print(report.to_json() if options.json else report)
-    return COMPLETED if report.passed else FAILED
+    return COMPLETED if report.passed else STOPPED
 
 
 def _check_figure(path: Path | None) -> None:
-    """Complain about where a figure is to go, before the work for it is done."""
+    """Raise InputError before the work for a figure that could not be written."""
     if path is not None:
         from tribo.plotting.style import figure_path
 
-        _check_place("--figure", figure_path("--figure", path).absolute())
+        _check_writable("--figure", figure_path("--figure", path).absolute())
 
 
 def _parameter(text: str) -> tuple[str, Any]:
-    """A name and its value: a number, else what a scene file would take it for, else a word."""
+    """A name and its value: a number, else a value of TOML, else a word."""
     name, sign, value = text.partition("=")
     if not sign:
-        raise InputError(text, "must be name=value")
+        raise must_be("parameter", "NAME=VALUE", text)
     try:
         return name, float(value)
     except ValueError:
@@ -182,14 +206,14 @@ def _parameter(text: str) -> tuple[str, Any]:
         return name, value
 
 
-class _Bar:
-    """A progress bar on a terminal; nothing anywhere else."""
+class _ProgressBar:
+    """A progress bar on a terminal, and no output elsewhere."""
 
     def __init__(self, duration: float) -> None:
         self.duration = duration
         self._bar: Any = None
 
-    def __enter__(self) -> _Bar:
+    def __enter__(self) -> _ProgressBar:
         return self
 
     def __call__(self, t: float) -> None:

@@ -32,7 +32,7 @@ from tribo.run.ledger import Ledger, assemble
 from tribo.run.notes import calculator_notes, scene_notes
 from tribo.run.result import Cost, Known, Result
 from tribo.run.streamed_ledger import StreamedLedger, exceeds_memory
-from tribo.validation import InputError, TriboWarning, inside, number_or_each
+from tribo.validation import InputError, TriboWarning, inside, number_or_array
 
 # Levels of two runs that are compared differ by FINE_LEVEL; this many such ratios make a digit.
 RATIOS_PER_DIGIT = -1.0 / np.log10(FINE_LEVEL)
@@ -274,7 +274,7 @@ class Simulation:
             if known is None:
                 known = self._known_slots[key] = self._slots(key)
             slots, offset, count = known
-            values = number_or_each(key, value)
+            values = number_or_array(key, value)
             if isinstance(values, np.ndarray):
                 if values.size != count:
                     raise InputError(key, f"has {values.size} values for {count} asperites")

@@ -1,11 +1,14 @@
-"""Checks at the door: each returns the value in the form that the rest relies on, or complains."""
+"""InputError and the checks of values, before anything is compiled.
+
+Each check returns the value in the form on which the package relies, or raises InputError.
+"""
 
 from __future__ import annotations
 
 import difflib
 import math
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import Any
@@ -16,7 +19,15 @@ Condition = tuple[str, Callable[[float], bool]]
 
 
 class InputError(ValueError):
-    """A value that cannot be used: ``field: what is wrong, and what would do``."""
+    """A value that cannot be used: ``field: what is wrong, and which values are valid``.
+
+    Attributes
+    ----------
+    field : str
+        The field as a scene file writes it, such as ``surface[0].asperite.m1``.
+    problem : str
+        What is wrong with its value.
+    """
 
     def __init__(self, field: str, problem: str) -> None:
         self.field = field
@@ -24,11 +35,16 @@ class InputError(ValueError):
         super().__init__(f"{field}: {problem}" if field else problem)
 
     def under(self, prefix: str) -> InputError:
-        """The same complaint about a field that lies inside `prefix`."""
+        """The same error for a field that is part of `prefix`."""
         if not self.field:
             return InputError(prefix, self.problem)
-        joint = "" if self.field.startswith("[") else "."
-        return InputError(f"{prefix}{joint}{self.field}", self.problem)
+        separator = "" if self.field.startswith("[") else "."
+        return InputError(f"{prefix}{separator}{self.field}", self.problem)
+
+
+def must_be(field: str, wanted: str, value: Any) -> InputError:
+    """The error of a field whose value is not what is wanted; to be raised."""
+    return InputError(field, f"must be {wanted}, got {short_repr(value)}")
 
 
 class TriboWarning(UserWarning):
@@ -39,62 +55,77 @@ ANY: Condition = ("must be a number", lambda x: True)
 POSITIVE: Condition = ("must be positive", lambda x: x > 0.0)
 NOT_NEGATIVE: Condition = ("must not be negative", lambda x: x >= 0.0)
 
-LARGEST = 1e100  # magnitude of a number: energies, cubes and ratios of two such are finite
-MANY = 10_000_000  # asperites, or samples
+# Largest magnitude of a number: energies, cubes and ratios of two such numbers are finite.
+LARGEST_NUMBER = 1e100
+# Largest number of asperites, samples or oscillators, which fit in memory.
+LARGEST_COUNT = 10_000_000
+# Largest number of characters of a value that a message quotes.
+QUOTED = 80
 
 
-def shown(value: Any) -> str:
-    """What was given, on one line and not too long."""
+def short_repr(value: Any) -> str:
+    """The value as a message quotes it: one line of at most 80 characters."""
     try:
         text = " ".join(repr(value).split())
-    except ValueError:  # a whole number of thousands of digits
-        return "a number far too long"
-    return text if len(text) <= 80 else text[:77] + "..."
+    except ValueError:  # an integer of thousands of digits
+        return "an integer of too many digits"
+    return text if len(text) <= QUOTED else text[: QUOTED - 3] + "..."
 
 
-def number(field: str, value: Any, condition: Condition = ANY) -> float:
-    """One finite number that meets the condition."""
-    if type(value) is float and condition is ANY and -LARGEST <= value <= LARGEST:
+def number(field: str, value: Any, condition: Condition = ANY, unit: str = "") -> float:
+    """One finite number that meets the condition; the message names the unit if one is given."""
+    if type(value) is float and condition is ANY and -LARGEST_NUMBER <= value <= LARGEST_NUMBER:
         return value
     if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
-        raise InputError(field, f"must be a number, got {shown(value)}")
+        raise must_be(field, f"a number{_in(unit)}", value)
     if isinstance(value, (float, np.floating)) and not math.isfinite(value):
-        raise InputError(field, f"must be a finite number, got {value}")
-    if not -LARGEST <= value <= LARGEST:
-        raise InputError(field, f"must be at most {LARGEST:g} in magnitude, got {shown(value)}")
+        raise InputError(field, f"must be a finite number{_in(unit)}, got {value}")
+    if not -LARGEST_NUMBER <= value <= LARGEST_NUMBER:
+        raise must_be(field, f"at most {LARGEST_NUMBER:g} in magnitude", value)
     if not condition[1](float(value)):
-        raise InputError(field, f"{condition[0]}, got {value}")
+        raise InputError(field, f"{condition[0]}{_in(unit)}, got {value}")
     return float(value)
 
 
-def number_or_each(field: str, value: Any, condition: Condition = ANY) -> float | np.ndarray:
-    """One number for all asperites, or one for each, as a read-only array."""
-    if type(value) is float:  # the commonest, and quickly told
-        return number(field, value, condition)
+def _in(unit: str) -> str:
+    return f" [{unit}]" if unit else ""
+
+
+def number_or_array(
+    field: str, value: Any, condition: Condition = ANY, unit: str = ""
+) -> float | np.ndarray:
+    """One number for all asperites, or one number per asperite as a read-only array."""
+    if type(value) is float:  # the most frequent type, for which `is_list` is not needed
+        return number(field, value, condition, unit)
     if not is_list(value):
-        return number(field, value[()] if isinstance(value, np.ndarray) else value, condition)
-    return vector(field, value, condition)
+        item = value[()] if isinstance(value, np.ndarray) else value
+        return number(field, item, condition, unit)
+    return vector(field, value, condition, unit=unit)
 
 
 def vector(
-    field: str, value: Any, condition: Condition = ANY, size: int | None = None
+    field: str,
+    value: Any,
+    condition: Condition = ANY,
+    size: int | None = None,
+    unit: str = "",
 ) -> np.ndarray:
     """A read-only array of finite numbers, of the given size if there is one."""
+    wanted = "a list of numbers" if size is None else "1 number" if size == 1 else f"{size} numbers"
     if not is_list(value):
-        wanted = f"{size} numbers" if size is not None else "a list of numbers"
-        raise InputError(field, f"must be {wanted}, got {shown(value)}")
+        raise must_be(field, f"{wanted}{_in(unit)}", value)
     if size is not None and len(value) != size:
-        raise InputError(field, f"must be {size} numbers, got {len(value)}")
+        raise InputError(field, f"must be {wanted}{_in(unit)}, got {len(value)}")
     if isinstance(value, np.ndarray) and value.ndim == 1 and value.dtype.kind in "if":
         array = value.astype(float)
     else:
-        array = np.array([number(f"{field}[{i}]", item) for i, item in enumerate(value)])
-    for k in np.flatnonzero(~(np.abs(array) <= LARGEST)):
-        number(f"{field}[{k}]", array[k])
+        array = np.array([number(f"{field}[{i}]", item, ANY, unit) for i, item in enumerate(value)])
+    for k in np.flatnonzero(~(np.abs(array) <= LARGEST_NUMBER)):
+        number(f"{field}[{k}]", array[k], ANY, unit)
     if condition is not ANY:
         for i, item in enumerate(array.tolist()):
             if not condition[1](item):
-                raise InputError(f"{field}[{i}]", f"{condition[0]}, got {item}")
+                raise InputError(f"{field}[{i}]", f"{condition[0]}{_in(unit)}, got {item}")
     array.flags.writeable = False
     return array
 
@@ -108,12 +139,12 @@ def is_list(value: Any) -> bool:
     return isinstance(value, Sequence) and not isinstance(value, (str, bytes))
 
 
-def whole(field: str, value: Any, least: int, most: int | None = None) -> int:
-    """A whole number of at least `least`, and at most `most` if there is one."""
+def integer(field: str, value: Any, least: int, most: int | None = None) -> int:
+    """An integer of at least `least`, and at most `most` if that is given."""
     if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
-        raise InputError(field, f"must be a whole number of at least {least}, got {shown(value)}")
+        raise must_be(field, f"an integer of at least {least}", value)
     if most is not None and value > most:
-        raise InputError(field, f"must be a whole number of at most {most}, got {shown(value)}")
+        raise must_be(field, f"an integer of at most {most}", value)
     return int(value)
 
 
@@ -122,27 +153,27 @@ def choice(field: str, value: Any, options: Iterable[str]) -> str:
     options = list(options)
     if not isinstance(value, str) or value not in options:
         words = " or ".join(f'"{o}"' for o in options)
-        raise InputError(field, f"must be {words}, got {shown(value)}")
+        raise must_be(field, f"{words}", value)
     return value
 
 
-def flag(field: str, value: Any) -> bool:
+def boolean(field: str, value: Any) -> bool:
     """True or false."""
     if not isinstance(value, (bool, np.bool_)):
-        raise InputError(field, f"must be true or false, got {shown(value)}")
+        raise must_be(field, "true or false", value)
     return bool(value)
 
 
 def known_keys(table: Any, allowed: Iterable[str], required: Iterable[str] = ()) -> dict[str, Any]:
-    """A table with all of the required keys and none that is not allowed."""
+    """A table that has all of the required keys, and no key that is not allowed."""
     if not isinstance(table, Mapping):
-        raise InputError("", f"must be a table, got {shown(table)}")
+        raise must_be("", "a table", table)
     allowed = list(allowed)
     for key in table:
         if key not in allowed:
             near = difflib.get_close_matches(str(key), allowed, n=1)
             hint = f'did you mean "{near[0]}"?' if near else f"known here: {', '.join(allowed)}"
-            name = key if isinstance(key, str) and key.isprintable() else shown(key)
+            name = key if isinstance(key, str) and key.isprintable() else short_repr(key)
             raise InputError(name, f"is not a known key; {hint}")
     for key in required:
         if key not in table:
@@ -151,17 +182,17 @@ def known_keys(table: Any, allowed: Iterable[str], required: Iterable[str] = ())
 
 
 def as_path(value: Any) -> Path:
-    """A file's place."""
+    """The path of a file."""
     if not isinstance(value, (str, os.PathLike)) or "\0" in os.fspath(value):
-        raise InputError("path", f"must be the name of a file, got {shown(value)}")
+        raise must_be("path", "the name of a file", value)
     return Path(value)
 
 
 def inside(prefix: str) -> AbstractContextManager[None]:
-    """Complaints from within are about fields that lie inside `prefix`."""
+    """A context whose InputErrors are about fields that are parts of `prefix`."""
 
     @contextmanager
-    def relabel() -> Any:
+    def relabel() -> Iterator[None]:
         try:
             yield
         except InputError as error:

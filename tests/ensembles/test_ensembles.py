@@ -380,7 +380,7 @@ THETA = {"upper.theta": stats.norm(0.0, 0.1)}
             "vary.upper.velocity",
             "draws 3 numbers where 2",
         ),
-        ({"n": 2, "vary": THETA, "seed": -1}, "seed", "whole number"),
+        ({"n": 2, "vary": THETA, "seed": -1}, "seed", "an integer"),
         ({"n": 2, "vary": THETA, "engine": 3}, "engine", "submit or map"),
         ({"vary": THETA, "accuracy": 1e-2}, "accuracy", "must name quantities"),
         ({"vary": THETA, "accuracy": {"upper.phi": 1.0}}, "accuracy.upper.phi", "names no mean"),

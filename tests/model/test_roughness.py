@@ -134,7 +134,7 @@ def test_heights_of_a_surface():
     assert as_heights(None, (2, 1), (1.0, 0.0)) is None
     np.testing.assert_array_equal(as_heights([1, 2], (2, 1), (1.0, 0.0)), [1.0, 2.0])
     assert as_heights({"rms": 0.1}, (2, 1), (0.0, 0.0)) == Roughness(0.1)
-    with pytest.raises(InputError, match=r"^heights: must be 2 numbers, got 3$"):
+    with pytest.raises(InputError, match=r"^heights: must be 2 numbers \[length\], got 3$"):
         as_heights([1, 2, 3], (2, 1), (1.0, 0.0))
     with pytest.raises(InputError, match=r"^heights\.hurst: must be between 0 and 1"):
         as_heights({"rms": 0.1, "hurst": 1.0}, (9, 1), (1.0, 0.0))

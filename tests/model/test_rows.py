@@ -107,7 +107,7 @@ def test_what_makes_no_sense_is_named(settings, field):
 
 
 def test_a_ratio_too_small_for_the_row():
-    with pytest.raises(InputError, match=r"^ratio: is too small for 3 upper asperites"):
+    with pytest.raises(InputError, match=r"^ratio: must be above 0.166667 for 3 upper asperites"):
         approximant(3, 0.01)
 
 

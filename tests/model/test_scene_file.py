@@ -136,6 +136,7 @@ SURFACES = {
     "drude": {"bath": {"spectrum": "drude", "gamma": 0.1, "cutoff": 2.0, "n": 3}},
     "langevin": {"langevin": {"gamma": 0.1, "temperature": 0.2}},
     "free bars": {"bars": "free", "initial": {"phi": 0.1, "nu": [0.1]}},
+    "swing": {"initial": {"swing": 0.25, "omega": -0.5}},
     "each": {"shape": [2, 1], "asperite": {"m1": [1.0, 0.1 + 0.2], "charge": [1, -1]}},
 }
 ENDS = {"cutoff": 2.5}, {"cutoff": 2.5, "at_cutoff": "shift"}, {"cutoff": 2.5, "switch_from": 1.0}
@@ -203,6 +204,19 @@ def test_one_number_per_asperite():
     assert np.array_equal(layout.model.asperites.mass, [3.0, 3.0, 5.0])
     assert np.array_equal(layout.model.asperites.kappa, [2.0, 4.0, 4.0])
     assert np.array_equal(layout.start[1:3], np.array([3.0, 3.5]) - np.pi)
+
+
+def test_swing_counts_from_the_rest_angle():
+    """It has one meaning for both facings, and starts what theta = rest + swing starts."""
+    table = tomllib.loads(SHORT)
+    for surface in table["surface"]:
+        surface["initial"] = {"swing": 0.25}
+    scene = scene_from(table)
+    assert np.array_equal(lay_out(scene).start[:2], [0.25, 0.25])
+    assert scene_table(scene)["surface"][1]["initial"] == {"swing": 0.25}
+    for surface, theta in zip(table["surface"], (0.25, np.pi + 0.25), strict=True):
+        surface["initial"] = {"theta": theta}
+    assert np.allclose(lay_out(scene_from(table)).start[:2], 0.25, rtol=0.0, atol=1e-15)
 
 
 PLUGIN = """

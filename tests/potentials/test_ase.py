@@ -28,7 +28,7 @@ def rattled(atoms, by=0.1):
     [
         tribo.with_cutoff(LJ, 8.0),
         tribo.with_cutoff(tribo.Morse(0.3, 1.7, 3.0), 6.5, "force-shift"),
-        tribo.potentials.total(
+        tribo.potentials.sum_of(
             tribo.with_cutoff(LJ, 8.0), tribo.with_cutoff(tribo.Coulomb(1.4), 9.0)
         ),
     ],
@@ -99,14 +99,14 @@ def test_periodic_atoms_need_a_cutoff():
     """A clear refusal, not a wrong sum."""
     atoms = bulk("Ar", "fcc", 5.3)
     atoms.calc = as_calculator(LJ)
-    with pytest.raises(tribo.InputError, match="has no cutoff, which periodic atoms need"):
+    with pytest.raises(tribo.InputError, match="needs a cutoff for periodic atoms"):
         atoms.get_potential_energy()
 
 
 def test_a_dimer_curve_to_a_stated_error():
     """The table of ASE's Lennard-Jones differs from the formula by no more than it says."""
     calculator = LennardJonesOfASE(epsilon=0.3, sigma=1.1, rc=1e4)
-    table = from_dimer(calculator, ("Ar", "Ar"), 0.9, 4.0, accuracy=1e-7)
+    table = from_dimer(calculator, ("Ar", "Ar"), 0.9, 4.0, tolerance=1e-7)
     r = np.linspace(0.9, 4.0, 3001)[:-1]
     formula = tribo.LennardJones(0.3, 1.1)
     off = np.max(np.abs(table.energy(r) - (formula.energy(r) - formula.energy(4.0))))
@@ -115,9 +115,9 @@ def test_a_dimer_curve_to_a_stated_error():
 
 def test_many_bodies_are_refused_or_said():
     """EMT is not a sum over pairs: refused by default; else its table's error says how far off."""
-    with pytest.raises(tribo.InputError, match="EMT does not sum over pairs: three atoms of Cu"):
-        from_dimer(EMT(), ("Cu", "Cu"), 1.6, 4.5, accuracy=1e-4)
-    table = from_dimer(EMT(), ("Cu", "Cu"), 1.6, 4.5, accuracy=1e-4, many_body=True)
+    with pytest.raises(tribo.InputError, match="EMT does not sum over pairs: for three atoms of"):
+        from_dimer(EMT(), ("Cu", "Cu"), 1.6, 4.5, tolerance=1e-4)
+    table = from_dimer(EMT(), ("Cu", "Cu"), 1.6, 4.5, tolerance=1e-4, many_body=True)
     assert table.error > 0.1
 
 
@@ -160,11 +160,11 @@ def test_emt_as_a_table_drives_a_scene(tmp_path):
         ({"symbols": "Cu2"}, "symbols: must be two elements"),
         ({"calculator": "emt"}, 'calculator: must be "module:Class"'),
         ({"high": 1.0}, "high: must be above low"),
-        ({"accuracy": 0.0}, "accuracy: must be positive"),
+        ({"tolerance": 0.0}, "tolerance: must be positive"),
     ],
 )
 def test_refusals(arguments, says):
     """One sentence each."""
     given = {"calculator": EMT(), "symbols": ("Cu", "Cu"), "low": 1.6, "high": 4.5}
     with pytest.raises(tribo.InputError, match=says):
-        from_dimer(**(given | {"accuracy": 1e-3} | arguments))
+        from_dimer(**(given | {"tolerance": 1e-3} | arguments))

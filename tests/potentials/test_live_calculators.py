@@ -8,7 +8,7 @@ from ase.calculators.emt import EMT
 from ase.calculators.lj import LennardJones as LennardJonesOfASE
 
 import tribo
-from tribo.potentials import live
+from tribo.potentials import from_calculator
 
 EPSILON, SIGMA = 0.3, 1.1
 
@@ -36,14 +36,14 @@ def test_a_pairwise_calculator_is_its_potential():
     end = 4.0 * EPSILON * ((SIGMA / 1e4) ** 12 - (SIGMA / 1e4) ** 6)
     assert abs(end) < 1e-20  # ASE shifts its energies by this
     ours = tribo.simulate(scene(tribo.LennardJones(EPSILON, SIGMA)), accuracy=1e-9)
-    theirs = tribo.simulate(scene(live(calculator)), accuracy=1e-9)
+    theirs = tribo.simulate(scene(from_calculator(calculator)), accuracy=1e-9)
     assert theirs.met
     same(ours, theirs, 1e-8)
 
 
 def test_many_body_terms_are_between_surfaces():
     """The contact energy of an EMT scene is E(all) - E(upper) - E(lower), at every sample."""
-    result = tribo.simulate(scene(live(EMT())), method="verlet", step=0.02)
+    result = tribo.simulate(scene(from_calculator(EMT())), method="verlet", step=0.02)
     assert result.status == "completed"
     for k in range(result.t.size):
         groups = [
@@ -68,12 +68,14 @@ def test_periodic_images():
     lower = tribo.Surface("lower", facing="up", depth=5.0, species="Ar")
     calculator = LennardJonesOfASE(epsilon=EPSILON, sigma=SIGMA, rc=2.9, smooth=True, ro=2.5)
     common = {"duration": 1.0, "periodic": period, "output": tribo.Output(samples=3)}
-    wrapped = tribo.Scene([upper, lower], live(calculator, reach=2.9), **common)
+    wrapped = tribo.Scene([upper, lower], from_calculator(calculator, reach=2.9), **common)
     result = tribo.simulate(wrapped, method="verlet", step=0.05)
     near = tribo.Surface("lower", facing="up", depth=-1.0, species="Ar")
     common.pop("periodic")
     plain = tribo.simulate(
-        tribo.Scene([upper, near], live(calculator), **common), method="verlet", step=0.05
+        tribo.Scene([upper, near], from_calculator(calculator), **common),
+        method="verlet",
+        step=0.05,
     )
     assert np.max(np.abs(plain["upper"].w1)) > 1e-3
     same(result, plain, 1e-12)
@@ -99,7 +101,7 @@ class Failing(Calculator):
 
 def test_a_calculator_that_fails_stops_the_run_by_name():
     """What was reached is kept, and the note says what was raised."""
-    result = tribo.simulate(scene(live(Failing(100, OSError))), accuracy=1e-6)
+    result = tribo.simulate(scene(from_calculator(Failing(100, OSError))), accuracy=1e-6)
     assert result.status == "CalculatorFailed"
     assert any("OSError: the disk is full" in note for note in result.notes)
     assert np.all(np.isfinite(result["upper"].theta))
@@ -107,14 +109,18 @@ def test_a_calculator_that_fails_stops_the_run_by_name():
 
 def test_ctrl_c_inside_a_calculator_keeps_the_state_whole():
     """The call is made again, and the run stops after it."""
-    result = tribo.simulate(scene(live(Failing(20, KeyboardInterrupt))), method="verlet", step=0.02)
+    result = tribo.simulate(
+        scene(from_calculator(Failing(20, KeyboardInterrupt))), method="verlet", step=0.02
+    )
     assert result.status == "Interrupted"
     assert np.all(np.isfinite(result["upper"].theta))
 
 
 def test_in_a_scene_file(tmp_path):
     """The calculator is made again from its class and arguments."""
-    before = scene(live("ase.calculators.lj:LennardJones", epsilon=EPSILON, sigma=SIGMA, rc=1e4))
+    before = scene(
+        from_calculator("ase.calculators.lj:LennardJones", epsilon=EPSILON, sigma=SIGMA, rc=1e4)
+    )
     before.save(tmp_path / "scene.toml")
     after = tribo.load_scene(tmp_path / "scene.toml")
     one, other = (tribo.simulate(item, method="verlet", step=0.05) for item in (before, after))
@@ -124,11 +130,23 @@ def test_in_a_scene_file(tmp_path):
 @pytest.mark.parametrize(
     ("potential", "change", "says"),
     [
-        (lambda: live("ase.calculators.emt:NoSuch"), {}, "calculator: ase.calculators.emt:NoSuch"),
-        (lambda: live(3.0), {}, "calculator: must be one of ASE's, got 3.0"),
-        (lambda: live(EMT(), reach=-1.0), {}, "reach: must be positive"),
-        (lambda: live(EMT()), {"periodic": tribo.Periodic(x=9.0)}, "cutoff: must be at most half"),
-        (lambda: tribo.Interaction(live(EMT()), species=("Cu", "Cu")), {}, "species: cannot go"),
+        (
+            lambda: from_calculator("ase.calculators.emt:NoSuch"),
+            {},
+            "calculator: ase.calculators.emt:NoSuch",
+        ),
+        (lambda: from_calculator(3.0), {}, "calculator: must be a calculator of ASE, got 3.0"),
+        (lambda: from_calculator(EMT(), reach=-1.0), {}, "reach: must be positive"),
+        (
+            lambda: from_calculator(EMT()),
+            {"periodic": tribo.Periodic(x=9.0)},
+            "cutoff: must be at most half",
+        ),
+        (
+            lambda: tribo.Interaction(from_calculator(EMT()), species=("Cu", "Cu")),
+            {},
+            "species: cannot go",
+        ),
     ],
 )
 def test_refusals(potential, change, says):
@@ -141,4 +159,4 @@ def test_species_must_be_elements():
     """A scene whose bobs are nameless cannot be asked of a calculator."""
     bare = [tribo.Surface("upper", bob=(0.0, 2.0)), tribo.Surface("lower", facing="up")]
     with pytest.raises(tribo.InputError, match="species to be elements"):
-        tribo.simulate(tribo.Scene(bare, live(EMT()), 1.0), method="verlet", step=0.1)
+        tribo.simulate(tribo.Scene(bare, from_calculator(EMT()), 1.0), method="verlet", step=0.1)

@@ -30,8 +30,8 @@ from tribo.potentials import (
     from_points,
     named,
     scaled,
+    sum_of,
     tabulated,
-    total,
     with_cutoff,
 )
 from tribo.potentials.cutoff import AT_CUTOFF
@@ -215,7 +215,7 @@ def near(one, other):
 @given(parts=st.lists(PARTS, min_size=2, max_size=4), charges=CHARGES, factor=st.floats(-3.0, 3.0))
 def test_sums_and_scaled_copies(parts, charges, factor):
     """Energy and force between any two charges are the parts' sum, times the factor."""
-    whole = scaled(total(*parts), factor)
+    whole = scaled(sum_of(*parts), factor)
     for method in ("energy_between", "force_between"):
         each = [getattr(part, method)(PLACES, *charges) for part in parts]
         size = np.max(np.abs(each), axis=0)
@@ -231,7 +231,7 @@ def test_sums_and_scaled_copies(parts, charges, factor):
 @given(one=PARTS, other=PARTS, charges=CHARGES, factor=st.floats(-3.0, 3.0))
 def test_a_cutoff_is_linear(at_cutoff, one, other, charges, factor):
     """That of a sum is the sum of those of its parts, whatever they make of charges."""
-    whole = with_cutoff(total(one, scaled(other, factor)), 2.5, at_cutoff)
+    whole = with_cutoff(sum_of(one, scaled(other, factor)), 2.5, at_cutoff)
     first, second = (with_cutoff(part, 2.5, at_cutoff) for part in (one, other))
     for method in ("energy_between", "force_between"):
         a, b = (getattr(part, method)(PLACES, *charges) for part in (first, second))
@@ -248,10 +248,10 @@ def slope(potential, r, h=1e-4):
     return -sum(w * (energy[k] - energy[-k]) for k, w in weights.items()) / h
 
 
-MIXED = total(Coulomb(0.3), scaled(LennardJones(0.2, 1.0), 0.5))
+MIXED = sum_of(Coulomb(0.3), scaled(LennardJones(0.2, 1.0), 0.5))
 MADE = {
     "sum": MIXED,
-    "ionic": total(BornMayer(40.0, 0.3), with_cutoff(Yukawa(0.5, 0.4), 3.0)),
+    "ionic": sum_of(BornMayer(40.0, 0.3), with_cutoff(Yukawa(0.5, 0.4), 3.0)),
     **{kind: with_cutoff(MIXED, 2.5, kind) for kind in AT_CUTOFF},
     "table": from_points(np.linspace(0.5, 3.0, 40), np.sin(3.0 * np.linspace(0.5, 3.0, 40))),
     "a table cut off": with_cutoff(
@@ -284,7 +284,7 @@ SMOOTHNESS = {
     "a table that ends in a parabola": (from_points(POINTS, (2.0 - POINTS) ** 2), 1),
     "a table that ends in a cubic": (from_points(POINTS, (2.0 - POINTS) ** 3), 2),
     "a table that is switched off": (with_cutoff(from_points(POINTS, POINTS), 2.0), 2),
-    "a sum": (total(Coulomb(1.0), with_cutoff(Morse(1.0, 1.0, 1.0), 2.0, "shift")), 0),
+    "a sum": (sum_of(Coulomb(1.0), with_cutoff(Morse(1.0, 1.0, 1.0), 2.0, "shift")), 0),
 }
 
 
@@ -355,7 +355,7 @@ def test_a_table_from_a_file(tmp_path):
     assert from_csv(path) != from_points([0.5, 1.0, 1.5, 2.0], [4.0, 2.0, 1.0, 0.6])
     assert hash(from_csv(path)) == hash(from_csv(path))
     path.write_text("0.5, 4.0\n1.0, x\n")
-    with pytest.raises(InputError, match=r'two numbers a line, got "1\.0, x" in line 2'):
+    with pytest.raises(InputError, match=r'two numbers in each line, got "1\.0, x" in line 2'):
         from_csv(path)
 
 
@@ -404,7 +404,7 @@ def test_expressions_and_their_derivatives(text, parameters):
 
 
 REFUSED = [
-    ("1/r + q^2", "must have ** for powers instead of ^"),
+    ("1/r + q^2", "must be an expression with ** for powers instead of ^"),
     ("foo(r)", "not 'foo(r)' at its character 1"),
     ("s*r.real", "not 'r.real' at its character 3"),
     ("__import__('os').system('true')*r", "not \"__import__('os').system('true')\""),
@@ -419,12 +419,12 @@ REFUSED = [
     ("s*'r'", "not \"'r'\""),
     ("s*r > 0*r", "not 's*r > 0*r'"),
     ("s*r//2", "not 's*r//2'"),
-    ("s*1e999*r", "must have finite numbers"),
-    ("s*(r", "must have an expression that can be read ('(' was never closed"),
-    ("s + t*2", "must have the distance r in it"),
-    ("energy*r", 'must have another name for the parameter "energy"'),
-    ("cutoff*r", 'must have another name for the parameter "cutoff"'),
-    ("_s*r", 'must have another name for the parameter "_s"'),
+    ("s*1e999*r", "must be an expression with finite numbers"),
+    ("s*(r", "must be an expression with valid syntax ('(' was never closed"),
+    ("s + t*2", "must be an expression with the distance r"),
+    ("energy*r", 'must be an expression with another name for the parameter "energy"'),
+    ("cutoff*r", 'must be an expression with another name for the parameter "cutoff"'),
+    ("_s*r", 'must be an expression with another name for the parameter "_s"'),
     ("mose", 'must be "coulomb", "morse", "lennard-jones"'),
     ("lenard-jones", 'must be "coulomb", "morse", "lennard-jones"'),
     ("r", 'must be "coulomb", "morse", "lennard-jones"'),
@@ -503,7 +503,7 @@ class Both(NamedTuple):
 
 def test_a_sum_in_a_run():
     """Charged and uncharged parts with a cutoff, against the same written out by hand."""
-    parts = total(Coulomb(0.3), Morse(0.2, 2.0, 0.6))
+    parts = sum_of(Coulomb(0.3), Morse(0.2, 2.0, 0.6))
     one = series(with_cutoff(parts, 2.0), charge=-1.5)
     other = series(Both(0.3, 0.2), charge=-1.5)
     for name, values in one.items():
@@ -595,7 +595,7 @@ def test_a_result_keeps_its_potential(tmp_path):
         tabulated(Morse(0.4, 1.6, 0.7).energy, 0.1, 9.0, 1e-4),
         expression("s/r**n", s=0.1, n=1),
     )
-    scene = pair(total(*parts), duration=0.5)
+    scene = pair(sum_of(*parts), duration=0.5)
     result = tribo.simulate(scene, method="midpoint", step=0.05)
     result.save(tmp_path / "result.nc")
     loaded = tribo.load_result(tmp_path / "result.nc")
@@ -605,7 +605,7 @@ def test_a_result_keeps_its_potential(tmp_path):
 WRONG = [
     ('potential = "sum"', "interaction.of: is missing"),
     ('potential = "sum"\nof = 5', "interaction.of: must be a list of potentials, got 5"),
-    ('potential = "sum"\nof = []', "interaction.of: must be two potentials or more, got 0"),
+    ('potential = "sum"\nof = []', "interaction.of: must be two or more potentials, got 0"),
     (
         'potential = "sum"\nof = [{potential = "coulomb", strength = 1}, {potential = "mie"}]',
         "interaction.of[1].epsilon: is missing",
@@ -619,7 +619,7 @@ WRONG = [
     ('potential = "table"\nr = [1, 2, 3]', "interaction.energy: is missing"),
     (
         'potential = "table"\nr = [1, 2, 3]\nenergy = [1, 2, 3]',
-        "interaction.r: must be 4 numbers or more, got 3",
+        "interaction.r: must be at least 4 numbers, got 3",
     ),
     (
         'potential = "table"\nr = [1, 2, 3, 4]\nenergy = [1, 2, 3]',
@@ -630,12 +630,12 @@ WRONG = [
         "interaction.r[2]: must be above r[1] = 3, got 2",
     ),
     ('potential = "table"\nfile = "no.csv"', "interaction.file: "),
-    ('potential = "table"\nfile = 5', "interaction.file: must be a name, got 5"),
+    ('potential = "table"\nfile = 5', "interaction.file: must be the name of a file, got 5"),
     (
         'potential = "mie"\nepsilon = 1\nsigma = 1\nn = 6\nm = 12',
         "interaction.n: must be above m = 12, got 6",
     ),
-    ('potential = "morse"\nD = 1\nalpha = 0\nr0 = 1', "interaction.alpha: must be positive, got 0"),
+    ('potential = "morse"\nD = 1\nalpha = 0\nr0 = 1', "interaction.alpha: must be positive [1"),
     ('potential = "yukawa"\nstrength = 1\nscreening = -1', "interaction.screening: must not be n"),
     ('potential = "nowhere:Own"', 'interaction.potential: the module "nowhere" cannot be loaded'),
     ('potential = "math:Own"', "interaction.potential: math defines no Own"),
@@ -651,15 +651,15 @@ def test_wrong_potentials_in_a_file(tmp_path, text, sentence):
 
 
 CALLS = [
-    (lambda: total(Coulomb(1.0)), "of: must be two potentials or more, got 1"),
-    (lambda: total(Coulomb(1.0), 5), "potential: int must be a NamedTuple whose fields are numb"),
+    (lambda: sum_of(Coulomb(1.0)), "of: must be two or more potentials, got 1"),
+    (lambda: sum_of(Coulomb(1.0), 5), "potential: int must be a NamedTuple whose fields are numb"),
     (lambda: scaled(Coulomb(1.0), math.nan), "factor: must be a finite number, got nan"),
     (lambda: with_cutoff(5.0, 1.0), "potential: must be a potential, got 5.0"),
     (lambda: with_cutoff(with_cutoff(Coulomb(1.0), 2.0), 1.0), "cutoff: must be given once"),
-    (lambda: tabulated(math.exp, 1.0, 2.0, 0.0), "accuracy: must be positive, got 0.0"),
-    (lambda: tabulated(np.exp, 2.0, 1.0, 1e-3), "high: must be above low = 2, got 1"),
-    (lambda: tabulated(lambda r: 1.0 * (r < 1.7), 1.0, 2.0, 1e-3), "accuracy: must be more than"),
-    (lambda: tabulated(np.cos, 1.0, 9.0, 1e-17), "accuracy: must be more than 1e-17"),
+    (lambda: tabulated(math.exp, 1.0, 2.0, 0.0), "tolerance: must be positive [energy], got 0.0"),
+    (lambda: tabulated(np.exp, 2.0, 1.0, 1e-3), "high: must be above low = 2 [length], got 1"),
+    (lambda: tabulated(lambda r: 1.0 * (r < 1.7), 1.0, 2.0, 1e-3), "tolerance: must be more than"),
+    (lambda: tabulated(np.cos, 1.0, 9.0, 1e-17), "tolerance: must be more than 1e-17 [energy]"),
     (lambda: from_points([1, 2, 3, 4], [1, 2, math.nan, 4]), "energy[2]: must be a finite number"),
 ]
 

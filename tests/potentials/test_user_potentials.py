@@ -113,9 +113,9 @@ FAULTS = {
         "def feature(self):",
         "gives 1.0 where 2 numbers are wanted",
     ),
-    "demands that are none": (
-        [*ENERGY, "def demands(self):", "    return self.s"],
-        "def demands(self):",
+    "constraints that are none": (
+        [*ENERGY, "def constraints(self):", "    return self.s"],
+        "def constraints(self):",
         "must give (name, whether it will do, what would) for each",
     ),
 }
@@ -211,7 +211,7 @@ def test_a_plugin_inside_a_cutoff(tmp_path):
     """It is found wherever it is."""
     (tmp_path / "own.py").write_text(HEAD + "    def energy(self, r): return helper(r)\n")
     own = scene("own.py:Own", tmp_path).interactions[0].potential
-    inside = tribo.potentials.total(tribo.Coulomb(1.0), tribo.with_cutoff(own, 2.0))
+    inside = tribo.potentials.sum_of(tribo.Coulomb(1.0), tribo.with_cutoff(own, 2.0))
     upper = tribo.Surface("upper", bob=(-3.0, 0.0))
     lower = tribo.Surface("lower", facing="up")
     with pytest.raises(InputError, match=r"Own\.energy fails in line 12 of .*own\.py"):
@@ -239,11 +239,11 @@ def test_a_field_that_fails():
         tribo.simulate(described, method="midpoint", step=0.1)
 
 
-def test_demands_of_ones_own(tmp_path):
+def test_constraints_of_a_user_potential(tmp_path):
     """A class says which numbers make sense, and the sentence names the parameter."""
     (tmp_path / "own.py").write_text(
         HEAD + "    def energy(self, r): return compiled(r)\n"
-        "    def demands(self): return (('s', self.s > 2.0, 'must be above 2'),)\n"
+        "    def constraints(self): return (('s', self.s > 2.0, 'must be above 2'),)\n"
     )
     with pytest.raises(InputError) as caught:
         scene("own.py:Own", tmp_path)

@@ -21,7 +21,7 @@ from tribo.potentials import (
     LennardJones,
     Morse,
     as_potential,
-    live,
+    from_calculator,
     with_cutoff,
 )
 from tribo.potentials.cutoff import AT_CUTOFF
@@ -428,13 +428,13 @@ def test_json(run):
     [
         (["gravity"], "potential: must be "),
         (["coulomb"], "strength: is missing"),
-        (["coulomb", "strength"], "strength: must be name=value"),
+        (["coulomb", "strength"], "parameter: must be NAME=VALUE, got 'strength'"),
         (["coulomb", "strength=strong"], "strength: must be a number, got 'strong'"),
         (["coulomb", "strength=1", "cutoff=3", "at_cutoff=bend"], "at_cutoff: must be "),
         (["none.py:None", "s=1"], "potential: there is no file"),
         (["broken.py:Broken", "s=1"], "potential: Broken.energy fails in line 4 of "),
         (["coulomb", "strength=1", "--figure", "card.txt"], "--figure: must end on .png"),
-        (["coulomb", "strength=1", "--figure", "none/card.png"], "--figure: there is no folder"),
+        (["coulomb", "strength=1", "--figure", "none/card.png"], "--figure: must be in a folder"),
     ],
 )
 def test_wrong_input(run, tmp_path, arguments, message):
@@ -452,7 +452,7 @@ def test_wrong_input(run, tmp_path, arguments, message):
 
 
 def test_other_objects_are_refused():
-    for value in (3.0, live("ase.calculators.emt:EMT")):
+    for value in (3.0, from_calculator("ase.calculators.emt:EMT")):
         with pytest.raises(InputError, match=r"^potential: "):
             check(value)
 

@@ -8,7 +8,7 @@ import pytest
 from support.examples import example
 from tribo import Asperite, Free, Initial, Morse, Output, Scene, Surface, simulate
 from tribo.model.bath import Bath, Langevin
-from tribo.model.spectrum import Spectrum, believed_until, exact_decay
+from tribo.model.spectrum import Spectrum, exact_decay, valid_until
 
 # --- stick-slip ----------------------------------------------------------------------------------
 
@@ -74,7 +74,7 @@ def test_a_drude_bath_takes_internal_energy_as_the_continuum_does():
     """A bob too heavy to move leaves a bar on a spring, for which there is an answer."""
     bar, frequency, small = 2.0, 0.8, 1e-4
     asperite = Asperite(m1=1e9, m2=bar, length=1.0, kappa=bar * frequency**2)
-    end = believed_until(DRUDE, bar, frequency)
+    end = valid_until(DRUDE, bar, frequency)
     surface = Surface(
         "one", asperite=asperite, initial=Initial(omega=small), bath=Bath(spectrum=DRUDE)
     )

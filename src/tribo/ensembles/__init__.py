@@ -26,7 +26,7 @@ from tribo.ensembles.runner import (
 )
 from tribo.model.scene import Scene
 from tribo.simulation import Simulation, prepare
-from tribo.validation import POSITIVE, InputError, inside, number, shown, whole
+from tribo.validation import POSITIVE, InputError, inside, integer, number, short_repr
 
 if TYPE_CHECKING:
     import xarray
@@ -66,10 +66,10 @@ def ensemble(
     """
     began = time.perf_counter()
     if not isinstance(scene, Scene):
-        raise InputError("scene", f"must be a tribo.Scene, got {shown(scene)}")
+        raise InputError("scene", f"must be a tribo.Scene, got {short_repr(scene)}")
     scene = scene.with_heights()
     wanted = None if accuracy is None else _statistical(scene, accuracy)
-    variation = Variation(scene, {} if vary is None else vary, whole("seed", seed, 0))
+    variation = Variation(scene, {} if vary is None else vary, integer("seed", seed, 0))
     most = _most(n, wanted, variation)
     check_engine(engine)
     runner = Runner(_planned(scene, method, step), variation, engine, progress)
@@ -102,7 +102,7 @@ def _statistical(scene: Scene, accuracy: Any) -> dict[str, float]:
     """The half-widths asked for, in units of the scale of energies, by name."""
     if not isinstance(accuracy, Mapping) or not accuracy:
         raise InputError(
-            "accuracy", f'must name quantities, as {{"upper.W": 1e-2}}, got {shown(accuracy)}'
+            "accuracy", f'must name quantities, as {{"upper.W": 1e-2}}, got {short_repr(accuracy)}'
         )
     known = bulk_names(scene) + sum_names(scene)
     for name in accuracy:
@@ -117,11 +117,11 @@ def _most(n: int | None, wanted: Any, variation: Variation) -> int:
     if n is None and wanted is None:
         raise InputError("n", 'is missing; give it, or accuracy={"surface.W": 1e-2}')
     lengths = variation.lengths
-    most = min([MOST, *lengths.values()]) if n is None else whole("n", n, 2)
+    most = min([MOST, *lengths.values()]) if n is None else integer("n", n, 2)
     for key, length in lengths.items():
         if length != most:
             raise InputError(f"vary.{key}", f"has values for {length} members, not for {most}")
-    return whole("n", most, 2)
+    return integer("n", most, 2)
 
 
 def _planned(scene: Scene, method: str | None, step: float | None) -> Simulation:

@@ -16,7 +16,7 @@ import numpy as np
 from tribo.integrators.methods import noisy
 from tribo.model.scene import Scene
 from tribo.model.surface import Initial
-from tribo.validation import LARGEST, InputError, inside, is_list, shown
+from tribo.validation import LARGEST_NUMBER, InputError, inside, is_list, short_repr
 
 VELOCITY = "velocity"
 
@@ -54,7 +54,7 @@ class Variation:
     def __init__(self, scene: Scene, vary: Mapping[str, Any], seed: int) -> None:
         """Check all names and arrays.  Raises InputError."""
         if not isinstance(vary, Mapping):
-            raise InputError("vary", f"must map names to values, got {shown(vary)}")
+            raise InputError("vary", f"must map names to values, got {short_repr(vary)}")
         self._seed = seed
         self._climb = {f"{s.name}.{VELOCITY}": s.velocity[1] for s in scene.surfaces}
         self._sources: dict[str, Any] = {}
@@ -127,7 +127,7 @@ def _rows(key: str, source: Any, size: int) -> np.ndarray:
         raise InputError(
             key,
             "must be an array with a value for each member, or a distribution as those of "
-            f"scipy.stats, got {shown(source)}",
+            f"scipy.stats, got {short_repr(source)}",
         )
     table = _numbers(key, source)
     if table.ndim == 1:
@@ -144,7 +144,7 @@ def _numbers(key: str, value: Any) -> np.ndarray:
     try:
         table = np.array(value, dtype=float)
     except (TypeError, ValueError):
-        raise InputError(key, f"must be numbers, got {shown(value)}") from None
-    if not np.all(np.abs(table) <= LARGEST):
-        raise InputError(key, f"must be finite numbers, at most {LARGEST:g} in magnitude")
+        raise InputError(key, f"must be numbers, got {short_repr(value)}") from None
+    if not np.all(np.abs(table) <= LARGEST_NUMBER):
+        raise InputError(key, f"must be finite numbers, at most {LARGEST_NUMBER:g} in magnitude")
     return table

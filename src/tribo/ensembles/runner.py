@@ -19,7 +19,7 @@ from tribo.run.quantities import BLOCK_QUANTITIES, SYSTEM_QUANTITIES
 from tribo.run.result import Result
 from tribo.run.streamed_ledger import exceeds_memory
 from tribo.simulation import Simulation, from_settings
-from tribo.validation import InputError, shown
+from tribo.validation import InputError, short_repr
 
 FIRST = 16  # members, whose spread decides how many there will be, and which are run again
 CHUNKS = 32  # that an executor is handed at a time
@@ -70,7 +70,7 @@ def check_engine(engine: Any) -> None:
     """Complain about what takes no jobs; None is nobody, and will do."""
     if engine is not None and not (hasattr(engine, "submit") or hasattr(engine, "map")):
         raise InputError(
-            "engine", f"must have submit or map, as an executor has, got {shown(engine)}"
+            "engine", f"must have submit or map, as an executor has, got {short_repr(engine)}"
         )
 
 

@@ -1,4 +1,4 @@
-"""What a scene is made of: asperites, surfaces, drives, springs, baths and fields.
+"""The parts of a scene: asperites, surfaces, drives, springs, baths, fields and interactions.
 
-Nothing in here is numerical; scene files are read and written here.
+It holds no numerics.  Scene files are read and written here.
 """

@@ -6,45 +6,80 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from tribo.validation import ANY, NOT_NEGATIVE, POSITIVE, InputError, number_or_each
+from tribo.validation import ANY, NOT_NEGATIVE, POSITIVE, InputError, number_or_array
 
-Each = float | np.ndarray  # one number for all asperites of a surface, or one for each
+# One number for all asperites of a surface, or an array with one number per asperite.
+Each = float | np.ndarray
+
+# Condition and unit of each parameter.
+LIMITS = {
+    "m1": (POSITIVE, "mass"),
+    "m2": (POSITIVE, "mass"),
+    "kappa": (NOT_NEGATIVE, "torque / rad"),
+    "length": (POSITIVE, "length"),
+    "bar_length": (POSITIVE, "length"),
+    "i2": (POSITIVE, "mass length^2"),
+    "charge": (ANY, "charge"),
+}
+
+
+def broadcast(field: str, value: Each, count: int) -> np.ndarray:
+    """The value as an array of `count`.  Raises InputError for an array of another size."""
+    if isinstance(value, np.ndarray) and value.size != count:
+        problem = f"must be one number or an array of size {count}, got size {value.size}"
+        raise InputError(field, problem)
+    return np.broadcast_to(np.asarray(value, dtype=float), (count,))
 
 
 @dataclass(frozen=True, eq=False)
 class Asperite:
     """Parameters of the asperites of a surface: each a number, or one number per asperite.
 
-    The defaults are those of the paper's case A.
+    The defaults are those of case A of the paper.
+
+    Attributes
+    ----------
+    m1 : float or (n,) array
+        Mass of the bob [mass].
+    m2 : float or (n,) array
+        Mass of the bar [mass].
+    kappa : float or (n,) array
+        Stiffness of the torsion spring [torque / rad].
+    length : float or (n,) array
+        Length of the massless rod from the bar's centre to the bob [length].
+    bar_length : float or (n,) array
+        Length of the bar [length].
+    i2 : float or (n,) array
+        Moment of inertia of the bar about its centre [mass length^2].
+    charge : float or (n,) array
+        Charge of the bob; only charged potentials (Coulomb, Yukawa, Plummer) use it.
+
+    Raises
+    ------
+    InputError
+        If a parameter is no number, or is negative, or is zero (`kappa` and `charge` may be zero).
     """
 
-    m1: Each = 1.0  # mass of the bob
-    m2: Each = 2.0  # mass of the bar
-    kappa: Each = 2.0  # stiffness of the torsion spring [torque / rad]
-    length: Each = 2.0  # of the massless rod from bar to bob
+    m1: Each = 1.0
+    m2: Each = 2.0
+    kappa: Each = 2.0
+    length: Each = 2.0
     bar_length: Each = 3.0
-    i2: Each = 5.0  # the bar's moment of inertia about its centre
-    charge: Each = 1.0  # of the bob; only charged potentials look at it
+    i2: Each = 5.0
+    charge: Each = 1.0
 
     def __post_init__(self) -> None:
-        conditions = {"kappa": NOT_NEGATIVE, "charge": ANY}
-        for field in fields(self):
-            value = number_or_each(
-                field.name, getattr(self, field.name), conditions.get(field.name, POSITIVE)
-            )
-            object.__setattr__(self, field.name, value)
+        for name, (condition, unit) in LIMITS.items():
+            value = number_or_array(name, getattr(self, name), condition, unit)
+            object.__setattr__(self, name, value)
 
     def for_each(self, count: int) -> dict[str, np.ndarray]:
-        """Every parameter, and those that follow from it, as arrays of `count`."""
-        each = {}
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if isinstance(value, np.ndarray) and value.size != count:
-                raise InputError(
-                    field.name,
-                    f"has {value.size} values for {count} asperites; give one, or {count}",
-                )
-            each[field.name] = np.broadcast_to(np.asarray(value, dtype=float), (count,))
+        """Every parameter, and derived quantities, as arrays of `count`.
+
+        The derived quantities are `mass` M = m1 + m2, `l1` and `l2` (distances of bob and bar
+        from the centre of mass), and `inertia` I = m1 l1^2 + m2 l2^2.
+        """
+        each = {f.name: broadcast(f.name, getattr(self, f.name), count) for f in fields(self)}
         m1, m2, length = each["m1"], each["m2"], each["length"]
         each["mass"] = m1 + m2
         each["l1"] = length * m2 / each["mass"]

@@ -1,4 +1,4 @@
-"""Baths: oscillators that hang on every bar of a surface, and take its energy and give it back.
+"""Baths: oscillators on every bar of a surface that absorb its energy and return it.
 
 A point oscillator is a mass m in the plane, tied to the bar's centre by a spring of stiffness m w^2
 and zero rest length.  A torsional one is a moment of inertia tied to the bar's angle phi.
@@ -19,11 +19,15 @@ from tribo.validation import (
     choice,
     inside,
     known_keys,
+    must_be,
     number,
     vector,
 )
 
-SPECTRAL = ("gamma", "cutoff", "n")  # what a spectrum needs besides its name
+# Keys that the table of a bath needs together with `spectrum`.
+SPECTRAL_KEYS = ("gamma", "cutoff", "n")
+# Units of the keys of a listed oscillator.
+UNITS = {"mass": "mass", "inertia": "mass length^2", "frequency": "rad / time"}
 
 
 def _none() -> np.ndarray:
@@ -32,31 +36,50 @@ def _none() -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class Bath:
-    """What hangs on every bar of a surface: n point oscillators, k torsional ones.
+    """Oscillators on every bar of a surface: n point oscillators and k torsional ones.
 
-    With a `spectrum`, masses and frequencies are those of its oscillators and need not be given.
+    With a `spectrum`, masses and frequencies are those of its oscillators and are not given.
+
+    Attributes
+    ----------
+    masses : (n,) array
+        Masses of the point oscillators [mass].
+    frequencies : (n,) array
+        Their angular frequencies [rad / time].
+    inertias : (k,) array
+        Moments of inertia of the torsional oscillators [mass length^2]; they need bars that turn.
+    torsional_frequencies : (k,) array
+        Their angular frequencies [rad / time].
+    temperature : float
+        Temperature from which they start [energy], with k_B = 1.
+    spectrum : Spectrum, optional
+        The continuum that the point oscillators discretise.
     """
 
-    masses: np.ndarray = field(default_factory=_none)  # (n,)
-    frequencies: np.ndarray = field(default_factory=_none)  # (n,) angular [rad / time]
-    inertias: np.ndarray = field(default_factory=_none)  # (k,) moments of inertia
-    torsional_frequencies: np.ndarray = field(default_factory=_none)  # (k,) [rad / time]
-    temperature: float = 0.0  # that they start from [energy], k_B = 1
-    spectrum: Spectrum | None = None  # that the point oscillators stand for
+    masses: np.ndarray = field(default_factory=_none)
+    frequencies: np.ndarray = field(default_factory=_none)
+    inertias: np.ndarray = field(default_factory=_none)
+    torsional_frequencies: np.ndarray = field(default_factory=_none)
+    temperature: float = 0.0
+    spectrum: Spectrum | None = None
 
     def __post_init__(self) -> None:
         put = object.__setattr__
-        for sizes, rates in (("masses", "frequencies"), ("inertias", "torsional_frequencies")):
-            put(self, sizes, vector(sizes, getattr(self, sizes), POSITIVE))
+        for sizes, rates, unit in (
+            ("masses", "frequencies", "mass"),
+            ("inertias", "torsional_frequencies", "mass length^2"),
+        ):
+            put(self, sizes, vector(sizes, getattr(self, sizes), POSITIVE, unit=unit))
             count = getattr(self, sizes).size
-            put(self, rates, vector(rates, getattr(self, rates), POSITIVE, size=count))
-        put(self, "temperature", number("temperature", self.temperature, NOT_NEGATIVE))
+            frequencies = vector(rates, getattr(self, rates), POSITIVE, count, "rad / time")
+            put(self, rates, frequencies)
+        put(self, "temperature", number("temperature", self.temperature, NOT_NEGATIVE, "energy"))
         if self.spectrum is not None:
             self._take_from_spectrum()
 
     def _take_from_spectrum(self) -> None:
         if not isinstance(self.spectrum, Spectrum):
-            raise InputError("spectrum", f"must be a tribo.Spectrum, got {self.spectrum!r}")
+            raise must_be("spectrum", "a tribo.Spectrum", self.spectrum)
         own = self.spectrum.oscillators()
         given = (self.masses, self.frequencies)
         if self.masses.size and not all(map(np.array_equal, given, own)):
@@ -69,30 +92,41 @@ class Bath:
         return self.masses.size + self.inertias.size > 0
 
     @property
+    def mass(self) -> float:
+        """Mass of all point oscillators of one bar [mass].
+
+        The surface's `delta_K`, `W_ps` and `V` count it, so they depend on n although the motion
+        converges as n grows: for a Drude spectrum it is gamma (2n - 1) / cutoff.
+        """
+        return float(np.sum(self.masses))
+
+    @property
     def stiffnesses(self) -> np.ndarray:
-        """(n,) of the springs to the bar's centre [force / length]."""
+        """(n,) stiffness of the springs to the bar's centre [force / length]."""
         return self.masses * self.frequencies**2
 
     @property
     def torsional_stiffnesses(self) -> np.ndarray:
-        """(k,) of the torsion springs to the bar [torque / rad]."""
+        """(k,) stiffness of the torsion springs to the bar [torque / rad]."""
         return self.inertias * self.torsional_frequencies**2
 
 
 def as_bath(value: Any) -> Bath:
-    """A bath from a table of a scene file, None (no bath), or itself."""
+    """A bath from a table of a scene file, None (no bath), or a Bath unchanged."""
     if value is None:
         return Bath()
     if isinstance(value, Bath):
         return value
-    table = known_keys(value, ["oscillators", "torsional", "temperature", "spectrum", *SPECTRAL])
+    table = known_keys(
+        value, ["oscillators", "torsional", "temperature", "spectrum", *SPECTRAL_KEYS]
+    )
     settings: dict[str, Any] = {"temperature": table.get("temperature", 0.0)}
     if "spectrum" in table:
         settings["spectrum"] = _spectrum(table)
     else:
-        for key in SPECTRAL:
+        for key in SPECTRAL_KEYS:
             if key in table:
-                raise InputError("spectrum", f"is missing; {key} is nothing without it")
+                raise InputError("spectrum", f"is missing; {key} needs a spectrum")
         settings["masses"], settings["frequencies"] = _listed(table, "oscillators", "mass")
     settings["inertias"], settings["torsional_frequencies"] = _listed(table, "torsional", "inertia")
     return Bath(**settings)
@@ -102,21 +136,21 @@ def _spectrum(table: dict[str, Any]) -> Spectrum:
     kind = choice("spectrum", table["spectrum"], KINDS)
     if "oscillators" in table:
         raise InputError("oscillators", "cannot go with spectrum; give one or the other")
-    known_keys(table, table, SPECTRAL)
-    return Spectrum(kind, *(table[key] for key in SPECTRAL))
+    known_keys(table, table, SPECTRAL_KEYS)
+    return Spectrum(kind, *(table[key] for key in SPECTRAL_KEYS))
 
 
 def _listed(table: dict[str, Any], key: str, size: str) -> tuple[list[float], list[float]]:
     """Sizes (masses or moments of inertia) and frequencies of a list of oscillators."""
     items = table.get(key, [])
     if not isinstance(items, (list, tuple)):
-        raise InputError(key, f"must be a list of {{{size}, frequency}}, got {items!r}")
+        raise must_be(key, f"a list of {{{size}, frequency}}", items)
     columns: tuple[list[float], list[float]] = ([], [])
     for i, item in enumerate(items):
         with inside(f"{key}[{i}]"):
             known_keys(item, [size, "frequency"], [size, "frequency"])
             for column, name in zip(columns, (size, "frequency"), strict=True):
-                column.append(number(name, item[name], POSITIVE))
+                column.append(number(name, item[name], POSITIVE, UNITS[name]))
     return columns
 
 
@@ -128,7 +162,7 @@ def as_table(bath: Bath) -> dict[str, Any]:
         table["oscillators"] = [{"mass": m, "frequency": w} for m, w in pairs]
     else:
         table["spectrum"] = bath.spectrum.kind
-        table |= {key: getattr(bath.spectrum, key) for key in SPECTRAL}
+        table |= {key: getattr(bath.spectrum, key) for key in SPECTRAL_KEYS}
     if bath.inertias.size:
         pairs = zip(bath.inertias.tolist(), bath.torsional_frequencies.tolist(), strict=True)
         table["torsional"] = [{"inertia": i, "frequency": w} for i, w in pairs]
@@ -142,7 +176,7 @@ def thermal_start(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Displacements x, y and velocities x, y of the oscillators of `count` bars, each (count, n).
 
-    Drawn from the bath's temperature T, about the bar's centre and relative to the surface's
+    They are drawn at the bath's temperature T, relative to the bar's centre and to the surface's
     velocity: variances T / (m w^2) and T / m in each direction, all independent.
     """
     spread, speed = _thermal_spreads(bath.temperature, bath.masses, bath.frequencies)
@@ -174,25 +208,41 @@ def _thermal_spreads(
 
 @dataclass(frozen=True)
 class Langevin:
-    """A reservoir at every bar; the heat it is given is minus the integral of f_T . (v_bar - u)."""
+    """A thermal reservoir at every bar: damping, and noise at a temperature above zero.
 
-    gamma: float  # [force / velocity]
-    temperature: float = 0.0  # [energy], k_B = 1
-    velocity: tuple[float, float] | None = None  # u in the laboratory; None: the surface's first
+        f_T = -gamma (v_bar - u) + sqrt(2 gamma T) xi(t)
+
+    with u the reservoir's velocity and xi(t) white noise.  The heat given to the reservoir is minus
+    the integral of f_T . (v_bar - u).
+
+    Attributes
+    ----------
+    gamma : float
+        Damping coefficient [mass / time].
+    temperature : float
+        Temperature T [energy], with k_B = 1.
+    velocity : (float, float), optional
+        Velocity u of the reservoir in the laboratory; None for the surface's initial velocity.
+    """
+
+    gamma: float
+    temperature: float = 0.0
+    velocity: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         put = object.__setattr__
-        put(self, "gamma", number("gamma", self.gamma, NOT_NEGATIVE))
-        put(self, "temperature", number("temperature", self.temperature, NOT_NEGATIVE))
+        put(self, "gamma", number("gamma", self.gamma, NOT_NEGATIVE, "mass / time"))
+        put(self, "temperature", number("temperature", self.temperature, NOT_NEGATIVE, "energy"))
         if self.velocity is not None:
-            put(self, "velocity", tuple(vector("velocity", self.velocity, size=2).tolist()))
+            velocity = vector("velocity", self.velocity, size=2, unit="length / time")
+            put(self, "velocity", tuple(velocity.tolist()))
 
     def __bool__(self) -> bool:
         return self.gamma > 0.0
 
 
 def as_langevin(value: Any) -> Langevin | None:
-    """Langevin damping from a table of a scene file, None, or itself."""
+    """A reservoir from a table of a scene file, a Langevin unchanged, or None (no reservoir)."""
     if value is None or isinstance(value, Langevin):
         return value
     return Langevin(**known_keys(value, Langevin.__dataclass_fields__, ["gamma"]))

@@ -1,92 +1,149 @@
 """What holds or moves a surface: the force f2 on every bar, given the contact force f1.
 
-Each drive is a class of a few numbers; the force itself is written once, in
-:func:`tribo.kernels.equations_of_motion.drive_forces`.
+Each drive is a class of a few numbers.  :func:`tribo.kernels.equations_of_motion.drive_forces`
+computes the force.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from tribo.plugins import classes as plugins
-from tribo.validation import NOT_NEGATIVE, InputError, choice, flag, known_keys, number
+from tribo.validation import NOT_NEGATIVE, InputError, boolean, choice, known_keys, number
+
+# Signatures of the methods that plug-ins need, as messages quote them.
+FORCE_ON_BAR = "force_on_bar(self, t, x, y, vx, vy, fx, fy)"
+END_FORCES = "end_forces(self, t, phi, nu, twist)"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Drive:
     """A drive, and the load that may go with it.
 
     A load N presses every bar against the other surface: f2_y is -N on a surface that faces
     down and +N on one that faces up, in place of -f1_y.
+
+    Attributes
+    ----------
+    load : float, optional
+        Force N on each asperite [force]; None for f2_y = -f1_y.
     """
 
-    load: float | None = None  # [force per asperite]; None: f2_y = -f1_y
+    load: float | None = None
+
+    def __new__(cls, *values: Any, **settings: Any) -> Self:
+        """Refuse values without keywords, of which the first would be the load."""
+        if values:
+            names = ", ".join(f"{name}=..." for name in cls.__dataclass_fields__)
+            raise TypeError(f"{cls.__name__} takes keywords only: {cls.__name__}({names})")
+        return super().__new__(cls)
 
     def __post_init__(self) -> None:
         if self.load is not None:
-            object.__setattr__(self, "load", number("load", self.load))
+            object.__setattr__(self, "load", number("load", self.load, unit="force"))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Forced(Drive):
-    """f2 = -f1: the centre of mass keeps its velocity."""
+    """f2 = -f1: the centre of mass keeps its velocity.  Takes keywords only.
+
+    Attributes
+    ----------
+    load : float, optional
+        Force N on each asperite towards the other surface [force], in place of f2_y = -f1_y.
+    """
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Free(Drive):
-    """f2_x = 0: each asperite slides on its own, or all of them as one rigid body."""
+    """f2_x = 0: each asperite slides on its own, or all of them as one rigid body.
+
+    As a rigid body, f2_x = -f1_x + (M_i / M_surface) sum_j f1_x,j.  Takes keywords only.
+
+    Attributes
+    ----------
+    load : float, optional
+        Force N on each asperite towards the other surface [force], in place of f2_y = -f1_y.
+    rigid : bool
+        Whether all asperites share the acceleration of the surface along x.
+    """
 
     rigid: bool = False
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        flag("rigid", self.rigid)
+        boolean("rigid", self.rigid)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Pulled(Drive):
-    """f2_x = k (x_rest(0) + v t - x_bar): a spring from every bar to a stage that moves at v."""
+    """f2_x = k (x_rest(0) + v t - x_bar): a spring from every bar to a stage that moves at v.
 
-    stiffness: float = 1.0  # k [force / length]
-    speed: float = 0.0  # v, in the laboratory
+    This is the Prandtl-Tomlinson arrangement; with lattice springs, that of Frenkel, Kontorova and
+    Tomlinson.  Takes keywords only.
+
+    Attributes
+    ----------
+    load : float, optional
+        Force N on each asperite towards the other surface [force], in place of f2_y = -f1_y.
+    stiffness : float
+        Stiffness k of each spring [force / length].
+    speed : float
+        Velocity v of the stage along x in the laboratory [length / time].
+    """
+
+    stiffness: float = 1.0
+    speed: float = 0.0
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        object.__setattr__(self, "stiffness", number("stiffness", self.stiffness, NOT_NEGATIVE))
-        object.__setattr__(self, "speed", number("speed", self.speed))
+        stiffness = number("stiffness", self.stiffness, NOT_NEGATIVE, "force / length")
+        object.__setattr__(self, "stiffness", stiffness)
+        object.__setattr__(self, "speed", number("speed", self.speed, unit="length / time"))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Custom(Drive):
     """f2 by a plug-in: ``force_on_bar(self, t, x, y, vx, vy, fx, fy) -> (gx, gy)``.
 
-    x, y, vx, vy are the bar's place and velocity in the laboratory, fx, fy the contact force on
-    the bob.
-    """
+    x, y, vx, vy are the bar's position and velocity in the laboratory, fx, fy the contact force on
+    the bob.  Takes keywords only.
 
-    force: Any = None
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        method = "force_on_bar(self, t, x, y, vx, vy, fx, fy)"
-        plugins.check_class(type(self.force), "force", method)
-        object.__setattr__(self, "force", plugins.with_numbers(self.force))
-
-
-@dataclass(frozen=True)
-class Ends:
-    """Bars with forces of the user's own on their ends, by a plug-in.
-
-    ``end_forces(self, t, phi, nu, twist) -> (fL_x, fL_y, fR_x, fR_y)``, twist being
-    theta - phi - rest.
+    Attributes
+    ----------
+    load : float, optional
+        Force N on each asperite towards the other surface [force], in place of gy.
+    force : NamedTuple
+        The plug-in: its fields are numbers.
     """
 
     force: Any
 
     def __post_init__(self) -> None:
-        plugins.check_class(type(self.force), "force", "end_forces(self, t, phi, nu, twist)")
+        super().__post_init__()
+        plugins.check_class(type(self.force), "force", FORCE_ON_BAR)
+        object.__setattr__(self, "force", plugins.with_numbers(self.force))
+
+
+@dataclass(frozen=True)
+class Ends:
+    """Bars with a user's forces on their ends, by a plug-in.
+
+    ``end_forces(self, t, phi, nu, twist) -> (fL_x, fL_y, fR_x, fR_y)``, where twist is
+    theta - phi - rest.
+
+    Attributes
+    ----------
+    force : NamedTuple
+        The plug-in: its fields are numbers.
+    """
+
+    force: Any
+
+    def __post_init__(self) -> None:
+        plugins.check_class(type(self.force), "force", END_FORCES)
         object.__setattr__(self, "force", plugins.with_numbers(self.force))
 
 
@@ -94,7 +151,7 @@ KINDS: dict[str, type[Drive]] = {"forced": Forced, "free": Free, "pulled": Pulle
 
 
 def as_drive(value: Any, folder: Path = Path()) -> Drive:
-    """A drive from its name, its table in a scene file, or itself."""
+    """A drive from its name or its table in a scene file, or the drive itself."""
     if isinstance(value, Drive) and type(value) is not Drive:
         return value
     if isinstance(value, str):
@@ -104,8 +161,8 @@ def as_drive(value: Any, folder: Path = Path()) -> Drive:
         parameters = dict(value)
         name, load = parameters.pop("kind"), parameters.pop("load", None)
         cls = plugins.class_named("kind", name, folder)
-        plugins.check_class(cls, "kind", "force_on_bar(self, t, x, y, vx, vy, fx, fy)")
-        return Custom(load, plugins.instance(cls, parameters))
+        plugins.check_class(cls, "kind", FORCE_ON_BAR)
+        return Custom(load=load, force=plugins.instance(cls, parameters))
     table = known_keys(value, ["kind", "load", "rigid", "stiffness", "speed"], ["kind"])
     kind = KINDS[choice("kind", table.pop("kind"), KINDS)]
     required = ["stiffness", "speed"] if kind is Pulled else []
@@ -123,7 +180,7 @@ def as_table(drive: Drive) -> dict[str, Any]:
 
 
 def as_bars(value: Any, folder: Path = Path()) -> str | Ends:
-    """What holds the bars: "clamped", "free", or forces of the user's own on their ends."""
+    """What holds the bars: "clamped", "free", or a user's forces on their ends."""
     if isinstance(value, Ends):
         return value
     if isinstance(value, dict):
@@ -131,13 +188,13 @@ def as_bars(value: Any, folder: Path = Path()) -> str | Ends:
         if not isinstance(parameters.get("ends"), str):
             raise InputError("ends", 'is missing; give "yourfile.py:YourClass"')
         cls = plugins.class_named("ends", parameters.pop("ends"), folder)
-        plugins.check_class(cls, "ends", "end_forces(self, t, phi, nu, twist)")
+        plugins.check_class(cls, "ends", END_FORCES)
         return Ends(plugins.instance(cls, parameters))
     return choice("", value, ["clamped", "free"])
 
 
 def bars_as_table(bars: str | Ends) -> str | dict[str, Any]:
-    """What `as_bars` reads again."""
+    """The value that `as_bars` reads."""
     if isinstance(bars, str):
         return bars
     return {"ends": plugins.name_of(bars.force, {})} | bars.force._asdict()

@@ -1,8 +1,8 @@
 """External fields on bobs: fixed in the laboratory, or moving through it at a constant velocity.
 
-A field is a NamedTuple of numbers with ``energy_at(self, x, y)``, and, if wanted,
-``force_at(self, x, y) -> (fx, fy)``, the negative gradient; otherwise that is taken by a complex
-step, to round-off.  x and y are a bob's place in the field's own frame.
+A field is a NamedTuple of numbers with ``energy_at(self, x, y)`` and, optionally,
+``force_at(self, x, y) -> (fx, fy)``, the negative gradient; without it, a complex step computes the
+gradient to round-off.  x and y are the position of a bob in the field's own frame.
 """
 
 from __future__ import annotations
@@ -14,21 +14,34 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tribo.plugins import classes as plugins
-from tribo.validation import InputError, choice, vector
+from tribo.validation import InputError, choice, is_list, must_be, vector
+
+# Signature of the method that a plug-in needs, as messages quote it.
+ENERGY_AT = "energy_at(self, x, y)"
 
 
 class Corrugation(NamedTuple):
-    """U = -amplitude cos(2 pi x / period): the substrate of Prandtl-Tomlinson work."""
+    """U = -amplitude cos(2 pi x / period): the substrate of the Prandtl-Tomlinson model.
 
-    amplitude: float  # [energy]
-    period: float  # [length]
+    L. Prandtl, Z. Angew. Math. Mech. 8 (1928) 85; G. A. Tomlinson, Phil. Mag. 7 (1929) 905.
+
+    Attributes
+    ----------
+    amplitude : float
+        Half the height of the barriers [energy].
+    period : float
+        Distance between minima [length].
+    """
+
+    amplitude: float
+    period: float
 
     def energy_at(self, x, y):  # type: ignore[no-untyped-def]
-        """U(x)."""
+        """U(x) [energy]."""
         return -self.amplitude * np.cos(2.0 * np.pi * x / self.period)
 
     def force_at(self, x, y):  # type: ignore[no-untyped-def]
-        """-grad U."""
+        """-grad U [force]."""
         q = 2.0 * np.pi / self.period
         return -self.amplitude * q * np.sin(q * x), 0.0
 
@@ -44,54 +57,71 @@ BUILT_IN: dict[str, Any] = {"corrugation": Corrugation}
 
 @dataclass(frozen=True)
 class Field:
-    """A field, and the surfaces on whose bobs it acts."""
+    """An external field, and the surfaces on whose bobs it acts.
+
+    Attributes
+    ----------
+    potential : Corrugation or NamedTuple
+        The field's potential: built in, or a user's own with ``energy_at(self, x, y)``.
+    on : list of str
+        Names of the surfaces.
+    origin : (float, float)
+        Position of the field's own (0, 0) at t = 0 [length].
+    velocity : (float, float)
+        Velocity of the field in the laboratory [length / time].
+
+    Raises
+    ------
+    InputError
+        If the potential cannot be used, or a value is out of range.
+    """
 
     potential: Any
     on: tuple[str, ...]
-    origin: tuple[float, float] = (0.0, 0.0)  # where the field's own (0, 0) is at t = 0
-    velocity: tuple[float, float] = (0.0, 0.0)  # of the field, in the laboratory
+    origin: tuple[float, float] = (0.0, 0.0)
+    velocity: tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
         put = object.__setattr__
         put(self, "potential", as_field_potential(self.potential))
-        if isinstance(self.on, str) or not isinstance(self.on, (list, tuple)) or not self.on:
-            raise InputError("on", f"must be a list of surfaces' names, got {self.on!r}")
+        if not is_list(self.on) or len(self.on) == 0:
+            raise must_be("on", "a list of names of surfaces", self.on)
         put(self, "on", tuple(self.on))
-        put(self, "origin", tuple(vector("origin", self.origin, size=2).tolist()))
-        put(self, "velocity", tuple(vector("velocity", self.velocity, size=2).tolist()))
+        for name, unit in (("origin", "length"), ("velocity", "length / time")):
+            put(self, name, tuple(vector(name, getattr(self, name), size=2, unit=unit).tolist()))
 
 
 def as_field_potential(value: Any) -> Any:
-    """An instance with energy_at and force_at whose fields are finite numbers."""
-    plugins.check_class(type(value), "kind", "energy_at(self, x, y)")
+    """A potential that has energy_at and force_at and whose fields are finite numbers."""
+    plugins.check_class(type(value), "kind", ENERGY_AT)
     if not hasattr(type(value), "force_at"):
         type(value).force_at = _complex_step
     value = plugins.with_numbers(value)
     if isinstance(value, Corrugation) and value.period <= 0.0:
-        raise InputError("period", f"must be positive, got {value.period}")
+        raise must_be("period", "positive [length]", value.period)
     return value
 
 
 def from_table(table: Any, folder: Path) -> Field:
     """The field that a table of a scene file describes."""
     if not isinstance(table, dict):
-        raise InputError("", f"must be a table, got {table!r}")
+        raise must_be("", "a table", table)
     parameters = dict(table)
     for key in ("kind", "on"):
         if key not in parameters:
             raise InputError(key, "is missing")
-    place = {k: parameters.pop(k) for k in ("on", "origin", "velocity") if k in parameters}
+    settings = {k: parameters.pop(k) for k in ("on", "origin", "velocity") if k in parameters}
     kind = parameters.pop("kind")
     if plugins.is_named(kind):
         cls = plugins.class_named("kind", kind, folder)
-        plugins.check_class(cls, "kind", "energy_at(self, x, y)")
+        plugins.check_class(cls, "kind", ENERGY_AT)
     else:
         cls = BUILT_IN[choice("kind", kind, BUILT_IN)]
-    return Field(plugins.instance(cls, parameters), **place)
+    return Field(plugins.instance(cls, parameters), **settings)
 
 
 def as_table(field: Field) -> dict[str, Any]:
     """The table of a scene file that `from_table` reads."""
-    place = {"on": list(field.on), "origin": list(field.origin), "velocity": list(field.velocity)}
+    settings = {name: list(getattr(field, name)) for name in ("on", "origin", "velocity")}
     kind = plugins.name_of(field.potential, BUILT_IN)
-    return {"kind": kind} | field.potential._asdict() | place
+    return {"kind": kind} | field.potential._asdict() | settings

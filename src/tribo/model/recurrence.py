@@ -1,7 +1,7 @@
-"""Motion of a bar that drags oscillators along: a sum of exponentials.
+"""Motion of a bar coupled to oscillators, as a sum of exponentials.
 
-They oscillate with n oscillators, one a normal mode, and decay with the continuum that
-:class:`tribo.model.spectrum.Spectrum` stands for.  The bar is released with unit velocity.
+With n oscillators each exponential is a normal mode.  With the continuum of a
+:class:`tribo.model.spectrum.Spectrum` the exponentials decay.  The bar starts with unit velocity.
 """
 
 from __future__ import annotations
@@ -12,78 +12,145 @@ from functools import lru_cache
 
 import numpy as np
 
-from tribo.model.modes import normal_modes
+# Side of the square blocks in which the energy is sampled: SIDE x SIDE samples a block.
+SIDE = 64
+# Elements of the matrix of exponentials that is held at a time: 8 MB of complex numbers.
+CHUNK = 500_000
+# Largest coefficient of a sum of exponentials; above it two rates nearly coincide and large terms
+# cancel.
+LARGEST_COEFFICIENT = 1e3
+# Relative change of the friction by which nearly coinciding rates are separated.  The mean of two
+# motions with more and with less friction is off by its square, 1e-10.
+SEPARATION = 1e-5
+# Exponentials that have decayed to this fraction are left out of further blocks.
+DECAYED = 1e-12
 
-SIDE = 64  # samples are taken in blocks of SIDE x SIDE
+
+def normal_modes(
+    masses: np.ndarray, frequencies: np.ndarray, mass: float, frequency: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Normal modes of a bar with oscillators.
+
+    The potential energy is half the square of B q, where q = (sqrt(m_j) x_j, ..., sqrt(M) x) are
+    the mass-weighted coordinates of oscillators and bar.  The modes are the singular values of
+
+        B = [ -diag(w_j)   w_j sqrt(m_j / M) ]
+            [      0             w0          ] .
+
+    With the fastest oscillator first, the relative error of each mode is about 1e-14.  Eigenvalues
+    of B^T B would lose digits in proportion to the ratio of the squared frequencies.
+
+    Parameters
+    ----------
+    masses : (n,) array
+        Masses m_j of the oscillators [mass].
+    frequencies : (n,) array
+        Their angular frequencies w_j [rad / time].
+    mass : float
+        Mass M of the bar [mass].
+    frequency : float
+        Angular frequency w0 of the bar on its own spring [rad / time]; 0 for a free bar.
+
+    Returns
+    -------
+    modes, weights : (k,) arrays
+        Angular frequencies W in increasing order [rad / time], and weights a that add up to 1: a
+        bar that starts with unit velocity has v(t) = sum a cos(W t).  k is n + 1, less the modes
+        in which the bar stands still because oscillators share a frequency.
+
+    Notes
+    -----
+    The time grows as n^3; n = 400 takes 0.1 s.
+    """
+    from scipy.linalg import svd
+
+    w, which = np.unique(-frequencies, return_inverse=True)
+    n = w.size
+    matrix = np.zeros((n + 1, n + 1))
+    np.fill_diagonal(matrix[:n, :n], w)
+    matrix[:n, n] = -w * np.sqrt(np.bincount(which, masses / mass, n))
+    matrix[n, n] = frequency
+    _, modes, rows = svd(matrix, overwrite_a=True)
+    return modes[::-1], rows[::-1, n] ** 2
 
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """v = Re sum velocity exp(rates t) and w0 x = Re sum stretch exp(rates t), over k terms."""
+    """Velocity v = Re sum velocity exp(rates t) and w0 x = Re sum stretch exp(rates t).
 
-    rates: np.ndarray  # (k,) complex [1 / time]
-    velocity: np.ndarray  # (k,) complex
-    stretch: np.ndarray  # (k,) complex [velocity]
+    Attributes
+    ----------
+    rates : (k,) complex array
+        Rates of the k exponentials [1 / time].
+    velocity : (k,) complex array
+        Their coefficients in v.
+    stretch : (k,) complex array
+        Their coefficients in w0 x [velocity].
+    """
+
+    rates: np.ndarray
+    velocity: np.ndarray
+    stretch: np.ndarray
 
     def energy(self, t: np.ndarray) -> np.ndarray:
-        """v^2 + (w0 x)^2 at times t (m,); it starts as 1."""
+        """v^2 + (w0 x)^2 at times t (m,); 1 at t = 0."""
         pieces = []
-        for piece in np.array_split(t, 1 + t.size * self.rates.size // 500_000):
+        for piece in np.array_split(t, 1 + t.size * self.rates.size // CHUNK):
             waves = np.exp(np.outer(piece, self.rates))
             pieces.append((waves @ self.velocity).real ** 2 + (waves @ self.stretch).real ** 2)
         return np.concatenate(pieces)
 
-    def without_traces(self, total: float) -> Motion:
-        """Without the smallest terms, which come to `total` together."""
+    def without_small_terms(self, total: float) -> Motion:
+        """The motion without its smallest terms, whose sizes add up to at most `total`."""
         size = np.abs(self.velocity) + np.abs(self.stretch)
         order = np.argsort(size)
         kept = np.sort(order[np.searchsorted(np.cumsum(size[order]), total) :])
         return Motion(self.rates[kept], self.velocity[kept], self.stretch[kept])
 
     def blocks(self, step: float) -> Iterator[np.ndarray]:
-        """The energy at 0, step, 2 step and so on, for ever, SIDE^2 samples at a time.
+        """The energy at times 0, step, 2 step, ... without end, SIDE^2 samples at a time.
 
         As exp(r (t + s)) = exp(r t) exp(r s), a block is a product of two small matrices.
         """
         rates, weights = self.rates, np.stack([self.velocity, self.stretch])
         fine = np.exp(np.outer(rates, step * np.arange(SIDE)))
         coarse = np.exp(np.outer(step * SIDE * np.arange(SIDE), rates))
-        onward = np.exp(step * SIDE**2 * rates)
+        to_next_block = np.exp(step * SIDE**2 * rates)
         while True:
             left = (weights[:, None, :] * coarse).reshape(2 * SIDE, -1)
             waves = left.real @ fine.real - left.imag @ fine.imag
             yield waves[:SIDE].ravel() ** 2 + waves[SIDE:].ravel() ** 2
-            coarse = coarse * onward
-            alive = np.abs(coarse[0]) > 1e-12
-            if not alive.all():
-                weights, fine = weights[:, alive], fine[alive]
-                coarse, onward = coarse[:, alive], onward[alive]
+            coarse = coarse * to_next_block
+            remaining = np.abs(coarse[0]) > DECAYED
+            if not remaining.all():
+                weights, fine = weights[:, remaining], fine[remaining]
+                coarse, to_next_block = coarse[:, remaining], to_next_block[remaining]
 
 
-def with_oscillators(masses: np.ndarray, frequencies: np.ndarray, frequency: float) -> Motion:
-    """Motion of a bar of mass 1."""
-    return swing(*normal_modes(masses, frequencies, 1.0, frequency), frequency)
+def motion_with_oscillators(
+    masses: np.ndarray, frequencies: np.ndarray, frequency: float
+) -> Motion:
+    """Motion of a bar of mass 1 with oscillators: v = sum a cos(W t), w0 x = sum (a w0/W) sin(W t).
 
-
-def swing(modes: np.ndarray, weights: np.ndarray, frequency: float) -> Motion:
-    """v = sum a cos(W t), and so w0 x = sum (a w0 / W) sin(W t)."""
+    Masses (n,) are relative to the bar's; frequencies (n,) and `frequency` are in [rad / time].
+    """
+    modes, weights = normal_modes(masses, frequencies, 1.0, frequency)
     lag = np.divide(frequency, modes, out=np.zeros_like(modes), where=modes > 0.0)
     return Motion(1j * modes, weights.astype(complex), -1j * weights * lag)
 
 
 @lru_cache(maxsize=256)
-def with_continuum(kind: str, friction: float, frequency: float, tolerance: float) -> Motion:
+def motion_with_continuum(kind: str, friction: float, frequency: float, tolerance: float) -> Motion:
     """Motion of a bar of mass 1 in a continuum with a cutoff of 1 and gamma = `friction`.
 
-    At critical damping two rates coincide, and a sum of exponentials exists no more; next to it
-    large terms cancel.  There, the mean of two motions with slightly more and less friction is
-    taken, which differs in the second order, 1e-10.
+    At critical damping two rates coincide and no sum of exponentials exists.  There the mean of
+    two motions with slightly more and slightly less friction is taken.
     """
     motion = _decay(kind, friction, frequency, tolerance)
-    if np.max(np.abs(motion.velocity)) < 1e3:
+    if np.max(np.abs(motion.velocity)) < LARGEST_COEFFICIENT:
         return motion
-    more = _decay(kind, friction * (1.0 + 1e-5), frequency, tolerance)
-    less = _decay(kind, friction * (1.0 - 1e-5), frequency, tolerance)
+    more = _decay(kind, friction * (1.0 + SEPARATION), frequency, tolerance)
+    less = _decay(kind, friction * (1.0 - SEPARATION), frequency, tolerance)
     return Motion(
         np.append(more.rates, less.rates),
         0.5 * np.append(more.velocity, less.velocity),
@@ -92,7 +159,7 @@ def with_continuum(kind: str, friction: float, frequency: float, tolerance: floa
 
 
 def _decay(kind: str, friction: float, frequency: float, tolerance: float) -> Motion:
-    """The same motion from eigenvalues, right or not.
+    """The same motion from eigenvalues, also where they nearly coincide.
 
     With Gamma(t) = friction Re sum c_j exp(-r_j t), the integral in the equation of motion is
     friction Re sum c_j y_j, where y_j' = -r_j y_j + v: linear equations for v, w0 x and all y_j.
@@ -107,9 +174,10 @@ def _decay(kind: str, friction: float, frequency: float, tolerance: float) -> Mo
     matrix[real, imag], matrix[imag, real] = r.imag, -r.imag
     rates, vectors = np.linalg.eig(matrix)
     start = np.linalg.solve(vectors, np.eye(matrix.shape[0])[0])
-    twice = np.where(rates.imag > 0.0, 2.0, 1.0) * start  # for its conjugate as well
+    # A rate above the real axis stands for its complex conjugate as well.
+    coefficients = np.where(rates.imag > 0.0, 2.0, 1.0) * start
     kept = rates.imag >= 0.0
-    terms = (rates, vectors[0] * twice, vectors[1] * twice)
+    terms = (rates, vectors[0] * coefficients, vectors[1] * coefficients)
     return Motion(*(term[kept].astype(complex) for term in terms))
 
 
@@ -117,15 +185,15 @@ def _exponentials(kind: str, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
     """c and r with Gamma(t) = gamma w_c Re sum c_j exp(-r_j w_c t), at all t, to the tolerance.
 
     Drude is one exponential.  The others are (2/pi) Re integral of J(w)/(gamma w) exp(i w t) dw
-    with the path of integration bent into the upper half-plane, where exp(i w t) decays: every
+    with the path of integration moved into the upper half-plane, where exp(i w t) decays: every
     point of a quadrature there is an exponential.  The trapezoidal rule in s is used on
 
         ohmic   w = i e^(2s) / (1 + e^(s + 0.9 i))          from 0 upward, then to infinity
         debye   w = exp(i pi/2 / (1 + exp(-s - e^s)))       from 1 to i on the unit circle
 
-    with points that crowd towards the real axis as long times want it.  (What debye leaves out,
-    the imaginary axis from i to 0, has no real part.)  About 40 exponentials do for 3e-8, 100
-    for 1e-12.
+    with points that become denser towards the real axis, for long times.  (The rest of debye's
+    path, the imaginary axis from i to 0, contributes no real part.)  40 exponentials give 3e-8,
+    100 give 1e-12.
     """
     if kind == "drude":
         return np.ones(1, complex), np.ones(1, complex)

@@ -1,11 +1,11 @@
-"""Heights of asperites, drawn: uncorrelated, or self-affine with a Hurst exponent.
+"""Random heights of asperites: uncorrelated, or self-affine with a Hurst exponent.
 
 A self-affine surface has the isotropic power spectrum
 
     C(q) ~ q^(-2 - 2H)  in two dimensions (a grid),   C(q) ~ q^(-1 - 2H)  in one (a row),
 
 between the wave numbers 2 pi / longest and 2 pi / shortest.  At longer wavelengths the spectrum
-is flat, the roll-off of real surfaces; at shorter ones it is zero.
+is constant, the roll-off of real surfaces; at shorter ones it is zero.
 
 B. N. J. Persson et al., J. Phys.: Condens. Matter 17 (2005) R1;
 T. D. B. Jacobs, T. Junge, L. Pastewka, Surf. Topogr.: Metrol. Prop. 5 (2017) 013001.
@@ -25,41 +25,62 @@ from tribo.validation import (
     Condition,
     InputError,
     inside,
+    integer,
     known_keys,
+    must_be,
     number,
     vector,
-    whole,
 )
 
 FRACTION: Condition = ("must be between 0 and 1, both excluded", lambda x: 0.0 < x < 1.0)
-ROUNDING = 1.0 + 1e-9  # wavelengths whose ratio is less than this are the same
+# Ratio up to which two wavelengths are the same, in spite of rounding.
+ROUNDING = 1.0 + 1e-9
 
 
 @dataclass(frozen=True)
 class Roughness:
-    """How rough a surface is; :func:`draw` draws its heights."""
+    """The statistics from which the heights of a surface are drawn.
 
-    rms: float  # root mean square of the heights about their mean [length]
-    hurst: float | None = None  # Hurst exponent H, 0 < H < 1; None: uncorrelated heights
-    shortest: float | None = None  # wavelength [length]; None: twice the (larger) spacing
-    longest: float | None = None  # wavelength [length]; None: the surface's (longer) side
-    seed: int | None = None  # of this surface's own; None: drawn with all else in the scene
+    Attributes
+    ----------
+    rms : float
+        Root mean square of the heights about their mean [length].
+    hurst : float, optional
+        Hurst exponent H, 0 < H < 1; None for uncorrelated heights.
+    shortest : float, optional
+        Shortest wavelength [length]; None for twice the (larger) spacing.
+    longest : float, optional
+        Longest wavelength [length]; None for the (longer) side of the surface.
+    seed : int, optional
+        Seed of this surface; None for the seed of the scene.
+
+    Raises
+    ------
+    InputError
+        If a value is out of range, or a wavelength is given without `hurst`.
+    """
+
+    rms: float
+    hurst: float | None = None
+    shortest: float | None = None
+    longest: float | None = None
+    seed: int | None = None
 
     def __post_init__(self) -> None:
         put = object.__setattr__
-        put(self, "rms", number("rms", self.rms, NOT_NEGATIVE))
+        put(self, "rms", number("rms", self.rms, NOT_NEGATIVE, "length"))
         if self.hurst is not None:
             put(self, "hurst", number("hurst", self.hurst, FRACTION))
         for key in ("shortest", "longest"):
             if getattr(self, key) is not None:
-                put(self, key, number(key, getattr(self, key), POSITIVE))
+                put(self, key, number(key, getattr(self, key), POSITIVE, "length"))
                 if self.hurst is None:
-                    raise InputError(key, "is of no use without hurst; give hurst too")
+                    raise InputError(key, "needs a Hurst exponent; give hurst too")
         if self.seed is not None:
-            put(self, "seed", whole("seed", self.seed, 0))
+            put(self, "seed", integer("seed", self.seed, 0))
 
     def cut_offs(self, shape: tuple[int, int], spacing: tuple[float, float]) -> tuple[float, float]:
-        """The shortest and longest wavelength of a self-affine row or grid of asperites."""
+        """The shortest and longest wavelength on a row or grid of asperites [length]."""
         spacings = [abs(s) for n, s in zip(shape, spacing, strict=True) if n > 1]
         if not spacings or 0.0 in spacings:
             raise InputError(
@@ -70,21 +91,21 @@ class Roughness:
         shortest = finest if self.shortest is None else self.shortest
         longest = side if self.longest is None else self.longest
         if shortest * ROUNDING < finest:
-            raise InputError("shortest", f"must be at least twice the spacing, got {shortest}")
+            raise must_be("shortest", f"at least twice the spacing, {finest} [length]", shortest)
         if longest > side * ROUNDING:
-            raise InputError("longest", f"must be at most the surface's side {side}, got {longest}")
+            raise must_be("longest", f"at most the surface's side, {side} [length]", longest)
         if shortest >= longest:
             key = next(k for k in ("longest", "shortest", "hurst") if getattr(self, k) is not None)
             raise InputError(
                 key,
-                f"finds no wavelengths from the shortest, {shortest}, to the longest, {longest}",
+                f"leaves no wavelengths between the shortest, {shortest}, and longest, {longest}",
             )
         return shortest, longest
 
     def check(self, shape: tuple[int, int], spacing: tuple[float, float]) -> None:
-        """Complain if there is no such roughness on a row or grid of asperites."""
+        """Raise InputError if a row or grid of asperites cannot have this roughness."""
         if shape[0] * shape[1] == 1 and self.rms > 0.0:
-            raise InputError("rms", f"must be 0 for one asperite, got {self.rms}")
+            raise must_be("rms", "0 for one asperite", self.rms)
         if self.hurst is not None:
             self.cut_offs(shape, spacing)
 
@@ -97,11 +118,11 @@ def draw(
 ) -> np.ndarray:
     """(nx nz,) heights of a row or grid of shape (nx, nz), x running fastest [length].
 
-    White Gaussian noise, filtered to the wanted spectrum: Gaussian amplitudes and random phases.
-    Each draw is then shifted to a mean of zero and scaled to exactly `rms`, so the shape of its
-    spectrum is what is wanted, and the size is that of the heights drawn rather than of many.
-    Self-affine heights are periodic over nx and nz spacings, as a periodic scene wants them.
-    A roughness with a seed of its own leaves `rng` alone.
+    White Gaussian noise is filtered to the spectrum, which gives Gaussian amplitudes and random
+    phases.  Each draw is then shifted to a mean of zero and scaled to exactly `rms`: every draw
+    has this root mean square, not only the average over many draws.  Self-affine heights are
+    periodic over nx and nz spacings, as periodic scenes require.  `rng` is not used by a roughness
+    that has a seed.
     """
     roughness.check(shape, spacing)
     if roughness.seed is not None:
@@ -135,7 +156,7 @@ def _amplitudes(
 
 
 def as_roughness(value: Any) -> Roughness:
-    """A roughness from its table in a scene file, or itself."""
+    """A roughness from its table in a scene file, or a Roughness unchanged."""
     if isinstance(value, Roughness):
         return value
     return Roughness(**known_keys(value, [f.name for f in fields(Roughness)], ["rms"]))
@@ -150,14 +171,14 @@ def as_table(roughness: Roughness) -> dict[str, Any]:
 def as_heights(
     value: Any, shape: tuple[int, int], spacing: tuple[float, float]
 ) -> np.ndarray | Roughness | None:
-    """A surface's `heights`: (nx nz,) numbers, a roughness that suits the surface, or None.
+    """The `heights` of a surface: (nx nz,) numbers [length], a roughness, or None.
 
-    A list of asperites, which has no spacing, is of shape (n, 1) and spacing (0, 0).
+    Listed positions have the shape (n, 1) and the spacing (0, 0).
     """
     if value is None:
         return None
     if not isinstance(value, (Roughness, Mapping)):
-        return vector("heights", value, size=shape[0] * shape[1])
+        return vector("heights", value, size=shape[0] * shape[1], unit="length")
     with inside("heights"):
         roughness = as_roughness(value)
         roughness.check(shape, spacing)

@@ -5,10 +5,10 @@
     upper, lower, period = periodic_rows(13)  # with Scene(..., periodic={"x": period})
 
 The first resting bobs are at x = 0, the upper row a `gap` above the lower.  `upper` and `lower`
-hold any settings of :class:`tribo.Surface`, and have the last word: velocity, drive, bars,
-asperite, even bob.
+hold any settings of :class:`tribo.Surface` (velocity, drive, bars, asperite) and override those of
+the row.
 
-The golden mean is the ratio hardest to approximate by fractions, hence the usual choice:
+The golden mean is the ratio that fractions approximate worst, and so the usual choice:
 M. Peyrard, S. Aubry, J. Phys. C 16 (1983) 1593.
 """
 
@@ -21,10 +21,12 @@ from fractions import Fraction
 from typing import Any
 
 from tribo.model.surface import Surface
-from tribo.validation import POSITIVE, InputError, inside, known_keys, number, whole
+from tribo.validation import POSITIVE, InputError, inside, integer, known_keys, must_be, number
 
+# Ratio of the spacings of incommensurate rows.
 GOLDEN_MEAN = (1.0 + math.sqrt(5.0)) / 2.0
 
+# Settings of a Surface that replace those of a row.
 Settings = Mapping[str, Any] | None
 
 
@@ -38,10 +40,32 @@ def commensurate_rows(
     upper: Settings = None,
     lower: Settings = None,
 ) -> tuple[Surface, Surface]:
-    """The upper row of n asperites and the lower row, both with the same spacing.
+    """Two rows with the same spacing.
 
-    The lower row is under the upper one, and under it still when it has slid by `slide` along x
-    (either sign) [length]; or it has `lower_n` asperites from x = 0.
+    Parameters
+    ----------
+    n : int
+        Number of upper asperites.
+    spacing : float
+        Distance between neighbours [length].
+    gap : float
+        Height of the resting upper bobs above the resting lower bobs [length].
+    slide : float
+        Distance along x, of either sign, by which the upper row will slide [length].  The lower
+        row extends below the upper one from start to end.
+    lower_n : int, optional
+        Number of lower asperites from x = 0 on, instead of `slide`.
+    upper, lower : dict, optional
+        Settings of :class:`tribo.Surface` that replace those of the row.
+
+    Returns
+    -------
+    upper, lower : Surface
+
+    Raises
+    ------
+    InputError
+        If a value is out of range, or both `slide` and `lower_n` are given.
     """
     return _rows(n, spacing, 1.0, gap, slide, lower_n, upper, lower)
 
@@ -57,10 +81,27 @@ def incommensurate_rows(
     upper: Settings = None,
     lower: Settings = None,
 ) -> tuple[Surface, Surface]:
-    """The upper row of n asperites `spacing` apart and the lower row, spacing / ratio apart.
+    """Two rows with different spacings.
 
-    ratio = GOLDEN_MEAN makes the lower row the denser, 1 / GOLDEN_MEAN the sparser one.
-    The lower row's extent is as for :func:`commensurate_rows`.
+    Parameters
+    ----------
+    n : int
+        Number of upper asperites.
+    spacing : float
+        Distance between upper neighbours [length].
+    ratio : float
+        Upper spacing over lower spacing, by default the golden mean: the lower row is denser.
+    gap, slide, lower_n, upper, lower
+        As for :func:`commensurate_rows`.
+
+    Returns
+    -------
+    upper, lower : Surface
+
+    Raises
+    ------
+    InputError
+        As for :func:`commensurate_rows`.
     """
     return _rows(n, spacing, ratio, gap, slide, lower_n, upper, lower)
 
@@ -74,9 +115,31 @@ def periodic_rows(
     upper: Settings = None,
     lower: Settings = None,
 ) -> tuple[Surface, Surface, float]:
-    """Rows of at most n upper asperites that both close over one period, and the period [length].
+    """Two rows that both fit one period, for a scene that is periodic along x.
 
-    As many repeats of the :func:`approximant` as n allows; ratio = 1 gives n asperites each.
+    The rows are as many repeats of the :func:`approximant` as n allows.
+
+    Parameters
+    ----------
+    n : int
+        Largest number of upper asperites.
+    spacing : float
+        Distance between upper neighbours [length].
+    ratio : float
+        Upper spacing over lower spacing, approximated by a fraction; 1 gives n asperites each.
+    gap, upper, lower
+        As for :func:`commensurate_rows`.
+
+    Returns
+    -------
+    upper, lower : Surface
+    period : float
+        Length of both rows [length].
+
+    Raises
+    ------
+    InputError
+        If a value is out of range, or `ratio` is too small for n.
     """
     upper_n, lower_n = approximant(n, ratio)
     repeats = n // upper_n
@@ -90,10 +153,10 @@ def approximant(n: int, ratio: float = GOLDEN_MEAN) -> tuple[int, int]:
 
     For the golden mean or its inverse both are Fibonacci numbers.
     """
-    whole("n", n, 1)
+    integer("n", n, 1)
     fraction = Fraction(number("ratio", ratio, POSITIVE)).limit_denominator(n)
     if fraction == 0:
-        raise InputError("ratio", f"is too small for {n} upper asperites, got {ratio}")
+        raise must_be("ratio", f"above {0.5 / n:g} for {n} upper asperites", ratio)
     return fraction.denominator, fraction.numerator
 
 
@@ -107,22 +170,22 @@ def _rows(
     upper: Settings,
     lower: Settings,
 ) -> tuple[Surface, Surface]:
-    n, spacing = whole("n", n, 1), number("spacing", spacing, POSITIVE)
+    n, spacing = integer("n", n, 1), number("spacing", spacing, POSITIVE, "length")
     below = spacing / number("ratio", ratio, POSITIVE)
-    first, count = _extent((n - 1) * spacing, below, number("slide", slide), lower_n)
+    first, count = _extent((n - 1) * spacing, below, number("slide", slide, unit="length"), lower_n)
     return (
-        _row("upper", "down", (0.0, number("gap", gap)), n, spacing, upper),
+        _row("upper", "down", (0.0, number("gap", gap, unit="length")), n, spacing, upper),
         _row("lower", "up", (first * below, 0.0), count, below, lower),
     )
 
 
 def _extent(length: float, spacing: float, slide: float, count: int | None) -> tuple[int, int]:
-    """Which asperite of the lower lattice is its row's first, and how many there are."""
+    """Index of the row's first asperite on the lower lattice, and the number of asperites."""
     if count is not None:
         if slide != 0.0:
             raise InputError("slide", "cannot go with lower_n; give one or the other")
-        return 0, whole("lower_n", count, 1)
-    rounding = 1e-9  # what rounding adds is no reason for one more asperite
+        return 0, integer("lower_n", count, 1)
+    rounding = 1e-9  # of a spacing: an end that rounding moves adds no asperite
     first = math.floor(min(slide, 0.0) / spacing + rounding)
     last = math.ceil((length + max(slide, 0.0)) / spacing - rounding)
     return first, last - first + 1

@@ -12,20 +12,11 @@ import numpy as np
 
 from tribo.model.drives import Custom, Ends, Forced, Pulled
 from tribo.model.fields import Field
+from tribo.model.interaction import Interaction, Periodic, as_periodic
 from tribo.model.settings import Numerics, Output
-from tribo.model.surface import Surface
+from tribo.model.surface import UNITS, Surface
 from tribo.potentials.from_ase import Live
-from tribo.potentials.registry import as_potential
-from tribo.validation import (
-    POSITIVE,
-    InputError,
-    inside,
-    is_list,
-    known_keys,
-    number,
-    shown,
-    whole,
-)
+from tribo.validation import POSITIVE, InputError, inside, integer, must_be, number
 
 
 class Effect(StrEnum):
@@ -66,68 +57,36 @@ class Effect(StrEnum):
         return effect
 
 
-@dataclass(frozen=True)
-class Periodic:
-    """Lengths of a periodic scene; None where it is not."""
-
-    x: float | None = None
-    z: float | None = None
-
-    def __post_init__(self) -> None:
-        for name in ("x", "z"):
-            if getattr(self, name) is not None:
-                object.__setattr__(self, name, number(name, getattr(self, name), POSITIVE))
-
-    def __bool__(self) -> bool:
-        return self.x is not None or self.z is not None
-
-
-def as_periodic(value: Any) -> Periodic:
-    """A period from its table in a scene file, or itself."""
-    if isinstance(value, Periodic):
-        return value
-    with inside("periodic"):
-        return Periodic(**known_keys(value, ["x", "z"]))
-
-
-@dataclass(frozen=True)
-class Interaction:
-    """A potential, and the two surfaces whose bobs it acts between (None: every two).
-
-    `between` one surface and itself is contact among its own bobs, which is internal to it.
-    With `species` it acts only between a bob of the one species and a bob of the other.
-    """
-
-    potential: Any
-    between: tuple[str, str] | None = None
-    species: tuple[str, str] | None = None
-
-    def __post_init__(self) -> None:
-        put = object.__setattr__
-        if isinstance(self.potential, Live):
-            self._check_live()
-        else:
-            put(self, "potential", as_potential(self.potential))
-        for key, what in (("between", "surfaces"), ("species", "species")):
-            names = getattr(self, key)
-            if names is None:
-                continue
-            if not is_list(names) or len(names) != 2 or not all(isinstance(n, str) for n in names):
-                raise InputError(key, f"must be the names of two {what}, got {shown(names)}")
-            put(self, key, tuple(names))
-
-    def _check_live(self) -> None:
-        if self.species is not None:
-            raise InputError("species", "cannot go with a calculator; it knows the elements itself")
-        if self.between is not None and self.between[0] == self.between[1]:
-            raise InputError("between", "must name two surfaces; a calculator acts between them")
-
-
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """Surfaces, what acts between them, and for how long.
+    """Surfaces, the interactions between them, and the duration of a run.
 
-    `output` and `numerics` travel with the file that a scene came from, not with the physics.
+    Attributes
+    ----------
+    surfaces : list of Surface
+        At least one surface; each name once.
+    interactions : list of Interaction
+        Also one interaction or potential, or a list of potentials.
+    duration : float
+        End of the run, which starts at t = 0 [time].
+    title : str
+        Text for reports.
+    seed : int
+        Seed of all random numbers: heights, thermal starts and noise.
+    periodic : Periodic or dict
+        Periods along x and z.
+    fields : list of Field
+        External fields on bobs.
+    output : Output
+        The times to record.  Like `numerics`, no part of the physics.
+    numerics : Numerics
+        Accuracy, method or step, unless the arguments of :func:`tribo.simulate` give them.
+
+    Raises
+    ------
+    InputError
+        If a value is out of range, a name stands for no surface, a pair of surfaces has two
+        interactions, or a cutoff is longer than half a period.
     """
 
     surfaces: tuple[Surface, ...]
@@ -142,14 +101,14 @@ class Scene:
 
     def __post_init__(self) -> None:
         put = object.__setattr__
-        put(self, "duration", number("duration", self.duration, POSITIVE))
-        put(self, "seed", whole("seed", self.seed, 0))
+        put(self, "duration", number("duration", self.duration, POSITIVE, "time"))
+        put(self, "seed", integer("seed", self.seed, 0))
         if not isinstance(self.title, str):
-            raise InputError("title", f"must be text, got {shown(self.title)}")
+            raise must_be("title", "text", self.title)
         for name, kind in (("output", Output), ("numerics", Numerics)):
             value = getattr(self, name)
             if not isinstance(value, kind):
-                raise InputError(name, f"must be a tribo.{kind.__name__}, got {shown(value)}")
+                raise must_be(name, f"a tribo.{kind.__name__}", value)
         put(self, "surfaces", self._checked_surfaces())
         put(self, "interactions", self._checked_interactions())
         put(self, "fields", self._checked_fields())
@@ -163,12 +122,15 @@ class Scene:
 
     def _checked_surfaces(self) -> tuple[Surface, ...]:
         if not isinstance(self.surfaces, (list, tuple)) or not self.surfaces:
-            raise InputError("surface", "is missing; a scene has at least one surface")
+            raise InputError("surface", "is missing; give at least one surface")
         for i, surface in enumerate(self.surfaces):
             if not isinstance(surface, Surface):
-                raise InputError(f"surface[{i}]", f"must be a tribo.Surface, got {shown(surface)}")
+                raise must_be(f"surface[{i}]", "a tribo.Surface", surface)
             if surface.name in [s.name for s in self.surfaces[:i]]:
-                raise InputError(f"surface[{i}].name", f'"{surface.name}" is taken; give another')
+                raise InputError(
+                    f"surface[{i}].name",
+                    f'"{surface.name}" is the name of another surface; give each name once',
+                )
         return tuple(self.surfaces)
 
     def _checked_interactions(self) -> tuple[Interaction, ...]:
@@ -176,9 +138,7 @@ class Scene:
         if isinstance(value, (Interaction, Live)) or hasattr(value, "energy"):
             value = [value]
         if not isinstance(value, (list, tuple)):
-            raise InputError(
-                "interaction", f"must be a potential or a list of them, got {shown(value)}"
-            )
+            raise must_be("interaction", "a potential or a list of potentials", value)
         interactions = tuple(
             item if isinstance(item, Interaction) else Interaction(item) for item in value
         )
@@ -187,34 +147,28 @@ class Scene:
             with inside(f"interaction[{i}]"):
                 for name in interaction.between or ():
                     if name not in names:
-                        raise InputError(
-                            "between", f"names no surface {shown(name)}; there are {names}"
-                        )
+                        raise must_be("between", f"one of the surfaces {names}", name)
                 for name in interaction.species or ():
                     if name not in self.species:
-                        raise InputError(
-                            "species", f"names no species {shown(name)}; there are {self.species}"
-                        )
+                        raise must_be("species", f"one of the species {self.species}", name)
         self._refuse_two_for_one_pair(interactions)
         return interactions
 
     def _checked_fields(self) -> tuple[Field, ...]:
         value = [self.fields] if isinstance(self.fields, Field) else self.fields
         if not isinstance(value, (list, tuple)):
-            raise InputError("field", f"must be a list of fields, got {shown(value)}")
+            raise must_be("field", "a list of fields", value)
         names = [s.name for s in self.surfaces]
         for i, item in enumerate(value):
             if not isinstance(item, Field):
-                raise InputError(f"field[{i}]", f"must be a tribo.Field, got {shown(item)}")
+                raise must_be(f"field[{i}]", "a tribo.Field", item)
             for name in item.on:
                 if name not in names:
-                    raise InputError(
-                        f"field[{i}].on", f"names no surface {shown(name)}; there are {names}"
-                    )
+                    raise must_be(f"field[{i}].on", f"one of the surfaces {names}", name)
         return tuple(value)
 
     def _check_period(self) -> None:
-        """Nearest images are right only up to half the box."""
+        """Refuse potentials that reach beyond half a period, where nearest images are wrong."""
         for name in ("x", "z"):
             length = getattr(self.periodic, name)
             for i, interaction in enumerate(self.interactions):
@@ -222,7 +176,8 @@ class Scene:
                 if length is not None and reach > 0.5 * length:
                     raise InputError(
                         f"interaction[{i}].cutoff",
-                        f"must be at most half of periodic.{name} = {length:g}, got {reach:g}",
+                        f"must be at most half of periodic.{name} = {length:g} [length], "
+                        f"got {reach:g}",
                     )
 
     def _refuse_two_for_one_pair(self, interactions: tuple[Interaction, ...]) -> None:
@@ -235,7 +190,7 @@ class Scene:
                     names = tuple(self.surfaces[k].name for k in pair)
                     raise InputError(
                         f"interaction[{i}].between",
-                        f"{names} interact already; give each pair once",
+                        f"{names} have another interaction; give each pair once",
                     )
                 before.append(kinds)
 
@@ -248,17 +203,24 @@ class Scene:
         return [(one, other)]
 
     def initial_value(self, key: Any) -> tuple[Surface, str]:
-        """The surface and the quantity that "surface.theta" names.  Raises InputError."""
+        """The surface and the initial value of a key such as "upper.theta".
+
+        Raises InputError if there is no such surface or quantity, or clamped bars fix it.
+        """
         name, _, quantity = str(key).rpartition(".")
         surface = next((s for s in self.surfaces if s.name == name), None)
-        if surface is None or quantity not in ("theta", "phi", "omega", "nu"):
-            raise InputError(str(key), 'must be "surface.theta", or phi, omega or nu of a surface')
+        if surface is None or quantity not in UNITS:
+            raise InputError(
+                str(key), f'must name a surface and one of {", ".join(UNITS)}, as "upper.theta"'
+            )
         if quantity in ("phi", "nu") and surface.bars == "clamped":
-            raise InputError(str(key), "cannot be changed on clamped bars of a prepared scene")
+            raise InputError(
+                str(key), "cannot be changed where bars are clamped; prepare another scene"
+            )
         return surface, quantity
 
     def with_heights(self) -> Scene:
-        """The same scene with the heights that its seed draws as numbers: no seed changes them."""
+        """The same scene with its random heights as numbers, whatever its seed becomes."""
         surfaces = [
             replace(surface, heights=surface.drawn_heights([self.seed, index, 0]))
             for index, surface in enumerate(self.surfaces)
@@ -270,18 +232,18 @@ class Scene:
         """The species of the bobs, in alphabetical order."""
         return sorted({name for s in self.surfaces for name in s.species_of_each.tolist()})
 
-    def meets_itself(self, surface: Surface) -> bool:
-        """Whether the surface's own bobs interact."""
+    def has_contact_within(self, surface: Surface) -> bool:
+        """Whether the bobs of the surface interact with one another."""
         return any(i.between == (surface.name, surface.name) for i in self.interactions)
 
     @property
     def count(self) -> int:
-        """How many asperites there are."""
+        """Number of asperites."""
         return sum(surface.count for surface in self.surfaces)
 
     @property
     def smoothness(self) -> float:
-        """Continuous derivatives that all potentials' energies have; 0 where one jumps."""
+        """Number of continuous derivatives of all potentials; 0 if one jumps."""
         own = (interaction.potential.smoothness() for interaction in self.interactions)
         return max(0, min(own, default=math.inf))
 
@@ -327,31 +289,31 @@ class Scene:
             present.add(Effect.CUTOFF)
         return frozenset(present)
 
-    def shaken(self, surface: Surface) -> bool:
-        """Whether forces that no drive cancels act on the surface's asperites."""
+    def has_uncancelled_forces(self, surface: Surface) -> bool:
+        """Whether forces that the drive does not cancel act on the surface's asperites."""
         fields = any(surface.name in item.on for item in self.fields)
         lattice = bool(surface.springs) or surface.bath.masses.size > 0
-        lattice = lattice or self.meets_itself(surface)
+        lattice = lattice or self.has_contact_within(surface)
         return fields or lattice or bool(surface.langevin) or isinstance(surface.bars, Ends)
 
     def slides_along_x(self, surface: Surface) -> bool:
         """Whether the surface's centres of mass can leave their uniform motion along x."""
-        return not isinstance(surface.drive, Forced) or self.shaken(surface)
+        return not isinstance(surface.drive, Forced) or self.has_uncancelled_forces(surface)
 
     def slides_along_y(self, surface: Surface) -> bool:
         """Whether the surface's centres of mass can leave their uniform motion along y."""
         pressed = surface.drive.load is not None or isinstance(surface.drive, Custom)
-        return pressed or self.shaken(surface)
+        return pressed or self.has_uncancelled_forces(surface)
 
     @property
     def times(self) -> np.ndarray:
-        """The times to be recorded; the start and the end are always among them."""
+        """The times to record, which include the start and the end [time]."""
         if self.output.times is None:
             return np.linspace(0.0, self.duration, self.output.samples)
         return np.union1d(np.array(self.output.times), [0.0, self.duration])
 
     def save(self, path: Any) -> None:
-        """Write the scene file that :func:`tribo.load_scene` reads."""
+        """Write the scene file that :func:`tribo.load_scene` reads.  Raises InputError."""
         from tribo.model.scene_writer import save_scene
 
         save_scene(self, path)

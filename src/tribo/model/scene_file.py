@@ -1,6 +1,6 @@
-"""Scene files: TOML to Scene and back.
+"""Scene files: from TOML to a Scene.
 
-The names are a contract with everyone who keeps scene files.
+The names of the keys are a contract: scene files of older versions stay valid.
 """
 
 from __future__ import annotations
@@ -13,17 +13,34 @@ from typing import Any
 from tribo.model import drives, fields
 from tribo.model.asperite import Asperite
 from tribo.model.fields import Field
-from tribo.model.scene import Interaction, Scene, as_periodic
+from tribo.model.interaction import Interaction, as_periodic
+from tribo.model.scene import Scene
 from tribo.model.settings import Numerics, Output
 from tribo.model.surface import Initial, Surface
-from tribo.potentials import tables as written
-from tribo.validation import InputError, as_path, inside, known_keys, shown
+from tribo.potentials import tables as potentials
+from tribo.validation import InputError, as_path, inside, known_keys, must_be
 
 SURFACE_KEYS = [f.name for f in fields_of(Surface)]
 
 
 def load_scene(path: Any) -> Scene:
-    """The scene in a TOML file; raises InputError with one sentence that names the key."""
+    """Read a scene file.
+
+    Parameters
+    ----------
+    path : str or path-like
+        A TOML file.  Plug-ins that it names are looked up relative to its folder.
+
+    Returns
+    -------
+    Scene
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or a key is unknown, missing or has an invalid value: one
+        sentence that names the key.
+    """
     path = as_path(path)
     try:
         text = path.read_bytes().decode("utf-8")
@@ -39,7 +56,7 @@ def load_scene(path: Any) -> Scene:
 
 
 def scene_from(table: dict[str, Any], folder: Path = Path()) -> Scene:
-    """The scene that a file's table describes; plug-ins are looked for from `folder`."""
+    """The scene that the table of a file describes; `folder` is that of its plug-ins."""
     table = known_keys(
         table,
         [
@@ -50,7 +67,7 @@ def scene_from(table: dict[str, Any], folder: Path = Path()) -> Scene:
     )
     surfaces = table["surface"]
     if not isinstance(surfaces, list):
-        raise InputError("surface", "must be [[surface]] tables, one for each surface")
+        raise must_be("surface", "[[surface]] tables, one for each surface", surfaces)
     with inside("output"):
         output = Output(**known_keys(table.get("output", {}), ["samples", "times"]))
     with inside("numerics"):
@@ -73,7 +90,7 @@ def _interactions(value: Any, folder: Path) -> tuple[Interaction, ...]:
         with inside("interaction"):
             return (_interaction(value, folder),)
     if not isinstance(value, list):
-        raise InputError("interaction", f"must be a table, got {shown(value)}")
+        raise must_be("interaction", "a table", value)
     interactions = []
     for i, table in enumerate(value):
         with inside(f"interaction[{i}]"):
@@ -83,7 +100,7 @@ def _interactions(value: Any, folder: Path) -> tuple[Interaction, ...]:
 
 def _fields(value: Any, folder: Path) -> tuple[Field, ...]:
     if not isinstance(value, list):
-        raise InputError("field", "must be [[field]] tables, one for each field")
+        raise must_be("field", "[[field]] tables, one for each field", value)
     items = []
     for i, table in enumerate(value):
         with inside(f"field[{i}]"):
@@ -93,10 +110,10 @@ def _fields(value: Any, folder: Path) -> tuple[Field, ...]:
 
 def _interaction(table: Any, folder: Path) -> Interaction:
     if not isinstance(table, dict):
-        raise InputError("", f"must be a table, got {shown(table)}")
+        raise must_be("", "a table", table)
     parameters = dict(table)
     between, species = parameters.pop("between", None), parameters.pop("species", None)
-    return Interaction(written.from_table(parameters, folder), between, species)
+    return Interaction(potentials.from_table(parameters, folder), between, species)
 
 
 def _surface(index: int, table: Any, folder: Path) -> Surface:

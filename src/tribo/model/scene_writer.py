@@ -1,4 +1,4 @@
-"""Scenes as TOML text: the inverse of :mod:`tribo.model.scene_file`."""
+"""Scenes to TOML: the inverse of :mod:`tribo.model.scene_file`."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from tribo.model import bath, drives, fields
 from tribo.model.roughness import Roughness
 from tribo.model.surface import Surface
-from tribo.potentials import tables as written
+from tribo.potentials import tables as potentials
 from tribo.validation import InputError, as_path
 
 if TYPE_CHECKING:
@@ -38,13 +38,13 @@ def scene_table(scene: Scene) -> dict[str, Any]:
     """The scene as the nested table of its file."""
     table: dict[str, Any] = {"title": scene.title} if scene.title else {}
     table |= {"duration": scene.duration, "seed": scene.seed}
-    table["output"] = _given(scene.output)
+    table["output"] = _table_of(scene.output)
     if scene.output.times is not None:
         del table["output"]["samples"]
-    table["numerics"] = _given(scene.numerics)
-    table["periodic"] = _given(scene.periodic)
+    table["numerics"] = _table_of(scene.numerics)
+    table["periodic"] = _table_of(scene.periodic)
     table["interaction"] = [
-        written.as_table(i.potential)
+        potentials.as_table(i.potential)
         | {
             key: list(names)
             for key, names in (("between", i.between), ("species", i.species))
@@ -58,25 +58,25 @@ def scene_table(scene: Scene) -> dict[str, Any]:
 
 
 def _surface_table(surface: Surface) -> dict[str, Any]:
-    table = _given(surface)
+    table = _table_of(surface)
     table["drive"] = drives.as_table(surface.drive)
     table["bars"] = drives.bars_as_table(surface.bars)
-    table["springs"] = _given(surface.springs)
+    table["springs"] = _table_of(surface.springs)
     table["bath"] = bath.as_table(surface.bath)
     if surface.langevin is not None:
-        table["langevin"] = _given(surface.langevin)
+        table["langevin"] = _table_of(surface.langevin)
     if isinstance(surface.heights, Roughness):
-        table["heights"] = _given(surface.heights)
-    table["asperite"] = _given(surface.asperite)
-    table["initial"] = _given(surface.initial)
+        table["heights"] = _table_of(surface.heights)
+    table["asperite"] = _table_of(surface.asperite)
+    table["initial"] = _table_of(surface.initial)
     if surface.positions is not None:
         for key in ("bob", "shape", "spacing", "depth"):
             del table[key]
     return table
 
 
-def _given(item: Any) -> dict[str, Any]:
-    """The fields of a dataclass that are set, as TOML can hold them."""
+def _table_of(item: Any) -> dict[str, Any]:
+    """The fields of a dataclass that are not None, as values of TOML."""
     table = {}
     for f in fields_of(item):
         value = getattr(item, f.name)

@@ -1,4 +1,4 @@
-"""Settings that travel with a scene and are not its physics: what to record, and how to compute."""
+"""Settings that a scene file may hold beside the physics: times to record, accuracy and method."""
 
 from __future__ import annotations
 
@@ -8,30 +8,72 @@ from typing import Any
 
 import numpy as np
 
-from tribo.validation import MANY, POSITIVE, InputError, inside, number, shown, vector, whole
+from tribo.validation import (
+    LARGEST_COUNT,
+    POSITIVE,
+    InputError,
+    inside,
+    integer,
+    must_be,
+    number,
+    vector,
+)
+
+# Range of accuracies.  Round-off grows to about the first in a run; above the second an error
+# estimate means little.
+FINEST, COARSEST = 1e-13, 0.1
 
 
 @dataclass(frozen=True)
 class Output:
-    """When to record: evenly spaced samples, both ends included, or given times."""
+    """The times to record: evenly spaced samples, both ends included, or listed times.
+
+    Attributes
+    ----------
+    samples : int
+        Number of evenly spaced samples, at least 2.
+    times : list of float, optional
+        Increasing times instead of `samples` [time]; start and end of the run are always added.
+
+    Raises
+    ------
+    InputError
+        If `samples` is too small or too large, or `times` do not increase.
+    """
 
     samples: int = 401
     times: tuple[float, ...] | None = None
 
     def __post_init__(self) -> None:
-        whole("samples", self.samples, 2, MANY)
+        integer("samples", self.samples, 2, LARGEST_COUNT)
         if self.times is not None:
-            times = vector("times", self.times)
+            times = vector("times", self.times, unit="time")
             if times.size == 0 or np.any(np.diff(times) <= 0.0) or times[0] < 0.0:
-                raise InputError("times", "must increase from 0 or later")
+                raise must_be("times", "increasing, from 0 or later [time]", self.times)
             object.__setattr__(self, "times", tuple(times.tolist()))
 
 
 @dataclass(frozen=True)
 class Numerics:
-    """How to compute, as a file may say it; :func:`tribo.simulate` has the last word."""
+    """The numerical settings of a scene file; arguments of :func:`tribo.simulate` override them.
 
-    accuracy: float | dict[str, float] | None = None  # of everything, or of observables by name
+    Attributes
+    ----------
+    accuracy : float or dict, optional
+        Largest relative error of every quantity, from 1e-13 to 0.1; or one for each observable,
+        as ``{"upper.W": 1e-3}``.
+    method : str, optional
+        Name of a method.
+    step : float, optional
+        Length of equal steps [time], instead of `accuracy`.
+
+    Raises
+    ------
+    InputError
+        If a value is out of range, or both `accuracy` and `step` are given.
+    """
+
+    accuracy: float | dict[str, float] | None = None
     method: str | None = None
     step: float | None = None
 
@@ -39,18 +81,18 @@ class Numerics:
         if self.accuracy is not None:
             object.__setattr__(self, "accuracy", check_accuracy(self.accuracy))
         if self.method is not None and (not isinstance(self.method, str) or not self.method):
-            raise InputError("method", f"must be a method's name, got {shown(self.method)}")
+            raise must_be("method", "the name of a method", self.method)
         if self.step is not None:
-            number("step", self.step, POSITIVE)
+            number("step", self.step, POSITIVE, "time")
             if self.accuracy is not None:
                 raise InputError("accuracy", "cannot go with a step; give one or the other")
 
 
 def check_accuracy(value: Any) -> float | dict[str, float]:
-    """An accuracy that double precision can hold out, or one for each observable."""
+    """An accuracy within the range that is possible, or one for each observable."""
     if isinstance(value, Mapping):
         if not value:
-            raise InputError("accuracy", "must be a number, or name at least one observable")
+            raise must_be("accuracy", "a number, or a table of at least one observable", value)
         with inside("accuracy"):
             return {str(name): _accuracy(str(name), item) for name, item in value.items()}
     return _accuracy("accuracy", value)
@@ -58,6 +100,6 @@ def check_accuracy(value: Any) -> float | dict[str, float]:
 
 def _accuracy(field: str, value: Any) -> float:
     accuracy = number(field, value, POSITIVE)
-    if not 1e-13 <= accuracy <= 0.1:
-        raise InputError(field, f"must be from 1e-13 to 0.1, got {value}")
+    if not FINEST <= accuracy <= COARSEST:
+        raise must_be(field, f"from {FINEST:g} to {COARSEST:g}", value)
     return accuracy

@@ -1,6 +1,6 @@
 """Lattice springs between neighbouring bars of one surface.
 
-Energy 1/2 k |(r2_i - r2_j) - (r2_i - r2_j)_rest|^2, rest meaning every theta at its rest angle
+Energy 1/2 k |(r2_i - r2_j) - (r2_i - r2_j)_rest|^2, where rest means every theta at its rest angle
 and phi = 0.
 """
 
@@ -11,43 +11,72 @@ from typing import Any
 
 import numpy as np
 
-from tribo.validation import NOT_NEGATIVE, InputError, flag, known_keys, number, vector, whole
+from tribo.validation import (
+    NOT_NEGATIVE,
+    InputError,
+    boolean,
+    integer,
+    is_list,
+    known_keys,
+    must_be,
+    number,
+    vector,
+)
 
 
 @dataclass(frozen=True)
 class Springs:
-    """Springs along x and along z, or between listed pairs."""
+    """Lattice springs along x and along z, or between listed pairs of bars.
 
-    stiffness: float | tuple[float, float] = 0.0  # [force / length]; two: along x, along z
-    wrap: bool = False  # tie the ends of every row along the scene's periodic directions, or all
-    pairs: tuple[tuple[int, int], ...] | None = None  # instead of neighbours on the grid
-    turned: float = 0.0  # angle by which the rest vectors are turned [rad]
+    Attributes
+    ----------
+    stiffness : float or (float, float)
+        Stiffness k of each spring [force / length]; two numbers: along x, along z.
+    wrap : bool
+        Whether springs join the two ends of every row, along the periodic directions of the
+        scene; along both directions if the scene is not periodic.
+    pairs : list of (int, int), optional
+        Indices of the bars that are joined, instead of neighbours on the grid.
+    turned : float
+        Angle by which the rest vectors are rotated [rad], which rotates a whole scene.
+
+    Raises
+    ------
+    InputError
+        If a value is out of range, or `pairs` goes with `wrap` or with two stiffnesses.
+    """
+
+    stiffness: float | tuple[float, float] = 0.0
+    wrap: bool = False
+    pairs: tuple[tuple[int, int], ...] | None = None
+    turned: float = 0.0
 
     def __post_init__(self) -> None:
-        put = object.__setattr__
-        if isinstance(self.stiffness, (list, tuple, np.ndarray)):
-            both = vector("stiffness", self.stiffness, NOT_NEGATIVE, size=2)
+        put, unit = object.__setattr__, "force / length"
+        if is_list(self.stiffness):
+            both = vector("stiffness", self.stiffness, NOT_NEGATIVE, 2, unit)
             put(self, "stiffness", tuple(both.tolist()))
         else:
-            put(self, "stiffness", number("stiffness", self.stiffness, NOT_NEGATIVE))
-        flag("wrap", self.wrap)
-        put(self, "turned", number("turned", self.turned))
+            put(self, "stiffness", number("stiffness", self.stiffness, NOT_NEGATIVE, unit))
+        boolean("wrap", self.wrap)
+        put(self, "turned", number("turned", self.turned, unit="rad"))
         if self.pairs is not None:
-            if not isinstance(self.pairs, (list, tuple, np.ndarray)):
-                raise InputError("pairs", f"must be a list of pairs, got {self.pairs!r}")
+            if not is_list(self.pairs):
+                raise must_be("pairs", "a list of pairs of indices", self.pairs)
             put(self, "pairs", tuple(self._pair(i, p) for i, p in enumerate(self.pairs)))
             if self.wrap:
                 raise InputError("wrap", "cannot go with pairs; list the pairs that close the row")
             if isinstance(self.stiffness, tuple):
-                raise InputError("stiffness", "must be one number where pairs are listed")
+                raise must_be("stiffness", "one number where pairs are listed", self.stiffness)
 
     @staticmethod
     def _pair(index: int, value: Any) -> tuple[int, int]:
-        if not isinstance(value, (list, tuple)) or len(value) != 2:
-            raise InputError(f"pairs[{index}]", f"must be two asperites' indices, got {value!r}")
-        one, other = (whole(f"pairs[{index}]", n, 0) for n in value)
+        field = f"pairs[{index}]"
+        if not is_list(value) or len(value) != 2:
+            raise must_be(field, "the indices of two asperites", value)
+        one, other = (integer(field, n, 0) for n in value)
         if one == other:
-            raise InputError(f"pairs[{index}]", f"must be two different asperites, got {value!r}")
+            raise must_be(field, "two different asperites", value)
         return one, other
 
     def __bool__(self) -> bool:
@@ -62,14 +91,14 @@ class Springs:
     def bonds(
         self, shape: tuple[int, int], count: int, periodic: tuple[bool, bool]
     ) -> tuple[np.ndarray, np.ndarray]:
-        """(m, 2) ends and (m,) stiffness of every spring; those of zero stiffness are none.
+        """Ends (m, 2) and stiffness (m,) of every spring whose stiffness is not zero.
 
-        `periodic` says whether the scene is, along x and along z.
+        `periodic` says whether the scene is periodic along x and along z.
         """
         if self.pairs is not None:
             for i, pair in enumerate(self.pairs):
                 if max(pair) >= count:
-                    raise InputError(f"pairs[{i}]", f"names no asperite; there are {count}")
+                    raise must_be(f"pairs[{i}]", f"indices from 0 to {count - 1}", pair)
             listed = self.pairs if self else ()
             return np.array(listed, dtype=np.int64).reshape(-1, 2), np.full(
                 len(listed), self._both[0]
@@ -89,7 +118,7 @@ class Springs:
 
 
 def as_springs(value: Any) -> Springs:
-    """Springs from a table of a scene file, None, or themselves."""
+    """Springs from a table of a scene file, None (no springs), or Springs unchanged."""
     if value is None:
         return Springs()
     if isinstance(value, Springs):

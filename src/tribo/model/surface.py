@@ -2,102 +2,161 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from tribo.model.asperite import Asperite, Each
+from tribo.model.asperite import Asperite, Each, broadcast
 from tribo.model.bath import Bath, Langevin, as_bath, as_langevin
 from tribo.model.drives import Drive, Ends, Forced, as_bars, as_drive
 from tribo.model.roughness import Roughness, as_heights, draw
 from tribo.model.springs import Springs, as_springs
 from tribo.validation import (
-    MANY,
+    LARGEST_COUNT,
     InputError,
     choice,
     inside,
+    integer,
     is_list,
+    must_be,
     number,
-    number_or_each,
-    shown,
+    number_or_array,
     vector,
-    whole,
 )
+
+# Units of the initial angles and rates.
+UNITS = {
+    "theta": "rad",
+    "phi": "rad",
+    "omega": "rad / time",
+    "nu": "rad / time",
+    "swing": "rad",
+}
 
 
 @dataclass(frozen=True, eq=False)
 class Initial:
-    """Where the pendulums and bars start; None is their place of rest, at rest.
+    """Initial angles and rates of pendulums and bars: each a number, or one number per asperite.
 
-    theta and phi are absolute: an asperite that faces up rests at theta = pi.
+    None stands for the equilibrium angle, and for a rate of zero.
+
+    Attributes
+    ----------
+    theta : float or (n,) array, optional
+        Absolute angle of the pendulum [rad]; pi where an asperite that faces up is at rest.
+        None for phi + the rest angle.
+    phi : float or (n,) array, optional
+        Angle of the bar [rad].
+    omega : float or (n,) array, optional
+        d theta / dt [rad / time].
+    nu : float or (n,) array, optional
+        d phi / dt [rad / time].
+    swing : float or (n,) array, optional
+        Angle of the pendulum from the rest angle, 0 (down) or pi (up) [rad]: an alternative to
+        `theta`, with the same meaning for both facings.
+
+    Raises
+    ------
+    InputError
+        If a value is no finite number, or both `theta` and `swing` are given.
     """
 
-    theta: Each | None = None  # [rad]
-    phi: Each | None = None  # [rad]
-    omega: Each | None = None  # d theta / dt
-    nu: Each | None = None  # d phi / dt
+    theta: Each | None = None
+    phi: Each | None = None
+    omega: Each | None = None
+    nu: Each | None = None
+    swing: Each | None = None
 
     def __post_init__(self) -> None:
-        for f in fields(self):
-            value = getattr(self, f.name)
+        for name, unit in UNITS.items():
+            value = getattr(self, name)
             if value is not None:
-                object.__setattr__(self, f.name, number_or_each(f.name, value))
+                object.__setattr__(self, name, number_or_array(name, value, unit=unit))
+        if self.theta is not None and self.swing is not None:
+            raise InputError("swing", "cannot go with theta; give one or the other")
 
     def for_each(self, count: int) -> dict[str, np.ndarray | None]:
-        """Each given angle and rate as an array of `count`."""
-        each: dict[str, np.ndarray | None] = {}
-        for f in fields(self):
-            value = getattr(self, f.name)
-            if isinstance(value, np.ndarray) and value.size != count:
-                raise InputError(f.name, f"has {value.size} values for {count} asperites")
-            each[f.name] = None if value is None else np.broadcast_to(value, (count,))
-        return each
+        """Each angle and rate as an array of `count`; None if it is not given."""
+        given = ((name, getattr(self, name)) for name in UNITS)
+        return {
+            name: None if value is None else broadcast(name, value, count) for name, value in given
+        }
 
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """One asperite, a row, a grid or any list of them.
+    """One asperite, a row, a grid or a list of asperites.
 
-    Places are those of the bobs with their theta at rest and phi = 0, whatever `initial` says.
-    Lengths, times and masses are in the scene's own units.
+    Positions are those of the bobs with theta at rest and phi = 0, whatever `initial` says.
+
+    Attributes
+    ----------
+    name : str
+        Name in results and scene files: printable, without . or /.
+    facing : str
+        "down" (rest angle 0: the bobs hang below their bars) or "up" (rest angle pi).
+    bob : (float, float)
+        x, y of the first resting bob [length].
+    velocity : (float, float)
+        Initial velocity of all centres of mass [length / time].
+    shape : (int, int)
+        Number of asperites along x and along z; x runs fastest.
+    spacing : (float, float)
+        Distance between neighbours along x and along z [length].
+    depth : float
+        z of the first asperite [length].
+    heights : (n,) array or Roughness, optional
+        Shift in y of each asperite, positive upward for both facings [length]; or the roughness
+        from which they are drawn.
+    positions : (n, 3) array, optional
+        x, y, z of the resting bobs [length], instead of `bob`, `shape`, `spacing` and `depth`.
+    drive : Drive or str or dict
+        What holds or moves the surface: :class:`Forced`, :class:`Free`, :class:`Pulled`,
+        :class:`Custom`; or "forced", "free", or its table in a scene file.
+    bars : str or Ends
+        "clamped", "free", or :class:`Ends` for a user's forces on the ends of the bars.
+    springs : Springs or dict
+        Lattice springs between neighbouring bars.
+    bath : Bath or dict, optional
+        Oscillators on every bar.
+    langevin : Langevin or dict, optional
+        A thermal reservoir at every bar.
+    species : str or tuple of str
+        Species of the bobs, one for all or one each; interactions may tell species apart.
+    asperite : Asperite
+        Masses, lengths, stiffness and charge of the asperites.
+    initial : Initial
+        Initial angles and rates.
+
+    Raises
+    ------
+    InputError
+        If a value is out of range, a list has another size than the number of asperites, or two
+        settings exclude each other.
     """
 
     name: str
-    facing: str = "down"  # "down": rest angle 0; "up": rest angle pi
-    bob: tuple[float, float] = (0.0, 0.0)  # x, y of the first resting bob
+    facing: str = "down"
+    bob: tuple[float, float] = (0.0, 0.0)
     velocity: tuple[float, float] = (0.0, 0.0)
-    shape: tuple[int, int] = (1, 1)  # asperites along x, along z; x runs fastest
+    shape: tuple[int, int] = (1, 1)
     spacing: tuple[float, float] = (0.0, 0.0)
-    depth: float = 0.0  # z of the first
-    heights: np.ndarray | Roughness | None = None  # a shift in y per asperite, up positive
-    positions: np.ndarray | None = (
-        None  # (n, 3) resting bobs, instead of bob, shape, spacing, depth
-    )
+    depth: float = 0.0
+    heights: np.ndarray | Roughness | None = None
+    positions: np.ndarray | None = None
     drive: Drive = field(default_factory=Forced)
-    bars: str | Ends = "clamped"  # or "free", or forces of the user's own on their ends
+    bars: str | Ends = "clamped"
     springs: Springs = field(default_factory=Springs)
-    bath: Bath = field(default_factory=lambda: as_bath(None))
+    bath: Bath = field(default_factory=Bath)
     langevin: Langevin | None = None
-    species: str | tuple[str, ...] = ""  # of the bobs, by which interactions may tell them apart
+    species: str | tuple[str, ...] = ""
     asperite: Asperite = field(default_factory=Asperite)
     initial: Initial = field(default_factory=Initial)
 
     def __post_init__(self) -> None:
+        self._check_place()
         put = object.__setattr__
-        if not _is_name(self.name):
-            raise InputError("name", f"must be a word without . or /, got {shown(self.name)}")
-        choice("facing", self.facing, ["down", "up"])
-        put(self, "bob", tuple(vector("bob", self.bob, size=2).tolist()))
-        put(self, "velocity", tuple(vector("velocity", self.velocity, size=2).tolist()))
-        vector("shape", self.shape, size=2)
-        put(self, "shape", tuple(whole(f"shape[{i}]", n, 1) for i, n in enumerate(self.shape)))
-        put(self, "spacing", tuple(vector("spacing", self.spacing, size=2).tolist()))
-        put(self, "depth", number("depth", self.depth))
-        if self.positions is not None:
-            put(self, "positions", self._listed_positions())
-        if self.count > MANY:
-            raise InputError("shape", f"must be at most {MANY} asperites, got {self.count}")
         with inside("drive"):
             put(self, "drive", as_drive(self.drive))
         put(self, "heights", as_heights(self.heights, *self._grid))
@@ -111,27 +170,45 @@ class Surface:
         with inside("bath"):
             put(self, "bath", as_bath(self.bath))
             if self.bath.inertias.size and self.bars == "clamped":
-                raise InputError("torsional", 'has nothing to turn on clamped bars; bars = "free"')
+                raise InputError("torsional", 'cannot go with clamped bars; set bars = "free"')
         with inside("langevin"):
             put(self, "langevin", as_langevin(self.langevin))
         put(self, "species", self._checked_species())
         for key, kind in (("asperite", Asperite), ("initial", Initial)):
             value = getattr(self, key)
             if not isinstance(value, kind):
-                raise InputError(key, f"must be a tribo.{kind.__name__}, got {shown(value)}")
+                raise must_be(key, f"a tribo.{kind.__name__}", value)
             with inside(key):
                 value.for_each(self.count)
 
+    def _check_place(self) -> None:
+        """Check the name, the lattice or the listed positions, and the velocity."""
+        put = object.__setattr__
+        if not _is_name(self.name):
+            raise must_be("name", "a word without . or /", self.name)
+        choice("facing", self.facing, ["down", "up"])
+        for name, unit in (("bob", "length"), ("velocity", "length / time"), ("spacing", "length")):
+            put(self, name, tuple(vector(name, getattr(self, name), size=2, unit=unit).tolist()))
+        vector("shape", self.shape, size=2)
+        put(self, "shape", tuple(integer(f"shape[{i}]", n, 1) for i, n in enumerate(self.shape)))
+        put(self, "depth", number("depth", self.depth, unit="length"))
+        if self.positions is not None:
+            put(self, "positions", self._listed_positions())
+        if self.count > LARGEST_COUNT:
+            raise must_be("shape", f"at most {LARGEST_COUNT} asperites", self.count)
+
     def _listed_positions(self) -> np.ndarray:
-        for key, untouched in (("bob", (0.0, 0.0)), ("shape", (1, 1)), ("spacing", (0.0, 0.0))):
-            if getattr(self, key) != untouched:
+        for key, default in (("bob", (0.0, 0.0)), ("shape", (1, 1)), ("spacing", (0.0, 0.0))):
+            if getattr(self, key) != default:
                 raise InputError(key, "cannot go with positions; give one or the other")
         if self.depth != 0.0:
             raise InputError("depth", "cannot go with positions; give one or the other")
-        places: Any = self.positions
-        if not is_list(places) or len(places) == 0:
-            raise InputError("positions", f"must be a list of [x, y, z], got {shown(places)}")
-        rows = [vector(f"positions[{i}]", place, size=3) for i, place in enumerate(places)]
+        given: Any = self.positions
+        if not is_list(given) or len(given) == 0:
+            raise must_be("positions", "a list of [x, y, z] [length]", given)
+        rows = [
+            vector(f"positions[{i}]", row, size=3, unit="length") for i, row in enumerate(given)
+        ]
         table = np.array(rows)
         table.flags.writeable = False
         return table
@@ -140,32 +217,31 @@ class Surface:
         value: Any = self.species
         if isinstance(value, str):
             return value
-        if not is_list(value) or not all(isinstance(name, str) for name in value):
-            raise InputError("species", f"must be a name, or one per asperite, got {shown(value)}")
-        if len(value) != self.count:
-            raise InputError("species", f"has {len(value)} names for {self.count} asperites")
+        names = is_list(value) and all(isinstance(name, str) for name in value)
+        if not names or len(value) != self.count:
+            raise must_be("species", f"one name, or one per asperite ({self.count})", value)
         return tuple(str(name) for name in value)
 
     @property
     def species_of_each(self) -> np.ndarray:
-        """(n,) name of each bob's species."""
+        """(n,) species of each bob."""
         return np.broadcast_to(np.array(self.species), (self.count,))
 
     @property
     def _grid(self) -> tuple[tuple[int, int], tuple[float, float]]:
-        """Shape and spacing; a list has none of the latter."""
+        """Shape and spacing; listed positions have a spacing of zero."""
         if self.positions is not None:
             return (self.count, 1), (0.0, 0.0)
         return self.shape, self.spacing
 
     @property
     def count(self) -> int:
-        """How many asperites there are."""
+        """Number of asperites."""
         return len(self.positions) if self.positions is not None else self.shape[0] * self.shape[1]
 
     @property
     def rest(self) -> float:
-        """The torsion spring's rest angle theta - phi [rad]."""
+        """Rest angle theta - phi of the torsion spring [rad]."""
         return 0.0 if self.facing == "down" else np.pi
 
     @property
@@ -173,35 +249,42 @@ class Surface:
         """+1 for a surface that faces down, -1 for one that faces up."""
         return 1.0 if self.facing == "down" else -1.0
 
+    @property
+    def initial_swing(self) -> np.ndarray | None:
+        """(n,) initial angles theta - rest [rad], from `theta` or `swing`; None without either."""
+        each = self.initial.for_each(self.count)
+        return each["swing"] if each["theta"] is None else each["theta"] - self.rest
+
     def resting_bobs(
         self, origin: tuple[float, float, float] = (0.0, 0.0, 0.0), seed: Any = 0
     ) -> np.ndarray:
-        """(n, 3) places of the resting bobs relative to `origin`, which costs no digits.
+        """(n, 3) positions of the resting bobs relative to `origin` [length].
 
-        `seed` is for heights that are drawn and have none of their own.
+        The origin is subtracted before positions are added up, so they keep all digits.  `seed`
+        draws heights whose roughness has no seed of its own.
         """
         if self.positions is not None:
-            places = self.positions - np.array(origin)
+            bobs = self.positions - np.array(origin)
         else:
             column, row = np.meshgrid(np.arange(self.shape[0]), np.arange(self.shape[1]))
-            places = np.empty((self.count, 3))
-            places[:, 0] = (self.bob[0] - origin[0]) + column.ravel() * self.spacing[0]
-            places[:, 1] = self.bob[1] - origin[1]
-            places[:, 2] = (self.depth - origin[2]) + row.ravel() * self.spacing[1]
+            bobs = np.empty((self.count, 3))
+            bobs[:, 0] = (self.bob[0] - origin[0]) + column.ravel() * self.spacing[0]
+            bobs[:, 1] = self.bob[1] - origin[1]
+            bobs[:, 2] = (self.depth - origin[2]) + row.ravel() * self.spacing[1]
         heights = self.drawn_heights(seed)
         if heights is not None:
-            places[:, 1] += heights
-        return places
+            bobs[:, 1] += heights
+        return bobs
 
     def drawn_heights(self, seed: Any) -> np.ndarray | None:
-        """(n,) heights; those of a roughness are drawn, by `seed` if it has none of its own."""
+        """(n,) heights [length]; `seed` draws those of a roughness that has no seed of its own."""
         if isinstance(self.heights, Roughness):
             return draw(self.heights, *self._grid, np.random.default_rng(seed))
         return self.heights
 
     @property
     def first_bob(self) -> tuple[float, float, float]:
-        """Place of the first resting bob, without its height."""
+        """Position of the first resting bob, without its height [length]."""
         if self.positions is not None:
             x, y, z = self.positions[0]
             return float(x), float(y), float(z)

@@ -13,7 +13,8 @@ import numpy as np
 
 from tribo.model.asperite import Asperite
 from tribo.model.drives import Forced, Free
-from tribo.model.scene import Interaction, Scene
+from tribo.model.interaction import Interaction
+from tribo.model.scene import Scene
 from tribo.model.settings import Output
 from tribo.model.surface import Surface
 from tribo.paper.published_values import agrees, published

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from tribo.plugins import sources
-from tribo.validation import InputError, known_keys, number, shown
+from tribo.validation import InputError, known_keys, number, short_repr
 
 GIVES = {"feature": 2, "domain": 2, "force_at": 2, "force_on_bar": 2, "end_forces": 4}  # or 1
 
@@ -89,7 +89,7 @@ def numbers(plugin: Any, field: str, method: str, *arguments: Any) -> Any:
     kinds = (int, float, np.integer, np.floating)
     if len(items) != wanted or not all(isinstance(item, kinds) for item in items):
         what = "a number is" if wanted == 1 else f"{wanted} numbers are"
-        reason = f"gives {shown(value)} where {what} wanted"
+        reason = f"gives {short_repr(value)} where {what} wanted"
         raise InputError(field, at_line(plugin, method, None, reason))
     return value
 

@@ -1,4 +1,4 @@
-"""Interaction potentials: one a file, formula and source first."""
+"""Interaction potentials, one formula a file, and potentials made from tables and calculators."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from tribo.potentials.coulomb import Coulomb
 from tribo.potentials.cutoff import ForceShifted, Shifted, Switched, Truncated
 from tribo.potentials.dimers import from_dimer
 from tribo.potentials.expression import expression
-from tribo.potentials.from_ase import live
+from tribo.potentials.from_ase import from_calculator
 from tribo.potentials.lennard_jones import LennardJones
 from tribo.potentials.mie import Mie
 from tribo.potentials.morse import Morse
 from tribo.potentials.plummer import Plummer
-from tribo.potentials.registry import BUILT_IN, as_potential, scaled, total, with_cutoff
+from tribo.potentials.registry import BUILT_IN, as_potential, scaled, sum_of, with_cutoff
 from tribo.potentials.spline import Table, from_csv, from_points, tabulated
 from tribo.potentials.sum import Scaled, Sum
 from tribo.potentials.tables import named
@@ -43,24 +43,37 @@ __all__ = [
     "as_calculator",
     "as_potential",
     "expression",
+    "from_calculator",
     "from_csv",
     "from_dimer",
     "from_points",
-    "live",
     "named",
     "scaled",
+    "sum_of",
     "tabulated",
-    "total",
     "with_cutoff",
 ]
 
 
 def as_calculator(potential: Any) -> Any:
-    """A potential as a calculator of the Atomic Simulation Environment, in eV and Angstrom.
+    """A potential as a calculator of the Atomic Simulation Environment (ASE).
 
-    `potential` is for all atoms, or a mapping from two elements, as ("Cu", "O"), to the potential
-    between them.  Energies, forces and stresses; with neighbour lists where there is a cutoff.
-    Raises InputError.
+    Parameters
+    ----------
+    potential : NamedTuple or dict
+        The potential between all atoms, or a mapping from two elements, as ("Cu", "O"), to the
+        potential between them; its numbers are in eV and Angstrom.
+
+    Returns
+    -------
+    ase.calculators.calculator.Calculator
+        It computes energies [eV], forces [eV / Angstrom] and, in a cell, stresses
+        [eV / Angstrom^3], with neighbour lists where the potential has a cutoff.
+
+    Raises
+    ------
+    InputError
+        If `potential` is no potential.
     """
     from tribo.potentials.to_ase import PairCalculator
 

@@ -7,14 +7,27 @@ from typing import NamedTuple
 
 import numpy as np
 
-FELT = 15.0  # distance by which U has fallen to 3e-7 of A [rho]
+# Distance at which U has fallen to 3e-7 of A [rho].
+WEAK_FROM = 15.0
 
 
 class BornMayer(NamedTuple):
-    """The repulsion of closed shells."""
+    """U = A exp(-r/rho): the repulsion of closed shells.
 
-    A: float  # U at r = 0 [energy]
-    rho: float  # length over which U falls by e [length]
+    Attributes
+    ----------
+    A : float
+        Energy at r = 0 [energy], not negative.
+    rho : float
+        Length over which U falls by a factor e [length], positive.
+
+    References
+    ----------
+    M. Born, J. E. Mayer, Z. Phys. 75 (1932) 1.
+    """
+
+    A: float
+    rho: float
 
     def energy(self, r):
         """U(r)."""
@@ -25,12 +38,12 @@ class BornMayer(NamedTuple):
         return self.A / self.rho * np.exp(-r / self.rho)
 
     def feature(self):
-        """Length over which the force changes, and distance out to which it is felt."""
-        return self.rho, FELT * self.rho
+        """Length over which the force changes, and the distance beyond which it is weak."""
+        return self.rho, WEAK_FROM * self.rho
 
-    def demands(self):
-        """Each parameter's name, whether it will do, and what would."""
+    def constraints(self):
+        """Each constraint: the parameter, whether it is met, and the message if not."""
         return (
-            ("A", self.A >= 0.0, "must not be negative"),
-            ("rho", self.rho > 0.0, "must be positive"),
+            ("A", self.A >= 0.0, "must not be negative [energy]"),
+            ("rho", self.rho > 0.0, "must be positive [length]"),
         )

@@ -2,25 +2,40 @@
 
 R. A. Buckingham, Proc. R. Soc. Lond. A 168 (1938) 264.
 
-The slope is zero where r^7 exp(-r/rho) = 6 C rho/A: at the top of a barrier, nearer than which
-the potential falls without end and means nothing, and at the minimum outside it.  Both are
-r = -7 rho W(-x) with x = (6 C/(A rho^6))^(1/7) / 7, by the two real branches of Lambert's W; for
-x > 1/e there is neither.
+The slope is zero where r^7 exp(-r/rho) = 6 C rho/A: at the top of a barrier, below which the
+potential falls without limit and has no meaning, and at the minimum outside it.  Both are at
+r = -7 rho W(-x) with x = (6 C/(A rho^6))^(1/7) / 7, on the two real branches of Lambert's W; for
+x > 1/e neither exists.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-FELT = 15.0  # distance by which the repulsion has fallen to 3e-7 of A [rho]
+# Distance at which the repulsion has fallen to 3e-7 of A [rho].
+WEAK_FROM = 15.0
 
 
 class Buckingham(NamedTuple):
-    """The repulsion of closed shells and the attraction of induced dipoles."""
+    """U = A exp(-r/rho) - C/r^6: repulsion of closed shells, attraction of induced dipoles.
 
-    A: float  # of the repulsion, at r = 0 [energy]
-    rho: float  # length over which the repulsion falls by e [length]
-    C: float  # of the attraction [energy x length^6]
+    Attributes
+    ----------
+    A : float
+        Energy of the repulsion at r = 0 [energy], positive.
+    rho : float
+        Length over which the repulsion falls by a factor e [length], positive.
+    C : float
+        Strength of the attraction [energy length^6], not negative.
+
+    References
+    ----------
+    R. A. Buckingham, Proc. R. Soc. Lond. A 168 (1938) 264.
+    """
+
+    A: float
+    rho: float
+    C: float
 
     def energy(self, r):
         """U(r)."""
@@ -31,11 +46,11 @@ class Buckingham(NamedTuple):
         return self.A / self.rho * np.exp(-r / self.rho) - 6.0 * self.C / r**7
 
     def feature(self):
-        """Length over which the force changes, and distance out to which it is felt."""
-        return self.rho, FELT * self.rho
+        """Length over which the force changes, and the distance beyond which it is weak."""
+        return self.rho, WEAK_FROM * self.rho
 
-    def _flat(self, branch):
-        """Where the slope is zero: at the barrier (branch 0), at the minimum (-1); nan if not."""
+    def _stationary(self, branch):
+        """r where the slope is zero: the barrier (branch 0) or the minimum (-1); nan if neither."""
         from scipy.special import lambertw
 
         x = (6.0 * self.C / (self.A * self.rho**6)) ** (1.0 / 7.0) / 7.0
@@ -43,20 +58,20 @@ class Buckingham(NamedTuple):
         return float(-7.0 * self.rho * w.real) if w.imag == 0.0 else float("nan")
 
     def minimum(self):
-        """(r, U, d2U/dr2) at the minimum; not numbers where there is none."""
-        r = self._flat(-1)
+        """(r, U, d2U/dr2) at the minimum; nan if there is none."""
+        r = self._stationary(-1)
         curvature = self.A / self.rho**2 * np.exp(-r / self.rho) - 42.0 * self.C / r**8
         return r, self.energy(r), curvature
 
     def domain(self):
-        """From the top of the barrier, to any distance."""
-        barrier = self._flat(0)
+        """From the top of the barrier to infinity."""
+        barrier = self._stationary(0)
         return (barrier if barrier > 0.0 else 0.0), float("inf")
 
-    def demands(self):
-        """Each parameter's name, whether it will do, and what would."""
+    def constraints(self):
+        """Each constraint: the parameter, whether it is met, and the message if not."""
         return (
-            ("A", self.A > 0.0, "must be positive"),
-            ("rho", self.rho > 0.0, "must be positive"),
-            ("C", self.C >= 0.0, "must not be negative"),
+            ("A", self.A > 0.0, "must be positive [energy]"),
+            ("rho", self.rho > 0.0, "must be positive [length]"),
+            ("C", self.C >= 0.0, "must not be negative [energy length^6]"),
         )

@@ -7,9 +7,20 @@ from typing import NamedTuple
 
 
 class Coulomb(NamedTuple):
-    """The electric potential between two charges; the paper's q Q / (4 pi eps0) is `strength`."""
+    """U = strength q_i q_j / r: the electric potential between two charges.
 
-    strength: float  # [energy x length], with charges of 1
+    Attributes
+    ----------
+    strength : float
+        1 / (4 pi eps0), of either sign [energy length / charge^2]; with charges of 1, the paper's
+        q Q / (4 pi eps0).
+
+    References
+    ----------
+    C.-A. de Coulomb, Histoire de l'Academie Royale des Sciences (1785) 569.
+    """
+
+    strength: float
 
     def energy(self, r):
         """U(r) between charges of 1."""

@@ -1,4 +1,4 @@
-"""Cutoffs: another potential's energy and force, changed together so that both end at a distance.
+"""Cutoffs: potentials whose energy and force are zero beyond a distance.
 
     Truncated     U                                     for r < cutoff: a jump in U and force
     Shifted       U - U(cutoff)                         a jump in the force
@@ -14,40 +14,49 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tribo.potentials.mixins import OfAnother, OfCharges, inherits, must_be_potential
-
-# All four are linear in U, so they act on what a potential is between any two charges.
+from tribo.potentials.mixins import BetweenCharges, Wrapper, inherits, must_be_potential
 
 
-class Ended(OfCharges, OfAnother):
-    """What all four have in common."""
+class WithCutoff(BetweenCharges, Wrapper):
+    """The methods that all cutoffs share.
+
+    Cutoffs are linear in U, so they apply to the potential between any two charges.
+    """
 
     cutoff: float
 
     def clearance(self, r):
-        """How far a pair may move before the force is another."""
+        """Distance that a pair at r may move before the force changes considerably."""
         return max(self.potential.clearance(r), r - self.cutoff)
 
     def range(self):
         """Distance from which U and force are zero."""
         return min(self.cutoff, self.potential.range())
 
-    def demands(self: Any) -> Any:
-        """Each parameter's name, whether it will do, and what would."""
-        again = type(self.potential) in AT_CUTOFF.values()
+    def constraints(self: Any) -> Any:
+        """Each constraint: the parameter, whether it is met, and the message if not."""
+        repeated = type(self.potential) in AT_CUTOFF.values()
         return (
             must_be_potential("potential", self.potential),
-            ("cutoff", self.cutoff > 0.0, "must be positive"),
-            ("cutoff", not again, "must be given once; the potential has one already"),
+            ("cutoff", self.cutoff > 0.0, "must be positive [length]"),
+            ("cutoff", not repeated, "must be given once; the potential has another"),
         )
 
 
-@inherits(Ended)
+@inherits(WithCutoff)
 class Truncated(NamedTuple):
-    """U, cut off."""
+    """U below the cutoff, zero beyond: U and the force jump.
+
+    Attributes
+    ----------
+    potential : NamedTuple
+        The potential without a cutoff.
+    cutoff : float
+        Distance from which U and the force are zero [length], positive.
+    """
 
     potential: Any
-    cutoff: float  # [length]
+    cutoff: float
 
     def energy_between(self, r, one, other):
         """U(r) between two charges."""
@@ -62,12 +71,20 @@ class Truncated(NamedTuple):
         return min(-1, smoothness_below(self.potential, self.cutoff))
 
 
-@inherits(Ended)
+@inherits(WithCutoff)
 class Shifted(NamedTuple):
-    """U - U(cutoff), cut off."""
+    """U - U(cutoff) below the cutoff, zero beyond: the force jumps.
+
+    Attributes
+    ----------
+    potential : NamedTuple
+        The potential without a cutoff.
+    cutoff : float
+        Distance from which U and the force are zero [length], positive.
+    """
 
     potential: Any
-    cutoff: float  # [length]
+    cutoff: float
 
     def energy_between(self, r, one, other):
         """U(r) between two charges."""
@@ -83,12 +100,20 @@ class Shifted(NamedTuple):
         return min(0, smoothness_below(self.potential, self.cutoff))
 
 
-@inherits(Ended)
+@inherits(WithCutoff)
 class ForceShifted(NamedTuple):
-    """Force less its value at the cutoff, and the energy that goes with it."""
+    """U - U(cutoff) + (r - cutoff) F(cutoff) below the cutoff: the force has a kink.
+
+    Attributes
+    ----------
+    potential : NamedTuple
+        The potential without a cutoff.
+    cutoff : float
+        Distance from which U and the force are zero [length], positive.
+    """
 
     potential: Any
-    cutoff: float  # [length]
+    cutoff: float
 
     def energy_between(self, r, one, other):
         """U(r) between two charges."""
@@ -107,13 +132,25 @@ class ForceShifted(NamedTuple):
         return min(1, smoothness_below(self.potential, self.cutoff))
 
 
-@inherits(Ended)
+@inherits(WithCutoff)
 class Switched(NamedTuple):
-    """U, brought to zero between switch_from and cutoff with two continuous derivatives."""
+    """U S(u): U reduced to zero between switch_from and cutoff, twice continuously differentiable.
+
+    S = 1 - 10 u^3 + 15 u^4 - 6 u^5 with u = (r - switch_from) / (cutoff - switch_from) in [0, 1].
+
+    Attributes
+    ----------
+    potential : NamedTuple
+        The potential without a cutoff.
+    cutoff : float
+        Distance from which U and the force are zero [length], positive.
+    switch_from : float
+        Distance from which U is reduced [length], positive and below the cutoff.
+    """
 
     potential: Any
-    cutoff: float  # [length]
-    switch_from: float  # [length]
+    cutoff: float
+    switch_from: float
 
     def energy_between(self, r, one, other):
         """U(r) between two charges."""
@@ -132,30 +169,31 @@ class Switched(NamedTuple):
         return force * switch - self.potential.energy_between(r, one, other) * slope
 
     def smoothness(self):
-        """How many derivatives of U are continuous at the cutoff."""
+        """Number of continuous derivatives of U at the cutoff."""
         return min(2, smoothness_below(self.potential, self.cutoff))
 
     def smoothness_within(self):
-        """How many derivatives of U are continuous where the switch begins."""
+        """Number of continuous derivatives of U at switch_from."""
         return min(2, self.potential.smoothness_within())
 
-    def demands(self):
-        """Each parameter's name, whether it will do, and what would."""
-        below = f"must be below the cutoff {self.cutoff:g}"
+    def constraints(self):
+        """Each constraint: the parameter, whether it is met, and the message if not."""
+        below = f"must be below the cutoff {self.cutoff:g} [length]"
         return (
-            *Ended.demands(self),
-            ("switch_from", self.switch_from > 0.0, "must be positive"),
+            *WithCutoff.constraints(self),
+            ("switch_from", self.switch_from > 0.0, "must be positive [length]"),
             ("switch_from", self.switch_from < self.cutoff, below),
         )
 
 
 def smoothness_below(potential, cutoff):
-    """How many derivatives of a potential are continuous at every r < cutoff."""
+    """Number of continuous derivatives of a potential at every r < cutoff."""
     if cutoff <= potential.range():
         return potential.smoothness_within()
     return potential.smoothness()
 
 
+# The words of scene files.
 AT_CUTOFF: dict[str, Any] = {
     "switch": Switched,
     "truncate": Truncated,

@@ -1,9 +1,9 @@
-"""Two atoms of an ASE calculator as a potential: its dimer curve, and a table of it.
+"""The dimer curve of an ASE calculator as a potential.
 
     U(r) = E(two atoms at r) - E(one alone) - E(the other alone)
 
-Units are ASE's: eV and Angstrom.  A table of the curve is the calculator itself only where that
-sums over pairs; how far from it three atoms are is measured before it is believed.
+Units are ASE's: eV and Angstrom.  A table of the curve replaces the calculator only where its
+energy is a sum over pairs, which is tested on triangles of three atoms.
 """
 
 from __future__ import annotations
@@ -12,15 +12,16 @@ from typing import Any
 
 import numpy as np
 
-from tribo.potentials.from_ase import made
+from tribo.potentials.from_ase import make_calculator
 from tribo.potentials.spline import Table, tabulated
-from tribo.validation import InputError, is_list, number, shown
+from tribo.validation import InputError, is_list, must_be, number
 
-SIDES = ((1.0, 1.0), (1.0, 1.4), (1.3, 1.3))  # of the triangles looked at, in the closest distance
+# Legs of the right-angled triangles that are tested [distance of the minimum].
+LEGS = ((1.0, 1.0), (1.0, 1.4), (1.3, 1.3))
 
 
 def curve(calculator: Any, symbols: Any, r: Any) -> np.ndarray:
-    """Energy [eV] of two atoms at each distance `r` [Angstrom] less that of each alone."""
+    """Energy of two atoms minus that of each alone [eV], at distances `r` [Angstrom]."""
     first, second = symbols
     alone = _energy(calculator, [first], [[0.0, 0.0, 0.0]])
     alone += _energy(calculator, [second], [[0.0, 0.0, 0.0]])
@@ -34,53 +35,73 @@ def from_dimer(
     symbols: Any,
     low: float,
     high: float,
-    accuracy: float,
+    tolerance: float,
     many_body: bool = False,
     arguments: dict[str, Any] | None = None,
 ) -> Table:
-    """A compiled table of a calculator's dimer curve from `low` to `high`, to `accuracy` [eV].
+    """A table of a calculator's dimer curve, shifted to end at zero.
 
-    `calculator` is one of ASE's, or the ``module:Class`` of one with its `arguments`; `symbols`
-    two elements.  The curve is shifted to end at zero.  A calculator whose energy of three atoms
-    is not the sum over its pairs is refused, unless `many_body` says that the table may stand for
-    it all the same; what three atoms are off by is then part of the table's stated error.
-    Raises InputError.
+    Parameters
+    ----------
+    calculator : ase.calculators.calculator.Calculator or str
+        A calculator of ASE, or ``module:Class`` of one.
+    symbols : (str, str)
+        Two elements.
+    low, high : float
+        Smallest and largest distance of the table [Angstrom].
+    tolerance : float
+        Largest error of the table [eV].
+    many_body : bool
+        Whether to accept a calculator whose energy of three atoms is not the sum over pairs; the
+        difference is then part of the table's stated error.
+    arguments : dict, optional
+        Arguments of the class, if `calculator` names one.
+
+    Returns
+    -------
+    Table
+
+    Raises
+    ------
+    InputError
+        If the calculator is not a sum over pairs, or the tolerance is out of reach.
     """
-    calculator = made(calculator, arguments or {})
+    calculator = make_calculator(calculator, arguments or {})
     if not is_list(symbols) or len(symbols) != 2 or not all(isinstance(s, str) for s in symbols):
-        raise InputError("symbols", f"must be two elements, got {shown(symbols)}")
-    end = curve(calculator, symbols, number("high", high))
-    table = tabulated(lambda r: curve(calculator, symbols, r) - end, low, high, accuracy)
-    off = _three_body(calculator, symbols, table)
-    if off <= accuracy:
+        raise must_be("symbols", "two elements", symbols)
+    end = curve(calculator, symbols, number("high", high, unit="Angstrom"))
+    table = tabulated(lambda r: curve(calculator, symbols, r) - end, low, high, tolerance)
+    difference = _three_body(calculator, symbols, table)
+    if difference <= tolerance:
         return table
     if not many_body:
         raise InputError(
             "calculator",
-            f"{type(calculator).__name__} does not sum over pairs: three atoms of {symbols[0]} and "
-            f"{symbols[1]} are off by {off:.1e} eV; run it live, or accept that with many_body",
+            f"{type(calculator).__name__} does not sum over pairs: for three atoms of {symbols[0]} "
+            f"and {symbols[1]} the sum is off by {difference:.1e} eV; use from_calculator, or "
+            "accept the error with many_body",
         )
-    return table._replace(error=table.error + off)
+    return table._replace(error=table.error + difference)
 
 
 def _three_body(calculator: Any, symbols: Any, table: Table) -> float:
-    """By how much the energies of triangles differ from the sums over their sides [eV]."""
-    unit = _closest(table)
-    off = 0.0
-    for one, other in SIDES:
+    """Largest difference between the energy of a triangle and the sum over its sides [eV]."""
+    unit = _minimum(table)
+    largest = 0.0
+    for one, other in LEGS:
         places = np.array([[0.0, 0.0], [one, 0.0], [0.0, other]]) * unit
         for trio in ([symbols[0], *symbols], [*symbols, symbols[1]]):
-            whole = _energy(calculator, trio, np.column_stack([places, np.zeros(3)]).tolist())
-            parts = sum(_energy(calculator, [name], [[0.0, 0.0, 0.0]]) for name in trio)
+            energy = _energy(calculator, trio, np.column_stack([places, np.zeros(3)]).tolist())
+            pairs = sum(_energy(calculator, [name], [[0.0, 0.0, 0.0]]) for name in trio)
             for i, j in ((0, 1), (0, 2), (1, 2)):
                 r = float(np.hypot(*(places[i] - places[j])))
-                parts += float(curve(calculator, (trio[i], trio[j]), r))
-            off = max(off, abs(whole - parts))
-    return off
+                pairs += float(curve(calculator, (trio[i], trio[j]), r))
+            largest = max(largest, abs(energy - pairs))
+    return largest
 
 
-def _closest(table: Table) -> float:
-    """A distance at which bobs meet: where the energy is least, or else half way in."""
+def _minimum(table: Table) -> float:
+    """The distance of the minimum [Angstrom], or the middle of the table if there is none."""
     lowest = int(np.argmin(table.values))
     if 0 < lowest < table.r.size - 1:
         return float(table.r[lowest])

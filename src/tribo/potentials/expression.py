@@ -1,8 +1,8 @@
-"""A potential from an expression in r, as "D*(exp(-2*a*(r - r0)) - 2*exp(-a*(r - r0)))".
+"""Potentials from an expression in r, as "D*(exp(-2*a*(r - r0)) - 2*exp(-a*(r - r0)))".
 
-The expression is parsed, never evaluated as it stands: only arithmetic, numbers, names and the
-functions below pass.  Its derivative is taken term by term, and both are written into the source
-of a class such as a user would write, so that it is compiled, and kept on disk, as those are.
+The expression is parsed and never evaluated as text: only arithmetic, numbers, names and the
+functions below are allowed.  It is differentiated term by term.  Energy and force are written into
+the source of a class as a user would write it, so it is compiled and cached like a user's class.
 """
 
 from __future__ import annotations
@@ -16,11 +16,21 @@ from tribo.plugins import classes as plugins
 from tribo.plugins import sources
 from tribo.potentials.derivative import FUNCTIONS, OPERATORS, Rules
 from tribo.potentials.registry import as_potential
-from tribo.validation import InputError, shown
+from tribo.validation import InputError, short_repr
 
-TAKEN = (  # names that a parameter cannot have: of a potential's methods, of a scene file's keys
+# Names that a parameter cannot have: those of a potential's methods and of a scene file's keys.
+RESERVED = (
     *("energy", "force", "feature", "clearance", "coupling", "energy_between", "force_between"),
-    *("range", "smoothness", "smoothness_within", "minimum", "domain", "demands", "count", "index"),
+    *(
+        "range",
+        "smoothness",
+        "smoothness_within",
+        "minimum",
+        "domain",
+        "constraints",
+        "count",
+        "index",
+    ),
     *(
         "potential",
         "between",
@@ -50,16 +60,31 @@ Expression.expression_text = {text!r}
 
 
 def expression(text: str, /, **parameters: float) -> Any:
-    """The potential U(r) that a text says, with a number for each other name in it.
+    """A potential U(r) from an expression.
 
-    The text may have ``+ - * / **``, brackets, numbers, ``r``, ``pi``, and the functions exp, log,
-    sqrt, sin, cos, tan, sinh, cosh and tanh.  Raises InputError.
+    Parameters
+    ----------
+    text : str
+        An expression of ``+ - * / **``, brackets, numbers, ``r``, ``pi``, parameters, and the
+        functions exp, log, sqrt, sin, cos, tan, sinh, cosh and tanh.
+    **parameters : float
+        A number for each parameter.
+
+    Returns
+    -------
+    NamedTuple
+        The potential; its force is minus the derivative of the expression.
+
+    Raises
+    ------
+    InputError
+        If the expression has other parts, or a parameter is missing.
     """
     return as_potential(plugins.instance(class_of(text), parameters))
 
 
 def is_expression(text: str) -> bool:
-    """Whether a text is meant as an expression rather than as a potential's name."""
+    """Whether a text is an expression rather than the name of a potential."""
     if any(sign in text for sign in "()*+/"):
         return True
     try:
@@ -70,14 +95,14 @@ def is_expression(text: str) -> bool:
 
 @cache
 def class_of(text: str) -> Any:
-    """The class whose energy an expression is, and whose fields are the names in it."""
+    """The class whose energy is the expression and whose fields are its parameters."""
     tree = _parsed(text)
     fields = [name for name in _names(tree) if name not in ("r", "pi", *FUNCTIONS)]
     for name in fields:
-        if name in TAKEN or name.startswith("_"):
+        if name in RESERVED or name.startswith("_"):
             raise _refusal(text, f'another name for the parameter "{name}"')
     if "r" not in _names(tree):
-        raise _refusal(text, "the distance r in it")
+        raise _refusal(text, "the distance r")
     source = HEAD.format(text=text.replace("\\", "").replace('"', ""))
     source += "".join(f"    {name}: float\n" for name in fields)
     source += BODY.format(
@@ -87,20 +112,20 @@ def class_of(text: str) -> Any:
 
 
 def _parsed(text: str) -> ast.expr:
-    """The tree of an expression; a complaint about anything that does not belong in one."""
+    """The tree of an expression.  Raises InputError for parts that are not allowed."""
     try:
         tree = ast.parse(text.strip(), mode="eval").body
     except SyntaxError as error:
-        problem = f"an expression that can be read ({error.msg}, at its character {error.offset})"
+        problem = f"valid syntax ({error.msg}, at its character {error.offset})"
         raise _refusal(text, problem) from None
     except (ValueError, RecursionError, MemoryError):
-        raise _refusal(text, "an expression that can be read") from None
+        raise _refusal(text, "valid syntax") from None
     _check(tree, text)
     return tree
 
 
 def _check(node: ast.expr, text: str) -> None:
-    """Complain about the first thing in a tree that is not allowed."""
+    """Raise InputError for the first part of a tree that is not allowed."""
     match node:
         case ast.BinOp(left, op, right) if isinstance(op, OPERATORS):
             _check(left, text)
@@ -117,20 +142,21 @@ def _check(node: ast.expr, text: str) -> None:
             if not math.isfinite(value):
                 raise _refusal(text, "finite numbers")
         case _:
-            found = ast.get_source_segment(text.strip(), node) or "what it has"
+            found = ast.get_source_segment(text.strip(), node) or "an unknown part"
+
             raise _refusal(
                 text,
-                f"arithmetic, r, pi, parameters and {', '.join(FUNCTIONS)} alone, "
-                f"not {shown(found)} at its character {node.col_offset + 1}",
+                f"arithmetic, r, pi, parameters and {', '.join(FUNCTIONS)} only, "
+                f"not {short_repr(found)} at its character {node.col_offset + 1}",
             )
 
 
 def _refusal(text: str, wanted: str) -> InputError:
-    return InputError("potential", f'must have {wanted}, got "{text}"')
+    return InputError("potential", f'must be an expression with {wanted}, got "{text}"')
 
 
 def _names(tree: ast.AST) -> list[str]:
-    """Every name in a tree, once, in the order in which they come."""
+    """Every name in a tree, once, in order of appearance."""
     nodes = [node for node in ast.walk(tree) if isinstance(node, ast.Name)]
     nodes.sort(key=lambda node: (node.lineno, node.col_offset))
     return list(dict.fromkeys(node.id for node in nodes))

@@ -1,11 +1,11 @@
-"""Any ASE calculator as the contact between surfaces, live: each bob an atom.
+"""Any ASE calculator as the contact between surfaces: each bob is an atom.
 
-The calculator is asked for all bobs, and for each surface's bobs alone; the difference is the
-contact between the surfaces, many-body terms included.  It runs at its own cost, at every
-evaluation of the forces.
+The calculator computes the energy of all bobs, and of each surface's bobs alone.  The difference
+is the contact between the surfaces, many-body terms included.  It is called at every evaluation of
+the forces.
 
-Units are ASE's: lengths in Angstrom, energies in eV, masses in atomic mass units; then times are
-in Angstrom sqrt(amu / eV), which is ASE's own unit of time, 10.18 fs.
+Units are ASE's: lengths in Angstrom, energies in eV, masses in atomic mass units.  Times are then
+in Angstrom sqrt(amu / eV), which is ASE's unit of time, 10.18 fs.
 
 A. H. Larsen et al., J. Phys.: Condens. Matter 29 (2017) 273002.
 """
@@ -20,84 +20,136 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tribo.validation import NOT_NEGATIVE, POSITIVE, InputError, known_keys, number, shown
+from tribo.validation import (
+    NOT_NEGATIVE,
+    POSITIVE,
+    InputError,
+    known_keys,
+    must_be,
+    number,
+    short_repr,
+)
 
 
 @dataclass(frozen=True, eq=False)
 class Live:
     """An ASE calculator as the contact between surfaces; the bobs' species are its elements.
 
-    `length` is that over which its force changes, by which no step jumps an encounter; 0 takes
-    the scale of the distance itself.  From `reach` on there is no force: a periodic scene needs
-    one of at most half the box.
+    Attributes
+    ----------
+    calculator : ase.calculators.calculator.Calculator
+        The calculator.
+    length : float
+        Length over which its force changes [Angstrom], from which steps are limited so that none
+        jumps over an encounter; 0 for the distance itself.
+    reach : float
+        Distance from which the force is zero [Angstrom]; in a periodic scene at most half a
+        period.
+    arguments : dict
+        The arguments with which the calculator was made, for scene files.
     """
 
-    calculator: Any  # an ase.calculators.calculator.Calculator
-    length: float = 0.0  # [Angstrom]
-    reach: float = math.inf  # [Angstrom]
-    arguments: dict[str, Any] = field(default_factory=dict)  # that the calculator was made with
+    calculator: Any
+    length: float = 0.0
+    reach: float = math.inf
+    arguments: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        if not callable(getattr(self.calculator, "get_potential_energy", None)):
-            raise InputError("calculator", f"must be one of ASE's, got {shown(self.calculator)}")
-        object.__setattr__(self, "length", number("length", self.length, NOT_NEGATIVE))
+        _check_calculator(self.calculator)
+        length = number("length", self.length, NOT_NEGATIVE, "Angstrom")
+        object.__setattr__(self, "length", length)
         if self.reach != math.inf:
-            object.__setattr__(self, "reach", number("reach", self.reach, POSITIVE))
+            reach = number("reach", self.reach, POSITIVE, "Angstrom")
+            object.__setattr__(self, "reach", reach)
 
     def range(self) -> float:
-        """Distance from which there is no force."""
+        """Distance from which the force is zero."""
         return self.reach
 
     def smoothness(self) -> float:
-        """How many derivatives are continuous: what is not known is taken to be smooth."""
+        """Number of continuous derivatives: unknown, and assumed infinite."""
         return math.inf
 
 
 class ZeroForce(NamedTuple):
-    """No force: lets time loops watch the encounters of bobs whose force comes from outside."""
+    """No force: time loops use it to detect encounters of bobs whose force a calculator computes.
 
-    length: float  # [length]
-    reach: float  # [length]
+    Attributes
+    ----------
+    length : float
+        Length over which the calculator's force changes [length]; 0 for the distance itself.
+    reach : float
+        Distance from which the calculator's force is zero [length].
+    """
+
+    length: float
+    reach: float
 
     def energy(self, r):
-        """Nothing."""
+        """Zero."""
         return 0.0 * r
 
     def force(self, r):
-        """Nothing."""
+        """Zero."""
         return 0.0 * r
 
     def feature(self):
-        """As the calculator's; without a length, the force changes on the scale of r itself."""
+        """The calculator's length and reach; without a length, the length is r itself."""
         return self.length, self.reach if self.length > 0.0 else 0.0
 
     def range(self):
-        """As the calculator's."""
+        """The calculator's reach."""
         return self.reach
 
 
-def live(calculator: Any, length: float = 0.0, reach: float = math.inf, **arguments: Any) -> Live:
-    """A calculator, or the ``module:Class`` of one and the arguments to make it with."""
-    instance = made(calculator, arguments)
+def from_calculator(
+    calculator: Any, length: float = 0.0, reach: float = math.inf, **arguments: Any
+) -> Live:
+    """An ASE calculator as the contact between surfaces.
+
+    Parameters
+    ----------
+    calculator : ase.calculators.calculator.Calculator or str
+        A calculator, or ``module:Class`` of one, as "ase.calculators.emt:EMT".
+    length : float
+        Length over which its force changes [Angstrom]; 0 for the distance itself.
+    reach : float
+        Distance from which its force is zero [Angstrom].
+    **arguments
+        Arguments of the class, if `calculator` names one.
+
+    Returns
+    -------
+    Live
+        A potential of a scene whose bobs have elements as their species.
+
+    Raises
+    ------
+    InputError
+        If there is no such calculator, or a value is out of range.
+    """
+    instance = make_calculator(calculator, arguments)
     if not isinstance(calculator, str):
         arguments = dict(getattr(calculator, "parameters", {}))
     return Live(instance, length, reach, arguments)
 
 
-def made(calculator: Any, arguments: dict[str, Any]) -> Any:
-    """A calculator as it is, or that of a class named by its module, with its arguments."""
+def _check_calculator(value: Any) -> None:
+    if not callable(getattr(value, "get_potential_energy", None)):
+        raise must_be("calculator", "a calculator of ASE", value)
+
+
+def make_calculator(calculator: Any, arguments: dict[str, Any]) -> Any:
+    """A calculator unchanged, or an instance of the class ``module:Class`` with its arguments."""
     if not isinstance(calculator, str):
-        if not callable(getattr(calculator, "get_potential_energy", None)):
-            raise InputError("calculator", f"must be one of ASE's, got {shown(calculator)}")
+        _check_calculator(calculator)
         if arguments:
             name = next(iter(arguments))
-            raise InputError(name, "cannot go with a calculator that is made already")
+            raise InputError(name, 'needs a calculator given as "module:Class"')
         return calculator
     name = calculator
     if ":" not in name:
-        raise InputError(
-            "calculator", f'must be "module:Class", as "ase.calculators.emt:EMT", got {shown(name)}'
-        )
+        raise must_be("calculator", '"module:Class", as "ase.calculators.emt:EMT"', name)
     module, _, cls = name.partition(":")
     try:
         return getattr(importlib.import_module(module), cls)(**arguments)
@@ -112,14 +164,14 @@ def from_table(table: dict[str, Any]) -> Live:
     table = known_keys(table, ["calculator", "arguments", "length", "reach"], ["calculator"])
     name, arguments = table.pop("calculator"), table.pop("arguments", {})
     if not isinstance(name, str):
-        raise InputError("calculator", f'must be "module:Class", got {shown(name)}')
+        raise must_be("calculator", '"module:Class", as "ase.calculators.emt:EMT"', name)
     if not isinstance(arguments, dict):
-        raise InputError("arguments", f"must be a table, got {shown(arguments)}")
-    return live(name, **table, **arguments)
+        raise must_be("arguments", "a table", arguments)
+    return from_calculator(name, **table, **arguments)
 
 
 def as_table(value: Live) -> dict[str, Any]:
-    """What `from_table` reads."""
+    """The table of a scene file that `from_table` reads."""
     cls = type(value.calculator)
     table: dict[str, Any] = {"calculator": f"{cls.__module__}:{cls.__qualname__}"}
     arguments = {name: item for name, item in value.arguments.items() if item is not None}
@@ -133,19 +185,20 @@ def as_table(value: Live) -> dict[str, Any]:
 
 
 def elements(names: list[str]) -> list[str]:
-    """The names of species, which must be those of chemical elements."""
+    """The names of species unchanged.  Raises InputError unless they are chemical elements."""
     from ase.data import atomic_numbers
 
     for name in names:
         if atomic_numbers.get(name, 0) == 0:
             raise InputError(
-                "potential", f'needs the bobs\' species to be elements, as "Cu", got {shown(name)}'
+                "potential",
+                f'needs elements as the species of bobs, as "Cu", got {short_repr(name)}',
             )
     return names
 
 
 class Call:
-    """What compiled code calls: the calculator on given bobs, all less each surface alone."""
+    """The calculator as compiled code calls it: all bobs minus each surface's bobs alone."""
 
     def __init__(
         self,
@@ -155,7 +208,7 @@ class Call:
         counts: list[int],
         period: tuple[float, float],
     ) -> None:
-        """`symbols` and `z` are the bobs', surface after surface; period 0 is none."""
+        """Elements and z of the bobs, surface after surface; a period of 0 stands for none."""
         from ase import Atoms
 
         self.place = np.zeros((z.size, 2))
@@ -165,23 +218,23 @@ class Call:
         self.interrupted = False
         self._z = z
         cell = [period[0], 0.0, period[1]]
-        whole = Atoms(symbols, np.zeros((z.size, 3)), cell=cell, pbc=[side > 0.0 for side in cell])
+        atoms = Atoms(symbols, np.zeros((z.size, 3)), cell=cell, pbc=[side > 0.0 for side in cell])
         stops = np.cumsum(counts).tolist()
         self._parts = [slice(n - count, n) for n, count in zip(stops, counts, strict=True)]
         self._calculator = calculator
-        self._atoms = [whole, *(whole[part] for part in self._parts)]
+        self._atoms = [atoms, *(atoms[part] for part in self._parts)]
         self._known = np.full_like(self.place, np.nan)
         self._function = ctypes.CFUNCTYPE(None)(self._called)
         self.address = ctypes.cast(self._function, ctypes.c_void_p).value or 0
 
     def _called(self) -> None:
-        """Fill in force and energy; what goes wrong is kept, since nothing can be raised here."""
+        """Compute force and energy; an exception is kept, since compiled code cannot raise it."""
         if np.array_equal(self._known, self.place):
             return
         try:
             try:
                 self._compute()
-            except KeyboardInterrupt:  # the state of the run must stay whole
+            except KeyboardInterrupt:  # finish the step, so that the run's state stays consistent
                 self.interrupted = True
                 self._compute()
         except Exception as error:
@@ -195,8 +248,8 @@ class Call:
         positions = np.column_stack([self.place, self._z])
         self.energy[:] = 0.0
         self.force[:] = 0.0
-        everyone = slice(0, self._z.size)
-        for atoms, part in zip(self._atoms, [everyone, *self._parts], strict=True):
+        all_bobs = slice(0, self._z.size)
+        for atoms, part in zip(self._atoms, [all_bobs, *self._parts], strict=True):
             sign = 1.0 if atoms is self._atoms[0] else -1.0
             atoms.positions = positions[part]
             self.energy[0] += sign * self._calculator.get_potential_energy(atoms)

@@ -7,10 +7,22 @@ from typing import NamedTuple
 
 
 class LennardJones(NamedTuple):
-    """The 12-6 potential of depth epsilon, zero at sigma."""
+    """U = 4 epsilon ((sigma/r)^12 - (sigma/r)^6): a minimum of depth epsilon, zero at sigma.
 
-    epsilon: float  # depth of the minimum [energy]
-    sigma: float  # where U changes sign [length]
+    Attributes
+    ----------
+    epsilon : float
+        Depth of the minimum [energy], not negative.
+    sigma : float
+        Distance at which U changes sign [length], positive.
+
+    References
+    ----------
+    J. E. Jones, Proc. R. Soc. Lond. A 106 (1924) 463.
+    """
+
+    epsilon: float
+    sigma: float
 
     def energy(self, r):
         """U(r)."""
@@ -23,7 +35,7 @@ class LennardJones(NamedTuple):
         return 24.0 * self.epsilon / r * s6 * (2.0 * s6 - 1.0)
 
     def feature(self):
-        """Length over which the force changes, and distance out to which it is felt."""
+        """Length over which the force changes, and the distance beyond which it is weak."""
         return self.sigma / 6.0, 2.0 * self.sigma
 
     def minimum(self):
@@ -31,9 +43,9 @@ class LennardJones(NamedTuple):
         r = 2.0 ** (1.0 / 6.0) * self.sigma
         return r, -self.epsilon, 72.0 * self.epsilon / (r * r)
 
-    def demands(self):
-        """Each parameter's name, whether it will do, and what would."""
+    def constraints(self):
+        """Each constraint: the parameter, whether it is met, and the message if not."""
         return (
-            ("epsilon", self.epsilon >= 0.0, "must not be negative"),
-            ("sigma", self.sigma > 0.0, "must be positive"),
+            ("epsilon", self.epsilon >= 0.0, "must not be negative [energy]"),
+            ("sigma", self.sigma > 0.0, "must be positive [length]"),
         )

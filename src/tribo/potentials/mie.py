@@ -7,12 +7,30 @@ from typing import NamedTuple
 
 
 class Mie(NamedTuple):
-    """A potential of depth epsilon, zero at sigma; Lennard-Jones for n = 12 and m = 6."""
+    """U = c epsilon ((sigma/r)^n - (sigma/r)^m) with c = n/(n - m) (n/m)^(m/(n - m)).
 
-    epsilon: float  # depth of the minimum [energy]
-    sigma: float  # where U changes sign [length]
-    n: float  # power of the repulsion
-    m: float  # power of the attraction
+    n = 12 and m = 6 give Lennard-Jones.
+
+    Attributes
+    ----------
+    epsilon : float
+        Depth of the minimum [energy], not negative.
+    sigma : float
+        Distance at which U changes sign [length], positive.
+    n : float
+        Power of the repulsion, above m.
+    m : float
+        Power of the attraction, positive.
+
+    References
+    ----------
+    G. Mie, Ann. Phys. (Leipzig) 316 (1903) 657.
+    """
+
+    epsilon: float
+    sigma: float
+    n: float
+    m: float
 
     def energy(self, r):
         """U(r)."""
@@ -25,7 +43,7 @@ class Mie(NamedTuple):
         return self.epsilon * n / (n - m) * (n / m) ** (m / (n - m)) * (n * s**n - m * s**m) / r
 
     def feature(self):
-        """Length over which the force changes, and distance out to which it is felt."""
+        """Length over which the force changes, and the distance beyond which it is weak."""
         return 2.0 * self.sigma / self.n, 2.0 * self.sigma
 
     def minimum(self):
@@ -33,11 +51,11 @@ class Mie(NamedTuple):
         r = (self.n / self.m) ** (1.0 / (self.n - self.m)) * self.sigma
         return r, -self.epsilon, self.n * self.m * self.epsilon / (r * r)
 
-    def demands(self):
-        """Each parameter's name, whether it will do, and what would."""
+    def constraints(self):
+        """Each constraint: the parameter, whether it is met, and the message if not."""
         return (
-            ("epsilon", self.epsilon >= 0.0, "must not be negative"),
-            ("sigma", self.sigma > 0.0, "must be positive"),
+            ("epsilon", self.epsilon >= 0.0, "must not be negative [energy]"),
+            ("sigma", self.sigma > 0.0, "must be positive [length]"),
             ("m", self.m > 0.0, "must be positive"),
             ("n", self.n > self.m, f"must be above m = {self.m:g}"),
         )

@@ -1,7 +1,7 @@
-"""What potentials made of others have in common: NamedTuples cannot inherit, but can be given.
+"""Methods that combined potentials share.
 
-A class that is marked with ``@inherits(Parent)`` has all methods of the Parent but those it
-defines itself, and numba finds them there as if they had been written there.
+A NamedTuple cannot inherit methods.  ``@inherits(Parent)`` copies those methods of a parent that
+the class does not define, so that numba finds them in the class.
 """
 
 from collections.abc import Callable
@@ -11,22 +11,22 @@ from typing import Any
 def inherits(parent: type) -> Callable[[Any], Any]:
     """Give a class the methods of `parent` that it does not define itself."""
 
-    def given(cls: Any) -> Any:
+    def with_methods(cls: Any) -> Any:
         for name in dir(parent):
             if not name.startswith("_") and name not in vars(cls):
                 setattr(cls, name, getattr(parent, name))
         return cls
 
-    return given
+    return with_methods
 
 
 def must_be_potential(name, part):
-    """What is demanded of a parameter that must be a potential."""
+    """The constraint on a parameter that must be a potential."""
     return name, hasattr(part, "energy"), "must be a potential"
 
 
-class OfCharges:
-    """Energy and force of a class that says what they are between any two charges."""
+class BetweenCharges:
+    """Energy and force of a class that defines both between any two charges."""
 
     energy_between: Any
     force_between: Any
@@ -40,35 +40,35 @@ class OfCharges:
         return self.force_between(r, 1.0, 1.0)
 
 
-class OfAnother:
-    """All but energy and force of a class made of one `potential`, as that has it."""
+class Wrapper:
+    """Every method but energy and force, as the wrapped `potential` defines it."""
 
     potential: Any
 
     def feature(self):
-        """As the potential has it."""
+        """As the wrapped potential."""
         return self.potential.feature()
 
     def clearance(self, r):
-        """As the potential has it."""
+        """As the wrapped potential."""
         return self.potential.clearance(r)
 
     def range(self):
-        """As the potential has it."""
+        """As the wrapped potential."""
         return self.potential.range()
 
     def smoothness(self):
-        """As the potential has it."""
+        """As the wrapped potential."""
         return self.potential.smoothness()
 
     def smoothness_within(self):
-        """As the potential has it."""
+        """As the wrapped potential."""
         return self.potential.smoothness_within()
 
     def domain(self):
-        """As the potential has it."""
+        """As the wrapped potential."""
         return self.potential.domain()
 
-    def demands(self):
-        """Each parameter's name, whether it will do, and what would."""
+    def constraints(self):
+        """Each constraint: the parameter, whether it is met, and the message if not."""
         return (must_be_potential("potential", self.potential),)

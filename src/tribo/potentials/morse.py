@@ -9,11 +9,25 @@ import numpy as np
 
 
 class Morse(NamedTuple):
-    """A bond of depth D at distance r0."""
+    """U = D (exp(-2 alpha (r - r0)) - 2 exp(-alpha (r - r0))): a minimum of depth D at r0.
 
-    D: float  # depth of the minimum [energy]
-    alpha: float  # 1 / width [1 / length]
-    r0: float  # place of the minimum [length]
+    Attributes
+    ----------
+    D : float
+        Depth of the minimum [energy], not negative.
+    alpha : float
+        Inverse width of the minimum [1 / length], positive.
+    r0 : float
+        Distance of the minimum [length].
+
+    References
+    ----------
+    P. M. Morse, Phys. Rev. 34 (1929) 57.
+    """
+
+    D: float
+    alpha: float
+    r0: float
 
     def energy(self, r):
         """U(r)."""
@@ -26,16 +40,16 @@ class Morse(NamedTuple):
         return 2.0 * self.alpha * self.D * e * (e - 1.0)
 
     def feature(self):
-        """Length over which the force changes, and distance out to which it is felt."""
+        """Length over which the force changes, and the distance beyond which it is weak."""
         return 1.0 / self.alpha, self.r0 + 6.0 / self.alpha
 
     def minimum(self):
         """(r, U, d2U/dr2) at the minimum."""
         return self.r0, -self.D, 2.0 * self.D * self.alpha * self.alpha
 
-    def demands(self):
-        """Each parameter's name, whether it will do, and what would."""
+    def constraints(self):
+        """Each constraint: the parameter, whether it is met, and the message if not."""
         return (
-            ("D", self.D >= 0.0, "must not be negative"),
-            ("alpha", self.alpha > 0.0, "must be positive"),
+            ("D", self.D >= 0.0, "must not be negative [energy]"),
+            ("alpha", self.alpha > 0.0, "must be positive [1 / length]"),
         )

@@ -9,10 +9,22 @@ import numpy as np
 
 
 class Plummer(NamedTuple):
-    """Coulomb's potential, softened so that it is finite where two charges meet."""
+    """U = strength q_i q_j / sqrt(r^2 + softening^2): Coulomb's potential, finite at r = 0.
 
-    strength: float  # [energy x length], with charges of 1
-    softening: float  # [length]
+    Attributes
+    ----------
+    strength : float
+        Strength at large r, of either sign [energy length / charge^2].
+    softening : float
+        Length below which U flattens [length], positive.
+
+    References
+    ----------
+    H. C. Plummer, Mon. Not. R. Astron. Soc. 71 (1911) 460.
+    """
+
+    strength: float
+    softening: float
 
     def energy(self, r):
         """U(r) between charges of 1."""
@@ -28,9 +40,9 @@ class Plummer(NamedTuple):
         return one * other
 
     def feature(self):
-        """Length over which the force changes near r = 0; farther out it is r itself."""
+        """Length over which the force changes near r = 0; at larger r that length is r."""
         return self.softening, 0.0
 
-    def demands(self):
-        """Each parameter's name, whether it will do, and what would."""
-        return (("softening", self.softening > 0.0, "must be positive"),)
+    def constraints(self):
+        """Each constraint: the parameter, whether it is met, and the message if not."""
+        return (("softening", self.softening > 0.0, "must be positive [length]"),)

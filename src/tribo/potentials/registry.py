@@ -1,30 +1,30 @@
-"""What makes a class a potential, and what is made of potentials.
+"""The protocol of a potential, the built-in potentials by name, and combined potentials.
 
-A potential is a NamedTuple of floats with ``energy(self, r)``.  It may say more:
+A potential is a NamedTuple of floats with ``energy(self, r)``.  It may define further methods:
 
-    force(self, r)   -dU/dr; otherwise the derivative is taken from the energy's source where that
-                     is a formula, and by a complex step where not: both to round-off
-    feature(self)    (length over which the force changes, distance out to which it is felt), by
-                     which no step jumps an encounter; otherwise the force is taken to change on
-                     the scale of r itself
+    force(self, r)   -dU/dr; without it, the derivative of the energy's source where that is a
+                     formula, else by a complex step: both to round-off
+    feature(self)    (length over which the force changes, distance beyond which it is weak), from
+                     which steps are limited so that none jumps over an encounter; without it, the
+                     length is r itself
     clearance(self, r)
-                     how far a pair at distance r may move before the force is another; otherwise
-                     as feature and range have it
+                     distance that a pair at r may move before the force changes considerably;
+                     without it, from feature and range
     coupling(self, one, other)
-                     what U is multiplied by for bobs of charges one and other, as one * other;
-                     otherwise 1
+                     factor of U for bobs of charges one and other, as one * other; without it, 1
     energy_between(self, r, one, other), force_between(self, r, one, other)
-                     U and -dU/dr for bobs of charges one and other, where that is more than
-                     coupling times energy and force
-    range(self)      distance from which U is zero; otherwise there is none
-    smoothness(self) how many derivatives of U are continuous at every r > 0: -1 where U jumps;
-                     otherwise all of them are
+                     U and -dU/dr for bobs of charges one and other, where these are not coupling
+                     times energy and force
+    range(self)      distance from which U is zero; without it, infinity
+    smoothness(self) number of continuous derivatives of U at every r > 0, -1 where U jumps;
+                     without it, infinity
     smoothness_within(self)
-                     the same at every 0 < r < range; otherwise as smoothness
+                     the same at every 0 < r < range; without it, as smoothness
     minimum(self)    (r, U, d2U/dr2) at the minimum, to be checked against U
-    domain(self)     (least r, largest r) for which the potential is meant; otherwise any r > 0
-    demands(self)    for each parameter that is not any number (its name, whether it will do,
-                     what would), as ("sigma", self.sigma > 0.0, "must be positive")
+    domain(self)     (smallest r, largest r) at which the potential is valid; without it, r > 0
+    constraints(self)
+                     for each constrained parameter (its name, whether the constraint is met, the
+                     message if not), as ("sigma", self.sigma > 0.0, "must be positive [length]")
 """
 
 from __future__ import annotations
@@ -46,9 +46,10 @@ from tribo.potentials.spline import Table, from_points
 from tribo.potentials.sum import Scaled, Sum
 from tribo.potentials.weeks_chandler_andersen import WeeksChandlerAndersen
 from tribo.potentials.yukawa import Yukawa
-from tribo.validation import InputError, choice, number, shown
+from tribo.validation import InputError, choice, number, short_repr
 
-SWITCH_FROM = 0.9  # of the cutoff, where it is not said
+# Distance from which a switched potential is reduced, if it is not given [cutoff].
+SWITCH_FROM = 0.9
 
 
 def _complex_step(self: Any, r: Any) -> Any:
@@ -92,7 +93,7 @@ def _anywhere(self: Any) -> Any:
     return 0.0, math.inf
 
 
-def _no_demands(self: Any) -> Any:
+def _no_constraints(self: Any) -> Any:
     return ()
 
 
@@ -106,12 +107,12 @@ DEFAULTS = {
     "smoothness": _smooth,
     "smoothness_within": _smoothness,
     "domain": _anywhere,
-    "demands": _no_demands,
+    "constraints": _no_constraints,
 }
 
 
 def complete(cls: Any) -> Any:
-    """The class with all that kernels ask of a potential; a complaint if it is none."""
+    """The class with every method that kernels call.  Raises InputError if it is no potential."""
     plugins.check_class(cls, "potential", "energy(self, r)")
     if not hasattr(cls, "force"):
         cls.force = force_from(cls.energy) or _complex_step
@@ -137,7 +138,7 @@ for _cls in (Sum, Scaled, Table, *AT_CUTOFF.values()):
 
 
 def as_potential(value: Any) -> Any:
-    """An instance whose class is complete, and whose fields are numbers that make sense."""
+    """A potential with a complete class and finite, valid parameters.  Raises InputError."""
     complete(type(value))
     if isinstance(value, Table):
         return from_points(value.r, value.values, value.error)
@@ -152,15 +153,17 @@ def as_potential(value: Any) -> Any:
 
 
 def _check(potential: Any) -> None:
-    """Complain about parameters that make no sense, and about what a class says of itself."""
-    demands = plugins.called(potential, "potential", "demands")
+    """Raise InputError for parameters, or results of the class's own methods, that are invalid."""
+    constraints = plugins.called(potential, "potential", "constraints")
     try:
-        wrong = [(name, problem) for name, will_do, problem in demands if not will_do]
+        broken = [(name, problem) for name, met, problem in constraints if not met]
     except (TypeError, ValueError):
-        reason = "must give (name, whether it will do, what would) for each"
-        raise InputError("potential", plugins.at_line(potential, "demands", None, reason)) from None
-    for name, problem in wrong:
-        raise InputError(name, f"{problem}, got {shown(getattr(potential, name))}")
+        reason = "must return (parameter, whether its constraint is met, message) for each"
+        raise InputError(
+            "potential", plugins.at_line(potential, "constraints", None, reason)
+        ) from None
+    for name, problem in broken:
+        raise InputError(name, f"{problem}, got {short_repr(getattr(potential, name))}")
     for method in ("range", "feature", "smoothness", "smoothness_within"):
         plugins.numbers(potential, "potential", method)
 
@@ -168,13 +171,31 @@ def _check(potential: Any) -> None:
 def with_cutoff(
     potential: Any, cutoff: float, at_cutoff: str = "switch", switch_from: float | None = None
 ) -> Any:
-    """A potential that ends at `cutoff` [length].
+    """A potential that is zero from a cutoff on.
 
-    `at_cutoff` is one of "switch", "force-shift", "shift" and "truncate"; a switch begins at
-    `switch_from` [length], or at 0.9 cutoff.  Raises InputError.
+    Parameters
+    ----------
+    potential : NamedTuple
+        A potential without a cutoff.
+    cutoff : float
+        Distance from which U and the force are zero [length].
+    at_cutoff : str
+        "switch" (U and two derivatives continuous), "force-shift" (U and the force continuous),
+        "shift" (U continuous) or "truncate".
+    switch_from : float, optional
+        Distance from which a switched potential is reduced [length]; 0.9 cutoff if None.
+
+    Returns
+    -------
+    Switched, ForceShifted, Shifted or Truncated
+
+    Raises
+    ------
+    InputError
+        If a parameter is invalid, or the potential has a cutoff.
     """
     kind = AT_CUTOFF[choice("at_cutoff", at_cutoff, AT_CUTOFF)]
-    cutoff = number("cutoff", cutoff)
+    cutoff = number("cutoff", cutoff, unit="length")
     if kind is not Switched:
         if switch_from is not None:
             raise InputError("switch_from", f'cannot go with at_cutoff = "{at_cutoff}"')
@@ -183,15 +204,47 @@ def with_cutoff(
     return as_potential(Switched(potential, cutoff, begin))
 
 
-def total(*parts: Any) -> Any:
-    """The sum of two or more potentials.  Raises InputError."""
+def sum_of(*parts: Any) -> Any:
+    """The sum of two or more potentials.
+
+    Parameters
+    ----------
+    *parts : NamedTuple
+        Potentials; only charged ones are multiplied by the charges.
+
+    Returns
+    -------
+    Sum
+
+    Raises
+    ------
+    InputError
+        If there are fewer than two parts, or one is no potential.
+    """
     if len(parts) < 2:
-        raise InputError("of", f"must be two potentials or more, got {len(parts)}")
+        raise InputError("of", f"must be two or more potentials, got {len(parts)}")
     first, *rest = parts
-    second = rest[0] if len(rest) == 1 else total(*rest)
+    second = rest[0] if len(rest) == 1 else sum_of(*rest)
     return as_potential(Sum(as_potential(first), as_potential(second)))
 
 
 def scaled(potential: Any, factor: float) -> Any:
-    """A potential times a number, which may be negative.  Raises InputError."""
+    """A potential times a number.
+
+    Parameters
+    ----------
+    potential : NamedTuple
+        A potential.
+    factor : float
+        A number of either sign.
+
+    Returns
+    -------
+    Scaled
+
+    Raises
+    ------
+    InputError
+        If the factor is no finite number, or `potential` is no potential.
+    """
     return as_potential(Scaled(as_potential(potential), factor))

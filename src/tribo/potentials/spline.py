@@ -1,4 +1,4 @@
-"""A table of points as a potential: the cubic spline through them, with two continuous derivatives.
+"""Tables as potentials: the cubic spline through points, with two continuous derivatives.
 
 Between r_k and r_k+1 = r_k + h, with t = (r - r_k)/h and s = 1 - t,
 
@@ -16,26 +16,50 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tribo.validation import NOT_NEGATIVE, POSITIVE, InputError, as_path, number, vector
+from tribo.validation import NOT_NEGATIVE, POSITIVE, InputError, as_path, must_be, number, vector
 
-FEWEST = 4  # points, through which there is one cubic
-MANY = 20_000  # points, by which a function should be followed to any accuracy
-FIRST = 17  # points that a function is first looked at
-PLACES = (0.25, 0.5, 0.75)  # of every interval, where a function and its table are compared
-SAFETY = 2.0  # the error of a table is this times the largest found at those places
-NARROW = 1e-9  # of the largest distance: intervals so narrow hide a jump or a kink
-ROUND_OFF = 1e-12  # relative to the largest of its kind: what counts as zero at the end
-WEAK = 1e-3  # of the largest force: changes of the force that no step need look for
+# Smallest number of points: a "not a knot" spline through four points is one cubic.
+FEWEST = 4
+# Largest number of points of `tabulated`, enough for any smooth function at round-off.
+MOST = 20_000
+# Number of points with which `tabulated` begins.
+FIRST = 17
+# Fractions of every interval at which a function and its table are compared.
+COMPARED_AT = (0.25, 0.5, 0.75)
+# Stated error of a table, as a multiple of the largest difference found there.
+SAFETY = 2.0
+# Shortest interval, as a fraction of the largest distance; a shorter one hides a jump or a kink.
+NARROWEST = 1e-9
+# Values at the last point are zero below this fraction of the largest value of their kind.
+ROUND_OFF = 1e-12
+# Changes of the force below this fraction of the largest force do not limit steps.
+WEAK = 1e-3
 
 
 class Table(NamedTuple):
-    """A spline, zero from its last point on and not a number below its first."""
+    """A cubic spline, zero from its last point on and nan below its first.
 
-    r: Any  # (n,) places of the points, increasing [length]
-    values: Any  # (n,) U [energy]
-    slopes: Any  # (n,) dU/dr [energy / length]
-    error: float  # of U between the points [energy]
-    length: float  # over which the force changes [length]
+    Made by :func:`from_points`, :func:`from_csv`, :func:`tabulated` or :func:`from_dimer`.
+
+    Attributes
+    ----------
+    r : (n,) array
+        Increasing distances of the points [length].
+    values : (n,) array
+        U at the points [energy].
+    slopes : (n,) array
+        dU/dr at the points [energy / length].
+    error : float
+        Largest error of U between the points [energy].
+    length : float
+        Length over which the force changes [length].
+    """
+
+    r: Any
+    values: Any
+    slopes: Any
+    error: float
+    length: float
 
     def energy(self, r):
         """U(r)."""
@@ -55,18 +79,18 @@ class Table(NamedTuple):
         return self.defined(r) - (r < self.r[-1]) * (rise + bend)
 
     def interval(self, r):
-        """Which interval r is in, its length, and how far into it, from 0 to 1."""
+        """Index of the interval of r, its length, and the position of r in it from 0 to 1."""
         k = np.searchsorted(self.r, r, side="right") - 1
         k = np.minimum(np.maximum(k, 0), self.r.size - 2)
         h = self.r[k + 1] - self.r[k]
         return k, h, np.minimum(np.maximum((r - self.r[k]) / h, 0.0), 1.0)
 
     def defined(self, r):
-        """0 from the first point on, not a number below it."""
+        """0 from the first point on, nan below it."""
         return np.sqrt(np.minimum(r - self.r[0], 0.0))
 
     def feature(self):
-        """Length over which the force changes, and distance out to which it is felt."""
+        """Length over which the force changes, and the distance beyond which it is weak."""
         return self.length, self.r[-1]
 
     def range(self):
@@ -74,13 +98,13 @@ class Table(NamedTuple):
         return self.r[-1]
 
     def smoothness(self):
-        """As the last point has it: the first of U, U' and U'' that is not zero there jumps."""
+        """The first of U, U' and U'' that is not zero at the last point jumps there."""
         ends = (self.values, self.slopes, curvatures(self.r, self.values, self.slopes))
         jumps = (abs(each[-1]) > ROUND_OFF * np.max(np.abs(each)) for each in ends)
         return next((order - 1 for order, jump in enumerate(jumps) if jump), 2)
 
     def smoothness_within(self):
-        """How many derivatives of a spline are continuous."""
+        """Number of continuous derivatives of a cubic spline."""
         return 2
 
     def domain(self):
@@ -92,38 +116,70 @@ class Table(NamedTuple):
         return isinstance(other, Table) and all(map(np.array_equal, self, other))
 
     def __ne__(self, other):
-        """Whether it is not."""
+        """Whether the other differs."""
         return not self == other
 
     def __hash__(self):
-        """Of the numbers."""
+        """A hash of the points and the error."""
         return hash((self.r.tobytes(), self.values.tobytes(), self.error))
 
 
 def from_points(r: Any, energy: Any, error: float | None = None) -> Table:
-    """The table of the energies (n,) at n distances `r`, of which there are four or more.
+    """A table through points.
 
-    `error` is by how much U may be off between the points [energy].  By default the table is
-    compared with one through every other point, of which it is at least as good where the points
-    are close enough to be a table at all.  Raises InputError.
+    Parameters
+    ----------
+    r : (n,) array
+        Increasing distances, at least four [length].
+    energy : (n,) array
+        U at these distances [energy].
+    error : float, optional
+        Largest error of U between the points [energy].  By default the table is compared with a
+        spline through every other point, whose error is larger where the points resolve U.
+
+    Returns
+    -------
+    Table
+
+    Raises
+    ------
+    InputError
+        If there are too few points, or they do not increase.
     """
-    r = vector("r", r, NOT_NEGATIVE)
-    values = vector("energy", energy)
+    r = vector("r", r, NOT_NEGATIVE, unit="length")
+    values = vector("energy", energy, unit="energy")
     if r.size < FEWEST:
-        raise InputError("r", f"must be {FEWEST} numbers or more, got {r.size}")
+        raise must_be("r", f"at least {FEWEST} numbers", r.size)
     if values.size != r.size:
         raise InputError("energy", f"has {values.size} values for {r.size} distances")
     for k in np.flatnonzero(np.diff(r) <= 0.0).tolist():
         raise InputError(f"r[{k + 1}]", f"must be above r[{k}] = {r[k]:g}, got {r[k + 1]:g}")
-    error = _left_out(r, values) if error is None else number("error", error, NOT_NEGATIVE)
+    if error is None:
+        error = _error_of_half(r, values)
+    error = number("error", error, NOT_NEGATIVE, "energy")
     slopes = _slopes(r, values)
     return Table(r, values, slopes, error, _length(r, slopes, curvatures(r, values, slopes)))
 
 
 def from_csv(path: Any, error: float | None = None) -> Table:
-    """The table in a file of two columns, distance and energy, apart by a comma or by spaces.
+    """A table from a text file with two columns.
 
-    Lines that are empty or begin with # are passed over.  Raises InputError.
+    Parameters
+    ----------
+    path : str or path-like
+        A file with a distance [length] and an energy [energy] in each line, separated by a comma
+        or by spaces.  Empty lines and lines that begin with # are skipped.
+    error : float, optional
+        As for :func:`from_points`.
+
+    Returns
+    -------
+    Table
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or a line has no two numbers.
     """
     path = as_path(path)
     try:
@@ -138,40 +194,58 @@ def from_csv(path: Any, error: float | None = None) -> Table:
             r, energy = map(float, line.replace(",", " ").split())
         except ValueError:
             raise InputError(
-                "file", f'{path} must have two numbers a line, got "{line}" in line {count}'
+                "file", f'{path} must have two numbers in each line, got "{line}" in line {count}'
             ) from None
         points.append((r, energy))
     return from_points([r for r, _ in points], [energy for _, energy in points], error)
 
 
-def tabulated(function: Callable[[Any], Any], low: float, high: float, accuracy: float) -> Table:
-    """A table of `function` from `low` to `high` [length], whose error is at most `accuracy`.
+def tabulated(function: Callable[[Any], Any], low: float, high: float, tolerance: float) -> Table:
+    """A table of a function, with as many points as a tolerance needs.
 
-    The function is U(r) [energy], called with arrays.  Points are added wherever it and the table
-    are compared between two points and are too far apart; the error that the table states is
-    twice the largest difference left.  Raises InputError if `accuracy` [energy] is out of reach.
+    Points are added where the function and the table differ too much between two points.
+
+    Parameters
+    ----------
+    function : callable
+        U(r) [energy] for an array of distances.
+    low, high : float
+        Smallest and largest distance of the table [length].
+    tolerance : float
+        Largest error of the table [energy]; its stated error is twice the largest difference that
+        remains.
+
+    Returns
+    -------
+    Table
+
+    Raises
+    ------
+    InputError
+        If the tolerance is out of reach, or the function is not finite.
     """
-    low, high = number("low", low, NOT_NEGATIVE), number("high", high, POSITIVE)
+    low = number("low", low, NOT_NEGATIVE, "length")
+    high = number("high", high, POSITIVE, "length")
     if high <= low:
-        raise InputError("high", f"must be above low = {low:g}, got {high:g}")
-    accuracy = number("accuracy", accuracy, POSITIVE)
+        raise must_be("high", f"above low = {low:g} [length]", high)
+    tolerance = number("tolerance", tolerance, POSITIVE, "energy")
     r = np.linspace(low, high, FIRST)
-    while r.size <= MANY and np.min(np.diff(r)) > NARROW * high:
+    while r.size <= MOST and np.min(np.diff(r)) > NARROWEST * high:
         table = from_points(r, function(r), 0.0)
-        between = [r[:-1] + place * np.diff(r) for place in PLACES]
-        off = np.max([np.abs(table.energy(x) - function(x)) for x in between], axis=0)
-        if not np.all(np.isfinite(off)):
-            place = r[np.argmin(np.isfinite(off))]
-            raise InputError("function", f"must give finite numbers, not so above r = {place:g}")
-        coarse = SAFETY * off > accuracy
+        between = [r[:-1] + fraction * np.diff(r) for fraction in COMPARED_AT]
+        differences = np.max([np.abs(table.energy(x) - function(x)) for x in between], axis=0)
+        if not np.all(np.isfinite(differences)):
+            place = r[np.argmin(np.isfinite(differences))]
+            raise InputError("function", f"must be finite, and is not just above r = {place:g}")
+        coarse = SAFETY * differences > tolerance
         if not np.any(coarse):
-            return table._replace(error=SAFETY * float(np.max(off)))
+            return table._replace(error=SAFETY * float(np.max(differences)))
         r = np.union1d(r, between[1][coarse])
-    worst = int(np.argmax(off))
+    worst = int(np.argmax(differences))
     raise InputError(
-        "accuracy",
-        f"must be more than {accuracy:g}, or the function smoother: {r.size} points still miss it "
-        f"by {off[worst]:.1e} near r = {r[worst]:g}",
+        "tolerance",
+        f"must be more than {tolerance:g} [energy], or the function smoother: a table of {r.size} "
+        f"points is off by {differences[worst]:.1e} near r = {r[worst]:g}",
     )
 
 
@@ -193,8 +267,8 @@ def _slopes(r: np.ndarray, values: np.ndarray) -> np.ndarray:
     return slopes
 
 
-def _left_out(r: np.ndarray, values: np.ndarray) -> float:
-    """By how much the spline through every other point, and the last, misses the rest."""
+def _error_of_half(r: np.ndarray, values: np.ndarray) -> float:
+    """Largest error of the spline through every other point, and the last, at the others."""
     from scipy.interpolate import CubicSpline
 
     kept = np.union1d(np.arange(0, r.size, 2), [r.size - 1])
@@ -203,12 +277,12 @@ def _left_out(r: np.ndarray, values: np.ndarray) -> float:
 
 
 def _length(r: np.ndarray, slopes: np.ndarray, curves: np.ndarray) -> float:
-    """Length over which the force changes: its change, between two turns, over its steepest."""
-    turns = np.flatnonzero(curves[1:] * curves[:-1] < 0.0) + 1
-    marks = [0, *turns.tolist(), r.size - 1]
+    """Length over which the force changes: its change between extrema over its steepest slope."""
+    extrema = np.flatnonzero(curves[1:] * curves[:-1] < 0.0) + 1
+    ends = [0, *extrema.tolist(), r.size - 1]
     weak = WEAK * np.max(np.abs(slopes))
     lengths = [r[-1] - r[0]]
-    for one, other in pairwise(marks):
+    for one, other in pairwise(ends):
         change = abs(slopes[other] - slopes[one])
         if change > weak:
             lengths.append(change / np.max(np.abs(curves[one : other + 1])))

@@ -1,23 +1,30 @@
-"""Potentials made of others:  U = U_first + U_second,  and  U = factor U_potential.
+"""Combined potentials:  U = U_first + U_second,  and  U = factor U_potential.
 
-Each part knows what it makes of two charges, so a sum of a charged and an uncharged one
-multiplies the charged one alone by q_i q_j.  A sum of more than two is a sum in a sum.
+Each part multiplies its own energy by the charges, so in a sum of a charged and an uncharged
+potential only the charged one is multiplied by q_i q_j.  A sum of three potentials is the sum of
+the first and of a sum.
 """
 
 from typing import Any, NamedTuple
 
-from tribo.potentials.mixins import OfAnother, OfCharges, inherits, must_be_potential
+from tribo.potentials.mixins import BetweenCharges, Wrapper, inherits, must_be_potential
 
 
-@inherits(OfCharges)
+@inherits(BetweenCharges)
 class Sum(NamedTuple):
-    """The sum of two potentials."""
+    """The sum of two potentials: U = U_first + U_second.
+
+    Attributes
+    ----------
+    first, second : NamedTuple
+        Potentials; each is zero from its own range on.
+    """
 
     first: Any
     second: Any
 
     def energy_between(self, r, one, other):
-        """U(r) between two charges; each part is zero from its range on."""
+        """U(r) between two charges."""
         first = (r < self.first.range()) * self.first.energy_between(r, one, other)
         second = (r < self.second.range()) * self.second.energy_between(r, one, other)
         return first + second
@@ -35,37 +42,45 @@ class Sum(NamedTuple):
         return min(length, other_length), max(reach, other_reach)
 
     def clearance(self, r):
-        """How far a pair may move before either force is another."""
+        """Distance that a pair at r may move before either force changes considerably."""
         return min(self.first.clearance(r), self.second.clearance(r))
 
     def range(self):
-        """Distance from which both are zero."""
+        """Distance from which both parts are zero."""
         return max(self.first.range(), self.second.range())
 
     def smoothness(self):
-        """That of the rougher one."""
+        """That of the less smooth part."""
         return min(self.first.smoothness(), self.second.smoothness())
 
     def smoothness_within(self):
-        """That of the rougher one, but for where the sum ends."""
+        """That of the less smooth part, without the point where the sum ends."""
         end = self.range()
         return min(
             part.smoothness_within() if part.range() == end else part.smoothness() for part in self
         )
 
     def domain(self):
-        """Where both are meant."""
+        """The distances that are in both domains."""
         (low, high), (other_low, other_high) = self.first.domain(), self.second.domain()
         return max(low, other_low), min(high, other_high)
 
-    def demands(self):
-        """Each parameter's name, whether it will do, and what would."""
+    def constraints(self):
+        """Each constraint: the parameter, whether it is met, and the message if not."""
         return tuple(map(must_be_potential, self._fields, self))
 
 
-@inherits(OfAnother)
+@inherits(Wrapper)
 class Scaled(NamedTuple):
-    """A potential times a number."""
+    """A potential times a number: U = factor U_potential.
+
+    Attributes
+    ----------
+    potential : NamedTuple
+        The potential.
+    factor : float
+        A number of either sign.
+    """
 
     potential: Any
     factor: float

@@ -1,4 +1,4 @@
-"""Potentials as scene files and command lines write them: a name, or an expression, and numbers."""
+"""Potentials as tables of scene files: a name or an expression, and numbers."""
 
 from __future__ import annotations
 
@@ -15,21 +15,37 @@ from tribo.potentials.registry import (
     as_potential,
     complete,
     scaled,
-    total,
+    sum_of,
     with_cutoff,
 )
 from tribo.potentials.spline import Table, from_csv, from_points
 from tribo.potentials.sum import Scaled, Sum
-from tribo.validation import InputError, inside, is_list, known_keys, shown
+from tribo.validation import InputError, inside, is_list, known_keys, must_be
 
-ENDING = ("cutoff", "at_cutoff", "switch_from")
+# Keys of a cutoff.
+CUTOFF_KEYS = ("cutoff", "at_cutoff", "switch_from")
 
 
 def named(name: str, /, **parameters: Any) -> Any:
-    """The potential of a name, with its parameters.
+    """A potential by its name.
 
-    The name is that of a built-in, ``file.py:Class`` or ``package.module:Class`` for one of your
-    own, or an expression.  Raises InputError.
+    Parameters
+    ----------
+    name : str
+        The name of a built-in potential as in scene files, ``file.py:Class`` or
+        ``package.module:Class`` of a user's own, or an expression in r.
+    **parameters : float
+        Its parameters; also `cutoff`, `at_cutoff` and `switch_from`.
+
+    Returns
+    -------
+    NamedTuple
+        The potential.
+
+    Raises
+    ------
+    InputError
+        If there is no such potential, or a parameter is missing or invalid.
     """
     return from_table({"potential": name} | parameters, Path())
 
@@ -37,29 +53,29 @@ def named(name: str, /, **parameters: Any) -> Any:
 def from_table(table: Any, folder: Path) -> Any:
     """The potential that a table of a scene file describes, with its parameters and cutoff."""
     if not isinstance(table, dict):
-        raise InputError("", f"must be a table, got {shown(table)}")
+        raise must_be("", "a table", table)
     parameters = dict(table)
     if "potential" not in parameters:
         raise InputError("potential", "is missing")
     name = parameters.pop("potential")
     if name == "ase":
         return from_ase.from_table(parameters)
-    ending = {key: parameters.pop(key) for key in ENDING if key in parameters}
+    cutoff = {key: parameters.pop(key) for key in CUTOFF_KEYS if key in parameters}
     if isinstance(name, str) and name in MADE:
         potential = MADE[name](parameters, folder)
     else:
         potential = as_potential(plugins.instance(class_named(name, folder), parameters))
-    if not ending:
+    if not cutoff:
         return potential
-    if "cutoff" not in ending:
-        raise InputError(next(iter(ending)), "needs a cutoff")
-    return with_cutoff(potential, **ending)
+    if "cutoff" not in cutoff:
+        raise InputError(next(iter(cutoff)), "needs a cutoff")
+    return with_cutoff(potential, **cutoff)
 
 
 def class_named(name: Any, folder: Path) -> Any:
-    """The class of a built-in's name, of one in a file or a module, or of an expression."""
+    """The class of a built-in potential, of one in a file or a module, or of an expression."""
     if not isinstance(name, str):
-        raise InputError("potential", f"must be a name, got {name!r}")
+        raise must_be("potential", "a name", name)
     if plugins.is_named(name):
         return complete(plugins.class_named("potential", name, folder))
     if name in BUILT_IN:
@@ -67,11 +83,8 @@ def class_named(name: Any, folder: Path) -> Any:
     if is_expression(name):
         return complete(class_of(name))
     known = ", ".join(f'"{known}"' for known in (*BUILT_IN, *MADE, "ase"))
-    raise InputError(
-        "potential",
-        f'must be {known}, "yourfile.py:YourClass", "package.module:YourClass" or an expression '
-        f"in r, got {shown(name)}",
-    )
+    own = '"yourfile.py:YourClass", "package.module:YourClass"'
+    raise must_be("potential", f"{known}, {own} or an expression in r", name)
 
 
 def as_table(potential: Any) -> dict[str, Any]:
@@ -80,8 +93,8 @@ def as_table(potential: Any) -> dict[str, Any]:
         return {"potential": "ase"} | from_ase.as_table(potential)
     for word, kind in AT_CUTOFF.items():
         if type(potential) is kind:
-            ending: dict[str, Any] = potential._asdict() | {"at_cutoff": word}
-            return as_table(ending.pop("potential")) | ending
+            settings: dict[str, Any] = potential._asdict() | {"at_cutoff": word}
+            return as_table(settings.pop("potential")) | settings
     if isinstance(potential, Sum):
         return {"potential": "sum", "of": [as_table(part) for part in _parts(potential)]}
     if isinstance(potential, Scaled):
@@ -96,7 +109,7 @@ def as_table(potential: Any) -> dict[str, Any]:
 
 
 def _parts(potential: Any) -> list[Any]:
-    """What a sum is of."""
+    """The parts of a potential that is a sum, possibly of sums."""
     if not isinstance(potential, Sum):
         return [potential]
     return [potential.first, *_parts(potential.second)]
@@ -105,12 +118,12 @@ def _parts(potential: Any) -> list[Any]:
 def _sum(parameters: dict[str, Any], folder: Path) -> Any:
     items = known_keys(parameters, ["of"], ["of"])["of"]
     if not is_list(items):
-        raise InputError("of", f"must be a list of potentials, got {shown(items)}")
+        raise must_be("of", "a list of potentials", items)
     parts = []
     for i, item in enumerate(items):
         with inside(f"of[{i}]"):
             parts.append(from_table(item, folder))
-    return total(*parts)
+    return sum_of(*parts)
 
 
 def _scaled(parameters: dict[str, Any], folder: Path) -> Any:
@@ -124,14 +137,20 @@ def _table(parameters: dict[str, Any], folder: Path) -> Any:
     if "file" in parameters:
         parameters = known_keys(parameters, ["file", "error"])
         if not isinstance(parameters["file"], str):
-            raise InputError("file", f"must be a name, got {shown(parameters['file'])}")
+            raise must_be("file", "the name of a file", parameters["file"])
         return from_csv(folder / parameters.pop("file"), **parameters)
     return from_points(**known_keys(parameters, ["r", "energy", "error"], ["r", "energy"]))
 
 
 def _dimer(parameters: dict[str, Any], folder: Path) -> Any:
     required = ["calculator", "symbols", "low", "high", "accuracy"]
-    return from_dimer(**known_keys(parameters, [*required, "arguments", "many_body"], required))
+    parameters = known_keys(parameters, [*required, "arguments", "many_body"], required)
+    try:
+        return from_dimer(tolerance=parameters.pop("accuracy"), **parameters)
+    except InputError as error:  # the key of scene files has another name
+        field = "accuracy" if error.field == "tolerance" else error.field
+        raise InputError(field, error.problem) from None
 
 
+# Potentials whose tables do not list the fields of a class.
 MADE = {"sum": _sum, "scaled": _scaled, "table": _table, "ase-dimer": _dimer}

@@ -1,11 +1,11 @@
-"""Any potential as an ASE calculator, for ASE's own tools: optimisers, dynamics, bulk structures.
+"""Any potential as an ASE calculator, for ASE's tools: optimisers, dynamics, bulk structures.
 
     E = 1/2 sum_ij q_ij U(r_ij),   F_i = sum_j q_ij F(r_ij) (r_i - r_j)/r_ij,
     stress = 1/(2 V) sum_ij -q_ij F(r_ij) (r_ij x r_ij)/r_ij
 
-over all pairs within the potential's range, images among them.  A potential's numbers are taken to
-be in eV and Angstrom; potentials that tell charges apart take the atoms' initial charges, in the
-unit that makes `strength` an energy times a length.
+over all pairs within the potential's range, periodic images included.  The potential's numbers are
+in eV and Angstrom.  Charged potentials use the atoms' initial charges, in the unit in which
+`strength` is an energy times a length.
 
 A. H. Larsen et al., J. Phys.: Condens. Matter 29 (2017) 273002.
 """
@@ -22,11 +22,11 @@ from ase.neighborlist import neighbor_list
 from ase.stress import full_3x3_to_voigt_6_stress
 
 from tribo.potentials.registry import as_potential
-from tribo.validation import InputError, shown
+from tribo.validation import InputError, must_be
 
 
 class PairCalculator(Calculator):
-    """A potential for all atoms, or one for each pair of elements, as ``{("Cu", "O"): ...}``."""
+    """A calculator of ASE for a potential between all atoms, or one for each pair of elements."""
 
     implemented_properties = ["energy", "energies", "free_energy", "forces", "stress"]  # noqa: RUF012
 
@@ -37,7 +37,7 @@ class PairCalculator(Calculator):
     def calculate(
         self, atoms: Any = None, properties: Any = ("energy",), system_changes: Any = all_changes
     ) -> None:
-        """Energy [eV], per atom too, forces [eV / Angstrom], and stress where there is a volume."""
+        """Energy, energies of atoms [eV], forces [eV / Angstrom]; stresses if there is a cell."""
         super().calculate(atoms, properties, system_changes)
         atoms = self.atoms
         n = len(atoms)
@@ -69,28 +69,26 @@ class PairCalculator(Calculator):
             i, j, d, r = neighbor_list("ijDd", atoms, reach)
             return i, j, d, r
         if np.any(atoms.pbc):
-            raise InputError(
-                "potential", "has no cutoff, which periodic atoms need; see tribo.with_cutoff"
-            )
+            raise InputError("potential", "needs a cutoff for periodic atoms; see with_cutoff")
         i, j = np.nonzero(~np.eye(len(atoms), dtype=bool))
         d = atoms.positions[j] - atoms.positions[i]
         return i, j, d, np.linalg.norm(d, axis=1)
 
 
 def _by_elements(potential: Any) -> dict[tuple[str, str] | None, Any]:
-    """Potentials by the two elements that each is for; None for all."""
+    """Potentials by the two elements between which they act; None for all elements."""
     if not isinstance(potential, Mapping):
         return {None: as_potential(potential)}
     table: dict[tuple[str, str] | None, Any] = {}
     for key, item in potential.items():
         if not isinstance(key, tuple) or len(key) != 2:
-            raise InputError("potential", f"must be by two elements, got {shown(key)}")
+            raise must_be("potential", 'a mapping with keys of two elements, as ("Cu", "O")', key)
         table[key] = as_potential(item)
     return table
 
 
 def _between(one: np.ndarray, other: np.ndarray, elements: tuple[str, str] | None) -> np.ndarray:
-    """Which of the pairs are of those elements, in either order."""
+    """Whether each pair is of those elements, in either order."""
     if elements is None:
         return np.ones(one.size, dtype=bool)
     first, second = elements

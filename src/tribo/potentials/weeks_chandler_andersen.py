@@ -7,14 +7,29 @@ J. D. Weeks, D. Chandler, H. C. Andersen, J. Chem. Phys. 54 (1971) 5237.
 
 from typing import NamedTuple
 
-END = 2.0 ** (1.0 / 6.0)  # where Lennard-Jones has its minimum [sigma]
+# Distance of the minimum of Lennard-Jones, where this potential ends [sigma].
+END = 2.0 ** (1.0 / 6.0)
 
 
 class WeeksChandlerAndersen(NamedTuple):
-    """The repulsive part of Lennard-Jones: a core that ends where U and force are zero."""
+    """U = 4 epsilon ((sigma/r)^12 - (sigma/r)^6) + epsilon below 2^(1/6) sigma, else 0.
 
-    epsilon: float  # U at sigma [energy]
-    sigma: float  # [length]
+    The repulsive part of Lennard-Jones, which ends where U and the force are zero.
+
+    Attributes
+    ----------
+    epsilon : float
+        Energy at sigma [energy], not negative.
+    sigma : float
+        Length of Lennard-Jones [length], positive.
+
+    References
+    ----------
+    J. D. Weeks, D. Chandler, H. C. Andersen, J. Chem. Phys. 54 (1971) 5237.
+    """
+
+    epsilon: float
+    sigma: float
 
     def energy(self, r):
         """U(r)."""
@@ -27,7 +42,7 @@ class WeeksChandlerAndersen(NamedTuple):
         return (r < self.range()) * (24.0 * self.epsilon / r * s6 * (2.0 * s6 - 1.0))
 
     def feature(self):
-        """Length over which the force changes, and distance out to which it is felt."""
+        """Length over which the force changes, and the distance beyond which it is weak."""
         return self.sigma / 6.0, END * self.sigma
 
     def range(self):
@@ -39,12 +54,12 @@ class WeeksChandlerAndersen(NamedTuple):
         return 1
 
     def smoothness_within(self):
-        """Nearer than its end it is as smooth as Lennard-Jones."""
+        """Below its end it is as smooth as Lennard-Jones."""
         return float("inf")
 
-    def demands(self):
-        """Each parameter's name, whether it will do, and what would."""
+    def constraints(self):
+        """Each constraint: the parameter, whether it is met, and the message if not."""
         return (
-            ("epsilon", self.epsilon >= 0.0, "must not be negative"),
-            ("sigma", self.sigma > 0.0, "must be positive"),
+            ("epsilon", self.epsilon >= 0.0, "must not be negative [energy]"),
+            ("sigma", self.sigma > 0.0, "must be positive [length]"),
         )

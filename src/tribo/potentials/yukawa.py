@@ -10,10 +10,22 @@ import numpy as np
 
 
 class Yukawa(NamedTuple):
-    """The electric potential between two charges that others screen; without, it is Coulomb's."""
+    """U = strength q_i q_j exp(-screening r) / r: the potential between two screened charges.
 
-    strength: float  # [energy x length], with charges of 1
-    screening: float  # [1 / length]
+    Attributes
+    ----------
+    strength : float
+        Strength of the unscreened potential, of either sign [energy length / charge^2].
+    screening : float
+        Inverse screening length [1 / length], not negative; 0 gives Coulomb's potential.
+
+    References
+    ----------
+    H. Yukawa, Proc. Phys.-Math. Soc. Jpn. 17 (1935) 48.
+    """
+
+    strength: float
+    screening: float
 
     def energy(self, r):
         """U(r) between charges of 1."""
@@ -27,6 +39,6 @@ class Yukawa(NamedTuple):
         """q_i q_j, by which U and force are multiplied."""
         return one * other
 
-    def demands(self):
-        """Each parameter's name, whether it will do, and what would."""
-        return (("screening", self.screening >= 0.0, "must not be negative"),)
+    def constraints(self):
+        """Each constraint: the parameter, whether it is met, and the message if not."""
+        return (("screening", self.screening >= 0.0, "must not be negative [1 / length]"),)

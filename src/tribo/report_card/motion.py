@@ -14,7 +14,8 @@ import numpy as np
 
 from tribo.integrators.methods import METHODS
 from tribo.model.asperite import Asperite
-from tribo.model.scene import Interaction, Scene
+from tribo.model.interaction import Interaction
+from tribo.model.scene import Scene
 from tribo.model.settings import Output
 from tribo.model.surface import Initial, Surface
 from tribo.report_card.card import Check

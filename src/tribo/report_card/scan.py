@@ -15,7 +15,7 @@ import numpy as np
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.run.contact_probe import ContactProbe
-from tribo.validation import LARGEST, InputError
+from tribo.validation import LARGEST_NUMBER, InputError
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -210,7 +210,7 @@ class PotentialScan:
         if self.domain[0] > 0.0:
             return low
         r = np.geomspace(low, self.length, CELLS)
-        huge = np.any(np.abs(self.compiled(r)) > LARGEST, axis=0)
+        huge = np.any(np.abs(self.compiled(r)) > LARGEST_NUMBER, axis=0)
         return float(r[min(int(np.flatnonzero(huge)[-1]) + 1, CELLS - 1)]) if huge.any() else low
 
     def _edges(self) -> np.ndarray:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from tribo.kernels.records import Calculator, Contact, Model, Neighbours
-from tribo.model.scene import Interaction, Scene
+from tribo.model.interaction import Interaction
+from tribo.model.scene import Scene
 from tribo.potentials import Coulomb, as_potential
 from tribo.potentials.from_ase import Call, Live, ZeroForce, elements
 from tribo.potentials.registry import complete

@@ -250,7 +250,9 @@ def _give_accounts(asperites: np.ndarray, surfaces: np.ndarray, scene: Scene) ->
     driven = np.isin(kind["drive"], (RIGID, PULLED, CUSTOM)) | (kind["loaded"] == 1)
     held = (asperites["dof_phi"] < 0) & (asperites["kappa"] > 0.0)
     inside = [
-        bool(s.springs) or s.bath.masses.size + s.bath.inertias.size > 0 or scene.meets_itself(s)
+        bool(s.springs)
+        or s.bath.masses.size + s.bath.inertias.size > 0
+        or scene.has_contact_within(s)
         for s in own
     ]
     field = [any(s.name in item.on for item in scene.fields) for s in own]
@@ -340,7 +342,8 @@ def _start(
         phi = 0.0 if initial["phi"] is None else initial["phi"]
         nu = 0.0 if initial["nu"] is None else initial["nu"]
         asperites["phi"][part], asperites["nu"][part] = phi, nu
-        q[part] = phi if initial["theta"] is None else initial["theta"] - surface.rest
+        swing = surface.initial_swing
+        q[part] = phi if swing is None else swing
         v[part] = 0.0 if initial["omega"] is None else initial["omega"]
         turning = asperites["dof_phi"][part]
         if surface.bars != "clamped":

@@ -6,7 +6,7 @@ import numpy as np
 
 from tribo.integrators.methods import Method
 from tribo.model.scene import Scene
-from tribo.model.spectrum import believed_until
+from tribo.model.spectrum import valid_until
 from tribo.potentials.tables import as_table
 from tribo.run.layout import Layout
 from tribo.validation import shown
@@ -53,7 +53,7 @@ def _on_baths(scene: Scene) -> list[str]:
             continue
         each = surface.asperite.for_each(surface.count)
         frequency = float(np.max(np.sqrt(each["kappa"] / each["inertia"])))
-        until = believed_until(surface.bath.spectrum, float(np.min(each["mass"])), frequency)
+        until = valid_until(surface.bath.spectrum, float(np.min(each["mass"])), frequency)
         if until < scene.duration:
             notes.append(
                 f'the bath of "{surface.name}" stands for a continuum until t = {until:.4g}; the '

@@ -1,0 +1,89 @@
+"""Interactions between the bobs of surfaces, and the periods of a scene."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from tribo.potentials.from_ase import Live
+from tribo.potentials.registry import as_potential
+from tribo.validation import POSITIVE, InputError, inside, is_list, known_keys, must_be, number
+
+
+@dataclass(frozen=True)
+class Periodic:
+    """The periods of a scene; None along a direction in which it is not periodic.
+
+    Attributes
+    ----------
+    x, z : float, optional
+        Period along x and along z [length].  A cutoff must be at most half a period.
+    """
+
+    x: float | None = None
+    z: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("x", "z"):
+            if getattr(self, name) is not None:
+                object.__setattr__(
+                    self, name, number(name, getattr(self, name), POSITIVE, "length")
+                )
+
+    def __bool__(self) -> bool:
+        return self.x is not None or self.z is not None
+
+
+def as_periodic(value: Any) -> Periodic:
+    """Periods from their table in a scene file, or a Periodic unchanged."""
+    if isinstance(value, Periodic):
+        return value
+    with inside("periodic"):
+        return Periodic(**known_keys(value, ["x", "z"]))
+
+
+@dataclass(frozen=True)
+class Interaction:
+    """A potential between the bobs of two surfaces.
+
+    Attributes
+    ----------
+    potential : NamedTuple
+        A potential of :mod:`tribo.potentials`, or a user's own.
+    between : (str, str), optional
+        Names of the two surfaces; None for every two.  The same name twice stands for contact among
+        the bobs of one surface, which is internal to it.
+    species : (str, str), optional
+        The two species of bobs between which the potential acts; None for all.
+
+    Raises
+    ------
+    InputError
+        If the potential cannot be used, or a name is missing.
+    """
+
+    potential: Any
+    between: tuple[str, str] | None = None
+    species: tuple[str, str] | None = None
+
+    def __post_init__(self) -> None:
+        put = object.__setattr__
+        if isinstance(self.potential, Live):
+            self._check_live()
+        else:
+            put(self, "potential", as_potential(self.potential))
+        for key, kind in (("between", "surfaces"), ("species", "species")):
+            names = getattr(self, key)
+            if names is None:
+                continue
+            if not is_list(names) or len(names) != 2 or not all(isinstance(n, str) for n in names):
+                raise must_be(key, f"the names of two {kind}", names)
+            put(self, key, tuple(names))
+
+    def _check_live(self) -> None:
+        if self.species is not None:
+            raise InputError(
+                "species", "cannot go with a calculator, which takes the elements of the bobs"
+            )
+        if self.between is not None and self.between[0] == self.between[1]:
+            raise must_be("between", "two different surfaces for a calculator", self.between)
