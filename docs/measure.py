@@ -5,7 +5,7 @@
 What accuracy costs is measured by measure_accuracy.py.
 Each function measures one table and its name is that of the file in docs/measured.  Errors are
 the largest over all reported quantities and recorded times, relative to the scale of their kind.
-Where the documents say "independent", the other solution is that of tests/reference.py: SciPy's
+Where the documents say "independent", the other solution is that of tests/support/reference.py: SciPy's
 DOP853 on the equations written down a second time, which shares no code with the package.
 """
 
@@ -24,13 +24,14 @@ import numpy as np
 import tribo
 from tribo import paper
 from tribo.accuracy import scales as accuracy
+from tribo.accuracy.estimate import distance
 from tribo.model.scene_writer import scene_text
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "tests"))
 sys.dont_write_bytecode = True
 
-import reference  # noqa: E402
+from support import reference  # noqa: E402
 
 FEW = tribo.Output(samples=9)  # so that steps are not cut short by samples
 
@@ -39,7 +40,7 @@ def error(result: tribo.Result, truth: tribo.Result) -> float:
     """The largest difference of two results, each in units of its kind's scale."""
     layout = tribo.prepare(truth.scene, method="verlet", step=1.0).layout
     scales = accuracy.reported_scales(layout, truth.ledger)
-    return accuracy.distance(result.ledger, truth.ledger, scales)
+    return distance(result.ledger, truth.ledger, scales)
 
 
 def case(letter: str) -> tribo.Scene:
