@@ -12,8 +12,8 @@ from collections.abc import Iterable
 from dataclasses import fields
 from pathlib import Path
 
-import examples_in_pages
 import measure_accuracy
+import page_code
 import slip as slip_page
 
 import tribo
@@ -27,19 +27,13 @@ from tribo.potentials import LennardJones, with_cutoff
 from tribo.report_card import check
 
 HERE = Path(__file__).resolve().parent
-PAGES_WITH_CODE = (
-    HERE.parent / "README.md",
-    *(
-        HERE / f"{name}.md"
-        for name in ("tutorial", "accuracy", "ensembles", "potentials", "ase", "scene_file")
-    ),
-)
+PAGES_WITH_PICTURES = [HERE / f"{name}.md" for name in ("tutorial", "ensembles")]
 
 
 def everything(folder: Path) -> None:
     """Fill the folder, unless it was made from these very sources and pages."""
     stamp = folder / "stamp"
-    own = [*HERE.glob("*.py"), *HERE.glob("measured/*.json"), *PAGES_WITH_CODE]
+    own = [*HERE.glob("*.py"), *HERE.glob("measured/*.json"), *PAGES_WITH_PICTURES]
     now = package_stamp() + "".join(file.read_text(encoding="utf-8") for file in sorted(own))
     if stamp.exists() and stamp.read_text(encoding="utf-8") == now:
         return
@@ -48,8 +42,8 @@ def everything(folder: Path) -> None:
     folder.mkdir()
     documented_keys(HERE / "scene_file.md")
     documented_names(HERE / "api.md")
-    for page in PAGES_WITH_CODE:
-        examples_in_pages.run(page, folder)
+    for page in PAGES_WITH_PICTURES:
+        page_code.run(page, folder)
     report_cards(folder)
     paper_figures.draw(folder, paper.CASES)
     tables = paper.compare(paper.CASES)

@@ -5,8 +5,8 @@
 What accuracy costs is measured by measure_accuracy.py.
 Each function measures one table and its name is that of the file in docs/measured.  Errors are
 the largest over all reported quantities and recorded times, relative to the scale of their kind.
-Where the documents say "independent", the other solution is that of tests/support/reference.py: SciPy's
-DOP853 on the equations written down a second time, which shares no code with the package.
+Where the documents say "independent", the other solution is that of tests/support/reference.py:
+SciPy's DOP853 on the equations written down a second time, which shares no code with the package.
 """
 
 import os
