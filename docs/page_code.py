@@ -131,5 +131,6 @@ def same(one: str, other: str) -> bool:
 
 def _near(one: str, other: str) -> bool:
     a, b = float(one), float(other)
-    unit = 10.0 ** -len(other.partition("e")[0].partition(".")[2])
-    return abs(a - b) <= 1.1 * unit * ("." in other) or max(abs(a), abs(b)) < ROUND_OFF
+    digits, _, exponent = other.partition("e")
+    unit = 10.0 ** (int(exponent or 0) - len(digits.partition(".")[2]))  # of the last digit
+    return a == b or ("." in digits and abs(a - b) <= 1.1 * unit) or max(abs(a), abs(b)) < ROUND_OFF
