@@ -97,7 +97,7 @@ def _module(page: Path, found: list[Block], folder: Path) -> Iterator[ModuleType
         if block.language == "python":
             source += "\n" * (block.line - source.count("\n")) + block.text
     module = ModuleType(f"page_{page.stem}")
-    module.__file__ = str(folder / f"{page.stem}.py")
+    module.__file__ = str(folder / f"{module.__name__}.py")
     Path(module.__file__).write_text(source, encoding="utf-8")
     sys.modules[module.__name__] = module
     try:

@@ -1,6 +1,8 @@
 """Every code block of the pages runs, and prints the output that the page shows."""
 
+import ast
 import importlib.util
+import re
 from pathlib import Path
 
 import pytest
@@ -26,6 +28,34 @@ page_code = module_of_docs("page_code")
 def test_page(page, tmp_path):
     """The blocks run in order, and print what the page shows; code without a language fails."""
     page_code.run(page, tmp_path)
+
+
+def architecture():
+    """The text of the page on architecture."""
+    return (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+
+
+def test_drawing_of_the_layout():
+    """The page on architecture draws every folder, in the order in which imports run downward."""
+    drawn = re.findall(r"^    (\w+)(?:/|\.py) ", architecture(), re.MULTILINE)
+    tree = ast.parse((ROOT / "tests" / "test_architecture.py").read_text(encoding="utf-8"))
+    (order,) = (
+        ast.literal_eval(node.value)
+        for node in tree.body
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "ORDER"
+    )
+    assert drawn == order
+
+
+def test_files_that_are_named_exist():
+    """Every file that the page on architecture names is in the package or in the checkout."""
+    named = re.findall(r"`(\w+(?:/\w+)+\.\w+)`", architecture())
+    missing = [
+        name
+        for name in named
+        if not (ROOT / name).exists() and not (ROOT / "src" / "tribo" / name).exists()
+    ]
+    assert len(named) > 20 and not missing
 
 
 PROGRAM = """
