@@ -2,12 +2,13 @@
 
 import inspect
 import io
+import re
 import tokenize
 
 
 def add_fields(app, what, name, item, options, lines):
-    """Append ``:param field: its comment`` to the docstring of a class of fields."""
-    if what != "class":
+    """Append ``:param field: its comment`` to a docstring without a section of attributes."""
+    if what != "class" or re.search(r"^Attributes\n-+$", inspect.getdoc(item) or "", re.MULTILINE):
         return
     for field, comment in field_comments(item).items():
         lines += [] if any(lines[-1:]) and lines[-1].startswith(":param") else [""]
