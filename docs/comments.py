@@ -1,4 +1,4 @@
-"""Fields of dataclasses and NamedTuples, documented by the comments that stand beside them."""
+"""Fields of dataclasses and NamedTuples, documented by the comments beside them."""
 
 import inspect
 import io
@@ -16,7 +16,7 @@ def add_fields(app, what, name, item, options, lines):
 
 
 def field_comments(cls) -> dict[str, str]:
-    """The comment at the end of each field's lines, of the class and those it is derived from."""
+    """The comment at the end of each field's lines, for the class and its base classes."""
     found: dict[str, str] = {}
     for base in reversed(cls.__mro__):
         if "__annotations__" in vars(base) and base.__module__.startswith("tribo"):

@@ -37,6 +37,6 @@ html_css_files = ["pages.css"]
 
 
 def setup(app):
-    """Make what the pages include, and let comments beside fields speak for them."""
+    """Generate the included files, and document fields by the comments beside them."""
     app.connect("builder-inited", lambda app: generate.everything(HERE / "_generated"))
     app.connect("autodoc-process-docstring", comments.add_fields)
