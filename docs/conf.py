@@ -7,7 +7,6 @@ HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 sys.dont_write_bytecode = True
 
-import comments  # noqa: E402
 import generate  # noqa: E402
 
 import tribo  # noqa: E402
@@ -37,6 +36,5 @@ html_css_files = ["pages.css"]
 
 
 def setup(app):
-    """Generate the included files, and document fields by the comments beside them."""
+    """Generate the files that pages include."""
     app.connect("builder-inited", lambda app: generate.everything(HERE / "_generated"))
-    app.connect("autodoc-process-docstring", comments.add_fields)

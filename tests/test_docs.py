@@ -2,11 +2,14 @@
 
 import ast
 import importlib.util
+import inspect
 import re
+from dataclasses import fields, is_dataclass
 from pathlib import Path
 
 import pytest
 
+import tribo
 from tribo import InputError
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -56,6 +59,18 @@ def test_files_that_are_named_exist():
         if not (ROOT / name).exists() and not (ROOT / "src" / "tribo" / name).exists()
     ]
     assert len(named) > 20 and not missing
+
+
+def test_fields_are_documented():
+    """Every field of a public class is in its docstring; those of a result are internal."""
+    for name in set(tribo.__all__) - {"Result"}:
+        kind = getattr(tribo, name)
+        if isinstance(kind, type):
+            names = fields(kind) if is_dataclass(kind) else ()
+            own = [field.name for field in names] or getattr(kind, "_fields", ())
+            for field in own:
+                entry = rf"^(\w+, )*{field}(, \w+)* :"
+                assert re.search(entry, inspect.getdoc(kind), re.MULTILINE), f"{name}.{field}"
 
 
 PROGRAM = """
