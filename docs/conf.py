@@ -7,7 +7,6 @@ HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 sys.dont_write_bytecode = True
 
-import comments  # noqa: E402
 import generate  # noqa: E402
 
 import tribo  # noqa: E402
@@ -17,7 +16,7 @@ author = "The tribo authors"
 copyright = "2026, the tribo authors"
 release = version = tribo.__version__
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax", "sphinx.ext.napoleon"]
 myst_enable_extensions = ["dollarmath", "amsmath", "colon_fence"]
 myst_heading_anchors = 3
 exclude_patterns = ["_build", "_generated", "measured"]
@@ -26,6 +25,8 @@ autodoc_member_order = "bysource"
 autodoc_typehints = "description"
 autodoc_typehints_description_target = "documented"
 autodoc_preserve_defaults = True
+napoleon_google_docstring = False
+napoleon_use_ivar = True  # attributes as a list of fields, without entries of their own
 
 html_theme = "furo"
 html_title = "tribo"
@@ -35,6 +36,5 @@ html_css_files = ["pages.css"]
 
 
 def setup(app):
-    """Make what the pages include, and let comments beside fields speak for them."""
+    """Generate the files that pages include."""
     app.connect("builder-inited", lambda app: generate.everything(HERE / "_generated"))
-    app.connect("autodoc-process-docstring", comments.add_fields)

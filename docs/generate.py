@@ -1,7 +1,8 @@
-"""What the pages take from the package itself, made anew when its sources have changed.
+"""What the pages take from the package: figures, the paper's table, and tables of names.
 
-Figures and the table of the paper's numbers, the pictures that the pages' own code draws, and
-tables of methods, effects, statuses and files: so that none of them can be behind the code.
+All of it is generated again when a source of the package has changed, so the pages cannot be older
+than the code: figures that the pages' own code draws, the paper's numbers beside the computed ones,
+and tables of methods, effects, statuses and files.
 """
 
 import ast
@@ -12,8 +13,8 @@ from collections.abc import Iterable
 from dataclasses import fields
 from pathlib import Path
 
-import examples_in_pages
 import measure_accuracy
+import page_code
 import slip as slip_page
 
 import tribo
@@ -27,29 +28,23 @@ from tribo.potentials import LennardJones, with_cutoff
 from tribo.report_card import check
 
 HERE = Path(__file__).resolve().parent
-PAGES_WITH_CODE = (
-    HERE.parent / "README.md",
-    *(
-        HERE / f"{name}.md"
-        for name in ("tutorial", "accuracy", "ensembles", "potentials", "ase", "scene_file")
-    ),
-)
+PAGES_WITH_PICTURES = [HERE / f"{name}.md" for name in ("tutorial", "ensembles")]
 
 
 def everything(folder: Path) -> None:
-    """Fill the folder, unless it was made from these very sources and pages."""
+    """Fill the folder, unless it was filled from the same sources and pages."""
     stamp = folder / "stamp"
-    own = [*HERE.glob("*.py"), *HERE.glob("measured/*.json"), *PAGES_WITH_CODE]
+    own = [*HERE.glob("*.py"), *HERE.glob("measured/*.json"), *PAGES_WITH_PICTURES]
     now = package_stamp() + "".join(file.read_text(encoding="utf-8") for file in sorted(own))
     if stamp.exists() and stamp.read_text(encoding="utf-8") == now:
         return
-    logging.getLogger("fontTools").setLevel(logging.WARNING)  # which tells of every glyph in a PDF
+    logging.getLogger("fontTools").setLevel(logging.WARNING)  # it logs every glyph of a PDF
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir()
     documented_keys(HERE / "scene_file.md")
     documented_names(HERE / "api.md")
-    for page in PAGES_WITH_CODE:
-        examples_in_pages.run(page, folder)
+    for page in PAGES_WITH_PICTURES:
+        page_code.run(page, folder)
     report_cards(folder)
     paper_figures.draw(folder, paper.CASES)
     tables = paper.compare(paper.CASES)
@@ -68,18 +63,18 @@ def everything(folder: Path) -> None:
 
 
 def report_cards(folder: Path) -> None:
-    """What the page on report cards shows: one that is passed, and one that is not."""
+    """The two report cards on their page: one that passes, and one that fails."""
     report = check(with_cutoff(LennardJones(1.0, 1.0), 2.5))
     report.save_figure(folder / "card.png")
     slip = check(slip_page.Ions(1.0))
     if not report.passed or slip["force"].passed:
-        raise AssertionError("a report card is not what the page on them says")
+        raise AssertionError("report_card.md shows a card that passes and one that fails")
     for name, card in {"card": report, "slip": slip}.items():
         (folder / f"{name}.txt").write_text(f"{card}\n", encoding="utf-8")
 
 
 def markdown(rows: Iterable[Iterable[str]]) -> str:
-    """A table, its first row the head."""
+    """A table in Markdown; the first row is its head."""
     head, *rest = (list(row) for row in rows)
     lines = [head, ["---"] * len(head), *rest]
     return "".join("| " + " | ".join(cells) + " |\n" for cells in lines)
@@ -126,7 +121,7 @@ def table_of_files() -> Iterable[Iterable[str]]:
 
 
 def documented_keys(page: Path) -> None:
-    """Complain about a key of scene files that the page on them does not have."""
+    """Raise AssertionError if a key of scene files is missing in the page."""
     text = page.read_text(encoding="utf-8")
     kinds = (
         *(tribo.Scene, tribo.Surface, tribo.Asperite, tribo.Initial, tribo.Output),
@@ -136,16 +131,13 @@ def documented_keys(page: Path) -> None:
     keys = {files_names.get(f.name, f.name) for kind in kinds for f in fields(kind)}
     missing = sorted(key for key in keys if not re.search(rf"`\[*{key}\b", text))
     if missing:
-        raise AssertionError(f"{page.name} says nothing of {', '.join(missing)}")
+        raise AssertionError(f"{page.name} does not mention {', '.join(missing)}")
 
 
 def documented_names(page: Path) -> None:
-    """Complain about a public name that the page on Python does not have."""
+    """Raise AssertionError if a public name is missing in the page."""
     text = page.read_text(encoding="utf-8")
-    missing = [
-        name
-        for name in tribo.__all__
-        if name != "__version__" and not re.search(rf"^\.\. auto\w+:: {name}\b", text, re.MULTILINE)
-    ]
+    documented = set(re.findall(r"^\.\. auto\w+:: (?:tribo\.)?(\w+)", text, re.MULTILINE))
+    missing = sorted(set(tribo.__all__) - documented - {"__version__"})
     if missing:
-        raise AssertionError(f"{page.name} says nothing of {', '.join(missing)}")
+        raise AssertionError(f"{page.name} does not mention {', '.join(missing)}")

@@ -1,12 +1,12 @@
-"""The measured tables of the pages: whether error bars are honest, and what becomes of hard scenes.
+"""The measured tables of the pages: true errors and their estimates, hard scenes, and times.
 
     python docs/measure.py [TABLE ...]
 
 What accuracy costs is measured by measure_accuracy.py.
 Each function measures one table and its name is that of the file in docs/measured.  Errors are
 the largest over all reported quantities and recorded times, relative to the scale of their kind.
-Where the documents say "independent", the other solution is that of tests/reference.py: SciPy's
-DOP853 on the equations written down a second time, which shares no code with the package.
+Where the documents say "independent", the other solution is that of tests/support/reference.py:
+SciPy's DOP853 on the equations written down a second time, which shares no code with the package.
 """
 
 import os
@@ -24,13 +24,14 @@ import numpy as np
 import tribo
 from tribo import paper
 from tribo.accuracy import scales as accuracy
+from tribo.accuracy.estimate import distance
 from tribo.model.scene_writer import scene_text
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "tests"))
 sys.dont_write_bytecode = True
 
-import reference  # noqa: E402
+from support import reference  # noqa: E402
 
 FEW = tribo.Output(samples=9)  # so that steps are not cut short by samples
 
@@ -39,7 +40,7 @@ def error(result: tribo.Result, truth: tribo.Result) -> float:
     """The largest difference of two results, each in units of its kind's scale."""
     layout = tribo.prepare(truth.scene, method="verlet", step=1.0).layout
     scales = accuracy.reported_scales(layout, truth.ledger)
-    return accuracy.distance(result.ledger, truth.ledger, scales)
+    return distance(result.ledger, truth.ledger, scales)
 
 
 def case(letter: str) -> tribo.Scene:
@@ -90,19 +91,19 @@ def bars() -> Iterator[list[str]]:
 
 
 def independent(scene: tribo.Scene) -> tuple[dict, dict]:
-    """The end by the other solution, at two tolerances: their difference is how far it is good."""
+    """The end by the other solution at two tolerances; their difference is its uncertainty."""
     table = tomllib.loads(scene_text(scene))
     return (
         reference.solve(table, rtol=5e-14, atol_factor=1e-15),
-        reference.solve(table, rtol=2.3e-14, atol_factor=1e-16),  # the least that SciPy takes
+        reference.solve(table, rtol=2.3e-14, atol_factor=1e-16),  # the smallest that SciPy accepts
     )
 
 
 def judged(result: tribo.Result, truths: tuple[dict, dict]) -> Iterator[float]:
     """Error at the end over error bar, quantity by quantity of every surface.
 
-    What the other solution does not know is taken off the error, round-off too: where one is
-    exactly zero and the other is not, no bar could hold.
+    The uncertainty of the other solution and round-off are subtracted from the error: where one
+    value is exactly zero and the other is not, no estimate could hold.
     """
     coarse, fine = truths
     for part in ("surfaces", "blocks"):
@@ -117,7 +118,7 @@ def judged(result: tribo.Result, truths: tuple[dict, dict]) -> Iterator[float]:
 
 
 def closure() -> Iterator[list[str]]:
-    """How well the ledger closes beside how wrong it is."""
+    """The residuals of the ledger beside its true errors."""
     yield ["case", "method", "step", "w - w_ps - delta_e_int", "w_ps - delta_k_trans", "true error"]
     for letter in "AC":
         truth = tribo.simulate(case(letter), accuracy=1e-12)
@@ -168,7 +169,7 @@ def frames() -> Iterator[list[str]]:
 
 
 def cutoffs() -> Iterator[list[str]]:
-    """What a cutoff does to a method of order 6: errors step by step."""
+    """Errors of a method of order 6 with each kind of cutoff, for several steps."""
     steps = (0.04, 0.02, 0.01, 0.005)
     yield ["at_cutoff", *(f"step {h:g}" for h in steps)]
     surfaces = tuple(
@@ -185,7 +186,7 @@ def cutoffs() -> Iterator[list[str]]:
 
 
 def outcomes() -> Iterator[list[str]]:
-    """Hard scenes and what becomes of them."""
+    """Hard scenes, and how their runs end."""
     yield ["scene", "how it is run", "status", "accuracy met", "largest error bar / scale"]
     b = paper.scene("B")
     upper, lower = b.surfaces
@@ -241,7 +242,7 @@ def _worst(result: tribo.Result) -> str:
 
 
 def times() -> Iterator[list[str]]:
-    """What a run of case A takes once everything is compiled."""
+    """The time of a run of case A once everything is compiled."""
     yield ["case A", "steps", "force evaluations", "milliseconds"]
     for name, how in (
         ("accuracy 1e-4", {"accuracy": 1e-4}),
@@ -254,7 +255,7 @@ def times() -> Iterator[list[str]]:
         for _ in range(20):
             began = time.perf_counter()
             result = simulation.run()
-            _ = result.status  # the ledger is put together when it is first looked at
+            _ = result.status  # the ledger is assembled when it is first read
             best = min(best, time.perf_counter() - began)
         cost = result.cost
         yield [name, str(cost.steps), str(cost.force_evaluations), f"{1e3 * best:.2g}"]
@@ -272,7 +273,7 @@ print(time.perf_counter() - began)
 
 
 def compiling() -> Iterator[list[str]]:
-    """Seconds of a first run, in a process that compiles and in one that finds it done."""
+    """Seconds of a first run, in a process that compiles and in one that finds compiled code."""
     yield ["scene", "first process", "later processes"]
     for index, name in enumerate(["case A", *hard_scenes()]):
         with tempfile.TemporaryDirectory() as cache:
@@ -336,7 +337,7 @@ TABLES: tuple[Callable[[], Iterator[list[str]]], ...] = (
 
 
 def write(table: Callable[[], Iterator[list[str]]]) -> None:
-    """Measure a table and write it, whole or not at all."""
+    """Measure a table, and write it in one piece."""
     head, *rows = table()
     lines = [head, ["---"] * len(head), *rows]
     text = "".join("| " + " | ".join(cells) + " |\n" for cells in lines)

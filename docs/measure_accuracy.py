@@ -1,12 +1,11 @@
-"""What accuracy costs: the diagrams of accuracy.md, and the runs that its tables are made from.
+"""The cost of accuracy: the diagrams of accuracy.md, and the runs behind its tables.
 
     python docs/measure_accuracy.py [--choices] [SCENE ...]
 
-Runs ``tribo accuracy`` on each scene, at most a minute long once the methods are compiled, then
-what tribo chooses by itself, and keeps in docs/measured the figure and the runs behind it.  The
-tables are made from these when the pages are built.  With --choices only what is chosen is
-measured again.  To be run on a machine that does nothing
-else.
+Runs ``tribo accuracy`` on each scene, for at most a minute once the methods are compiled, then the
+methods that tribo chooses.  The figure and the runs are kept in docs/measured, and the tables are
+made from them when the pages are built.  With --choices only the chosen methods are measured again.
+Run it on a machine that does nothing else.
 """
 
 import json
@@ -19,7 +18,6 @@ from typing import Any
 
 import tribo
 from tribo import paper
-from tribo.accuracy.plan import integrator_for
 from tribo.integrators.methods import METHODS
 from tribo.work_precision import TIMES, Row, WorkPrecision, work_precision
 
@@ -40,7 +38,7 @@ def rows() -> tribo.Scene:
 
 
 def grid() -> tribo.Scene:
-    """Two grids of 12 by 12, each bob in reach of a few."""
+    """Two grids of 12 by 12, where each bob reaches a few others."""
     grid = {"shape": (12, 12), "spacing": (1.5, 1.5), "asperite": tribo.Asperite(kappa=20.0)}
     upper = tribo.Surface("upper", bob=(0.3, 1.2), velocity=(0.5, 0.0), drive="free", **grid)
     lower = tribo.Surface("lower", facing="up", **grid)
@@ -74,7 +72,7 @@ NAMES = {
 
 
 def measure(name: str, choices_alone: bool) -> None:
-    """Run all methods on a scene, and what is chosen; keep the figure and the runs."""
+    """Run all methods on a scene, and the chosen ones; keep the figure and the runs."""
     if choices_alone:
         found = kept(name)
     else:
@@ -88,16 +86,13 @@ def measure(name: str, choices_alone: bool) -> None:
 
 
 def choices(name: str) -> Iterator[dict[str, Any]]:
-    """What is chosen for each accuracy, and what a run of a prepared scene takes by it."""
+    """The method chosen for each accuracy, and the time of a run of a prepared scene by it."""
     scene = replace(SCENES[name](), output=tribo.Output(samples=TIMES))
     for wanted in CHOSEN_AT:
         simulation = tribo.prepare(scene, accuracy=wanted)
-        integrate = integrator_for(simulation.layout, simulation.method)
-        plan = simulation.settings
-        setting = plan.setting if plan.single is None else plan.single
-        seconds = integrate(setting, scene.times).seconds  # timed as the runs of the diagram are
+        seconds = _loop_seconds(simulation)
         for _ in range(max(2, int(REPEATED / seconds))):
-            seconds = min(seconds, integrate(setting, scene.times).seconds)
+            seconds = min(seconds, _loop_seconds(simulation))
         yield {
             "accuracy": wanted,
             "method": simulation.method.name,
@@ -106,13 +101,18 @@ def choices(name: str) -> Iterator[dict[str, Any]]:
         }
 
 
+def _loop_seconds(simulation: tribo.Simulation) -> float:
+    """Time of one run of the compiled loop, which is how the runs of the diagrams are timed."""
+    return simulation.run(estimate=False).cost.wall_seconds
+
+
 def kept(name: str) -> WorkPrecision:
-    """What was measured on a scene."""
+    """The runs measured on a scene."""
     return _kept(name)[0]
 
 
 def _kept(name: str) -> tuple[WorkPrecision, list[dict[str, Any]]]:
-    """And what was chosen."""
+    """The runs measured on a scene, and the chosen methods."""
     table = json.loads((FOLDER / f"accuracy_{name}.json").read_text(encoding="utf-8"))
     own = table.pop("chosen")
     runs = tuple(Row(**row) for row in table.pop("rows"))
@@ -120,7 +120,7 @@ def _kept(name: str) -> tuple[WorkPrecision, list[dict[str, Any]]]:
 
 
 def chosen() -> Iterator[list[str]]:
-    """What is chosen, and what its run takes beside the fastest of those in the diagrams."""
+    """The chosen methods, and their times beside the fastest runs of the diagrams."""
     yield ["scene", "accuracy", "chosen", "a run", "fastest by hand", "a run", "ratio"]
     for name, title in NAMES.items():
         found, picks = _kept(name)
@@ -134,7 +134,7 @@ def chosen() -> Iterator[list[str]]:
 
 
 def _time(seconds: float) -> str:
-    """In the unit that suits it."""
+    """A time in µs, ms or s."""
     if seconds < 1e-3:
         return f"{1e6 * seconds:.3g} µs"
     return f"{1e3 * seconds:.3g} ms" if seconds < 1.0 else f"{seconds:.3g} s"
@@ -153,7 +153,7 @@ def evaluations() -> Iterator[list[str]]:
 
 
 def _at(curve: list[tuple[float, int]], wanted: float) -> str:
-    """Evaluations from which on the error stays below, between points of the curve."""
+    """Evaluations from which on the error stays below `wanted`, interpolated between runs."""
     above = [k for k, (error, _) in enumerate(curve) if error > wanted]
     last = above[-1] if above else -1
     if last == len(curve) - 1:
@@ -166,7 +166,7 @@ def _at(curve: list[tuple[float, int]], wanted: float) -> str:
 
 
 def _short(n: float) -> str:
-    """Two digits are all that such a number deserves."""
+    """A number with two digits."""
     if n < 1000:
         return f"{float(f'{n:.2g}'):.0f}"
     return f"{n / 1000:.1f}k" if n < 10_000 else f"{float(f'{n / 1000:.2g}'):.0f}k"

@@ -1,4 +1,4 @@
-"""A potential with a slip, for the page on report cards: two digits are exchanged."""
+"""A potential with an error, for the page on report cards: two digits are exchanged."""
 
 from typing import NamedTuple
 

@@ -9,7 +9,7 @@ from tribo.model.scene import Scene
 from tribo.model.spectrum import valid_until
 from tribo.potentials.tables import as_table
 from tribo.run.layout import Layout
-from tribo.validation import shown
+from tribo.validation import short_repr
 
 
 def scene_notes(scene: Scene, method: Method) -> tuple[str, ...]:
@@ -31,7 +31,7 @@ def _on_potentials(scene: Scene, method: Method) -> list[str]:
     notes = []
     for interaction in scene.interactions:
         smoothness = interaction.potential.smoothness()
-        name = shown(as_table(interaction.potential)["potential"])
+        name = short_repr(as_table(interaction.potential)["potential"])
         if smoothness < 0:
             notes.append(
                 f"the energy of {name} jumps, which no force accounts for: the ledger does not "

@@ -1,0 +1,146 @@
+"""Every code block of the pages runs, and prints the output that the page shows."""
+
+import ast
+import importlib.util
+import inspect
+import re
+from dataclasses import fields, is_dataclass
+from pathlib import Path
+
+import pytest
+
+import tribo
+from tribo import InputError
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+
+
+def module_of_docs(name):
+    """A module of the folder docs/, which is no package."""
+    spec = importlib.util.spec_from_file_location(name, ROOT / "docs" / f"{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+page_code = module_of_docs("page_code")
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_page(page, tmp_path):
+    """The blocks run in order, and print what the page shows; code without a language fails."""
+    page_code.run(page, tmp_path)
+
+
+def architecture():
+    """The text of the page on architecture."""
+    return (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+
+
+def test_drawing_of_the_layout():
+    """The page on architecture draws every folder, in the order in which imports run downward."""
+    drawn = re.findall(r"^    (\w+)(?:/|\.py) ", architecture(), re.MULTILINE)
+    tree = ast.parse((ROOT / "tests" / "test_architecture.py").read_text(encoding="utf-8"))
+    (order,) = (
+        ast.literal_eval(node.value)
+        for node in tree.body
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "ORDER"
+    )
+    assert drawn == order
+
+
+def test_files_that_are_named_exist():
+    """Every file that the page on architecture names is in the package or in the checkout."""
+    named = re.findall(r"`(\w+(?:/\w+)+\.\w+)`", architecture())
+    missing = [
+        name
+        for name in named
+        if not (ROOT / name).exists() and not (ROOT / "src" / "tribo" / name).exists()
+    ]
+    assert len(named) > 20 and not missing
+
+
+def test_fields_are_documented():
+    """Every field of a public class is in its docstring; those of a result are internal."""
+    for name in set(tribo.__all__) - {"Result"}:
+        kind = getattr(tribo, name)
+        if isinstance(kind, type):
+            names = fields(kind) if is_dataclass(kind) else ()
+            own = [field.name for field in names] or getattr(kind, "_fields", ())
+            for field in own:
+                entry = rf"^(\w+, )*{field}(, \w+)* :"
+                assert re.search(entry, inspect.getdoc(kind), re.MULTILINE), f"{name}.{field}"
+
+
+PROGRAM = """
+```python
+from typing import NamedTuple
+x = 1.25
+
+class Named(NamedTuple):
+    a: float
+
+print("x is", x)
+```
+
+```text
+x is 1.25
+```
+
+```python
+import inspect
+print(inspect.getsource(Named).splitlines()[1].strip(), Named(x).a)
+```
+
+```text
+a: float 1.25
+```
+"""
+SCENE = """
+```toml
+# small.toml
+duration = 1.0
+surface = [{name = "upper"}]
+```
+"""
+
+
+@pytest.fixture
+def written(tmp_path):
+    """Write a page and run it."""
+
+    def call(text):
+        page = tmp_path / "page.md"
+        page.write_text(text, encoding="utf-8")
+        page_code.run(page, tmp_path)
+
+    return call
+
+
+@pytest.mark.parametrize(
+    ("text", "error", "message"),
+    [
+        (PROGRAM.replace("x is 1.25", "y is 1.25"), AssertionError, "prints\nx is 1.25"),
+        (PROGRAM.replace("x is 1.25", "x is 1.35"), AssertionError, "prints\nx is 1.25"),
+        (PROGRAM.replace("x = 1.25", "x = 1.25 + y"), NameError, "'y' is not defined"),
+        (SCENE.replace("name", "nmae"), InputError, "nmae"),
+        (SCENE + "```shell\ntribo run large.toml\n```\n", AssertionError, "fails"),
+        (SCENE + "```shell\nls small.toml\n```\n", AssertionError, "use console"),
+        ("```none\ntribo paper\n```\n", AssertionError, "'none' is not known"),
+        ("So\n\n    x = 1\n\nis it.\n", AssertionError, "fence 'x = 1'"),
+        ("```python\nx = 1\n", AssertionError, "is not closed"),
+    ],
+)
+def test_a_page_that_is_wrong_fails(written, text, error, message):
+    """A page fails by its text, its code, its scene or its commands."""
+    with pytest.raises(error) as failure:
+        written(text)
+    assert message in str(failure.value)
+
+
+def test_a_page_that_is_right_passes(written):
+    """Blocks share one namespace and one folder; the last digit may differ."""
+    written(PROGRAM.replace("x is 1.25", "x is 1.26") + SCENE)
+    assert not page_code.same("a 1.0e-3", "a 1.2e-3")
+    assert page_code.same("a 1e-12", "a 3e-13")
