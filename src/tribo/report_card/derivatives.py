@@ -116,14 +116,14 @@ def check_minimum(specimen: Specimen) -> list[Check]:
     if not math.isfinite(r):
         return []
     with np.errstate(all="ignore"):
-        first, _ = derivative(specimen.written_energy, r, REACH * r)
-        second = -derivative(specimen.written_force, r, REACH * r)[0]
+        first = float(derivative(specimen.written_energy, r, REACH * r)[0])
+        second = -float(derivative(specimen.written_force, r, REACH * r)[0])
         energy = float(specimen.written_energy(np.float64(r)))
     scale = max(abs(depth), float(specimen.scale(r)) * r)
     errors = {
-        "place": abs(float(first)) * r / scale,
+        "place": abs(first) * r / scale,
         "depth": abs(energy - depth) / scale,
-        "curvature": float(abs(second - stiffness) * r * r / max(abs(second) * r * r, scale)),
+        "curvature": abs(second - stiffness) * r * r / max(abs(second) * r * r, scale),
     }
     worst = max(errors, key=lambda name: np.nan_to_num(errors[name], nan=np.inf))
     return [
@@ -134,6 +134,6 @@ def check_minimum(specimen: Specimen) -> list[Check]:
             MINIMUM,
             r,
             says=f"the {worst} is the worst of them" if second > 0.0 else "U has no minimum there",
-            failed=not bool(second > 0.0),
+            failed=not second > 0.0,
         )
     ]
