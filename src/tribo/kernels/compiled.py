@@ -15,7 +15,7 @@ from types import FunctionType
 from typing import Any
 
 import numpy as np
-from numba import njit
+from numba import config, njit
 
 from tribo.kernels import plugin_methods  # noqa: F401 (kernels call methods of plug-ins)
 
@@ -71,7 +71,7 @@ def time_loop(loop: FunctionType, stamp: str | None) -> Callable[..., Any]:
     callable
         The loop, compiled at the first call with arguments of new types.
     """
-    if stamp is None:
+    if stamp is None or config.DISABLE_JIT:  # type: ignore[attr-defined]
         return njit(error_model="numpy")(loop)
     compiled = _named(loop, f"{package_stamp()}_{stamp}")
     remove_stale(loop)
