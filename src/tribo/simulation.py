@@ -80,7 +80,7 @@ class Simulation:
             self._pair = Pair(self.layout, method, self._first_step)
             self.compile_seconds = self._pair.compile_seconds
         else:
-            self._loop = time_loop(method.loop, sources.stamp(self.layout.plugins))
+            self._loop = time_loop(method.loop, sources.source_stamp(self.layout.plugins))
             self.compile_seconds = compile_loop(self.layout, method, self._loop, self._setting)
         self._coarse: Any = None
         self._tuned: Tuned | None = None

@@ -17,7 +17,7 @@ from tribo.integrators.methods import METHODS
 from tribo.kernels.compiled import time_loop
 from tribo.kernels.status import COMPLETED, PAUSED
 from tribo.pair.loop import COLUMNS, pair_collocation
-from tribo.plugins.sources import stamp
+from tribo.plugins.sources import source_stamp
 from tribo.run.layout import lay_out
 from tribo.run.pair_adapter import has_pair_loop, is_pair
 from tribo.simulation import Simulation
@@ -259,7 +259,7 @@ def test_in_pieces_as_in_one(samples):
     simulation = Simulation(lay_out(scene), RADAU)
     layout, own = simulation.layout, simulation._pair
     whole = simulation.attempt(simulation._setting)
-    loop = time_loop(pair_collocation, stamp(layout.plugins))
+    loop = time_loop(pair_collocation, source_stamp(layout.plugins))
     own._evaluations[0] = 0
     record = np.empty((scene.times.size + 1, COLUMNS))
     code, calls = PAUSED, 0

@@ -153,16 +153,16 @@ def as_potential(value: Any) -> Any:
 
 def _check(potential: Any) -> None:
     """Complain about parameters that make no sense, and about what a class says of itself."""
-    demands = plugins.called(potential, "potential", "demands")
+    demands = plugins.call_method(potential, "potential", "demands")
     try:
         wrong = [(name, problem) for name, will_do, problem in demands if not will_do]
     except (TypeError, ValueError):
         reason = "must give (name, whether it will do, what would) for each"
-        raise InputError("potential", plugins.at_line(potential, "demands", None, reason)) from None
+        raise InputError("potential", plugins.located(potential, "demands", None, reason)) from None
     for name, problem in wrong:
         raise InputError(name, f"{problem}, got {shown(getattr(potential, name))}")
     for method in ("range", "feature", "smoothness", "smoothness_within"):
-        plugins.numbers(potential, "potential", method)
+        plugins.returned_numbers(potential, "potential", method)
 
 
 def with_cutoff(

@@ -199,7 +199,7 @@ class _Bench:
         row = {"shape": (count, 1), "spacing": (1.0, 0.0)}
         surfaces = (Surface("one", **row), Surface("other", facing="up", **row))  # type: ignore
         self._layout = lay_out(Scene(surfaces, potential, 1.0))
-        stamp = sources.stamp(self._layout.plugins)
+        stamp = sources.source_stamp(self._layout.plugins)
         self._name = type(potential).__name__
         self._probe: Callable[..., None] = time_loop(contact_probe, stamp)
 
