@@ -63,25 +63,26 @@ def test_entry_point_refuses_other_rows(entry_point):
 
 
 def test_stale_machine_code_is_removed(tmp_path, monkeypatch):
-    """That of other versions of the package; not that of other plug-ins, loops or programs."""
+    """That of other versions of the package; not that of other plug-ins or programs."""
     monkeypatch.setattr(config, "CACHE_DIR", str(tmp_path))
     compiled = time_loop.__wrapped__(pair_collocation, "")
     folder = compiled.stats.cache_path
     kept = [
         f"loop.pair_collocation_{package_stamp()}_-1.py311.nbi",
         f"loop.pair_collocation_{package_stamp()}_0123456789abcdef-1.py311.1.nbc",
-        "loop.another_0123456789abcdef_-1.py311.nbi",
+        f"loop.another_{package_stamp()}_-1.py311.nbi",
         "loop.pair_collocation-1.py311.nbi",
         "loop.cpython-311.pyc",
     ]
     stale = [
         "loop.pair_collocation_0123456789abcdef_-1.py311.nbi",
+        "loop.renamed_0123456789abcdef_-1.py311.nbi",
         "loop.pair_collocation_0123456789abcdef_fedcba9876543210-1.py311.1.nbc",
     ]
     paths = {name: tmp_path / folder / name for name in kept + stale}
     for path in paths.values():
         path.touch()
-    assert {path.name for path in cached_files(pair_collocation)} == {*stale, *kept[:2]}
+    assert {path.name for path in cached_files(pair_collocation)} == {*stale, *kept[:3]}
     remove_stale(pair_collocation)
     assert {name for name, path in paths.items() if path.exists()} == set(kept)
     remove_stale(pair_collocation)

@@ -1,4 +1,4 @@
-"""Compiled kernels do what their source says: uncompiled, it gives the same numbers."""
+"""Compiled kernels give the same numbers as their source when Python runs it."""
 
 import os
 import subprocess
@@ -78,7 +78,7 @@ def series(scene, how):
 
 @pytest.fixture(scope="module")
 def uncompiled(tmp_path_factory):
-    """The folder in which a process without a compiler left its numbers."""
+    """The folder with the numbers of a process that compiles nothing."""
     folder = tmp_path_factory.mktemp("uncompiled")
     subprocess.run(
         [sys.executable, "-c", UNCOMPILED, str(folder)],

@@ -24,7 +24,7 @@ def listed_pairs(neighbours) -> set[tuple[int, int]]:
 
 
 def pairs_within(places: np.ndarray, upper: int, reach: float, box: tuple) -> set[tuple[int, int]]:
-    """All pairs of an upper and a lower bob at most `reach` apart, by looking at each."""
+    """All pairs of an upper and a lower bob at most `reach` apart, by comparing each pair."""
     difference = places[:upper, None] - places[None, upper:]
     for axis, length in ((0, box[0]), (2, box[1])):
         if length:
@@ -89,7 +89,7 @@ def test_lists_give_all_pairs_bit_for_bit(periodic, monkeypatch):
 
 @pytest.mark.parametrize("method", ["verlet", "dop853", "rkn8", "gauss-radau-15"])
 def test_a_list_that_outgrows_its_room(method, monkeypatch):
-    """Rows without room count as all pairs, until the run pauses and the list has more room."""
+    """All pairs are computed for rows without room, until the list is given more."""
     wanted = replace(long_slide({}), duration=4.0, output=tribo.Output(samples=5))
     how = {"step": 0.003} if method == "verlet" else {"accuracy": 1e-3}
     monkeypatch.setattr(contacts, "FEW", 0)
@@ -97,7 +97,7 @@ def test_a_list_that_outgrows_its_room(method, monkeypatch):
     grown = []
 
     def exactly(neighbours):
-        """As much room as the list had wanted, and no more."""
+        """Exactly the room that the list needed."""
         if neighbours is None or neighbours.start[-1] <= neighbours.index.size:
             return neighbours
         grown.append(int(neighbours.start[-1]))

@@ -20,7 +20,7 @@ from tribo.integrators.methods import METHODS
 from tribo.kernels.compiled import time_loop
 from tribo.kernels.status import COMPLETED, PAUSED
 from tribo.pair.loop import COLUMNS, pair_collocation
-from tribo.plugins.sources import stamp
+from tribo.plugins.sources import source_stamp
 from tribo.run.layout import lay_out
 from tribo.run.pair_adapter import has_pair_loop, is_pair
 
@@ -33,14 +33,14 @@ def pilot(layout):
 
 
 def by_general_loop(scene: tribo.Scene, accuracy: float, monkeypatch) -> tribo.Result:
-    """The same method asperite by asperite."""
+    """A run by the same method in the general loop."""
     with monkeypatch.context() as patch:
         patch.setattr("tribo.run.integrator.has_pair_loop", lambda layout, method: False)
         return tribo.simulate(scene, accuracy=accuracy, method=RADAU.name)
 
 
 def assert_agree(one: tribo.Result, other: tribo.Result) -> None:
-    """Every series within what both say they may be off by."""
+    """Every series agrees within the sum of both error estimates."""
     assert one.status == other.status == "completed"
     assert np.array_equal(one.t, other.t)
     for (_, mine), (_, theirs) in zip(tables(one), tables(other), strict=True):
@@ -84,7 +84,7 @@ POTENTIALS = {
 
 @pytest.mark.parametrize("drives", DRIVES)
 def test_same_as_asperite_by_asperite(drives, monkeypatch):
-    """By the same method, and by one that shares no coefficient with it."""
+    """The motion is that of the general loop, and that of a method with other coefficients."""
     scene = pair(POTENTIALS["a formula of arithmetic"], drives)
     own = tribo.simulate(scene, accuracy=1e-11, method=RADAU.name)
     assert max(own.error_estimate["w1"], own.error_estimate["theta"]) < 1e-10
@@ -95,14 +95,14 @@ def test_same_as_asperite_by_asperite(drives, monkeypatch):
 
 @pytest.mark.parametrize("name", POTENTIALS)
 def test_every_kind_of_potential(name, monkeypatch):
-    """Those that cannot be computed lane by lane are computed one by one."""
+    """Formulas that Lanes cannot compute are computed one distance after another."""
     scene = pair(POTENTIALS[name], DRIVES[1])
     own = tribo.simulate(scene, accuracy=1e-10, method=RADAU.name)
     assert_agree(own, by_general_loop(scene, 1e-10, monkeypatch))
 
 
 def test_facing_and_order(monkeypatch):
-    """Surfaces may face as they like and come in any order."""
+    """Surfaces may face either way and come in any order."""
     scene = pair(tribo.Coulomb(0.3), DRIVES[1])
     upper, lower = scene.surfaces
     turned = replace(upper, bob=(-2.0, -0.4), facing="up", initial=tribo.Initial(theta=3.3))
@@ -114,7 +114,7 @@ def test_facing_and_order(monkeypatch):
 
 @st.composite
 def pairs(draw):
-    """Random pairs of the kind that the loop is for."""
+    """Random scenes that the pair's loop serves."""
     drive = st.sampled_from((FORCED, FREE))
     surfaces = [
         tribo.Surface(
@@ -153,7 +153,7 @@ def test_random_pairs(scene):
 
 
 def test_who_has_the_loop():
-    """All cases of the paper; and no scene with anything more to it."""
+    """The loop serves all cases of the paper, and no scene with any other effect."""
     for case in paper.CASES:
         assert has_pair_loop(lay_out(paper.scene(case)), RADAU)
         assert not has_pair_loop(lay_out(paper.scene(case)), METHODS["dop853"])
@@ -188,7 +188,7 @@ def test_who_has_the_loop():
 
 
 def test_outcomes():
-    """What ends a run early has the names that it has in the general loop."""
+    """A run that stops early has the same status as in the general loop."""
     scene = pair(tribo.Coulomb(0.3), DRIVES[0])
     upper, lower = scene.surfaces
     still = tribo.Initial()
@@ -212,7 +212,7 @@ def test_outcomes():
 
 
 def test_interrupted_far_out():
-    """A long run is stopped by a keystroke, and what it had reached is its last sample."""
+    """A keystroke stops a long run, and the state that it reached is the last sample."""
 
     def stop(t):
         reached.append(t)
@@ -230,7 +230,7 @@ def test_interrupted_far_out():
 
 
 def test_interrupted_after_the_last_step():
-    """Whoever strikes a key when a run is complete has all of its samples, and no more."""
+    """A keystroke after the last step leaves all samples, and adds none."""
 
     def stop(t):
         raise KeyboardInterrupt
@@ -246,7 +246,7 @@ def test_interrupted_after_the_last_step():
 
 @pytest.mark.parametrize("drives", DRIVES)
 def test_from_rest(drives):
-    """Nothing moves at first, and no encounter is ahead."""
+    """A run starts from rest, with no encounter ahead."""
     scene = pair(tribo.Coulomb(0.3), drives)
     upper, lower = (
         replace(surface, velocity=(0.0, 0.0), initial=tribo.Initial()) for surface in scene.surfaces
@@ -260,12 +260,12 @@ def test_from_rest(drives):
 
 @pytest.mark.parametrize("samples", [17, 2])
 def test_in_pieces_as_in_one(samples):
-    """A run that pauses goes on where it was, to the last bit."""
+    """A run that pauses continues with the same bits."""
     scene = replace(pair(tribo.Coulomb(0.3), DRIVES[1]), output=tribo.Output(samples=samples))
     integrator = integrator_for(lay_out(scene), RADAU)
     layout, own = integrator.layout, integrator._pair
     whole = integrator(pilot(integrator.layout), scene.times)
-    loop = time_loop(pair_collocation, stamp(layout.plugins))
+    loop = time_loop(pair_collocation, source_stamp(layout.plugins))
     own._evaluations[0] = 0
     record = np.empty((scene.times.size + 1, COLUMNS))
     code, calls = PAUSED, 0
@@ -279,7 +279,7 @@ def test_in_pieces_as_in_one(samples):
 
 @pytest.mark.parametrize("method", [RADAU.name, "dop853"])
 def test_a_result_for_later_is_the_same(method):
-    """What is put together when looked at is what it was when the run ended."""
+    """A result that is computed at its first use is what it was when the run ended."""
     scene = pair(tribo.Coulomb(0.3), DRIVES[1])
     simulation = tribo.prepare(scene, accuracy=1e-8, method=method)
     later = simulation.run({"upper.theta": 0.1}, estimate=False)
@@ -294,7 +294,7 @@ def test_a_result_for_later_is_the_same(method):
 @pytest.mark.parametrize("case", ["A", "D"])
 @pytest.mark.parametrize("accuracy", [1e-5, 1e-9])
 def test_a_run_without_an_estimate_keeps_the_accuracy(case, accuracy):
-    """Though it does not stop at the times where others are compared."""
+    """It does so without samples at the times where other runs are compared."""
     scene = replace(paper.scene(case), output=tribo.Output(samples=2))
     simulation = tribo.prepare(scene, accuracy=accuracy, method=RADAU.name)
     lone = simulation.run(estimate=False)

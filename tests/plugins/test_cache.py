@@ -1,4 +1,4 @@
-"""Compiled code is kept on disk, and never served for a source that has changed since."""
+"""Compiled code is cached on disk, and never used for sources that have changed since."""
 
 import os
 import shutil
@@ -42,7 +42,7 @@ STAMP = "from tribo.kernels.compiled import package_stamp; print(package_stamp()
 
 
 def python(code, *arguments, **environment):
-    """What a new process prints."""
+    """The words that a new process prints."""
     return subprocess.run(
         [sys.executable, "-c", code, *map(str, arguments)],
         env=os.environ | {key: str(value) for key, value in environment.items()},
@@ -113,7 +113,7 @@ def test_moved_plugin_is_found(place):
 
 
 def test_edited_import_of_a_plugin_is_seen(place):
-    """What a plug-in imports from a file of the user's own is part of it."""
+    """A change of a file that a plug-in imports is a change of the plug-in."""
     plugin = PLUGIN.replace("POWER = 1", "from powers import POWER")
     place.write("one", plugin)
     found = []
@@ -135,7 +135,7 @@ def test_same_name_in_another_file(place):
 
 
 def test_edited_module_is_seen(place):
-    """A class that is found by its module's name, and what that imports from its own package."""
+    """So is a change in the package of a class that is given by its module's name."""
     package = place.root / "own_package"
     (package / "deep").mkdir(parents=True)
     (package / "__init__.py").touch()
@@ -179,7 +179,7 @@ print(tribo.simulate(scene)["upper"].theta[-1, 0])
 
 
 def test_a_class_that_is_typed_in(place):
-    """It works, edited or not, and leaves nothing on disk that could be served for another."""
+    """It works, edited or not, and leaves no compiled code on disk."""
     place.write("one", PLUGIN)
     scene = place.root / "one" / "scene.toml"
     expected = place.run("one")
@@ -241,7 +241,7 @@ def test_an_energy_of_ones_own_has_the_works_of_case_a(tmp_path):
 
 
 def test_edited_package_is_another(tmp_path):
-    """An edit of any source of the package changes the stamp that its kernels are kept under."""
+    """An edit of any source of the package changes the stamp in the names of its kernels."""
     package = tmp_path / "tribo"
     shutil.copytree(
         Path(tribo.__file__).parent, package, ignore=shutil.ignore_patterns("__pycache__")
@@ -262,6 +262,6 @@ def test_edited_package_is_another(tmp_path):
 
 
 def test_stamp_is_of_this_package(tmp_path):
-    """A copy that differs in nothing has the same stamp, wherever it lies."""
+    """An identical copy in another folder has the same stamp."""
     shutil.copytree(Path(tribo.__file__).parent, tmp_path / "tribo")
     assert python(STAMP, PYTHONPATH=tmp_path) == python(STAMP)

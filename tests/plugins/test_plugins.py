@@ -1,4 +1,4 @@
-"""Drives, ends and fields of the user's own: they do what built-ins that say the same do."""
+"""Drives, ends and fields by plug-ins: they act as the built-in ones with the same formula."""
 
 from dataclasses import replace
 from typing import NamedTuple

@@ -295,7 +295,7 @@ from tribo.report_card import check
 from tribo.report_card.agreement import check_agreement
 from tribo.report_card.scan import PotentialScan
 if sys.argv[2] == "wrong":
-    sources.stamp = lambda plugins: "always-the-same"
+    sources.source_stamp = lambda plugins: "always-the-same"
 own = from_table({"potential": "own.py:Own", "s": 1.0}, Path(sys.argv[1]))
 print(*(line.name for line in check_agreement(PotentialScan(own)) if not line.passed))
 """

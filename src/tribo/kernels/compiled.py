@@ -15,7 +15,7 @@ from types import FunctionType
 from typing import Any
 
 import numpy as np
-from numba import njit
+from numba import config, njit
 
 from tribo.kernels import plugin_methods  # noqa: F401 (kernels call methods of plug-ins)
 
@@ -37,6 +37,10 @@ shared_kernel = njit(error_model="numpy", _nrt=False)
 owning_kernel = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=True)
 shared_owning_kernel = njit(error_model="numpy", _nrt=True)
 
+# A file of the disk cache with the code of a time loop: source, name, the stamps of package and
+# plug-ins, line, and version of Python.
+FILE_NAME = re.compile(r"\w+\.\w+_[0-9a-f]{16}_\w*-\d+\.py.*\.nb[ic]")
+
 
 @functools.cache
 def package_stamp() -> str:
@@ -53,7 +57,7 @@ def package_stamp() -> str:
 def time_loop(loop: FunctionType, stamp: str | None) -> Callable[..., Any]:
     """Compile a time loop and keep it on disk.
 
-    Machine code that earlier versions of the package left for the same loop is removed.
+    Machine code that earlier versions of the package left there is removed.
 
     Parameters
     ----------
@@ -67,7 +71,7 @@ def time_loop(loop: FunctionType, stamp: str | None) -> Callable[..., Any]:
     callable
         The loop, compiled at the first call with arguments of new types.
     """
-    if stamp is None:
+    if stamp is None or config.DISABLE_JIT:  # type: ignore[attr-defined]
         return njit(error_model="numpy")(loop)
     compiled = _named(loop, f"{package_stamp()}_{stamp}")
     remove_stale(loop)
@@ -83,22 +87,23 @@ def _named(loop: FunctionType, stamps: str) -> Any:
 
 
 def cached_files(loop: FunctionType) -> list[Path]:
-    """Files of machine code of a time loop on disk, of all versions of package and plug-ins."""
+    """Files of machine code on disk in the folder of a time loop.
+
+    They are of all loops from sources in one folder, and of all versions of package and plug-ins.
+    """
     folder = Path(_named(loop, package_stamp()).stats.cache_path)
-    name = re.compile(rf"\w+\.{loop.__name__}_[0-9a-f]{{16}}_.*\.nb[ic]")
-    return sorted(path for path in folder.glob("*.nb?") if name.fullmatch(path.name))
+    return sorted(path for path in folder.glob("*.nb?") if FILE_NAME.fullmatch(path.name))
 
 
 def remove_stale(loop: FunctionType) -> None:
-    """Remove the machine code of a loop that other versions of the package left on disk.
+    """Remove the machine code that other versions of the package left in the folder of a loop.
 
-    numba keeps the code of each source file, by its full path, in a folder of its own, so these
-    are earlier versions of the package in the same place.  A process that still runs one of them
-    has its code in memory, and compiles again what it does not find.
+    numba has one folder for the sources of one folder, by its full path, so these are earlier
+    versions of the package in the same place.  A process that still runs one of them has its code
+    in memory, and compiles again what it does not find.
     """
-    current = f".{loop.__name__}_{package_stamp()}_"
     for path in cached_files(loop):
-        if current not in path.name:
+        if f"_{package_stamp()}_" not in path.name:
             remove(path)
 
 

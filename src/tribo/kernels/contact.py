@@ -1,6 +1,6 @@
-"""Contact: the force that the bobs of one surface exert on the bobs of another.
+"""Contact: the forces between the bobs of two surfaces, and among the bobs of one.
 
-Where a scene asks for it, also the force among the bobs of one surface, which is internal to it.
+The latter are internal forces of the surface.
 """
 
 import math
@@ -10,9 +10,10 @@ from numba import literal_unroll
 
 from tribo.kernels.compiled import kernel
 from tribo.kernels.external import call_at
-from tribo.kernels.neighbours import image, is_met, may_meet
+from tribo.kernels.neighbours import image, is_partner, partner_species
 
-SQUARE_IS_SAFE = 1e-280  # below, r^2 loses digits to underflow
+# Square of a distance below which the squares of its components lose digits to underflow.
+SQUARE_IS_SAFE = 1e-280
 
 
 @kernel
@@ -26,9 +27,9 @@ def separation(dx, dy, dz):
 
 @kernel
 def row_of(contact, k, one, other, i, neighbours):
-    """Where the candidates for bob i begin and end, and whether in the list or among all bobs.
+    """First and last + 1 of the candidates for bob i, and whether they are places in the list.
 
-    Within one surface, those that come after i.
+    They are bobs otherwise.  Within one surface they come after i.
     """
     if neighbours is not None:
         if contact.rows[k] >= 0:
@@ -40,15 +41,15 @@ def row_of(contact, k, one, other, i, neighbours):
 
 @kernel
 def candidate(neighbours, is_listed, m):
-    """The bob at place m of a row."""
+    """Candidate m of a row: a bob."""
     if neighbours is None:
         return m
     return neighbours.index[m] if is_listed else m
 
 
 @kernel
-def add_contact(model, contact, pushes, neighbours):
-    """Add the forces of one interaction to those on the bobs, `pushes`."""
+def add_contact(model, contact, forces, neighbours):
+    """Add the forces of one interaction to `forces`, records with fx and fy, one a bob."""
     bobs = model.bobs
     box = model.box
     potential = contact.potential
@@ -60,11 +61,11 @@ def add_contact(model, contact, pushes, neighbours):
             a = bobs[i]
             fx = 0.0
             fy = 0.0
-            wanted = may_meet(model.species, contact.species, i)
+            partners = partner_species(model.species, contact.species, i)
             start, stop, is_listed = row_of(contact, k, one, other, i, neighbours)
             for m in range(start, stop):
                 j = candidate(neighbours, is_listed, m)
-                if not is_met(model.species, wanted, j):
+                if not is_partner(model.species, partners, j):
                     continue
                 b = bobs[j]
                 dx = image(a.x - b.x, box, 0)
@@ -74,17 +75,17 @@ def add_contact(model, contact, pushes, neighbours):
                     f = potential.force_between(r, a.charge, b.charge) / r
                     fx += f * dx
                     fy += f * dy
-                    push = pushes[j]
-                    push.fx -= f * dx
-                    push.fy -= f * dy
-            push = pushes[i]
-            push.fx += fx
-            push.fy += fy
+                    force = forces[j]
+                    force.fx -= f * dx
+                    force.fy -= f * dy
+            force = forces[i]
+            force.fx += fx
+            force.fy += fy
 
 
 @kernel
 def contact_forces(model, neighbours):
-    """Fill in the contact force f1 on newly placed bobs, and the contact within if there is any."""
+    """Add the contact force f1 on newly placed bobs, and set the forces within surfaces."""
     for contact in literal_unroll(model.contacts):
         add_contact(model, contact, model.bobs, neighbours)
     add_calculated(model, model.calculators)
@@ -101,7 +102,7 @@ def force_within(inner, i):
 
 @kernel
 def add_within(model, within, neighbours):
-    """Fill in the forces among the bobs of one surface."""
+    """Set the forces among the bobs of one surface."""
     if within is not None:
         for i in range(model.inner.shape[0]):
             model.inner[i].fx = 0.0
@@ -111,42 +112,42 @@ def add_within(model, within, neighbours):
 
 
 @kernel
-def call_outside(model, calculator):
-    """Have a calculator fill in its forces and its energy at the bobs' present places."""
+def call_calculator(model, calculator):
+    """Have a calculator compute forces and energy at the bobs' present positions."""
     row = 0
     for k in range(calculator.surfaces.size):
         s = model.surfaces[calculator.surfaces[k]]
         for i in range(s.start, s.stop):
-            calculator.place[row, 0] = model.bobs[i].x
-            calculator.place[row, 1] = model.bobs[i].y
+            calculator.positions[row, 0] = model.bobs[i].x
+            calculator.positions[row, 1] = model.bobs[i].y
             row += 1
     call_at(calculator.address)
 
 
 @kernel
 def add_calculated(model, calculators):
-    """Add the forces that are computed outside of the kernels."""
+    """Add the forces of calculators that are not compiled."""
     if calculators is not None:
         for calculator in calculators:
-            call_outside(model, calculator)
+            call_calculator(model, calculator)
             row = 0
             for k in range(calculator.surfaces.size):
                 s = model.surfaces[calculator.surfaces[k]]
                 for i in range(s.start, s.stop):
                     b = model.bobs[i]
-                    b.fx += calculator.push[row, 0]
-                    b.fy += calculator.push[row, 1]
+                    b.fx += calculator.forces[row, 0]
+                    b.fy += calculator.forces[row, 1]
                     row += 1
 
 
 @kernel
 def calculated_energy(model, calculators):
-    """Energy of the contacts that are computed outside of the kernels."""
+    """Energy of the contacts by calculators that are not compiled."""
     energy = 0.0
     if calculators is not None:
         for calculator in calculators:
-            call_outside(model, calculator)
-            energy += calculator.held[0]
+            call_calculator(model, calculator)
+            energy += calculator.energy[0]
     return energy
 
 
@@ -161,11 +162,11 @@ def pair_energy(model, contact, k, neighbours):
     energy = 0.0
     for i in range(one.start, one.stop):
         a = bobs[i]
-        wanted = may_meet(model.species, contact.species, i)
+        partners = partner_species(model.species, contact.species, i)
         start, stop, is_listed = row_of(contact, k, one, other, i, neighbours)
         for m in range(start, stop):
             j = candidate(neighbours, is_listed, m)
-            if not is_met(model.species, wanted, j):
+            if not is_partner(model.species, partners, j):
                 continue
             b = bobs[j]
             dx = image(a.x - b.x, model.box, 0)
@@ -177,7 +178,7 @@ def pair_energy(model, contact, k, neighbours):
 
 @kernel
 def contact_energy(model, neighbours):
-    """Potential energy of all contacts between surfaces at the bobs' present places."""
+    """Potential energy of all contacts between surfaces at the bobs' present positions."""
     energy = calculated_energy(model, model.calculators)
     for contact in literal_unroll(model.contacts):
         for k in range(contact.pairs.shape[0]):
@@ -186,8 +187,8 @@ def contact_energy(model, neighbours):
 
 
 @kernel
-def encounter_of(model, contact, neighbours, speeds):
-    """What `encounter_rate` wants of one interaction."""
+def encounter_of_contact(model, contact, neighbours, speeds):
+    """Largest encounter rate, and smallest distance, in one interaction."""
     bobs = model.bobs
     rate = 0.0
     closest = np.inf
@@ -197,11 +198,11 @@ def encounter_of(model, contact, neighbours, speeds):
         other = model.surfaces[contact.pairs[k, 1]]
         for i in range(one.start, one.stop):
             a = bobs[i]
-            wanted = may_meet(model.species, contact.species, i)
+            partners = partner_species(model.species, contact.species, i)
             start, stop, is_listed = row_of(contact, k, one, other, i, neighbours)
             for m in range(start, stop):
                 j = candidate(neighbours, is_listed, m)
-                if not is_met(model.species, wanted, j):
+                if not is_partner(model.species, partners, j):
                     continue
                 b = bobs[j]
                 dx = image(a.x - b.x, model.box, 0)
@@ -222,15 +223,29 @@ def encounter_of(model, contact, neighbours, speeds):
 def encounter_rate(model, neighbours, speeds):
     """Largest of (relative speed) / (distance to the next change of force) over all pairs.
 
-    `speeds` (n, 3) holds the velocity of each centre of mass and the fastest its pendulum can
-    swing the bob about it.  A potential's clearance(r) is how far a pair at r may move before its
-    force is another.  Pairs that are not listed are at least the rest of the skin away from
-    mattering.  Returns the rate [1 / time] and the smallest distance of a pair.
+    A potential's clearance(r) is the distance that a pair at r may move before its force changes.
+    Pairs that are not listed are farther apart than the cutoff by what is left of the skin.
+
+    Parameters
+    ----------
+    model : Model
+        The scene, bobs in place.
+    neighbours : Neighbours or None
+        The list of neighbours.
+    speeds : ndarray, (n, 3)
+        Velocity of each centre of mass, and the largest speed of the bob about it.
+
+    Returns
+    -------
+    rate : float
+        [1 / time]
+    closest : float
+        Smallest distance of a pair [length].
     """
     rate = 0.0
     closest = np.inf
     for contact in literal_unroll(model.contacts):
-        faster, closer = encounter_of(model, contact, neighbours, speeds)
+        faster, closer = encounter_of_contact(model, contact, neighbours, speeds)
         rate = max(rate, faster)
         closest = min(closest, closer)
     return encounter_within(model, model.within, neighbours, speeds, rate, closest)
@@ -238,10 +253,10 @@ def encounter_rate(model, neighbours, speeds):
 
 @kernel
 def encounter_within(model, within, neighbours, speeds, rate, closest):
-    """The same with the contact within surfaces, where there is any."""
+    """The same, with the contact within surfaces."""
     if within is not None:
         for contact in literal_unroll(within):
-            faster, closer = encounter_of(model, contact, neighbours, speeds)
+            faster, closer = encounter_of_contact(model, contact, neighbours, speeds)
             rate = max(rate, faster)
             closest = min(closest, closer)
     return rate, closest
@@ -260,7 +275,7 @@ def shortest_feature(contacts):
 
 @kernel
 def widest_rate(model, speeds):
-    """A bound on the encounter rate without looking at pairs; infinite where there is none."""
+    """An upper bound on the encounter rate that needs no loop over pairs; may be infinite."""
     shortest = min(shortest_feature(model.contacts), shortest_feature(model.within))
     fastest = 0.0
     for k in range(model.surfaces.shape[0]):
@@ -271,7 +286,7 @@ def widest_rate(model, speeds):
 
 @kernel
 def closing_speed(one, other, speeds):
-    """The fastest that any bob of one surface can approach any of another."""
+    """Largest speed at which any bob of one surface can approach any of another."""
     low_x = math.inf
     low_y = math.inf
     high_x = -math.inf

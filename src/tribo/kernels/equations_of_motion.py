@@ -1,9 +1,9 @@
-"""The equations of motion: M q'' = F(q, t), asperite by asperite.
+"""The equations of motion: M q'' = F(q, q', t), asperite by asperite.
 
-Coordinates q: the swing theta - rest of every asperite, then phi, x and y of those that have
-them free, then the baths.  x and y are displacements from the uniform motion that the centre of
-mass began with; where no net force can arise they stay zero, and are no coordinates at all.  A
-bath oscillator's coordinates are its displacement from the resting bar in that same motion.
+The coordinates q are the swing theta - rest of every asperite, then phi, x and y of those that
+have them free, then the baths.  x and y are displacements from the initial uniform motion of the
+centre of mass; where no net force can arise they stay zero and are no coordinates.  A bath
+oscillator's coordinates are its displacement from the resting bar in the same uniform motion.
 """
 
 import math
@@ -27,13 +27,16 @@ def bar_angle(asperite, t, q):
 
 @kernel
 def displacement(slot, q):
-    """What is stored in a slot of coordinates or rates; zero where there is none."""
+    """The coordinate or velocity in a slot; 0 where there is none."""
     return q[slot] if slot >= 0 else 0.0
 
 
 @kernel
 def bar_displacement(asperite, q, swing):
-    """How far the bar is from where it would rest: r2 = r_cm + l2 (-sin theta, cos theta)."""
+    """Displacement of the bar from its rest, in the initial uniform motion.
+
+    The position is r2 = r_cm + l2 (-sin theta, cos theta).
+    """
     x = displacement(asperite.dof_x, q) - asperite.l2 * asperite.facing * math.sin(swing)
     half = math.sin(0.5 * swing)
     y = displacement(asperite.dof_y, q) - asperite.l2 * asperite.facing * 2.0 * half * half
@@ -42,7 +45,7 @@ def bar_displacement(asperite, q, swing):
 
 @kernel
 def place_bob(model, i, t, q):
-    """r1 = r_cm + l1 (sin theta, -cos theta); no contact force on it yet."""
+    """Set position and direction of bob i, and clear its contact force."""
     a = model.asperites[i]
     b = model.bobs[i]
     b.tx = a.facing * math.cos(q[i])
@@ -56,13 +59,13 @@ def place_bob(model, i, t, q):
 
 @shared_kernel
 def place_bobs(model, t, q):
-    """Every bob where the coordinates have it."""
+    """Set position and direction of every bob."""
     for i in range(model.asperites.shape[0]):
         place_bob(model, i, t, q)
 
 
 @kernel
-def bar_rate(a, b, i, v):
+def velocity_of_bar(a, b, i, v):
     """Velocity of bar i's centre in the surface's first frame, bobs in place."""
     vx = displacement(a.dof_x, v)
     vy = displacement(a.dof_y, v)
@@ -70,8 +73,8 @@ def bar_rate(a, b, i, v):
 
 
 @kernel
-def into_field(field, t):
-    """What to add to a position in the scene to have it in the field's own frame."""
+def field_shift(field, t):
+    """Position in the field's own frame minus position in the scene."""
     return (
         field.origin[0] + field.velocity[0] * t,
         field.origin[1] + field.velocity[1] * t,
@@ -80,14 +83,14 @@ def into_field(field, t):
 
 @kernel
 def field_forces(model, fields, t):
-    """The external fields' force on the bobs."""
+    """Set the force of the external fields on the bobs."""
     if fields is not None:
         bars = model.bars
         for i in range(bars.shape[0]):
             bars[i].ex = 0.0
             bars[i].ey = 0.0
         for field in literal_unroll(fields):
-            shift_x, shift_y = into_field(field, t)
+            shift_x, shift_y = field_shift(field, t)
             for k in range(field.surfaces.shape[0]):
                 s = model.surfaces[field.surfaces[k]]
                 for i in range(s.start, s.stop):
@@ -100,11 +103,11 @@ def field_forces(model, fields, t):
 
 @kernel
 def field_energy(model, fields, t):
-    """Potential energy of the bobs in the external fields, in place."""
+    """Potential energy of the bobs in the external fields, bobs in place."""
     energy = 0.0
     if fields is not None:
         for field in literal_unroll(fields):
-            shift_x, shift_y = into_field(field, t)
+            shift_x, shift_y = field_shift(field, t)
             for k in range(field.surfaces.shape[0]):
                 s = model.surfaces[field.surfaces[k]]
                 for i in range(s.start, s.stop):
@@ -115,7 +118,7 @@ def field_energy(model, fields, t):
 
 @kernel
 def clear_internal(bars):
-    """No internal force on any bar yet."""
+    """Clear the internal forces on the bars."""
     for i in range(bars.shape[0]):
         bars[i].hx = 0.0
         bars[i].hy = 0.0
@@ -131,7 +134,7 @@ def stretch(bond, asperites, q):
 
 @kernel
 def spring_forces(model, bonds, q):
-    """Lattice springs pull on the bars: f = -k (stretch)."""
+    """Add the forces of lattice springs on the bars, f = -k (stretch)."""
     if bonds is not None:
         for m in range(bonds.shape[0]):
             bond = bonds[m]
@@ -146,7 +149,7 @@ def spring_forces(model, bonds, q):
 
 @kernel
 def bath_forces(model, bath, q):
-    """Every oscillator pulls on its bar: f = m w^2 (its displacement from the bar)."""
+    """Add the forces of bath oscillators on the bars, f = m w^2 (displacement from the bar)."""
     if bath is not None:
         for i in range(model.asperites.shape[0]):
             a = model.asperites[i]
@@ -162,13 +165,16 @@ def bath_forces(model, bath, q):
 
 @kernel
 def friction_forces(model, langevin, v):
-    """Langevin at the bar: f_T = -gamma (v_bar - u); its noise is the integrator's."""
+    """Set the Langevin friction on the bars, f_T = -gamma (v_bar - u).
+
+    The integrator adds the noise.
+    """
     if langevin is not None:
         for i in range(model.asperites.shape[0]):
             a = model.asperites[i]
             b = model.bobs[i]
             s = model.surfaces[a.surface]
-            vx, vy = bar_rate(a, b, i, v)
+            vx, vy = velocity_of_bar(a, b, i, v)
             d = model.bars[i]
             d.lx = -s.gamma * (vx - s.reservoir_x)
             d.ly = -s.gamma * (vy - s.reservoir_y)
@@ -176,7 +182,7 @@ def friction_forces(model, langevin, v):
 
 @kernel
 def gather_contact(model):
-    """The contact force on each rigid surface as a whole."""
+    """Sum the contact forces on each rigid surface."""
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         if s.drive == RIGID:
@@ -187,7 +193,7 @@ def gather_contact(model):
 
 @kernel
 def drive_bar(model, i, t, q):
-    """f2 on bar i, which knows the contact force f1."""
+    """Set f2 on bar i, contact forces in place."""
     a = model.asperites[i]
     b = model.bobs[i]
     d = model.bars[i]
@@ -206,7 +212,7 @@ def drive_bar(model, i, t, q):
 
 @kernel
 def drive_forces(model, t, q):
-    """f2 on every bar."""
+    """Set f2 on every bar."""
     gather_contact(model)
     for i in range(model.asperites.shape[0]):
         drive_bar(model, i, t, q)
@@ -214,7 +220,7 @@ def drive_forces(model, t, q):
 
 @kernel
 def custom_drives(model, drives, t, q, v):
-    """f2 as the user's own function of (t, bar's place and velocity, contact force) has it."""
+    """Set f2 by a plug-in: a function of time, of the bar's motion, and of the contact force."""
     if drives is not None:
         for drive in literal_unroll(drives):
             s = model.surfaces[drive.surface]
@@ -237,7 +243,7 @@ def custom_drives(model, drives, t, q, v):
 
 @kernel
 def update_neighbours(model, neighbours, t, q):
-    """Place the bobs and list their neighbours; whether there was room for all of them."""
+    """Place the bobs and list their neighbours; returns whether there was room for all of them."""
     place_bobs(model, t, q)
     refresh(model, neighbours)
     return not crowded(neighbours)
@@ -245,7 +251,10 @@ def update_neighbours(model, neighbours, t, q):
 
 @kernel
 def forces(model, neighbours, t, q):
-    """Forces that depend on places alone, bobs newly in place: contact, fields, springs."""
+    """Set the forces that depend on positions alone: contact, fields, springs.
+
+    The bobs are newly placed.
+    """
     refresh(model, neighbours)
     contact_forces(model, neighbours)
     field_forces(model, model.fields, t)
@@ -256,14 +265,14 @@ def forces(model, neighbours, t, q):
 
 @kernel
 def user_end_forces(end, a, i, t, q, v):
-    """Force of the user's own on the ends of bar i: f_L and f_R, x and y of each."""
+    """Forces of a plug-in on the ends of bar i: f_L and f_R, x and y of each."""
     phi = bar_angle(a, t, q)
     return end.plugin.end_forces(t, phi, displacement(a.dof_phi, v), q[i] - phi)
 
 
 @kernel
-def own_ends(model, ends, t, q, v, slope):
-    """Bars whose ends bear the user's own forces f_L and f_R: what they add to q''."""
+def add_user_ends(model, ends, t, q, v, acceleration):
+    """Add the forces of plug-ins on the ends of bars, f_L and f_R, to q''."""
     if ends is not None:
         for end in literal_unroll(ends):
             s = model.surfaces[end.surface]
@@ -278,15 +287,15 @@ def own_ends(model, ends, t, q, v, slope):
                 cos = half * math.cos(phi)
                 sin = half * math.sin(phi)
                 torque = cos * (right_y - left_y) - sin * (right_x - left_x)
-                slope[i] -= a.l2 * (b.tx * fx + b.ty * fy) / a.inertia
-                slope[a.dof_phi] += torque / a.i2
-                slope[a.dof_x] += fx / a.mass
-                slope[a.dof_y] += fy / a.mass
+                acceleration[i] -= a.l2 * (b.tx * fx + b.ty * fy) / a.inertia
+                acceleration[a.dof_phi] += torque / a.i2
+                acceleration[a.dof_x] += fx / a.mass
+                acceleration[a.dof_y] += fy / a.mass
 
 
 @kernel
 def bar_forces(model, i):
-    """Everything on bar i but its ends: f2 + f_int + f_T, as far as the scene has them."""
+    """Force on bar i except at its ends: f2 + f_int + f_T, where the scene has them."""
     d = model.bars[i]
     x = d.gx
     y = d.gy
@@ -301,7 +310,7 @@ def bar_forces(model, i):
 
 @kernel
 def bob_forces(model, i):
-    """Everything on bob i: f1, contact within the surface, and the external field."""
+    """Force on bob i: f1, contact within the surface, and external fields."""
     b = model.bobs[i]
     x, y = force_within(model.inner, i)
     x += b.fx
@@ -313,11 +322,11 @@ def bob_forces(model, i):
 
 
 @kernel
-def accelerate(model, i, torsion, t, q, slope):
-    """q'' of asperite i from the forces in place, which no other asperite's depends on.
+def accelerate(model, i, torsion, t, q, acceleration):
+    """Set q'' of asperite i from the forces in place.
 
-    `torsion` is 0 where the torsion springs are taken apart.  Clamped ends, f_L + f_R = 0, turn
-    nothing but the bar.
+    `torsion` is 0 where the torsion springs are integrated separately, and 1 elsewhere.  Clamped
+    ends have f_L + f_R = 0, and act on the bar's angle only.
     """
     a = model.asperites[i]
     b = model.bobs[i]
@@ -325,18 +334,18 @@ def accelerate(model, i, torsion, t, q, slope):
     bar_x, bar_y = bar_forces(model, i)
     spring = torsion * a.kappa * (q[i] - bar_angle(a, t, q))
     torque = a.l1 * (b.tx * bob_x + b.ty * bob_y) - a.l2 * (b.tx * bar_x + b.ty * bar_y)
-    slope[i] = (torque - spring) / a.inertia
+    acceleration[i] = (torque - spring) / a.inertia
     if a.dof_phi >= 0:
-        slope[a.dof_phi] = spring / a.i2
+        acceleration[a.dof_phi] = spring / a.i2
     if a.dof_x >= 0:
-        slope[a.dof_x] = (bob_x + bar_x) / a.mass
+        acceleration[a.dof_x] = (bob_x + bar_x) / a.mass
     if a.dof_y >= 0:
-        slope[a.dof_y] = (bob_y + bar_y) / a.mass
+        acceleration[a.dof_y] = (bob_y + bar_y) / a.mass
 
 
 @kernel
-def bath_accelerations(model, bath, q, slope):
-    """Oscillators on springs to their bars."""
+def bath_accelerations(model, bath, q, acceleration):
+    """Set q'' of the bath oscillators, which springs hold to their bars."""
     if bath is not None:
         for i in range(model.asperites.shape[0]):
             a = model.asperites[i]
@@ -346,13 +355,13 @@ def bath_accelerations(model, bath, q, slope):
                 kx = a.dof_bath + n
                 ky = kx + s.oscillators
                 square = bath[s.first_oscillator + n].frequency ** 2
-                slope[kx] = -square * (q[kx] - x)
-                slope[ky] = -square * (q[ky] - y)
+                acceleration[kx] = -square * (q[kx] - x)
+                acceleration[ky] = -square * (q[ky] - y)
 
 
 @kernel
-def torsional_accelerations(model, torsional, t, q, slope):
-    """Torsional oscillators on their bars, and their torque on the bars."""
+def torsional_accelerations(model, torsional, t, q, acceleration):
+    """Set q'' of the torsional oscillators, and add their torque on the bars."""
     if torsional is not None:
         for i in range(model.asperites.shape[0]):
             a = model.asperites[i]
@@ -362,15 +371,15 @@ def torsional_accelerations(model, torsional, t, q, slope):
                 k = a.dof_bath + 2 * s.oscillators + n
                 o = torsional[s.first_torsional + n]
                 twist = q[k] - bar_angle(a, t, q)
-                slope[k] = -o.frequency * o.frequency * twist
+                acceleration[k] = -o.frequency * o.frequency * twist
                 torque += o.mass * o.frequency * o.frequency * twist
             if s.torsionals > 0:
-                slope[a.dof_phi] += torque / a.i2
+                acceleration[a.dof_phi] += torque / a.i2
 
 
 @kernel
-def equations_of_motion(model, neighbours, t, q, v, slope):
-    """q'' with every effect of the scene."""
+def equations_of_motion(model, neighbours, t, q, v, acceleration):
+    """Set q'' of all coordinates."""
     place_bobs(model, t, q)
     forces(model, neighbours, t, q)
     drive_forces(model, t, q)
@@ -378,18 +387,18 @@ def equations_of_motion(model, neighbours, t, q, v, slope):
     friction_forces(model, model.langevin, v)
     custom_drives(model, model.drives, t, q, v)
     for i in range(model.asperites.shape[0]):
-        accelerate(model, i, 1.0, t, q, slope)
-    own_ends(model, model.ends, t, q, v, slope)
-    bath_accelerations(model, model.bath, q, slope)
-    torsional_accelerations(model, model.torsional, t, q, slope)
+        accelerate(model, i, 1.0, t, q, acceleration)
+    add_user_ends(model, model.ends, t, q, v, acceleration)
+    bath_accelerations(model, model.bath, q, acceleration)
+    torsional_accelerations(model, model.torsional, t, q, acceleration)
 
 
 @kernel
 def top_speeds(model, t, q, v, speeds):
-    """Velocity of each centre of mass, and the fastest its pendulum can swing the bob about it.
+    """Set the velocity of each centre of mass, and the largest speed of its bob about it.
 
-    The second comes from the energy of the swing, so that a pendulum at its turning point is
-    not taken for one at rest.
+    The second follows from the energy of the swing, so a pendulum at its turning point counts with
+    the speed that it will have at its rest angle.
     """
     asperites = model.asperites
     for i in range(asperites.shape[0]):

@@ -1,4 +1,4 @@
-"""Calling out of compiled code: the way to calculators that are not kernels."""
+"""Calls from compiled code to calculators that are not compiled."""
 
 from typing import Any
 
@@ -11,7 +11,7 @@ from numba.extending import intrinsic
 def call_at(typing_context: Any, address: Any) -> Any:
     """Call the function ``void f(void)`` at an address, as ctypes makes one from Python.
 
-    The address is a number like any other, so that a kernel that calls it is cached on disk.
+    The address is an argument, a number, so a kernel that calls it can be cached on disk.
     """
 
     def build(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:

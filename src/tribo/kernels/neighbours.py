@@ -1,8 +1,8 @@
-"""Lists of the bobs that may be within a cutoff, kept correct however far surfaces slide.
+"""Lists of the bobs that may be within a cutoff.
 
-Bobs are sorted into cells in x and z.  The list reaches a skin farther than the cutoff and is
-made anew as soon as two bobs together can have crossed the skin: at every evaluation of the
-forces, so that no step of any method sees a list that lacks a pair.
+Bobs are sorted into cells in x and z.  The list reaches a skin farther than the cutoff.  At each
+evaluation of the forces it is rebuilt if two bobs together can have crossed the skin, so it never
+lacks a pair, however far surfaces slide.
 """
 
 import math
@@ -23,7 +23,7 @@ def image(difference, box, axis):
 
 @kernel
 def outdated(bobs, neighbours):
-    """Whether any two bobs can have crossed the skin since the list was made."""
+    """Whether any two bobs can have crossed the skin since the list was built."""
     limit = 0.25 * neighbours.skin * neighbours.skin
     for i in range(bobs.shape[0]):
         dx = bobs[i].x - neighbours.place[i, 0]
@@ -43,14 +43,14 @@ def is_empty(neighbours):
 
 @kernel
 def cell_count(extent, size, most, period):
-    """Number of cells of at least `size` in an extent; one where a period has under three."""
+    """Number of cells of at least `size` in an extent; one where a period has fewer than three."""
     count = int(min(max(extent / size, 1.0), most))
     return 1 if period > 0.0 and count < 3 else count
 
 
 @kernel
 def cell_of(place, low, width, count, period):
-    """The cell of a place; outside of the extent, the numbers go on."""
+    """Number of the cell of a coordinate; negative or >= count outside of the extent."""
     if period > 0.0:
         place = place - period * math.floor(place / period)
         return min(int(place / width), count - 1)
@@ -58,8 +58,12 @@ def cell_of(place, low, width, count, period):
 
 
 @owning_kernel
-def binned(bobs, start, stop, reach, box_x, box_z):
-    """Sort bobs start <= j < stop into cells: (cells' geometry, first of each cell, order)."""
+def sort_into_cells(bobs, start, stop, reach, box_x, box_z):
+    """Sort bobs start <= j < stop into cells.
+
+    Returns the cells' geometry (low x, low z, widths, numbers), the first place of each cell in the
+    order, and the order.
+    """
     n = stop - start
     low_x = math.inf
     low_z = math.inf
@@ -97,7 +101,7 @@ def binned(bobs, start, stop, reach, box_x, box_z):
 
 @kernel
 def sort_row(index, start, end):
-    """Put a short row in ascending order, in place."""
+    """Sort a short row in ascending order, in place."""
     for k in range(start + 1, end):
         value = index[k]
         m = k
@@ -108,8 +112,8 @@ def sort_row(index, start, end):
 
 
 @kernel
-def may_meet(species, kinds, i):
-    """Which species bob i may meet in a contact of two kinds: -1 for any, -2 for none."""
+def partner_species(species, kinds, i):
+    """Species that bob i interacts with in a contact of two kinds: -1 is any, -2 none."""
     if species is None:
         return -1
     if kinds is None:
@@ -122,16 +126,16 @@ def may_meet(species, kinds, i):
 
 
 @kernel
-def is_met(species, wanted, j):
-    """Whether bob j is of the species wanted."""
+def is_partner(species, partners, j):
+    """Whether bob j is of a species by `partner_species`."""
     if species is None:
         return True
-    return wanted == -1 or species[j] == wanted
+    return partners == -1 or species[j] == partners
 
 
 @owning_kernel
 def list_pair(model, box, neighbours, one, other, k, used):
-    """Fill the rows of the kth pair of surfaces; returns how much room is used or wanted.
+    """Fill the rows of the kth pair of surfaces; returns the length of the list that it needs.
 
     Within one surface every pair of bobs is listed once, in the row of the first.
     """
@@ -147,12 +151,12 @@ def list_pair(model, box, neighbours, one, other, k, used):
     if box is not None:
         box_x = box.x
         box_z = box.z
-    cells, first, order = binned(bobs, other.start, other.stop, reach, box_x, box_z)
+    cells, first, order = sort_into_cells(bobs, other.start, other.stop, reach, box_x, box_z)
     low_x, low_z, width_x, width_z, nx, nz = cells
     for i in range(one.start, one.stop):
         a = bobs[i]
         start[row] = used
-        wanted = may_meet(species, kinds, i)
+        partners = partner_species(species, kinds, i)
         cx = cell_of(a.x, low_x, width_x, nx, box_x)
         cz = cell_of(a.z, low_z, width_z, nz, box_z)
         for kz in range(cz - 1, cz + 2):
@@ -172,7 +176,7 @@ def list_pair(model, box, neighbours, one, other, k, used):
                 c = kz * nx + kx
                 for m in range(first[c], first[c + 1]):
                     j = order[m]
-                    if j <= i or not is_met(species, wanted, j):
+                    if j <= i or not is_partner(species, partners, j):
                         continue
                     b = bobs[j]
                     dx = nearest_image(a.x - b.x, box_x)
@@ -190,9 +194,9 @@ def list_pair(model, box, neighbours, one, other, k, used):
 
 @shared_owning_kernel
 def refresh(model, neighbours):
-    """Make the list anew if the bobs in place ask for it.
+    """Rebuild the list if bobs have moved too far.
 
-    Rows for which there is no room are not listed; they count as all pairs until there is.
+    For rows that do not fit, all pairs are computed until the list is given more room.
     """
     if neighbours is not None:
         bobs = model.bobs

@@ -1,21 +1,21 @@
 """The powers whose time integrals are the ledger's accounts.
 
-Work is booked in three parts, force by force: the impulse J of the force, its work about the
-centre of mass, and its pseudowork in the frame of the surface's initial velocity.  With V that
-velocity, work = (about) + V . J + (pseudowork there): no digit is lost in a fast frame.
+The work of each force is integrated in three parts: the impulse J of the force, its work about the
+centre of mass, and its pseudowork in the frame of the surface's initial velocity V.  In the
+laboratory, work = (about) + V . J + (pseudowork); no digits are lost where V is large.
 
     contact    Jx, Jy; integrals of f1_x omega t_x and f1_y omega t_y, where t is the unit vector
                along which a growing theta moves the bob: the work about the centre of mass is l1
                times their sum
     slide      pseudowork of f1_x and f1_y, where the centre of mass can leave its uniform motion
-    drive      f2 where it is more than a part of -f1: Jx, Jy, integral of omega t . f2, pseudowork
+    drive      f2 where it is no multiple of f1: Jx, Jy, integral of omega t . f2, pseudowork
     ends       clamped bars: work of f_L, of f_R about the centre of mass, Jx and Jy of f_L (f_R is
                -f_L), pseudowork of f_L
     user_ends  the same of f_L and f_R each: about, about, Jx, Jy, Jx, Jy, pseudowork, pseudowork
     internal   springs and bath on the bar, contact within on the bob: Jx, Jy, about, pseudowork
     field      external fields on the bob: Jx, Jy, about, pseudowork
     thermal    Langevin at the bar: Jx, Jy, about, pseudowork
-    moving     of a field: work done by whatever moves it through the laboratory
+    moving     of a field: work of the agent that moves it through the laboratory
     block      of a surface: pseudowork of all external forces at the centre of all its masses
 """
 
@@ -28,17 +28,18 @@ from tribo.kernels.contact import force_within
 from tribo.kernels.equations_of_motion import (
     bar_angle,
     displacement,
-    into_field,
+    field_shift,
     user_end_forces,
 )
 from tribo.kernels.kinematics import bar_velocity, end_force, rotational_power
 
-CONTACT, SLIDE, DRIVE, ENDS, USER_ENDS, POINT = 4, 2, 4, 5, 8, 4  # accounts in each group
+# Number of accounts in each group; POINT is that of internal, field and thermal.
+CONTACT, SLIDE, DRIVE, ENDS, USER_ENDS, POINT = 4, 2, 4, 5, 8, 4
 
 
 @kernel
 def at_bar(power, k, fx, fy, a, b, omega, vx, vy):
-    """Jx, Jy, work about the centre of mass and pseudowork of a force at the bar's centre."""
+    """Set the powers of Jx, Jy, work about r_cm and pseudowork of a force at the bar's centre."""
     power[k] = fx
     power[k + 1] = fy
     power[k + 2] = rotational_power(-a.l2, omega, b.tx, b.ty, fx, fy)
@@ -47,7 +48,7 @@ def at_bar(power, k, fx, fy, a, b, omega, vx, vy):
 
 @kernel
 def at_bob(power, k, fx, fy, a, b, omega, vx, vy):
-    """The same of a force on the bob, added to what is there."""
+    """Add the powers of a force on the bob to the same four."""
     power[k] += fx
     power[k + 1] += fy
     power[k + 2] += rotational_power(a.l1, omega, b.tx, b.ty, fx, fy)
@@ -56,14 +57,14 @@ def at_bob(power, k, fx, fy, a, b, omega, vx, vy):
 
 @kernel
 def clear(power, k):
-    """No power yet in a group of POINT accounts."""
+    """Clear the powers of a group of POINT accounts."""
     for m in range(POINT):
         power[k + m] = 0.0
 
 
 @kernel
 def clamped_ends(power, k, a, b, t, q, i, omega, vx, vy):
-    """The powers of f_L, and of f_R = -f_L about the centre of mass."""
+    """Set the powers of f_L, and of f_R = -f_L about the centre of mass."""
     phi = bar_angle(a, t, q)
     torque = a.kappa * (q[i] - phi)
     end_x, end_y = end_force(torque, a.bar_length, math.sin(phi), math.cos(phi))
@@ -78,9 +79,10 @@ def clamped_ends(power, k, a, b, t, q, i, omega, vx, vy):
 
 @kernel
 def powers_of(model, i, torsion, t, q, v, power):
-    """Fill in the powers of asperite i's accounts but its own ends', forces in place.
+    """Set the powers of asperite i's accounts except those of plug-ins at its ends.
 
-    `torsion` is 0 where the torsion springs, and the ends that hold them, are taken apart.
+    The forces are in place.  `torsion` is 0 where the torsion springs, and the ends that hold them,
+    are integrated separately.
     """
     a = model.asperites[i]
     b = model.bobs[i]
@@ -123,12 +125,12 @@ def powers_of(model, i, torsion, t, q, v, power):
 
 @kernel
 def field_powers(model, fields, t, power):
-    """The power of whatever moves a field through the laboratory."""
+    """Set the power of the agent that moves a field through the laboratory."""
     if fields is not None:
         for field in literal_unroll(fields):
             if field.account >= 0:
                 power[field.account] = 0.0
-                shift_x, shift_y = into_field(field, t)
+                shift_x, shift_y = field_shift(field, t)
                 for k in range(field.surfaces.shape[0]):
                     s = model.surfaces[field.surfaces[k]]
                     for i in range(s.start, s.stop):
@@ -139,7 +141,7 @@ def field_powers(model, fields, t, power):
 
 @kernel
 def shared_accounts(model, fields):
-    """How many accounts, the last ones, are of no single asperite: surfaces' and moving fields'."""
+    """Number of accounts of surfaces and of moving fields, which are the last ones."""
     count = 0
     for k in range(model.surfaces.shape[0]):
         if model.surfaces[k].acc_block >= 0:
@@ -152,8 +154,8 @@ def shared_accounts(model, fields):
 
 
 @kernel
-def own_end_powers(model, ends, t, q, v, power):
-    """The user's own forces on the ends of bars, at r2 + r_L and r2 + r_R."""
+def user_end_powers(model, ends, t, q, v, power):
+    """Set the powers of plug-ins' forces on the ends of bars, at r2 + r_L and r2 + r_R."""
     if ends is not None:
         for end in literal_unroll(ends):
             s = model.surfaces[end.surface]
@@ -181,7 +183,7 @@ def own_end_powers(model, ends, t, q, v, power):
 
 @kernel
 def torsional_powers(model, torsional, t, q, v, power):
-    """The torsional oscillators' torque on the bars, at the bars' rate of turning."""
+    """Add the power of the torsional oscillators on the bars."""
     if torsional is not None:
         for i in range(model.asperites.shape[0]):
             a = model.asperites[i]
@@ -210,7 +212,7 @@ def bath_momentum(model, bath, s, v):
 
 @kernel
 def momentum(model, s, v):
-    """Momentum of a surface, bath and all, in the surface's first frame."""
+    """Momentum of a surface and its bath in the surface's first frame."""
     px, py = bath_momentum(model, model.bath, s, v)
     for i in range(s.start, s.stop):
         a = model.asperites[i]
@@ -221,7 +223,7 @@ def momentum(model, s, v):
 
 @kernel
 def external_force(model, s):
-    """Sum of f1, f2, field and f_T over a surface, whose ends are clamped or free."""
+    """Sum of f1, f2, field and f_T over a surface; forces of plug-ins on ends are not included."""
     fx = 0.0
     fy = 0.0
     for i in range(s.start, s.stop):
@@ -240,7 +242,7 @@ def external_force(model, s):
 
 @kernel
 def total_user_force(model, ends, k, t, q, v):
-    """Sum of the user's own forces on the ends of surface k's bars."""
+    """Sum of the forces of plug-ins on the ends of surface k's bars."""
     fx = 0.0
     fy = 0.0
     if ends is not None:
@@ -257,7 +259,7 @@ def total_user_force(model, ends, k, t, q, v):
 
 @kernel
 def block_powers(model, t, q, v, power):
-    """Power of the whole external force on each surface at the velocity of its centre of mass."""
+    """Set the power of each surface's external force at the velocity of its centre of mass."""
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         if s.acc_block >= 0:
@@ -269,10 +271,10 @@ def block_powers(model, t, q, v, power):
 
 @kernel
 def all_powers(model, t, q, v, power):
-    """Every account's power at one instant."""
+    """Set the powers of all accounts."""
     for i in range(model.asperites.shape[0]):
         powers_of(model, i, 1.0, t, q, v, power)
     field_powers(model, model.fields, t, power)
-    own_end_powers(model, model.ends, t, q, v, power)
+    user_end_powers(model, model.ends, t, q, v, power)
     torsional_powers(model, model.torsional, t, q, v, power)
     block_powers(model, t, q, v, power)

@@ -1,15 +1,15 @@
-"""The flat data that compiled code reads: one record an asperite, one a surface, one a bob.
+"""The flat data that compiled code reads: one record for each asperite, surface, bob and bar.
 
-Kernels see lengths, times and masses as plain floats.  Positions are relative to the scene's
-origin and velocities to the first surface's, so that neither a distant scene nor a fast frame
-costs digits; what is measured in the laboratory is put together in :mod:`tribo.run.ledger`.
+Lengths, times and masses are plain floats.  Positions are relative to the scene's origin and
+velocities to the first surface's, so no digits are lost in a distant scene or a fast frame.
+:mod:`tribo.run.ledger` computes the quantities in the laboratory.
 """
 
 from typing import Any, NamedTuple
 
 import numpy as np
 
-# A slot of -1 says that the asperite has no such degree of freedom, or no such account.
+# A slot of -1 means that the asperite has no such degree of freedom, or no such account.
 ASPERITE = np.dtype(
     [
         ("mass", "f8"),  # m1 + m2
@@ -24,7 +24,7 @@ ASPERITE = np.dtype(
         ("y", "f8"),
         ("vx", "f8"),  # the surface's initial velocity
         ("vy", "f8"),
-        ("phi", "f8"),  # the bar's angle at t = 0, and its rate: all there is of a clamped bar
+        ("phi", "f8"),  # the bar's angle at t = 0; with nu, the motion of a clamped bar
         ("nu", "f8"),
         ("surface", "i4"),
         ("dof_x", "i4"),  # slots in the vector of coordinates; the swing's slot is the index
@@ -51,8 +51,8 @@ SURFACE = np.dtype(
         ("stop", "i8"),
         ("drive", "i8"),  # FORCED, FREE, RIGID, PULLED, CUSTOM
         ("mass", "f8"),  # of all its asperites
-        ("total_mass", "f8"),  # and of their baths
-        ("loaded", "i8"),  # 1 where a load stands in place of -f1_y
+        ("total_mass", "f8"),  # of all its asperites and their baths
+        ("loaded", "i8"),  # 1 where a load takes the place of -f1_y
         ("load", "f8"),  # the y force on each bar
         ("stiffness", "f8"),  # of the pulling spring
         ("speed", "f8"),  # of the pulling stage, relative to the surface's initial velocity
@@ -70,7 +70,7 @@ SURFACE = np.dtype(
     align=True,
 )
 
-# One cache line a bob: all that the loop over pairs looks at.
+# One cache line for each bob, with all that the loop over pairs reads.
 BOB = np.dtype(
     [
         ("x", "f8"),
@@ -126,7 +126,7 @@ BOND = np.dtype(
         ("i", "i8"),
         ("j", "i8"),
         ("stiffness", "f8"),
-        ("x", "f8"),  # what r2_i - r2_j of the resting bars differs by from its rest
+        ("x", "f8"),  # r2_i - r2_j of the bars at rest, less the rest vector of the spring
         ("y", "f8"),
     ],
     align=True,
@@ -162,7 +162,7 @@ class FieldOn(NamedTuple):
 
 
 class Custom(NamedTuple):
-    """A force of the user's own on the bars of one surface, or on their ends."""
+    """A plug-in's force on the bars of one surface, or on their ends."""
 
     plugin: Any
     surface: int
@@ -173,11 +173,11 @@ class Custom(NamedTuple):
 class Calculator(NamedTuple):
     """Contact that is computed outside of the kernels, for all bobs of some surfaces at once."""
 
-    address: int  # of a function without arguments that fills in `push` and `held`
+    address: int  # of a function without arguments that sets `forces` and `energy`
     surfaces: np.ndarray  # (k,) indices
-    place: np.ndarray  # (m, 2) x and y of the surfaces' bobs, to be filled in before the call
-    push: np.ndarray  # (m, 2) force on each of them
-    held: np.ndarray  # (1,) their potential energy
+    positions: np.ndarray  # (m, 2) x and y of the surfaces' bobs, set before the call
+    forces: np.ndarray  # (m, 2) on each of them
+    energy: np.ndarray  # (1,) their potential energy
 
 
 class Box(NamedTuple):
@@ -188,24 +188,27 @@ class Box(NamedTuple):
 
 
 class Neighbours(NamedTuple):
-    """Who may be within reach of whom: row by row, in the order of the bobs.
+    """Lists of the bobs that may be within reach, row by row in the order of the bobs.
 
     A row belongs to a bob of a pair's first surface and lists bobs of its second, in ascending
-    order, so that sums over the list are bit for bit the sums over all pairs.
+    order, so sums over the list are bit for bit the sums over all pairs.
     """
 
     pairs: np.ndarray  # (m, 3) first and second surface of each listed pair, and its first row
     species: np.ndarray  # (m, 2) between bobs of which species; -1: of any
-    reach: np.ndarray  # (m,) how far each pair's rows reach: cutoff and skin [length]
-    start: np.ndarray  # (rows + 1,) where each row begins
-    index: np.ndarray  # the bobs listed, with room to spare; rows beyond it are not there
-    place: np.ndarray  # (n, 2) of the bobs when the list was made; nan before
-    skin: float  # how much farther than the cutoff it reaches [length]
-    made: np.ndarray  # (1,) how often
+    reach: np.ndarray  # (m,) largest distance listed, cutoff plus skin [length]
+    start: np.ndarray  # (rows + 1,) first place of each row in `index`
+    index: np.ndarray  # the bobs listed, with room to spare; rows that end beyond it are not used
+    place: np.ndarray  # (n, 2) positions of the bobs when the list was built; nan before
+    skin: float  # by which the list reaches farther than the cutoff [length]
+    made: np.ndarray  # (1,) number of times that the list was built
 
 
 class Model(NamedTuple):
-    """A scene as kernels see it; an effect that is absent is None, and not compiled."""
+    """A scene for kernels.
+
+    An effect that is absent is None, which has a type of its own, so its code is not compiled.
+    """
 
     asperites: Any  # recarray of ASPERITE, (n,)
     surfaces: Any  # recarray of SURFACE

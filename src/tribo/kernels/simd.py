@@ -1,7 +1,7 @@
-"""Eight numbers at once, in one register: the nodes of a step side by side.
+"""Eight numbers in one vector register: the nodes of a step side by side.
 
-`Lanes` is a type that kernels compute with as with a float: +, -, *, / among each other and with
-floats, and the functions below.  What stands in a formula once is done to all eight.
+`Lanes` is a type for kernels.  It has +, -, *, / with itself and with floats, and the functions
+below; each acts on all eight numbers.
 """
 
 import math
@@ -22,7 +22,7 @@ _VECTOR = ir.VectorType(_FLOAT, LANES)
 
 
 class LanesType(types.Type):
-    """numba's name for eight floats in a register."""
+    """The type of eight floats in a register."""
 
     def __init__(self) -> None:
         super().__init__(name="Lanes")
@@ -99,7 +99,7 @@ def absolute(typing_context: Any, x: Any) -> Any:
 
 @intrinsic
 def sum_of_lanes(typing_context: Any, x: Any) -> Any:
-    """Sum of the eight, in any order."""
+    """Sum of the eight numbers, in any order."""
 
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         start = ir.Constant(_FLOAT, -0.0)
@@ -113,8 +113,8 @@ def _paired(one: list[int], other: list[int]) -> tuple[Any, Any]:
     return ir.Constant(kind, one), ir.Constant(kind, other)
 
 
-# Of two registers: the lanes that are added in each of three rounds, after which every lane has
-# the sum of a register of its own.
+# Eight registers are summed in three rounds.  Each adds lanes of two registers, those of the first
+# counted from 0 and those of the second from 8.  In the end lane i has the sum of register i.
 _ROUNDS = (
     _paired([0, 8, 2, 10, 4, 12, 6, 14], [1, 9, 3, 11, 5, 13, 7, 15]),
     _paired([0, 1, 8, 9, 4, 5, 12, 13], [2, 3, 10, 11, 6, 7, 14, 15]),
@@ -124,7 +124,7 @@ _ROUNDS = (
 
 @intrinsic
 def sums_of_lanes(typing_context: Any, xs: Any) -> Any:
-    """Sums of eight times eight numbers: that of the first in lane 0, and so on."""
+    """Sums of eight Lanes: that of the first in lane 0, and so on."""
 
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         left = cgutils.unpack_tuple(builder, args[0], LANES)
@@ -141,7 +141,7 @@ def sums_of_lanes(typing_context: Any, xs: Any) -> Any:
 
 @intrinsic
 def maximum(typing_context: Any, x: Any) -> Any:
-    """The largest of the eight, none of which is nan."""
+    """The largest of the eight numbers, none of which may be nan."""
 
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         x = args[0]
@@ -188,7 +188,7 @@ def lane(typing_context: Any, x: Any, i: Any) -> Any:
 
 @intrinsic
 def with_lane(typing_context: Any, x: Any, i: Any, value: Any) -> Any:
-    """The same with another number in lane i."""
+    """The Lanes x with another number in lane i."""
 
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         return builder.insert_element(args[0], args[2], builder.trunc(args[1], _INDEX))
@@ -197,7 +197,7 @@ def with_lane(typing_context: Any, x: Any, i: Any, value: Any) -> Any:
 
 
 class RowsType(types.Type):
-    """numba's name for the rows of an array (n, 8), which somebody else keeps alive."""
+    """The type of the rows of an array (n, 8), a pointer without a reference to the array."""
 
     def __init__(self) -> None:
         super().__init__(name="Rows")
@@ -216,7 +216,7 @@ class _RowsModel(models.PrimitiveModel):
 def rows_of(typing_context: Any, array: Any) -> Any:
     """The rows of a C-contiguous array (n, 8): ``rows[k, i]`` is the number in row k, lane i.
 
-    Arrays are counted wherever they are handed on, which costs more than what is done here.
+    Passing an array to a function counts a reference, which takes longer than a step's arithmetic.
     """
 
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:

@@ -61,7 +61,7 @@ class PairContact(NamedTuple):
     r: Any
 
 
-def is_vectorized(potential_type: types.BaseNamedTuple) -> bool:
+def is_vectorized(potential_type: Any) -> bool:
     """Whether a potential's formula compiles for Lanes, that is, whether it is arithmetic alone.
 
     Parameters

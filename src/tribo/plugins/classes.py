@@ -17,11 +17,12 @@ import numpy as np
 from tribo.plugins import sources
 from tribo.validation import InputError, known_keys, number, short_repr
 
-GIVES = {"feature": 2, "domain": 2, "force_at": 2, "force_on_bar": 2, "end_forces": 4}  # or 1
+# How many numbers a method returns; 1 if it is not listed.
+RETURN_COUNTS = {"feature": 2, "domain": 2, "force_at": 2, "force_on_bar": 2, "end_forces": 4}
 
 
 def check_class(cls: Any, field: str, method: str) -> None:
-    """Complain, about `field`, if a class is not a plug-in that has `method`."""
+    """Raise InputError, about `field`, if a class is not a plug-in that has `method`."""
     name = getattr(cls, "__name__", repr(cls))
     if not (isinstance(cls, type) and issubclass(cls, tuple) and hasattr(cls, "_fields")):
         raise InputError(field, f"{name} must be a NamedTuple whose fields are numbers")
@@ -37,19 +38,22 @@ def with_numbers(value: Any) -> Any:
 
 
 def instance(cls: Any, parameters: dict[str, Any]) -> Any:
-    """The class with its parameters, which a file or a command line names."""
+    """An instance of a class with the parameters of a file or a command line."""
     required = [f for f in cls._fields if f not in cls._field_defaults]
     return cls(**known_keys(parameters, cls._fields, required))
 
 
 def is_named(name: Any) -> bool:
-    """Whether a name is that of a class in a file or in a module."""
+    """Whether a name is that of a class in a file or module, as of `class_named`."""
     in_module = r"[\w.]+:\w+"
     return isinstance(name, str) and (".py:" in name or bool(re.fullmatch(in_module, name)))
 
 
 def class_named(field: str, name: str, folder: Path) -> Any:
-    """The class of ``file.py:Class``, relative to `folder`, or of ``package.module:Class``."""
+    """The class of ``file.py:Class``, relative to `folder`, or of ``package.module:Class``.
+
+    Raises InputError about `field`.
+    """
     place, _, class_name = name.rpartition(":")
     try:
         if ".py:" in name:
@@ -65,45 +69,51 @@ def class_named(field: str, name: str, folder: Path) -> Any:
 
 
 def name_of(plugin: Any, built_in: dict[str, Any]) -> str:
-    """The name by which a scene file finds the plug-in's class again."""
+    """The name of the plug-in's class in a scene file."""
     for name, cls in built_in.items():
         if type(plugin) is cls:
             return name
     return f"{sources.place_of(type(plugin))}:{type(plugin).__qualname__}"
 
 
-def called(plugin: Any, field: str, method: str, *arguments: Any) -> Any:
-    """What a method of a plug-in gives; a complaint that names the line if it gives nothing."""
+def call_method(plugin: Any, field: str, method: str, *arguments: Any) -> Any:
+    """Call a method of a plug-in.
+
+    Raises InputError about `field`, with the line of the source, if the method raises an error.
+    """
     try:
         with np.errstate(all="ignore"):
             return getattr(plugin, method)(*arguments)
     except Exception as error:
-        raise InputError(field, failed(plugin, method, error)) from None
+        raise InputError(field, failure(plugin, method, error)) from None
 
 
-def numbers(plugin: Any, field: str, method: str, *arguments: Any) -> Any:
-    """What a method gives, which has to be as many real numbers as that method should."""
-    value = called(plugin, field, method, *arguments)
-    wanted = GIVES.get(method, 1)
+def returned_numbers(plugin: Any, field: str, method: str, *arguments: Any) -> Any:
+    """Call a method that returns real numbers.
+
+    Raises InputError about `field` if it returns anything else, or another count of numbers.
+    """
+    value = call_method(plugin, field, method, *arguments)
+    count = RETURN_COUNTS.get(method, 1)
     items = value if isinstance(value, tuple) else (value,)
     kinds = (int, float, np.integer, np.floating)
-    if len(items) != wanted or not all(isinstance(item, kinds) for item in items):
-        what = "a number is" if wanted == 1 else f"{wanted} numbers are"
-        reason = f"gives {short_repr(value)} where {what} wanted"
-        raise InputError(field, at_line(plugin, method, None, reason))
+    if len(items) != count or not all(isinstance(item, kinds) for item in items):
+        expected = "a number is" if count == 1 else f"{count} numbers are"
+        reason = f"gives {short_repr(value)} where {expected} wanted"
+        raise InputError(field, located(plugin, method, None, reason))
     return value
 
 
-def failed(plugin: Any, method: str, error: Exception) -> str:
-    """One sentence on the line of a plug-in's source that raised an error, and why."""
+def failure(plugin: Any, method: str, error: Exception) -> str:
+    """One sentence: the line of a plug-in's source that raised an error, and the error."""
     code = getattr(type(plugin), method).__code__
     frames = traceback.extract_tb(error.__traceback__)
     line = next((f.lineno for f in reversed(frames) if f.filename == code.co_filename), None)
-    return at_line(plugin, method, line, f"{type(error).__name__}: {error}")
+    return located(plugin, method, line, f"{type(error).__name__}: {error}")
 
 
-def at_line(plugin: Any, method: str, line: int | None, reason: str) -> str:
-    """One sentence on a line of a method's source, by default its first."""
+def located(plugin: Any, method: str, line: int | None, reason: str) -> str:
+    """One sentence: a line of a method's source, by default its first, and what is wrong there."""
     code = getattr(type(plugin), method).__code__
     line = line or code.co_firstlineno
     text = linecache.getline(code.co_filename, line).strip()

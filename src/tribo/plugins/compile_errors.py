@@ -1,4 +1,4 @@
-"""Why compiled code could not be made of a plug-in: which of its lines it is, and what is wrong."""
+"""Messages for plug-ins that do not compile: the line of their source, and what is wrong there."""
 
 from __future__ import annotations
 
@@ -14,46 +14,56 @@ from tribo.plugins import classes as plugins
 from tribo.plugins.sources import is_own
 from tribo.validation import InputError
 
-NUMBERS = ("float", "int", "complex", "bool")  # how numba's names of them begin
-COMPILE_ERRORS = (NumbaError, UnsupportedBytecodeError)  # what the compiler raises
+# Prefixes of numba's names of number types.
+NUMBERS = ("float", "int", "complex", "bool")
+
+# Exceptions that numba's compiler raises.
+COMPILE_ERRORS = (NumbaError, UnsupportedBytecodeError)
 
 
 def compile_error(placed: Iterable[tuple[str, Any]], error: Exception) -> InputError:
-    """What to say when the loop for a scene does not compile: whose fault it is, and why.
+    """The error to raise when the loop for a scene does not compile.
 
-    `placed` are its plug-ins, each with its field in the scene.
+    Each method of each plug-in is called and compiled by itself, to find the line that fails.
+
+    Parameters
+    ----------
+    placed : iterable of (str, NamedTuple)
+        The plug-ins of the scene, each with its field.
+    error : Exception
+        One of COMPILE_ERRORS, which the compiler raised.
     """
     parts = [(field, part) for field, plugin in placed for part in _parts(plugin)]
-    own = [(field, plugin) for field, plugin in parts if not is_own(type(plugin))]
-    for field, plugin in own:
+    foreign = [(field, plugin) for field, plugin in parts if not is_own(type(plugin))]
+    for field, plugin in foreign:
         for method in METHOD_ARGUMENTS:
             try:
                 _try(plugin, field, method)
             except InputError as found:
                 return found
-    names = ", ".join(type(plugin).__name__ for _, plugin in own)
+    names = ", ".join(type(plugin).__name__ for _, plugin in foreign)
     return InputError("plug-in", f"{names or 'the scene'} does not compile: {_reason(error)}")
 
 
 def _parts(plugin: Any) -> list[Any]:
-    """A plug-in and all that it holds."""
+    """A plug-in, and all plug-ins among its fields."""
     held = [part for item in plugin if hasattr(item, "_fields") for part in _parts(item)]
     return [plugin, *held]
 
 
 def _try(plugin: Any, field: str, method: str) -> None:
-    """Complain about what is wrong with a method, by calling it and then by compiling it alone."""
+    """Call a method, and compile it by itself.  Raises InputError if either fails."""
     function = getattr(type(plugin), method, None)
     if function is None or function.__module__.startswith("tribo."):
         return
     arguments = (1.0,) * METHOD_ARGUMENTS[method]
-    plugins.numbers(plugin, field, method, *arguments)
+    plugins.returned_numbers(plugin, field, method, *arguments)
     _compile(plugin, field, method, arguments)
     derived = {"energy": "force", "energy_at": "force_at"}.get(method)
     if derived and getattr(type(plugin), derived).__name__ == "_complex_step":
         step = (1.0 + 1e-100j,) * len(arguments)
         try:
-            plugins.called(plugin, field, method, *step)
+            plugins.call_method(plugin, field, method, *step)
             _compile(plugin, field, method, step)
         except InputError as error:
             raise InputError(
@@ -68,12 +78,12 @@ def _compile(plugin: Any, field: str, method: str, arguments: tuple[Any, ...]) -
     try:
         njit(error_model="numpy")(function)(plugin, *arguments)
     except COMPILE_ERRORS as error:
-        reason = plugins.at_line(plugin, method, _line(function, error), _reason(error))
+        reason = plugins.located(plugin, method, _line(function, error), _reason(error))
         raise InputError(field, reason) from None
 
 
 def _line(function: Any, error: Exception) -> int | None:
-    """The line of a function's source that the compiler complains about, if it says so."""
+    """The line of a function's source that the compiler's message names, if it names one."""
     place = getattr(error, "loc", None)
     file = function.__code__.co_filename
     if place is not None and place.filename == file:
@@ -81,7 +91,7 @@ def _line(function: Any, error: Exception) -> int | None:
     returns = re.findall(
         r"Return of: .*, type '(.*)', location:\s+File \".*\", line (\d+)", str(error)
     )
-    if returns:  # of several kinds, in no order: the first that is no number
+    if returns:  # several types, in no order: the first that is not a number
         return min((kind.startswith(NUMBERS), int(line)) for kind, line in returns)[1]
     missing = re.search(r"NameError: name '(\w+)'", str(error))
     if missing:
@@ -91,7 +101,7 @@ def _line(function: Any, error: Exception) -> int | None:
 
 
 def _reason(error: Exception) -> str:
-    """What a compiler's message says is wrong, on one line."""
+    """The reason in a compiler's message, on one line."""
     noise = ("Failed in nopython", "During", "- Resolution failure")
     lines = [line.strip() for line in str(error).splitlines()]
     lines = [line for line in lines if line and not line.startswith(noise)]

@@ -1,4 +1,4 @@
-"""Where classes of the user's own come from, and a stamp that changes when their sources do."""
+"""The sources of plug-ins: modules in files, and a hash that changes when the sources do."""
 
 from __future__ import annotations
 
@@ -15,11 +15,12 @@ from typing import Any
 
 from tribo.validation import InputError
 
-_LOADED: dict[str, bytes] = {}  # the sources of modules that were loaded here, as they were then
+# Sources of the modules that were loaded here, as they were when they were loaded.
+_LOADED: dict[str, bytes] = {}
 
 
 def module_in_file(path: Path) -> ModuleType:
-    """The module in a file; a complaint without a field if there is none, or it fails."""
+    """Load the module in a file.  Raises InputError without a field."""
     try:
         path = path.resolve()
     except (OSError, ValueError):
@@ -33,7 +34,7 @@ def module_in_file(path: Path) -> ModuleType:
 
 
 def module_named(name: str) -> ModuleType:
-    """The module of that name, as an import statement would find it; complaints as above."""
+    """Import a module by its name.  Raises InputError without a field."""
     try:
         return importlib.import_module(name)
     except (Exception, SystemExit) as error:
@@ -42,9 +43,14 @@ def module_named(name: str) -> ModuleType:
 
 
 def load(source: bytes, place: str) -> ModuleType:
-    """The module that a source makes, under a name of its own by which the disk cache finds it.
+    """Load a module from its source, under a name that is a hash of it, for the disk cache.
 
-    `place` is what its lines are said to be of: a file, or a made-up name in angle brackets.
+    Parameters
+    ----------
+    source : bytes
+        Its text.
+    place : str
+        Its file in messages, or a name in angle brackets if it has none.
     """
     label = hashlib.blake2b(place.encode() + source, digest_size=8).hexdigest()
     name = f"tribo_plugin_{label}"
@@ -68,7 +74,7 @@ def load(source: bytes, place: str) -> ModuleType:
 
 
 def place_of(cls: type) -> str:
-    """The file that a class is loaded from, or the module where that is the way to it."""
+    """The file that a class comes from, or its module if it is installed or in a package."""
     known = hasattr(sys.modules.get(cls.__module__), "__file__")
     file = inspect.getfile(cls) if known else None
     if file is None or cls.__module__.count(".") or file.startswith(sys.prefix):
@@ -76,19 +82,22 @@ def place_of(cls: type) -> str:
     return file
 
 
-def stamp(plugins: list[Any]) -> str | None:
-    """Hash of the sources that plug-ins' classes come from; empty if all are this package's.
+def source_stamp(plugins: list[Any]) -> str | None:
+    """Hash of the sources of plug-ins' classes.
 
-    None where a class has no source that a later process could compare with its own: one that was
-    typed in, defined in a script that is run, or made by a function.
+    Returns
+    -------
+    str or None
+        16 hex digits for each class that is not this package's.  None if one has no source that a
+        later process could compare: it was typed in, is of a script, or was made by a function.
     """
-    stamps = [_stamp(plugin) for plugin in plugins]
+    stamps = [_stamp_of(plugin) for plugin in plugins]
     return None if None in stamps else "".join(map(str, stamps))
 
 
-def _stamp(plugin: Any) -> str | None:
+def _stamp_of(plugin: Any) -> str | None:
     cls = type(plugin)
-    inner = stamp([item for item in plugin if hasattr(item, "_fields")])
+    inner = source_stamp([item for item in plugin if hasattr(item, "_fields")])
     if is_own(cls) or inner is None:
         return inner
     sources: dict[str, bytes] = {}
@@ -108,9 +117,9 @@ def is_own(cls: type) -> bool:
 
 
 def _collect(module: ModuleType | None, root: str, sources: dict[str, bytes]) -> None:
-    """The source of the module `root`, and of all of the user's own that it imports from.
+    """Add the source of a module, and of all modules that it imports, to `sources`.
 
-    Installed packages are left out, but for the one that `root` is in.
+    Installed packages are left out, except the package of `root`.
     """
     name = getattr(module, "__name__", "")
     place = getattr(module, "__file__", None)
@@ -129,7 +138,7 @@ def _collect(module: ModuleType | None, root: str, sources: dict[str, bytes]) ->
 
 
 def _imports(tree: ast.AST, package: str) -> list[str]:
-    """Full names of the modules that a source imports, and of what it imports from them."""
+    """Full names of the modules that a source imports, and of the objects imported from them."""
     names = []
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):

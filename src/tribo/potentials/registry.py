@@ -154,18 +154,18 @@ def as_potential(value: Any) -> Any:
 
 def _check(potential: Any) -> None:
     """Raise InputError for parameters, or results of the class's own methods, that are invalid."""
-    constraints = plugins.called(potential, "potential", "constraints")
+    constraints = plugins.call_method(potential, "potential", "constraints")
     try:
         broken = [(name, problem) for name, met, problem in constraints if not met]
     except (TypeError, ValueError):
         reason = "must return (parameter, whether its constraint is met, message) for each"
         raise InputError(
-            "potential", plugins.at_line(potential, "constraints", None, reason)
+            "potential", plugins.located(potential, "constraints", None, reason)
         ) from None
     for name, problem in broken:
         raise InputError(name, f"{problem}, got {short_repr(getattr(potential, name))}")
     for method in ("range", "feature", "smoothness", "smoothness_within"):
-        plugins.numbers(potential, "potential", method)
+        plugins.returned_numbers(potential, "potential", method)
 
 
 def with_cutoff(

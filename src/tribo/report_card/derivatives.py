@@ -132,16 +132,14 @@ def check_minimum(scan: PotentialScan) -> list[Check]:
     if not math.isfinite(r):
         return []
     with np.errstate(all="ignore"):
-        first, _ = derivative(scan.python_energy, r, REACH * r)
-        second = -derivative(scan.python_force, r, REACH * r)[0]
+        first = float(derivative(scan.python_energy, r, REACH * r)[0])
+        second = -float(derivative(scan.python_force, r, REACH * r)[0])
         energy = float(scan.python_energy(np.float64(r)))
     scale = max(abs(depth), float(scan.scale(r)) * r)
     errors = {
-        "distance": abs(float(first)) * r / scale,
+        "distance": abs(first) * r / scale,
         "depth": abs(energy - depth) / scale,
-        "curvature": float(
-            abs(second - stiffness) * r * r / max(abs(float(second)) * r * r, scale)
-        ),
+        "curvature": abs(second - stiffness) * r * r / max(abs(second) * r * r, scale),
     }
     worst = max(errors, key=lambda name: np.nan_to_num(errors[name], nan=np.inf))
     return [
@@ -154,6 +152,6 @@ def check_minimum(scan: PotentialScan) -> list[Check]:
             note=f"the {worst} has the largest error"
             if second > 0.0
             else "U has no minimum at this distance",
-            failed=not bool(second > 0.0),
+            failed=not second > 0.0,
         )
     ]

@@ -31,7 +31,7 @@ class ContactProbe:
 
     def __init__(self, scene: Scene) -> None:
         self.layout = lay_out(scene)
-        self._stamp = sources.stamp(self.layout.plugins)
+        self._stamp = sources.source_stamp(self.layout.plugins)
 
     @property
     def charges(self) -> np.ndarray:

@@ -56,7 +56,7 @@ class Integrator:
         if self._pair is not None:
             self.compile_seconds = self._pair.compile_seconds
         else:
-            self._loop = time_loop(method.loop, sources.stamp(layout.plugins))
+            self._loop = time_loop(method.loop, sources.source_stamp(layout.plugins))
             self.compile_seconds = compile_loop(layout, method, self._loop, _example(self))
 
     def __call__(

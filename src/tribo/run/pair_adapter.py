@@ -48,7 +48,7 @@ from tribo.pair.step import (
     table,
 )
 from tribo.plugins.compile_errors import COMPILE_ERRORS, compile_error
-from tribo.plugins.sources import stamp
+from tribo.plugins.sources import source_stamp
 from tribo.run.integrate import Integration, Progress, run_in_chunks
 from tribo.run.layout import Layout
 from tribo.run.samples import Samples
@@ -128,7 +128,7 @@ class Pair:
         self._fixed = (_record(layout, mobility), potential, self._rows, self._clocks)
         self._evaluations = self._clocks["evaluations"]  # the loop begins a run where this is 0
         self._tolerance: Tolerance | None = None  # from which the rows' limits were made
-        loop = time_loop(pair_collocation, stamp(layout.plugins))
+        loop = time_loop(pair_collocation, source_stamp(layout.plugins))
         examples = (layout.start, np.zeros(1), np.empty((2, COLUMNS)), 0)
         try:
             self._loop = EntryPoint(loop, self._fixed, examples)
