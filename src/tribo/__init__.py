@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from tribo import paper, plotting, potentials
@@ -90,7 +90,7 @@ _SUBPACKAGES = ("paper", "plotting", "potentials")
 __all__ = [*_HOME, *_SUBPACKAGES, "__version__"]
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
     if name == "__version__":
         from importlib.metadata import version
 

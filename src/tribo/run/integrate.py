@@ -6,7 +6,6 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -19,7 +18,7 @@ from tribo.kernels.samples import STORED, Record, State, write_sample
 from tribo.kernels.status import PAUSED, STATUS_OF_CODE, Status
 from tribo.plugins.compile_errors import Refusals, compile_error
 from tribo.potentials.from_ase import Call
-from tribo.run.layout import Layout
+from tribo.run.layout import Layout, Records
 from tribo.run.samples import Samples
 from tribo.run.streamed_ledger import StreamedLedger, portion_size
 
@@ -127,8 +126,10 @@ def integrate(
     status = Status.COMPLETED
     for first in range(0, times.size, rows):
         portion = times[first : first + rows]
-        clocks.sample = 0
-        status = run_in_chunks(call, layout.calls, clocks, state, portion, record, progress)
+        clocks.sample[:] = 0
+        status = run_in_chunks(
+            call, layout.calculator_calls, clocks, state, portion, record, progress
+        )
         reached = portion[: int(clocks.sample[0])]
         if status != Status.COMPLETED and (not reached.size or reached[-1] != clocks.t[0]):
             _record_now(layout, clocks, state, record)
@@ -149,10 +150,10 @@ def integrate(
 def run_in_chunks(
     call: Loop,
     calls: tuple[Call, ...],
-    clocks: Any,
-    state: Any,
+    clocks: np.ndarray,
+    state: State | np.ndarray,
     times: np.ndarray,
-    record: Any,
+    record: Record | np.ndarray,
     progress: Progress | None,
 ) -> Status:
     """Run through the times in chunks, and check for an interrupt between them.
@@ -195,7 +196,7 @@ def compile_loop(layout: Layout, method: Method, loop: Loop, setting: Setting) -
 
 def _at_rest(
     layout: Layout, method: Method, start: np.ndarray, first_step: float
-) -> tuple[Any, State]:
+) -> tuple[Records, State]:
     """A clock at zero, and the state at the start; splitting does not compensate rounding."""
     clocks = np.zeros(1, CLOCK).view(np.recarray)
     clocks.h = first_step
@@ -222,11 +223,11 @@ def _room(layout: Layout, times: int) -> Record:
 def _bound(layout: Layout, method: Method, loop: Loop, setting: Setting) -> Loop:
     """The loop with its constant arguments given."""
     neighbours = layout.neighbours()
-    noise: tuple[Any, ...] = ()
+    noise: tuple[np.random.Generator, ...] = ()
     if method.splits:
         noise = (np.random.default_rng([layout.scene.seed, 2]),)
 
-    def call(clocks: Any, state: State, times: np.ndarray, record: Record, budget: int) -> int:
+    def call(clocks: Records, state: State, times: np.ndarray, record: Record, budget: int) -> int:
         nonlocal neighbours
         neighbours = with_room(neighbours)
         return loop(
@@ -255,7 +256,7 @@ def with_room(neighbours: Neighbours | None) -> Neighbours | None:
     )
 
 
-def _record_now(layout: Layout, clocks: Any, state: State, record: Record) -> None:
+def _record_now(layout: Layout, clocks: Records, state: State, record: Record) -> None:
     """Record the state in which a run stopped as one more sample."""
     model = layout.model
     now = float(clocks.t[0])

@@ -1,4 +1,4 @@
-"""From a scene to the flat arrays of the kernels, and what each slot of them means."""
+"""From a scene to the flat arrays of the kernels, and the meaning of each slot of them."""
 
 from __future__ import annotations
 
@@ -29,31 +29,54 @@ from tribo.model.surface import Surface
 from tribo.potentials.from_ase import Call, Live
 from tribo.run import contacts
 
+Records = np.recarray[Any, Any]  # whose fields are read as attributes
+
 
 @dataclass(frozen=True, eq=False)
 class Layout:
     """A scene laid out for the kernels.
 
     y = (q, v) has the swings of all asperites first, then phi, x and y of those that are free
-    to change, then the baths; s has the accounts.  Slots of -1 are absent.
+    to change, then the baths; s has the accounts.  A slot of -1 is absent.
+
+    Attributes
+    ----------
+    scene : Scene
+        What is laid out.
+    model : Model
+        The records that the kernels read.
+    start : ndarray, (2 coordinates,)
+        y at t = 0.
+    core, coordinates, accounts : int
+        Coordinates of the asperites; all coordinates, including the baths'; size of s.
+    velocity : ndarray, (n, 2)
+        Initial velocity of each asperite's surface, in the laboratory.
+    origin : ndarray, (2,)
+        The point that positions are relative to, in the laboratory.
+    parts : dict
+        Surface -> slice of its asperites.
+    calculator_calls : tuple of Call
+        The ASE calculators that the kernels call.
+    rows, skin : int, float
+        Rows of the neighbour list, 0 without one; how much farther than a cutoff it reaches.
     """
 
     scene: Scene
     model: Model
-    start: np.ndarray  # y at t = 0
-    core: int  # coordinates of the asperites
-    coordinates: int  # all of them, with the baths
-    accounts: int  # in s
-    velocity: np.ndarray  # (n, 2) initial velocity of each asperite's surface, in the laboratory
-    origin: np.ndarray  # (2,) the place that positions are relative to
-    parts: dict[str, slice]  # the asperites of each surface
-    calls: tuple[Call, ...]  # calculators that are not compiled
-    rows: int  # rows of the neighbour list; 0 where there is none
+    start: np.ndarray
+    core: int
+    coordinates: int
+    accounts: int
+    velocity: np.ndarray
+    origin: np.ndarray
+    parts: dict[str, slice]
+    calculator_calls: tuple[Call, ...]
+    rows: int
     skin: float
 
     @property
     def plugins(self) -> list[Any]:
-        """Every plug-in that the kernels are compiled with."""
+        """All plug-ins that the kernels are compiled with."""
         model = self.model
         own = [custom.plugin for custom in (*(model.drives or ()), *(model.ends or ()))]
         acting = (*model.contacts, *(model.within or ()), *(model.fields or ()))
@@ -61,7 +84,7 @@ class Layout:
 
     @property
     def named_plugins(self) -> list[tuple[str, Any]]:
-        """Every plug-in that a user may have written, with its field in the scene."""
+        """All plug-ins that a user may have written, each with its field in the scene."""
         model = self.model
         places = [
             (f"interaction[{i}].potential", item.potential)
@@ -73,14 +96,14 @@ class Layout:
         return places + [(f"surface[{c.surface}].bars", c.plugin) for c in model.ends or ()]
 
     def neighbours(self) -> Neighbours | None:
-        """An empty neighbour list, to be made when the forces are first wanted."""
+        """An empty neighbour list, which the first evaluation of the forces fills."""
         if self.rows == 0:
             return None
         return contacts.neighbours(self.model, self.rows, self.skin)
 
 
 def lay_out(scene: Scene) -> Layout:
-    """Flat arrays for the kernels: only what the scene calls for has a slot."""
+    """The flat arrays of a scene, in which absent effects have no slots."""
     counts = [surface.count for surface in scene.surfaces]
     stops = np.cumsum(counts).tolist()
     parts = {
@@ -101,13 +124,13 @@ def lay_out(scene: Scene) -> Layout:
     coordinates = _give_bath(asperites, surfaces, core)
     accounts = _give_accounts(asperites, surfaces, scene)
     fields, accounts = _fields(scene, accounts)
-    between, within, rows, skin = contacts.meetings(scene)
+    between, within, rows, skin = contacts.lay_out_contacts(scene)
     bobs = np.zeros(scene.count, records.BOB)
     for k, surface in enumerate(scene.surfaces):
         part = parts[surface.name]
         bobs["z"][part] = _resting_bobs(scene, k)[:, 2]
         bobs["charge"][part] = surface.asperite.for_each(surface.count)["charge"]
-    calls = contacts.calls(scene, [bobs["z"][part] for part in parts.values()])
+    calls = contacts.calculator_calls(scene, [bobs["z"][part] for part in parts.values()])
     start = _start(asperites, scene, parts, core, coordinates)
     model = Model(
         asperites=asperites.view(np.recarray),
@@ -138,7 +161,7 @@ def lay_out(scene: Scene) -> Layout:
         velocity=np.repeat([surface.velocity for surface in scene.surfaces], counts, axis=0),
         origin=_origin(scene),
         parts=parts,
-        calls=calls,
+        calculator_calls=calls,
         rows=rows,
         skin=skin,
     )
@@ -172,7 +195,7 @@ def _fill_surface(record: np.ndarray, surface: Surface) -> None:
     if isinstance(drive, Forced):
         record["drive"] = FORCED
     elif isinstance(drive, Free):
-        # One rigid asperite is a free one.
+        # A rigid body of one asperite is a free asperite.
         record["drive"] = RIGID if drive.rigid and surface.count > 1 else FREE
     elif isinstance(drive, Pulled):
         record["drive"] = PULLED
@@ -191,9 +214,9 @@ def _fill_surface(record: np.ndarray, surface: Surface) -> None:
             record["reservoir_y"] = surface.langevin.velocity[1] - surface.velocity[1]
 
 
-def _baths(scene: Scene, surfaces: np.ndarray) -> tuple[Any, Any]:
-    """All surfaces' oscillators and torsional oscillators, row after row; None without any."""
-    tables: list[Any] = []
+def _baths(scene: Scene, surfaces: np.ndarray) -> tuple[Records | None, Records | None]:
+    """The oscillators and the torsional oscillators of all surfaces; None without any."""
+    tables: list[Records | None] = []
     for masses, frequencies, count, first in (
         ("masses", "frequencies", "oscillators", "first_oscillator"),
         ("inertias", "torsional_frequencies", "torsionals", "first_torsional"),
@@ -212,18 +235,18 @@ def _baths(scene: Scene, surfaces: np.ndarray) -> tuple[Any, Any]:
 
 
 def _slots(wanted: np.ndarray, first: int, width: int = 1) -> tuple[np.ndarray, int]:
-    """Consecutive slots of `width` for those that want one, -1 for the rest, and what follows."""
+    """Slots of `width`, -1 where none is wanted, and the first slot after them."""
     slots = np.where(wanted, first + width * (np.cumsum(wanted) - 1), -1)
     return slots, first + width * int(np.count_nonzero(wanted))
 
 
 def _of(asperites: np.ndarray, wanted: list[bool]) -> np.ndarray:
-    """What is said of each surface, for each of its asperites."""
+    """A value of each surface, repeated for each of its asperites."""
     return np.array(wanted)[asperites["surface"]]
 
 
 def _give_coordinates(asperites: np.ndarray, scene: Scene) -> int:
-    """Hand out the asperites' slots of q; returns how many there are."""
+    """Assign the asperites' slots of q; returns their number."""
     surfaces = scene.surfaces
     turning = _of(asperites, [s.bars != "clamped" for s in surfaces])
     along_x = _of(asperites, [scene.slides_along_x(s) for s in surfaces])
@@ -235,7 +258,7 @@ def _give_coordinates(asperites: np.ndarray, scene: Scene) -> int:
 
 
 def _give_bath(asperites: np.ndarray, surfaces: np.ndarray, first: int) -> int:
-    """Hand out the baths' slots of q; returns how many there are in all."""
+    """Assign the baths' slots of q; returns the number of all coordinates."""
     width = (2 * surfaces["oscillators"] + surfaces["torsionals"])[asperites["surface"]]
     stops = first + np.cumsum(width)
     asperites["dof_bath"] = np.where(width > 0, stops - width, -1)
@@ -243,7 +266,7 @@ def _give_bath(asperites: np.ndarray, surfaces: np.ndarray, first: int) -> int:
 
 
 def _give_accounts(asperites: np.ndarray, surfaces: np.ndarray, scene: Scene) -> int:
-    """Hand out the slots of s; returns how many there are."""
+    """Assign the slots of s; returns their number."""
     own = scene.surfaces
     sliding = (asperites["dof_x"] >= 0) | (asperites["dof_y"] >= 0)
     kind = surfaces[asperites["surface"]]
@@ -272,7 +295,7 @@ def _give_accounts(asperites: np.ndarray, surfaces: np.ndarray, scene: Scene) ->
 
 
 def _fields(scene: Scene, accounts: int) -> tuple[tuple[FieldOn, ...] | None, int]:
-    """The external fields, with an account for the work of moving each that moves."""
+    """The external fields; each moving field has an account for the work of moving it."""
     names = [surface.name for surface in scene.surfaces]
     origin, velocity = _origin(scene), np.array(scene.surfaces[0].velocity)
     fields = []
@@ -293,7 +316,7 @@ def _fields(scene: Scene, accounts: int) -> tuple[tuple[FieldOn, ...] | None, in
     return tuple(fields) or None, accounts
 
 
-def _bonds(scene: Scene, parts: dict[str, slice], asperites: np.ndarray) -> Any:
+def _bonds(scene: Scene, parts: dict[str, slice], asperites: np.ndarray) -> Records | None:
     """All lattice springs; None without any."""
     periodic = (scene.periodic.x is not None, scene.periodic.z is not None)
     tables = []
@@ -305,7 +328,7 @@ def _bonds(scene: Scene, parts: dict[str, slice], asperites: np.ndarray) -> Any:
         table["stiffness"] = stiffness
         turned = surface.springs.turned
         if turned != 0.0:
-            # What the resting bars are apart, less the same turned.
+            # The distance of the resting bars, minus the same distance turned.
             bars = np.array(
                 [asperites["x"], asperites["y"] + asperites["facing"] * asperites["l2"]]
             )
@@ -318,7 +341,7 @@ def _bonds(scene: Scene, parts: dict[str, slice], asperites: np.ndarray) -> Any:
 
 
 def _custom(scene: Scene, place: str, kind: type) -> tuple[Custom, ...] | None:
-    """The user's own forces in one place of the surfaces; None without any."""
+    """User forces at one place, "drive" or "bars", of the surfaces; None without any."""
     origin, velocity = _origin(scene), np.array(scene.surfaces[0].velocity)
     own = [
         Custom(getattr(surface, place).force, k, origin, velocity)
@@ -331,7 +354,7 @@ def _custom(scene: Scene, place: str, kind: type) -> tuple[Custom, ...] | None:
 def _start(
     asperites: np.ndarray, scene: Scene, parts: dict[str, slice], core: int, coordinates: int
 ) -> np.ndarray:
-    """y at t = 0; a clamped bar's angle and rate go into its record instead."""
+    """y at t = 0; the angle and the rate of a clamped bar are in its record instead."""
     y = np.zeros(2 * coordinates)
     q, v = y[:coordinates], y[coordinates:]
     for index, surface in enumerate(scene.surfaces):
@@ -358,7 +381,7 @@ def set_bath(
     v: np.ndarray,
     rng: np.random.Generator,
 ) -> None:
-    """Start a surface's oscillators where its bars are, or drawn about that from their T."""
+    """Start the oscillators of a surface at its bars, or drawn about them at temperature T."""
     bath, first = surface.bath, asperites["dof_bath"]
     n = bath.masses.size
     if n:

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from tribo.run.layout import Layout
+from tribo.run.layout import Layout, Records
 from tribo.run.samples import Samples
 
 # Asperites of a batch: more of them would make the temporary arrays of a ledger large.
@@ -21,8 +20,8 @@ class Batch:
 
     index: int  # of the surface
     place: slice  # of the asperites among all
-    surface: Any  # record of kernels.records.SURFACE
-    asperites: Any  # recarray of kernels.records.ASPERITE
+    surface: np.record  # of kernels.records.SURFACE
+    asperites: Records  # of kernels.records.ASPERITE
     velocity: np.ndarray  # (2,) initial velocity of the surface, in the laboratory
 
 
