@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import importlib
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from tribo import paper, plotting, potentials
@@ -90,7 +90,7 @@ _SUBPACKAGES = ("paper", "plotting", "potentials")
 __all__ = [*_HOME, *_SUBPACKAGES, "__version__"]
 
 
-def __getattr__(name: str) -> object:
+def __getattr__(name: str) -> Any:
     if name == "__version__":
         from importlib.metadata import version
 
