@@ -18,7 +18,8 @@ from tribo.kernels.samples import STORED, Record, State, write_sample
 from tribo.kernels.status import PAUSED, STATUS_OF_CODE, Status
 from tribo.plugins.compile_errors import Refusals, compile_error
 from tribo.potentials.from_ase import Call
-from tribo.run.layout import Layout, Records
+from tribo.run.forces import Records
+from tribo.run.layout import Layout
 from tribo.run.samples import Samples
 from tribo.run.streamed_ledger import StreamedLedger, portion_size
 
@@ -28,9 +29,13 @@ Loop = Callable[..., int]  # a compiled time loop
 
 # Seconds between two checks for an interrupt: short for a person, long against a call.
 CHUNK_SECONDS = 0.1
-# Steps of the first chunk, and the least and the most of any other.
-FIRST_CHUNK, SMALLEST_CHUNK, LARGEST_CHUNK = 256, 16.0, 1e9
-# A chunk that took no measurable time counts as one that took so many seconds.
+# Steps of the first chunk: milliseconds for small scenes.
+FIRST_CHUNK = 256
+# Steps of any other chunk, at least: calls of fewer would cost more than their steps.
+SMALLEST_CHUNK = 16
+# Steps of any other chunk, at most: budgets are integers of 64 bits.
+LARGEST_CHUNK = 1_000_000_000
+# Seconds that a chunk counts as taking if the clock shows less.
 LEAST_SECONDS = 1e-6
 # Room of a neighbour list, in units of what it needed when it had too little: bobs that approach
 # one another need somewhat more soon after.
@@ -87,17 +92,12 @@ def integrate(
 ) -> Integration:
     """Integrate from `start` through `times`.
 
-    Ends at the last time, or where something stops it: then the state reached is the last sample.
-    With `streamed`, samples are handed to it in portions, and only the first and the last are kept.
+    Ends at the last time, or where something stops it; then the state reached is the last sample.
 
     Parameters
     ----------
-    layout : Layout
-        The scene.
-    method : Method
-        Its coefficients are those of `loop`.
-    loop : callable
-        The compiled time loop.
+    layout, method, loop : Layout, Method, callable
+        The scene, the method, and its compiled time loop.
     setting : float or Tolerance
         The step, or the tolerances of an adaptive method.
     start : ndarray, (2 coordinates,)
@@ -109,11 +109,7 @@ def integrate(
     progress : callable, optional
         Called with the time reached.
     streamed : StreamedLedger, optional
-        Takes the samples in.
-
-    Returns
-    -------
-    Integration
+        Takes in the samples, of which only the first and the last are kept then.
     """
     began = time.perf_counter()
     clocks, state = _at_rest(layout, method, start, first_step)

@@ -16,8 +16,6 @@ from tribo.kernels.records import (
     PULLED,
     RIGID,
     Box,
-    Custom,
-    FieldOn,
     Model,
     Neighbours,
 )
@@ -28,8 +26,7 @@ from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.potentials.from_ase import Call, Live
 from tribo.run import contacts
-
-Records = np.recarray[Any, Any]  # whose fields are read as attributes
+from tribo.run.forces import Records, bonds, fields_on_surfaces, user_forces
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,13 +120,10 @@ def lay_out(scene: Scene) -> Layout:
     core = _give_coordinates(asperites, scene)
     coordinates = _give_bath(asperites, surfaces, core)
     accounts = _give_accounts(asperites, surfaces, scene)
-    fields, accounts = _fields(scene, accounts)
+    origin = _origin(scene)
+    fields, accounts = fields_on_surfaces(scene, origin, accounts)
     between, within, rows, skin = contacts.lay_out_contacts(scene)
-    bobs = np.zeros(scene.count, records.BOB)
-    for k, surface in enumerate(scene.surfaces):
-        part = parts[surface.name]
-        bobs["z"][part] = _resting_bobs(scene, k)[:, 2]
-        bobs["charge"][part] = surface.asperite.for_each(surface.count)["charge"]
+    bobs = _bobs(scene, parts)
     calls = contacts.calculator_calls(scene, [bobs["z"][part] for part in parts.values()])
     start = _start(asperites, scene, parts, core, coordinates)
     model = Model(
@@ -143,13 +137,13 @@ def lay_out(scene: Scene) -> Layout:
         inner=np.zeros(scene.count, records.PUSH).view(np.recarray) if within else None,
         bars=np.zeros(scene.count, records.BAR).view(np.recarray),
         box=Box(scene.periodic.x or 0.0, scene.periodic.z or 0.0) if scene.periodic else None,
-        bonds=_bonds(scene, parts, asperites),
+        bonds=bonds(scene, parts, asperites),
         bath=oscillators,
         torsional=torsional,
         fields=fields,
         langevin=True if any(surface.langevin for surface in scene.surfaces) else None,
-        drives=_custom(scene, "drive", CustomDrive),
-        ends=_custom(scene, "bars", Ends),
+        drives=user_forces(scene, origin, "drive", CustomDrive),
+        ends=user_forces(scene, origin, "bars", Ends),
     )
     return Layout(
         scene=scene,
@@ -159,7 +153,7 @@ def lay_out(scene: Scene) -> Layout:
         coordinates=coordinates,
         accounts=accounts,
         velocity=np.repeat([surface.velocity for surface in scene.surfaces], counts, axis=0),
-        origin=_origin(scene),
+        origin=origin,
         parts=parts,
         calculator_calls=calls,
         rows=rows,
@@ -175,6 +169,16 @@ def _resting_bobs(scene: Scene, index: int) -> np.ndarray:
     """(n, 3) resting bobs of a surface, relative to the first surface's first."""
     origin = scene.surfaces[0].first_bob
     return scene.surfaces[index].resting_bobs(origin, seed=[scene.seed, index, 0])
+
+
+def _bobs(scene: Scene, parts: dict[str, slice]) -> np.ndarray:
+    """Depths and charges of all bobs."""
+    bobs = np.zeros(scene.count, records.BOB)
+    for k, surface in enumerate(scene.surfaces):
+        part = parts[surface.name]
+        bobs["z"][part] = _resting_bobs(scene, k)[:, 2]
+        bobs["charge"][part] = surface.asperite.for_each(surface.count)["charge"]
+    return bobs
 
 
 def _fill_asperites(asperites: np.ndarray, scene: Scene, index: int) -> None:
@@ -292,63 +296,6 @@ def _give_accounts(asperites: np.ndarray, surfaces: np.ndarray, scene: Scene) ->
     moving = np.isin(np.arange(surfaces.size), asperites["surface"][sliding])
     surfaces["acc_block"], stop = _slots(moving, stop)
     return stop
-
-
-def _fields(scene: Scene, accounts: int) -> tuple[tuple[FieldOn, ...] | None, int]:
-    """The external fields; each moving field has an account for the work of moving it."""
-    names = [surface.name for surface in scene.surfaces]
-    origin, velocity = _origin(scene), np.array(scene.surfaces[0].velocity)
-    fields = []
-    for item in scene.fields:
-        drift = np.array(item.velocity)
-        moves = bool(np.any(drift != 0.0))
-        fields.append(
-            FieldOn(
-                potential=item.potential,
-                surfaces=np.array([names.index(name) for name in item.on]),
-                origin=origin - np.array(item.origin),
-                velocity=velocity - drift,
-                drift=drift,
-                account=accounts if moves else -1,
-            )
-        )
-        accounts += moves
-    return tuple(fields) or None, accounts
-
-
-def _bonds(scene: Scene, parts: dict[str, slice], asperites: np.ndarray) -> Records | None:
-    """All lattice springs; None without any."""
-    periodic = (scene.periodic.x is not None, scene.periodic.z is not None)
-    tables = []
-    for surface in scene.surfaces:
-        first = parts[surface.name].start
-        ends, stiffness = surface.springs.bonds(surface.shape, surface.count, periodic)
-        table = np.zeros(len(ends), records.BOND)
-        table["i"], table["j"] = first + ends[:, 0], first + ends[:, 1]
-        table["stiffness"] = stiffness
-        turned = surface.springs.turned
-        if turned != 0.0:
-            # The distance of the resting bars, minus the same distance turned.
-            bars = np.array(
-                [asperites["x"], asperites["y"] + asperites["facing"] * asperites["l2"]]
-            )
-            x, y = bars[:, table["i"]] - bars[:, table["j"]]
-            less, sin = 2.0 * np.sin(0.5 * turned) ** 2, np.sin(turned)
-            table["x"], table["y"] = less * x + sin * y, less * y - sin * x
-        tables.append(table)
-    bonds = np.concatenate(tables)
-    return bonds.view(np.recarray) if bonds.size else None
-
-
-def _custom(scene: Scene, place: str, kind: type) -> tuple[Custom, ...] | None:
-    """User forces at one place, "drive" or "bars", of the surfaces; None without any."""
-    origin, velocity = _origin(scene), np.array(scene.surfaces[0].velocity)
-    own = [
-        Custom(getattr(surface, place).force, k, origin, velocity)
-        for k, surface in enumerate(scene.surfaces)
-        if isinstance(getattr(surface, place), kind)
-    ]
-    return tuple(own) or None
 
 
 def _start(

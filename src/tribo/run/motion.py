@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tribo.run.layout import Layout, Records
+from tribo.run.forces import Records
+from tribo.run.layout import Layout
 from tribo.run.samples import Samples
 
 # Asperites of a batch: more of them would make the temporary arrays of a ledger large.
