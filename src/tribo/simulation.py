@@ -5,7 +5,6 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -25,14 +24,15 @@ from tribo.accuracy.search import (
 from tribo.integrators import methods
 from tribo.kernels.status import Status
 from tribo.model.scene import Scene
+from tribo.run.initial_state import InitialState, Start
 from tribo.run.integrate import Integration, Progress, Setting
 from tribo.run.integrator import Integrator
-from tribo.run.layout import Layout, lay_out, set_bath
+from tribo.run.layout import Layout, lay_out
 from tribo.run.ledger import Ledger, assemble
 from tribo.run.notes import calculator_notes, scene_notes
 from tribo.run.result import Cost, Known, Result
 from tribo.run.streamed_ledger import StreamedLedger, exceeds_memory
-from tribo.validation import InputError, TriboWarning, inside, number_or_array
+from tribo.validation import InputError, TriboWarning, inside
 
 # Levels of two runs that are compared differ by FINE_LEVEL; this many such ratios make a digit.
 RATIOS_PER_DIGIT = -1.0 / np.log10(FINE_LEVEL)
@@ -73,12 +73,9 @@ class Simulation:
         self._integrator = integrator
         self._notes = scene_notes(self.scene, self.method)
         self._streams = exceeds_memory(self.layout, plan.times.size)
-        self._has_bath = self.layout.model.bath is not None
-        self._has_bath |= self.layout.model.torsional is not None
-        # Where changed initial values stand in y: see `_slots`.
-        self._known_slots: dict[Any, tuple[Any, float, int]] = {}
+        self._initial_state = InitialState(self.layout)
 
-    def run(self, start: Mapping[str, Any] | None = None, estimate: bool = True) -> Result:
+    def run(self, start: Start | None = None, estimate: bool = True) -> Result:
         """Run from the scene's start, or with some initial values changed.
 
         Parameters
@@ -119,7 +116,7 @@ class Simulation:
         """
         return _with_warning(self.compute_first())
 
-    def compute(self, start: Mapping[str, Any] | None = None, estimate: bool = True) -> Result:
+    def compute(self, start: Start | None = None, estimate: bool = True) -> Result:
         """As :meth:`run`, without warnings: for callers that report what falls short."""
         y = self._initial_state({} if start is None else start)
         tuned = self.plan.tuned
@@ -236,7 +233,7 @@ class Simulation:
         add_up_cost: Callable[[], Cost],
     ) -> Result:
         """A result, with what all results of the simulation share."""
-        if self.layout.calls:
+        if self.layout.calculator_calls:
             notes = calculator_notes(self.layout) + notes
         return Result(
             self.scene,
@@ -263,50 +260,6 @@ class Simulation:
             return None
         seen = (runs[-1].evaluations / runs[-2].evaluations) ** RATIOS_PER_DIGIT
         return float(min(seen, 10.0 ** (2.0 / self.method.order)))
-
-    def _initial_state(self, start: Mapping[str, Any]) -> np.ndarray:
-        """y at t = 0 with some initial values replaced."""
-        if not isinstance(start, (dict, Mapping)):  # a dict is recognised sooner
-            raise InputError("start", f"must map names to values, got {start!r}")
-        y = self.layout.start.copy()
-        for key, value in start.items():
-            known = self._known_slots.get(key)
-            if known is None:
-                known = self._known_slots[key] = self._slots(key)
-            slots, offset, count = known
-            values = number_or_array(key, value)
-            if isinstance(values, np.ndarray):
-                if values.size != count:
-                    raise InputError(key, f"has {values.size} values for {count} asperites")
-                values = values.reshape(y[slots].shape)
-            y[slots] = values - offset
-        if start and self._has_bath:
-            self._reset_baths(y)
-        return y
-
-    def _slots(self, key: Any) -> tuple[Any, float, int]:
-        """Slots in y of a "surface.quantity", its value at rest, and the number of asperites.
-
-        The slot of one asperite is an integer, by which numpy finds an element sooner.
-        """
-        surface, quantity = self.scene.initial_value(key)
-        part = self.layout.parts[surface.name]
-        slots = np.arange(part.start, part.stop)
-        if quantity in ("phi", "nu"):
-            slots = self.layout.model.asperites.dof_phi[part].astype(int)
-        if quantity in ("omega", "nu"):
-            slots = slots + self.layout.coordinates
-        at: Any = slots if surface.count > 1 else int(slots[0])
-        return at, surface.rest if quantity == "theta" else 0.0, surface.count
-
-    def _reset_baths(self, y: np.ndarray) -> None:
-        """Start every bath about its bars, whose initial values have changed."""
-        n = self.layout.coordinates
-        for index, surface in enumerate(self.scene.surfaces):
-            part = self.layout.parts[surface.name]
-            rng = np.random.default_rng([self.scene.seed, index, 1])
-            bars = self.layout.model.asperites[part]
-            set_bath(bars, surface, part, y[:n], y[n:], rng)
 
 
 def _reported(layout: Layout, run: Integration) -> Ledger:

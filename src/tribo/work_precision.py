@@ -205,7 +205,7 @@ def _curve(
             if taken < REPEAT_BELOW:
                 taken = min(taken, *(integrator(setting, times).seconds for _ in range(2)))
             error = distance(assemble(layout, run.samples), truth, scales, watched)
-            shown = level if method.adaptive else float(setting)
+            shown = setting if isinstance(setting, float) else level
             yield Row(method.name, shown, error, run.evaluations, taken)
             stalled = 0 if error < GAIN * best else stalled + 1
             best, most = min(best, error), int(MORE * run.evaluations)

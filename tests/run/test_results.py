@@ -423,3 +423,12 @@ def test_long_runs_keep_the_asperites_ends_alone(monkeypatch, tmp_path):
     streamed.save(tmp_path / "long.nc")
     assert same_series(tribo.load_result(tmp_path / "long.nc"), streamed)
     assert streamed.to_xarray()["end"].values.tolist() == [0.0, 4.0]
+
+
+@pytest.mark.parametrize("estimate", [False, True])
+def test_half_of_a_step(estimate):
+    """A plan with a given step has one with half of it, for all runs."""
+    plan = tribo.prepare(scene(), method="midpoint", step=0.01).settings
+    half = from_settings(scene(), plan.at_half_step())
+    assert half.run(estimate=estimate).cost.steps == 800
+    assert from_settings(scene(), plan).run(estimate=estimate).cost.steps == 400

@@ -279,7 +279,7 @@ class Result:
         dataset.save(self, as_path(path))
 
 
-def without_nan(value: Any) -> Any:
+def without_nan(value: object) -> object:
     """The same nested data with None for every float that JSON cannot represent."""
     if isinstance(value, dict):
         return {key: without_nan(item) for key, item in value.items()}
