@@ -11,7 +11,7 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 
@@ -42,7 +42,7 @@ class InputError(ValueError):
         return InputError(f"{prefix}{separator}{self.field}", self.problem)
 
 
-def must_be(field: str, wanted: str, value: Any) -> InputError:
+def must_be(field: str, wanted: str, value: object) -> InputError:
     """The error of a field whose value is not what is wanted; to be raised."""
     return InputError(field, f"must be {wanted}, got {short_repr(value)}")
 
@@ -63,7 +63,7 @@ LARGEST_COUNT = 10_000_000
 QUOTED = 80
 
 
-def short_repr(value: Any) -> str:
+def short_repr(value: object) -> str:
     """The value as a message quotes it: one line of at most 80 characters."""
     try:
         text = " ".join(repr(value).split())
@@ -72,7 +72,7 @@ def short_repr(value: Any) -> str:
     return text if len(text) <= QUOTED else text[: QUOTED - 3] + "..."
 
 
-def number(field: str, value: Any, condition: Condition = ANY, unit: str = "") -> float:
+def number(field: str, value: object, condition: Condition = ANY, unit: str = "") -> float:
     """One finite number that meets the condition; the message names the unit if one is given."""
     if type(value) is float and condition is ANY and -LARGEST_NUMBER <= value <= LARGEST_NUMBER:
         return value
@@ -92,7 +92,7 @@ def _in(unit: str) -> str:
 
 
 def number_or_array(
-    field: str, value: Any, condition: Condition = ANY, unit: str = ""
+    field: str, value: object, condition: Condition = ANY, unit: str = ""
 ) -> float | np.ndarray:
     """One number for all asperites, or one number per asperite as a read-only array."""
     if type(value) is float:  # the most frequent type, for which `is_list` is not needed
@@ -105,7 +105,7 @@ def number_or_array(
 
 def vector(
     field: str,
-    value: Any,
+    value: object,
     condition: Condition = ANY,
     size: int | None = None,
     unit: str = "",
@@ -130,7 +130,7 @@ def vector(
     return array
 
 
-def is_list(value: Any) -> bool:
+def is_list(value: object) -> TypeGuard[Sequence[Any] | np.ndarray]:
     """Whether the value is a list, a tuple or an array of at least one axis."""
     if isinstance(value, (int, float)):
         return False
@@ -139,7 +139,7 @@ def is_list(value: Any) -> bool:
     return isinstance(value, Sequence) and not isinstance(value, (str, bytes))
 
 
-def integer(field: str, value: Any, least: int, most: int | None = None) -> int:
+def integer(field: str, value: object, least: int, most: int | None = None) -> int:
     """An integer of at least `least`, and at most `most` if that is given."""
     if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
         raise must_be(field, f"an integer of at least {least}", value)
@@ -148,7 +148,7 @@ def integer(field: str, value: Any, least: int, most: int | None = None) -> int:
     return int(value)
 
 
-def choice(field: str, value: Any, options: Iterable[str]) -> str:
+def choice(field: str, value: object, options: Iterable[str]) -> str:
     """One of the given words."""
     options = list(options)
     if not isinstance(value, str) or value not in options:
@@ -157,14 +157,16 @@ def choice(field: str, value: Any, options: Iterable[str]) -> str:
     return value
 
 
-def boolean(field: str, value: Any) -> bool:
+def boolean(field: str, value: object) -> bool:
     """True or false."""
     if not isinstance(value, (bool, np.bool_)):
         raise must_be(field, "true or false", value)
     return bool(value)
 
 
-def known_keys(table: Any, allowed: Iterable[str], required: Iterable[str] = ()) -> dict[str, Any]:
+def known_keys(
+    table: object, allowed: Iterable[str], required: Iterable[str] = ()
+) -> dict[str, Any]:
     """A table that has all of the required keys, and no key that is not allowed."""
     if not isinstance(table, Mapping):
         raise must_be("", "a table", table)
@@ -181,7 +183,7 @@ def known_keys(table: Any, allowed: Iterable[str], required: Iterable[str] = ())
     return dict(table)
 
 
-def as_path(value: Any) -> Path:
+def as_path(value: object) -> Path:
     """The path of a file."""
     if not isinstance(value, (str, os.PathLike)) or "\0" in os.fspath(value):
         raise must_be("path", "the name of a file", value)

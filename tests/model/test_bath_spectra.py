@@ -1,4 +1,4 @@
-"""Baths and their spectra: kernels, decays by independent methods, how long a bath is valid."""
+"""Baths and spectra: kernels, decays by independent methods, and the time of validity."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Input that makes no sense: one sentence that names the field, exit status 2, nothing written."""
+"""Invalid input: one sentence that names the field, exit status 2, and no file written."""
 
 import copy
 import math
@@ -35,7 +35,7 @@ from tribo.run.layout import lay_out
 REMOVED = object()
 HUGE = 10**400  # TOML has such numbers, floats have not
 
-# Every key of a scene file has a place here, so that any can be made wrong.
+# A scene with every key of a scene file, so that the tests can replace any of them.
 VALID = {
     "title": "valid",
     "duration": 1.0,
@@ -148,7 +148,7 @@ def paths(value, path=""):
 
 
 def message(folder, capsys, source, *options):
-    """What ``tribo run`` says of a scene file that it must refuse without writing anything."""
+    """The message of ``tribo run`` for an invalid scene file; checks that no file is written."""
     file = folder / "scene.toml"
     file.write_bytes(source if isinstance(source, bytes) else tomli_w.dumps(source).encode())
     before = {path: path.read_bytes() for path in folder.iterdir() if path.is_file()}
@@ -161,8 +161,8 @@ def message(folder, capsys, source, *options):
     return printed.err.removeprefix("tribo: ").rstrip("\n")
 
 
-# The path of a key, a value that it cannot have, and how the complaint begins; then the field that
-# the complaint is about if it is another, or inside the value.
+# The path of a key, an invalid value, and the beginning of the message; then the field of the
+# message if it is another one, or inside the value.
 WRONG = [
     # unknown keys at every level, with a hint
     ("durations", 1.0, 'is not a known key; did you mean "duration"?'),
@@ -253,7 +253,7 @@ WRONG = [
     ("surface[0].bars", {"ends": "own.py:Own"}, "there is no file", ".ends"),
     ("surface[0].bars", {}, "is missing", ".ends"),
     ("field[0].kind", "own.py:Own", "there is no file"),
-    # numbers that are none, or that make no sense
+    # numbers that are not finite, or out of range
     ("duration", math.nan, "must be a finite number [time], got nan"),
     ("duration", math.inf, "must be a finite number [time], got inf"),
     ("duration", HUGE, "must be at most 1e+100 in magnitude, got 1000000000000"),
@@ -379,7 +379,7 @@ WRONG = [
 
 @pytest.mark.parametrize("case", WRONG, ids=lambda case: f"{case[0]}={case[1]!r:.20}")
 def test_wrong_value_in_a_scene_file(tmp_path, capsys, case):
-    """The field is named as the file has it, and what is wrong with it said."""
+    """The message names the field as the file does, and the problem."""
     path, value, problem, *inner = case
     field = "".join(inner)
     if not field or field[0] in "[.":
@@ -388,12 +388,12 @@ def test_wrong_value_in_a_scene_file(tmp_path, capsys, case):
 
 
 def test_the_valid_scene_is_valid():
-    """What all of these tests start from has nothing wrong with it."""
+    """The scene from which these tests start is valid."""
     lay_out(scene_from(changed()))
 
 
 def test_two_interactions_for_one_pair(tmp_path, capsys):
-    """Whether by name or by default."""
+    """A second interaction of a pair is refused, by name or by default."""
     again = {"potential": "coulomb", "strength": 1.0}
     for between in ({}, {"between": ["lower", "upper"]}):
         table = changed(("interaction", [*VALID["interaction"], again | between]))
@@ -411,7 +411,7 @@ def own(*lines):
     return "\n    ".join(["from typing import NamedTuple\nclass Own(NamedTuple):", *lines, ""])
 
 
-# What a plug-in file holds (None: there is none), and how what is said of its name begins.
+# The text of a plug-in file (None: no file), and the beginning of the message.
 PLUGINS = {
     "no file": (None, "there is no file {path}"),
     "a syntax error": ("class Own(", "{path} cannot be loaded (SyntaxError: "),
@@ -431,7 +431,7 @@ PLUGINS = {
 
 
 @pytest.mark.parametrize("kind", PLUGINS)
-def test_plugin_that_is_none(tmp_path, capsys, kind):
+def test_plugin_that_cannot_be_used(tmp_path, capsys, kind):
     """A plug-in that cannot be used is an input error of the scene that names it."""
     source, problem = PLUGINS[kind]
     path = tmp_path / "own.py"
@@ -462,15 +462,15 @@ NAMES = ["own.py:", "own.py", ":Own", "a\0b.py:Own", "own.py:Own.x", ".py:", "/.
 
 
 @pytest.mark.parametrize("name", NAMES, ids=range(len(NAMES)))
-def test_plugin_name_that_is_none(tmp_path, name):
-    """However odd the name, it is the name that is complained about."""
+def test_invalid_name_of_a_plugin(tmp_path, name):
+    """For any invalid name of a plug-in, the message is about that field."""
     (tmp_path / "own.py").write_text("class Own: pass")
     table = changed(("interaction", [{"potential": name, "s": 1.0}]))
     with pytest.raises(InputError, match=r"^interaction\[0\]\.potential: "):
         scene_from(table, tmp_path)
 
 
-# What a file holds, and how what is said of it begins.
+# The content of a scene file, and the beginning of the message.
 FILES = {
     "not TOML": (b"duration = = 1", "{path}: is not valid TOML: Invalid value (at line 1, column"),
     "a key twice": (b"duration = 1\nduration = 2\n", "{path}: is not valid TOML: Cannot overwrite"),
@@ -482,23 +482,23 @@ FILES = {
 
 
 @pytest.mark.parametrize("kind", FILES)
-def test_file_that_is_no_scene(tmp_path, capsys, kind):
-    """A file that cannot be read as TOML is named itself."""
+def test_file_that_is_not_a_scene(tmp_path, capsys, kind):
+    """The message names a file that cannot be read as TOML."""
     source, sentence = FILES[kind]
     said = message(tmp_path, capsys, source)
     expected = sentence.format(path=tmp_path / "scene.toml")
     assert said.startswith(expected)
 
 
-def test_file_that_is_none(tmp_path, capsys):
-    """No file, or a folder."""
+def test_missing_file(tmp_path, capsys):
+    """A missing file and a folder are refused."""
     for path, why in ((tmp_path / "no.toml", "No such file"), (tmp_path, "Is a directory")):
         assert main(["run", str(path)]) == 2
         assert capsys.readouterr().err.startswith(f"tribo: {path}: cannot be read ({why}")
 
 
 def test_place_that_cannot_be_written(tmp_path, capsys):
-    """Where --out points to is looked at before the run."""
+    """The place of --out is checked before the run."""
     (tmp_path / "file").touch()
     (tmp_path / "folder").mkdir()
     places = {
@@ -529,11 +529,11 @@ def coulomb(**settings):
 
 
 def simulated(**settings):
-    """The pair simulated with settings of one's own."""
+    """The pair simulated with these settings."""
     return tribo.simulate(pair(), **settings)
 
 
-# What to call, with what, and how the sentence begins.
+# A function, its arguments, and the beginning of the message.
 CALLS = [
     (Asperite, {"m1": -1}, "m1: must be positive [mass], got -1"),
     (Asperite, {"m1": None}, "m1: must be a number [mass], got None"),
@@ -617,7 +617,7 @@ CALLS = [
 
 @pytest.mark.parametrize(("call", "given", "sentence"), CALLS)
 def test_wrong_value_in_python(call, given, sentence):
-    """The same sentences, from the place in the program where the value is given."""
+    """Constructors and functions raise the same errors as scene files."""
     with pytest.raises(InputError) as caught:
         call(**given)
     assert "\n" not in str(caught.value)
@@ -654,7 +654,7 @@ STARTS = [
 
 
 def test_wrong_start_of_a_prepared_run():
-    """Keys and sizes of new initial values; and a refusal leaves the simulation as it was."""
+    """Invalid keys and sizes of new initial values are refused and change nothing."""
     simulation = tribo.prepare(pair(), accuracy=1e-3)
     before = simulation.run(estimate=False)
     for start, sentence in STARTS:
@@ -685,7 +685,7 @@ NESTED = st.recursive(
 
 
 def is_a_scene_or_refused(table):
-    """Whatever the table holds, it is a scene that can be laid out, or an InputError."""
+    """Any table gives a scene that can be laid out, or an InputError."""
     try:
         scene = scene_from(table)
     except InputError as error:
@@ -710,8 +710,8 @@ def test_any_value_in_the_place_of_any_other(path, value):
 
 
 @given(st.recursive(LEAVES, lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner)))
-def test_any_table_at_all(table):
-    """Not even a table, perhaps."""
+def test_any_table(table):
+    """Any nested value, table or not."""
     is_a_scene_or_refused(table)
 
 

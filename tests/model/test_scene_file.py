@@ -1,4 +1,4 @@
-"""Scene files: what is loaded is what was saved, what is left out has the contract's defaults."""
+"""Scene files: a loaded scene equals the saved one, and missing keys have their defaults."""
 
 import copy
 import tomllib
@@ -77,7 +77,7 @@ def again(scene, folder=None):
 
 
 def assert_same_layout(one, other):
-    """Kernels are given the same bits."""
+    """Both scenes give kernels the same bits."""
     one, other = lay_out(one), lay_out(other)
     assert one.model.asperites.tobytes() == other.model.asperites.tobytes()
     assert one.model.surfaces.tobytes() == other.model.surfaces.tobytes()
@@ -106,7 +106,7 @@ def test_defaults_are_those_of_python():
 
 @given(scenes(), st.integers(0, 2**40))
 def test_round_trip(scene, seed):
-    """Everything that a scene is made of comes back, to the last bit."""
+    """Saving and loading keeps every part of a scene to the last bit."""
     scene = replace(scene, seed=seed, title='A "title", with = signs\nand lines')
     assert scene_table(again(scene)) == scene_table(scene)
     assert_same_layout(again(scene), scene)
@@ -144,7 +144,7 @@ ENDS = {"cutoff": 2.5}, {"cutoff": 2.5, "at_cutoff": "shift"}, {"cutoff": 2.5, "
 
 @pytest.mark.parametrize("name", SCENES)
 def test_round_trip_of_a_scene(tmp_path, name):
-    """Each thing that can be said of a scene as a whole."""
+    """Saving and loading keeps each setting of a scene."""
     scene = replace(scene_from(tomllib.loads(SHORT)), **SCENES[name])
     assert scene_table(again(scene, tmp_path)) == scene_table(scene)
     assert again(scene, tmp_path).output == scene.output
@@ -153,7 +153,7 @@ def test_round_trip_of_a_scene(tmp_path, name):
 
 @pytest.mark.parametrize("name", SURFACES)
 def test_round_trip_of_a_surface(tmp_path, name):
-    """Each thing that can be said of a surface."""
+    """Saving and loading keeps each setting of a surface."""
     table = tomllib.loads(SHORT)
     table["surface"][1] |= copy.deepcopy(SURFACES[name])
     scene = scene_from(table)
@@ -165,7 +165,7 @@ def test_round_trip_of_a_surface(tmp_path, name):
 
 @pytest.mark.parametrize("end", ENDS, ids=str)
 def test_round_trip_of_a_cutoff(tmp_path, end):
-    """However an interaction ends."""
+    """Saving and loading keeps each kind of cutoff."""
     table = tomllib.loads(SHORT)
     table["interaction"] |= end
     scene = scene_from(table)
@@ -193,7 +193,7 @@ def test_round_trip_of_a_field_and_a_box(tmp_path):
 
 
 def test_one_number_per_asperite():
-    """A list in a file is an array in the scene; a number goes for all."""
+    """A list in a file becomes an array in the scene; a number applies to all asperites."""
     table = tomllib.loads(SHORT)
     table["surface"][1] |= {"shape": [2, 1], "spacing": [1.0, 0.0]}
     table["surface"][1]["asperite"] = {"m1": [1.0, 3.0], "kappa": 4}
@@ -229,7 +229,7 @@ class Own(NamedTuple):
 
 
 def test_plugin_lies_beside_the_file(tmp_path, monkeypatch):
-    """Its path is relative to the scene file's folder, wherever that is read from or moved to."""
+    """The path of a plug-in is relative to the scene file's folder, not the working directory."""
     (tmp_path / "scenes" / "own").mkdir(parents=True)
     (tmp_path / "scenes" / "own" / "own.py").write_text(PLUGIN)
     table = tomllib.loads(SHORT)
@@ -248,7 +248,7 @@ def test_plugin_lies_beside_the_file(tmp_path, monkeypatch):
 
 
 def test_file_is_replaced_or_left_alone(tmp_path):
-    """Saving writes UTF-8 that anyone can read; a failure leaves no file."""
+    """Saving writes UTF-8; a failure leaves no file."""
     scene = replace(scene_from(tomllib.loads(SHORT)), title="Gleitreibung — µ")
     path = tmp_path / "scene.toml"
     scene.save(path)

@@ -25,7 +25,7 @@ energies = st.floats(0.01, 10.0)
 
 
 def apart(potential, calculator, r):
-    """Differences of energy and force at each r: ours less ASE's."""
+    """Differences of energy and force at each r, from ASE's."""
     theirs = pair(calculator, "H2", r)
     return potential.energy(r) - theirs[0], potential.force(r) - theirs[1]
 
@@ -53,7 +53,7 @@ def test_same_to_round_off(potential, places):
 
 
 def test_units_of_charge():
-    """Two charges of e one Angstrom apart: 14.4 eV, and ASE's constants say so too."""
+    """Two charges of e one Angstrom apart have 14.4 eV, by ASE's constants too."""
     e2 = units._e / (4.0 * np.pi * units._eps0) * 1e10  # e / (4 pi eps0) [V Angstrom]
     ions = AtomicCounterIon([1.0, 1.0], epsilon=0.0, sigma=1.0, sites_per_mol=2, rc=1e4)
     r = np.array([0.5, 1.0, 7.3])
@@ -79,7 +79,7 @@ def test_three_atoms_are_three_pairs():
     assert atoms.get_forces() == pytest.approx(force, rel=1e-12, abs=1e-12)
 
 
-# --- what ASE's own cutoffs do -------------------------------------------------------------------
+# --- ASE's cutoffs -------------------------------------------------------------------------------
 
 
 def test_lennard_jones_is_shifted():

@@ -96,7 +96,7 @@ def test_by_elements():
 
 
 def test_periodic_atoms_need_a_cutoff():
-    """A clear refusal, not a wrong sum."""
+    """Periodic atoms need a cutoff."""
     atoms = bulk("Ar", "fcc", 5.3)
     atoms.calc = as_calculator(LJ)
     with pytest.raises(tribo.InputError, match="needs a cutoff for periodic atoms"):
@@ -114,7 +114,7 @@ def test_a_dimer_curve_to_a_stated_error():
 
 
 def test_many_bodies_are_refused_or_said():
-    """EMT is not a sum over pairs: refused by default; else its table's error says how far off."""
+    """EMT is not a sum over pairs: refused by default, or part of the table's stated error."""
     with pytest.raises(tribo.InputError, match="EMT does not sum over pairs: for three atoms of"):
         from_dimer(EMT(), ("Cu", "Cu"), 1.6, 4.5, tolerance=1e-4)
     table = from_dimer(EMT(), ("Cu", "Cu"), 1.6, 4.5, tolerance=1e-4, many_body=True)
@@ -122,7 +122,7 @@ def test_many_bodies_are_refused_or_said():
 
 
 def test_emt_as_a_table_drives_a_scene(tmp_path):
-    """From a scene file, end to end, and it is then saved as points that need ASE no more."""
+    """A scene file may name a calculator; it is saved as points, without ASE."""
     (tmp_path / "scene.toml").write_text(
         """
         duration = 4.0
@@ -164,7 +164,7 @@ def test_emt_as_a_table_drives_a_scene(tmp_path):
     ],
 )
 def test_refusals(arguments, says):
-    """One sentence each."""
+    """The message names the argument."""
     given = {"calculator": EMT(), "symbols": ("Cu", "Cu"), "low": 1.6, "high": 4.5}
     with pytest.raises(tribo.InputError, match=says):
         from_dimer(**(given | {"tolerance": 1e-3} | arguments))

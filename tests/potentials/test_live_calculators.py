@@ -1,4 +1,4 @@
-"""ASE calculators as the contact between surfaces, live."""
+"""ASE calculators as the contact between surfaces."""
 
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ def scene(potential, **settings) -> tribo.Scene:
 
 
 def same(one: tribo.Result, other: tribo.Result, bound: float) -> None:
-    """All works and angles within the bound, relative to the largest work."""
+    """All works and angles agree within the bound, relative to the largest work."""
     for surface in ("upper", "lower"):
         for name in ("theta", "w1", "w2", "w", "delta_e_int"):
             assert np.max(np.abs(one[surface][name] - other[surface][name])) <= bound, name
@@ -151,13 +151,13 @@ def test_in_a_scene_file(tmp_path):
     ],
 )
 def test_refusals(potential, change, says):
-    """One sentence each."""
+    """The message names the field."""
     with pytest.raises(tribo.InputError, match=says):
         tribo.simulate(scene(potential(), **change), method="verlet", step=0.1)
 
 
 def test_species_must_be_elements():
-    """A scene whose bobs are nameless cannot be asked of a calculator."""
+    """A calculator needs the species of the bobs."""
     bare = [tribo.Surface("upper", bob=(0.0, 2.0)), tribo.Surface("lower", facing="up")]
     with pytest.raises(tribo.InputError, match="species to be elements"):
         tribo.simulate(tribo.Scene(bare, from_calculator(EMT()), 1.0), method="verlet", step=0.1)

@@ -1,4 +1,4 @@
-"""Potentials against their formulae in 50 digits, and what is made of them against its parts."""
+"""Potentials against their formulae in 50 digits; combined potentials against their parts."""
 
 import math
 import tomllib
@@ -44,12 +44,12 @@ ROUND_OFF = 2e-14  # relative to the largest term of a formula
 
 
 def numbers(low: float, high: float) -> st.SearchStrategy[float]:
-    """Numbers of either end's size and of all between."""
+    """Numbers distributed over all orders of magnitude between two ends."""
     return st.floats(math.log(low), math.log(high)).map(math.exp)
 
 
 class Entry(NamedTuple):
-    """What a built-in has to be: its parameters, and the terms of its formula."""
+    """The parameters of a built-in potential and the terms of its formula."""
 
     drawn: st.SearchStrategy
     terms: object  # of r and the parameters, as numbers of 50 digits
@@ -116,14 +116,14 @@ def precisely(name, potential, r):
 
 
 def test_every_built_in_has_an_entry():
-    """Here, and in the page on potentials."""
+    """Every built-in potential is tested here and is on the page on potentials."""
     assert set(REGISTRY) == set(BUILT_IN)
 
 
 @pytest.mark.parametrize("name", REGISTRY)
 @given(data=st.data())
 def test_energy_and_force_are_the_formula(name, data):
-    """To round-off, and for arrays as for numbers."""
+    """Energy and force are right to round-off, for arrays as for numbers."""
     potential = as_potential(data.draw(REGISTRY[name].drawn))
     assert type(potential) is BUILT_IN[name]
     places = np.array(data.draw(st.lists(numbers(0.05, 20.0), min_size=1, max_size=4)))
@@ -138,8 +138,8 @@ def test_energy_and_force_are_the_formula(name, data):
 
 @pytest.mark.parametrize("name", REGISTRY)
 @given(data=st.data(), one=st.floats(-3.0, 3.0), other=st.floats(-3.0, 3.0))
-def test_charges_multiply_the_charged_alone(name, data, one, other):
-    """Two charges are a factor of some, and nothing to the rest."""
+def test_charges_multiply_charged_potentials_only(name, data, one, other):
+    """Charged potentials are multiplied by the charges; others are not."""
     potential = as_potential(data.draw(REGISTRY[name].drawn))
     factor = one * other if REGISTRY[name].charged else 1.0
     assert potential.energy_between(1.3, one, other) == factor * potential.energy(1.3)
@@ -152,7 +152,7 @@ HAVE_MINIMA = [name for name, cls in BUILT_IN.items() if hasattr(cls, "minimum")
 @pytest.mark.parametrize("name", HAVE_MINIMA)
 @given(data=st.data())
 def test_minimum(name, data):
-    """Where the slope is zero, with the depth and the curvature there."""
+    """The declared minimum has zero slope, and the depth and the curvature of the formula."""
     potential = data.draw(REGISTRY[name].drawn)
     r, energy, curvature = potential.minimum()
     p = type(potential)(*map(mpmath.mpf, potential))
@@ -173,12 +173,12 @@ def test_minimum(name, data):
     assert curvature == pytest.approx(float(bend), rel=1e-5)
 
 
-def test_which_have_a_minimum():
-    """What has a bond says where it is."""
+def test_potentials_with_a_minimum():
+    """Every potential with a minimum declares it."""
     assert set(HAVE_MINIMA) == {"morse", "lennard-jones", "mie", "buckingham"}
 
 
-def test_buckingham_is_meant_outside_its_barrier():
+def test_buckingham_is_valid_outside_its_barrier():
     """At the near end of its domain the slope is zero and the curvature negative."""
     potential = Buckingham(1000.0, 0.3, 50.0)
     near, far = potential.domain()
@@ -188,7 +188,7 @@ def test_buckingham_is_meant_outside_its_barrier():
 
 
 def test_relations_between_potentials():
-    """Special cases of one are another."""
+    """Special cases of one potential equal another."""
     r = np.linspace(0.5, 3.0, 26)
     jones = LennardJones(0.3, 0.9)
     assert Mie(0.3, 0.9, 12.0, 6.0).energy(r) == pytest.approx(jones.energy(r), rel=1e-12)
@@ -200,7 +200,7 @@ def test_relations_between_potentials():
     assert Plummer(0.4, 0.5).energy(0.0) == pytest.approx(0.8)
 
 
-# --- what is made of potentials ------------------------------------------------------------------
+# --- combined potentials -------------------------------------------------------------------------
 
 PARTS = st.one_of(*(entry.drawn for entry in REGISTRY.values())).map(as_potential)
 CHARGES = st.tuples(st.floats(-2.0, 2.0), st.floats(-2.0, 2.0))
@@ -208,7 +208,7 @@ PLACES = np.linspace(0.4, 4.0, 19)
 
 
 def near(one, other):
-    """Equal to round-off of their size, at every place."""
+    """The arrays are equal to round-off of their largest value."""
     return one == pytest.approx(other, rel=1e-11, abs=1e-11 * float(np.max(np.abs(other))) + 1e-200)
 
 
@@ -230,7 +230,7 @@ def test_sums_and_scaled_copies(parts, charges, factor):
 @pytest.mark.parametrize("at_cutoff", AT_CUTOFF)
 @given(one=PARTS, other=PARTS, charges=CHARGES, factor=st.floats(-3.0, 3.0))
 def test_a_cutoff_is_linear(at_cutoff, one, other, charges, factor):
-    """That of a sum is the sum of those of its parts, whatever they make of charges."""
+    """A cutoff of a sum is the sum of the cutoffs of its parts, charged or not."""
     whole = with_cutoff(sum_of(one, scaled(other, factor)), 2.5, at_cutoff)
     first, second = (with_cutoff(part, 2.5, at_cutoff) for part in (one, other))
     for method in ("energy_between", "force_between"):
@@ -262,7 +262,7 @@ MADE = {
 
 @pytest.mark.parametrize("name", MADE)
 def test_force_is_the_slope(name):
-    """Of everything that is made, between charges."""
+    """The force of every combined potential is minus the slope, between charges."""
     for r in np.linspace(0.75, 2.45, 18) + 0.0123:
         force = MADE[name].force_between(r, 1.5, -2.0)
         assert force == pytest.approx(slope(MADE[name], r), rel=2e-7, abs=2e-7)
@@ -289,8 +289,8 @@ SMOOTHNESS = {
 
 
 @pytest.mark.parametrize("name", SMOOTHNESS)
-def test_smoothness_is_what_it_is_said_to_be(name):
-    """Of U and its derivatives at r = 2, the first to jump is the one after those declared."""
+def test_smoothness_is_as_declared(name):
+    """The first derivative of U that jumps at r = 2 is the one after those declared."""
     potential, smoothness = SMOOTHNESS[name]
     assert potential.smoothness() == smoothness
     if name == "a core cut off farther out":
@@ -309,8 +309,8 @@ def test_smoothness_is_what_it_is_said_to_be(name):
 
 
 @pytest.mark.parametrize("accuracy", [1e-3, 1e-6, 1e-9])
-def test_a_table_of_a_function_is_as_good_as_it_says(accuracy):
-    """Between its points, to the accuracy asked for, and not much better than it says."""
+def test_a_table_of_a_function_is_within_its_stated_error(accuracy):
+    """Between its points the error is below the tolerance and close to the stated error."""
     jones = LennardJones(0.3, 1.0)
     table = tabulated(jones.energy, 0.8, 4.0, accuracy)
     r = np.linspace(0.8, 4.0, 200_000)[:-1]
@@ -321,7 +321,7 @@ def test_a_table_of_a_function_is_as_good_as_it_says(accuracy):
 
 
 def test_an_error_of_points_is_not_below_the_true_one():
-    """What leaving out every other point does is more than what is missing between them."""
+    """The error of every other point is larger than the error between all points."""
     for n in (20, 40, 80):
         r = np.linspace(0.9, 3.0, n)
         jones = LennardJones(0.3, 1.0)
@@ -332,7 +332,7 @@ def test_an_error_of_points_is_not_below_the_true_one():
 
 
 def test_a_table_is_the_spline():
-    """scipy's own evaluation, at every point and between."""
+    """A table equals scipy's spline at its points and between them."""
     from scipy.interpolate import CubicSpline
 
     r = np.array([0.5, 0.6, 0.9, 1.0, 1.7, 2.0])
@@ -348,7 +348,7 @@ def test_a_table_is_the_spline():
 
 
 def test_a_table_from_a_file(tmp_path):
-    """Two columns, by commas or spaces, with remarks."""
+    """A file has two columns, separated by commas or spaces, and may have comments."""
     path = tmp_path / "curve.csv"
     path.write_text("# r, U\n0.5, 4.0\n\n1.0 2.0\n1.5,1.0\n2.0\t0.5\n")
     assert from_csv(path) == from_points([0.5, 1.0, 1.5, 2.0], [4.0, 2.0, 1.0, 0.5])
@@ -360,7 +360,7 @@ def test_a_table_from_a_file(tmp_path):
 
 
 def test_a_run_below_a_table_stops():
-    """Where nothing is known of the energy there is nothing to go on with."""
+    """Below its first point a table is nan, which stops a run."""
     r = np.linspace(0.6, 4.0, 60)
     scene = pair(with_cutoff(from_points(r, -1.0 / r), 3.5))
     with pytest.warns(tribo.TriboWarning, match="NotFinite"):
@@ -388,7 +388,7 @@ FORMULAE = [
 
 @pytest.mark.parametrize(("text", "parameters"), FORMULAE)
 def test_expressions_and_their_derivatives(text, parameters):
-    """To round-off, against the same text and its numerical derivative in 50 digits."""
+    """Energy and force equal the expression and its derivative in 50 digits, to round-off."""
     potential = expression(text, **parameters)
     names = {name: getattr(mpmath, name) for name in ("pi", *FUNCTIONS)}
     names |= {name: mpmath.mpf(value) for name, value in parameters.items()}
@@ -433,8 +433,8 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("text", "problem"), REFUSED)
-def test_what_is_no_expression(text, problem):
-    """One sentence that says what is not allowed, and where."""
+def test_invalid_expressions(text, problem):
+    """The message names the part that is not allowed and its position."""
     with pytest.raises(InputError) as caught:
         named(text, s=1.0)
     assert str(caught.value).startswith("potential: ")
@@ -450,7 +450,7 @@ def test_what_is_no_expression(text, problem):
     ],
 )
 def test_parameters_of_an_expression(parameters, sentence):
-    """As of any potential."""
+    """Parameters of expressions are checked like those of any potential."""
     with pytest.raises(InputError) as caught:
         expression("s/r**n", **parameters)
     assert str(caught.value) == sentence
@@ -473,7 +473,7 @@ def series(potential, charge=1.0):
 
 
 def test_an_expression_is_the_built_in():
-    """Through a whole run, in every quantity."""
+    """Both runs agree in every quantity."""
     one = series(Morse(0.4, 1.6, 0.7))
     text = "D*(exp(-2*a*(r-r0)) - 2*exp(-a*(r-r0)))"
     other = series(expression(text, D=0.4, a=1.6, r0=0.7))
@@ -577,7 +577,7 @@ def folder(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("name", WRITTEN)
 def test_round_trip(folder, name):
-    """Read, written and read again, a potential is the same; the first has been understood."""
+    """A potential that is read, written and read again is the same, and is the expected one."""
     scene = scene_from(tomllib.loads(FILE.format(WRITTEN[name])), folder)
     (potential,) = (i.potential for i in scene.interactions)
     again = scene_from(tomllib.loads(scene_text(scene)))
@@ -591,7 +591,7 @@ def test_round_trip(folder, name):
 
 
 def test_a_result_keeps_its_potential(tmp_path):
-    """A sum with a table and an expression goes through a result's file."""
+    """A result file keeps a sum with a table and an expression."""
     parts = (
         tabulated(Morse(0.4, 1.6, 0.7).energy, 0.1, 9.0, 1e-4),
         expression("s/r**n", s=0.1, n=1),
@@ -645,7 +645,7 @@ WRONG = [
 
 @pytest.mark.parametrize(("text", "sentence"), WRONG)
 def test_wrong_potentials_in_a_file(tmp_path, text, sentence):
-    """One sentence that names the key."""
+    """The message names the key."""
     with pytest.raises(InputError) as caught:
         scene_from(tomllib.loads(FILE.format(text)), tmp_path)
     assert str(caught.value).startswith(sentence) and "\n" not in str(caught.value)
@@ -667,7 +667,7 @@ CALLS = [
 
 @pytest.mark.parametrize(("call", "sentence"), CALLS, ids=range(len(CALLS)))
 def test_wrong_potentials_in_python(call, sentence):
-    """The same sentences."""
+    """The functions raise the same errors."""
     with pytest.raises(InputError) as caught:
         call()
     assert str(caught.value).startswith(sentence)
@@ -686,8 +686,8 @@ def test_wrong_potentials_in_python(call, sentence):
         ("switch", "kahan-li-6", None),
     ],
 )
-def test_methods_say_what_they_need(at_cutoff, method, note):
-    """A note on a potential that is too rough for the method, and none on another."""
+def test_notes_on_smoothness(at_cutoff, method, note):
+    """A note names a potential that is not smooth enough for the method, and no other."""
     scene = pair(with_cutoff(Coulomb(0.2), 1.8, at_cutoff), duration=0.2)
     notes = tribo.simulate(scene, method=method, step=0.05).notes
     assert (not notes) if note is None else notes[0].startswith(note)

@@ -1,4 +1,4 @@
-"""Potentials of the user's own that cannot be used: one sentence with the line, and why."""
+"""Invalid potentials of a user: the message names the line and the reason."""
 
 import re
 from typing import NamedTuple
@@ -25,7 +25,7 @@ class Own(NamedTuple):
 """
 ENERGY = ["def energy(self, r):", "    return self.s / r"]
 
-# The class's lines, the line that is named, and what is said of it.
+# The lines of the class, the line that the message names, and the reason.
 FAULTS = {
     "an unknown name": (
         ["def energy(self, r):", "    x = self.s", "    return x / r + y"],
@@ -121,7 +121,7 @@ FAULTS = {
 }
 
 
-# Energies, and whether their force is taken from their source.
+# Energies, and whether their source is differentiated.
 ENERGIES = {
     "a quotient": (["return self.s / r"], True),
     "steps": (["x = self.s / r", "x = x * x - r", "y = 3.0", "return y * x**3 / (x - 7.0)"], True),
@@ -139,7 +139,7 @@ ENERGIES = {
 
 @pytest.mark.parametrize("name", ENERGIES)
 def test_forces_of_energies_alone(tmp_path, name):
-    """From the source where that is a formula, and the derivative in any case."""
+    """The force is minus the derivative, symbolic where the source is a formula."""
     lines, is_formula = ENERGIES[name]
     head = HEAD.replace("import numba", "import numba\nimport numpy as np\nTWO = 2.0")
     body = "".join(f"        {line}\n" for line in lines)
@@ -163,7 +163,7 @@ def test_forces_of_energies_alone(tmp_path, name):
 
 
 def test_a_source_that_was_edited_is_not_the_energy(tmp_path, monkeypatch):
-    """A force is never taken from a text that the energy was not made from."""
+    """A source that has changed since it was loaded is not differentiated."""
     import importlib
     import linecache
 
@@ -208,7 +208,7 @@ def test_a_plugin_that_fails(tmp_path, fault):
 
 
 def test_a_plugin_inside_a_cutoff(tmp_path):
-    """It is found wherever it is."""
+    """A fault is found in a part of a combined potential."""
     (tmp_path / "own.py").write_text(HEAD + "    def energy(self, r): return helper(r)\n")
     own = scene("own.py:Own", tmp_path).interactions[0].potential
     inside = tribo.potentials.sum_of(tribo.Coulomb(1.0), tribo.with_cutoff(own, 2.0))
@@ -219,7 +219,7 @@ def test_a_plugin_inside_a_cutoff(tmp_path):
 
 
 class Broken(NamedTuple):
-    """A field whose force is one number of the two."""
+    """A field whose force has one component only is refused."""
 
     s: float
 
@@ -231,7 +231,7 @@ class Broken(NamedTuple):
 
 
 def test_a_field_that_fails():
-    """Other plug-ins are looked through in the same way."""
+    """Other plug-ins are checked in the same way."""
     upper = tribo.Surface("upper")
     field = tribo.Field(Broken(1.0), on=["upper"])
     described = tribo.Scene((upper,), (), 1.0, fields=[field])
@@ -240,7 +240,7 @@ def test_a_field_that_fails():
 
 
 def test_constraints_of_a_user_potential(tmp_path):
-    """A class says which numbers make sense, and the sentence names the parameter."""
+    """A class may constrain its parameters; the message names the parameter."""
     (tmp_path / "own.py").write_text(
         HEAD + "    def energy(self, r): return compiled(r)\n"
         "    def constraints(self): return (('s', self.s > 2.0, 'must be above 2'),)\n"

@@ -111,7 +111,7 @@ class Bath:
         return self.inertias * self.torsional_frequencies**2
 
 
-def as_bath(value: Any) -> Bath:
+def as_bath(value: object) -> Bath:
     """A bath from a table of a scene file, None (no bath), or a Bath unchanged."""
     if value is None:
         return Bath()
@@ -241,7 +241,7 @@ class Langevin:
         return self.gamma > 0.0
 
 
-def as_langevin(value: Any) -> Langevin | None:
+def as_langevin(value: object) -> Langevin | None:
     """A reservoir from a table of a scene file, a Langevin unchanged, or None (no reservoir)."""
     if value is None or isinstance(value, Langevin):
         return value

@@ -150,14 +150,13 @@ class Ends:
 KINDS: dict[str, type[Drive]] = {"forced": Forced, "free": Free, "pulled": Pulled}
 
 
-def as_drive(value: Any, folder: Path = Path()) -> Drive:
+def as_drive(value: object, folder: Path = Path()) -> Drive:
     """A drive from its name or its table in a scene file, or the drive itself."""
     if isinstance(value, Drive) and type(value) is not Drive:
         return value
     if isinstance(value, str):
         return KINDS[choice("", value, KINDS)]()
-    wanted = value.get("kind") if isinstance(value, dict) else None
-    if plugins.is_named(wanted):
+    if isinstance(value, dict) and plugins.is_named(value.get("kind")):
         parameters = dict(value)
         name, load = parameters.pop("kind"), parameters.pop("load", None)
         cls = plugins.class_named("kind", name, folder)
@@ -179,7 +178,7 @@ def as_table(drive: Drive) -> dict[str, Any]:
     return {"kind": kind} | {k: v for k, v in settings.items() if v is not None and v is not False}
 
 
-def as_bars(value: Any, folder: Path = Path()) -> str | Ends:
+def as_bars(value: object, folder: Path = Path()) -> str | Ends:
     """What holds the bars: "clamped", "free", or a user's forces on their ends."""
     if isinstance(value, Ends):
         return value

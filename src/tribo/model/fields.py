@@ -102,7 +102,7 @@ def as_field_potential(value: Any) -> Any:
     return value
 
 
-def from_table(table: Any, folder: Path) -> Field:
+def from_table(table: object, folder: Path) -> Field:
     """The field that a table of a scene file describes."""
     if not isinstance(table, dict):
         raise must_be("", "a table", table)

@@ -34,7 +34,7 @@ class Periodic:
         return self.x is not None or self.z is not None
 
 
-def as_periodic(value: Any) -> Periodic:
+def as_periodic(value: object) -> Periodic:
     """Periods from their table in a scene file, or a Periodic unchanged."""
     if isinstance(value, Periodic):
         return value

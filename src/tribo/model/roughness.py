@@ -155,7 +155,7 @@ def _amplitudes(
     return amplitudes
 
 
-def as_roughness(value: Any) -> Roughness:
+def as_roughness(value: object) -> Roughness:
     """A roughness from its table in a scene file, or a Roughness unchanged."""
     if isinstance(value, Roughness):
         return value
@@ -169,7 +169,7 @@ def as_table(roughness: Roughness) -> dict[str, Any]:
 
 
 def as_heights(
-    value: Any, shape: tuple[int, int], spacing: tuple[float, float]
+    value: object, shape: tuple[int, int], spacing: tuple[float, float]
 ) -> np.ndarray | Roughness | None:
     """The `heights` of a surface: (nx nz,) numbers [length], a roughness, or None.
 

@@ -134,7 +134,7 @@ class Scene:
         return tuple(self.surfaces)
 
     def _checked_interactions(self) -> tuple[Interaction, ...]:
-        value: Any = self.interactions
+        value: object = self.interactions
         if isinstance(value, (Interaction, Live)) or hasattr(value, "energy"):
             value = [value]
         if not isinstance(value, (list, tuple)):
@@ -312,7 +312,7 @@ class Scene:
             return np.linspace(0.0, self.duration, self.output.samples)
         return np.union1d(np.array(self.output.times), [0.0, self.duration])
 
-    def save(self, path: Any) -> None:
+    def save(self, path: object) -> None:
         """Write the scene file that :func:`tribo.load_scene` reads.  Raises InputError."""
         from tribo.model.scene_writer import save_scene
 

@@ -23,7 +23,7 @@ from tribo.validation import InputError, as_path, inside, known_keys, must_be
 SURFACE_KEYS = [f.name for f in fields_of(Surface)]
 
 
-def load_scene(path: Any) -> Scene:
+def load_scene(path: object) -> Scene:
     """Read a scene file.
 
     Parameters
@@ -85,7 +85,7 @@ def scene_from(table: dict[str, Any], folder: Path = Path()) -> Scene:
     )
 
 
-def _interactions(value: Any, folder: Path) -> tuple[Interaction, ...]:
+def _interactions(value: object, folder: Path) -> tuple[Interaction, ...]:
     if isinstance(value, dict):
         with inside("interaction"):
             return (_interaction(value, folder),)
@@ -98,7 +98,7 @@ def _interactions(value: Any, folder: Path) -> tuple[Interaction, ...]:
     return tuple(interactions)
 
 
-def _fields(value: Any, folder: Path) -> tuple[Field, ...]:
+def _fields(value: object, folder: Path) -> tuple[Field, ...]:
     if not isinstance(value, list):
         raise must_be("field", "[[field]] tables, one for each field", value)
     items = []
@@ -108,7 +108,7 @@ def _fields(value: Any, folder: Path) -> tuple[Field, ...]:
     return tuple(items)
 
 
-def _interaction(table: Any, folder: Path) -> Interaction:
+def _interaction(table: object, folder: Path) -> Interaction:
     if not isinstance(table, dict):
         raise must_be("", "a table", table)
     parameters = dict(table)
@@ -116,7 +116,7 @@ def _interaction(table: Any, folder: Path) -> Interaction:
     return Interaction(potentials.from_table(parameters, folder), between, species)
 
 
-def _surface(index: int, table: Any, folder: Path) -> Surface:
+def _surface(index: int, table: object, folder: Path) -> Surface:
     with inside(f"surface[{index}]"):
         table = known_keys(table, SURFACE_KEYS, ["name"])
         with inside("asperite"):

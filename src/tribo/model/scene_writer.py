@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from tribo.model.scene import Scene
 
 
-def save_scene(scene: Scene, path: Any) -> None:
+def save_scene(scene: Scene, path: object) -> None:
     """Write the TOML file that `load_scene` reads."""
     path = as_path(path)
     text = scene_text(scene).encode("utf-8")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -88,7 +87,7 @@ class Numerics:
                 raise InputError("accuracy", "cannot go with a step; give one or the other")
 
 
-def check_accuracy(value: Any) -> float | dict[str, float]:
+def check_accuracy(value: object) -> float | dict[str, float]:
     """An accuracy within the range that is possible, or one for each observable."""
     if isinstance(value, Mapping):
         if not value:
@@ -98,7 +97,7 @@ def check_accuracy(value: Any) -> float | dict[str, float]:
     return _accuracy("accuracy", value)
 
 
-def _accuracy(field: str, value: Any) -> float:
+def _accuracy(field: str, value: object) -> float:
     accuracy = number(field, value, POSITIVE)
     if not FINEST <= accuracy <= COARSEST:
         raise must_be(field, f"from {FINEST:g} to {COARSEST:g}", value)

@@ -7,7 +7,6 @@ and phi = 0.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -70,7 +69,7 @@ class Springs:
                 raise must_be("stiffness", "one number where pairs are listed", self.stiffness)
 
     @staticmethod
-    def _pair(index: int, value: Any) -> tuple[int, int]:
+    def _pair(index: int, value: object) -> tuple[int, int]:
         field = f"pairs[{index}]"
         if not is_list(value) or len(value) != 2:
             raise must_be(field, "the indices of two asperites", value)
@@ -117,7 +116,7 @@ class Springs:
         return np.concatenate(ends), np.concatenate(stiffnesses)
 
 
-def as_springs(value: Any) -> Springs:
+def as_springs(value: object) -> Springs:
     """Springs from a table of a scene file, None (no springs), or Springs unchanged."""
     if value is None:
         return Springs()

@@ -203,7 +203,7 @@ class Surface:
                 raise InputError(key, "cannot go with positions; give one or the other")
         if self.depth != 0.0:
             raise InputError("depth", "cannot go with positions; give one or the other")
-        given: Any = self.positions
+        given: object = self.positions
         if not is_list(given) or len(given) == 0:
             raise must_be("positions", "a list of [x, y, z] [length]", given)
         rows = [
@@ -214,13 +214,13 @@ class Surface:
         return table
 
     def _checked_species(self) -> str | tuple[str, ...]:
-        value: Any = self.species
-        if isinstance(value, str):
-            return value
-        names = is_list(value) and all(isinstance(name, str) for name in value)
-        if not names or len(value) != self.count:
-            raise must_be("species", f"one name, or one per asperite ({self.count})", value)
-        return tuple(str(name) for name in value)
+        given: object = self.species
+        if isinstance(given, str):
+            return given
+        names = tuple(given) if is_list(given) else ()
+        if len(names) != self.count or not all(isinstance(name, str) for name in names):
+            raise must_be("species", f"one name, or one per asperite ({self.count})", given)
+        return tuple(str(name) for name in names)
 
     @property
     def species_of_each(self) -> np.ndarray:
@@ -291,7 +291,8 @@ class Surface:
         return self.bob[0], self.bob[1], self.depth
 
 
-def _is_name(value: Any) -> bool:
+def _is_name(value: object) -> bool:
     """Whether the value can name a surface in files: printable, without a point or a slash."""
-    printable = isinstance(value, str) and value.isprintable() and value.strip() != ""
-    return printable and not {".", "/"} & set(value)
+    if not isinstance(value, str) or not value.isprintable() or value.strip() == "":
+        return False
+    return not {".", "/"} & set(value)

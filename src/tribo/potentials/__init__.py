@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from tribo.potentials.born_mayer import BornMayer
 from tribo.potentials.buckingham import Buckingham
@@ -21,6 +21,9 @@ from tribo.potentials.sum import Scaled, Sum
 from tribo.potentials.tables import named
 from tribo.potentials.weeks_chandler_andersen import WeeksChandlerAndersen
 from tribo.potentials.yukawa import Yukawa
+
+if TYPE_CHECKING:
+    from ase.calculators.calculator import Calculator
 
 __all__ = [
     "BUILT_IN",
@@ -55,7 +58,7 @@ __all__ = [
 ]
 
 
-def as_calculator(potential: Any) -> Any:
+def as_calculator(potential: object) -> Calculator:
     """A potential as a calculator of the Atomic Simulation Environment (ASE).
 
     Parameters

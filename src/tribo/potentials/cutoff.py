@@ -14,7 +14,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tribo.potentials.mixins import BetweenCharges, Wrapper, inherits, must_be_potential
+from tribo.potentials.mixins import (
+    BetweenCharges,
+    Constraint,
+    Potential,
+    Wrapper,
+    inherits,
+    must_be_potential,
+)
 
 
 class WithCutoff(BetweenCharges, Wrapper):
@@ -33,7 +40,7 @@ class WithCutoff(BetweenCharges, Wrapper):
         """Distance from which U and force are zero."""
         return min(self.cutoff, self.potential.range())
 
-    def constraints(self: Any) -> Any:
+    def constraints(self: Any) -> tuple[Constraint, ...]:
         """Each constraint: the parameter, whether it is met, and the message if not."""
         repeated = type(self.potential) in AT_CUTOFF.values()
         return (
@@ -55,7 +62,7 @@ class Truncated(NamedTuple):
         Distance from which U and the force are zero [length], positive.
     """
 
-    potential: Any
+    potential: Potential
     cutoff: float
 
     def energy_between(self, r, one, other):
@@ -83,7 +90,7 @@ class Shifted(NamedTuple):
         Distance from which U and the force are zero [length], positive.
     """
 
-    potential: Any
+    potential: Potential
     cutoff: float
 
     def energy_between(self, r, one, other):
@@ -112,7 +119,7 @@ class ForceShifted(NamedTuple):
         Distance from which U and the force are zero [length], positive.
     """
 
-    potential: Any
+    potential: Potential
     cutoff: float
 
     def energy_between(self, r, one, other):
@@ -148,7 +155,7 @@ class Switched(NamedTuple):
         Distance from which U is reduced [length], positive and below the cutoff.
     """
 
-    potential: Any
+    potential: Potential
     cutoff: float
     switch_from: float
 

@@ -10,9 +10,7 @@ from __future__ import annotations
 import ast
 import linecache
 import math
-from collections.abc import Callable
 from types import CodeType, FunctionType
-from typing import Any
 
 import numpy as np
 
@@ -129,7 +127,7 @@ def substitute(pattern: str | ast.expr, **parts: ast.expr) -> ast.expr:
     return result
 
 
-def force_from(energy: Callable[..., Any]) -> Callable[..., Any] | None:
+def force_from(energy: FunctionType) -> FunctionType | None:
     """force(self, r) = -dU/dr from the source of energy(self, r); None if that is no formula."""
     try:
         tree = _source(energy)
@@ -138,7 +136,7 @@ def force_from(energy: Callable[..., Any]) -> Callable[..., Any] | None:
         return None
 
 
-def _source(function: Any) -> ast.FunctionDef:
+def _source(function: FunctionType) -> ast.FunctionDef:
     """The definition of a function, if its file still holds the source of its code."""
     code = function.__code__
     text = "".join(linecache.getlines(code.co_filename))
@@ -156,7 +154,7 @@ def _codes(code: CodeType) -> list[CodeType]:
     return inner + [item for part in inner for item in _codes(part)]
 
 
-def _force(definition: ast.FunctionDef, energy: Any) -> Callable[..., Any]:
+def _force(definition: ast.FunctionDef, energy: FunctionType) -> FunctionType:
     """The force, compiled from the derivative of the definition of the energy."""
     arguments = [argument.arg for argument in definition.args.args]
     if len(arguments) != 2 or len(definition.args.args) != energy.__code__.co_argcount:
@@ -194,7 +192,7 @@ def _assigned(name: str, value: ast.expr) -> ast.Assign:
     return ast.fix_missing_locations(ast.Assign([ast.Name(name, ast.Store())], value))
 
 
-def _check(node: ast.AST, rules: Rules, names: dict[str, Any]) -> None:
+def _check(node: ast.AST, rules: Rules, names: dict[str, object]) -> None:
     """Raise NoFormulaError unless every function of the variable is one of numpy or math."""
     for part in ast.walk(node):
         if isinstance(part, ast.Call) and rules.varies(part):

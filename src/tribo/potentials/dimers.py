@@ -8,19 +8,24 @@ energy is a sum over pairs, which is tested on triangles of three atoms.
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from tribo.potentials.from_ase import make_calculator
 from tribo.potentials.spline import Table, tabulated
 from tribo.validation import InputError, is_list, must_be, number
 
+if TYPE_CHECKING:
+    from ase.calculators.calculator import Calculator
+
 # Legs of the right-angled triangles that are tested [distance of the minimum].
 LEGS = ((1.0, 1.0), (1.0, 1.4), (1.3, 1.3))
 
 
-def curve(calculator: Any, symbols: Any, r: Any) -> np.ndarray:
+def curve(calculator: Calculator, symbols: Sequence[str], r: ArrayLike) -> np.ndarray:
     """Energy of two atoms minus that of each alone [eV], at distances `r` [Angstrom]."""
     first, second = symbols
     alone = _energy(calculator, [first], [[0.0, 0.0, 0.0]])
@@ -31,8 +36,8 @@ def curve(calculator: Any, symbols: Any, r: Any) -> np.ndarray:
 
 
 def from_dimer(
-    calculator: Any,
-    symbols: Any,
+    calculator: Calculator | str,
+    symbols: Sequence[str],
     low: float,
     high: float,
     tolerance: float,
@@ -69,9 +74,10 @@ def from_dimer(
     calculator = make_calculator(calculator, arguments or {})
     if not is_list(symbols) or len(symbols) != 2 or not all(isinstance(s, str) for s in symbols):
         raise must_be("symbols", "two elements", symbols)
-    end = curve(calculator, symbols, number("high", high, unit="Angstrom"))
-    table = tabulated(lambda r: curve(calculator, symbols, r) - end, low, high, tolerance)
-    difference = _three_body(calculator, symbols, table)
+    pair = (str(symbols[0]), str(symbols[1]))
+    end = curve(calculator, pair, number("high", high, unit="Angstrom"))
+    table = tabulated(lambda r: curve(calculator, pair, r) - end, low, high, tolerance)
+    difference = _three_body(calculator, pair, table)
     if difference <= tolerance:
         return table
     if not many_body:
@@ -84,7 +90,7 @@ def from_dimer(
     return table._replace(error=table.error + difference)
 
 
-def _three_body(calculator: Any, symbols: Any, table: Table) -> float:
+def _three_body(calculator: Calculator, symbols: Sequence[str], table: Table) -> float:
     """Largest difference between the energy of a triangle and the sum over its sides [eV]."""
     unit = _minimum(table)
     largest = 0.0
@@ -108,8 +114,8 @@ def _minimum(table: Table) -> float:
     return 0.5 * float(table.r[0] + table.r[-1])
 
 
-def _energy(calculator: Any, symbols: list[str], places: Any) -> float:
+def _energy(calculator: Calculator, symbols: list[str], positions: ArrayLike) -> float:
     """Potential energy of some atoms [eV]."""
     from ase import Atoms
 
-    return float(calculator.get_potential_energy(Atoms(symbols, positions=places)))
+    return float(calculator.get_potential_energy(Atoms(symbols, positions=positions)))

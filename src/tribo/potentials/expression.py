@@ -15,6 +15,7 @@ from typing import Any
 from tribo.plugins import classes as plugins
 from tribo.plugins import sources
 from tribo.potentials.derivative import FUNCTIONS, OPERATORS, Rules
+from tribo.potentials.mixins import Potential
 from tribo.potentials.registry import as_potential
 from tribo.validation import InputError, short_repr
 
@@ -59,7 +60,7 @@ Expression.expression_text = {text!r}
 '''
 
 
-def expression(text: str, /, **parameters: float) -> Any:
+def expression(text: str, /, **parameters: float) -> Potential:
     """A potential U(r) from an expression.
 
     Parameters

@@ -16,7 +16,7 @@ import ctypes
 import importlib
 import math
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -29,6 +29,9 @@ from tribo.validation import (
     number,
     short_repr,
 )
+
+if TYPE_CHECKING:
+    from ase.calculators.calculator import Calculator
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +52,7 @@ class Live:
         The arguments with which the calculator was made, for scene files.
     """
 
-    calculator: Any
+    calculator: Calculator
     length: float = 0.0
     reach: float = math.inf
     arguments: dict[str, Any] = field(default_factory=dict)
@@ -103,7 +106,7 @@ class ZeroForce(NamedTuple):
 
 
 def from_calculator(
-    calculator: Any, length: float = 0.0, reach: float = math.inf, **arguments: Any
+    calculator: Calculator | str, length: float = 0.0, reach: float = math.inf, **arguments: Any
 ) -> Live:
     """An ASE calculator as the contact between surfaces.
 
@@ -134,12 +137,12 @@ def from_calculator(
     return Live(instance, length, reach, arguments)
 
 
-def _check_calculator(value: Any) -> None:
+def _check_calculator(value: object) -> None:
     if not callable(getattr(value, "get_potential_energy", None)):
         raise must_be("calculator", "a calculator of ASE", value)
 
 
-def make_calculator(calculator: Any, arguments: dict[str, Any]) -> Any:
+def make_calculator(calculator: Calculator | str, arguments: dict[str, Any]) -> Calculator:
     """A calculator unchanged, or an instance of the class ``module:Class`` with its arguments."""
     if not isinstance(calculator, str):
         _check_calculator(calculator)
@@ -202,7 +205,7 @@ class Call:
 
     def __init__(
         self,
-        calculator: Any,
+        calculator: Calculator,
         symbols: list[str],
         z: np.ndarray,
         counts: list[int],

@@ -1,17 +1,42 @@
-"""Methods that combined potentials share.
+"""The interface of a potential, and methods that combined potentials share.
 
 A NamedTuple cannot inherit methods.  ``@inherits(Parent)`` copies those methods of a parent that
 the class does not define, so that numba finds them in the class.
 """
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Protocol, TypeVar
+
+# A float, an array or SIMD lanes; numba compiles a method for the type with which it is called.
+Real = Any
+# A class.
+C = TypeVar("C", bound=type)
+# A parameter's name, whether its constraint is met, and the message if not.
+Constraint = tuple[str, bool, str]
 
 
-def inherits(parent: type) -> Callable[[Any], Any]:
+class Potential(Protocol):
+    """The methods of every complete potential; :mod:`tribo.potentials.registry` describes them."""
+
+    def energy(self, r: Real) -> Real: ...
+    def force(self, r: Real) -> Real: ...
+    def coupling(self, one: Real, other: Real) -> Real: ...
+    def energy_between(self, r: Real, one: Real, other: Real) -> Real: ...
+    def force_between(self, r: Real, one: Real, other: Real) -> Real: ...
+    def feature(self) -> tuple[float, float]: ...
+    def clearance(self, r: Real) -> Real: ...
+    def range(self) -> float: ...
+    def smoothness(self) -> float: ...
+    def smoothness_within(self) -> float: ...
+    def domain(self) -> tuple[float, float]: ...
+    def constraints(self) -> tuple[Constraint, ...]: ...
+    def _asdict(self) -> dict[str, Any]: ...
+
+
+def inherits(parent: type) -> Callable[[C], C]:
     """Give a class the methods of `parent` that it does not define itself."""
 
-    def with_methods(cls: Any) -> Any:
+    def with_methods(cls: C) -> C:
         for name in dir(parent):
             if not name.startswith("_") and name not in vars(cls):
                 setattr(cls, name, getattr(parent, name))
@@ -28,8 +53,8 @@ def must_be_potential(name, part):
 class BetweenCharges:
     """Energy and force of a class that defines both between any two charges."""
 
-    energy_between: Any
-    force_between: Any
+    energy_between: Callable[[Real, Real, Real], Real]
+    force_between: Callable[[Real, Real, Real], Real]
 
     def energy(self, r):
         """U(r) between charges of 1."""
@@ -43,7 +68,7 @@ class BetweenCharges:
 class Wrapper:
     """Every method but energy and force, as the wrapped `potential` defines it."""
 
-    potential: Any
+    potential: Potential
 
     def feature(self):
         """As the wrapped potential."""

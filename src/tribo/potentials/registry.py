@@ -40,6 +40,7 @@ from tribo.potentials.cutoff import AT_CUTOFF, Switched
 from tribo.potentials.derivative import force_from
 from tribo.potentials.lennard_jones import LennardJones
 from tribo.potentials.mie import Mie
+from tribo.potentials.mixins import Potential
 from tribo.potentials.morse import Morse
 from tribo.potentials.plummer import Plummer
 from tribo.potentials.spline import Table, from_points
@@ -52,48 +53,48 @@ from tribo.validation import InputError, choice, number, short_repr
 SWITCH_FROM = 0.9
 
 
-def _complex_step(self: Any, r: Any) -> Any:
+def _complex_step(self, r):
     return -self.energy(r + 1e-100j).imag / 1e-100
 
 
-def _no_feature(self: Any) -> Any:
+def _no_feature(self):
     return 0.0, 0.0
 
 
-def _clearance(self: Any, r: Any) -> Any:
+def _clearance(self, r):
     length, reach = self.feature()
     return max(length, r - min(reach, self.range()))
 
 
-def _no_coupling(self: Any, one: Any, other: Any) -> Any:
+def _no_coupling(self, one, other):
     return 1.0
 
 
-def _no_range(self: Any) -> Any:
+def _no_range(self):
     return math.inf
 
 
-def _energy_between(self: Any, r: Any, one: Any, other: Any) -> Any:
+def _energy_between(self, r, one, other):
     return self.coupling(one, other) * self.energy(r)
 
 
-def _force_between(self: Any, r: Any, one: Any, other: Any) -> Any:
+def _force_between(self, r, one, other):
     return self.coupling(one, other) * self.force(r)
 
 
-def _smooth(self: Any) -> Any:
+def _smooth(self):
     return math.inf
 
 
-def _smoothness(self: Any) -> Any:
+def _smoothness(self):
     return self.smoothness()
 
 
-def _anywhere(self: Any) -> Any:
+def _anywhere(self):
     return 0.0, math.inf
 
 
-def _no_constraints(self: Any) -> Any:
+def _no_constraints(self):
     return ()
 
 
@@ -122,7 +123,7 @@ def complete(cls: Any) -> Any:
     return cls
 
 
-BUILT_IN: dict[str, Any] = {
+BUILT_IN: dict[str, type] = {
     "coulomb": complete(Coulomb),
     "morse": complete(Morse),
     "lennard-jones": complete(LennardJones),
@@ -137,11 +138,12 @@ for _cls in (Sum, Scaled, Table, *AT_CUTOFF.values()):
     complete(_cls)
 
 
-def as_potential(value: Any) -> Any:
+def as_potential(value: Any) -> Potential:
     """A potential with a complete class and finite, valid parameters.  Raises InputError."""
     complete(type(value))
     if isinstance(value, Table):
-        return from_points(value.r, value.values, value.error)
+        table: Any = from_points(value.r, value.values, value.error)
+        return table
     value = type(value)(
         **{
             name: as_potential(item) if hasattr(item, "_fields") else number(name, item)
@@ -152,7 +154,7 @@ def as_potential(value: Any) -> Any:
     return value
 
 
-def _check(potential: Any) -> None:
+def _check(potential: Potential) -> None:
     """Raise InputError for parameters, or results of the class's own methods, that are invalid."""
     constraints = plugins.call_method(potential, "potential", "constraints")
     try:
@@ -170,7 +172,7 @@ def _check(potential: Any) -> None:
 
 def with_cutoff(
     potential: Any, cutoff: float, at_cutoff: str = "switch", switch_from: float | None = None
-) -> Any:
+) -> Potential:
     """A potential that is zero from a cutoff on.
 
     Parameters
@@ -204,7 +206,7 @@ def with_cutoff(
     return as_potential(Switched(potential, cutoff, begin))
 
 
-def sum_of(*parts: Any) -> Any:
+def sum_of(*parts: object) -> Potential:
     """The sum of two or more potentials.
 
     Parameters
@@ -228,7 +230,7 @@ def sum_of(*parts: Any) -> Any:
     return as_potential(Sum(as_potential(first), as_potential(second)))
 
 
-def scaled(potential: Any, factor: float) -> Any:
+def scaled(potential: object, factor: float) -> Potential:
     """A potential times a number.
 
     Parameters

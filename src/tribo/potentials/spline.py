@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -55,9 +55,9 @@ class Table(NamedTuple):
         Length over which the force changes [length].
     """
 
-    r: Any
-    values: Any
-    slopes: Any
+    r: np.ndarray
+    values: np.ndarray
+    slopes: np.ndarray
     error: float
     length: float
 
@@ -113,7 +113,9 @@ class Table(NamedTuple):
 
     def __eq__(self, other):
         """Whether the other is a table of the same numbers."""
-        return isinstance(other, Table) and all(map(np.array_equal, self, other))
+        if not isinstance(other, Table) or self.error != other.error:
+            return False
+        return np.array_equal(self.r, other.r) and np.array_equal(self.values, other.values)
 
     def __ne__(self, other):
         """Whether the other differs."""
@@ -124,7 +126,7 @@ class Table(NamedTuple):
         return hash((self.r.tobytes(), self.values.tobytes(), self.error))
 
 
-def from_points(r: Any, energy: Any, error: float | None = None) -> Table:
+def from_points(r: object, energy: object, error: float | None = None) -> Table:
     """A table through points.
 
     Parameters
@@ -161,7 +163,7 @@ def from_points(r: Any, energy: Any, error: float | None = None) -> Table:
     return Table(r, values, slopes, error, _length(r, slopes, curvatures(r, values, slopes)))
 
 
-def from_csv(path: Any, error: float | None = None) -> Table:
+def from_csv(path: object, error: float | None = None) -> Table:
     """A table from a text file with two columns.
 
     Parameters
@@ -200,7 +202,9 @@ def from_csv(path: Any, error: float | None = None) -> Table:
     return from_points([r for r, _ in points], [energy for _, energy in points], error)
 
 
-def tabulated(function: Callable[[Any], Any], low: float, high: float, tolerance: float) -> Table:
+def tabulated(
+    function: Callable[[np.ndarray], np.ndarray], low: float, high: float, tolerance: float
+) -> Table:
     """A table of a function, with as many points as a tolerance needs.
 
     Points are added where the function and the table differ too much between two points.

@@ -5,9 +5,9 @@ potential only the charged one is multiplied by q_i q_j.  A sum of three potenti
 the first and of a sum.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from tribo.potentials.mixins import BetweenCharges, Wrapper, inherits, must_be_potential
+from tribo.potentials.mixins import BetweenCharges, Potential, Wrapper, inherits, must_be_potential
 
 
 @inherits(BetweenCharges)
@@ -20,8 +20,8 @@ class Sum(NamedTuple):
         Potentials; each is zero from its own range on.
     """
 
-    first: Any
-    second: Any
+    first: Potential
+    second: Potential
 
     def energy_between(self, r, one, other):
         """U(r) between two charges."""
@@ -82,7 +82,7 @@ class Scaled(NamedTuple):
         A number of either sign.
     """
 
-    potential: Any
+    potential: Potential
     factor: float
 
     def energy(self, r):

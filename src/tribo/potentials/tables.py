@@ -10,6 +10,7 @@ from tribo.potentials import from_ase
 from tribo.potentials.cutoff import AT_CUTOFF
 from tribo.potentials.dimers import from_dimer
 from tribo.potentials.expression import class_of, is_expression
+from tribo.potentials.mixins import Potential
 from tribo.potentials.registry import (
     BUILT_IN,
     as_potential,
@@ -26,7 +27,7 @@ from tribo.validation import InputError, inside, is_list, known_keys, must_be
 CUTOFF_KEYS = ("cutoff", "at_cutoff", "switch_from")
 
 
-def named(name: str, /, **parameters: Any) -> Any:
+def named(name: str, /, **parameters: object) -> Potential:
     """A potential by its name.
 
     Parameters
@@ -50,7 +51,7 @@ def named(name: str, /, **parameters: Any) -> Any:
     return from_table({"potential": name} | parameters, Path())
 
 
-def from_table(table: Any, folder: Path) -> Any:
+def from_table(table: object, folder: Path) -> Any:
     """The potential that a table of a scene file describes, with its parameters and cutoff."""
     if not isinstance(table, dict):
         raise must_be("", "a table", table)
@@ -72,7 +73,7 @@ def from_table(table: Any, folder: Path) -> Any:
     return with_cutoff(potential, **cutoff)
 
 
-def class_named(name: Any, folder: Path) -> Any:
+def class_named(name: object, folder: Path) -> Any:
     """The class of a built-in potential, of one in a file or a module, or of an expression."""
     if not isinstance(name, str):
         raise must_be("potential", "a name", name)
@@ -108,14 +109,14 @@ def as_table(potential: Any) -> dict[str, Any]:
     return {"potential": name} | table
 
 
-def _parts(potential: Any) -> list[Any]:
+def _parts(potential: Any) -> list[Potential]:
     """The parts of a potential that is a sum, possibly of sums."""
     if not isinstance(potential, Sum):
         return [potential]
     return [potential.first, *_parts(potential.second)]
 
 
-def _sum(parameters: dict[str, Any], folder: Path) -> Any:
+def _sum(parameters: dict[str, Any], folder: Path) -> Potential:
     items = known_keys(parameters, ["of"], ["of"])["of"]
     if not is_list(items):
         raise must_be("of", "a list of potentials", items)
@@ -126,14 +127,14 @@ def _sum(parameters: dict[str, Any], folder: Path) -> Any:
     return sum_of(*parts)
 
 
-def _scaled(parameters: dict[str, Any], folder: Path) -> Any:
+def _scaled(parameters: dict[str, Any], folder: Path) -> Potential:
     parameters = known_keys(parameters, ["factor", "of"], ["factor", "of"])
     with inside("of"):
         potential = from_table(parameters["of"], folder)
     return scaled(potential, parameters["factor"])
 
 
-def _table(parameters: dict[str, Any], folder: Path) -> Any:
+def _table(parameters: dict[str, Any], folder: Path) -> Table:
     if "file" in parameters:
         parameters = known_keys(parameters, ["file", "error"])
         if not isinstance(parameters["file"], str):
@@ -142,7 +143,7 @@ def _table(parameters: dict[str, Any], folder: Path) -> Any:
     return from_points(**known_keys(parameters, ["r", "energy", "error"], ["r", "energy"]))
 
 
-def _dimer(parameters: dict[str, Any], folder: Path) -> Any:
+def _dimer(parameters: dict[str, Any], folder: Path) -> Table:
     required = ["calculator", "symbols", "low", "high", "accuracy"]
     parameters = known_keys(parameters, [*required, "arguments", "many_body"], required)
     try:

@@ -13,14 +13,16 @@ A. H. Larsen et al., J. Phys.: Condens. Matter 29 (2017) 273002.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from ase import Atoms
 from ase.calculators.calculator import Calculator, all_changes
 from ase.neighborlist import neighbor_list
 from ase.stress import full_3x3_to_voigt_6_stress
 
+from tribo.potentials.mixins import Potential
 from tribo.potentials.registry import as_potential
 from tribo.validation import InputError, must_be
 
@@ -30,12 +32,15 @@ class PairCalculator(Calculator):
 
     implemented_properties = ["energy", "energies", "free_energy", "forces", "stress"]  # noqa: RUF012
 
-    def __init__(self, potential: Any, **settings: Any) -> None:
+    def __init__(self, potential: object, **settings: Any) -> None:
         super().__init__(**settings)
         self._potentials = _by_elements(potential)
 
     def calculate(
-        self, atoms: Any = None, properties: Any = ("energy",), system_changes: Any = all_changes
+        self,
+        atoms: Any = None,
+        properties: Sequence[str] = ("energy",),
+        system_changes: Sequence[str] = all_changes,
     ) -> None:
         """Energy, energies of atoms [eV], forces [eV / Angstrom]; stresses if there is a cell."""
         super().calculate(atoms, properties, system_changes)
@@ -62,7 +67,7 @@ class PairCalculator(Calculator):
         if atoms.cell.rank == 3:
             self.results["stress"] = full_3x3_to_voigt_6_stress(virial / atoms.get_volume())
 
-    def _pairs(self, atoms: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    def _pairs(self, atoms: Atoms) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Atoms i and j of all ordered pairs, r_j - r_i, and its length."""
         reach = max(potential.range() for potential in self._potentials.values())
         if math.isfinite(reach):
@@ -75,11 +80,11 @@ class PairCalculator(Calculator):
         return i, j, d, np.linalg.norm(d, axis=1)
 
 
-def _by_elements(potential: Any) -> dict[tuple[str, str] | None, Any]:
+def _by_elements(potential: object) -> dict[tuple[str, str] | None, Potential]:
     """Potentials by the two elements between which they act; None for all elements."""
     if not isinstance(potential, Mapping):
         return {None: as_potential(potential)}
-    table: dict[tuple[str, str] | None, Any] = {}
+    table: dict[tuple[str, str] | None, Potential] = {}
     for key, item in potential.items():
         if not isinstance(key, tuple) or len(key) != 2:
             raise must_be("potential", 'a mapping with keys of two elements, as ("Cu", "O")', key)
