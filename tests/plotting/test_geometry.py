@@ -1,20 +1,22 @@
 """Asperites are drawn where the run had them, with the contact forces that the run had."""
 
+import tomllib
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from ase import Atoms
 from ase.calculators.emt import EMT
+from ase.calculators.lj import LennardJones
 
 import tribo
+from support import reference
 from tribo import Interaction, paper, plotting
+from tribo.model.scene_writer import scene_text
 from tribo.plotting.geometry import Contacts, scene_geometry
 from tribo.potentials import live
 from tribo.validation import InputError
-
-# Distance of the samples from which an acceleration is taken [time], and their middle.
-GAP, MIDDLE = 1e-3, 1.5
 
 
 @pytest.fixture(scope="module")
@@ -26,15 +28,15 @@ def result():
 
 @pytest.fixture(scope="module")
 def rows():
-    """Rows of several species in a periodic box: two interactions between them, one within."""
-    row = {"shape": (2, 1), "spacing": (1.5, 0.0), "drive": "free"}
+    """Rows of several species in a periodic box: two interactions between them, one within.
+
+    The scene, its asperites at some time, and their contact forces by the reference.
+    """
+    row = {"shape": (2, 1), "spacing": (1.5, 0.0)}
     charged = tribo.Asperite(charge=(1.0, -0.5))
-    upper = tribo.Surface(
-        "upper", bob=(-1.0, 0.9), velocity=(0.5, 0.0), species=("a", "b"), asperite=charged, **row
-    )
-    lower = tribo.Surface(
-        "lower", facing="up", species=("b", "a", "c"), **(row | {"shape": (3, 1)})
-    )
+    upper = tribo.Surface("upper", bob=(3.9, 0.9), species=("a", "b"), asperite=charged, **row)
+    below = row | {"shape": (3, 1), "species": ("b", "a", "c")}
+    lower = tribo.Surface("lower", facing="up", depth=0.3, **below)
     bond = tribo.with_cutoff(tribo.Morse(0.3, 2.0, 0.8), 2.0)
     charge = tribo.with_cutoff(tribo.Coulomb(0.2), 2.4, "shift")
     between = ("upper", "lower")
@@ -43,10 +45,17 @@ def rows():
         Interaction(charge, between=between, species=("b", "b")),
         Interaction(charge, between=("lower", "lower")),
     )
-    times = (0.0, MIDDLE - GAP, MIDDLE, MIDDLE + GAP)
-    settings = {"periodic": tribo.Periodic(x=5.0), "output": tribo.Output(times=times)}
-    scene = tribo.Scene((upper, lower), interactions, 2.0, **settings)
-    return tribo.simulate(scene, method="verlet", step=5e-4)
+    scene = tribo.Scene((upper, lower), interactions, 1.0, periodic=tribo.Periodic(x=5.0))
+    model = reference.Model(tomllib.loads(scene_text(scene)))
+    state = model.start()
+    state[: model.n] = (0.2, -0.1, 0.3, 0.1, -0.3)  # swings
+    model.set_regions(0.0, state)
+    motion = model.motion(0.0, state)
+    geometry = {
+        surface.name: [SimpleNamespace(bob=bob) for bob in motion.r1.T[part]]
+        for surface, part in zip(scene.surfaces, model.slices, strict=True)
+    }
+    return scene, geometry, model.forces(0.0, motion)
 
 
 def copper_rows(calculator):
@@ -106,14 +115,6 @@ def test_between_samples(result):
         scene_geometry(result, 41.0)
 
 
-def test_one_sample_is_enough():
-    """A result of one sample has one snapshot."""
-    output = tribo.Output(times=(5.0,))
-    result = tribo.simulate(replace(paper.scene("A"), duration=5.0, output=output), 1e-6)
-    (asperite,) = scene_geometry(result, 5.0)["upper"]
-    assert asperite.bob.tolist() == [result["upper"].x_bob[0, 0], result["upper"].y_bob[0, 0]]
-
-
 def test_forces_of_a_pair(result):
     """The force is minus the slope of the potential, and opposite on the other bob."""
     geometry = scene_geometry(result, 20.0)
@@ -125,43 +126,33 @@ def test_forces_of_a_pair(result):
     assert contacts.nearest("upper", 0) == ("lower", 0, pytest.approx(np.hypot(*away)))
 
 
-def test_forces_are_those_of_the_run(rows):
-    """On a freely sliding asperite f1 alone acts along x: f1_x = M dv_x/dt.
-
-    On the lower surface contact within acts too, which adds up to zero.
-    """
-    contacts = Contacts(rows.scene, scene_geometry(rows, MIDDLE))
-    drawn, felt = {}, {}
-    for surface in rows.scene.surfaces:
-        mass = surface.asperite.for_each(surface.count)["mass"]
-        v = rows[surface.name].vx_cm
-        felt[surface.name] = mass * (v[3] - v[1]) / (2.0 * GAP)
-        drawn[surface.name] = [contacts.force(surface.name, k)[0] for k in range(surface.count)]
-    assert drawn["upper"] == pytest.approx(felt["upper"], abs=1e-6)
-    assert sum(drawn["lower"]) == pytest.approx(sum(felt["lower"]), abs=1e-6)
-    assert min(np.abs(felt["upper"])) > 0.01
-    assert max(np.abs(drawn["lower"] - felt["lower"])) > 1e-3
+def test_forces_of_rows(rows):
+    """Species, cutoffs, charges and periods count; contact within a surface is not in f1."""
+    scene, geometry, expected = rows
+    contacts = Contacts(scene, geometry)
+    found = [contacts.force(name, k) for name, group in geometry.items() for k in range(len(group))]
+    assert np.transpose(found) == pytest.approx(expected.f1, rel=1e-12, abs=1e-15)
+    assert not contacts.force("lower", 2).any()  # species c has no interaction with the other row
+    assert np.abs(expected.within).max() > 0.01
 
 
 def test_the_nearest_bob(rows):
-    """Across the period where that is nearer."""
-    contacts = Contacts(rows.scene, scene_geometry(rows, MIDDLE))
-    for k in range(2):
-        x = rows["upper"].x_bob[2, k] - rows["lower"].x_bob[2]
-        y = rows["upper"].y_bob[2, k] - rows["lower"].y_bob[2]
-        distances = np.hypot(np.minimum(np.abs(x), 5.0 - np.abs(x)), y)
+    """It may be nearest across the period."""
+    scene, geometry, _ = rows
+    contacts = Contacts(scene, geometry)
+    others = np.array([each.bob for each in geometry["lower"]])
+    for k, each in enumerate(geometry["upper"]):
+        x, y = np.abs(each.bob - others).T
+        distances = np.sqrt(np.minimum(x, 5.0 - x) ** 2 + y**2 + 0.3**2)
         nearest = int(np.argmin(distances))
         found = ("lower", nearest, pytest.approx(distances[nearest]))
         assert contacts.nearest("upper", k) == found
 
 
-def test_where_nothing_acts_there_is_no_arrow(rows):
-    """Species c interacts with no other surface."""
-    assert not Contacts(rows.scene, scene_geometry(rows, MIDDLE)).force("lower", 2).any()
-    bob = [rows["lower"].x_bob[2, 2], rows["lower"].y_bob[2, 2]]
-    drawn = arrows(plotting.snapshot(rows, MIDDLE, forces=("lower", 2)))
-    assert all(np.hypot(*np.subtract(start, bob)) > 0.5 for start, _ in drawn)
-    assert len(drawn) == 1  # of the nearest bob, on which others act
+def test_where_nothing_acts_there_is_no_arrow():
+    """A calculator whose forces are zero at that distance."""
+    result = tribo.simulate(copper_rows(LennardJones(rc=1.0)), method="verlet", step=0.02)
+    assert arrows(plotting.snapshot(result, 0.0, forces=("upper", 0))) == []
 
 
 def test_a_calculator_is_drawn(copper):
