@@ -22,7 +22,8 @@ from tribo import paper
 from tribo.integrators import methods
 from tribo.kernels.compiled import package_stamp
 from tribo.kernels.status import MEANINGS
-from tribo.model import roughness, scene
+from tribo.model import roughness
+from tribo.model.scene import Effect
 from tribo.paper import figures as paper_figures
 from tribo.potentials import LennardJones, with_cutoff
 from tribo.report_card import check
@@ -98,7 +99,7 @@ def table_of_methods() -> Iterable[Iterable[str]]:
 def table_of_effects() -> Iterable[Iterable[str]]:
     """Every effect by its name."""
     yield "effect", ""
-    for effect in scene.Effect:
+    for effect in Effect:
         yield f"`{effect}`", effect.description
 
 
