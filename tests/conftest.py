@@ -6,6 +6,7 @@ from pathlib import Path
 # Linear algebra on small matrices is slower with threads.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+import pytest
 from hypothesis import HealthCheck, settings
 from hypothesis.database import DirectoryBasedExampleDatabase
 
@@ -25,3 +26,10 @@ settings.register_profile("ci", settings.get_profile("repeatable"), database=FAI
 # Other examples each time: pytest --hypothesis-profile=search
 settings.register_profile("search", settings.get_profile("ci"), derandomize=False)
 settings.load_profile("ci")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_cmdline_main(config: pytest.Config) -> None:
+    """Give each process of xdist its own files, so that no two compile the same kernels at once."""
+    if getattr(config.option, "numprocesses", None) and config.option.dist == "no":
+        config.option.dist = "worksteal"

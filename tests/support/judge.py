@@ -22,14 +22,18 @@ from unittest import mock
 
 import numpy as np
 
+from scipy.linalg import expm
+
 from support import reference
 from support.laws import identities, kind, tables
-from support.mutation_scenes import PAIRS, SCENES
+from support.mutation_scenes import COULOMB, LOWER, PAIRS, SCENES
 from support.package import SOURCE
 
-WITH_REFERENCE = [name for name in SCENES if name not in ("open", "twisting")]
+ALL = SCENES | PAIRS
 NO_REFERENCE = {"surfaces": {}, "blocks": {}, "system": {}, "scales": {"energy": 0.5}}
-HANGS = 20.0  # times the processor time that a check takes without a mutant
+WEAK = COULOMB | {"strength": 1e-15}
+HANGS = 5.0  # times the processor time that a check takes without a mutant
+LONGER = 8.0  # a check of the cost may take, in units of the check that it belongs to
 
 
 # --- comparisons ---------------------------------------------------------------------------------
@@ -38,20 +42,18 @@ HANGS = 20.0  # times the processor time that a check takes without a mutant
 @cache
 def solution(name):
     """The end of a scene by the independent solver."""
-    if name in WITH_REFERENCE or name in PAIRS:
-        return reference.solve((SCENES | PAIRS)[name])
-    return NO_REFERENCE
+    return NO_REFERENCE if name in ("open", "twisting") else reference.solve(ALL[name])
 
 
-def table_of(name):
-    """The scene's table."""
-    return (SCENES | PAIRS)[name]
-
-
-def simulate(scene, **how):
-    """A run of a scene, or of a scene file's table."""
-    if isinstance(scene, dict):
-        scene = importlib.import_module("tribo.model.scene_file").scene_from(scene)
+def simulate(table, **how):
+    """A run of a scene file's table, with plug-ins where the table has them by name."""
+    scene = importlib.import_module("tribo.model.scene_file").scene_from(table)
+    if table is ALL["by hand"]:
+        drives = importlib.import_module("tribo.model.drives")
+        upper, lower = scene.surfaces
+        upper = replace(upper, drive=drives.Custom(force=PulledByHand(1.2, 0.5, -0.6)))
+        lower = replace(lower, bars=drives.Ends(ClampedByHand(1.4 / 1.8)))
+        scene = replace(scene, surfaces=(upper, lower))
     return importlib.import_module("tribo.simulation").simulate(scene, **how)
 
 
@@ -106,7 +108,7 @@ class Steps(NamedTuple):
 
     def __call__(self):
         steps = (self.step, 0.5 * self.step)
-        runs = [simulate(table_of(self.scene), method=self.method, step=h) for h in steps]
+        runs = [simulate(ALL[self.scene], method=self.method, step=h) for h in steps]
         found = extrapolated(*runs, self.order)
         return stopped(*runs) or complaint(found, solution(self.scene), self.tolerance)
 
@@ -120,7 +122,7 @@ class Accurate(NamedTuple):
     tolerance: float
 
     def __call__(self):
-        run = simulate(table_of(self.scene), method=self.method, accuracy=self.accuracy)
+        run = simulate(ALL[self.scene], method=self.method, accuracy=self.accuracy)
         return stopped(run) or complaint(ends(run), solution(self.scene), self.tolerance)
 
 
@@ -144,7 +146,7 @@ class AsPair(NamedTuple):
     def __call__(self):
         with registers_as_arrays():
             run = simulate(
-                table_of(self.scene), method="gauss-radau-15", accuracy=self.accuracy
+                ALL[self.scene], method="gauss-radau-15", accuracy=self.accuracy
             )
         return stopped(run) or complaint(ends(run), solution(self.scene), self.tolerance)
 
@@ -173,11 +175,144 @@ class ClampedByHand(NamedTuple):
         return x, y, -x, -y
 
 
+class Encounters(NamedTuple):
+    """A first step is refused if a pair of bobs can cover its distance in it, and no other.
+
+    Bobs that interact by 1 / r change their force over their distance.
+    """
+
+    scene: str
+
+    def __call__(self):
+        table = ALL[self.scene]
+        model = reference.Model(table)
+        motion = model.motion(0.0, model.start())
+        swing = np.sqrt(motion.omega**2 + model.kappa / model.inertia * motion.twist**2)
+        rate = 0.0
+        for contact in model.contacts:
+            first, second = np.array([pair[:2] for pair in contact.pairs]).T
+            speed = np.hypot(*(motion.v[:, first] - motion.v[:, second]))
+            speed += (model.l1 * swing)[first] + (model.l1 * swing)[second]
+            rate = max(rate, np.max(speed / model.separation(contact, motion)[1]))
+        for part in (0.99, 1.01):
+            h = part / rate
+            run = simulate(table | {"duration": 4.0 * h}, method="midpoint", step=h)
+            if (run.cost.steps == 0) != (part > 1.0):
+                return f"{part} of the longest step: {run.cost.steps} steps"
+        return ""
+
+
+class Efficient(NamedTuple):
+    """A run to an accuracy agrees with the solution, and costs no more than it should.
+
+    The bounds are a tenth above the cost when they were set: a mutant of step control or of a
+    prediction changes no result, but makes more and shorter steps.
+    """
+
+    scene: str
+    method: str
+    accuracy: float
+    most: int  # force evaluations, estimates of the error included
+
+    def __call__(self):
+        with registers_as_arrays() if self.scene in PAIRS else ExitStack():
+            run = simulate(ALL[self.scene], method=self.method, accuracy=self.accuracy)
+        if run.cost.force_evaluations > self.most:
+            return f"{run.cost.force_evaluations} evaluations, at most {self.most} expected"
+        found = complaint(ends(run), solution(self.scene), 3.0 * self.accuracy)
+        return stopped(run) or found
+
+
+class Torsional(NamedTuple):
+    """A bar with torsional oscillators and its pendulum, without other forces, is linear."""
+
+    method: str
+    step: float
+    tolerance: float
+
+    def __call__(self):
+        surface = ALL["twisting"]["surface"][1]
+        table = ALL["twisting"] | {"interaction": WEAK}
+        run = simulate(table, method=self.method, step=self.step)["lower"]
+        a, initial = surface["asperite"], surface["initial"]
+        mass = a["m1"] * a["m2"] / (a["m1"] + a["m2"])
+        springs = [(o["inertia"], o["frequency"]) for o in surface["bath"]["torsional"]]
+        inertia = np.array([mass * a["length"] ** 2, a["i2"], *(i for i, _ in springs)])
+        stiffness = np.zeros((4, 4))
+        ties = [(0, 1, a["kappa"]), *((2 + n, 1, i * w * w) for n, (i, w) in enumerate(springs))]
+        for one, other, k in ties:
+            stiffness[[one, other], [one, other]] += k
+            stiffness[[one, other], [other, one]] -= k
+        x = np.array([initial["theta"] - np.pi, *3 * [initial["phi"]]])
+        v = np.array([initial["omega"], initial["nu"], 0.0, 0.0])
+        generator = np.zeros((8, 8))
+        generator[:4, 4:] = np.eye(4)
+        generator[4:, :4] = -stiffness / inertia[:, None]
+        end = expm(generator) @ np.concatenate([x, v])
+        found = [run[q][-1, 0] for q in ("theta", "phi", "omega", "nu")]
+        truth = [end[0] + np.pi, end[1], end[4], end[5]]
+        return "" if np.allclose(found, truth, 0.0, self.tolerance) else "not the linear motion"
+
+
+class Thermal(NamedTuple):
+    """Bars that start at rest: variance T (1 - exp(-2 x)) / mass along and across their arc.
+
+    x = gamma * step / mass, and the mass along the arc is 1 / (1 / M + l2^2 / I).
+    """
+
+    step: float
+    gamma: float
+    temperature: float
+
+    def __call__(self):
+        count = 2000
+        asperite = LOWER["asperite"] | {"kappa": 0.0}
+        surface = {
+            "name": "upper",
+            "asperite": asperite,
+            "shape": [count, 1],
+            "spacing": [1.0, 0.0],
+            "drive": "free",
+            "initial": {"theta": 0.7},
+            "langevin": {"gamma": self.gamma, "temperature": self.temperature},
+        }
+        far = LOWER | {"depth": 10.0}
+        table = {"duration": self.step, "interaction": WEAK, "surface": [surface, far]}
+        run = simulate(table | {"output": {"samples": 2}}, method="verlet", step=self.step)
+        end = {name: values[-1] for name, values in run["upper"].items()}
+        a = {name: float(asperite[name]) for name in ("m1", "m2", "length")}
+        mass = a["m1"] + a["m2"]
+        l2 = a["length"] * a["m1"] / mass
+        inertia = a["m1"] * a["m2"] / mass * a["length"] ** 2
+        tx, ty = np.cos(0.7), np.sin(0.7)  # at the kick, half a step of rest before and after
+        x = end["vx_cm"] - l2 * end["omega"] * tx
+        y = end["vy_cm"] - l2 * end["omega"] * ty
+        arc, across = 1.0 / mass + l2**2 / inertia, 1.0 / mass
+        for name, velocity, mobility in (
+            ("along", tx * x + ty * y, arc),
+            ("across", tx * y - ty * x, across),
+        ):
+            kept = np.exp(-2.0 * self.gamma * mobility * self.step)
+            expected = self.temperature * mobility * (1.0 - kept)
+            found = np.mean(velocity**2)
+            if abs(found / expected - 1.0) > 5.0 * np.sqrt(2.0 / count):
+                return f"variance {name} the arc {found:.4f}, expected {expected:.4f}"
+            if abs(np.mean(velocity)) > 5.0 * np.sqrt(expected / count):
+                return f"drift {name} the arc"
+        return ""
+
+
 CHECKS: dict[str, Callable[[], str]] = {}
 for _scene in ("slid", "pulled", "lattice", "open", "twisting"):
     CHECKS[f"midpoint, {_scene}"] = Steps(_scene, "midpoint", 0.05, 2, 1e-3)
 for _scene in ("slid", "pulled", "lattice", "twisting"):
     CHECKS[f"kahan-li-6, {_scene}"] = Steps(_scene, "kahan-li-6", 0.25, 6, 1e-5)
+CHECKS["midpoint, by hand"] = Steps("by hand", "midpoint", 0.05, 2, 1e-3)
+CHECKS["torsional oscillators, gauss-8"] = Torsional("gauss-8", 0.2, 1e-8)
+CHECKS["torsional oscillators, kahan-li-6"] = Torsional("kahan-li-6", 0.1, 1e-6)
+CHECKS["thermal kicks"] = Thermal(0.1, 4.0, 0.5)
+for _scene in ("slid", "pulled"):
+    CHECKS[f"encounters, {_scene}"] = Encounters(_scene)
 CHECKS["verlet, open"] = Steps("open", "verlet", 0.05, 2, 1e-5)  # its identities are exact
 CHECKS["rk4, slid"] = Steps("slid", "rk4", 0.1, 4, 1e-4)
 CHECKS["gauss-8, slid"] = Steps("slid", "gauss-8", 0.25, 8, 1e-6)
@@ -186,8 +321,17 @@ for _method in ("dop853", "rkn8", "rkn12", "gauss-radau-15"):
 CHECKS["all pairs"] = Steps("rows", "midpoint", 0.02, 2, 1e-3)
 CHECKS["listed pairs"] = Listed(CHECKS["all pairs"])
 CHECKS["listed pairs, verlet"] = Listed(Steps("rows", "verlet", 0.02, 2, 1e-3))
-for _scene in PAIRS:
+for _scene in ("forced on free", "free on free"):
     CHECKS[f"pair, {_scene}"] = AsPair(_scene, 1e-8, 1e-7)
+# Longer than the rest.  They reach the functions that the check named here reaches.
+COSTS = {
+    "dop853, slid": Efficient("slid, slowly", "dop853", 1e-7, 2450),
+    "rkn8, slid": Efficient("slid, slowly", "rkn8", 1e-7, 2430),
+    "rkn12, slid": Efficient("slid, slowly", "rkn12", 1e-7, 1780),
+    "gauss-radau-15, slid": Efficient("slid, slowly", "gauss-radau-15", 1e-7, 2470),
+    "pair, forced on free": Efficient("forced on free, slowly", "gauss-radau-15", 1e-7, 2230),
+    "pair, free on free": Efficient("free on free, slowly", "gauss-radau-15", 1e-7, 2190),
+}
 
 
 # --- registers -----------------------------------------------------------------------------------
@@ -279,10 +423,11 @@ def baseline() -> Baseline:
     """Run every check once; raises AssertionError if one of them complains."""
     seconds, called = {}, defaultdict(set)
     here = str(SOURCE)
+    for name in ALL:
+        solution(name)
     for name, check in CHECKS.items():
-        check()  # solutions by other means, and what is made once
 
-        def note(frame, event, argument, name=name):
+        def note(frame, event, _, name=name):
             if event == "call" and frame.f_code.co_filename.startswith(here):
                 called[where(frame.f_code)].add(name)
 
@@ -302,6 +447,12 @@ def baseline() -> Baseline:
     return Baseline(seconds, reached, functions)
 
 
+def complaints() -> list[str]:
+    """What the checks say about the package as it is."""
+    baseline()
+    return [f"{name}: {said}" for name, check in COSTS.items() if (said := check())]
+
+
 def codes(code: CodeType):
     """All code within, with its qualified name."""
     for item in code.co_consts:
@@ -314,14 +465,19 @@ def verdict(file: str, function: str, source: str) -> str:
     """What the first check says that a mutant does not pass; empty if it passes all."""
     base = baseline()
     key = file, function
+    if key not in base.reached:
+        return ""
     (new,) = (c for c in codes(compile(source, str(SOURCE / file), "exec")) if where(c) == key)
     changed = base.functions[key]
     old = changed[0].__code__
     for item in changed:
         item.__code__ = new
     try:
-        for name in base.reached.get(key, []):
-            said = judged(CHECKS[name], HANGS * base.seconds[name] + 1.0)
+        names = base.reached[key]
+        checks = [(name, CHECKS[name], HANGS) for name in names]
+        checks += [(f"cost of {n}", COSTS[n], HANGS * LONGER) for n in names if n in COSTS]
+        for name, check, times in checks:
+            said = judged(check, times * base.seconds[name.removeprefix("cost of ")] + 0.5)
             if said:
                 return f"{name}: {said}"
         return ""

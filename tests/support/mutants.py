@@ -23,6 +23,7 @@ COMPARISONS = {
 }
 NAMES = {"sin": "cos", "cos": "sin", "min": "max", "max": "min"}
 AXIS = re.compile(r"(?:(?<=_)|(?<=^)|(?<=^[a-z]))[xy](?=\d?$)")  # of x, fx, gap_x, turn_x1
+WORD = re.compile(r"[A-Za-z_]\w*")
 NOT_CODE = (ast.Assert, ast.Raise, ast.JoinedStr, ast.arguments)
 
 
@@ -34,16 +35,11 @@ class Mutant(NamedTuple):
     old: str
     new: str
     nth: int  # among the changes of this function that read the same
+    draw: float  # in [0, 1): which mutants a sample takes
 
     def __str__(self) -> str:
         again = f" ({self.nth + 1})" if self.nth else ""
         return f"{self.file}: {self.function}: {self.old} -> {self.new}{again}"
-
-    @property
-    def draw(self) -> float:
-        """A number in [0, 1) that depends on the text alone."""
-        digest = hashlib.blake2b(str(self).encode(), digest_size=4).digest()
-        return int.from_bytes(digest, "big") / 2**32
 
     def source(self) -> str:
         """The file's source with this change."""
@@ -69,18 +65,27 @@ def changes(file: str, tree: ast.Module):
     """Every mutant and a function that makes the change in the tree."""
     words = {n.id for n in ast.walk(tree) if isinstance(n, ast.Name)}
     words |= {n.attr for n in ast.walk(tree) if isinstance(n, ast.Attribute)}
-    for name, function in functions(tree):
+    alike: Counter[str] = Counter()  # changes that differ in names alone, so that a rename
+    for name, function in functions(tree):  # of a variable changes no draw
         seen: Counter[tuple[str, str]] = Counter()
         for node, parent, field, index in sites(function):
             for new in replacements(node, parent, words):
                 old, text = texts(node, parent, field, index, new)
                 nth = seen[old, text]
                 seen[old, text] += 1
+                form = WORD.sub("_", f"{old} -> {text}")
+                draw = number(f"{file} {form} {alike[form]}")
+                alike[form] += 1
 
                 def change(parent=parent, field=field, index=index, new=new):
                     replace(parent, field, index, new)
 
-                yield Mutant(file, name, old, text, nth), change
+                yield Mutant(file, name, old, text, nth, draw), change
+
+
+def number(text: str) -> float:
+    """A number in [0, 1) that depends on a text alone."""
+    return int.from_bytes(hashlib.blake2b(text.encode(), digest_size=4).digest(), "big") / 2**32
 
 
 def functions(tree: ast.AST, prefix: str = "") -> Iterator[tuple[str, ast.FunctionDef]]:

@@ -142,14 +142,33 @@ SCENES = {
 }
 ONE = {name: values[0] for name, values in UPPER["asperite"].items()}
 
+ALONE = {"shape": [1, 1], "heights": [0.0], "asperite": ONE}
+
 
 def pair(upper_drive, lower_drive):
     """One asperite on one, bars clamped at rest."""
-    alone = {"shape": [1, 1], "heights": [0.0], "asperite": ONE}
     return scene(
-        {"drive": upper_drive, "initial": {"theta": [0.5], "omega": [0.6]}} | alone,
+        ALONE | {"drive": upper_drive, "initial": {"theta": [0.5], "omega": [0.6]}},
         {"drive": lower_drive, "initial": {"theta": 3.6, "omega": -0.5}},
     )
 
 
+# Run with a drive and with forces on the ends of bars that are plug-ins.
+SCENES["by hand"] = scene(
+    ALONE
+    | {
+        "drive": {"kind": "pulled", "stiffness": 1.2, "speed": 0.5},
+        "bars": "free",
+        "initial": {"theta": [0.5], "omega": [0.6]},
+    },
+    {"drive": "free"},
+)
 PAIRS = {"forced on free": pair("forced", "free"), "free on free": pair("free", "free")}
+# Farther apart and slower: errors limit the steps, not encounters.
+SLOW = {"bob": [-2.0, 2.2], "velocity": [0.3, 0.0]}
+for _name in ("slid", "forced on free", "free on free"):
+    _fast = SCENES.get(_name) or PAIRS[_name]
+    _upper, _lower = _fast["surface"]
+    _lower = _lower | {"velocity": [0.0, 0.0]}
+    _scenes = SCENES if _name in SCENES else PAIRS
+    _scenes[f"{_name}, slowly"] = _fast | {"duration": 10.0, "surface": [_upper | SLOW, _lower]}
