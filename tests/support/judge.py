@@ -42,7 +42,7 @@ LONGER = 8.0  # a check of the cost may take, in units of the check that it belo
 @cache
 def solution(name):
     """The end of a scene by the independent solver."""
-    return NO_REFERENCE if name in ("open", "twisting") else reference.solve(ALL[name])
+    return NO_REFERENCE if name in ("open", "twisting", "waves") else reference.solve(ALL[name])
 
 
 def simulate(table, **how):
@@ -54,6 +54,9 @@ def simulate(table, **how):
         upper = replace(upper, drive=drives.Custom(force=PulledByHand(1.2, 0.5, -0.6)))
         lower = replace(lower, bars=drives.Ends(ClampedByHand(1.4 / 1.8)))
         scene = replace(scene, surfaces=(upper, lower))
+    if table is ALL["waves"]:
+        (field,) = scene.fields
+        scene = replace(scene, fields=(replace(field, potential=Waves(0.3, 3.1, 2.3)),))
     return importlib.import_module("tribo.simulation").simulate(scene, **how)
 
 
@@ -302,6 +305,54 @@ class Thermal(NamedTuple):
         return ""
 
 
+class Waves(NamedTuple):
+    """A field that depends on both coordinates, as a plug-in."""
+
+    amplitude: float
+    kx: float
+    ky: float
+
+    def energy_at(self, x, y):
+        """U."""
+        return -self.amplitude * np.cos(self.kx * x) * np.cos(self.ky * y)
+
+    def force_at(self, x, y):
+        """-grad U."""
+        sin_x, cos_x = np.sin(self.kx * x), np.cos(self.kx * x)
+        sin_y, cos_y = np.sin(self.ky * y), np.cos(self.ky * y)
+        return -self.amplitude * self.kx * sin_x * cos_y, -self.amplitude * self.ky * cos_x * sin_y
+
+
+class Friction(NamedTuple):
+    """A short step changes the momentum by -gamma (velocity of the bar - that of the reservoir)."""
+
+    method: str
+    step: float
+    tolerance: float
+
+    def __call__(self):
+        table = ALL["open"] | {"duration": self.step, "field": [], "interaction": WEAK}
+        model = reference.Model(without_reservoirs(table))
+        motion = model.motion(0.0, model.start())
+        run = simulate(table, method=self.method, step=self.step)
+        for surface, part in zip(table["surface"], model.slices, strict=True):
+            gamma, velocity = surface["langevin"]["gamma"], surface["langevin"]["velocity"]
+            wanted = -gamma * (motion.v2[:, part] - np.array(velocity)[:, None]) / model.M[part]
+            own = run[surface["name"]]
+            found = np.array([np.diff(own[q], axis=0)[0] for q in ("vx_cm", "vy_cm")]) / self.step
+            if surface["name"] == "lower":  # which its drive keeps at its velocity along x
+                found[0], wanted[0] = 0.0, 0.0
+            if not np.allclose(found, wanted, 0.0, self.tolerance):
+                return f"{surface['name']}: {found} instead of {wanted}"
+        return ""
+
+
+def without_reservoirs(table):
+    """The table as the independent solver takes it."""
+    surfaces = [{k: v for k, v in s.items() if k != "langevin"} for s in table["surface"]]
+    return table | {"surface": surfaces}
+
+
 CHECKS: dict[str, Callable[[], str]] = {}
 for _scene in ("slid", "pulled", "lattice", "open", "twisting"):
     CHECKS[f"midpoint, {_scene}"] = Steps(_scene, "midpoint", 0.05, 2, 1e-3)
@@ -310,6 +361,9 @@ for _scene in ("slid", "pulled", "lattice", "twisting"):
 CHECKS["midpoint, by hand"] = Steps("by hand", "midpoint", 0.05, 2, 1e-3)
 CHECKS["torsional oscillators, gauss-8"] = Torsional("gauss-8", 0.2, 1e-8)
 CHECKS["torsional oscillators, kahan-li-6"] = Torsional("kahan-li-6", 0.1, 1e-6)
+CHECKS["midpoint, waves"] = Steps("waves", "midpoint", 0.05, 2, 1e-3)
+for _method in ("midpoint", "verlet"):
+    CHECKS[f"friction, {_method}"] = Friction(_method, 1e-4, 1e-3)
 CHECKS["thermal kicks"] = Thermal(0.1, 4.0, 0.5)
 for _scene in ("slid", "pulled"):
     CHECKS[f"encounters, {_scene}"] = Encounters(_scene)
@@ -475,7 +529,8 @@ def verdict(file: str, function: str, source: str) -> str:
     try:
         names = base.reached[key]
         checks = [(name, CHECKS[name], HANGS) for name in names]
-        checks += [(f"cost of {n}", COSTS[n], HANGS * LONGER) for n in names if n in COSTS]
+        if file.startswith(("integrators/", "pair/")):  # nothing else changes the cost alone
+            checks += [(f"cost of {n}", COSTS[n], HANGS * LONGER) for n in names if n in COSTS]
         for name, check, times in checks:
             said = judged(check, times * base.seconds[name.removeprefix("cost of ")] + 0.5)
             if said:

@@ -161,7 +161,13 @@ SCENES["by hand"] = scene(
         "bars": "free",
         "initial": {"theta": [0.5], "omega": [0.6]},
     },
+    {"drive": "free"} | TURNING,
+)
+# Run with a field that is a plug-in: the identities alone.
+SCENES["waves"] = scene(
     {"drive": "free"},
+    {"drive": "free"},
+    field=[CORRUGATION | {"on": ["upper", "lower"], "origin": [0.2, 0.3], "velocity": [0.4, 0.1]}],
 )
 PAIRS = {"forced on free": pair("forced", "free"), "free on free": pair("free", "free")}
 # Farther apart and slower: errors limit the steps, not encounters.
