@@ -1,21 +1,35 @@
 """Settings shared by all tests."""
 
 import os
+from pathlib import Path
 
-# Linear algebra on small matrices: threads only get in one another's way.
+# Linear algebra on small matrices is slower with threads.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+import pytest
 from hypothesis import HealthCheck, settings
+from hypothesis.database import DirectoryBasedExampleDatabase
 
-# The same examples every time, and no clock: the first of them may have a kernel to compile.
+# Failing examples of any profile are kept here and are tried first from then on.
+FAILURES = DirectoryBasedExampleDatabase(Path(__file__).parents[1] / ".hypothesis" / "examples")
+
+# The same examples each time. No deadline: the first example may compile a kernel.
 settings.register_profile(
-    "ci",
+    "repeatable",
     deadline=None,
     derandomize=True,
-    database=None,
     max_examples=25,
     suppress_health_check=[HealthCheck.too_slow],
 )
-# Others each time, to look further: pytest --hypothesis-profile=search
+# hypothesis accepts a database beside derandomize only as a change of other settings.
+settings.register_profile("ci", settings.get_profile("repeatable"), database=FAILURES)
+# Other examples each time: pytest --hypothesis-profile=search
 settings.register_profile("search", settings.get_profile("ci"), derandomize=False)
 settings.load_profile("ci")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_cmdline_main(config: pytest.Config) -> None:
+    """Give each process of xdist its own files, so that no two compile the same kernels at once."""
+    if getattr(config.option, "numprocesses", None) and config.option.dist == "no":
+        config.option.dist = "worksteal"

@@ -155,3 +155,14 @@ def test_every_module_says_what_it_is():
     for name, path in FILES.items():
         tree = ast.parse(path.read_text(encoding="utf-8"))
         assert not tree.body or ast.get_docstring(tree), f"{name} has no docstring"
+
+
+TESTS = sorted(Path(__file__).parent.rglob("*.py"))
+
+
+def test_no_test_module_is_imported():
+    """Functions that two test modules share stand in tests/support."""
+    for path in TESTS:
+        tops = {full.partition(".")[0] for full in imported(ast.parse(path.read_text("utf-8")))}
+        found = {top for top in tops if top == "conftest" or top.startswith("test")}
+        assert not found, f"{path.name} imports {found}"

@@ -1,0 +1,95 @@
+"""Wrong equations do not pass: mutants of the physics and of the integrators are caught.
+
+A mutant is the package with one small change in one function, made in the syntax tree:
+support/mutants.py.  The checks that catch it compare runs with independent solutions, and run
+uncompiled: support/judge.py.  The default set is a sample; the slow set has all mutants.
+"""
+
+import multiprocessing
+from concurrent.futures import ProcessPoolExecutor
+
+import pytest
+
+from support import judge
+from support.mutants import mutants
+from support.package import SOURCE
+from support.survivors import EQUIVALENT, NEEDS_COMPILER, OPEN
+
+PATTERNS = [
+    "integrators/*.py",
+    "kernels/contact.py",
+    "kernels/equations_of_motion.py",
+    "kernels/neighbours.py",
+    "kernels/powers.py",
+    "kernels/samples.py",
+    "model/fields.py",
+    "pair/*.py",
+    "run/contacts.py",
+    "run/layout.py",
+    "run/ledger.py",
+]
+FILES = [
+    path.relative_to(SOURCE).as_posix()
+    for pattern in PATTERNS
+    for path in sorted(SOURCE.glob(pattern))
+    if not path.stem.endswith(("__init__", "tableaux"))  # coefficients have tests of their own
+]
+SAMPLE = 0.025  # part of all mutants that the default set has
+
+
+def candidates(file):
+    """The mutants of a file that can be run uncompiled."""
+    return [mutant for mutant in mutants(file) if mutant.function not in NEEDS_COMPILER]
+
+
+def sampled():
+    """The sample, with those marked that no check catches yet."""
+    for file in FILES:
+        for mutant in candidates(file):
+            if mutant.draw < SAMPLE:
+                not_yet = pytest.mark.xfail(strict=True, reason="no check catches it yet")
+                marks = [not_yet] if str(mutant) in OPEN else []
+                yield pytest.param(mutant, id=str(mutant), marks=marks)
+
+
+@pytest.fixture(scope="module")
+def worker():
+    """A process in which nothing is compiled."""
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(1, mp_context=context, initializer=judge.uncompiled) as pool:
+        yield pool
+
+
+def caught(worker, mutant):
+    """What the first check says that finds the mutant; empty if none does."""
+    file, function = mutant.file, mutant.function
+    return worker.submit(judge.verdict, file, function, mutant.source()).result()
+
+
+def test_the_package_itself_passes(worker):
+    """No check complains about the equations as they are."""
+    assert worker.submit(judge.complaints).result() == []
+
+
+@pytest.mark.parametrize("mutant", sampled())
+def test_sampled_mutant_is_caught(worker, mutant):
+    """Every mutant of the sample is caught, and no equivalent one is."""
+    said = caught(worker, mutant)
+    assert (said == "") == (str(mutant) in EQUIVALENT), said
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("file", FILES)
+def test_all_mutants_are_caught(worker, file):
+    """The mutants that are left are those of the tables."""
+    left = {str(mutant) for mutant in candidates(file) if not caught(worker, mutant)}
+    known = {text for text in (*EQUIVALENT, *OPEN) if text.startswith(f"{file}: ")}
+    assert left == known
+
+
+def test_tables_name_mutants():
+    """No entry of a table has been left behind by a change of the source."""
+    texts = {str(mutant) for file in FILES for mutant in mutants(file)}
+    assert set(EQUIVALENT) | OPEN <= texts
+    functions = {mutant.function for file in FILES for mutant in mutants(file)}
+    assert NEEDS_COMPILER.keys() <= functions

@@ -1,0 +1,557 @@
+"""What catches a mutant: checks that run uncompiled, in a process of their own.
+
+A check compares runs with the identities of the ledger, an independent solver, or a closed form,
+never with what the package itself gave before.
+"""
+
+import gc
+import importlib
+import os
+import signal
+import sys
+import warnings
+from collections import defaultdict
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import replace
+from functools import cache
+from time import process_time
+from types import CodeType, FunctionType, SimpleNamespace
+from typing import NamedTuple
+from unittest import mock
+
+import numpy as np
+
+from scipy.linalg import expm
+
+from support import reference
+from support.laws import identities, kind, tables
+from support.mutation_scenes import COULOMB, LOWER, PAIRS, SCENES
+from support.package import SOURCE
+
+ALL = SCENES | PAIRS
+NO_REFERENCE = {"surfaces": {}, "blocks": {}, "system": {}, "scales": {"energy": 0.5}}
+WEAK = COULOMB | {"strength": 1e-15}
+HANGS = 5.0  # times the processor time that a check takes without a mutant
+LONGER = 8.0  # a check of the cost may take, in units of the check that it belongs to
+
+
+# --- comparisons ---------------------------------------------------------------------------------
+
+
+@cache
+def solution(name):
+    """The end of a scene by the independent solver."""
+    return NO_REFERENCE if name in ("open", "twisting", "waves") else reference.solve(ALL[name])
+
+
+def simulate(table, **how):
+    """A run of a scene file's table, with plug-ins where the table has them by name."""
+    scene = importlib.import_module("tribo.model.scene_file").scene_from(table)
+    if table is ALL["by hand"]:
+        drives = importlib.import_module("tribo.model.drives")
+        upper, lower = scene.surfaces
+        upper = replace(upper, drive=drives.Custom(force=PulledByHand(1.2, 0.5, -0.6)))
+        lower = replace(lower, bars=drives.Ends(ClampedByHand(1.4 / 1.8)))
+        scene = replace(scene, surfaces=(upper, lower))
+    if table is ALL["waves"]:
+        (field,) = scene.fields
+        scene = replace(scene, fields=(replace(field, potential=Waves(0.3, 3.1, 2.3)),))
+    return importlib.import_module("tribo.simulation").simulate(scene, **how)
+
+
+def ends(result):
+    """Every table of the ledger at the end."""
+    for surface, table in tables(result):
+        yield surface.name if surface else "system", {q: table[q][-1] for q in table}
+
+
+def extrapolated(coarse, fine, order):
+    """The limit of runs with two steps, table by table, at the end."""
+    weight = 1.0 / (2**order - 1)
+    for (place, one), (_, other) in zip(ends(coarse), ends(fine), strict=True):
+        yield place, {q: other[q] + weight * (other[q] - one[q]) for q in other}
+
+
+def complaint(found, truth, tolerance):
+    """What is wrong with the ledger's end, by its own laws or by the independent solution."""
+    allowed = {name: tolerance * scale for name, scale in truth["scales"].items()}
+    for place, table in found:
+        for law, _, one, other in identities([table]):
+            if not np.all(np.abs(one - other) <= allowed["energy"]):
+                return f"{place}: {law}"
+        if np.any(table.get("heat", 0.0) < 0.0):
+            return f"{place}: heat flows from a reservoir at temperature 0"
+        known = truth["surfaces"] if "theta" in table else truth["blocks"]
+        for name, values in (known | {"system": truth["system"]}).get(place, {}).items():
+            if not np.all(np.abs(table[name] - values) <= allowed[kind(name)]):
+                return f"{place}: {name} differs from the reference"
+    return ""
+
+
+def stopped(*results):
+    """The status of the first run that did not complete."""
+    for result in results:
+        if result.status != "completed":
+            return f"stops with {result.status}"
+    return ""
+
+
+# --- checks --------------------------------------------------------------------------------------
+
+
+class Steps(NamedTuple):
+    """Two runs of a scene, with a step and with half of it, agree with the solution in the limit."""
+
+    scene: str
+    method: str
+    step: float
+    order: int
+    tolerance: float
+
+    def __call__(self):
+        steps = (self.step, 0.5 * self.step)
+        runs = [simulate(ALL[self.scene], method=self.method, step=h) for h in steps]
+        found = extrapolated(*runs, self.order)
+        return stopped(*runs) or complaint(found, solution(self.scene), self.tolerance)
+
+
+class Accurate(NamedTuple):
+    """A run to an accuracy agrees with the solution, and takes about as many steps as it should."""
+
+    scene: str
+    method: str
+    accuracy: float
+    tolerance: float
+
+    def __call__(self):
+        run = simulate(ALL[self.scene], method=self.method, accuracy=self.accuracy)
+        return stopped(run) or complaint(ends(run), solution(self.scene), self.tolerance)
+
+
+class Listed(NamedTuple):
+    """The same with lists of neighbours."""
+
+    check: Steps | Accurate
+
+    def __call__(self):
+        with mock.patch("tribo.run.contacts.FEW", 0):
+            return self.check()
+
+
+class AsPair(NamedTuple):
+    """The loop for one asperite on one, with arrays in place of registers."""
+
+    scene: str
+    accuracy: float
+    tolerance: float
+
+    def __call__(self):
+        with registers_as_arrays():
+            run = simulate(
+                ALL[self.scene], method="gauss-radau-15", accuracy=self.accuracy
+            )
+        return stopped(run) or complaint(ends(run), solution(self.scene), self.tolerance)
+
+
+class PulledByHand(NamedTuple):
+    """The stage and its spring as a plug-in."""
+
+    stiffness: float
+    speed: float
+    start: float  # of the bar
+
+    def force_on_bar(self, t, x, y, vx, vy, fx, fy):
+        """f2."""
+        return self.stiffness * (self.start + self.speed * t - x), -fy
+
+
+class ClampedByHand(NamedTuple):
+    """What holds the ends of a bar that does not turn, as a plug-in."""
+
+    stiffness: float  # kappa / bar_length
+
+    def end_forces(self, t, phi, nu, twist):
+        """f_L and f_R."""
+        end = self.stiffness * twist
+        x, y = -end * np.sin(phi), end * np.cos(phi)
+        return x, y, -x, -y
+
+
+class Encounters(NamedTuple):
+    """A first step is refused if a pair of bobs can cover its distance in it, and no other.
+
+    Bobs that interact by 1 / r change their force over their distance.
+    """
+
+    scene: str
+
+    def __call__(self):
+        table = ALL[self.scene]
+        model = reference.Model(table)
+        motion = model.motion(0.0, model.start())
+        swing = np.sqrt(motion.omega**2 + model.kappa / model.inertia * motion.twist**2)
+        rate = 0.0
+        for contact in model.contacts:
+            first, second = np.array([pair[:2] for pair in contact.pairs]).T
+            speed = np.hypot(*(motion.v[:, first] - motion.v[:, second]))
+            speed += (model.l1 * swing)[first] + (model.l1 * swing)[second]
+            rate = max(rate, np.max(speed / model.separation(contact, motion)[1]))
+        for part in (0.99, 1.01):
+            h = part / rate
+            run = simulate(table | {"duration": 4.0 * h}, method="midpoint", step=h)
+            if (run.cost.steps == 0) != (part > 1.0):
+                return f"{part} of the longest step: {run.cost.steps} steps"
+        return ""
+
+
+class Efficient(NamedTuple):
+    """A run to an accuracy agrees with the solution, and costs no more than it should.
+
+    The bounds are a tenth above the cost when they were set: a mutant of step control or of a
+    prediction changes no result, but makes more and shorter steps.
+    """
+
+    scene: str
+    method: str
+    accuracy: float
+    most: int  # force evaluations, estimates of the error included
+
+    def __call__(self):
+        with registers_as_arrays() if self.scene in PAIRS else ExitStack():
+            run = simulate(ALL[self.scene], method=self.method, accuracy=self.accuracy)
+        if run.cost.force_evaluations > self.most:
+            return f"{run.cost.force_evaluations} evaluations, at most {self.most} expected"
+        found = complaint(ends(run), solution(self.scene), 3.0 * self.accuracy)
+        return stopped(run) or found
+
+
+class Torsional(NamedTuple):
+    """A bar with torsional oscillators and its pendulum, without other forces, is linear."""
+
+    method: str
+    step: float
+    tolerance: float
+
+    def __call__(self):
+        surface = ALL["twisting"]["surface"][1]
+        table = ALL["twisting"] | {"interaction": WEAK}
+        run = simulate(table, method=self.method, step=self.step)["lower"]
+        a, initial = surface["asperite"], surface["initial"]
+        mass = a["m1"] * a["m2"] / (a["m1"] + a["m2"])
+        springs = [(o["inertia"], o["frequency"]) for o in surface["bath"]["torsional"]]
+        inertia = np.array([mass * a["length"] ** 2, a["i2"], *(i for i, _ in springs)])
+        stiffness = np.zeros((4, 4))
+        ties = [(0, 1, a["kappa"]), *((2 + n, 1, i * w * w) for n, (i, w) in enumerate(springs))]
+        for one, other, k in ties:
+            stiffness[[one, other], [one, other]] += k
+            stiffness[[one, other], [other, one]] -= k
+        x = np.array([initial["theta"] - np.pi, *3 * [initial["phi"]]])
+        v = np.array([initial["omega"], initial["nu"], 0.0, 0.0])
+        generator = np.zeros((8, 8))
+        generator[:4, 4:] = np.eye(4)
+        generator[4:, :4] = -stiffness / inertia[:, None]
+        end = expm(generator) @ np.concatenate([x, v])
+        found = [run[q][-1, 0] for q in ("theta", "phi", "omega", "nu")]
+        truth = [end[0] + np.pi, end[1], end[4], end[5]]
+        return "" if np.allclose(found, truth, 0.0, self.tolerance) else "not the linear motion"
+
+
+class Thermal(NamedTuple):
+    """Bars that start at rest: variance T (1 - exp(-2 x)) / mass along and across their arc.
+
+    x = gamma * step / mass, and the mass along the arc is 1 / (1 / M + l2^2 / I).
+    """
+
+    step: float
+    gamma: float
+    temperature: float
+
+    def __call__(self):
+        count = 2000
+        asperite = LOWER["asperite"] | {"kappa": 0.0}
+        surface = {
+            "name": "upper",
+            "asperite": asperite,
+            "shape": [count, 1],
+            "spacing": [1.0, 0.0],
+            "drive": "free",
+            "initial": {"theta": 0.7},
+            "langevin": {"gamma": self.gamma, "temperature": self.temperature},
+        }
+        far = LOWER | {"depth": 10.0}
+        table = {"duration": self.step, "interaction": WEAK, "surface": [surface, far]}
+        run = simulate(table | {"output": {"samples": 2}}, method="verlet", step=self.step)
+        end = {name: values[-1] for name, values in run["upper"].items()}
+        a = {name: float(asperite[name]) for name in ("m1", "m2", "length")}
+        mass = a["m1"] + a["m2"]
+        l2 = a["length"] * a["m1"] / mass
+        inertia = a["m1"] * a["m2"] / mass * a["length"] ** 2
+        tx, ty = np.cos(0.7), np.sin(0.7)  # at the kick, half a step of rest before and after
+        x = end["vx_cm"] - l2 * end["omega"] * tx
+        y = end["vy_cm"] - l2 * end["omega"] * ty
+        arc, across = 1.0 / mass + l2**2 / inertia, 1.0 / mass
+        for name, velocity, mobility in (
+            ("along", tx * x + ty * y, arc),
+            ("across", tx * y - ty * x, across),
+        ):
+            kept = np.exp(-2.0 * self.gamma * mobility * self.step)
+            expected = self.temperature * mobility * (1.0 - kept)
+            found = np.mean(velocity**2)
+            if abs(found / expected - 1.0) > 5.0 * np.sqrt(2.0 / count):
+                return f"variance {name} the arc {found:.4f}, expected {expected:.4f}"
+            if abs(np.mean(velocity)) > 5.0 * np.sqrt(expected / count):
+                return f"drift {name} the arc"
+        return ""
+
+
+class Waves(NamedTuple):
+    """A field that depends on both coordinates, as a plug-in."""
+
+    amplitude: float
+    kx: float
+    ky: float
+
+    def energy_at(self, x, y):
+        """U."""
+        return -self.amplitude * np.cos(self.kx * x) * np.cos(self.ky * y)
+
+    def force_at(self, x, y):
+        """-grad U."""
+        sin_x, cos_x = np.sin(self.kx * x), np.cos(self.kx * x)
+        sin_y, cos_y = np.sin(self.ky * y), np.cos(self.ky * y)
+        return -self.amplitude * self.kx * sin_x * cos_y, -self.amplitude * self.ky * cos_x * sin_y
+
+
+class Friction(NamedTuple):
+    """A short step changes the momentum by -gamma (velocity of the bar - that of the reservoir)."""
+
+    method: str
+    step: float
+    tolerance: float
+
+    def __call__(self):
+        table = ALL["open"] | {"duration": self.step, "field": [], "interaction": WEAK}
+        model = reference.Model(without_reservoirs(table))
+        motion = model.motion(0.0, model.start())
+        run = simulate(table, method=self.method, step=self.step)
+        for surface, part in zip(table["surface"], model.slices, strict=True):
+            gamma, velocity = surface["langevin"]["gamma"], surface["langevin"]["velocity"]
+            wanted = -gamma * (motion.v2[:, part] - np.array(velocity)[:, None]) / model.M[part]
+            own = run[surface["name"]]
+            found = np.array([np.diff(own[q], axis=0)[0] for q in ("vx_cm", "vy_cm")]) / self.step
+            if surface["name"] == "lower":  # which its drive keeps at its velocity along x
+                found[0], wanted[0] = 0.0, 0.0
+            if not np.allclose(found, wanted, 0.0, self.tolerance):
+                return f"{surface['name']}: {found} instead of {wanted}"
+        return ""
+
+
+def without_reservoirs(table):
+    """The table as the independent solver takes it."""
+    surfaces = [{k: v for k, v in s.items() if k != "langevin"} for s in table["surface"]]
+    return table | {"surface": surfaces}
+
+
+CHECKS: dict[str, Callable[[], str]] = {}
+for _scene in ("slid", "pulled", "lattice", "open", "twisting"):
+    CHECKS[f"midpoint, {_scene}"] = Steps(_scene, "midpoint", 0.05, 2, 1e-3)
+for _scene in ("slid", "pulled", "lattice", "twisting"):
+    CHECKS[f"kahan-li-6, {_scene}"] = Steps(_scene, "kahan-li-6", 0.25, 6, 1e-5)
+CHECKS["midpoint, by hand"] = Steps("by hand", "midpoint", 0.05, 2, 1e-3)
+CHECKS["torsional oscillators, gauss-8"] = Torsional("gauss-8", 0.2, 1e-8)
+CHECKS["torsional oscillators, kahan-li-6"] = Torsional("kahan-li-6", 0.1, 1e-6)
+CHECKS["midpoint, waves"] = Steps("waves", "midpoint", 0.05, 2, 1e-3)
+for _method in ("midpoint", "verlet"):
+    CHECKS[f"friction, {_method}"] = Friction(_method, 1e-4, 1e-3)
+CHECKS["thermal kicks"] = Thermal(0.1, 4.0, 0.5)
+for _scene in ("slid", "pulled"):
+    CHECKS[f"encounters, {_scene}"] = Encounters(_scene)
+CHECKS["verlet, open"] = Steps("open", "verlet", 0.05, 2, 1e-5)  # its identities are exact
+CHECKS["rk4, slid"] = Steps("slid", "rk4", 0.1, 4, 1e-4)
+CHECKS["gauss-8, slid"] = Steps("slid", "gauss-8", 0.25, 8, 1e-6)
+for _method in ("dop853", "rkn8", "rkn12", "gauss-radau-15"):
+    CHECKS[f"{_method}, slid"] = Accurate("slid", _method, 1e-8, 1e-7)
+CHECKS["all pairs"] = Steps("rows", "midpoint", 0.02, 2, 1e-3)
+CHECKS["listed pairs"] = Listed(CHECKS["all pairs"])
+CHECKS["listed pairs, verlet"] = Listed(Steps("rows", "verlet", 0.02, 2, 1e-3))
+for _scene in ("forced on free", "free on free"):
+    CHECKS[f"pair, {_scene}"] = AsPair(_scene, 1e-8, 1e-7)
+# Longer than the rest.  They reach the functions that the check named here reaches.
+COSTS = {
+    "dop853, slid": Efficient("slid, slowly", "dop853", 1e-7, 2450),
+    "rkn8, slid": Efficient("slid, slowly", "rkn8", 1e-7, 2430),
+    "rkn12, slid": Efficient("slid, slowly", "rkn12", 1e-7, 1780),
+    "gauss-radau-15, slid": Efficient("slid, slowly", "gauss-radau-15", 1e-7, 2470),
+    "pair, forced on free": Efficient("forced on free, slowly", "gauss-radau-15", 1e-7, 2230),
+    "pair, free on free": Efficient("free on free, slowly", "gauss-radau-15", 1e-7, 2190),
+}
+
+
+# --- registers -----------------------------------------------------------------------------------
+
+
+def _put(x, i, value):
+    new = np.array(x)
+    new[i] = value
+    return new
+
+
+def _store(rows, k, x):
+    rows[k] = x
+
+
+ARRAYS = {
+    "root": np.sqrt,
+    "magnitude": np.abs,
+    "total": lambda x: float(np.sum(x)),
+    "totals": lambda xs: np.array([np.sum(x) for x in xs]),
+    "highest": lambda x: float(np.max(x)),
+    "where_less": lambda x, y, one, other: np.where(x < y, one, other),
+    "lanes_of": lambda x: np.full(8, x),
+    "lane": lambda x, i: float(x[i]),
+    "put": _put,
+    "rows_of": lambda array: array,
+    "load": lambda rows, k: rows[k].copy(),
+    "store": _store,
+}
+
+
+def with_fields(loop):
+    """The loop, told of fields by name, as compiled code is."""
+
+    def call(*arguments):
+        return loop(*(x.view(np.recarray) if named(x) else x for x in arguments))
+
+    def named(x):
+        return isinstance(x, np.ndarray) and x.dtype.names is not None
+
+    return call
+
+
+def registers_as_arrays():
+    """The loop for pairs without a compiler."""
+    stack = ExitStack()
+    for name in ("kernels.simd", "pair.forces", "pair.step", "pair.loop"):
+        module = importlib.import_module(f"tribo.{name}")
+        own = {key: value for key, value in ARRAYS.items() if hasattr(module, key)}
+        stack.enter_context(mock.patch.multiple(module, **own))
+    adapter = "tribo.run.pair_adapter"
+    importlib.import_module(adapter)
+    config = SimpleNamespace(DISABLE_JIT=False)
+    stack.enter_context(mock.patch(f"{adapter}.config", config))
+    stack.enter_context(mock.patch(f"{adapter}.entry", lambda loop, *_: with_fields(loop)))
+    return stack
+
+
+# --- the process ---------------------------------------------------------------------------------
+
+
+class Hangs(BaseException):
+    """A check takes far longer than it should."""
+
+
+class Baseline(NamedTuple):
+    """What the checks reach, and at what cost, when nothing is changed."""
+
+    seconds: dict[str, float]  # processor time of each check
+    reached: dict[tuple[str, str], list[str]]  # checks that call a function, the cheapest first
+    functions: dict[tuple[str, str], list[FunctionType]]
+
+
+def where(code: CodeType) -> tuple[str, str]:
+    """File and qualified name of a function of the package."""
+    return os.path.relpath(code.co_filename, SOURCE), code.co_qualname
+
+
+def uncompiled():
+    """Make ready a process in which kernels are plain Python."""
+    os.environ["NUMBA_DISABLE_JIT"] = "1"
+    sys.dont_write_bytecode = True
+    warnings.simplefilter("ignore")
+    np.seterr(all="ignore")
+
+
+@cache
+def baseline() -> Baseline:
+    """Run every check once; raises AssertionError if one of them complains."""
+    seconds, called = {}, defaultdict(set)
+    here = str(SOURCE)
+    for name in ALL:
+        solution(name)
+    for name, check in CHECKS.items():
+
+        def note(frame, event, _, name=name):
+            if event == "call" and frame.f_code.co_filename.startswith(here):
+                called[where(frame.f_code)].add(name)
+
+        began = process_time()
+        sys.setprofile(note)
+        try:
+            said = check()
+        finally:
+            sys.setprofile(None)
+        seconds[name] = process_time() - began
+        assert not said, f"{name}: {said}"
+    functions = defaultdict(list)
+    for item in gc.get_objects():
+        if isinstance(item, FunctionType) and item.__code__.co_filename.startswith(here):
+            functions[where(item.__code__)].append(item)
+    reached = {key: sorted(names, key=seconds.__getitem__) for key, names in called.items()}
+    return Baseline(seconds, reached, functions)
+
+
+def complaints() -> list[str]:
+    """What the checks say about the package as it is."""
+    baseline()
+    return [f"{name}: {said}" for name, check in COSTS.items() if (said := check())]
+
+
+def codes(code: CodeType):
+    """All code within, with its qualified name."""
+    for item in code.co_consts:
+        if isinstance(item, CodeType):
+            yield item
+            yield from codes(item)
+
+
+def verdict(file: str, function: str, source: str) -> str:
+    """What the first check says that a mutant does not pass; empty if it passes all."""
+    base = baseline()
+    key = file, function
+    if key not in base.reached:
+        return ""
+    (new,) = (c for c in codes(compile(source, str(SOURCE / file), "exec")) if where(c) == key)
+    changed = base.functions[key]
+    old = changed[0].__code__
+    for item in changed:
+        item.__code__ = new
+    try:
+        names = base.reached[key]
+        checks = [(name, CHECKS[name], HANGS) for name in names]
+        if file.startswith(("integrators/", "pair/")):  # nothing else changes the cost alone
+            checks += [(f"cost of {n}", COSTS[n], HANGS * LONGER) for n in names if n in COSTS]
+        for name, check, times in checks:
+            said = judged(check, times * base.seconds[name.removeprefix("cost of ")] + 0.5)
+            if said:
+                return f"{name}: {said}"
+        return ""
+    finally:
+        for item in changed:
+            item.__code__ = old
+
+
+def judged(check: Callable[[], str], seconds: float) -> str:
+    """What a check says, which may take so much processor time."""
+
+    def stop(*_):
+        raise Hangs
+
+    signal.signal(signal.SIGVTALRM, stop)
+    signal.setitimer(signal.ITIMER_VIRTUAL, seconds)
+    try:
+        return check()
+    except (Exception, Hangs) as error:  # a mutant may fail in any way
+        return f"{type(error).__name__}: {error}"
+    finally:
+        signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
