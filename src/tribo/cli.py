@@ -7,10 +7,11 @@ import json
 import os
 import sys
 import tomllib
+import warnings
 from pathlib import Path
 from typing import Any
 
-from tribo.validation import InputError
+from tribo.validation import InputError, TriboWarning
 
 COMPLETED, STOPPED, WRONG_INPUT = 0, 1, 2  # exit statuses
 FAILED = 1  # of a check
@@ -20,7 +21,9 @@ def main(arguments: list[str] | None = None) -> int:
     """Run the command line; returns the exit status."""
     options = _parser().parse_args(arguments)
     try:
-        status: int = options.command(options)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", TriboWarning)  # commands print what it would say
+            status: int = options.command(options)
     except InputError as error:
         print(f"tribo: {error}", file=sys.stderr)
         return WRONG_INPUT

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping, Sequence
-from functools import cached_property, partial
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
 
 import numpy as np
 
@@ -25,14 +24,15 @@ from tribo.accuracy.search import (
 from tribo.integrators import methods
 from tribo.kernels.status import Status
 from tribo.model.scene import Scene
-from tribo.run.integrate import Integration, Progress
+from tribo.run.initial_state import InitialState, Start
+from tribo.run.integrate import Integration, Progress, Setting
 from tribo.run.integrator import Integrator
-from tribo.run.layout import Layout, lay_out, set_bath
+from tribo.run.layout import Layout, lay_out
 from tribo.run.ledger import Ledger, assemble
 from tribo.run.notes import calculator_notes, scene_notes
-from tribo.run.result import Assembled, Cost, Result
+from tribo.run.result import Cost, Known, Result
 from tribo.run.streamed_ledger import StreamedLedger, exceeds_memory
-from tribo.validation import InputError, TriboWarning, inside, number_or_each
+from tribo.validation import InputError, TriboWarning, inside
 
 # Levels of two runs that are compared differ by FINE_LEVEL; this many such ratios make a digit.
 RATIOS_PER_DIGIT = -1.0 / np.log10(FINE_LEVEL)
@@ -73,12 +73,9 @@ class Simulation:
         self._integrator = integrator
         self._notes = scene_notes(self.scene, self.method)
         self._streams = exceeds_memory(self.layout, plan.times.size)
-        self._has_bath = self.layout.model.bath is not None
-        self._has_bath |= self.layout.model.torsional is not None
-        # Where changed initial values stand in y: see `_slots`.
-        self._known_slots: dict[Any, tuple[Any, float, int]] = {}
+        self._initial_state = InitialState(self.layout)
 
-    def run(self, start: Mapping[str, Any] | None = None, estimate: bool = True) -> Result:
+    def run(self, start: Start | None = None, estimate: bool = True) -> Result:
         """Run from the scene's start, or with some initial values changed.
 
         Parameters
@@ -119,7 +116,7 @@ class Simulation:
         """
         return _with_warning(self.compute_first())
 
-    def compute(self, start: Mapping[str, Any] | None = None, estimate: bool = True) -> Result:
+    def compute(self, start: Start | None = None, estimate: bool = True) -> Result:
         """As :meth:`run`, without warnings: for callers that report what falls short."""
         y = self._initial_state({} if start is None else start)
         tuned = self.plan.tuned
@@ -140,7 +137,7 @@ class Simulation:
     @property
     def settings(self) -> Plan:
         """The plan for other scenes of this kind, for :func:`from_settings`; it can be pickled."""
-        return self.plan.without_runs(self._single[0])
+        return self.plan.without_runs(self._single_setting)
 
     @property
     def finest(self) -> Integration:
@@ -156,23 +153,42 @@ class Simulation:
         return self.plan.tuned.runs[-1]
 
     @cached_property
-    def _single(self) -> tuple[Any, np.ndarray]:
-        """Setting and times of runs without an error estimate; found when first needed."""
-        setting = single_setting(self.plan, self._integrator)
-        if setting is None:
+    def _single_setting(self) -> Setting | None:
+        """The plan's `single`, found when first needed."""
+        return single_setting(self.plan, self._integrator)
+
+    @cached_property
+    def _single(self) -> tuple[Setting, np.ndarray]:
+        """Setting and times of runs without an error estimate."""
+        if self._single_setting is None:
             return self.plan.setting, self.plan.times
-        return setting, self.scene.times
+        return self._single_setting, self.scene.times
 
     def _single_run(self, y: np.ndarray) -> Result:
         """A run without an error estimate."""
         if self._streams:
-            streamed = StreamedLedger(self.layout)
-            run = self._integrator(self.plan.setting, self.plan.times, y, streamed)
-            note = "of the asperites' series only the first and the last sample are kept"
-            assembled = Assembled(streamed.with_ends(run.samples))
-            return self._result([run], None, (note,), {}, assembled)
-        run = self._integrator(*self._single, y)
-        return self._result([run], None, (), {}, partial(_reported, self.layout, run))
+            return self._streamed_run(y)
+        layout, seconds, ratio = self.layout, self.compile_seconds, self._digit_ratio
+        setting, times = self._single
+        run = self._integrator(setting, times, y)
+        # The ledger and the cost are left for later: a run of a pair takes ten microseconds.
+        return self._result(
+            run.status,
+            None,
+            (),
+            {},
+            lambda: _reported(layout, run),
+            lambda: _cost([run], seconds, ratio),
+        )
+
+    def _streamed_run(self, y: np.ndarray) -> Result:
+        """A run without an error estimate, of which not all samples are kept."""
+        streamed = StreamedLedger(self.layout)
+        run = self._integrator(self.plan.setting, self.plan.times, y, streamed)
+        note = "of the asperites' series only the first and the last sample are kept"
+        ledger = streamed.with_ends(run.samples)
+        cost = _cost([run], self.compile_seconds, self._digit_ratio)
+        return self._result(run.status, None, (note,), {}, Known(ledger), Known(cost))
 
     def _estimated_result(self, runs: Sequence[Integration]) -> Result:
         """The last run as a result, its error estimated from the two before it."""
@@ -183,9 +199,10 @@ class Simulation:
             bounds, excess = self._errors(runs[-3:])
             met = excess <= 1.0
             notes = () if met else (self._missed(excess),)
-        assembled = Assembled(_reported(self.layout, fine))
+        ledger = _reported(self.layout, fine)
+        cost = _cost(runs, self.compile_seconds, self._digit_ratio)
         known = met if len(runs) > 1 else None
-        return self._result(runs, known, notes, bounds, assembled)
+        return self._result(fine.status, known, notes, bounds, Known(ledger), Known(cost))
 
     def _errors(self, runs: Sequence[Integration]) -> tuple[dict[str, float], float]:
         """Bounds on the last run's errors, and the largest in units of the request."""
@@ -208,41 +225,27 @@ class Simulation:
 
     def _result(
         self,
-        runs: Sequence[Integration],
+        status: Status,
         met: bool | None,
         notes: tuple[str, ...],
         bounds: Mapping[str, float],
-        assembly: Any,
+        assemble_ledger: Callable[[], Ledger],
+        add_up_cost: Callable[[], Cost],
     ) -> Result:
-        """The last of the runs as a result."""
-        status = runs[-1].status
-        if self.layout.calls:
+        """A result, with what all results of the simulation share."""
+        if self.layout.calculator_calls:
             notes = calculator_notes(self.layout) + notes
-        # By position: a result is made in every run of a pair, which takes ten microseconds.
         return Result(
             self.scene,
             status,
             self.method.name,
             self.why,
-            self._cost(runs),
             self.accuracy,
             met,
             self._notes + notes,
             bounds,
-            assembly,
-        )
-
-    def _cost(self, runs: Sequence[Integration]) -> Cost:
-        """What the runs cost, and what a digit more or less would cost."""
-        last, ratio = runs[-1], self._digit_ratio
-        seconds = sum(run.seconds for run in runs)
-        return Cost(
-            last.steps,
-            sum(run.evaluations for run in runs),
-            seconds,
-            self.compile_seconds,
-            None if ratio is None else seconds * ratio,
-            None if ratio is None else seconds / ratio,
+            assemble_ledger,
+            add_up_cost,
         )
 
     @cached_property
@@ -258,56 +261,25 @@ class Simulation:
         seen = (runs[-1].evaluations / runs[-2].evaluations) ** RATIOS_PER_DIGIT
         return float(min(seen, 10.0 ** (2.0 / self.method.order)))
 
-    def _initial_state(self, start: Mapping[str, Any]) -> np.ndarray:
-        """y at t = 0 with some initial values replaced."""
-        if not isinstance(start, (dict, Mapping)):  # a dict is recognised sooner
-            raise InputError("start", f"must map names to values, got {start!r}")
-        y = self.layout.start.copy()
-        for key, value in start.items():
-            known = self._known_slots.get(key)
-            if known is None:
-                known = self._known_slots[key] = self._slots(key)
-            slots, offset, count = known
-            values = number_or_each(key, value)
-            if isinstance(values, np.ndarray):
-                if values.size != count:
-                    raise InputError(key, f"has {values.size} values for {count} asperites")
-                values = values.reshape(y[slots].shape)
-            y[slots] = values - offset
-        if start and self._has_bath:
-            self._reset_baths(y)
-        return y
-
-    def _slots(self, key: Any) -> tuple[Any, float, int]:
-        """Slots in y of a "surface.quantity", its value at rest, and the number of asperites.
-
-        The slot of one asperite is an integer, by which numpy finds an element sooner.
-        """
-        surface, quantity = self.scene.initial_value(key)
-        part = self.layout.parts[surface.name]
-        slots = np.arange(part.start, part.stop)
-        if quantity in ("phi", "nu"):
-            slots = self.layout.model.asperites.dof_phi[part].astype(int)
-        if quantity in ("omega", "nu"):
-            slots = slots + self.layout.coordinates
-        at: Any = slots if surface.count > 1 else int(slots[0])
-        return at, surface.rest if quantity == "theta" else 0.0, surface.count
-
-    def _reset_baths(self, y: np.ndarray) -> None:
-        """Start every bath about its bars, whose initial values have changed."""
-        n = self.layout.coordinates
-        for index, surface in enumerate(self.scene.surfaces):
-            part = self.layout.parts[surface.name]
-            rng = np.random.default_rng([self.scene.seed, index, 1])
-            bars = self.layout.model.asperites[part]
-            set_bath(bars, surface, part, y[:n], y[n:], rng)
-
 
 def _reported(layout: Layout, run: Integration) -> Ledger:
     """The ledger of a run at the scene's times and at its end."""
     samples = run.samples
     wanted = np.intersect1d(samples.t, layout.scene.times)
     return assemble(layout, samples.at(np.union1d(wanted, samples.t[-1:])))
+
+
+def _cost(runs: Sequence[Integration], compile_seconds: float, ratio: float | None) -> Cost:
+    """What the runs cost, and what a digit more or less would cost, by `ratio`."""
+    seconds = sum(run.seconds for run in runs)
+    return Cost(
+        steps=runs[-1].steps,
+        force_evaluations=sum(run.evaluations for run in runs),
+        wall_seconds=seconds,
+        compile_seconds=compile_seconds,
+        digit_more=None if ratio is None else seconds * ratio,
+        digit_fewer=None if ratio is None else seconds / ratio,
+    )
 
 
 def _with_warning(result: Result) -> Result:

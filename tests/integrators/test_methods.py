@@ -8,7 +8,7 @@ import pytest
 
 import tribo
 import tribo.run.integrate
-from support.hard_scenes import Broken, changed, side_by_side, simulate
+from support.hard_scenes import Broken, changed, side_by_side, simulate, stopped
 from tribo import (
     Asperite,
     Bath,
@@ -132,21 +132,20 @@ def test_samples_are_of_one_instant(name):
 def test_adaptive_methods_stop_alike(name):
     """Bobs at one place, a head-on collision, a force that is no number: each has its name."""
     settings = {"method": name, "accuracy": 1e-8}
-    assert simulate(changed("A", start=0.0), **settings).status == "BobsCoincide"
-    collision = simulate(side_by_side(Forced()), **settings)
-    assert collision.status == "StepUnderflow"
-    expected = simulate(side_by_side(Forced()), accuracy=1e-8).t[-1]
+    stopped("BobsCoincide", changed("A", start=0.0), **settings)
+    collision = stopped("StepUnderflow", side_by_side(Forced()), **settings)
+    expected = stopped("StepUnderflow", side_by_side(Forced()), accuracy=1e-8).t[-1]
     assert collision.t[-1] == pytest.approx(expected, abs=1e-4)
-    assert simulate(changed("A", potential=Broken(0.2, 1.0)), **settings).status == "NotFinite"
+    stopped("NotFinite", changed("A", potential=Broken(0.2, 1.0)), **settings)
 
 
 @pytest.mark.parametrize("name", STEPS)
 def test_given_steps_stop_alike(name):
     """Steps too long, and steps too short, whatever is done with them."""
     scene = changed("A")
-    assert simulate(scene, method=name, step=0.8).status == "EncounterJumped"
-    assert simulate(scene, method=name, step=1e-30).status == "StepUnderflow"
-    assert simulate(changed("A", start=0.0), method=name, step=0.1).status == "BobsCoincide"
+    stopped("EncounterJumped", scene, method=name, step=0.8)
+    stopped("StepUnderflow", scene, method=name, step=1e-30)
+    stopped("BobsCoincide", changed("A", start=0.0), method=name, step=0.1)
 
 
 def test_iteration_that_does_not_converge():
@@ -155,7 +154,7 @@ def test_iteration_that_does_not_converge():
     upper = Surface("upper", bob=(-50.0, 0.0), asperite=stiff, initial=Initial(theta=0.1))
     lower = Surface("lower", facing="up", bob=(50.0, -1.0), asperite=stiff)
     scene = Scene((upper, lower), Coulomb(0.1), 1.0, output=Output(samples=2))
-    assert simulate(scene, method="gauss-8", step=0.1).status == "NotConverged"
+    stopped("NotConverged", scene, method="gauss-8", step=0.1)
     assert simulate(scene, method="gauss-8", step=1e-4).status == "completed"
 
 

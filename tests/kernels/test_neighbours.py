@@ -51,7 +51,7 @@ def test_a_list_has_every_pair_within_reach(given_places, slide):
     upper, lower, box = given_places
     periodic = {key: value for key, value in zip("xz", box, strict=True) if value}
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(contacts, "FEW", 0)
+        patch.setattr(contacts, "UNLISTED_PAIRS", 0)
         layout = layouts.lay_out(scene(upper, lower, periodic))
         neighbours = layout.neighbours()
     bobs = layout.model.bobs
@@ -77,7 +77,7 @@ def test_lists_give_all_pairs_bit_for_bit(periodic, monkeypatch):
     """A long slide with bobs that loop: every series is the same, to the last bit."""
     wanted = replace(long_slide(periodic), output=tribo.Output(samples=7))
     plain = tribo.simulate(wanted, method="verlet", step=0.003)
-    monkeypatch.setattr(contacts, "FEW", 0)
+    monkeypatch.setattr(contacts, "UNLISTED_PAIRS", 0)
     by_list = tribo.simulate(wanted, method="verlet", step=0.003)
     assert plain.status == by_list.status == "completed"
     assert np.max(np.abs(plain["upper"].theta)) > np.pi
@@ -92,7 +92,7 @@ def test_a_list_that_outgrows_its_room(method, monkeypatch):
     """Rows without room count as all pairs, until the run pauses and the list has more room."""
     wanted = replace(long_slide({}), duration=4.0, output=tribo.Output(samples=5))
     how = {"step": 0.003} if method == "verlet" else {"accuracy": 1e-3}
-    monkeypatch.setattr(contacts, "FEW", 0)
+    monkeypatch.setattr(contacts, "UNLISTED_PAIRS", 0)
     plain = tribo.simulate(wanted, method=method, **how)
     grown = []
 

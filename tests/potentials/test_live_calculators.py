@@ -99,7 +99,8 @@ class Failing(Calculator):
 
 def test_a_calculator_that_fails_stops_the_run_by_name():
     """What was reached is kept, and the note says what was raised."""
-    result = tribo.simulate(scene(live(Failing(100, OSError))), accuracy=1e-6)
+    with pytest.warns(tribo.TriboWarning, match="CalculatorFailed"):
+        result = tribo.simulate(scene(live(Failing(100, OSError))), accuracy=1e-6)
     assert result.status == "CalculatorFailed"
     assert any("OSError: the disk is full" in note for note in result.notes)
     assert np.all(np.isfinite(result["upper"].theta))
@@ -107,7 +108,9 @@ def test_a_calculator_that_fails_stops_the_run_by_name():
 
 def test_ctrl_c_inside_a_calculator_keeps_the_state_whole():
     """The call is made again, and the run stops after it."""
-    result = tribo.simulate(scene(live(Failing(20, KeyboardInterrupt))), method="verlet", step=0.02)
+    failing = scene(live(Failing(20, KeyboardInterrupt)))
+    with pytest.warns(tribo.TriboWarning, match="Interrupted"):
+        result = tribo.simulate(failing, method="verlet", step=0.02)
     assert result.status == "Interrupted"
     assert np.all(np.isfinite(result["upper"].theta))
 

@@ -363,7 +363,8 @@ def test_a_run_below_a_table_stops():
     """Where nothing is known of the energy there is nothing to go on with."""
     r = np.linspace(0.6, 4.0, 60)
     scene = pair(with_cutoff(from_points(r, -1.0 / r), 3.5))
-    result = tribo.simulate(scene, method="midpoint", step=0.01)
+    with pytest.warns(tribo.TriboWarning, match="NotFinite"):
+        result = tribo.simulate(scene, method="midpoint", step=0.01)
     assert result.status == "NotFinite"
     assert 0.0 < result.t[-1] < scene.duration
 

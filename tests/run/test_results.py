@@ -238,12 +238,13 @@ def test_a_run_that_stops_warns():
 
 
 def test_a_run_that_misses_its_accuracy_warns():
-    """Equal steps that were found for a slow start do not serve a fast one."""
-    simulation = tribo.prepare(scene(), accuracy=1e-3, method="rk4")
+    """Settings for a low accuracy do not give a high one."""
+    plan = tribo.prepare(scene(), accuracy=1e-4).settings
+    simulation = from_settings(scene(), replace(plan, accuracy=1e-10))
     with pytest.warns(
         TriboWarning, match="the accuracy is not met: errors are estimated"
     ) as caught:
-        result = simulation.run({"upper.omega": 4.0})
+        result = simulation.run()
     assert len(caught) == 1 and result.met is False
 
 
@@ -422,3 +423,12 @@ def test_long_runs_keep_the_asperites_ends_alone(monkeypatch, tmp_path):
     streamed.save(tmp_path / "long.nc")
     assert same_series(tribo.load_result(tmp_path / "long.nc"), streamed)
     assert streamed.to_xarray()["end"].values.tolist() == [0.0, 4.0]
+
+
+@pytest.mark.parametrize("estimate", [False, True])
+def test_half_of_a_step(estimate):
+    """A plan with a given step has one with half of it, for all runs."""
+    plan = tribo.prepare(scene(), method="midpoint", step=0.01).settings
+    half = from_settings(scene(), plan.at_half_step())
+    assert half.run(estimate=estimate).cost.steps == 800
+    assert from_settings(scene(), plan).run(estimate=estimate).cost.steps == 400

@@ -41,6 +41,14 @@ def simulate(scene, **how):
         return tribo.simulate(scene, progress=watch, **how)
 
 
+def stopped(status, scene, **how):
+    """The result of a run that must end with a status other than completed, and warn of it."""
+    with pytest.warns(tribo.TriboWarning, match=status):
+        result = simulate(scene, **how)
+    assert result.status == status
+    return result
+
+
 def changed(name, duration=40.0, potential=None, start=None, gap=None, speed=None, kappa=None):
     """A case of the paper with some things changed; only its end is recorded."""
     scene = case(name)

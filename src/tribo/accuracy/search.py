@@ -298,7 +298,9 @@ def _refuse_early(
 
 def _work(layout: Layout, run: Integration) -> float:
     """Force evaluations times asperites: a measure of cost that is the same on every machine."""
-    return run.evaluations * float(layout.model.asperites.size + CALL * len(layout.calls))
+    return run.evaluations * float(
+        layout.model.asperites.size + CALL * len(layout.calculator_calls)
+    )
 
 
 def cheapest_setting(

@@ -1,4 +1,4 @@
-"""Who acts on whom, as kernels see it: contacts, species, calculators and neighbour lists."""
+"""Contacts between bobs, as kernels read them: species, calculators and neighbour lists."""
 
 from __future__ import annotations
 
@@ -11,16 +11,33 @@ from tribo.potentials.from_ase import Call, Live, ZeroForce, elements
 from tribo.potentials.registry import complete
 from tribo.validation import inside
 
-SKIN = 0.3  # of the largest cutoff: how much farther a neighbour list reaches
-FEW = 4096  # pairs of bobs, up to which all are looked at rather than listed
+# How much farther than the largest cutoff a neighbour list reaches, relative to the cutoff: longer
+# lists cost more in each evaluation, shorter ones have to be rebuilt more often.
+SKIN = 0.3
+# Pairs of bobs up to which every pair is visited, rather than a neighbour list.
+UNLISTED_PAIRS = 4096
 
 
-def meetings(
+def lay_out_contacts(
     scene: Scene,
 ) -> tuple[tuple[Contact, ...], tuple[Contact, ...] | None, int, float]:
-    """Contacts between surfaces, those within one, how many rows their lists have, and the skin.
+    """The contacts of a scene.
 
-    An interaction with a cutoff has a list where its bobs are many.
+    Parameters
+    ----------
+    scene : Scene
+        An interaction with a cutoff has a neighbour list where its bobs are many.
+
+    Returns
+    -------
+    between : tuple of Contact
+        Contacts between surfaces, at least one.
+    within : tuple of Contact or None
+        Contacts among the bobs of one surface; None without any.
+    rows : int
+        Rows of the neighbour list; 0 without one.
+    skin : float
+        How much farther than the cutoff the list reaches [length].
     """
     between: list[Contact] = []
     within: list[Contact] = []
@@ -32,7 +49,7 @@ def meetings(
         first = []
         for one, other in pairs:
             count = scene.surfaces[one].count
-            listed = np.isfinite(reach) and count * scene.surfaces[other].count > FEW
+            listed = np.isfinite(reach) and count * scene.surfaces[other].count > UNLISTED_PAIRS
             first.append(rows if listed else -1)
             if listed:
                 rows += count
@@ -49,16 +66,16 @@ def meetings(
                 _kinds(scene, interaction),
             )
         )
-    if not between:  # kernels cannot walk through an empty tuple: an interaction of no pairs
+    if not between:  # kernels cannot iterate over an empty tuple: a contact without pairs
         nothing = np.empty(0, dtype=np.int64)
         between.append(Contact(as_potential(Coulomb(0.0)), nothing.reshape(0, 2), nothing, None))
     return tuple(between), tuple(within) or None, rows, SKIN * longest
 
 
 def neighbours(model: Model, rows: int, skin: float) -> Neighbours:
-    """An empty neighbour list of so many rows, to be made when the forces are first wanted."""
+    """An empty neighbour list of so many rows, which the first evaluation of forces fills."""
     contacts = (*model.contacts, *(model.within or ()))
-    anyone = (-1, -1)
+    all_species = (-1, -1)
     listed = [
         (one, other, row, contact.potential.range() + skin, contact.species)
         for contact in contacts
@@ -67,7 +84,9 @@ def neighbours(model: Model, rows: int, skin: float) -> Neighbours:
     ]
     return Neighbours(
         pairs=np.array([pair[:3] for pair in listed], dtype=np.int64),
-        species=np.array([anyone if pair[4] is None else pair[4] for pair in listed], np.int64),
+        species=np.array(
+            [all_species if pair[4] is None else pair[4] for pair in listed], np.int64
+        ),
         reach=np.array([pair[3] for pair in listed]),
         start=np.zeros(rows + 1, np.int64),
         index=np.zeros(16 * rows, np.int64),
@@ -77,23 +96,32 @@ def neighbours(model: Model, rows: int, skin: float) -> Neighbours:
     )
 
 
-def calls(scene: Scene, depths: list[np.ndarray]) -> tuple[Call, ...]:
-    """What compiled code calls for the interactions that ASE's calculators compute.
+def calculator_calls(scene: Scene, depths: list[np.ndarray]) -> tuple[Call, ...]:
+    """What compiled code calls for interactions that ASE calculators compute.
 
-    `depths` are the z of each surface's bobs.
+    Parameters
+    ----------
+    scene : Scene
+        May have such interactions.
+    depths : list of ndarray
+        z of the bobs of each surface [length].
+
+    Returns
+    -------
+    tuple of Call
     """
     found = []
     for i, interaction in enumerate(scene.interactions):
         if isinstance(interaction.potential, Live):
-            meeting = _meeting(scene, interaction)
-            surfaces = [scene.surfaces[k] for k in meeting]
+            indices = _surfaces_of(scene, interaction)
+            surfaces = [scene.surfaces[k] for k in indices]
             with inside(f"interaction[{i}]"):
                 symbols = elements([name for s in surfaces for name in s.species_of_each.tolist()])
             found.append(
                 Call(
                     interaction.potential.calculator,
                     symbols,
-                    np.concatenate([depths[k] for k in meeting]),
+                    np.concatenate([depths[k] for k in indices]),
                     [s.count for s in surfaces],
                     (scene.periodic.x or 0.0, scene.periodic.z or 0.0),
                 )
@@ -102,24 +130,24 @@ def calls(scene: Scene, depths: list[np.ndarray]) -> tuple[Call, ...]:
 
 
 def calculators(scene: Scene, calls: tuple[Call, ...]) -> tuple[Calculator, ...] | None:
-    """The same as kernels see it; None without any."""
+    """The calculators as kernels read them; None without any."""
     live = [item for item in scene.interactions if isinstance(item.potential, Live)]
     found = [
         Calculator(
-            call.address, np.array(_meeting(scene, item)), call.place, call.force, call.energy
+            call.address, np.array(_surfaces_of(scene, item)), call.place, call.force, call.energy
         )
         for item, call in zip(live, calls, strict=True)
     ]
     return tuple(found) or None
 
 
-def _meeting(scene: Scene, interaction: Interaction) -> list[int]:
+def _surfaces_of(scene: Scene, interaction: Interaction) -> list[int]:
     """Indices of the surfaces that an interaction is between."""
     return sorted({k for pair in scene.pairs(interaction) for k in pair})
 
 
 def species(scene: Scene) -> np.ndarray | None:
-    """(n,) number of each bob's species; None where no interaction asks."""
+    """(n,) index of each bob's species; None where no interaction depends on species."""
     if all(interaction.species is None for interaction in scene.interactions):
         return None
     names = np.concatenate([surface.species_of_each for surface in scene.surfaces])
@@ -127,7 +155,7 @@ def species(scene: Scene) -> np.ndarray | None:
 
 
 def _kinds(scene: Scene, interaction: Interaction) -> np.ndarray | None:
-    """Numbers of the two species that an interaction is between; None where it is for all."""
+    """Indices of the two species that an interaction is between; None for all species."""
     if interaction.species is None:
         return None
     return np.searchsorted(scene.species, interaction.species)

@@ -6,7 +6,7 @@ import json
 import os
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from tribo.run.result import Result
 
 # A variable of a data set: its dimensions, its values and its attributes.
-Variable = tuple[tuple[str, ...], Any, dict[str, str]]
+Variable = tuple[tuple[str, ...], np.ndarray | float, dict[str, str]]
 
 
 def dataset(result: Result) -> xarray.Dataset:

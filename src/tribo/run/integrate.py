@@ -6,7 +6,6 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from tribo.kernels.samples import STORED, Record, State, write_sample
 from tribo.kernels.status import PAUSED, STATUS_OF_CODE, Status
 from tribo.plugins.compile_errors import Refusals, compile_error
 from tribo.potentials.from_ase import Call
+from tribo.run.forces import Records
 from tribo.run.layout import Layout
 from tribo.run.samples import Samples
 from tribo.run.streamed_ledger import StreamedLedger, portion_size
@@ -29,9 +29,13 @@ Loop = Callable[..., int]  # a compiled time loop
 
 # Seconds between two checks for an interrupt: short for a person, long against a call.
 CHUNK_SECONDS = 0.1
-# Steps of the first chunk, and the least and the most of any other.
-FIRST_CHUNK, SMALLEST_CHUNK, LARGEST_CHUNK = 256, 16.0, 1e9
-# A chunk that took no measurable time counts as one that took so many seconds.
+# Steps of the first chunk: milliseconds for small scenes.
+FIRST_CHUNK = 256
+# Steps of any other chunk, at least: calls of fewer would cost more than their steps.
+SMALLEST_CHUNK = 16
+# Steps of any other chunk, at most: budgets are integers of 64 bits.
+LARGEST_CHUNK = 1_000_000_000
+# Seconds that a chunk counts as taking if the clock shows less.
 LEAST_SECONDS = 1e-6
 # Room of a neighbour list, in units of what it needed when it had too little: bobs that approach
 # one another need somewhat more soon after.
@@ -88,17 +92,12 @@ def integrate(
 ) -> Integration:
     """Integrate from `start` through `times`.
 
-    Ends at the last time, or where something stops it: then the state reached is the last sample.
-    With `streamed`, samples are handed to it in portions, and only the first and the last are kept.
+    Ends at the last time, or where something stops it; then the state reached is the last sample.
 
     Parameters
     ----------
-    layout : Layout
-        The scene.
-    method : Method
-        Its coefficients are those of `loop`.
-    loop : callable
-        The compiled time loop.
+    layout, method, loop : Layout, Method, callable
+        The scene, the method, and its compiled time loop.
     setting : float or Tolerance
         The step, or the tolerances of an adaptive method.
     start : ndarray, (2 coordinates,)
@@ -110,11 +109,7 @@ def integrate(
     progress : callable, optional
         Called with the time reached.
     streamed : StreamedLedger, optional
-        Takes the samples in.
-
-    Returns
-    -------
-    Integration
+        Takes in the samples, of which only the first and the last are kept then.
     """
     began = time.perf_counter()
     clocks, state = _at_rest(layout, method, start, first_step)
@@ -127,8 +122,10 @@ def integrate(
     status = Status.COMPLETED
     for first in range(0, times.size, rows):
         portion = times[first : first + rows]
-        clocks.sample = 0
-        status = run_in_chunks(call, layout.calls, clocks, state, portion, record, progress)
+        clocks.sample[:] = 0
+        status = run_in_chunks(
+            call, layout.calculator_calls, clocks, state, portion, record, progress
+        )
         reached = portion[: int(clocks.sample[0])]
         if status != Status.COMPLETED and (not reached.size or reached[-1] != clocks.t[0]):
             _record_now(layout, clocks, state, record)
@@ -149,10 +146,10 @@ def integrate(
 def run_in_chunks(
     call: Loop,
     calls: tuple[Call, ...],
-    clocks: Any,
-    state: Any,
+    clocks: np.ndarray,
+    state: State | np.ndarray,
     times: np.ndarray,
-    record: Any,
+    record: Record | np.ndarray,
     progress: Progress | None,
 ) -> Status:
     """Run through the times in chunks, and check for an interrupt between them.
@@ -195,7 +192,7 @@ def compile_loop(layout: Layout, method: Method, loop: Loop, setting: Setting) -
 
 def _at_rest(
     layout: Layout, method: Method, start: np.ndarray, first_step: float
-) -> tuple[Any, State]:
+) -> tuple[Records, State]:
     """A clock at zero, and the state at the start; splitting does not compensate rounding."""
     clocks = np.zeros(1, CLOCK).view(np.recarray)
     clocks.h = first_step
@@ -222,11 +219,11 @@ def _room(layout: Layout, times: int) -> Record:
 def _bound(layout: Layout, method: Method, loop: Loop, setting: Setting) -> Loop:
     """The loop with its constant arguments given."""
     neighbours = layout.neighbours()
-    noise: tuple[Any, ...] = ()
+    noise: tuple[np.random.Generator, ...] = ()
     if method.splits:
         noise = (np.random.default_rng([layout.scene.seed, 2]),)
 
-    def call(clocks: Any, state: State, times: np.ndarray, record: Record, budget: int) -> int:
+    def call(clocks: Records, state: State, times: np.ndarray, record: Record, budget: int) -> int:
         nonlocal neighbours
         neighbours = with_room(neighbours)
         return loop(
@@ -255,7 +252,7 @@ def with_room(neighbours: Neighbours | None) -> Neighbours | None:
     )
 
 
-def _record_now(layout: Layout, clocks: Any, state: State, record: Record) -> None:
+def _record_now(layout: Layout, clocks: Records, state: State, record: Record) -> None:
     """Record the state in which a run stopped as one more sample."""
     model = layout.model
     now = float(clocks.t[0])

@@ -1,4 +1,4 @@
-"""From a scene to the flat arrays of the kernels, and what each slot of them means."""
+"""From a scene to the flat arrays of the kernels, and the meaning of each slot of them."""
 
 from __future__ import annotations
 
@@ -16,8 +16,6 @@ from tribo.kernels.records import (
     PULLED,
     RIGID,
     Box,
-    Custom,
-    FieldOn,
     Model,
     Neighbours,
 )
@@ -28,6 +26,7 @@ from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.potentials.from_ase import Call, Live
 from tribo.run import contacts
+from tribo.run.forces import Records, bonds, fields_on_surfaces, user_forces
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,25 +34,46 @@ class Layout:
     """A scene laid out for the kernels.
 
     y = (q, v) has the swings of all asperites first, then phi, x and y of those that are free
-    to change, then the baths; s has the accounts.  Slots of -1 are absent.
+    to change, then the baths; s has the accounts.  A slot of -1 is absent.
+
+    Attributes
+    ----------
+    scene : Scene
+        What is laid out.
+    model : Model
+        The records that the kernels read.
+    start : ndarray, (2 coordinates,)
+        y at t = 0.
+    core, coordinates, accounts : int
+        Coordinates of the asperites; all coordinates, including the baths'; size of s.
+    velocity : ndarray, (n, 2)
+        Initial velocity of each asperite's surface, in the laboratory.
+    origin : ndarray, (2,)
+        The point that positions are relative to, in the laboratory.
+    parts : dict
+        Surface -> slice of its asperites.
+    calculator_calls : tuple of Call
+        The ASE calculators that the kernels call.
+    rows, skin : int, float
+        Rows of the neighbour list, 0 without one; how much farther than a cutoff it reaches.
     """
 
     scene: Scene
     model: Model
-    start: np.ndarray  # y at t = 0
-    core: int  # coordinates of the asperites
-    coordinates: int  # all of them, with the baths
-    accounts: int  # in s
-    velocity: np.ndarray  # (n, 2) initial velocity of each asperite's surface, in the laboratory
-    origin: np.ndarray  # (2,) the place that positions are relative to
-    parts: dict[str, slice]  # the asperites of each surface
-    calls: tuple[Call, ...]  # calculators that are not compiled
-    rows: int  # rows of the neighbour list; 0 where there is none
+    start: np.ndarray
+    core: int
+    coordinates: int
+    accounts: int
+    velocity: np.ndarray
+    origin: np.ndarray
+    parts: dict[str, slice]
+    calculator_calls: tuple[Call, ...]
+    rows: int
     skin: float
 
     @property
     def plugins(self) -> list[Any]:
-        """Every plug-in that the kernels are compiled with."""
+        """All plug-ins that the kernels are compiled with."""
         model = self.model
         own = [custom.plugin for custom in (*(model.drives or ()), *(model.ends or ()))]
         acting = (*model.contacts, *(model.within or ()), *(model.fields or ()))
@@ -61,7 +81,7 @@ class Layout:
 
     @property
     def named_plugins(self) -> list[tuple[str, Any]]:
-        """Every plug-in that a user may have written, with its field in the scene."""
+        """All plug-ins that a user may have written, each with its field in the scene."""
         model = self.model
         places = [
             (f"interaction[{i}].potential", item.potential)
@@ -73,14 +93,14 @@ class Layout:
         return places + [(f"surface[{c.surface}].bars", c.plugin) for c in model.ends or ()]
 
     def neighbours(self) -> Neighbours | None:
-        """An empty neighbour list, to be made when the forces are first wanted."""
+        """An empty neighbour list, which the first evaluation of the forces fills."""
         if self.rows == 0:
             return None
         return contacts.neighbours(self.model, self.rows, self.skin)
 
 
 def lay_out(scene: Scene) -> Layout:
-    """Flat arrays for the kernels: only what the scene calls for has a slot."""
+    """The flat arrays of a scene, in which absent effects have no slots."""
     counts = [surface.count for surface in scene.surfaces]
     stops = np.cumsum(counts).tolist()
     parts = {
@@ -100,14 +120,11 @@ def lay_out(scene: Scene) -> Layout:
     core = _give_coordinates(asperites, scene)
     coordinates = _give_bath(asperites, surfaces, core)
     accounts = _give_accounts(asperites, surfaces, scene)
-    fields, accounts = _fields(scene, accounts)
-    between, within, rows, skin = contacts.meetings(scene)
-    bobs = np.zeros(scene.count, records.BOB)
-    for k, surface in enumerate(scene.surfaces):
-        part = parts[surface.name]
-        bobs["z"][part] = _resting_bobs(scene, k)[:, 2]
-        bobs["charge"][part] = surface.asperite.for_each(surface.count)["charge"]
-    calls = contacts.calls(scene, [bobs["z"][part] for part in parts.values()])
+    origin = _origin(scene)
+    fields, accounts = fields_on_surfaces(scene, origin, accounts)
+    between, within, rows, skin = contacts.lay_out_contacts(scene)
+    bobs = _bobs(scene, parts)
+    calls = contacts.calculator_calls(scene, [bobs["z"][part] for part in parts.values()])
     start = _start(asperites, scene, parts, core, coordinates)
     model = Model(
         asperites=asperites.view(np.recarray),
@@ -120,13 +137,13 @@ def lay_out(scene: Scene) -> Layout:
         inner=np.zeros(scene.count, records.PUSH).view(np.recarray) if within else None,
         bars=np.zeros(scene.count, records.BAR).view(np.recarray),
         box=Box(scene.periodic.x or 0.0, scene.periodic.z or 0.0) if scene.periodic else None,
-        bonds=_bonds(scene, parts, asperites),
+        bonds=bonds(scene, parts, asperites),
         bath=oscillators,
         torsional=torsional,
         fields=fields,
         langevin=True if any(surface.langevin for surface in scene.surfaces) else None,
-        drives=_custom(scene, "drive", CustomDrive),
-        ends=_custom(scene, "bars", Ends),
+        drives=user_forces(scene, origin, "drive", CustomDrive),
+        ends=user_forces(scene, origin, "bars", Ends),
     )
     return Layout(
         scene=scene,
@@ -136,9 +153,9 @@ def lay_out(scene: Scene) -> Layout:
         coordinates=coordinates,
         accounts=accounts,
         velocity=np.repeat([surface.velocity for surface in scene.surfaces], counts, axis=0),
-        origin=_origin(scene),
+        origin=origin,
         parts=parts,
-        calls=calls,
+        calculator_calls=calls,
         rows=rows,
         skin=skin,
     )
@@ -152,6 +169,16 @@ def _resting_bobs(scene: Scene, index: int) -> np.ndarray:
     """(n, 3) resting bobs of a surface, relative to the first surface's first."""
     origin = scene.surfaces[0].first_bob
     return scene.surfaces[index].resting_bobs(origin, seed=[scene.seed, index, 0])
+
+
+def _bobs(scene: Scene, parts: dict[str, slice]) -> np.ndarray:
+    """Depths and charges of all bobs."""
+    bobs = np.zeros(scene.count, records.BOB)
+    for k, surface in enumerate(scene.surfaces):
+        part = parts[surface.name]
+        bobs["z"][part] = _resting_bobs(scene, k)[:, 2]
+        bobs["charge"][part] = surface.asperite.for_each(surface.count)["charge"]
+    return bobs
 
 
 def _fill_asperites(asperites: np.ndarray, scene: Scene, index: int) -> None:
@@ -172,7 +199,7 @@ def _fill_surface(record: np.ndarray, surface: Surface) -> None:
     if isinstance(drive, Forced):
         record["drive"] = FORCED
     elif isinstance(drive, Free):
-        # One rigid asperite is a free one.
+        # A rigid body of one asperite is a free asperite.
         record["drive"] = RIGID if drive.rigid and surface.count > 1 else FREE
     elif isinstance(drive, Pulled):
         record["drive"] = PULLED
@@ -191,9 +218,9 @@ def _fill_surface(record: np.ndarray, surface: Surface) -> None:
             record["reservoir_y"] = surface.langevin.velocity[1] - surface.velocity[1]
 
 
-def _baths(scene: Scene, surfaces: np.ndarray) -> tuple[Any, Any]:
-    """All surfaces' oscillators and torsional oscillators, row after row; None without any."""
-    tables: list[Any] = []
+def _baths(scene: Scene, surfaces: np.ndarray) -> tuple[Records | None, Records | None]:
+    """The oscillators and the torsional oscillators of all surfaces; None without any."""
+    tables: list[Records | None] = []
     for masses, frequencies, count, first in (
         ("masses", "frequencies", "oscillators", "first_oscillator"),
         ("inertias", "torsional_frequencies", "torsionals", "first_torsional"),
@@ -212,18 +239,18 @@ def _baths(scene: Scene, surfaces: np.ndarray) -> tuple[Any, Any]:
 
 
 def _slots(wanted: np.ndarray, first: int, width: int = 1) -> tuple[np.ndarray, int]:
-    """Consecutive slots of `width` for those that want one, -1 for the rest, and what follows."""
+    """Slots of `width`, -1 where none is wanted, and the first slot after them."""
     slots = np.where(wanted, first + width * (np.cumsum(wanted) - 1), -1)
     return slots, first + width * int(np.count_nonzero(wanted))
 
 
 def _of(asperites: np.ndarray, wanted: list[bool]) -> np.ndarray:
-    """What is said of each surface, for each of its asperites."""
+    """A value of each surface, repeated for each of its asperites."""
     return np.array(wanted)[asperites["surface"]]
 
 
 def _give_coordinates(asperites: np.ndarray, scene: Scene) -> int:
-    """Hand out the asperites' slots of q; returns how many there are."""
+    """Assign the asperites' slots of q; returns their number."""
     surfaces = scene.surfaces
     turning = _of(asperites, [s.bars != "clamped" for s in surfaces])
     along_x = _of(asperites, [scene.slides_along_x(s) for s in surfaces])
@@ -235,7 +262,7 @@ def _give_coordinates(asperites: np.ndarray, scene: Scene) -> int:
 
 
 def _give_bath(asperites: np.ndarray, surfaces: np.ndarray, first: int) -> int:
-    """Hand out the baths' slots of q; returns how many there are in all."""
+    """Assign the baths' slots of q; returns the number of all coordinates."""
     width = (2 * surfaces["oscillators"] + surfaces["torsionals"])[asperites["surface"]]
     stops = first + np.cumsum(width)
     asperites["dof_bath"] = np.where(width > 0, stops - width, -1)
@@ -243,7 +270,7 @@ def _give_bath(asperites: np.ndarray, surfaces: np.ndarray, first: int) -> int:
 
 
 def _give_accounts(asperites: np.ndarray, surfaces: np.ndarray, scene: Scene) -> int:
-    """Hand out the slots of s; returns how many there are."""
+    """Assign the slots of s; returns their number."""
     own = scene.surfaces
     sliding = (asperites["dof_x"] >= 0) | (asperites["dof_y"] >= 0)
     kind = surfaces[asperites["surface"]]
@@ -271,67 +298,10 @@ def _give_accounts(asperites: np.ndarray, surfaces: np.ndarray, scene: Scene) ->
     return stop
 
 
-def _fields(scene: Scene, accounts: int) -> tuple[tuple[FieldOn, ...] | None, int]:
-    """The external fields, with an account for the work of moving each that moves."""
-    names = [surface.name for surface in scene.surfaces]
-    origin, velocity = _origin(scene), np.array(scene.surfaces[0].velocity)
-    fields = []
-    for item in scene.fields:
-        drift = np.array(item.velocity)
-        moves = bool(np.any(drift != 0.0))
-        fields.append(
-            FieldOn(
-                potential=item.potential,
-                surfaces=np.array([names.index(name) for name in item.on]),
-                origin=origin - np.array(item.origin),
-                velocity=velocity - drift,
-                drift=drift,
-                account=accounts if moves else -1,
-            )
-        )
-        accounts += moves
-    return tuple(fields) or None, accounts
-
-
-def _bonds(scene: Scene, parts: dict[str, slice], asperites: np.ndarray) -> Any:
-    """All lattice springs; None without any."""
-    periodic = (scene.periodic.x is not None, scene.periodic.z is not None)
-    tables = []
-    for surface in scene.surfaces:
-        first = parts[surface.name].start
-        ends, stiffness = surface.springs.bonds(surface.shape, surface.count, periodic)
-        table = np.zeros(len(ends), records.BOND)
-        table["i"], table["j"] = first + ends[:, 0], first + ends[:, 1]
-        table["stiffness"] = stiffness
-        turned = surface.springs.turned
-        if turned != 0.0:
-            # What the resting bars are apart, less the same turned.
-            bars = np.array(
-                [asperites["x"], asperites["y"] + asperites["facing"] * asperites["l2"]]
-            )
-            x, y = bars[:, table["i"]] - bars[:, table["j"]]
-            less, sin = 2.0 * np.sin(0.5 * turned) ** 2, np.sin(turned)
-            table["x"], table["y"] = less * x + sin * y, less * y - sin * x
-        tables.append(table)
-    bonds = np.concatenate(tables)
-    return bonds.view(np.recarray) if bonds.size else None
-
-
-def _custom(scene: Scene, place: str, kind: type) -> tuple[Custom, ...] | None:
-    """The user's own forces in one place of the surfaces; None without any."""
-    origin, velocity = _origin(scene), np.array(scene.surfaces[0].velocity)
-    own = [
-        Custom(getattr(surface, place).force, k, origin, velocity)
-        for k, surface in enumerate(scene.surfaces)
-        if isinstance(getattr(surface, place), kind)
-    ]
-    return tuple(own) or None
-
-
 def _start(
     asperites: np.ndarray, scene: Scene, parts: dict[str, slice], core: int, coordinates: int
 ) -> np.ndarray:
-    """y at t = 0; a clamped bar's angle and rate go into its record instead."""
+    """y at t = 0; the angle and the rate of a clamped bar are in its record instead."""
     y = np.zeros(2 * coordinates)
     q, v = y[:coordinates], y[coordinates:]
     for index, surface in enumerate(scene.surfaces):
@@ -358,7 +328,7 @@ def set_bath(
     v: np.ndarray,
     rng: np.random.Generator,
 ) -> None:
-    """Start a surface's oscillators where its bars are, or drawn about that from their T."""
+    """Start the oscillators of a surface at its bars, or drawn about them at temperature T."""
     bath, first = surface.bath, asperites["dof_bath"]
     n = bath.masses.size
     if n:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
+from tribo.run.forces import Records
 from tribo.run.layout import Layout
 from tribo.run.samples import Samples
 
@@ -21,8 +21,8 @@ class Batch:
 
     index: int  # of the surface
     place: slice  # of the asperites among all
-    surface: Any  # record of kernels.records.SURFACE
-    asperites: Any  # recarray of kernels.records.ASPERITE
+    surface: np.record  # of kernels.records.SURFACE
+    asperites: Records  # of kernels.records.ASPERITE
     velocity: np.ndarray  # (2,) initial velocity of the surface, in the laboratory
 
 

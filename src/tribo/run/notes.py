@@ -21,7 +21,7 @@ def calculator_notes(layout: Layout) -> tuple[str, ...]:
     """Notes on errors that ASE calculators raised in the last run."""
     return tuple(
         f"the calculator raised {type(call.error).__name__}: {call.error}"
-        for call in layout.calls
+        for call in layout.calculator_calls
         if call.error is not None
     )
 

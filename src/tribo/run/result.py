@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
 
@@ -23,6 +23,8 @@ from tribo.validation import as_path
 
 if TYPE_CHECKING:
     import xarray
+
+T = TypeVar("T")
 
 
 class Series(Mapping[str, np.ndarray]):
@@ -87,14 +89,14 @@ class Cost:
 
 
 @dataclass(frozen=True, eq=False)
-class Assembled:
-    """A ledger that needs no more assembly, in place of the function that assembles one."""
+class Known(Generic[T]):
+    """A value that is known already, in place of a function that computes it."""
 
-    ledger: Ledger
+    value: T
 
-    def __call__(self) -> Ledger:
-        """The ledger."""
-        return self.ledger
+    def __call__(self) -> T:
+        """The value."""
+        return self.value
 
 
 @dataclass(eq=False)
@@ -139,17 +141,22 @@ class Result:
     status: Status  # "completed", or the name of what stopped the run
     method: str
     why: str  # the method was chosen; empty where it was given
-    cost: Cost
     accuracy: float | Mapping[str, float] | None  # asked for: one number, or one per observable
     met: bool | None  # whether every error estimate is within the accuracy; None without estimates
     notes: tuple[str, ...]
     bounds: Mapping[str, float] = field(repr=False)  # on errors, by name; empty without estimates
-    assemble: Callable[[], Ledger] = field(repr=False)  # makes the ledger
+    assemble: Callable[[], Ledger] = field(repr=False)  # computes the ledger
+    add_up: Callable[[], Cost] = field(repr=False)  # computes the cost
 
     @cached_property
     def ledger(self) -> Ledger:
         """All series, assembled from the raw samples when first needed."""
         return self.assemble()
+
+    @cached_property
+    def cost(self) -> Cost:
+        """Steps, force evaluations and times."""
+        return self.add_up()
 
     @property
     def t(self) -> np.ndarray:
@@ -174,8 +181,8 @@ class Result:
         return Series(self.ledger.surfaces[surface], self.ledger.blocks[surface])
 
     def __getstate__(self) -> dict[str, Any]:
-        """What is pickled or copied: the ledger, in place of the raw samples."""
-        return {**self.__dict__, "assemble": Assembled(self.ledger)}
+        """What is pickled or copied: the ledger and the cost, without the runs."""
+        return {**self.__dict__, "assemble": Known(self.ledger), "add_up": Known(self.cost)}
 
     @property
     def end(self) -> dict[str, Any]:
@@ -272,7 +279,7 @@ class Result:
         dataset.save(self, as_path(path))
 
 
-def without_nan(value: Any) -> Any:
+def without_nan(value: object) -> object:
     """The same nested data with None for every float that JSON cannot represent."""
     if isinstance(value, dict):
         return {key: without_nan(item) for key, item in value.items()}
@@ -309,10 +316,10 @@ def load_result(path: str | Path) -> Result:
         status=Status(data.attrs["status"]),
         method=data.attrs["method"],
         why=data.attrs["why"],
-        cost=Cost(**json.loads(data.attrs["cost"])),
         accuracy=json.loads(data.attrs["accuracy"]),
         met=json.loads(data.attrs["met"]),
         notes=tuple(json.loads(data.attrs["notes"])),
         bounds={name: bound for name, bound in bounds.items() if bound is not None},
-        assemble=Assembled(dataset.ledger_of(data, scene)),
+        assemble=Known(dataset.ledger_of(data, scene)),
+        add_up=Known(Cost(**json.loads(data.attrs["cost"]))),
     )

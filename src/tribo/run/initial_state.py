@@ -1,0 +1,88 @@
+"""Initial states of a layout, with some initial values changed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tribo.run.layout import Layout, set_bath
+from tribo.validation import InputError, number_or_each
+
+# Initial values by name, "surface.theta" (or phi, omega, nu): a number, or one per asperite.
+Start = Mapping[str, ArrayLike]
+# Where a quantity of a surface stands in y, its value at rest, and the number of asperites.
+Slots = tuple[int | np.ndarray, float, int]
+
+
+class InitialState:
+    """y at t = 0, with some initial values of the scene changed.
+
+    Parameters
+    ----------
+    layout : Layout
+        The scene.
+    """
+
+    def __init__(self, layout: Layout) -> None:
+        self._layout = layout
+        self._has_bath = layout.model.bath is not None or layout.model.torsional is not None
+        self._slots: dict[str, Slots] = {}
+
+    def __call__(self, start: Start) -> np.ndarray:
+        """The state that `start` changes.
+
+        Parameters
+        ----------
+        start : mapping
+            "surface.theta" (or phi, omega, nu) -> a number, or one for each asperite.
+
+        Returns
+        -------
+        ndarray, (2 coordinates,)
+
+        Raises
+        ------
+        InputError
+            A name or a value cannot be used.
+        """
+        if not isinstance(start, (dict, Mapping)):  # a dict is recognised sooner
+            raise InputError("start", f"must map names to values, got {start!r}")
+        y = self._layout.start.copy()
+        for key, value in start.items():
+            known = self._slots.get(key)
+            if known is None:
+                known = self._slots[key] = _slots(self._layout, key)
+            slots, rest, count = known
+            values = number_or_each(key, value)
+            if isinstance(values, np.ndarray):
+                if values.size != count:
+                    raise InputError(key, f"has {values.size} values for {count} asperites")
+                values = values.reshape(y[slots].shape)
+            y[slots] = values - rest
+        if start and self._has_bath:
+            _reset_baths(self._layout, y)
+        return y
+
+
+def _slots(layout: Layout, key: str) -> Slots:
+    """Where the quantity of a surface stands; numpy finds an integer sooner than an array."""
+    surface, quantity = layout.scene.initial_value(key)
+    part = layout.parts[surface.name]
+    slots = np.arange(part.start, part.stop)
+    if quantity in ("phi", "nu"):
+        slots = layout.model.asperites.dof_phi[part].astype(int)
+    if quantity in ("omega", "nu"):
+        slots = slots + layout.coordinates
+    rest = surface.rest if quantity == "theta" else 0.0
+    return slots if surface.count > 1 else int(slots[0]), rest, surface.count
+
+
+def _reset_baths(layout: Layout, y: np.ndarray) -> None:
+    """Start every bath about its bars, whose initial values have changed."""
+    n = layout.coordinates
+    for index, surface in enumerate(layout.scene.surfaces):
+        part = layout.parts[surface.name]
+        rng = np.random.default_rng([layout.scene.seed, index, 1])
+        set_bath(layout.model.asperites[part], surface, part, y[:n], y[n:], rng)
