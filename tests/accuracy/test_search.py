@@ -9,6 +9,8 @@ import tribo
 from support.sliding import long_slide
 from tribo import paper
 from tribo.accuracy import choose_method, search
+from tribo.accuracy.comparison import error_bounds
+from tribo.accuracy.stop_times import MOST_STOPS, PARTS, StopTimes
 from tribo.integrators.methods import METHODS
 from tribo.kernels.status import Status
 from tribo.potentials.cutoff import AT_CUTOFF
@@ -76,14 +78,14 @@ def test_equal_steps_keep_an_accuracy(method):
 def test_stops(samples, duration):
     """The coarse runs share only both ends; no two stops differ by no more than rounding."""
     times = np.linspace(0.0, duration, samples)
-    stops = search.StopTimes.for_samples(times)
+    stops = StopTimes.for_samples(times)
     assert np.isin(times, stops.fine).all()
     assert np.min(np.diff(stops.fine)) > 1e-10 * duration
-    assert stops.fine.size >= search.PARTS + 1
+    assert stops.fine.size >= PARTS + 1
     shared = np.intersect1d(stops.few, stops.many)
     assert np.array_equal(shared, [0.0, duration])
-    assert max(stops.few.size, stops.many.size) <= search.MOST_STOPS + 2
-    if stops.fine.size <= search.MOST_STOPS:
+    assert max(stops.few.size, stops.many.size) <= MOST_STOPS + 2
+    if stops.fine.size <= MOST_STOPS:
         assert np.array_equal(np.union1d(stops.few, stops.many), stops.fine)
 
 
@@ -98,10 +100,10 @@ def test_nothing_is_known_where_a_coarser_run_stopped():
     """An estimate from earlier times would say nothing about later ones."""
     simulation = tribo.prepare(case("A"), accuracy=1e-6)
     *_, few, many, fine = simulation.plan.tuned.runs
-    bounds, _ = search.error_bounds(simulation.layout, fine, [few, many], None)
+    bounds, _ = error_bounds(simulation.layout, fine, [few, many], None)
     assert max(bounds.values()) < np.inf
     short = replace(many, status=Status.ENCOUNTER_JUMPED)
-    bounds, _ = search.error_bounds(simulation.layout, fine, [few, short], None)
+    bounds, _ = error_bounds(simulation.layout, fine, [few, short], None)
     assert min(bounds.values()) == np.inf
 
 
@@ -213,4 +215,4 @@ def test_work_of_calculators():
     layout = lay_out(case("A"))
     run = Integration(lambda: None, Status.COMPLETED, np.array([3, 7]), 1.0)
     assert search._work(layout, run) == 7 * 2
-    assert search._work(replace(layout, calls=(None,)), run) == 7 * (2 + search.CALL)
+    assert search._work(replace(layout, calculator_calls=(None,)), run) == 7 * (2 + search.CALL)

@@ -94,7 +94,7 @@ def _series(collected: Collected, k: int, name: str) -> dict[str, Variable]:
     quantity = QUANTITIES[kind]
     meaning = quantity.long_name + ", summed over asperites" * (kind in SUMMED)
 
-    def variable(values: object, *dimensions: str, of: str = "") -> Variable:
+    def variable(values: np.ndarray | float, *dimensions: str, of: str = "") -> Variable:
         return dimensions, values, {"units": quantity.units, "long_name": of + meaning}
 
     variables = {name: variable(collected.values[:, k], "member", "time")}
@@ -119,13 +119,10 @@ def _coordinates(collected: Collected) -> dict[str, Variable]:
     columns = {
         "member": ([member.number for member in members], "member"),
         "seed": ([member.seed for member in members], "seed of the member"),
-        "status": (
-            np.array([str(o.status) for o in runner.outcomes]),
-            "status of the member's run",
-        ),
+        "status": ([str(outcome.status) for outcome in runner.outcomes], "end of its run"),
     }
     coordinates: dict[str, Variable] = {
-        key: (("member",), values, {"long_name": meaning})
+        key: (("member",), np.array(values), {"long_name": meaning})
         for key, (values, meaning) in columns.items()
     }
     times = runner.simulation.scene.times
@@ -136,7 +133,7 @@ def _coordinates(collected: Collected) -> dict[str, Variable]:
         if kind == VELOCITY:
             about = {"units": UNITS["velocity"], "long_name": "initial velocity of the surface"}
             coordinates[key] = (("member", "axis"), values, about)
-            coordinates["axis"] = (("axis",), ["x", "y"], {"long_name": "axis"})
+            coordinates["axis"] = (("axis",), np.array(["x", "y"]), {"long_name": "axis"})
         else:
             quantity = QUANTITIES[kind]
             about = {"units": quantity.units, "long_name": f"initial {quantity.long_name}"}
