@@ -19,7 +19,7 @@ from typing import Any
 import tribo
 from tribo import paper
 from tribo.integrators.methods import METHODS
-from tribo.work_precision import TIMES, Row, WorkPrecision, work_precision
+from tribo.work_precision import TIMES, Reference, Row, WorkPrecision, work_precision
 
 HERE = Path(__file__).resolve().parent
 FOLDER = HERE / "measured"
@@ -116,7 +116,8 @@ def _kept(name: str) -> tuple[WorkPrecision, list[dict[str, Any]]]:
     table = json.loads((FOLDER / f"accuracy_{name}.json").read_text(encoding="utf-8"))
     own = table.pop("chosen")
     runs = tuple(Row(**row) for row in table.pop("rows"))
-    return WorkPrecision(runs, **table), own
+    reference = Reference(**table.pop("reference"))
+    return WorkPrecision(runs, reference, **table), own
 
 
 def chosen() -> Iterator[list[str]]:

@@ -1,5 +1,7 @@
-"""Error against cost: which runs are on the front, and what errors are measured against."""
+"""Error against cost: the front, the reference, the figure and the JSON."""
 
+import json
+import math
 from itertools import pairwise
 
 import pytest
@@ -7,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import tribo
-from tribo.work_precision import Row, with_front, work_precision
+from tribo.work_precision import Reference, Row, WorkPrecision, with_front, work_precision
 
 FLOOR = 1e-9
 ERRORS = st.sampled_from([1e-11, 1e-10, 1e-9, 1e-6, 1e-3, 1.0])  # some cannot be told apart
@@ -32,7 +34,7 @@ def test_the_front(rows):
 
 @pytest.mark.parametrize(("cutoff", "expected"), [(None, "gauss-radau-15"), (2.5, "dop853")])
 def test_a_reference_is_good_where_potentials_are_rough(cutoff, expected):
-    """A switch takes digits from one method, and the other is asked."""
+    """With a switched potential another method provides the reference."""
     row = {"shape": (3, 1), "spacing": (1.1, 0.0), "asperite": tribo.Asperite(kappa=4.0)}
     upper = tribo.Surface("upper", bob=(-3.0, 0.9), velocity=(0.8, 0.0), **row)
     lower = tribo.Surface("lower", facing="up", **row)
@@ -40,10 +42,35 @@ def test_a_reference_is_good_where_potentials_are_rough(cutoff, expected):
     scene = tribo.Scene(
         (upper, lower), jones if cutoff is None else tribo.with_cutoff(jones, cutoff), 6.0
     )
-    found = work_precision(scene, ["rkn8"], seconds=5.0)
-    assert found.reference["method"] == expected
-    assert found.reference["error"] < 1e-11
+    found = work_precision(scene, ["rkn8"], seconds=math.inf)
+    assert found.reference.method == expected
+    assert found.reference.error < 1e-11
     errors = [row.error for row in found.rows]
     assert min(errors) < 1e-10
     assert found.best(1e-6).error <= 1e-6
     assert found.best(0.0) is None or min(errors) == 0.0
+
+
+def test_figure(tmp_path):
+    """Both costs on axes of the caller or new ones; and a file, whose name may be a string."""
+    rows = tuple(Row("rkn8", 10.0**-k, 10.0**-k, 100 * k, 1e-3 * k, True) for k in range(1, 5))
+    found = WorkPrecision(rows, Reference("dop853", 1e-14, 1.0), {"rkn8": 1.0})
+    for cost in ("seconds", "force_evaluations"):
+        ax = found.plot(cost)
+        (curve,) = (line for line in ax.get_lines() if line.get_label() == "rkn8")
+        assert list(curve.get_xdata()) == [getattr(row, cost) for row in rows]
+        assert list(curve.get_ydata()) == [row.error for row in rows]
+        assert found.plot(cost, ax) is ax
+    found.save_figure(str(tmp_path / "figure.png"))
+    assert (tmp_path / "figure.png").stat().st_size > 5000
+
+
+def test_json():
+    """As documented for programs: rows, reference and times of compilation."""
+    row = Row("rkn8", 0.1, 1e-3, 100, 0.5, True)
+    found = WorkPrecision((row,), Reference("dop853", 1e-14, 1.0), {"rkn8": 2.0})
+    assert json.loads(found.to_json()) == {
+        "rows": [row.__dict__],
+        "reference": {"method": "dop853", "error": 1e-14, "seconds": 1.0},
+        "compile_seconds": {"rkn8": 2.0},
+    }

@@ -9,18 +9,18 @@ from functools import cached_property
 import numpy as np
 
 from tribo.accuracy.choose_method import choose
-from tribo.accuracy.estimate import excess_of_request
-from tribo.accuracy.plan import Plan, integrator_for, make_plan, single_setting
-from tribo.accuracy.search import (
+from tribo.accuracy.comparison import (
     ABORTED,
-    FINE_LEVEL,
     Accuracy,
-    StopTimes,
     error_bounds,
     observables,
     out_of_reach,
     strictest,
 )
+from tribo.accuracy.estimate import excess_of_request
+from tribo.accuracy.plan import Plan, integrator_for, make_plan, single_setting
+from tribo.accuracy.search import FINE_LEVEL
+from tribo.accuracy.stop_times import StopTimes
 from tribo.integrators import methods
 from tribo.kernels.status import Status
 from tribo.model.scene import Scene

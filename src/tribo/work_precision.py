@@ -1,9 +1,9 @@
-"""What accuracy costs on a scene: error against time and against evaluations, method by method.
+"""Work-precision diagrams: the error of every method on a scene against its cost.
 
 Every method that takes the scene is run at one setting after another, from coarse to fine, and
-compared with one reference, the finest run of a method that suits the scene.  A method's turn ends
-when it has come as near to the reference as that is good for, when finer settings gain nothing, or
-when its share of the time is used up.
+compared with a reference, the finest run of a method that suits the scene.  The runs of a method
+end when their error reaches that of the reference, when finer settings gain nothing, or when the
+method's share of the time is used up.
 """
 
 from __future__ import annotations
@@ -11,17 +11,18 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from tribo.accuracy import scales as acc
 from tribo.accuracy.estimate import check_observables, distance, excess_of_request, safety
 from tribo.accuracy.plan import integrator_for
+from tribo.accuracy.scales import FLOOR, ToleranceScales, reported_scales, tolerance_scales
 from tribo.accuracy.search import setting_at
 from tribo.integrators import methods
+from tribo.kernels.status import Status
 from tribo.model.scene import Scene
 from tribo.model.settings import Output
 from tribo.plotting.style import INK, WIDE
@@ -35,17 +36,28 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-SMOOTH, ROUGH = "gauss-radau-15", "dop853"  # methods of the reference, by what the potentials are
-FINEST = 1e-13  # accuracy asked of the reference
-COARSEST = 0.3  # first level of the settings
-LEVEL_RATIO = 10.0**0.5  # between two settings of a method that chooses its steps
-STEP_RATIO = 2.0**0.5  # between two settings of one that does not
-GAIN = 0.9  # of the best error: less gained than that, and a finer setting has gained nothing
-MORE = 1.05  # times the evaluations of the run before: other settings are no other run
-STALLED = 6  # settings that gain nothing, after which a method is done
-REPEAT_BELOW = 0.02  # seconds: shorter runs are timed again, and the least counts
-TIMES = 9  # at which errors are looked at, so that no step is cut short by samples
-LOOKS = {  # colour and marker; families share a hue
+# Methods of the reference.  The polynomial of the first does not fit forces whose derivatives jump.
+FOR_SMOOTH, FOR_ROUGH = "gauss-radau-15", "dop853"
+# Accuracy of the reference, the smallest that can be asked for.
+FINEST = 1e-13
+# First level of the settings.
+COARSEST = 0.3
+# Ratio of two levels of a method that chooses its steps: half a digit.
+LEVEL_RATIO = 10.0**0.5
+# Ratio of two steps of a method with equal steps.
+STEP_RATIO = 2.0**0.5
+# A finer setting gains something if its error is below this times the best so far.
+GAIN = 0.9
+# A finer setting makes another run if it takes more than this times the evaluations of the last.
+MORE = 1.05
+# Settings in a row that gain nothing, after which a method ends.
+STALLED = 6
+# Runs shorter than this [s] are timed three times, and the shortest time counts.
+REPEAT_BELOW = 0.02
+# Recorded times, at which errors are compared: so few that samples shorten few steps.
+TIMES = 9
+# Colour and marker of each method; families share a hue.
+STYLES = {
     "midpoint": ("#a6a6a6", "o"),
     "rk4": ("#6e6e6e", "s"),
     "dop853": (INK, "D"),
@@ -58,47 +70,98 @@ LOOKS = {  # colour and marker; families share a hue
     "kahan-li-8": ("#a63603", "D"),
     "blanes-moan-6": ("#2fae8c", "^"),
 }
-FRONT = "#ffd92f"
-WRONG = 3.0  # errors larger than that, of methods that are not stable yet, are not shown
+# Colour of the line along the front.
+FRONT_COLOUR = "#ffd92f"
+# Largest error shown; larger ones are of methods that are unstable at such steps.
+LARGEST_ERROR = 3.0
+# Label of the axis of each cost.
+COSTS = {"seconds": "time [s]", "force_evaluations": "evaluations of all forces"}
+
+# The cost on the horizontal axis of a diagram.
+CostName = Literal["seconds", "force_evaluations"]
 
 
 @dataclass(frozen=True)
 class Row:
-    """One run of one method."""
+    """One run of one method.
+
+    Attributes
+    ----------
+    method : str
+        The method's name.
+    setting : float
+        The level of its tolerances, or its step [time].
+    error : float
+        The largest error of all observables, in units of their scales.
+    force_evaluations : int
+        Evaluations of all forces.
+    seconds : float
+        Time of the run.
+    front : bool
+        Whether no other run is both faster and more accurate.
+    """
 
     method: str
-    setting: float  # tolerance level, or step
-    error: float  # the largest of the observables', each in units of its scale
+    setting: float
+    error: float
     force_evaluations: int
     seconds: float
-    front: bool = False  # no run was both faster and better
+    front: bool = False
 
-    def as_json(self) -> dict[str, Any]:
-        """The row as ``tribo accuracy --json`` prints it."""
-        return dict(self.__dict__)
+
+@dataclass(frozen=True)
+class Reference:
+    """The run that others are compared with.
+
+    Attributes
+    ----------
+    method : str
+        The method's name.
+    error : float
+        An estimate of its own error, in units of the scales.
+    seconds : float
+        Time of the run.
+    """
+
+    method: str
+    error: float
+    seconds: float
 
 
 @dataclass(frozen=True)
 class WorkPrecision:
-    """All runs, and what they were compared with."""
+    """Runs of several methods, and their errors; ``print`` shows a table.
+
+    Attributes
+    ----------
+    rows : tuple of Row
+        All runs, method by method, from coarse to fine.
+    reference : Reference
+        The run that they are compared with.
+    compile_seconds : dict
+        Method -> time to compile it, which is not in the time of its runs.
+    """
 
     rows: tuple[Row, ...]
-    reference: dict[str, Any]  # method, estimate of its own error, seconds
-    compile_seconds: dict[str, float]  # by method, apart from the runs
+    reference: Reference
+    compile_seconds: dict[str, float]
 
     def to_json(self) -> str:
-        """As ``tribo accuracy --json`` prints it."""
-        return json.dumps(
-            {
-                "rows": [row.as_json() for row in self.rows],
-                "reference": self.reference,
-                "compile_seconds": self.compile_seconds,
-            },
-            indent=1,
-        )
+        """JSON as ``tribo accuracy --json`` prints it."""
+        return json.dumps(asdict(self), indent=1)
 
     def best(self, error: float) -> Row | None:
-        """The fastest run of those that are at least that good."""
+        """The fastest run with at most that error, in units of the scales; None if there is none.
+
+        Parameters
+        ----------
+        error : float
+            Relative to the scales.
+
+        Returns
+        -------
+        Row or None
+        """
         good = [row for row in self.rows if row.error <= error]
         return min(good, key=lambda row: row.seconds, default=None)
 
@@ -112,19 +175,90 @@ class WorkPrecision:
                 f"{row.method:>15} {row.setting:9.2e} {row.error:9.1e} "
                 f"{row.force_evaluations:12d} {row.seconds:10.2e}   {'*' if row.front else ''}"
             )
-        reference = self.reference
         lines.append(
-            f"errors against {reference['method']}, itself good to {reference['error']:.1e}; "
-            f"compiling took {sum(self.compile_seconds.values()):.1f} s"
+            f"errors are against {self.reference.method}, whose own error is about "
+            f"{self.reference.error:.1e}; compiling took {sum(self.compile_seconds.values()):.1f} s"
         )
         return "\n".join(lines)
 
-    def save_figure(self, path: str | Path) -> Path:
-        """Draw error against time and against evaluations into a file; returns its path."""
+    def plot(self, cost: CostName = "seconds", ax: Axes | None = None) -> Axes:
+        """Draw error against cost.
+
+        Parameters
+        ----------
+        cost : {"seconds", "force_evaluations"}
+            The horizontal axis.
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; a new figure without it.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
+        from tribo import plotting
+
+        if ax is None:
+            with plotting.style():
+                return self.plot(cost, plotting.axes(WIDE, 0.7 * WIDE))
+        if cost == "seconds":
+            _draw_front(ax, self)
+        for name in dict.fromkeys(row.method for row in self.rows):
+            rows = [row for row in self.rows if row.method == name]
+            colour, marker = STYLES.get(name, (INK, "x"))
+            style: Any = {"color": colour, "marker": marker, "markersize": 2.6, "linewidth": 0.8}
+            errors = [_shown_error(row, self.reference) for row in rows]
+            ax.plot([getattr(row, cost) for row in rows], errors, label=name, **style)
+        ax.axhline(self.reference.error, color="0.5", linewidth=0.6, linestyle=(0, (4, 2)))
+        ax.set(xscale="log", yscale="log", xlabel=COSTS[cost])
+        ax.set_ylim(top=min(ax.get_ylim()[1], LARGEST_ERROR))
+        ax.set_ylabel("largest error, in units of its scale")
+        return ax
+
+    def save_figure(self, path: str | Path) -> None:
+        """Draw error against time and against evaluations.
+
+        Parameters
+        ----------
+        path : str or Path
+            A .png, .pdf or .svg file.
+
+        Raises
+        ------
+        InputError
+            The file cannot be written.
+        """
         from tribo import plotting
 
         with plotting.style():
             return plotting.save(_figure(self), path)
+
+
+def _draw_front(ax: Axes, found: WorkPrecision) -> None:
+    """Draw a line along the runs of the front."""
+    front = sorted((row for row in found.rows if row.front), key=lambda row: row.seconds)
+    style: Any = {"linewidth": 5.0, "solid_capstyle": "round", "zorder": 0.5, "label": "front"}
+    ax.plot(
+        [row.seconds for row in front], [row.error for row in front], color=FRONT_COLOUR, **style
+    )
+
+
+def _figure(found: WorkPrecision) -> Figure:
+    """Both diagrams side by side, with one legend."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(1.35 * WIDE, 0.62 * WIDE), layout="constrained")
+    left, right = figure.subplots(1, 2, sharey=True)
+    found.plot("seconds", left)
+    found.plot("force_evaluations", right).set_ylabel("")
+    front, *handles = left.get_legend_handles_labels()[0]
+    style: Any = {"loc": "outside right", "fontsize": 7.5, "frameon": False}
+    figure.legend(handles=[*handles, front], **style)
+    return figure
+
+
+def _shown_error(row: Row, reference: Reference) -> float:
+    """An error, but not far below that of the reference, where it means nothing."""
+    return max(row.error, 0.1 * reference.error, 1e-17)
 
 
 def work_precision(
@@ -134,19 +268,37 @@ def work_precision(
     seconds: float = 30.0,
     progress: Callable[[str], None] | None = None,
 ) -> WorkPrecision:
-    """Measure error against cost for every method, or for those named.
+    """Measure error against cost for several methods.
 
-    `observables` are names as "w1" or "upper.W"; without any, errors are the largest over all
-    reported quantities.  `seconds` is about how long all runs together may take, compiling apart.
-    `progress` is told each method's name as its turn comes.  Raises InputError.
+    Parameters
+    ----------
+    scene : Scene
+        What is run.
+    names : iterable of str, optional
+        Names of methods; all without it.  Methods that cannot integrate the scene are left out.
+    observables : iterable of str
+        Names as "w1" or "upper.W", whose largest error counts; all reported quantities without any.
+    seconds : float
+        About the time that all runs may take together, compilation and reference not included.
+    progress : callable, optional
+        Called with the name of each method before its runs.
+
+    Returns
+    -------
+    WorkPrecision
+
+    Raises
+    ------
+    InputError
+        The scene has thermal noise or stops early, or a name cannot be used.
     """
     scene = replace(scene, output=Output(times=tuple(np.linspace(0.0, scene.duration, TIMES))))
-    wanted = [methods.named(name) for name in names] if names else list(methods.METHODS.values())
-    taken = [method for method in wanted if not methods.refusal(method, scene)]
+    named = [methods.named(name) for name in names] if names else list(methods.METHODS.values())
+    taken = [method for method in named if not methods.refusal(method, scene)]
     if methods.noisy(scene):
-        raise InputError("scene", "has a reservoir that makes noise: no digit is the same twice")
+        raise InputError("scene", "must have no thermal noise, with which no two runs agree")
     if not taken:
-        raise InputError("methods", f"none of {[m.name for m in wanted]} takes this scene")
+        raise InputError("methods", f"must integrate this scene, got {[m.name for m in named]}")
     watched = tuple(observables)
     if progress:
         progress("reference")
@@ -159,48 +311,46 @@ def work_precision(
         integrator = integrator_for(lay_out(scene), method)
         compiled[method.name] = integrator.compile_seconds
         share = seconds / len(taken)
-        rows += _curve(integrator, truth, scales, watched, reference["error"], share)
-    return WorkPrecision(tuple(with_front(rows, reference["error"])), reference, compiled)
+        rows += _curve(integrator, truth, scales, watched, reference.error, share)
+    return WorkPrecision(tuple(with_front(rows, reference.error)), reference, compiled)
 
 
-def _reference(
-    scene: Scene, watched: tuple[str, ...]
-) -> tuple[Ledger, acc.ToleranceScales, dict[str, Any]]:
-    """The finest run, the scales it had, and how good it is by its own estimate."""
-    rough = np.isfinite(scene.smoothness)
-    name = ROUGH if rough else SMOOTH  # whose polynomial does not span the joints of a switch
+def _reference(scene: Scene, watched: tuple[str, ...]) -> tuple[Ledger, ToleranceScales, Reference]:
+    """The ledger of the finest run, the scales it had, and an estimate of its error."""
+    rough = bool(np.isfinite(scene.smoothness))
+    name = FOR_ROUGH if rough else FOR_SMOOTH
     simulation = prepare(scene, FINEST, name)
     check_observables(simulation.layout, watched, "observables")
     result, finest = simulation.compute_first(), simulation.finest
-    if result.status != "completed":
-        raise InputError("scene", f"does not run to its end: {result.status}")
-    scales = acc.reported_scales(simulation.layout, result.ledger)
+    if result.status != Status.COMPLETED:
+        raise InputError("scene", f"must run to its end, but ends by {result.status}")
+    scales = reported_scales(simulation.layout, result.ledger)
     bounds = {k: v for k, v in result.error_estimate.items() if v is not None}
     error = excess_of_request(bounds, scales, 1.0) / safety(rough)
-    inner = acc.tolerance_scales(simulation.layout, finest.samples)
-    return result.ledger, inner, {"method": name, "error": error, "seconds": finest.seconds}
+    measured = tolerance_scales(simulation.layout, finest.samples)
+    return result.ledger, measured, Reference(name, error, finest.seconds)
 
 
 def _curve(
     integrator: Integrator,
     truth: Ledger,
-    inner: acc.ToleranceScales,
+    tolerance_scales: ToleranceScales,
     watched: tuple[str, ...],
     floor: float,
     seconds: float,
 ) -> Iterator[Row]:
-    """Runs of one method, coarse to fine."""
+    """Runs of one method, from coarse to fine, for about `seconds`."""
     began = time.perf_counter()
     layout, method = integrator.layout, integrator.method
-    times, scales = layout.scene.times, acc.reported_scales(layout, truth)
+    times, scales = layout.scene.times, reported_scales(layout, truth)
     ratio = LEVEL_RATIO if method.adaptive else STEP_RATIO**method.order
     level = COARSEST
     best, most = np.inf, 0
     stalled = 0
     while stalled < STALLED and best > floor and time.perf_counter() - began < seconds:
-        setting = setting_at(layout, method, inner, level)
+        setting = setting_at(layout, method, tolerance_scales, level)
         run = integrator(setting, times)
-        if run.status == "completed" and run.evaluations > most:
+        if run.status == Status.COMPLETED and run.evaluations > most:
             taken = run.seconds
             if taken < REPEAT_BELOW:
                 taken = min(taken, *(integrator(setting, times).seconds for _ in range(2)))
@@ -210,67 +360,21 @@ def _curve(
             stalled = 0 if error < GAIN * best else stalled + 1
             best, most = min(best, error), int(MORE * run.evaluations)
         level /= ratio
-        if level < acc.FLOOR**2:
+        if level < FLOOR**2:
             return
 
 
 def with_front(rows: list[Row], floor: float) -> Iterator[Row]:
-    """The rows, those marked as the front that none other is at least as fast and as good as.
+    """The rows, with those marked that no other is at least as fast and as accurate as.
 
-    Errors below `floor`, the reference's own, cannot be told apart.
+    Errors below `floor`, the reference's own, count as equal.
     """
-    told = [max(row.error, floor) for row in rows]
-    for row, error in zip(rows, told, strict=True):
+    errors = [max(row.error, floor) for row in rows]
+    for row, error in zip(rows, errors, strict=True):
         beaten = any(
-            (other.seconds, mine) != (row.seconds, error)
+            (other.seconds, theirs) != (row.seconds, error)
             and other.seconds <= row.seconds
-            and mine <= error
-            for other, mine in zip(rows, told, strict=True)
+            and theirs <= error
+            for other, theirs in zip(rows, errors, strict=True)
         )
         yield replace(row, front=not beaten)
-
-
-def _figure(found: WorkPrecision) -> Figure:
-    """Both diagrams side by side, with one legend."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(1.35 * WIDE, 0.62 * WIDE), layout="constrained")
-    left, right = figure.subplots(1, 2, sharey=True)
-    _panel(left, found, "seconds", "time [s]", front=True)
-    _panel(right, found, "force_evaluations", "evaluations of all forces", front=False)
-    left.set_ylim(top=min(left.get_ylim()[1], WRONG))
-    left.set_ylabel("largest error, in units of its scale")
-    handles, labels = right.get_legend_handles_labels()
-    front, names = left.get_legend_handles_labels()
-    style: Any = {"loc": "outside right", "fontsize": 7.5, "frameon": False}
-    figure.legend(handles=[*handles, front[0]], labels=[*labels, names[0]], **style)
-    return figure
-
-
-def _panel(ax: Axes, found: WorkPrecision, cost: str, label: str, front: bool) -> None:
-    """Error against one cost."""
-    if front:
-        best = sorted((row for row in found.rows if row.front), key=lambda row: row.seconds)
-        style: Any = {"color": FRONT, "linewidth": 5.0, "solid_capstyle": "round", "zorder": 0.5}
-        ax.plot([row.seconds for row in best], [row.error for row in best], label="front", **style)
-    for name in dict.fromkeys(row.method for row in found.rows):
-        rows = [row for row in found.rows if row.method == name]
-        colour, marker = LOOKS.get(name, (INK, "x"))
-        ax.plot(
-            [getattr(row, cost) for row in rows],
-            [_shown(row, found) for row in rows],
-            color=colour,
-            marker=marker,
-            markersize=2.6,
-            linewidth=0.8,
-            label=name,
-        )
-    ax.axhline(found.reference["error"], color="0.5", linewidth=0.6, linestyle=(0, (4, 2)))
-    ax.set_xscale("log")
-    ax.set_yscale("log")
-    ax.set_xlabel(label)
-
-
-def _shown(row: Row, found: WorkPrecision) -> float:
-    """An error, no smaller than what the reference can tell."""
-    return max(row.error, 0.1 * float(found.reference["error"]), 1e-17)

@@ -1,4 +1,4 @@
-"""Asking for an accuracy: of everything, of observables, by any method; and being told no."""
+"""Accuracies of everything and of observables, by any method; and their refusal."""
 
 from dataclasses import replace
 
@@ -8,11 +8,13 @@ import pytest
 import tribo
 from support.sliding import long_slide
 from tribo import paper
-from tribo.accuracy import choose_method
-from tribo.accuracy import search as tuning
+from tribo.accuracy import choose_method, search
+from tribo.accuracy.comparison import error_bounds
+from tribo.accuracy.stop_times import MOST_STOPS, PARTS, StopTimes
 from tribo.integrators.methods import METHODS
 from tribo.kernels.status import Status
 from tribo.potentials.cutoff import AT_CUTOFF
+from tribo.run.integrate import Integration
 from tribo.run.layout import lay_out
 
 FEW = tribo.Output(samples=9)
@@ -24,7 +26,7 @@ def case(letter: str) -> tribo.Scene:
 
 
 def test_accuracy_of_observables():
-    """Only what is named is held to a number, and its estimate is reported by that name."""
+    """Named quantities keep their accuracy, and their estimates have these names."""
     scene = case("C")
     wanted = {"upper.W": 1e-4, "lower.w1": 1e-3}
     result = tribo.simulate(scene, accuracy=wanted, method="dop853")
@@ -53,8 +55,8 @@ def test_accuracy_of_observables_in_a_file(tmp_path):
         ({"W": 2.0}, "accuracy.W: must be from 1e-13 to 0.1"),
     ],
 )
-def test_observables_that_are_none(accuracy, says):
-    """One sentence that names the field."""
+def test_refused_accuracies(accuracy, says):
+    """One sentence names the field."""
     with pytest.raises(tribo.InputError, match=says):
         tribo.simulate(case("A"), accuracy=accuracy)
 
@@ -74,39 +76,39 @@ def test_equal_steps_keep_an_accuracy(method):
 @pytest.mark.parametrize("samples", [2, 9, 33, 401, 2001])
 @pytest.mark.parametrize("duration", [7.0, 0.3, 33.3])
 def test_stops(samples, duration):
-    """Coarser runs share no stop but the ends; no two are the same but for rounding."""
+    """The coarse runs share only both ends; no two stops differ by no more than rounding."""
     times = np.linspace(0.0, duration, samples)
-    stops = tuning.StopTimes.for_samples(times)
+    stops = StopTimes.for_samples(times)
     assert np.isin(times, stops.fine).all()
     assert np.min(np.diff(stops.fine)) > 1e-10 * duration
-    assert stops.fine.size >= tuning.PARTS + 1
+    assert stops.fine.size >= PARTS + 1
     shared = np.intersect1d(stops.few, stops.many)
     assert np.array_equal(shared, [0.0, duration])
-    assert max(stops.few.size, stops.many.size) <= tuning.MOST_STOPS + 2
-    if stops.fine.size <= tuning.MOST_STOPS:
+    assert max(stops.few.size, stops.many.size) <= MOST_STOPS + 2
+    if stops.fine.size <= MOST_STOPS:
         assert np.array_equal(np.union1d(stops.few, stops.many), stops.fine)
 
 
 def test_equal_steps_where_samples_and_parts_meet():
-    """Two times that differ by rounding are one: no step is a rounding long."""
+    """Times that differ by rounding are one, so that no step is as short as rounding."""
     scene = replace(case("A"), duration=7.0, output=tribo.Output(samples=401))
     result = tribo.simulate(scene, accuracy=1e-4, method="verlet")
     assert result.status == "completed" and result.met
 
 
 def test_nothing_is_known_where_a_coarser_run_stopped():
-    """A bar from the time before would be a promise about the time after."""
+    """An estimate from earlier times would say nothing about later ones."""
     simulation = tribo.prepare(case("A"), accuracy=1e-6)
     *_, few, many, fine = simulation.plan.tuned.runs
-    bounds, _ = tuning.error_bounds(simulation.layout, fine, [few, many], None)
+    bounds, _ = error_bounds(simulation.layout, fine, [few, many], None)
     assert max(bounds.values()) < np.inf
     short = replace(many, status=Status.ENCOUNTER_JUMPED)
-    bounds, _ = tuning.error_bounds(simulation.layout, fine, [few, short], None)
+    bounds, _ = error_bounds(simulation.layout, fine, [few, short], None)
     assert min(bounds.values()) == np.inf
 
 
 def test_an_interrupt_ends_all_runs():
-    """One keystroke is enough; and a result that has no bar says so."""
+    """One interrupt is enough, and a result without error estimates says so."""
     runs = []
     simulation = tribo.prepare(case("A"), accuracy=1e-6)
     integrate = simulation._integrator
@@ -122,7 +124,7 @@ def test_an_interrupt_ends_all_runs():
 
 
 def test_equal_steps_are_for_fast_baths():
-    """A slow bath is no reason to make short steps all the way, however many samples there are."""
+    """A slow bath needs no equal steps, whatever the number of samples."""
     for samples in (9, 401):
         for frequency, equal in ((2.0, False), (3000.0, True)):
             bath = tribo.Bath(masses=(0.01,), frequencies=(frequency,))
@@ -133,14 +135,14 @@ def test_equal_steps_are_for_fast_baths():
             assert best.method.adaptive != equal
 
 
-def test_names_of_nothing_are_told():
+def test_unreported_quantities_are_refused():
     """A quantity that a scene does not report cannot be kept to an accuracy."""
     with pytest.raises(tribo.InputError, match="reports"):
         tribo.simulate(case("A"), accuracy={"upper.contact_energy": 1e-3})
 
 
-def test_every_result_has_its_price():
-    """A digit more costs more, a digit fewer less; and the line that is printed says so."""
+def test_cost_of_a_digit():
+    """A digit more costs more, a digit fewer less, and the printed line says so."""
     result = tribo.simulate(case("D"), accuracy=1e-6, method="dop853")
     cost = result.cost
     assert cost.digit_fewer < cost.wall_seconds < cost.digit_more
@@ -149,15 +151,15 @@ def test_every_result_has_its_price():
     assert own.cost.digit_more is None and "digit" not in str(own)
 
 
-def test_a_choice_says_why():
-    """Which method, and by how much it should be faster than the next; none where one is named."""
+def test_reason_of_a_choice():
+    """The method, and its advantage over the next; no reason where a method is named."""
     result = tribo.simulate(case("A"), accuracy=1e-6)
     assert result.why.startswith(f"{result.method} should be the fastest at 1e-06")
     assert tribo.simulate(case("A"), accuracy=1e-6, method="dop853").why == ""
 
 
 def test_the_model_of_costs():
-    """More digits never cost less; every method that has numbers is one there is."""
+    """More digits never cost less; every method has rates."""
     assert set(choose_method.RATES) == set(METHODS)
     for letter in "AC":
         layout = lay_out(case(letter))
@@ -169,19 +171,19 @@ def test_the_model_of_costs():
 
 @pytest.mark.parametrize("at_cutoff", AT_CUTOFF)
 def test_there_is_a_method_for_every_cutoff(at_cutoff):
-    """However rough it is."""
+    """Whatever its smoothness."""
     cut = tribo.with_cutoff(tribo.Coulomb(0.2), 3.0, at_cutoff)
     scene = replace(case("A"), interactions=(tribo.Interaction(cut),))
     assert choose_method.cheapest(lay_out(scene), 1e-6)[0].smoothness <= max(0, cut.smoothness())
 
 
 def kicked() -> tribo.Scene:
-    """Rough grids that slide past each other, their bobs kicked about."""
+    """Rough grids in fast sliding, which amplifies round-off."""
     return replace(long_slide({}), duration=6.0, output=FEW)
 
 
-def test_out_of_reach_is_said_with_both_numbers():
-    """Round-off is in the way: what was reached is delivered, with a note of the amplification."""
+def test_note_on_an_accuracy_out_of_reach():
+    """The best result is delivered, with a note on the amplification of round-off."""
     with pytest.warns(tribo.TriboWarning, match="the accuracy is not met: .* out of reach"):
         result = tribo.simulate(kicked(), accuracy=1e-13, method="dop853")
     assert result.status == "completed" and result.met is False
@@ -190,9 +192,27 @@ def test_out_of_reach_is_said_with_both_numbers():
 
 
 def test_out_of_reach_is_refused_early(monkeypatch):
-    """Where a run would take long and the scene amplifies round-off, it ends with the pilot."""
-    monkeypatch.setattr(tuning, "LONG_RUN", 0.0)
+    """If runs would be long and the scene amplifies round-off, only the pilot is run."""
+    monkeypatch.setattr(search, "LONG_RUN", 0.0)
     assert tribo.simulate(case("A"), accuracy=1e-9).met
-    monkeypatch.setattr(tuning, "measure_amplification", lambda *given: 1e8)
+    monkeypatch.setattr(search, "measure_amplification", lambda *given: 1e8)
     with pytest.raises(tribo.InputError, match=r"accuracy: 1.0e-09 is out of reach.*observables"):
         tribo.simulate(case("A"), accuracy=1e-9)
+
+
+def test_a_long_run_gets_no_cheaper_setting(monkeypatch):
+    """Runs without estimates are cheaper, unless the search for their setting would be long."""
+    simulation = tribo.prepare(case("A"), accuracy=1e-9)
+    fine = simulation.finest.evaluations
+    assert simulation.run(estimate=False).cost.force_evaluations < 0.9 * fine
+    monkeypatch.setattr(search, "LONG_RUN", 0.0)
+    simulation = tribo.prepare(case("A"), accuracy=1e-9)
+    assert simulation.run(estimate=False).cost.force_evaluations == fine
+
+
+def test_work_of_calculators():
+    """A call of a calculator counts as much as many asperites."""
+    layout = lay_out(case("A"))
+    run = Integration(lambda: None, Status.COMPLETED, np.array([3, 7]), 1.0)
+    assert search._work(layout, run) == 7 * 2
+    assert search._work(replace(layout, calculator_calls=(None,)), run) == 7 * (2 + search.CALL)

@@ -1,4 +1,4 @@
-"""Ensembles: means against closed forms, intervals that cover, members that nothing disturbs."""
+"""Ensembles: means against closed forms, coverage of intervals, independence of members."""
 
 import json
 import tomllib
@@ -22,7 +22,7 @@ from tribo import (
     ensemble,
     plotting,
 )
-from tribo.ensembles import runner as runner
+from tribo.ensembles import runner
 from tribo.ensembles.figure import mean_band
 from tribo.ensembles.intervals import interval, members_needed
 from tribo.model.roughness import Roughness
@@ -35,9 +35,9 @@ SOFT = expression("strength * exp(-r**2)", strength=0.2)
 
 
 def warm(count=2, temperature=TEMPERATURE, **settings):
-    """Asperites on reservoirs, which do not meet; after 20 times they are as warm as those.
+    """Asperites on reservoirs, without contact; after a time of 20 they are in equilibrium.
 
-    With light bars and that friction the slowest of their motions dies like exp(-0.3 t).
+    With light bars and that friction the slowest motion decays as exp(-0.3 t).
     """
     surface = Surface(
         "upper",
@@ -51,7 +51,7 @@ def warm(count=2, temperature=TEMPERATURE, **settings):
 
 
 def meeting(**settings):
-    """Two rough rows that meet, without noise."""
+    """Two rough rows in contact, without noise."""
     row = {"shape": (3, 1), "spacing": (1.5, 0.0), "heights": Roughness(0.1)}
     upper = Surface("upper", bob=(-1.0, 0.5), velocity=(0.5, 0.01), **row)
     lower = Surface("lower", facing="up", **row)
@@ -105,7 +105,7 @@ def test_lost_energy():
 
 
 def test_means_are_of_the_members():
-    """What stands beside the members' series is their mean, and Student's interval as SciPy's."""
+    """The mean over the members, and Student's interval, as in SciPy."""
     data = ensemble(meeting(), 9, {"upper.theta": stats.norm(0.0, 0.1)}, **STEP)
     values = data["upper.W"].values[:, -1]
     low, high = stats.t.interval(0.95, 8, np.mean(values), stats.sem(values))
@@ -117,11 +117,12 @@ def test_means_are_of_the_members():
 
 
 def bounds(repetitions):
-    """How often 95 % should be right in so many, but for one case in ten thousand."""
+    """Counts of covering 95 % intervals in that many, with a probability of 0.9999."""
     return stats.binom.interval(0.9999, repetitions, 0.95)
 
 
 def covered(values, truth, first=None):
+    """Whether the interval contains the true mean."""
     found = interval(values, first)
     return abs(float(found.mean) - truth) <= float(found.half_width)
 
@@ -151,11 +152,11 @@ def test_two_stages_cover_and_are_narrow_enough():
     assert narrow == 4000
 
 
-def test_accuracy_decides_how_many():
-    """As many as the rule says of the first; the half-width is then what was asked for."""
+def test_half_width_determines_the_number():
+    """The number is by Stein's rule, and the half-width at most the one asked for."""
     scene, wanted = warm(), {"upper.delta_E_int": 0.1, "applied_work": 0.2}
-    data = ensemble(scene, accuracy=wanted, seed=2, step=0.1)
-    first = data.isel(member=slice(0, runner.FIRST))
+    data = ensemble(scene, half_width=wanted, seed=2, step=0.1)
+    first = data.isel(member=slice(0, runner.FIRST_STAGE))
     scale = max(
         float(np.abs(run[name]).max())
         for seed in first["seed"].values.tolist()
@@ -164,7 +165,7 @@ def test_accuracy_decides_how_many():
         if name.startswith(("w", "delta_e_int", "delta_k_trans", "heat"))
     )
     needed = [members_needed(first[name].values, x * scale) for name, x in wanted.items()]
-    assert data.sizes["member"] == max(needed) > runner.FIRST
+    assert data.sizes["member"] == max(needed) > runner.FIRST_STAGE
     for name, x in wanted.items():
         assert float(data[f"{name}_half_width"].max()) <= x * scale
     assert "Stein" in data.attrs["notes"]
@@ -174,7 +175,7 @@ def test_accuracy_decides_how_many():
 
 
 def test_members_do_not_depend_on_how_many_there_are():
-    """Nor on what else varies; another seed makes others."""
+    """Nor on other varied quantities; another seed gives others."""
     vary = {"upper.theta": stats.norm(0.0, 0.1)}
     few, many = (ensemble(warm(), n, vary, seed=4, step=0.1) for n in (3, 7))
     np.testing.assert_array_equal(series(few), series(many)[:, :3])
@@ -190,7 +191,7 @@ def test_members_do_not_depend_on_how_many_there_are():
 
 
 def test_a_member_is_a_run():
-    """Of the scene with the member's values and seed, bit for bit; the heights are the scene's."""
+    """Of the scene with the member's values and seed, bit for bit, and the scene's heights."""
     vary = {
         "upper.velocity": np.array([[0.4, 0.0], [0.5, -0.02]]),
         "lower.theta": np.pi + np.array([[0.1, 0.0, -0.1], [0.0, 0.2, 0.0]]),
@@ -217,7 +218,7 @@ def test_a_member_is_a_run():
 
 
 def test_thermal_starts():
-    """A warm bath starts otherwise in each member, about bars where that member has them."""
+    """A warm bath starts differently in each member, about the bars of that member."""
     bath = tribo.Bath(masses=[0.2, 0.1], frequencies=[0.8, 2.0], temperature=0.2)
     upper = Surface("upper", bars="free", bath=bath)
     scene = Scene((upper,), (), 4.0, output=Output(samples=5))
@@ -241,7 +242,7 @@ def test_one_number_of_a_velocity_is_its_x_component():
 
 
 def test_members_of_a_planned_scene():
-    """Where an accuracy can be kept it is: a member is a prepared run, and has an error bar."""
+    """Where an accuracy can be kept, a member is a prepared run with an error estimate."""
     starts = [0.1, -0.2, 0.3]
     data = ensemble(meeting(), 3, {"upper.theta": starts})
     prepared = tribo.prepare(meeting())
@@ -257,7 +258,7 @@ def test_members_of_a_planned_scene():
 
 
 def test_every_engine_gives_the_same_bits():
-    """New processes, which have to find a plug-in of the scene; and a map alone."""
+    """New processes, which load a plug-in of the scene; and an engine that only has map."""
     scene = meeting()
     vary = {"upper.theta": stats.norm(0.0, 0.1), "upper.velocity": stats.uniform(0.3, 0.2)}
 
@@ -281,13 +282,13 @@ def test_bias_of_a_step():
     scene, starts = meeting(), np.linspace(-0.3, 0.3, 20)
     data = ensemble(scene, 20, {"upper.theta": starts}, method="verlet", step=0.2)
     exact = ensemble(scene, 20, {"upper.theta": starts})
-    off = (data["upper.W"] - exact["upper.W"]).values[: runner.FIRST].mean(axis=0)
+    off = (data["upper.W"] - exact["upper.W"]).values[: runner.FIRST_STAGE].mean(axis=0)
     np.testing.assert_allclose(data["upper.W_bias"][1:], 0.75 * off[1:], rtol=0.05)
     assert float(data["upper.W_bias_half_width"][-1]) > 0.0
 
 
 def test_members_that_stop_early_are_in_no_mean():
-    """They keep their place and their status, and a note says how many."""
+    """They keep their place and their status, and a note gives their number."""
     scene = meeting()
     speeds = np.array([0.5, 400.0, 0.4])
     data = ensemble(scene, 3, {"upper.velocity": speeds}, method="verlet", step=0.1)
@@ -302,7 +303,7 @@ def test_members_that_stop_early_are_in_no_mean():
 
 
 def test_series_too_long_to_hold(monkeypatch):
-    """Surfaces as wholes keep theirs; sums over asperites are not to be had, which is said."""
+    """Surfaces as wholes keep theirs; sums over asperites are refused."""
     whole = ensemble(warm(), 3, step=0.1)
     monkeypatch.setattr("tribo.run.streamed_ledger.SERIES_BYTES", 0)
     data = ensemble(warm(), 3, step=0.1)
@@ -310,11 +311,11 @@ def test_series_too_long_to_hold(monkeypatch):
     assert "upper.heat" in whole and "upper.heat" not in data
     assert "only the first and the last sample are kept" in data.attrs["notes"]
     with pytest.raises(InputError, match="give fewer samples"):
-        ensemble(warm(), accuracy={"upper.heat": 1.0}, step=0.1)
+        ensemble(warm(), half_width={"upper.heat": 1.0}, step=0.1)
 
 
 def test_an_interrupt_keeps_what_is_complete():
-    """Two at least; of fewer there is no mean."""
+    """At least two members; fewer have no mean."""
 
     def stop(at):
         def progress(done):
@@ -332,7 +333,7 @@ def test_an_interrupt_keeps_what_is_complete():
 
 
 def test_a_file_keeps_it(tmp_path):
-    """NetCDF, with everything in it."""
+    """NetCDF, with all variables and attributes."""
     import xarray
 
     data = ensemble(warm(), 3, {"upper.theta": [0.1, 0.2, 0.3]}, step=0.1)
@@ -340,6 +341,19 @@ def test_a_file_keeps_it(tmp_path):
     assert xarray.load_dataset(tmp_path / "means.nc", engine="h5netcdf").equals(data)
     assert scene_from(tomllib.loads(data.attrs["scene"])).count == 2
     assert json.loads(data.attrs["step"]) == 0.1
+
+
+def test_units_and_names():
+    """Every variable and coordinate has a long name; every number has units."""
+    data = ensemble(meeting(), 3, {"upper.theta": [0.1, 0.2, 0.3], "upper.velocity": [0.4] * 3})
+    data = data.drop_vars(["member", "seed", "status", "axis"])
+    for name, variable in data.variables.items():
+        assert variable.attrs["long_name"] and variable.attrs["units"], name
+    expected = {"upper.W_half_width": "energy", "upper.theta": "rad", "time": "time"}
+    expected |= {"upper.velocity": "length time^-1", "upper.w2_error": "energy"}
+    for name, units in expected.items():
+        assert data[name].attrs["units"] == units
+    assert data["upper.w2_mean"].long_name == "mean of: work of the drive, summed over asperites"
 
 
 def test_figure(tmp_path):
@@ -371,37 +385,38 @@ THETA = {"upper.theta": stats.norm(0.0, 0.1)}
         ({"n": 4, "vary": {"top.velocity": [1.0]}}, "vary.top.velocity", "of a surface"),
         ({"n": 4, "vary": {"upper.phi": [1.0] * 4}}, "vary.upper.phi", "clamped"),
         ({"n": 4, "vary": {"upper.theta": 0.1}}, "vary.upper.theta", "a distribution"),
-        ({"n": 4, "vary": {"upper.theta": [0.1] * 3}}, "vary.upper.theta", "for 3 members, not"),
+        ({"n": 4, "vary": {"upper.theta": [0.1] * 3}}, "vary.upper.theta", "for 4 members, got 3"),
         ({"n": 2, "vary": {"upper.theta": np.ones((2, 2))}}, "vary.upper.theta", "(members, 3)"),
         ({"n": 2, "vary": {"upper.theta": [0.1, np.nan]}}, "vary.upper.theta", "finite"),
         ({"n": 2, "vary": {"upper.theta": ["a", "b"]}}, "vary.upper.theta", "must be numbers"),
         (
             {"n": 2, "vary": {"upper.velocity": stats.multivariate_normal([0.0] * 3)}},
             "vary.upper.velocity",
-            "draws 3 numbers where 2",
+            "must draw 1 or 2 numbers, got 3",
         ),
         ({"n": 2, "vary": THETA, "seed": -1}, "seed", "an integer"),
         ({"n": 2, "vary": THETA, "engine": 3}, "engine", "submit or map"),
-        ({"vary": THETA, "accuracy": 1e-2}, "accuracy", "must name quantities"),
-        ({"vary": THETA, "accuracy": {"upper.phi": 1.0}}, "accuracy.upper.phi", "names no mean"),
-        ({"vary": THETA, "accuracy": {"upper.W": 0.0}}, "accuracy.upper.W", "positive"),
+        ({"vary": THETA, "half_width": 1e-2}, "half_width", "must map quantities"),
+        ({"vary": THETA, "half_width": {"upper.phi": 1.0}}, "half_width.upper.phi", "one of"),
+        ({"vary": THETA, "half_width": {"upper.W": 0.0}}, "half_width.upper.W", "positive"),
         (
-            {"n": 20, "vary": THETA, "accuracy": {"upper.W": 1e-4}, **STEP},
-            "accuracy.upper.W",
-            "members, as the spread of the first 16 says, and 20 are the most",
+            {"n": 20, "vary": THETA, "half_width": {"upper.W": 1e-4}, **STEP},
+            "half_width.upper.W",
+            "members by the spread of the first 16, and at most 20 are allowed",
         ),
         ({"n": 2, "vary": THETA, "method": "verlet"}, "step", "is missing"),
     ],
 )
 def test_refusals(settings, field, words):
+    """Each names its field and the problem."""
     with pytest.raises(InputError) as error:
         ensemble(meeting(), **settings)
     assert error.value.field == field
     assert words in error.value.problem
 
 
-def test_chaos_wants_a_step():
-    """Where no accuracy of a run can be had it is said, with what would do; noise has its step."""
+def test_chaos_takes_a_step():
+    """If no accuracy of single runs can be kept, a step is required; noise has its own."""
     row = {"shape": (6, 1), "spacing": (1.1, 0.0), "asperite": Asperite(kappa=0.5)}
     start = Initial(theta=(0.0, 0.02, -0.01, 0.03, 0.01, -0.02))
     upper = Surface("upper", bob=(0.0, 0.9), velocity=(0.8, 0.0), initial=start, **row)
@@ -410,10 +425,10 @@ def test_chaos_wants_a_step():
     box = {"periodic": {"x": 6.6}, "output": Output(samples=9)}
     with pytest.raises(InputError, match=r"out of reach.*give a method and a step"):
         ensemble(Scene((upper, lower), jones, 60.0, **box), 4, {"upper.theta": stats.norm(0, 0.1)})
-    assert json.loads(ensemble(warm(), 2).attrs["step"]) == tribo.prepare(warm()).settings.own[0]
+    assert json.loads(ensemble(warm(), 2).attrs["step"]) == tribo.prepare(warm()).settings.setting
 
 
-def test_noise_and_chaos_point_here():
-    """Who asks single runs for what they cannot give is told of ensembles."""
+def test_noise_points_to_ensembles():
+    """The refusal of an accuracy with thermal noise names ensembles."""
     with pytest.raises(InputError, match=r"average over runs, as tribo\.ensemble does"):
         tribo.simulate(warm(), accuracy=1e-3)

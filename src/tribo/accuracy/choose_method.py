@@ -19,9 +19,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tribo.accuracy.comparison import Accuracy, strictest
 from tribo.accuracy.encounter_estimate import steps_towards
 from tribo.accuracy.scales import first_step, unit_step
-from tribo.accuracy.search import Accuracy, strictest
 from tribo.integrators import methods
 from tribo.model.scene import Scene
 from tribo.model.settings import check_accuracy

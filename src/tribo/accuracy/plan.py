@@ -8,16 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tribo.accuracy.choose_method import Choice
+from tribo.accuracy.comparison import Accuracy
 from tribo.accuracy.estimate import check_observables
 from tribo.accuracy.scales import first_step
-from tribo.accuracy.search import (
-    PARTS,
-    Accuracy,
-    FoundSettings,
-    StopTimes,
-    cheapest_setting,
-    find_settings,
-)
+from tribo.accuracy.search import FoundSettings, cheapest_setting, find_settings
+from tribo.accuracy.stop_times import PARTS, StopTimes
 from tribo.integrators import methods
 from tribo.run.integrate import Progress, Setting
 from tribo.run.integrator import Integrator

@@ -1,4 +1,4 @@
-"""An ensemble as a labelled data set: series, means, intervals, and what all members share."""
+"""Ensembles as labelled data sets: series, means, intervals, and how the members were run."""
 
 from __future__ import annotations
 
@@ -6,158 +6,195 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from tribo.ensembles.intervals import CONFIDENCE, Interval, interval
-from tribo.ensembles.members import VELOCITY, Member
-from tribo.ensembles.runner import INTERRUPTED, Outcome, Second
+from tribo.ensembles.members import VELOCITY
+from tribo.ensembles.runner import Runner, SettingsCheck
+from tribo.kernels.status import Status
 from tribo.model.scene_writer import scene_text
-from tribo.run.quantities import ASPERITE_QUANTITIES, OPTIONAL_QUANTITIES
-from tribo.simulation import Simulation
+from tribo.run.dataset import Variable
+from tribo.run.quantities import ASPERITE_QUANTITIES, OPTIONAL_QUANTITIES, QUANTITIES, UNITS
 
 if TYPE_CHECKING:
     import xarray
 
+# Quantities of asperites, whose sums over a surface are kept.
+SUMMED = ASPERITE_QUANTITIES | OPTIONAL_QUANTITIES
+
 
 @dataclass(eq=False)
 class Collected:
-    """All that is known of the members of an ensemble."""
+    """The results of an ensemble.
 
-    simulation: Simulation  # of the scene itself
-    names: list[str]
-    members: list[Member]
-    outcomes: list[Outcome]
-    second: Second
-    sizes: dict[str, int]  # numbers of each varied quantity
-    seed: int
-    first: int | None  # complete members whose spread decided how many there are
-    needed: float  # complete members that the accuracy takes
-    accuracy: Mapping[str, float] | None
-    interrupted: bool
+    Attributes
+    ----------
+    runner
+        has run the members
+    check
+        second runs of some of them
+    half_width
+        that was asked for, by quantity
+    first_stage
+        complete members whose spread determined the number of all; None if that was given
+    needed
+        complete members that the half-width takes
+    """
+
+    runner: Runner
+    check: SettingsCheck
+    half_width: Mapping[str, float] | None
+    first_stage: int | None
+    needed: float
 
     @cached_property
     def values(self) -> np.ndarray:
-        """(members, names, times); NaN where a member had stopped."""
-        return np.array([outcome.values for outcome in self.outcomes])
-
-    @property
-    def complete(self) -> np.ndarray:
-        """(members,) which of them reached the end."""
-        return np.array([outcome.completed for outcome in self.outcomes])
+        """(members, names, times); NaN after a member stopped."""
+        return np.array([outcome.values for outcome in self.runner.outcomes])
 
     @property
     def means(self) -> Interval:
         """Means over the complete members, and their intervals."""
-        return interval(self.values[self.complete], self.first)
+        return interval(self.runner.complete_values, self.first_stage)
 
     @property
     def bias(self) -> Interval | None:
         """Means at the step less those at half of it, of the same members; None if not known."""
-        halved = self.second.halved
+        halved = self.check.at_half_step
         if len(halved) < 2:
             return None
         return interval(np.array([self.values[k] - values for k, values in halved.items()]))
 
     def error(self, name: str) -> float | None:
-        """The largest estimate of a quantity's error in a single run; of a sum, all terms'."""
+        """The largest error estimate of a quantity in a single run, times the terms of a sum."""
         surface, _, kind = name.rpartition(".")
         terms = 1
-        if kind in ASPERITE_QUANTITIES | OPTIONAL_QUANTITIES:
-            part = self.simulation.layout.parts[surface]
+        if kind in SUMMED:
+            part = self.runner.simulation.layout.parts[surface]
             terms = part.stop - part.start
-        found = [outcome.errors[kind] for outcome in self.second.errors]
-        return max((terms * error for error in found if error is not None), default=None)
+        errors = [outcome.errors[kind] for outcome in self.check.with_estimates]
+        return max((terms * error for error in errors if error is not None), default=None)
 
 
 def dataset(collected: Collected, seconds: float) -> xarray.Dataset:
-    """The data set of an ensemble that took so many seconds."""
+    """The data set of an ensemble that took `seconds`."""
     import xarray
 
-    variables: dict[str, Any] = {}
-    means, bias = collected.means, collected.bias
-    for k, name in enumerate(collected.names):
-        variables[name] = (("member", "time"), collected.values[:, k])
-        for suffix, found in (("", means), ("_bias", bias)):
-            if found is not None:
-                variables[name + (suffix or "_mean")] = (("time",), found.mean[k])
-                variables[f"{name}{suffix}_half_width"] = (("time",), found.half_width[k])
-        error = collected.error(name)
-        if error is not None:
-            variables[f"{name}_error"] = ((), error)
-    times = collected.simulation.scene.times
-    return xarray.Dataset(variables, {"time": times} | _own(collected), _about(collected, seconds))
+    variables: dict[str, Variable] = {}
+    for k, name in enumerate(collected.runner.names):
+        variables |= _series(collected, k, name)
+    return xarray.Dataset(variables, _coordinates(collected), _attributes(collected, seconds))
 
 
-def _own(collected: Collected) -> dict[str, Any]:
-    """What each member has of its own, as coordinates."""
-    coordinates: dict[str, Any] = {
-        "member": [member.number for member in collected.members],
-        "seed": (("member",), [member.seed for member in collected.members]),
-        "status": (("member",), np.array([o.status for o in collected.outcomes])),
+def _series(collected: Collected, k: int, name: str) -> dict[str, Variable]:
+    """The variables of the quantity with index `k` and name `name`."""
+    kind = name.rpartition(".")[2]
+    quantity = QUANTITIES[kind]
+    meaning = quantity.long_name + ", summed over asperites" * (kind in SUMMED)
+
+    def variable(values: np.ndarray | float, *dimensions: str, of: str = "") -> Variable:
+        return dimensions, values, {"units": quantity.units, "long_name": of + meaning}
+
+    variables = {name: variable(collected.values[:, k], "member", "time")}
+    means, bias, error = collected.means, collected.bias, collected.error(name)
+    half = "half-width of the 95 % interval of the "
+    variables[f"{name}_mean"] = variable(means.mean[k], "time", of="mean of: ")
+    variables[f"{name}_half_width"] = variable(means.half_width[k], "time", of=f"{half}mean of: ")
+    if bias is not None:
+        variables[f"{name}_bias"] = variable(bias.mean[k], "time", of="bias of the step in: ")
+        variables[f"{name}_bias_half_width"] = variable(
+            bias.half_width[k], "time", of=f"{half}bias of the step in: "
+        )
+    if error is not None:
+        variables[f"{name}_error"] = variable(error, of="bound on the error of a member's: ")
+    return variables
+
+
+def _coordinates(collected: Collected) -> dict[str, Variable]:
+    """The times; and the number, the seed, the status and the varied values of each member."""
+    runner = collected.runner
+    members = runner.members
+    columns = {
+        "member": ([member.number for member in members], "member"),
+        "seed": ([member.seed for member in members], "seed of the member"),
+        "status": ([str(outcome.status) for outcome in runner.outcomes], "end of its run"),
     }
-    for key, size in collected.sizes.items():
-        values = [np.broadcast_to(m.values[key], (size,)) for m in collected.members]
-        surface, _, quantity = key.rpartition(".")
-        axis = "axis" if quantity == VELOCITY else f"{surface}_asperite"
-        coordinates[key] = (("member", axis), np.array(values))
-        if quantity == VELOCITY:
-            coordinates["axis"] = ["x", "y"]
+    coordinates: dict[str, Variable] = {
+        key: (("member",), np.array(values), {"long_name": meaning})
+        for key, (values, meaning) in columns.items()
+    }
+    times = runner.simulation.scene.times
+    coordinates["time"] = (("time",), times, {"units": "time", "long_name": "time"})
+    for key, size in runner.variation.sizes.items():
+        values = np.array([np.broadcast_to(m.values[key], (size,)) for m in members])
+        surface, _, kind = key.rpartition(".")
+        if kind == VELOCITY:
+            about = {"units": UNITS["velocity"], "long_name": "initial velocity of the surface"}
+            coordinates[key] = (("member", "axis"), values, about)
+            coordinates["axis"] = (("axis",), np.array(["x", "y"]), {"long_name": "axis"})
+        else:
+            quantity = QUANTITIES[kind]
+            about = {"units": quantity.units, "long_name": f"initial {quantity.long_name}"}
+            coordinates[key] = (("member", f"{surface}_asperite"), values, about)
     return coordinates
 
 
-def _about(collected: Collected, seconds: float) -> dict[str, Any]:
-    """What all members share."""
+def _attributes(collected: Collected, seconds: float) -> dict[str, str | float]:
+    """Properties of the whole ensemble; text is JSON where it is no word."""
     from tribo import __version__
 
-    settings = collected.simulation.settings
-    step = settings.setting if settings.tuned is None else None
+    runner = collected.runner
+    plan = runner.simulation.settings
     return {
         "tribo_version": __version__,
         "numpy_version": np.__version__,
-        "scene": scene_text(collected.simulation.scene),
-        "status": INTERRUPTED if collected.interrupted else "completed",
-        "method": settings.method,
-        "step": json.dumps(step),
-        "accuracy_of_each": json.dumps(settings.accuracy),
-        "seed": str(collected.seed),
+        "scene": scene_text(runner.simulation.scene),
+        "status": str(Status.INTERRUPTED if runner.interrupted else Status.COMPLETED),
+        "method": plan.method,
+        "step": json.dumps(plan.setting if plan.tuned is None else None),
+        "accuracy": json.dumps(plan.accuracy),
+        "seed": str(runner.variation.seed),
         "confidence": CONFIDENCE,
-        "accuracy": json.dumps(collected.accuracy),
+        "half_width": json.dumps(collected.half_width),
         "notes": json.dumps(_notes(collected)),
         "seconds": seconds,
     }
 
 
 def _notes(collected: Collected) -> list[str]:
-    """What one should know of the means."""
-    complete, everybody = int(np.count_nonzero(collected.complete)), len(collected.members)
-    notes = list(dict.fromkeys(collected.outcomes[0].notes))
-    if complete < everybody:
-        stopped = sorted({o.status for o in collected.outcomes} - {"completed"})
+    """Limitations of the means."""
+    runner, first_stage = collected.runner, collected.first_stage
+    complete, total = runner.completed, len(runner.members)
+    notes = list(dict.fromkeys(runner.outcomes[0].notes))
+    if complete < total:
+        stopped = sorted({o.status for o in runner.outcomes} - {Status.COMPLETED})
         notes.append(
-            f"{everybody - complete} of {everybody} members stopped early ({', '.join(stopped)}), "
-            "and are in no mean: it is one of those that did not"
+            f"{total - complete} of {total} members stopped early ({', '.join(stopped)}); means "
+            "are over the others"
         )
     if complete < collected.needed:
-        notes.append(f"the accuracy takes {collected.needed:.0f} members that reach their end")
-    rule = "Student's, of all"
-    if collected.first is not None:
-        rule = f"Stein's, by the spread of the first {collected.first}"
-    notes.append(f"half-widths are {rule}, of {complete} members, for each time by itself")
-    return notes + _of_settings(collected.second)
+        notes.append(
+            f"the half-width takes {collected.needed:.0f} complete members, got {complete}"
+        )
+    rule = "Student's rule"
+    if first_stage is not None:
+        rule = f"Stein's rule, from the spread of the first {first_stage}"
+    notes.append(f"half-widths are by {rule}, for {complete} members, at each time separately")
+    return notes + _notes_on_settings(collected.check)
 
 
-def _of_settings(second: Second) -> list[str]:
-    """What the step or the tolerances may have to do with the means."""
-    if second.errors:
-        missed = sum(not outcome.met for outcome in second.errors)
+def _notes_on_settings(check: SettingsCheck) -> list[str]:
+    """The effect of the step or of the tolerances on the means."""
+    if check.with_estimates:
+        missed = sum(not outcome.met for outcome in check.with_estimates)
         if not missed:
             return []
-        return [f"{missed} of the first {len(second.errors)} members miss the accuracy of each"]
-    if len(second.halved) < 2:
-        return ["what the step or the tolerances have to do with the means was not looked at"]
+        return [f"{missed} of the first {len(check.with_estimates)} members miss their accuracy"]
+    if len(check.at_half_step) < 2:
+        return ["the effect of the step or of the tolerances on the means was not measured"]
     return [
-        f"bias is the mean at the step less that at half of it, of {len(second.halved)} members; "
-        "where it is below its half-width it cannot be told from chance"
+        f"bias is the mean at the step less that at half of it, of {len(check.at_half_step)} "
+        "members; where it is below its half-width it may be chance"
     ]

@@ -1,15 +1,15 @@
-"""Means of independent members, their intervals, and how many members an interval takes.
+"""Means of independent members, their intervals, and the members that an interval takes.
 
-Student's interval, for a number of members that was fixed beforehand: with s the standard deviation
-of all n, the mean is known to t(n - 1) s / sqrt(n).  Student, Biometrika 6 (1908) 1.
+Student's interval is for a number of members that was fixed beforehand.  With s the standard
+deviation of all n, its half-width is t(n - 1) s / sqrt(n).  Student, Biometrika 6 (1908) 1.
 
-Stein's, for a wanted half-width d: with s that of the first n0 members alone,
+Stein's interval is for a wanted half-width d.  With s that of the first n0 members alone,
 
     n = max(n0, floor((t(n0 - 1) s / d)^2) + 1) ,   half-width t(n0 - 1) s / sqrt(n) <= d .
 
-Its coverage is exact for normal values, whatever n becomes, because a sample's mean and variance
-are independent.  Looking at the interval as members come, and stopping when it is narrow enough,
-has none such: it stops too often where the variance happens to look small.
+Its coverage is exact for normal values, whatever n becomes, because the mean and the variance of a
+sample are independent.  Adding members until the interval is narrow enough has lower coverage: it
+stops too often where the variance happens to be small.
 C. Stein, Ann. Math. Stat. 16 (1945) 243.
 """
 
@@ -19,6 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+# Probability that an interval contains the exact mean.
 CONFIDENCE = 0.95
 
 
@@ -30,25 +31,35 @@ class Interval(NamedTuple):
 
 
 def student(degrees: int) -> float:
-    """The quantile t of Student's distribution that a two-sided interval goes to."""
+    """The quantile t of Student's distribution at the end of a two-sided interval."""
     from scipy.special import stdtrit
 
     return float(stdtrit(degrees, 0.5 * (1.0 + CONFIDENCE)))
 
 
-def interval(values: np.ndarray, first: int | None = None) -> Interval:
-    """Mean over members, and its interval; `values` is (members, ...).
+def interval(values: np.ndarray, first_stage: int | None = None) -> Interval:
+    """The mean over members and its interval.
 
-    Student's, of all members; or Stein's, if their number was found from the `first` ones.
+    Parameters
+    ----------
+    values : ndarray, (members, ...)
+        Of independent members.
+    first_stage : int, optional
+        Members whose spread determined the number of all, for Stein's interval; without it the
+        interval is Student's.
+
+    Returns
+    -------
+    Interval
     """
-    sample = values[:first]
+    sample = values[:first_stage]
     degrees = len(sample) - 1
     spread = np.std(sample, axis=0, ddof=1)
     return Interval(np.mean(values, axis=0), student(degrees) * spread / np.sqrt(len(values)))
 
 
 def members_needed(sample: np.ndarray, half_width: float) -> float:
-    """How many members Stein's rule takes by the values (n0, ...) of the first n0; may be inf."""
+    """The number of members by Stein's rule, from values (n0, ...) of the first n0; may be inf."""
     largest = float(np.max(np.std(sample, axis=0, ddof=1)))
     if largest == 0.0:
         return float(len(sample))

@@ -1,17 +1,19 @@
-"""The members of an ensemble: what each has of its own, which its number and the seed alone decide.
+"""The members of an ensemble: initial values, velocities and seeds.
 
-Member k has seeds of its own, one for each quantity that is drawn and one for what its scene draws
-(noise, thermal starts), all children of the ensemble's seed: how many members there are, and who
-runs them, changes none.  M. E. O'Neill's seed_seq, as numpy.random.SeedSequence has it.
+A member is determined by its number and the seed of the ensemble.  Each quantity that is drawn, and
+the noise and thermal starts of the member's scene, have seeds of their own, which are children of
+the ensemble's seed.  So neither the number of members nor the order of their runs changes any.
+The children are those of numpy.random.SeedSequence, after M. E. O'Neill's seed_seq.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import Protocol, runtime_checkable
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from tribo.integrators.methods import noisy
 from tribo.model.scene import Scene
@@ -21,16 +23,38 @@ from tribo.validation import LARGEST_NUMBER, InputError, inside, is_list, short_
 VELOCITY = "velocity"
 
 
+@runtime_checkable
+class Distribution(Protocol):
+    """A distribution, as those of scipy.stats."""
+
+    def rvs(self, *, size: int, random_state: np.random.Generator) -> ArrayLike:
+        """Random numbers."""
+
+
+# The values of a quantity: an array with a row for each member, or a distribution.
+Source = Distribution | ArrayLike
+
+
 @dataclass(frozen=True, eq=False)
 class Member:
-    """One member: initial values and velocities in place of the scene's, and a seed."""
+    """One member.
+
+    Attributes
+    ----------
+    number
+        from 0 on
+    seed
+        of its scene, for thermal starts and noise
+    values
+        "surface.theta" -> (1,) or (asperites,); "surface.velocity" -> (2,)
+    """
 
     number: int
-    seed: int  # of its scene: draws thermal starts and noise
-    values: dict[str, np.ndarray]  # "surface.theta" -> (1,) or (asperites,), ".velocity" -> (2,)
+    seed: int
+    values: dict[str, np.ndarray]
 
     def scene(self, scene: Scene) -> Scene:
-        """The scene with the member's seed and velocities; initial angles and rates are left."""
+        """The scene with the member's seed and velocities, but its own initial angles and rates."""
         surfaces = [
             replace(s, velocity=tuple(self.values.get(f"{s.name}.{VELOCITY}", s.velocity)))
             for s in scene.surfaces
@@ -38,78 +62,98 @@ class Member:
         return replace(scene, surfaces=tuple(surfaces), seed=self.seed)
 
     @property
-    def start(self) -> dict[str, Any]:
+    def start(self) -> dict[str, float | np.ndarray]:
         """Initial angles and rates, as ``Simulation.run`` takes them."""
-        own = {key: v for key, v in self.values.items() if not key.endswith(f".{VELOCITY}")}
-        return {key: v if v.size > 1 else float(v[0]) for key, v in own.items()}
+        initial = {key: v for key, v in self.values.items() if not key.endswith(f".{VELOCITY}")}
+        return {key: v if v.size > 1 else float(v[0]) for key, v in initial.items()}
 
 
 class Variation:
-    """What differs between the members of a scene's ensemble.
+    """The differences between the members of an ensemble.
 
-    `vary` maps "surface.theta" (or phi, omega, nu) and "surface.velocity" to an array, a row for
-    each member, or to a distribution with ``rvs(size=, random_state=)``.
+    Parameters
+    ----------
+    scene
+        of the ensemble
+    vary
+        "surface.theta" (or phi, omega, nu) or "surface.velocity" -> an array with a row for each
+        member, or a distribution
+    seed
+        of the ensemble
+
+    Attributes
+    ----------
+    sizes
+        quantity -> the length of its rows
+    own_scenes
+        whether members differ in more than initial angles and rates
+
+    Raises
+    ------
+    InputError
+        if a name, an array or a distribution cannot be used, or if all members are the same
     """
 
-    def __init__(self, scene: Scene, vary: Mapping[str, Any], seed: int) -> None:
-        """Check all names and arrays.  Raises InputError."""
+    def __init__(self, scene: Scene, vary: Mapping[str, Source], seed: int) -> None:
         if not isinstance(vary, Mapping):
             raise InputError("vary", f"must map names to values, got {short_repr(vary)}")
-        self._seed = seed
-        self._climb = {f"{s.name}.{VELOCITY}": s.velocity[1] for s in scene.surfaces}
-        self._sources: dict[str, Any] = {}
-        self.sizes: dict[str, int] = {}  # how many numbers each quantity has
+        self.seed = seed
+        self._velocity_y = {f"{s.name}.{VELOCITY}": s.velocity[1] for s in scene.surfaces}
+        self._arrays: dict[str, np.ndarray] = {}
+        self._distributions: dict[str, Distribution] = {}
+        self.sizes: dict[str, int] = {}
         with inside("vary"):
             for key, source in vary.items():
                 size = self.sizes[key] = _size(scene, key)
-                self._sources[key] = source if _draws(source) else _rows(key, source, size)
-        self.random = noisy(scene) or any(s.bath and s.bath.temperature for s in scene.surfaces)
-        self.moves = any(key in self._climb for key in self._sources)
-        if not (self.random or self._sources):
+                if isinstance(source, Distribution):
+                    self._distributions[key] = source
+                else:
+                    self._arrays[key] = _rows(key, source, size)
+        random = noisy(scene) or any(s.bath and s.bath.temperature for s in scene.surfaces)
+        if not (random or vary):
             raise InputError(
                 "vary",
                 "is empty, and nothing in the scene is drawn: all members would be the same; vary "
                 'an initial value, as "surface.theta", or give a reservoir or a bath a temperature',
             )
+        self.own_scenes = random or any(key in self._velocity_y for key in vary)
 
     @property
     def lengths(self) -> dict[str, int]:
-        """How many members each array is for."""
-        own = self._sources.items()
-        return {key: len(source) for key, source in own if isinstance(source, np.ndarray)}
+        """The number of members that each array has values for."""
+        return {key: len(rows) for key, rows in self._arrays.items()}
 
     def member(self, number: int) -> Member:
         """A member by its number, from 0 on."""
-        values = {key: self._value(key, number) for key in self._sources}
+        values = {key: self._value(key, number) for key in self.sizes}
         (seed,) = self._sequence(number).generate_state(1, np.uint64)
-        return Member(number, int(seed >> np.uint64(1)), values)  # files have signed ones
+        return Member(number, int(seed >> np.uint64(1)), values)  # integers in files are signed
 
     def _sequence(self, number: int, key: str = "") -> np.random.SeedSequence:
-        return np.random.SeedSequence(self._seed, spawn_key=(number, *key.encode()))
+        return np.random.SeedSequence(self.seed, spawn_key=(number, *key.encode()))
 
     def _value(self, key: str, number: int) -> np.ndarray:
-        """A member's own values of one quantity."""
-        source, size = self._sources[key], self.sizes[key]
-        if isinstance(source, np.ndarray):
-            value = source[number]
-        else:
-            rng = np.random.default_rng(self._sequence(number, key))
-            drawn = source.rvs(size=1 if key in self._climb else size, random_state=rng)
-            with inside("vary"):
-                value = _numbers(key, drawn).ravel()
-                if value.size not in (1, size):
-                    raise InputError(key, f"draws {value.size} numbers where {size} are wanted")
-        if key in self._climb and value.size == 1:  # its x component
-            return np.array([value[0], self._climb[key]])
+        """A member's values of one quantity."""
+        value = self._arrays[key][number] if key in self._arrays else self._draw(key, number)
+        if key in self._velocity_y and value.size == 1:  # its x component
+            return np.array([value[0], self._velocity_y[key]])
+        return value
+
+    def _draw(self, key: str, number: int) -> np.ndarray:
+        """A member's random values of one quantity."""
+        rng = np.random.default_rng(self._sequence(number, key))
+        size = self.sizes[key]
+        wanted = 1 if key in self._velocity_y else size
+        with inside("vary"):
+            drawn = self._distributions[key].rvs(size=wanted, random_state=rng)
+            value = _numbers(key, drawn).ravel()
+            if value.size not in (1, size):
+                raise InputError(key, f"must draw 1 or {size} numbers, got {value.size}")
         return value
 
 
-def _draws(source: Any) -> bool:
-    return callable(getattr(source, "rvs", None))
-
-
-def _size(scene: Scene, key: Any) -> int:
-    """How many numbers a quantity has: one for each asperite, or two of a velocity."""
+def _size(scene: Scene, key: str) -> int:
+    """The length of a quantity's rows: one number for each asperite, or two of a velocity."""
     name, _, quantity = str(key).rpartition(".")
     known = name in [s.name for s in scene.surfaces]
     if known and quantity == VELOCITY:
@@ -121,8 +165,8 @@ def _size(scene: Scene, key: Any) -> int:
     )
 
 
-def _rows(key: str, source: Any, size: int) -> np.ndarray:
-    """(n, 1) or (n, size) values, a row for each member."""
+def _rows(key: str, source: Source, size: int) -> np.ndarray:
+    """Values (n, 1) or (n, size), a row for each member."""
     if not is_list(source):
         raise InputError(
             key,
@@ -134,15 +178,15 @@ def _rows(key: str, source: Any, size: int) -> np.ndarray:
         table = table[:, None]
     if table.ndim != 2 or table.shape[1] not in (1, size):
         raise InputError(
-            key, f"must be of shape (members,) or (members, {size}), got {np.shape(source)}"
+            key, f"must be of shape (members,) or (members, {size}), got {np.shape(table)}"
         )
     return table
 
 
-def _numbers(key: str, value: Any) -> np.ndarray:
+def _numbers(key: str, value: object) -> np.ndarray:
     """An array of finite floats."""
     try:
-        table = np.array(value, dtype=float)
+        table: np.ndarray = np.array(value, dtype=float)
     except (TypeError, ValueError):
         raise InputError(key, f"must be numbers, got {short_repr(value)}") from None
     if not np.all(np.abs(table) <= LARGEST_NUMBER):

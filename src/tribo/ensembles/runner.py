@@ -1,15 +1,16 @@
-"""Running the members of an ensemble, one like the other, here or by an executor's processes."""
+"""Running the members of an ensemble, in this process or in those of an executor."""
 
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from tribo.accuracy import scales as acc
 from tribo.accuracy.plan import Plan
+from tribo.accuracy.scales import reported_scales
 from tribo.ensembles.members import Member, Variation
 from tribo.kernels.status import MEANINGS, Status
 from tribo.model.scene import Scene
@@ -21,14 +22,17 @@ from tribo.run.streamed_ledger import exceeds_memory
 from tribo.simulation import Simulation, from_settings
 from tribo.validation import InputError, short_repr
 
-FIRST = 16  # members, whose spread decides how many there will be, and which are run again
-CHUNKS = 32  # that an executor is handed at a time
-INTERRUPTED = "Interrupted"
-WORKS = ("w1", "w2", "wL", "wR", "w_int")  # of every asperite
+# Members whose spread determines the number of all, and which are run again to check the settings:
+# at 15 degrees of freedom the quantile of Student's distribution is 9 % above that of the normal.
+FIRST_STAGE = 16
+# Jobs that members are divided into for an executor.
+JOBS = 32
+# Works of each asperite whose sums over a surface are kept.
+WORKS = ("w1", "w2", "wL", "wR", "w_int")
 
 
 class Outcome(NamedTuple):
-    """What is kept of one member's run."""
+    """The part of a member's result that is kept."""
 
     status: Status
     values: np.ndarray  # (names, times); NaN after it stopped
@@ -40,24 +44,47 @@ class Outcome(NamedTuple):
     @property
     def completed(self) -> bool:
         """Whether it reached its end."""
-        return self.status == "completed"
+        return self.status == Status.COMPLETED
 
 
-class Second(NamedTuple):
-    """What was found by running some members once more; empty if that was interrupted."""
+class SettingsCheck(NamedTuple):
+    """Second runs of some members, by which the settings are checked; empty if interrupted."""
 
-    halved: Mapping[int, np.ndarray] = {}  # values at half the step, by the members' numbers
-    errors: Sequence[Outcome] = ()  # with estimates of the errors of single runs
+    at_half_step: Mapping[int, np.ndarray] = {}  # values (names, times) by the members' numbers
+    with_estimates: Sequence[Outcome] = ()  # with error estimates of single runs
 
 
-def bulk_names(scene: Scene) -> list[str]:
+class Job(NamedTuple):
+    """Some members and how they are run; it can be pickled."""
+
+    scene: str  # as text
+    plan: Plan
+    names: list[str]
+    members: list[Member]
+    own_scenes: bool
+    estimate: bool
+
+
+class Mapper(Protocol):
+    """An engine that has no more than ``map``."""
+
+    def map(
+        self, function: Callable[[Job], list[Outcome]], jobs: Iterable[Job], /
+    ) -> Iterable[list[Outcome]]:
+        """The function's values, in the order of the jobs."""
+
+
+Engine = Executor | Mapper
+
+
+def total_names(scene: Scene) -> list[str]:
     """Names of the series of the surfaces as wholes and of the system."""
     blocks = [f"{s.name}.{name}" for s in scene.surfaces for name in BLOCK_QUANTITIES]
     return [*blocks, *SYSTEM_QUANTITIES]
 
 
 def sum_names(scene: Scene) -> list[str]:
-    """Names of works that are reported of asperites, whose sums over a surface have means too."""
+    """Names of the works and heats of asperites that are summed over their surface."""
     names = []
     for surface in scene.surfaces:
         fields = any(surface.name in item.on for item in scene.fields)
@@ -66,8 +93,8 @@ def sum_names(scene: Scene) -> list[str]:
     return names
 
 
-def check_engine(engine: Any) -> None:
-    """Complain about what takes no jobs; None is nobody, and will do."""
+def check_engine(engine: Engine | None) -> None:
+    """Refuse an engine that takes no jobs; None runs the members in this process."""
     if engine is not None and not (hasattr(engine, "submit") or hasattr(engine, "map")):
         raise InputError(
             "engine", f"must have submit or map, as an executor has, got {short_repr(engine)}"
@@ -75,43 +102,69 @@ def check_engine(engine: Any) -> None:
 
 
 class Runner:
-    """The members that have been run, and how."""
+    """Runs members and keeps their outcomes.
+
+    Parameters
+    ----------
+    simulation
+        of the ensemble's scene; all members are run by its plan
+    variation
+        the differences between members
+    engine
+        runs the members; None for this process
+    progress
+        called with the number of members that have been run
+
+    Attributes
+    ----------
+    names
+        of the series that are kept
+    members, outcomes
+        those that have been run, in order
+    interrupted
+        whether an interrupt ended the runs
+    """
 
     def __init__(
-        self, simulation: Simulation, variation: Variation, engine: Any, progress: Any
+        self,
+        simulation: Simulation,
+        variation: Variation,
+        engine: Engine | None,
+        progress: Callable[[int], None] | None,
     ) -> None:
-        """Nobody has been run yet."""
         self.simulation = simulation
-        self.names = bulk_names(simulation.scene)
+        self.variation = variation
+        self.names = total_names(simulation.scene)
         if not exceeds_memory(simulation.layout, simulation.scene.times.size):
             self.names += sum_names(simulation.scene)
         self.members: list[Member] = []
         self.outcomes: list[Outcome] = []
         self.interrupted = False
-        self._variation = variation
         self._engine = engine
         self._progress = progress
-        self._anew = variation.random or variation.moves
 
     @property
     def completed(self) -> int:
-        """How many members reached their end."""
+        """The number of members that reached their end."""
         return sum(outcome.completed for outcome in self.outcomes)
 
     @property
-    def complete(self) -> np.ndarray:
+    def complete_values(self) -> np.ndarray:
         """(complete members, names, times) values."""
         return np.array([o.values for o in self.outcomes if o.completed])
 
     def add(self, count: int) -> None:
-        """Run that many members more.  After an interrupt those that are complete are kept."""
+        """Run `count` more members.  After an interrupt those that are complete are kept.
+
+        Raises InputError if fewer than two members reach their end.
+        """
         start = len(self.members)
-        members = [self._variation.member(k) for k in range(start, start + count)]
+        members = [self.variation.member(k) for k in range(start, start + count)]
         runs = self._run(members, self.simulation.settings, False)
         try:
             for member in members:
                 outcome = next(runs)
-                if outcome.status == INTERRUPTED:
+                if outcome.status == Status.INTERRUPTED:
                     raise KeyboardInterrupt
                 self.members.append(member)
                 self.outcomes.append(outcome)
@@ -122,80 +175,97 @@ class Runner:
             if self.completed < 2:
                 raise
         if self.completed < 2:
-            statuses = sorted({o.status for o in self.outcomes} - {"completed"})
+            statuses = sorted({o.status for o in self.outcomes} - {Status.COMPLETED})
             raise InputError(
                 "scene",
                 f"is completed by {self.completed} of {len(self.outcomes)} members, and a mean "
-                "is of two at least; "
+                "takes at least two; "
                 + "; ".join(f"{status}: {MEANINGS[status]}" for status in statuses),
             )
 
-    def look_again(self) -> Second:
-        """The first members once more, at half the step or for the estimates of their errors."""
-        some = [m for m, o in zip(self.members, self.outcomes, strict=True) if o.completed][:FIRST]
-        settings = self.simulation.settings
-        estimate = settings.tuned is not None
-        if not estimate:
-            settings = settings.at_half_step()
+    def check_settings(self) -> SettingsCheck:
+        """Run the first members again, with half the step or with error estimates."""
+        complete = [m for m, o in zip(self.members, self.outcomes, strict=True) if o.completed]
+        first = complete[:FIRST_STAGE]
+        plan = self.simulation.settings
+        estimate = plan.tuned is not None
         try:
-            again = list(self._run(some, settings, estimate))
+            again = list(self._run(first, plan if estimate else plan.at_half_step(), estimate))
         except KeyboardInterrupt:
-            return Second()
-        if any(o.status == INTERRUPTED for o in again):
-            return Second()
+            return SettingsCheck()
+        if any(o.status == Status.INTERRUPTED for o in again):
+            return SettingsCheck()
         if estimate:
-            return Second(errors=again)
-        numbered = zip(some, again, strict=True)
-        return Second(halved={m.number: o.values for m, o in numbered if o.completed})
+            return SettingsCheck(with_estimates=again)
+        numbered = zip(first, again, strict=True)
+        return SettingsCheck(at_half_step={m.number: o.values for m, o in numbered if o.completed})
 
-    def _run(self, members: list[Member], settings: Plan, estimate: bool) -> Iterator[Outcome]:
+    def _run(self, members: list[Member], plan: Plan, estimate: bool) -> Iterator[Outcome]:
         """Outcomes in the members' order."""
-        if self._engine is None:
-            here = from_settings(self.simulation.scene, settings)
-            return (
-                run_member(here, self.names, member, self._anew, estimate) for member in members
-            )
-        return self._sent(members, settings, estimate)
-
-    def _sent(self, members: list[Member], settings: Plan, estimate: bool) -> Iterator[Outcome]:
-        """The same by the engine; a scene travels as its file, whose plug-ins are loaded there."""
-        size = -(-len(members) // CHUNKS)
-        text = scene_text(self.simulation.scene)
-        jobs = [
-            (text, settings, self.names, members[k : k + size], self._anew, estimate)
-            for k in range(0, len(members), size)
-        ]
-        if not hasattr(self._engine, "submit"):
-            for outcomes in self._engine.map(run_chunk, jobs):
-                yield from outcomes
+        own_scenes = self.variation.own_scenes
+        if self._engine is not None:
+            size = -(-len(members) // JOBS)
+            text = scene_text(self.simulation.scene)  # from which plug-ins are loaded there
+            jobs = [
+                Job(text, plan, self.names, members[k : k + size], own_scenes, estimate)
+                for k in range(0, len(members), size)
+            ]
+            yield from _run_jobs(self._engine, jobs)
             return
-        futures = [self._engine.submit(run_chunk, job) for job in jobs]
-        try:
-            for future in futures:
-                yield from future.result()
-        finally:
-            for future in futures:
-                future.cancel()
+        simulation = from_settings(self.simulation.scene, plan)
+        for member in members:
+            yield run_member(simulation, self.names, member, own_scenes, estimate)
 
 
-def run_chunk(job: tuple[str, Plan, list[str], list[Member], bool, bool]) -> list[Outcome]:
-    """Run some members in a process that knows nothing of the scene yet."""
-    text, settings, names, members, anew, estimate = job
-    simulation = from_settings(scene_from(tomllib.loads(text)), settings)
-    return [run_member(simulation, names, member, anew, estimate) for member in members]
+def _run_jobs(engine: Engine, jobs: list[Job]) -> Iterator[Outcome]:
+    """Outcomes of all jobs, in order."""
+    if not isinstance(engine, Executor) and not hasattr(engine, "submit"):
+        for outcomes in engine.map(run_job, jobs):
+            yield from outcomes
+        return
+    futures = [engine.submit(run_job, job) for job in jobs]
+    try:
+        for future in futures:
+            yield from future.result()
+    finally:
+        for future in futures:
+            future.cancel()
+
+
+def run_job(job: Job) -> list[Outcome]:
+    """Run the members of a job, in a process that may not have the scene yet."""
+    simulation = from_settings(scene_from(tomllib.loads(job.scene)), job.plan)
+    return [
+        run_member(simulation, job.names, member, job.own_scenes, job.estimate)
+        for member in job.members
+    ]
 
 
 def run_member(
-    simulation: Simulation, names: list[str], member: Member, anew: bool, estimate: bool
+    simulation: Simulation, names: list[str], member: Member, own_scene: bool, estimate: bool
 ) -> Outcome:
-    """One member; `anew` where more of its scene is its own than initial angles and rates."""
-    if anew:
+    """Run one member.
+
+    Parameters
+    ----------
+    simulation
+        of the ensemble's scene
+    names
+        of the series that are kept
+    member
+        its initial values, velocities and seed
+    own_scene
+        whether members differ in more than initial angles and rates
+    estimate
+        whether to estimate the run's errors
+    """
+    if own_scene:
         simulation = from_settings(member.scene(simulation.scene), simulation.settings)
     result = simulation.compute(member.start, estimate=estimate)
     return Outcome(
         result.status,
         _values(result, names),
-        acc.reported_scales(simulation.layout, result.ledger).energy,
+        reported_scales(simulation.layout, result.ledger).energy,
         result.error_estimate,
         result.met,
         result.notes,
@@ -203,7 +273,7 @@ def run_member(
 
 
 def _values(result: Result, names: list[str]) -> np.ndarray:
-    """(names, times) series of a result at the times of its scene, asperites' summed."""
+    """(names, times) series of a result at the times of its scene, summed over asperites."""
     times = result.scene.times
     found = [result.ledger.series(name)[0] for name in names]
     series = [item if item.ndim == 1 else np.sum(item, axis=1) for item in found]

@@ -1,0 +1,149 @@
+"""Runs compared with one another: bounds on errors, and the amplification of small changes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Protocol
+
+import numpy as np
+
+from tribo.accuracy.estimate import distance, estimate, rounding
+from tribo.accuracy.scales import EPSILON, KINDS, Scales, kind_of, reported_scales
+from tribo.kernels.status import Status
+from tribo.run.integrate import Integration, Setting
+from tribo.run.layout import Layout
+from tribo.run.ledger import Ledger, assemble
+from tribo.validation import InputError
+
+# Change of every initial theta that measures the amplification [radian]: small enough to
+# grow linearly, large against round-off.
+PERTURBATION = 1e-11
+# Statuses of runs that were ended from outside, which other settings would not change.
+ABORTED = (Status.INTERRUPTED, Status.CALCULATOR_FAILED)
+
+# The largest relative error of everything, or of each quantity by name.
+Accuracy = float | Mapping[str, float]
+
+
+class Attempt(Protocol):
+    """Runs the scene with a setting."""
+
+    def __call__(
+        self, setting: Setting, times: np.ndarray, start: np.ndarray | None = None
+    ) -> Integration:
+        """Record at `times`, from the state `start` or else the scene's own start."""
+
+
+def strictest(accuracy: Accuracy) -> float:
+    """The smallest error in an accuracy."""
+    return min(accuracy.values()) if isinstance(accuracy, Mapping) else accuracy
+
+
+def observables(accuracy: Accuracy) -> tuple[str, ...]:
+    """The quantities that an accuracy names; none if it is for everything."""
+    return tuple(accuracy) if isinstance(accuracy, Mapping) else ()
+
+
+def error_bounds(
+    layout: Layout,
+    fine: Integration,
+    coarser: Sequence[Integration],
+    amplification: float | None,
+    names: Iterable[str] = (),
+) -> tuple[dict[str, float], Scales]:
+    """Bounds on the errors of a run.
+
+    Parameters
+    ----------
+    layout
+        the scene
+    fine
+        the run
+    coarser
+        runs that it is compared with; if one stopped early, all bounds are infinite
+    amplification
+        of a small change of the start; None where it was not measured
+    names
+        of further quantities, as "upper.W"
+
+    Returns
+    -------
+    bounds : dict
+        by quantity, in its own unit
+    scales : Scales
+        which errors are relative to
+
+    Raises
+    ------
+    InputError
+        if the scene does not report a quantity in `names`
+    """
+    names = tuple(names)
+    own = assemble(layout, fine.samples)
+    for name in names:
+        if not own.series(name):
+            raise InputError(f"accuracy.{name}", "is not a quantity that this scene reports")
+    compared = (_at_shared_times(layout, own, fine, coarse) for coarse in coarser)
+    scales = reported_scales(layout, own)
+    rough, rounded = np.isfinite(layout.scene.smoothness), rounding(amplification, fine.steps)
+    bounds = estimate(own, compared, scales, bool(rough), rounded, names)
+    if any(run.status != Status.COMPLETED for run in coarser):
+        bounds = dict.fromkeys(bounds, np.inf)
+    return bounds, scales
+
+
+def _at_shared_times(
+    layout: Layout, own: Ledger, one: Integration, other: Integration
+) -> tuple[Ledger, Ledger]:
+    """The ledgers of two runs at the times that both recorded; `own` is that of the first."""
+    shared = other.samples.at(one.samples.t)
+    return own.rows(np.isin(one.samples.t, shared.t)), assemble(layout, shared)
+
+
+def measure_amplification(
+    layout: Layout,
+    attempt: Attempt,
+    setting: Setting,
+    run: Integration,
+    names: tuple[str, ...] = (),
+) -> float | None:
+    """The growth of a small change of the start.
+
+    Parameters
+    ----------
+    layout
+        the scene
+    attempt
+        runs it with a setting, through times, from a start
+    setting, run
+        of the scene's own start
+    names
+        of the quantities that matter; by default all that have a scale
+
+    Returns
+    -------
+    float or None
+        the largest difference of the two runs relative to the scales, over PERTURBATION; None if
+        the second run was aborted
+    """
+    start = layout.start.copy()
+    start[: layout.model.asperites.size] += PERTURBATION
+    other = attempt(setting, run.samples.t, start)
+    if other.status in ABORTED:
+        return None
+    own = assemble(layout, run.samples)
+    scales = reported_scales(layout, own)
+    scaled = [name for name in names or KINDS if scales.of(kind_of(name)) > 0.0]
+    return distance(*_at_shared_times(layout, own, run, other), scales, scaled) / PERTURBATION
+
+
+def out_of_reach(accuracy: float, amplification: float) -> str:
+    """The reason why an accuracy cannot be kept."""
+    reason = ""
+    if amplification * EPSILON < accuracy:
+        reason = "finer settings gain too little, though "
+    return (
+        f"accuracy {accuracy:.1e} is out of reach: {reason}a change of {PERTURBATION:.0e} in the "
+        f"start grows to {amplification * PERTURBATION:.1e} of the scale, and round-off of "
+        f"{EPSILON:.1e} with it to about {amplification * EPSILON:.1e}"
+    )
