@@ -214,7 +214,7 @@ class WorkPrecision:
         ax.set_ylabel("largest error, in units of its scale")
         return ax
 
-    def save_figure(self, path: str | Path) -> None:
+    def save_figure(self, path: str | Path) -> Path:
         """Draw error against time and against evaluations.
 
         Parameters

@@ -100,7 +100,7 @@ def stopped(*results):
 
 
 class Steps(NamedTuple):
-    """Two runs of a scene, with a step and with half of it, agree with the solution in the limit."""
+    """Two runs of a scene, with a step and half of it, approach the solution."""
 
     scene: str
     method: str

@@ -71,7 +71,7 @@ class ContactProbe:
             probe(self.layout.model, positions, charges, energies, forces)
         except COMPILE_ERRORS as error:
             raise compile_error(self.layout.named_plugins, error) from None
-        for call in self.layout.calls:
+        for call in self.layout.calculator_calls:
             if call.error is not None:
                 problem = f"the calculator raises {type(call.error).__name__}: {call.error}"
                 raise InputError("potential", problem)
