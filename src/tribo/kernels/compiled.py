@@ -30,6 +30,9 @@ inlined = njit(
     forceinline=True,
     _nrt=False,
 )
+# Expanded in its caller before that is typed: it adds no function that LLVM has to optimise.  Every
+# other kernel is optimised together with all that it calls, and again in each of its callers.
+expanded = njit(error_model="numpy", inline="always")
 shared_kernel = njit(error_model="numpy", _nrt=False)
 owning_kernel = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=True)
 shared_owning_kernel = njit(error_model="numpy", _nrt=True)
