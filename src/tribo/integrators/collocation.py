@@ -16,7 +16,7 @@ import numpy as np
 
 from tribo.integrators.linear_combinations import add, add_twice, combine, combine_twice, largest
 from tribo.integrators.step_control import EPSILON, all_finite, evaluate_rates, growth_factor
-from tribo.kernels.compiled import kernel, owning_kernel
+from tribo.kernels.compiled import expanded, kernel, owning_kernel
 from tribo.kernels.equations_of_motion import equations_of_motion
 from tribo.kernels.powers import all_powers
 from tribo.kernels.samples import copy, copy_rows, copy_state
@@ -164,7 +164,7 @@ def evaluate_node(model, neighbours, method, i, t, h, y, work):
     equations_of_motion(model, neighbours, t + method.c[i] * h, q, v, work.acceleration)
 
 
-@kernel
+@expanded
 def sweep(model, neighbours, method, t, h, y, work):
     """Replace the values at all nodes; returns their largest change, times h, in their units."""
     change = 0.0
@@ -179,7 +179,7 @@ def sweep(model, neighbours, method, t, h, y, work):
     return change
 
 
-@kernel
+@expanded
 def solve(method, model, neighbours, clock, h, state, work, tolerance, stall):
     """Sweep until the next change would be below `tolerance`, or stalls below `stall`.
 
@@ -200,7 +200,7 @@ def solve(method, model, neighbours, clock, h, state, work, tolerance, stall):
     return False
 
 
-@kernel
+@expanded
 def evaluate_powers(method, model, neighbours, clock, h, state, work):
     """A last sweep, with the powers at all nodes."""
     n = state.acceleration.size
@@ -219,7 +219,7 @@ def error_weight(level):
     return math.sqrt(level) / HIGHEST_TERM
 
 
-@kernel
+@expanded
 def estimate_error(method, h, state, work, tolerance):
     """The error that goes with the polynomials' highest terms, in units of the tolerance."""
     n = state.acceleration.size
@@ -228,7 +228,7 @@ def estimate_error(method, h, state, work, tolerance):
     return error_weight(tolerance.level) * (velocities + accounts)
 
 
-@kernel
+@expanded
 def complete_step(method, model, neighbours, clock, h, end, state, work):
     """From the state at the start of the step to the state at its end, in place."""
     n = state.acceleration.size

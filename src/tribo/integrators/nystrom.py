@@ -17,7 +17,7 @@ import numpy as np
 
 from tribo.integrators.linear_combinations import add, add_twice, combine, combine_twice, largest
 from tribo.integrators.step_control import evaluate_rates, growth_factor
-from tribo.kernels.compiled import kernel, owning_kernel
+from tribo.kernels.compiled import expanded, kernel, owning_kernel
 from tribo.kernels.equations_of_motion import equations_of_motion
 from tribo.kernels.powers import all_powers
 from tribo.kernels.records import BAR, BOB
@@ -97,7 +97,7 @@ def restore_forces(model, work, i):
         model.bars[m] = work.bars[i, m]
 
 
-@kernel
+@expanded
 def evaluate_stages(method, model, neighbours, clock, h, end, state, new, work):
     """Forces at all stages; coordinates, velocities and their rates of change at the end."""
     n = state.acceleration.size
@@ -119,7 +119,7 @@ def evaluate_stages(method, model, neighbours, clock, h, end, state, new, work):
     clock.evaluations += last
 
 
-@kernel
+@expanded
 def evaluate_powers(method, model, t, h, state, work):
     """Powers at all stages where they have a weight; leaves the forces at the end in place."""
     n = state.acceleration.size
@@ -131,7 +131,7 @@ def evaluate_powers(method, model, t, h, state, work):
     restore_forces(model, work, 0)
 
 
-@kernel
+@expanded
 def estimate_error(method, h, state, work, tolerance):
     """The step's error by the embedded method, in units of the tolerance; nan where one is."""
     n = state.acceleration.size

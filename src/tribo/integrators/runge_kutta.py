@@ -11,7 +11,7 @@ import numpy as np
 
 from tribo.integrators.linear_combinations import add, combine, largest
 from tribo.integrators.step_control import evaluate_rates, growth_factor
-from tribo.kernels.compiled import inlined, owning_kernel
+from tribo.kernels.compiled import expanded, owning_kernel
 from tribo.kernels.samples import copy, copy_state
 from tribo.kernels.status import COMPLETED
 
@@ -83,7 +83,7 @@ def empty_stages(count, state):
     )
 
 
-@inlined
+@expanded
 def evaluate_stages(method, model, neighbours, clock, h, state, work):
     """Rates of change at all stages."""
     n = state.acceleration.size
@@ -101,7 +101,7 @@ def evaluate_stages(method, model, neighbours, clock, h, state, work):
     clock.evaluations += method.b.size - 1
 
 
-@inlined
+@expanded
 def complete_step(method, model, neighbours, clock, h, end, state, work):
     """From the state at the start of the step to the state at its end, in place."""
     add(state.y, state.y_low, h, method.b, work.derivatives)
@@ -110,7 +110,7 @@ def complete_step(method, model, neighbours, clock, h, end, state, work):
     clock.evaluations += 1
 
 
-@inlined
+@expanded
 def largest_error(weights, h, state, work, tolerance):
     """Largest error that these weights estimate, in units of the tolerance."""
     return max(

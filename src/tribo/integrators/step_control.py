@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tribo.kernels.compiled import kernel
+from tribo.kernels.compiled import expanded, kernel
 from tribo.kernels.contact import encounter_rate, widest_rate
 from tribo.kernels.equations_of_motion import equations_of_motion, place_bobs, top_speeds
 from tribo.kernels.neighbours import crowded, is_empty, refresh
@@ -84,7 +84,7 @@ def all_finite(x):
     return True
 
 
-@kernel
+@expanded
 def evaluate_rates(model, neighbours, t, y, acceleration, power):
     """Compute q'' and s' at one instant."""
     n = y.size // 2

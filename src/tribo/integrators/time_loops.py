@@ -57,13 +57,13 @@ def _workspace(self, model, state):
     return self.instance_class.workspace
 
 
-# A call that is not inlined passes every array of the scene.
-@_find_by_class("step", _nrt=False, forceinline=True)
+# Without reference counting, steps of a pair of asperites take 10 to 20 % less time.
+@_find_by_class("step", _nrt=False)
 def _step(self, model, neighbours, clock, h, end, state, work):
     return self.instance_class.step
 
 
-@_find_by_class("trial", _nrt=False, forceinline=True)
+@_find_by_class("trial", _nrt=False)
 def _trial(self, model, neighbours, clock, h, end, state, new, tolerance, work):
     return self.instance_class.trial
 

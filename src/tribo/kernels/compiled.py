@@ -31,6 +31,9 @@ inlined = njit(
     forceinline=True,
     _nrt=False,
 )
+# Expanded in its caller before that is typed: it adds no function that LLVM has to optimise.  Every
+# other kernel is optimised together with all that it calls, and again in each of its callers.
+expanded = njit(error_model="numpy", inline="always")
 # Kernels that Python calls too.
 shared_kernel = njit(error_model="numpy", _nrt=False)
 # Kernels that make or return arrays.
