@@ -21,7 +21,6 @@ from typing import NamedTuple
 from unittest import mock
 
 import numpy as np
-
 from scipy.linalg import expm
 
 from support import reference
@@ -101,7 +100,7 @@ def stopped(*results):
 
 
 class Steps(NamedTuple):
-    """Two runs of a scene, with a step and with half of it, agree with the solution in the limit."""
+    """The limit of two runs, with a step and with half of it, agrees with the solution."""
 
     scene: str
     method: str
@@ -148,9 +147,7 @@ class AsPair(NamedTuple):
 
     def __call__(self):
         with registers_as_arrays():
-            run = simulate(
-                ALL[self.scene], method="gauss-radau-15", accuracy=self.accuracy
-            )
+            run = simulate(ALL[self.scene], method="gauss-radau-15", accuracy=self.accuracy)
         return stopped(run) or complaint(ends(run), solution(self.scene), self.tolerance)
 
 

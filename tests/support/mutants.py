@@ -175,7 +175,9 @@ def replacements(node: ast.AST, parent: ast.AST, words: set[str]) -> list[ast.AS
 def of_statement(node: ast.stmt) -> list[ast.AST]:
     """Without the statement, and with the sign or the condition turned round."""
     found: list[ast.AST] = []
-    assigned = isinstance(node, ast.Assign) and not isinstance(node.targets[0], (ast.Name, ast.Tuple))
+    assigned = isinstance(node, ast.Assign) and not isinstance(
+        node.targets[0], (ast.Name, ast.Tuple)
+    )
     called = isinstance(node, ast.Expr) and isinstance(node.value, ast.Call)
     if assigned or called or isinstance(node, (ast.AugAssign, ast.Continue)):
         found.append(ast.Pass())

@@ -111,11 +111,27 @@ SCENES = {
         },
         interaction=[
             POTENTIALS["lennard-jones"]
-            | {"cutoff": 1.2, "switch_from": 0.6, "species": ["A", "B"], "between": ["upper", "lower"]},
+            | {
+                "cutoff": 1.2,
+                "switch_from": 0.6,
+                "species": ["A", "B"],
+                "between": ["upper", "lower"],
+            },
             POTENTIALS["morse"]
-            | {"cutoff": 1.3, "switch_from": 0.6, "species": ["A", "A"], "between": ["upper", "lower"]},
+            | {
+                "cutoff": 1.3,
+                "switch_from": 0.6,
+                "species": ["A", "A"],
+                "between": ["upper", "lower"],
+            },
             POTENTIALS["morse"]
-            | {"cutoff": 1.1, "switch_from": 0.5, "D": 0.1, "between": ["upper", "upper"], "species": ["A", "A"]},
+            | {
+                "cutoff": 1.1,
+                "switch_from": 0.5,
+                "D": 0.1,
+                "between": ["upper", "upper"],
+                "species": ["A", "A"],
+            },
         ],
         periodic={"x": 4.4, "z": 2.9},
         duration=0.6,
