@@ -60,7 +60,12 @@ CHECKS = {
 }
 
 
-@pytest.mark.parametrize("name", EXAMPLES)
+LONG = {"commensurate_rows", "stick_slip"}  # about a minute each
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=[pytest.mark.slow] if n in LONG else []) for n in EXAMPLES]
+)
 def test_example(name, tmp_path):
     shown = example(name).main(tmp_path)
     assert [path.suffix for path in tmp_path.iterdir()] == [".png"]

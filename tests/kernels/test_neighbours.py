@@ -87,7 +87,14 @@ def test_lists_give_all_pairs_bit_for_bit(periodic, monkeypatch):
             assert np.array_equal(plain[name][quantity], by_list[name][quantity]), quantity
 
 
-@pytest.mark.parametrize("method", ["verlet", "dop853", "rkn8", "gauss-radau-15"])
+@pytest.mark.parametrize(
+    "method",
+    [
+        "verlet",
+        "dop853",
+        *(pytest.param(m, marks=pytest.mark.slow) for m in ("rkn8", "gauss-radau-15")),
+    ],
+)
 def test_a_list_that_outgrows_its_room(method, monkeypatch):
     """All pairs are computed for rows without room, until the list is given more."""
     wanted = replace(long_slide({}), duration=4.0, output=tribo.Output(samples=5))

@@ -680,8 +680,13 @@ def test_wrong_potentials_in_python(call, sentence):
     ("at_cutoff", "method", "note"),
     [
         ("truncate", "midpoint", "the energy of 'coulomb' jumps"),
-        ("shift", "midpoint", "'coulomb' has 0 continuous derivatives; midpoint needs 1"),
-        ("force-shift", "midpoint", None),
+        pytest.param(
+            "shift",
+            "midpoint",
+            "'coulomb' has 0 continuous derivatives; midpoint needs 1",
+            marks=pytest.mark.slow,
+        ),
+        pytest.param("force-shift", "midpoint", None, marks=pytest.mark.slow),
         ("force-shift", "kahan-li-6", "'coulomb' has 1 continuous derivatives; kahan-li-6 needs 2"),
         ("switch", "kahan-li-6", None),
     ],

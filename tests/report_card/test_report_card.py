@@ -15,6 +15,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tribo import report_card
 from tribo.cli import main
 from tribo.potentials import (
     BUILT_IN,
@@ -73,6 +74,7 @@ PARAMETERS = {
     "table": [{"r": PLACES.tolist(), "energy": LennardJones(1.0, 1.0).energy(PLACES).tolist()}],
     "a*exp(-(r - b)**2/c**2) - cos(k*r)/r": [{"a": 1.0, "b": 3.0, "c": 0.5, "k": 6.0}],
 }
+RUN = {"coulomb", "lennard-jones", "morse", "sum", "table"}  # with runs in the default set
 RUNS = {"verlet", "kahan-li-6"}
 ROUGH = {  # potentials whose force is not smooth enough on the path for some runs
     "weeks-chandler-andersen": {"kahan-li-6"},
@@ -95,7 +97,7 @@ def test_every_built_in_has_an_entry():
 @pytest.mark.parametrize(
     ("name", "parameters"),
     [
-        pytest.param(name, item, marks=[pytest.mark.slow] if k > 0 else [])
+        pytest.param(name, item, marks=[pytest.mark.slow] if k > 0 or name not in RUN else [])
         for name, sets in PARAMETERS.items()
         for k, item in enumerate(sets)
     ],
@@ -108,6 +110,15 @@ def test_built_in(name, parameters, tmp_path):
     assert RUNS - ROUGH.get(name, set()) <= lines
     if name in ("lennard-jones", "morse", "mie"):
         assert "minimum" in lines
+
+
+@pytest.mark.parametrize("name", [name for name in PARAMETERS if name not in RUN])
+def test_built_in_without_runs(name, tmp_path, monkeypatch):
+    """All of the card but the runs, each of which compiles a time loop."""
+    monkeypatch.setattr(report_card, "check_motion", lambda specimen: [])
+    report = check(from_table({"potential": name} | PARAMETERS[name][0], tmp_path))
+    assert report.passed, str(report)
+    assert len(report.checks) >= 8
 
 
 @pytest.mark.parametrize("at_cutoff", AT_CUTOFF)

@@ -100,7 +100,7 @@ def stopped(*results):
 
 
 class Steps(NamedTuple):
-    """Two runs of a scene, with a step and half of it, approach the solution."""
+    """The limit of two runs, with a step and with half of it, agrees with the solution."""
 
     scene: str
     method: str
@@ -344,6 +344,47 @@ class Friction(NamedTuple):
         return ""
 
 
+class DraggedByHand(NamedTuple):
+    """The free drive with the friction of a reservoir, as a plug-in."""
+
+    gamma: float
+    x: float  # velocity of the reservoir
+    y: float
+
+    def force_on_bar(self, t, x, y, vx, vy, fx, fy):
+        """f2."""
+        return -self.gamma * (vx - self.x), -fy - self.gamma * (vy - self.y)
+
+
+class Dragged(NamedTuple):
+    """A drive that is friction moves the surfaces as a reservoir does."""
+
+    method: str
+    step: float
+    tolerance: float
+
+    def __call__(self):
+        table = ALL["open"] | {"field": []}
+        lower = table["surface"][1] | {"drive": "free"}
+        table |= {"surface": [table["surface"][0], lower]}
+        scene = importlib.import_module("tribo.model.scene_file").scene_from(table)
+        by_hand = replace(scene, surfaces=tuple(map(dragged, scene.surfaces)))
+        run = importlib.import_module("tribo.simulation").simulate
+        one, other = (run(s, method=self.method, step=self.step) for s in (scene, by_hand))
+        for name in ("upper", "lower"):
+            for quantity in ("theta", "omega", "x_cm", "y_cm", "vx_cm", "vy_cm"):
+                if not np.allclose(one[name][quantity], other[name][quantity], 0, self.tolerance):
+                    return f"{name}: {quantity}"
+        return ""
+
+
+def dragged(surface):
+    """The surface without its reservoir, and with a drive instead."""
+    drives = importlib.import_module("tribo.model.drives")
+    drag = DraggedByHand(surface.langevin.gamma, *surface.langevin.velocity)
+    return replace(surface, langevin=None, drive=drives.Custom(force=drag))
+
+
 def without_reservoirs(table):
     """The table as the independent solver takes it."""
     surfaces = [{k: v for k, v in s.items() if k != "langevin"} for s in table["surface"]]
@@ -361,6 +402,7 @@ CHECKS["torsional oscillators, kahan-li-6"] = Torsional("kahan-li-6", 0.1, 1e-6)
 CHECKS["midpoint, waves"] = Steps("waves", "midpoint", 0.05, 2, 1e-3)
 for _method in ("midpoint", "verlet"):
     CHECKS[f"friction, {_method}"] = Friction(_method, 1e-4, 1e-3)
+CHECKS["drag, midpoint"] = Dragged("midpoint", 0.05, 1e-12)
 CHECKS["thermal kicks"] = Thermal(0.1, 4.0, 0.5)
 for _scene in ("slid", "pulled"):
     CHECKS[f"encounters, {_scene}"] = Encounters(_scene)
