@@ -1,4 +1,4 @@
-"""Scenes that trip naive integrators, digits to compare with, all ways in which a run stops."""
+"""Scenes on which simple integrators fail, reference digits, and all ways in which a run stops."""
 
 from dataclasses import replace
 
@@ -18,7 +18,7 @@ from tribo import (
 )
 from tribo.kernels.status import MEANINGS
 
-# A scene, and what delta_e_int of its upper asperite ends at.
+# A scene, and the final delta_e_int of its upper asperite.
 HARD = {
     "a deep Morse well": (changed("A", 40.0, Morse(50.0, 20.0, 0.3), gap=0.25), 2.06392267),
     "B without its gap": (changed("B", 40.0, gap=0.0), 1.62892284),
@@ -30,7 +30,7 @@ HARD = {
 @pytest.mark.filterwarnings("ignore:the accuracy is not met:tribo.TriboWarning")
 @pytest.mark.parametrize("name", HARD)
 def test_hard_scene(name):
-    """Right to 1e-6 of its scale, and so says the estimate."""
+    """The error is below 1e-6 of the scale, and within the estimate."""
     scene, expected = HARD[name]
     result = simulate(scene, accuracy=1e-8)
     assert result.status == "completed" and result.met
@@ -50,7 +50,7 @@ DIGITS = {
 
 @pytest.mark.parametrize(("name", "end", "quantity"), DIGITS)
 def test_reference_digits(name, end, quantity):
-    """Nine digits at an accuracy of 1e-10, and the error is within what is estimated."""
+    """Nine digits at an accuracy of 1e-10; the error is within its estimate."""
     result = simulate(changed(name, end), accuracy=1e-10)
     error = abs(result["upper"][quantity][-1, 0] - DIGITS[name, end, quantity])
     assert error <= min(1e-9, result.error_estimate[quantity])
@@ -58,7 +58,7 @@ def test_reference_digits(name, end, quantity):
 
 @pytest.mark.filterwarnings("ignore:the accuracy is not met:tribo.TriboWarning")
 def test_weak_coupling():
-    """Works that are tiny against every energy in sight are right relative to their own size."""
+    """Works that are tiny against all energies have small errors relative to their own scale."""
     scene = changed("A", 40.0, Coulomb(1e-8), gap=0.3)
     rough, fine = (simulate(scene, accuracy=accuracy) for accuracy in (1e-6, 1e-11))
     works = ("w1", "w2", "w1_ps", "w2_ps", "w", "delta_e_int")
@@ -68,7 +68,7 @@ def test_weak_coupling():
         assert np.max(np.abs(rough["upper"][work] - fine["upper"][work])) <= 1e-6 * scale
 
 
-# A scene, how it is run, and the status that it ends with.
+# A scene, the arguments of its run, and the final status.
 STOPS = {
     "bobs at one place": (changed("A", start=0.0), {}, "BobsCoincide"),
     "bobs at one place, own step": (changed("A", start=0.0), {"step": 0.1}, "BobsCoincide"),
@@ -87,7 +87,7 @@ STOPS = {
 
 @pytest.mark.parametrize("name", STOPS)
 def test_run_that_stops(name):
-    """A named status, the state that was reached, and no error estimate for what it left out."""
+    """A named status, all samples up to the last state, and no accuracy met."""
     scene, how, status = STOPS[name]
     result = stopped(status, scene, **how)
     assert 0.0 <= result.t[-1] < scene.duration
@@ -99,7 +99,7 @@ def test_run_that_stops(name):
 
 @pytest.mark.parametrize("drive", [Forced(), Free()], ids=["forced", "free"])
 def test_collision_is_where_it_should_be(drive):
-    """When a head-on collision stops a run depends neither on the accuracy nor on the method."""
+    """The time of a head-on collision depends neither on the accuracy nor on the method."""
     scene = side_by_side(drive)
     found = [stopped("StepUnderflow", scene, accuracy=accuracy) for accuracy in (1e-4, 1e-6, 1e-8)]
     times = [result.t[-1] for result in found]
@@ -108,7 +108,7 @@ def test_collision_is_where_it_should_be(drive):
     assert coarse.t[-1] == pytest.approx(times[-1], abs=0.01)
 
 
-# Numbers that make sense one by one, and no scene that can be followed.
+# Each number is valid, but no method can integrate the scene.
 ABSURD = {
     "a huge angle": {"initial": Initial(theta=1e90)},
     "a bar that spins": {"initial": Initial(nu=1e90)},
@@ -123,7 +123,7 @@ ABSURD = {
 @pytest.mark.filterwarnings("ignore::RuntimeWarning", "ignore::tribo.TriboWarning")
 @pytest.mark.parametrize("name", ABSURD)
 def test_no_run_hangs(name):
-    """However absurd the numbers, a run ends soon: complete, with a named status, or refused."""
+    """A run ends after few steps: complete, with a named status, or refused."""
     scene = changed("A", 10.0, start=-1.0)
     upper, lower = scene.surfaces
     try:
@@ -134,7 +134,7 @@ def test_no_run_hangs(name):
 
 
 def test_contact_far_out_of_reach_does_not_hang():
-    """On the way to a short contact its force is next to nothing: 1e-300, and less."""
+    """Before a contact of short range its force may be 1e-300 or less."""
     for x in (10.0, 100.0):
         scene = changed("A", 60.0 + x / 0.5, Morse(1.0, 20.0, 0.3), start=-x, gap=0.25)
         result = simulate(scene, accuracy=1e-6)

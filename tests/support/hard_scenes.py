@@ -9,7 +9,6 @@ from typing import NamedTuple
 import pytest
 
 import tribo
-import tribo.run.integrate
 from tribo import (
     Asperite,
     Coulomb,
@@ -18,25 +17,30 @@ from tribo import (
     Surface,
 )
 from tribo.paper import scene as case
+from tribo.run import integrate
 
-CHUNK = 256  # steps before the first call of `progress`, and between calls at an even pace
-MOST_STEPS = 20_000_000  # of all runs together; the longest here takes 4.6 million
+# Most steps of all runs of a simulation: the longest here takes 4.6 million.
+MOST_STEPS = 20_000_000
 
 
 def simulate(scene, **how):
     """Like tribo.simulate, but fails if the runs take more than MOST_STEPS steps together.
 
-    The clock it sees advances at each look by the time between two calls of `progress`.
+    It sees a clock by which every chunk of steps takes the same time, so that all chunks have as
+    many steps as the first.
     """
     chunks = 0
 
     def watch(t):
         nonlocal chunks
         chunks += 1
-        assert chunks * CHUNK < MOST_STEPS, f"still at t = {t} after {MOST_STEPS} steps"
+        assert chunks * integrate.FIRST_CHUNK < MOST_STEPS, (
+            f"still at t = {t} after {MOST_STEPS} steps"
+        )
 
     with pytest.MonkeyPatch.context() as patch:
-        ticks = itertools.count(0.0, tribo.run.integrate.CHUNK_SECONDS)
+        ticks = itertools.count()
+        patch.setattr(integrate, "CHUNK_SECONDS", 1.0)
         patch.setattr(time, "perf_counter", lambda: next(ticks))
         return tribo.simulate(scene, progress=watch, **how)
 
@@ -50,7 +54,7 @@ def stopped(status, scene, **how):
 
 
 def changed(name, duration=40.0, potential=None, start=None, gap=None, speed=None, kappa=None):
-    """A case of the paper with some things changed; only its end is recorded."""
+    """A case of the paper with some changes; only its start and its end are recorded."""
     scene = case(name)
     upper, lower = scene.surfaces
     if start is not None:
@@ -70,7 +74,7 @@ def changed(name, duration=40.0, potential=None, start=None, gap=None, speed=Non
 
 
 class Broken(NamedTuple):
-    """Repulsion that has no value nearer than `end`."""
+    """Repulsion that is NaN below a distance of `end`."""
 
     strength: float
     end: float
@@ -85,7 +89,7 @@ class Broken(NamedTuple):
 
 
 def side_by_side(drive):
-    """Two that hang side by side and attract each other collide head on."""
+    """Two asperites side by side that attract each other and collide head on."""
     surfaces = (
         Surface(name, bob=(x, 0.0), drive=drive) for name, x in (("left", -1.0), ("right", 1.0))
     )
