@@ -88,7 +88,7 @@ def draw(path, t, runs, exact):
             ((48.0, 0.54), "no bath", grey),
             ((36.0, 0.17), f"{MANY} oscillators\n(dashed: the continuum)", red),
             ((84.0, 0.33), f"{FEW} oscillators on each bar", blue),
-            ((end_of_validity(FEW) + 1.0, 0.47), "the bath returns energy", blue),
+            ((end_of_validity(FEW) + 1.0, 0.47), f"limit of {FEW} oscillators", blue),
         ):
             plotting.note(ax, position, text, color=colour, ha="left")
         ax.set(xlabel="$t$", ylabel=r"$e_{\rm int}$", xlim=(t[0], t[-1]), ylim=(0.0, 0.6))
