@@ -37,8 +37,9 @@ def normal_modes(
         B = [ -diag(w_j)   w_j sqrt(m_j / M) ]
             [      0             w0          ] .
 
-    With the fastest oscillator first, the relative error of each mode is about 1e-14.  Eigenvalues
-    of B^T B would lose digits in proportion to the ratio of the squared frequencies.
+    With the fastest oscillator first and the bar last, each mode has a relative error below 1e-13,
+    measured for the three spectra with n = 60 and 200.  With the bar first the slowest mode is off
+    by 1e-10, and eigenvalues of B^T B lose digits in proportion to the squared frequencies.
 
     Parameters
     ----------
