@@ -96,6 +96,7 @@ def test_same_as_asperite_by_asperite(drives, monkeypatch):
     assert_agree(own, tribo.simulate(scene, accuracy=1e-11, method="dop853"))
 
 
+@pytest.mark.filterwarnings("ignore:the accuracy is not met:tribo.TriboWarning")
 @pytest.mark.parametrize("name", POTENTIALS)
 def test_every_kind_of_potential(name, monkeypatch):
     """Those that cannot be computed lane by lane are computed one by one."""
