@@ -93,6 +93,7 @@ def test_same_as_asperite_by_asperite(drives, monkeypatch):
     assert_agree(own, tribo.simulate(scene, accuracy=1e-11, method="dop853"))
 
 
+@pytest.mark.filterwarnings("ignore:the accuracy is not met:tribo.TriboWarning")
 @pytest.mark.parametrize("name", POTENTIALS)
 def test_every_kind_of_potential(name, monkeypatch):
     """Formulas that Lanes cannot compute are computed one distance after another."""
