@@ -44,10 +44,10 @@ FORCE = """
 import sys
 import numpy as np
 import tribo
-from tribo.report_card.specimen import Specimen
+from tribo.report_card.scan import PotentialScan
 for scene in sys.argv[1:]:
     (interaction,) = tribo.load_scene(scene).interactions
-    print(Specimen(interaction.potential).compiled(np.array([1.3]))[1][0])
+    print(PotentialScan(interaction.potential).compiled(np.array([1.3]))[1][0])
 """
 STAMP = "from tribo.kernels.compiled import package_stamp; print(package_stamp())"
 
@@ -183,9 +183,9 @@ def test_expressions_are_kept_apart(place):
 TYPED_IN = """
 import numpy as np
 from tribo.potentials import as_potential
-from tribo.report_card.specimen import Specimen
+from tribo.report_card.scan import PotentialScan
 {plugin}
-print(Specimen(as_potential(Own(0.2))).compiled(np.array([1.3]))[1][0])
+print(PotentialScan(as_potential(Own(0.2))).compiled(np.array([1.3]))[1][0])
 """
 
 
