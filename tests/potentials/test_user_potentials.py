@@ -116,7 +116,7 @@ FAULTS = {
     "constraints that are none": (
         [*ENERGY, "def constraints(self):", "    return self.s"],
         "def constraints(self):",
-        "must give (name, whether it will do, what would) for each",
+        "must return (parameter, whether its constraint is met, message) for each",
     ),
 }
 
