@@ -51,6 +51,15 @@ def rows(count):
     return Scene(tuple(surfaces), potential, 8.0, output=Output(samples=9))
 
 
+def falling(count):
+    """Two rows at rest that attract each other, too many to compute encounters at every step."""
+    surfaces = (
+        Surface(name, bob=(x, 0.0), shape=(1, count), spacing=(0.0, 3.0), drive=Forced())
+        for name, x in (("left", -0.5), ("right", 0.5))
+    )
+    return Scene(tuple(surfaces), Coulomb(-1.0), 20.0, output=Output(samples=2))
+
+
 def in_chunks(monkeypatch, budget):
     """Let loops pause after `budget` steps."""
     original = integrate.run_in_chunks
@@ -121,6 +130,20 @@ def test_pauses_of_rows(monkeypatch, name):
             )
 
         assert_same(monkeypatch, run, status)
+
+
+@pytest.mark.parametrize("name", ["verlet", "rk4"])
+def test_refusal_of_a_step(monkeypatch, name):
+    """A step is refused when the encounter rate is computed, which no pause brings forward."""
+    layout = lay_out(falling(33))
+    method = METHODS[name]
+    loop = time_loop(method.loop, stamp(layout.plugins))
+
+    def run():
+        times = layout.scene.times
+        return integrate.integrate(layout, method, loop, 0.2, layout.start, times, 0.0)
+
+    assert_same(monkeypatch, run, "EncounterJumped")
 
 
 @pytest.mark.parametrize("level", [1e-3, 1e-9])

@@ -153,7 +153,7 @@ def predict(method, clock, h, memory, accelerations):
                     accelerations[i, m] += weight * memory[j, m]
 
 
-@kernel
+@expanded
 def evaluate_node(model, neighbours, method, i, t, h, y, work):
     """q'' at node i, and (q, v) there, from the present values at all nodes."""
     n = y.size // 2
