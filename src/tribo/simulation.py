@@ -81,7 +81,7 @@ class Simulation:
         Parameters
         ----------
         start : mapping, optional
-            "surface.theta" (or phi, omega, nu) -> a number, or one for each asperite
+            "surface.theta" (or swing, phi, omega, nu) -> a number, or one for each asperite
             [rad, rad/time].
         estimate : bool
             False leaves out the two coarser runs that estimate the error.

@@ -63,7 +63,9 @@ def copper_rows(calculator):
     row = {"shape": (2, 1), "spacing": (2.6, 0.0), "species": "Cu"}
     upper = tribo.Surface("upper", bob=(-2.0, 2.3), velocity=(0.6, 0.0), **row)
     lower = tribo.Surface("lower", facing="up", **row)
-    return tribo.Scene([upper, lower], from_calculator(calculator), 2.0, output=tribo.Output(samples=5))
+    return tribo.Scene(
+        [upper, lower], from_calculator(calculator), 2.0, output=tribo.Output(samples=5)
+    )
 
 
 class FailingEMT(EMT):

@@ -115,7 +115,7 @@ def test_built_in(name, parameters, tmp_path):
 @pytest.mark.parametrize("name", [name for name in PARAMETERS if name not in RUN])
 def test_built_in_without_runs(name, tmp_path, monkeypatch):
     """All of the card but the runs, each of which compiles a time loop."""
-    monkeypatch.setattr(report_card, "check_motion", lambda specimen: [])
+    monkeypatch.setattr(report_card, "check_motion", lambda scan: [])
     report = check(from_table({"potential": name} | PARAMETERS[name][0], tmp_path))
     assert report.passed, str(report)
     assert len(report.checks) >= 8

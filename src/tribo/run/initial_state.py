@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from tribo.run.layout import Layout, set_bath
 from tribo.validation import InputError, number_or_array
 
-# Initial values by name, "surface.theta" (or phi, omega, nu): a number, or one per asperite.
+# Initial values by name, "surface.theta" (or swing, phi, omega, nu): a number, or one per asperite.
 Start = Mapping[str, ArrayLike]
 # Where a quantity of a surface stands in y, its value at rest, and the number of asperites.
 Slots = tuple[int | np.ndarray, float, int]
@@ -36,7 +36,7 @@ class InitialState:
         Parameters
         ----------
         start : mapping
-            "surface.theta" (or phi, omega, nu) -> a number, or one for each asperite.
+            "surface.theta" (or swing, phi, omega, nu) -> a number, or one for each asperite.
 
         Returns
         -------
