@@ -441,15 +441,15 @@ def _store(rows, k, x):
 
 
 ARRAYS = {
-    "root": np.sqrt,
-    "magnitude": np.abs,
-    "total": lambda x: float(np.sum(x)),
-    "totals": lambda xs: np.array([np.sum(x) for x in xs]),
-    "highest": lambda x: float(np.max(x)),
+    "sqrt": np.sqrt,
+    "absolute": np.abs,
+    "sum_of_lanes": lambda x: float(np.sum(x)),
+    "sums_of_lanes": lambda xs: np.array([np.sum(x) for x in xs]),
+    "maximum": lambda x: float(np.max(x)),
     "where_less": lambda x, y, one, other: np.where(x < y, one, other),
-    "lanes_of": lambda x: np.full(8, x),
+    "broadcast": lambda x: np.full(8, x),
     "lane": lambda x, i: float(x[i]),
-    "put": _put,
+    "with_lane": _put,
     "rows_of": lambda array: array,
     "load": lambda rows, k: rows[k].copy(),
     "store": _store,
@@ -468,6 +468,11 @@ def with_fields(loop):
     return call
 
 
+def entry_point(loop, fixed, _):
+    """Uncompiled, in place of tribo.kernels.compiled.EntryPoint."""
+    return lambda *arguments: with_fields(loop)(*fixed, *arguments)
+
+
 def registers_as_arrays():
     """The loop for pairs without a compiler."""
     stack = ExitStack()
@@ -479,7 +484,7 @@ def registers_as_arrays():
     importlib.import_module(adapter)
     config = SimpleNamespace(DISABLE_JIT=False)
     stack.enter_context(mock.patch(f"{adapter}.config", config))
-    stack.enter_context(mock.patch(f"{adapter}.entry", lambda loop, *_: with_fields(loop)))
+    stack.enter_context(mock.patch(f"{adapter}.EntryPoint", entry_point))
     return stack
 
 
