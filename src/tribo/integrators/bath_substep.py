@@ -14,6 +14,7 @@ import numpy as np
 
 from tribo.kernels.compiled import kernel, owning_kernel
 from tribo.kernels.equations_of_motion import bar_displacement
+from tribo.kernels.langevin import thermal_kick
 from tribo.kernels.powers import momentum
 
 
@@ -104,16 +105,6 @@ def rotate_torsional(model, torsional, tau, q, v, s, rotations):
                 nu = v[a.dof_phi]
                 v[a.dof_phi] -= gained / a.i2
                 s[a.acc_internal + 2] -= gained * 0.5 * (nu + v[a.dof_phi])
-
-
-@kernel
-def thermal_kick(gamma, temperature, mobility, relative, tau, noise):
-    """Momentum that friction and noise give in tau to a degree of freedom of mass 1 / mobility."""
-    kept = math.exp(-gamma * mobility * tau)
-    change = (kept - 1.0) * relative
-    if temperature > 0.0:
-        change += math.sqrt(temperature * mobility * (1.0 - kept * kept)) * noise.standard_normal()
-    return change / mobility
 
 
 @kernel

@@ -18,7 +18,7 @@ from tribo.kernels.samples import STORED, Record, State, initial_state, write_sa
 from tribo.kernels.status import PAUSED, STATUS_OF_CODE, Status
 from tribo.plugins.compile_errors import COMPILE_ERRORS, compile_error
 from tribo.potentials.from_ase import Call
-from tribo.run.forces import Records
+from tribo.run.force_records import Records
 from tribo.run.layout import Layout
 from tribo.run.samples import Samples
 from tribo.run.streamed_ledger import StreamedLedger, portion_size

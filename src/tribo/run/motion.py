@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tribo.run.forces import Records
+from tribo.run.force_records import Records
 from tribo.run.layout import Layout
 from tribo.run.samples import Samples
 
