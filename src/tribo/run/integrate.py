@@ -11,6 +11,7 @@ import numpy as np
 
 from tribo.integrators.methods import Method
 from tribo.integrators.step_control import Tolerance
+from tribo.kernels.compiled import collector_paused
 from tribo.kernels.equations_of_motion import place_bobs
 from tribo.kernels.neighbours import refresh
 from tribo.kernels.records import CLOCK, Neighbours
@@ -184,7 +185,8 @@ def compile_loop(layout: Layout, method: Method, loop: Loop, setting: Setting) -
     began = time.perf_counter()
     clocks, state = _at_rest(layout, method, layout.start, 0.0)
     try:
-        _bound(layout, method, loop, setting)(clocks, state, np.ones(1), _room(layout, 1), 0)
+        with collector_paused():
+            _bound(layout, method, loop, setting)(clocks, state, np.ones(1), _room(layout, 1), 0)
     except COMPILE_ERRORS as error:
         raise compile_error(layout.named_plugins, error) from None
     return time.perf_counter() - began
