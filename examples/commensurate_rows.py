@@ -23,7 +23,7 @@ from pathlib import Path
 import numpy as np
 
 from tribo import Asperite, Morse, Output, Pulled, Scene, plotting, simulate
-from tribo.model.bath import Langevin
+from tribo.model.langevin import Langevin
 from tribo.model.rows import GOLDEN_MEAN, commensurate_rows, incommensurate_rows
 from tribo.potentials.cutoff import Switched
 

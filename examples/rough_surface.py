@@ -17,7 +17,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from tribo import Asperite, LennardJones, Output, Scene, Surface, plotting, simulate
-from tribo.model.bath import Langevin
+from tribo.model.langevin import Langevin
 from tribo.model.roughness import Roughness
 from tribo.potentials.cutoff import Shifted
 

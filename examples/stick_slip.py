@@ -23,8 +23,8 @@ from matplotlib.figure import Figure
 from scipy.optimize import brentq
 
 from tribo import Asperite, Output, Pulled, Scene, Surface, plotting, simulate
-from tribo.model.bath import Langevin
 from tribo.model.fields import Corrugation, Field
+from tribo.model.langevin import Langevin
 
 # Amplitude [energy] and period [length] of the corrugation.
 A = PERIOD = 1.0

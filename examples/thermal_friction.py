@@ -17,8 +17,8 @@ import numpy as np
 
 from tribo import Asperite, Output, Pulled, Scene, Surface, ensemble, plotting
 from tribo.ensembles.intervals import interval
-from tribo.model.bath import Langevin
 from tribo.model.fields import Corrugation, Field
+from tribo.model.langevin import Langevin
 
 # Amplitude [energy] and period [length] of the corrugation.
 A = PERIOD = 1.0

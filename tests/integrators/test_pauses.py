@@ -23,7 +23,7 @@ from tribo.integrators.methods import METHODS
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.compiled import time_loop
 from tribo.paper import scene as case
-from tribo.plugins.sources import stamp
+from tribo.plugins.sources import source_stamp
 from tribo.run import integrate, pair_adapter
 from tribo.run.layout import lay_out
 
@@ -114,7 +114,7 @@ def test_pauses_of_rows(monkeypatch, name):
     layout = lay_out(rows(34))
     assert layout.rows > 0
     method = METHODS[name]
-    loop = time_loop(method.loop, stamp(layout.plugins))
+    loop = time_loop(method.loop, source_stamp(layout.plugins))
     for setting, status in SETTINGS[name]:
         wanted = tolerance(layout, setting) if method.adaptive else setting
 
@@ -137,7 +137,7 @@ def test_refusal_of_a_step(monkeypatch, name):
     """A step is refused when the encounter rate is computed, which no pause brings forward."""
     layout = lay_out(falling(33))
     method = METHODS[name]
-    loop = time_loop(method.loop, stamp(layout.plugins))
+    loop = time_loop(method.loop, source_stamp(layout.plugins))
 
     def run():
         times = layout.scene.times

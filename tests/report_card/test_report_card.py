@@ -184,9 +184,10 @@ AT_END = {"energy at the cutoff", "force at the cutoff", "slope at the cutoff"}
 JUMPS = {"jumps of energy", "jumps of force", "kinks of force"}
 
 # Each flaw, the check for it, and other checks that it also affects.
+# The curvature at the minimum is that of the force, so a wrong force fails that check too.
 FLAWS = {
-    "force off": ({"force_off": 1e-7}, "force", {"work", *RUNS}),
-    "force off a little": ({"force_off": -1e-9}, "force", {"work", *RUNS}),
+    "force off": ({"force_off": 1e-7}, "force", {"work", "minimum", *RUNS}),
+    "force off a little": ({"force_off": -1e-9}, "force", {"work", "minimum", *RUNS}),
     "energy in other units": ({"energy_off": 0.0364}, "force", {"work", "minimum", *RUNS}),
     "both in other units": ({"energy_off": 0.0364, "force_off": 0.0364}, "minimum", set()),
     "jump": ({"jump": 1e-6}, "jumps of energy", {"work", *JUMPS, *RUNS}),
