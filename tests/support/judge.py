@@ -325,7 +325,7 @@ class Thermal(NamedTuple):
     temperature: float
 
     def __call__(self):
-        count = 2000
+        count = 1000
         asperite = LOWER["asperite"] | {"kappa": 0.0}
         surface = {
             "name": "upper",
