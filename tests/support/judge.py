@@ -34,7 +34,7 @@ ALL = SCENES | PAIRS
 IDENTITIES_ALONE = ("open", "twisting", "waves", "damped")
 NO_REFERENCE = {"surfaces": {}, "blocks": {}, "system": {}, "scales": {"energy": 0.5}}
 WEAK = COULOMB | {"strength": 1e-15}
-HANGS = 5.0  # times the processor time that a check takes without a mutant
+HANGS = 3.0  # times the processor time that a check takes without a mutant
 LONGER = 8.0  # a check of the cost may take, in units of the check that it belongs to
 
 
