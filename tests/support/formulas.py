@@ -4,14 +4,94 @@ They are for what no run of a short scene shows: costs, limits, and cells of lar
 returns what is wrong, or nothing.  They import the package when they run: see support/judge.py.
 """
 
+from dataclasses import replace
 from types import SimpleNamespace
+from typing import NamedTuple
 from unittest import mock
 
 import numpy as np
 
+from support import reference
+from support.mutation_scenes import SCENES
 from support.registers import registers_as_arrays
 
 EPSILON = np.finfo(float).eps
+
+
+def points_of_a_rod() -> str:
+    """Positions along the rod, their rates of change, forces at its bar, and nearest images."""
+    from tribo.kernels import kinematics
+
+    x, y, vx, vy, l1, l2, swing, omega = np.random.default_rng(6).uniform(0.3, 1.3, 8)
+    for facing, rest in ((1.0, 0.0), (-1.0, np.pi)):
+
+        def along(t, arm, rest=rest):
+            theta = rest + swing + omega * t
+            return np.array([x + vx * t + arm * np.sin(theta), y + vy * t - arm * np.cos(theta)])
+
+        tx, ty = facing * np.cos(swing), facing * np.sin(swing)
+        for name, length, arm in (("bob", l1, l1), ("bar", l2, -l2)):
+            position = getattr(kinematics, f"{name}_position")(x, y, length, tx, ty)
+            velocity = getattr(kinematics, f"{name}_velocity")(vx, vy, omega, length, tx, ty)
+            rate = along(1e-100j, arm).imag / 1e-100
+            if not np.allclose([position, velocity], [along(0.0, arm), rate], 1e-13):
+                return f"{name} of a surface with facing {facing}"
+            power = kinematics.rotational_power(arm, omega, tx, ty, 0.7, -0.4)
+            if not np.isclose(power, np.dot([0.7, -0.4], rate - [vx, vy]), 1e-13):
+                return f"power at the {name}"
+    f = np.array(kinematics.end_force(1.7, 2.5, np.sin(swing), np.cos(swing)))
+    arm = 2.5 * np.array([np.cos(swing), np.sin(swing)])  # from the left end to the right
+    if not np.allclose([arm @ f, arm[0] * f[1] - arm[1] * f[0]], [0.0, 1.7], 0.0, 1e-13):
+        return "not the torque of two opposite forces across the bar"
+    for period in (0.7, 3.0):
+        for images, left in ((0, 0.3), (2, -0.49), (-3, 0.49)):
+            found = kinematics.nearest_image((images + left) * period, period)
+            if not np.isclose(found, left * period, 1e-13):
+                return f"image {images} of period {period}"
+    if kinematics.nearest_image(3.0, 2.0) != -1.0:
+        return "not from -period/2 on"
+    return "" if kinematics.nearest_image(5.0, 0.0) == 5.0 else "an image without a period"
+
+
+CALLS: list[tuple[float, ...]] = []  # arguments with which a drive was called
+
+
+class Recorder(NamedTuple):
+    """A drive that records its arguments."""
+
+    nothing: float = 0.0
+
+    def force_on_bar(self, t, x, y, vx, vy, fx, fy):
+        """f2."""
+        CALLS.append((t, x, y, vx, vy, fx, fy))
+        return self.nothing, self.nothing
+
+
+def arguments_of_a_drive() -> str:
+    """A drive is told of place and velocity of the bar in the laboratory, and of f1."""
+    from tribo.kernels.equations_of_motion import custom_drives, place_bobs
+    from tribo.model.drives import Custom
+    from tribo.model.scene_file import scene_from
+    from tribo.run.layout import lay_out
+
+    table, t = SCENES["slid"], 0.7
+    scene = scene_from(table)
+    drive = Custom(force=Recorder())
+    layout = lay_out(replace(scene, surfaces=[replace(s, drive=drive) for s in scene.surfaces]))
+    q, v = np.split(layout.start, 2)
+    place_bobs(layout.model, t, q)
+    bobs = layout.model.bobs
+    bobs.fx, bobs.fy = 1.0 + np.arange(bobs.size), -2.0 - np.arange(bobs.size)
+    CALLS.clear()
+    custom_drives(layout.model, layout.model.drives, t, q, v)
+    model = reference.Model(table)
+    motion = model.motion(t, model.start())
+    expected = [np.full(bobs.size, t), *motion.r2, *motion.v2, bobs.fx, bobs.fy]
+    names = ("t", "x", "y", "vx", "vy", "fx", "fy")
+    for name, found, truth in zip(names, np.array(CALLS).T, expected, strict=True):
+        if not np.allclose(found, truth, 0.0, 1e-13):
+            return f"{name}: {found} instead of {truth}"
+    return ""
 
 
 def errors() -> str:
@@ -229,6 +309,8 @@ def hot_baths() -> str:
 
 
 FORMULAS = {
+    "points of a rod": points_of_a_rod,
+    "arguments of a drive": arguments_of_a_drive,
     "errors": errors,
     "errors of a pair": errors_of_a_pair,
     "steps of a pair towards encounters": steps_towards_encounters,

@@ -9,6 +9,11 @@ EQUIVALENT = {
     "max(extent_z * nz, reach)": (
         "wider cells hold all pairs within reach, which are then sorted: only the cost changes"
     ),
+    "run/accounts.py: accounts: -1 -> -2": "any negative slot is absent",
+    "run/accounts.py: accounts: (column(a.acc_contact, k) for k in range(4)) -> "
+    "(column(k, a.acc_contact) for k in range(4))": (
+        "slot and number are added, and every asperite has the account of contact"
+    ),
     "kernels/samples.py: initial_state: 0 if splits else n -> 1 if splits else n": (
         "splitting methods do not read the acceleration of a state: one number of memory"
     ),
