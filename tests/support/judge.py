@@ -142,24 +142,16 @@ class Accurate(NamedTuple):
         return stopped(run) or complaint(ends(run), solution(self.scene), self.tolerance)
 
 
-class Listed(NamedTuple):
-    """The same with lists of neighbours."""
+class Limited(NamedTuple):
+    """The same with lower limits, so that a small scene counts as large."""
 
     check: Steps | Accurate
+    limits: dict[str, int]  # by their places in the package
 
     def __call__(self):
-        with mock.patch("tribo.run.contacts.UNLISTED_PAIRS", 0):
-            return self.check()
-
-
-class Streamed(NamedTuple):
-    """The same with more samples than are held in memory."""
-
-    check: Steps | Accurate
-
-    def __call__(self):
-        module = "tribo.run.streamed_ledger"
-        with mock.patch(f"{module}.SERIES_BYTES", 0), mock.patch(f"{module}.PORTION_BYTES", 0):
+        with ExitStack() as stack:
+            for place, limit in self.limits.items():
+                stack.enter_context(mock.patch(f"tribo.run.{place}", limit))
             return self.check()
 
 
@@ -485,13 +477,17 @@ for _scene in ("slid", "pulled", "slid, slowly"):
 CHECKS["verlet, open"] = Steps("open", "verlet", 0.05, 2, 1e-5)  # its identities are exact
 CHECKS["verlet and midpoint, damped"] = Agrees("damped", "verlet", "midpoint", 0.1, 1e-3)
 CHECKS["rk4, slid"] = Steps("slid", "rk4", 0.1, 4, 1e-4)
-CHECKS["rk4, slid, streamed"] = Streamed(CHECKS["rk4, slid"])
+CHECKS["rk4, slid, streamed"] = Limited(
+    CHECKS["rk4, slid"], {"streamed_ledger.SERIES_BYTES": 0, "streamed_ledger.PORTION_BYTES": 0}
+)
+CHECKS["rk4, slid, in batches"] = Limited(CHECKS["rk4, slid"], {"motion.BATCH_SIZE": 1})
 CHECKS["gauss-8, slid"] = Steps("slid", "gauss-8", 0.25, 8, 1e-6)
 for _method in ("dop853", "rkn8", "rkn12", "gauss-radau-15"):
     CHECKS[f"{_method}, slid"] = Accurate("slid", _method, 1e-8, 1e-7)
 CHECKS["all pairs"] = Steps("rows", "midpoint", 0.02, 2, 1e-3)
-CHECKS["listed pairs"] = Listed(CHECKS["all pairs"])
-CHECKS["listed pairs, verlet"] = Listed(Steps("rows", "verlet", 0.02, 2, 1e-3))
+LISTS = {"contacts.UNLISTED_PAIRS": 0}
+CHECKS["listed pairs"] = Limited(CHECKS["all pairs"], LISTS)
+CHECKS["listed pairs, verlet"] = Limited(Steps("rows", "verlet", 0.02, 2, 1e-3), LISTS)
 for _scene in ("forced on free", "free on free"):
     CHECKS[f"pair, {_scene}"] = AsPair(_scene, 1e-8, 1e-7)
 # Longer than the rest.  They reach the functions that the check named here reaches.

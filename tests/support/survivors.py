@@ -1,5 +1,8 @@
 """Mutants that no check catches."""
 
+OWN_DRIVE = (
+    "slot and number are added; where a drive has no account, the column is another one, not used"
+)
 # No result changes: mutant -> why.
 EQUIVALENT = {
     "kernels/equations_of_motion.py: accelerate: a.dof_y >= 0 -> a.dof_y >= 1": (
@@ -13,6 +16,24 @@ EQUIVALENT = {
     "run/accounts.py: accounts: (column(a.acc_contact, k) for k in range(4)) -> "
     "(column(k, a.acc_contact) for k in range(4))": (
         "slot and number are added, and every asperite has the account of contact"
+    ),
+    "run/accounts.py: accounts: a.acc_drive >= 0 -> a.acc_drive >= 1": (
+        "the first slots are those of contact; no drive has slot 0"
+    ),
+    "run/accounts.py: accounts: -a.l2 * column(a.acc_drive, 2) -> "
+    "-a.l2 * column(2, a.acc_drive)": OWN_DRIVE,
+    "run/accounts.py: accounts: np.where(own, column(a.acc_drive, 0), -held * jx) -> "
+    "np.where(own, column(0, a.acc_drive), -held * jx)": OWN_DRIVE,
+    "run/accounts.py: accounts: np.where(own, column(a.acc_drive, 1), -jy) -> "
+    "np.where(own, column(1, a.acc_drive), -jy)": OWN_DRIVE,
+    "run/accounts.py: accounts: "
+    "np.where(own, column(a.acc_drive, 3), -(held * slide_x + slide_y)) -> "
+    "np.where(own, column(3, a.acc_drive), -(held * slide_x + slide_y))": OWN_DRIVE,
+    "run/accounts.py: accounts: range(8) -> range(9)": (
+        "the column after is not used; it exists, since the surface of such bars has an account"
+    ),
+    "run/totals.py: block_table: record.acc_block >= 0 -> record.acc_block >= 1": (
+        "the first slots are those of contact; no surface has slot 0"
     ),
     "kernels/samples.py: initial_state: 0 if splits else n -> 1 if splits else n": (
         "splitting methods do not read the acceleration of a state: one number of memory"
