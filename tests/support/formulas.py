@@ -260,6 +260,23 @@ def steps_towards_encounters() -> str:
     return ""
 
 
+def columns_by_slot() -> str:
+    """The columns of a table in some slots, and another value where a slot is absent."""
+    from tribo.run.motion import columns
+
+    table = np.arange(6.0).reshape(2, 3)
+    other = np.array([[7.0, 8.0, 9.0]])
+    for slots, absent, expected in (
+        ([2, -1, 0], 5.0, [[2.0, 5.0, 0.0], [5.0, 5.0, 3.0]]),
+        ([-1, 1, -1], other, [[7.0, 1.0, 9.0], [7.0, 4.0, 9.0]]),
+        ([1, 2, 0], 5.0, [[1.0, 2.0, 0.0], [4.0, 5.0, 3.0]]),
+        ([-1, -1, -1], other, [[7.0, 8.0, 9.0], [7.0, 8.0, 9.0]]),
+    ):
+        if not np.array_equal(columns(np.array(slots), table, absent), expected):
+            return f"slots {slots}"
+    return ""
+
+
 def hot_baths() -> str:
     """Oscillators start about their bars, each on its own, with variances T / k and T / m."""
     from tribo.model.scene_file import scene_from
@@ -316,5 +333,6 @@ FORMULAS = {
     "steps of a pair towards encounters": steps_towards_encounters,
     "closing speeds": closing_speeds,
     "listed pairs of two clouds": listed_pairs,
+    "columns by slot": columns_by_slot,
     "hot baths": hot_baths,
 }

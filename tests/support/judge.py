@@ -182,9 +182,10 @@ class Agrees(NamedTuple):
         for method in (self.one, self.other):
             steps = (self.step, 0.5 * self.step)
             runs = [simulate(ALL[self.scene], method=method, step=h) for h in steps]
-            limits.append(extrapolated(*runs, 2))
-            if stopped(*runs):
-                return f"{method} {stopped(*runs)}"
+            limits.append(list(extrapolated(*runs, 2)))
+            said = stopped(*runs) or complaint(limits[-1], NO_REFERENCE, self.tolerance)
+            if said:
+                return f"{method}: {said}"
         for (place, one), (_, other) in zip(*limits, strict=True):
             for quantity in one:
                 if not np.allclose(one[quantity], other[quantity], 0.0, self.tolerance):
@@ -434,6 +435,15 @@ def dragged(surface):
     return replace(surface, langevin=None, drive=drives.Custom(force=drag))
 
 
+def equal_steps():
+    """Between two samples the steps are equal, and as few as the longest step allows."""
+    for method in ("midpoint", "verlet"):
+        run = simulate(ALL["slid"] | {"output": {"samples": 3}}, method=method, step=0.2)
+        if run.cost.steps != 6:
+            return f"{method}: {run.cost.steps} steps of at most 0.2 through 0.5 and 1"
+    return ""
+
+
 def named_plugins():
     """Every plug-in of a scene goes with the field that it is in."""
     lay_out = importlib.import_module("tribo.run.layout").lay_out
@@ -458,7 +468,10 @@ def without_reservoirs(table):
     return table | {"surface": surfaces}
 
 
-CHECKS: dict[str, Callable[[], str]] = FORMULAS | {"named plug-ins": named_plugins}
+CHECKS: dict[str, Callable[[], str]] = FORMULAS | {
+    "named plug-ins": named_plugins,
+    "equal steps": equal_steps,
+}
 for _scene in ("slid", "pulled", "lattice", "open", "twisting"):
     CHECKS[f"midpoint, {_scene}"] = Steps(_scene, "midpoint", 0.05, 2, 1e-3)
 for _scene in ("slid", "pulled", "lattice", "twisting"):
@@ -475,7 +488,7 @@ CHECKS["thermal kicks"] = Thermal(0.1, 4.0, 0.5)
 for _scene in ("slid", "pulled", "slid, slowly"):
     CHECKS[f"encounters, {_scene}"] = Encounters(_scene)
 CHECKS["verlet, open"] = Steps("open", "verlet", 0.05, 2, 1e-5)  # its identities are exact
-CHECKS["verlet and midpoint, damped"] = Agrees("damped", "verlet", "midpoint", 0.1, 1e-3)
+CHECKS["verlet and midpoint, damped"] = Agrees("damped", "verlet", "midpoint", 0.05, 1e-3)
 CHECKS["rk4, slid"] = Steps("slid", "rk4", 0.1, 4, 1e-4)
 CHECKS["rk4, slid, streamed"] = Limited(
     CHECKS["rk4, slid"], {"streamed_ledger.SERIES_BYTES": 0, "streamed_ledger.PORTION_BYTES": 0}

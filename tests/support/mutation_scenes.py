@@ -159,7 +159,12 @@ SCENES = {
 # Every bath and reservoir at once: what methods do to them is compared.
 SCENES["damped"] = SCENES["twisting"] | {
     "surface": [
-        surface | {"drive": "free", "langevin": {"gamma": gamma, "velocity": [-0.4, 0.2]}}
+        surface
+        | {
+            "drive": "free",
+            "langevin": {"gamma": gamma, "velocity": [-0.4, 0.2]},
+            "bath": surface["bath"] | {"temperature": 0.2},  # it has momentum at the start
+        }
         for surface, gamma in zip(SCENES["twisting"]["surface"], (0.4, 0.3), strict=True)
     ]
 }

@@ -35,13 +35,31 @@ EQUIVALENT = {
     "run/totals.py: block_table: record.acc_block >= 0 -> record.acc_block >= 1": (
         "the first slots are those of contact; no surface has slot 0"
     ),
+    "run/totals.py: system_table: field.account >= 0 -> field.account >= 1": (
+        "the first slots are those of contact; no field has slot 0"
+    ),
+    "integrators/time_loops.py: equal_steps: (model.asperites.size, 3) -> "
+    "(model.asperites.size, 4)": "one more column of memory, not used",
     "kernels/samples.py: initial_state: 0 if splits else n -> 1 if splits else n": (
         "splitting methods do not read the acceleration of a state: one number of memory"
     ),
 }
 
 # Results, costs or statuses may change, and no check notices: each of these is a gap.
-OPEN: set[str] = set()
+OPEN: set[str] = {
+    # Options of the compiler, which no uncompiled check sees.
+    "integrators/time_loops.py: _find_by_class: options |= {'error_model': 'numpy', "
+    "'no_cpython_wrapper': True, 'no_cfunc_wrapper': True} -> pass",
+    # Rounding errors of the time, the prediction of gauss-8, and so the cost.
+    "integrators/time_loops.py: equal_steps: advance(clock, end, h, h == left) -> "
+    "advance(clock, end, h == left, h)",
+    "integrators/time_loops.py: equal_steps: advance(clock, end, h, h == left) -> "
+    "advance(clock, end, h, h != left)",
+    # The status of runs that stop: no scene of the checks stops.
+    "integrators/time_loops.py: equal_steps: not (all_finite(state.y) and "
+    "all_finite(state.acceleration) and all_finite(state.s)) -> not (all_finite(state.y) or "
+    "all_finite(state.acceleration) or all_finite(state.s))",
+}
 
 # Functions that uncompiled code cannot reach -> where they are tested.
 NEEDS_COMPILER = {
