@@ -40,6 +40,8 @@ EQUIVALENT = {
     ),
     "integrators/time_loops.py: equal_steps: (model.asperites.size, 3) -> "
     "(model.asperites.size, 4)": "one more column of memory, not used",
+    "integrators/time_loops.py: adaptive_steps: (model.asperites.size, 3) -> "
+    "(model.asperites.size, 4)": "one more column of memory, not used",
     "kernels/samples.py: initial_state: 0 if splits else n -> 1 if splits else n": (
         "splitting methods do not read the acceleration of a state: one number of memory"
     ),
@@ -59,6 +61,8 @@ OPEN: set[str] = {
     "integrators/time_loops.py: equal_steps: not (all_finite(state.y) and "
     "all_finite(state.acceleration) and all_finite(state.s)) -> not (all_finite(state.y) or "
     "all_finite(state.acceleration) or all_finite(state.s))",
+    "integrators/time_loops.py: adaptive_steps: step_underflows(h, landing, times[-1]) -> "
+    "step_underflows(h, times[-1], landing)",
 }
 
 # Functions that uncompiled code cannot reach -> where they are tested.
