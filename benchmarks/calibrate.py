@@ -19,7 +19,7 @@ from statistics import median
 import numpy as np
 
 import tribo
-import tribo.run.integrator
+import tribo.run.loop_selection
 from tribo import paper
 from tribo.accuracy import scales as acc
 from tribo.accuracy.choose_method import RATES
@@ -139,7 +139,7 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=20.0, help="for the runs of each scene")
     options = parser.parse_args()
     pairs = evaluation_rates(small_scenes()[:4], ["gauss-radau-15"], options.seconds)
-    tribo.run.integrator.has_pair_loop = lambda *scene: False  # pairs by the general loops too
+    tribo.run.loop_selection.has_pair_loop = lambda *scene: False  # pairs by the general loops too
     general = evaluation_rates(small_scenes(), list(METHODS), options.seconds)
     exact = [m.name for m in METHODS.values() if m.splits and not methods.refusal(m, bathed())]
     with_bath = evaluation_rates(fast_baths(), exact, options.seconds)

@@ -9,10 +9,11 @@ if TYPE_CHECKING:
     from tribo import paper, plotting, potentials
     from tribo.ensembles import ensemble
     from tribo.model.asperite import Asperite
-    from tribo.model.bath import Bath, Langevin
+    from tribo.model.bath import Bath
     from tribo.model.drives import Custom, Ends, Forced, Free, Pulled
     from tribo.model.fields import Corrugation, Field
     from tribo.model.interaction import Interaction, Periodic
+    from tribo.model.langevin import Langevin
     from tribo.model.roughness import Roughness
     from tribo.model.rows import commensurate_rows, incommensurate_rows, periodic_rows
     from tribo.model.scene import Scene
@@ -58,7 +59,7 @@ _HOME = {
     "Initial": "tribo.model.surface",
     "InputError": "tribo.validation",
     "Interaction": "tribo.model.interaction",
-    "Langevin": "tribo.model.bath",
+    "Langevin": "tribo.model.langevin",
     "LennardJones": "tribo.potentials",
     "load_result": "tribo.run.result",
     "load_scene": "tribo.model.scene_file",

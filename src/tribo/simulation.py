@@ -26,9 +26,9 @@ from tribo.kernels.status import Status
 from tribo.model.scene import Scene
 from tribo.run.initial_state import InitialState, Start
 from tribo.run.integrate import Integration, Progress, Setting
-from tribo.run.integrator import Integrator
 from tribo.run.layout import Layout, lay_out
 from tribo.run.ledger import Ledger, assemble
+from tribo.run.loop_selection import Integrator
 from tribo.run.notes import calculator_notes, scene_notes
 from tribo.run.result import Cost, Known, Result
 from tribo.run.streamed_ledger import StreamedLedger, exceeds_memory

@@ -26,9 +26,9 @@ from tribo.kernels.status import Status
 from tribo.model.scene import Scene
 from tribo.model.settings import Output
 from tribo.plotting.style import INK, WIDE
-from tribo.run.integrator import Integrator
 from tribo.run.layout import lay_out
 from tribo.run.ledger import Ledger, assemble
+from tribo.run.loop_selection import Integrator
 from tribo.simulation import prepare
 from tribo.validation import InputError
 

@@ -51,7 +51,7 @@ def test_accuracy_of_observables_in_a_file(tmp_path):
     [
         ({"upper.speed": 1e-3}, "accuracy.upper.speed: is not a reported quantity"),
         ({"side.W": 1e-3}, "accuracy.side.W: is not a reported quantity"),
-        ({}, "accuracy: must be a number, or name at least one observable"),
+        ({}, "accuracy: must be a number, or a table of at least one observable"),
         ({"W": 2.0}, "accuracy.W: must be from 1e-13 to 0.1"),
     ],
 )

@@ -24,8 +24,8 @@ from tribo.accuracy.plan import integrator_for
 from tribo.integrators.methods import METHODS
 from tribo.integrators.step_control import Tolerance
 from tribo.paper import scene as case
-from tribo.run.integrator import Integrator
 from tribo.run.layout import lay_out
+from tribo.run.loop_selection import Integrator
 
 END = 4.0
 # In how many equal steps each method goes there, and by how much its slope may fall short.

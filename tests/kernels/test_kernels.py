@@ -65,7 +65,7 @@ for scene in SCENES:
 
 def series(scene, how):
     """Every series of a run, by names that a file can have."""
-    with mock.patch("tribo.run.integrator.has_pair_loop", return_value=False):
+    with mock.patch("tribo.run.loop_selection.has_pair_loop", return_value=False):
         result = tribo.simulate(SCENES[scene], **HOW[how])
     assert result.status == "completed"
     system = {f"system-{key}": values for key, values in result.system.items()}

@@ -610,8 +610,8 @@ CALLS = [
     (simulated, {"step": 0.0}, "step: must be positive, got 0.0"),
     (simulated, {"step": "x"}, "step: must be a number, got 'x'"),
     (simulated, {"method": "dop853", "step": 0.1}, "step: cannot go with dop853, which chooses"),
-    (simulated, {"method": "midpoint"}, "step: is missing; midpoint goes in equal steps"),
-    (simulated, {"step": 0.1, "accuracy": 1e-3}, "accuracy: cannot go with a step of one's own"),
+    (simulated, {"method": "midpoint"}, "step: is missing; midpoint takes equal steps"),
+    (simulated, {"step": 0.1, "accuracy": 1e-3}, "accuracy: cannot go with a step"),
 ]
 
 

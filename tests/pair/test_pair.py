@@ -35,7 +35,7 @@ def pilot(layout):
 def by_general_loop(scene: tribo.Scene, accuracy: float, monkeypatch) -> tribo.Result:
     """A run by the same method in the general loop."""
     with monkeypatch.context() as patch:
-        patch.setattr("tribo.run.integrator.has_pair_loop", lambda layout, method: False)
+        patch.setattr("tribo.run.loop_selection.has_pair_loop", lambda layout, method: False)
         return tribo.simulate(scene, accuracy=accuracy, method=RADAU.name)
 
 

@@ -159,5 +159,5 @@ def test_refusals(potential, change, says):
 def test_species_must_be_elements():
     """A calculator needs the species of the bobs."""
     bare = [tribo.Surface("upper", bob=(0.0, 2.0)), tribo.Surface("lower", facing="up")]
-    with pytest.raises(tribo.InputError, match="species to be elements"):
+    with pytest.raises(tribo.InputError, match="needs elements as the species of bobs"):
         tribo.simulate(tribo.Scene(bare, from_calculator(EMT()), 1.0), method="verlet", step=0.1)

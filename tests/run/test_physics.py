@@ -7,7 +7,8 @@ import pytest
 
 from support.examples import example
 from tribo import Asperite, Free, Initial, Morse, Output, Scene, Surface, simulate
-from tribo.model.bath import Bath, Langevin
+from tribo.model.bath import Bath
+from tribo.model.langevin import Langevin
 from tribo.model.spectrum import Spectrum, exact_decay, valid_until
 
 # --- stick-slip ----------------------------------------------------------------------------------

@@ -26,8 +26,8 @@ from tribo import (
     Surface,
     simulate,
 )
-from tribo.model.bath import Langevin
 from tribo.model.fields import Corrugation, Field
+from tribo.model.langevin import Langevin
 from tribo.model.springs import Springs
 
 DURATION = 5.0

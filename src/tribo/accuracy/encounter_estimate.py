@@ -10,9 +10,10 @@ from __future__ import annotations
 import numpy as np
 
 from tribo.accuracy.search import NEAR
+from tribo.kernels.kinematics import bob_position, nearest_image
 from tribo.kernels.records import Box
 from tribo.run.layout import Layout
-from tribo.run.motion import rod_direction
+from tribo.run.motion import swing_direction
 
 # Most times at which clearances are computed.
 MOST_TIMES = 129
@@ -28,8 +29,8 @@ def steps_towards(layout: Layout) -> float:
     Of each surface at most FOLLOWED bobs are followed.
     """
     a = layout.model.asperites
-    sin, cos = rod_direction(a.facing, layout.start[: a.size])
-    place = np.array([a.x + a.l1 * sin, a.y - a.l1 * cos, layout.model.bobs.z])
+    tx, ty = swing_direction(a.facing, layout.start[: a.size])
+    place = np.array([*bob_position(a.x, a.y, a.l1, tx, ty), layout.model.bobs.z])
     swinging = float(np.max(a.l1 * np.abs(layout.start[layout.coordinates :][: a.size])))
     rates = [0.0]
     for contact in layout.model.contacts:
@@ -55,6 +56,5 @@ def _nearest(some: np.ndarray, others: np.ndarray, shift: np.ndarray, box: Box |
     dy = (some[1] + shift[1])[:, None] - others[1]
     dz = some[2][:, None] - others[2]
     if box is not None:
-        dx = dx - box.x * np.round(dx / box.x) if box.x > 0.0 else dx
-        dz = dz - box.z * np.round(dz / box.z) if box.z > 0.0 else dz
+        dx, dz = nearest_image(dx, box.x), nearest_image(dz, box.z)
     return float(np.sqrt(np.min(dx * dx + dy * dy + dz * dz)))

@@ -15,8 +15,8 @@ from tribo.accuracy.search import FoundSettings, cheapest_setting, find_settings
 from tribo.accuracy.stop_times import PARTS, StopTimes
 from tribo.integrators import methods
 from tribo.run.integrate import Progress, Setting
-from tribo.run.integrator import Integrator
 from tribo.run.layout import Layout
+from tribo.run.loop_selection import Integrator
 from tribo.run.streamed_ledger import exceeds_memory
 from tribo.validation import InputError
 

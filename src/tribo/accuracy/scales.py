@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from tribo.integrators.step_control import Tolerance
+from tribo.kernels.kinematics import bob_velocity
 from tribo.run.layout import Layout
 from tribo.run.ledger import Ledger
-from tribo.run.motion import internal_energy, motions, rod_direction
+from tribo.run.motion import internal_energy, motions, swing_direction
 from tribo.run.quantities import ASPERITE_QUANTITIES, OPTIONAL_QUANTITIES, QUANTITIES
 from tribo.run.samples import Samples
 
@@ -79,10 +80,9 @@ def _fastest_bob(layout: Layout, ledger: Ledger) -> float:
     for surface in layout.scene.surfaces:
         table = ledger.surfaces[surface.name]
         a = layout.model.asperites[layout.parts[surface.name]]
-        sin, cos = rod_direction(a.facing, table["theta"] - surface.rest)
-        speed = a.l1 * table["omega"]
-        vx = (table["vx_cm"] - mean[0]) + speed * cos
-        vy = (table["vy_cm"] - mean[1]) + speed * sin
+        tx, ty = swing_direction(a.facing, table["theta"] - surface.rest)
+        vx, vy = table["vx_cm"] - mean[0], table["vy_cm"] - mean[1]
+        vx, vy = bob_velocity(vx, vy, table["omega"], a.l1, tx, ty)
         fastest = max(fastest, float(np.max(np.hypot(vx, vy))))
     return fastest
 

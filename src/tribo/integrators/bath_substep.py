@@ -13,7 +13,8 @@ import math
 import numpy as np
 
 from tribo.kernels.compiled import kernel, owning_kernel
-from tribo.kernels.equations_of_motion import bar_displacement
+from tribo.kernels.equations_of_motion import bar_displacement, velocity_of_bar
+from tribo.kernels.langevin import thermal_kick
 from tribo.kernels.powers import momentum
 
 
@@ -107,16 +108,6 @@ def rotate_torsional(model, torsional, tau, q, v, s, rotations):
 
 
 @kernel
-def thermal_kick(gamma, temperature, mobility, relative, tau, noise):
-    """Momentum that friction and noise give in tau to a degree of freedom of mass 1 / mobility."""
-    kept = math.exp(-gamma * mobility * tau)
-    change = (kept - 1.0) * relative
-    if temperature > 0.0:
-        change += math.sqrt(temperature * mobility * (1.0 - kept * kept)) * noise.standard_normal()
-    return change / mobility
-
-
-@kernel
 def thermalise(model, langevin, tau, v, s, noise):
     """Langevin friction and noise on the frozen bars, exactly: along the bar's arc and across."""
     if langevin is not None:
@@ -128,8 +119,9 @@ def thermalise(model, langevin, tau, v, s, noise):
             for i in range(surface.start, surface.stop):
                 a = model.asperites[i]
                 b = model.bobs[i]
-                x = v[a.dof_x] - a.l2 * v[i] * b.tx - surface.reservoir_x
-                y = v[a.dof_y] - a.l2 * v[i] * b.ty - surface.reservoir_y
+                vx, vy = velocity_of_bar(a, b, i, v)
+                x = vx - surface.reservoir_x
+                y = vy - surface.reservoir_y
                 arc = 1.0 / a.mass + a.l2 * a.l2 / a.inertia
                 across = 1.0 / a.mass
                 gamma = surface.gamma

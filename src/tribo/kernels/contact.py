@@ -9,8 +9,8 @@ import numpy as np
 from numba import literal_unroll
 
 from tribo.kernels.compiled import kernel
-from tribo.kernels.external import call_at
 from tribo.kernels.neighbours import image, is_partner, partner_species
+from tribo.kernels.python_callback import call_at
 
 # Square of a distance below which the squares of its components lose digits to underflow.
 SQUARE_IS_SAFE = 1e-280

@@ -13,6 +13,7 @@ from numba import literal_unroll
 from tribo.kernels.compiled import kernel, shared_kernel
 from tribo.kernels.contact import contact_forces, force_within
 from tribo.kernels.kinematics import bar_position, bar_velocity, bob_position
+from tribo.kernels.langevin import friction_force
 from tribo.kernels.neighbours import crowded, refresh
 from tribo.kernels.records import FORCED, PULLED, RIGID
 
@@ -176,8 +177,7 @@ def friction_forces(model, langevin, v):
             s = model.surfaces[a.surface]
             vx, vy = velocity_of_bar(a, b, i, v)
             d = model.bars[i]
-            d.lx = -s.gamma * (vx - s.reservoir_x)
-            d.ly = -s.gamma * (vy - s.reservoir_y)
+            d.lx, d.ly = friction_force(s.gamma, vx, vy, s.reservoir_x, s.reservoir_y)
 
 
 @kernel

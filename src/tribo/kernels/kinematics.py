@@ -5,14 +5,18 @@ arrays, which broadcast.  The direction (t_x, t_y) = facing (cos s, sin s), wher
 is the unit vector along which a growing theta moves the bob.
 """
 
+from typing import Any
+
 import numpy as np
 from numba.extending import register_jitable
+
+Number = Any  # a float, or in calls from Python an array
 
 equation = register_jitable(error_model="numpy", _nrt=False)
 
 
 @equation
-def nearest_image(difference, period):
+def nearest_image(difference: Number, period: Number) -> Number:
     """Separation from the nearest periodic image.
 
     Parameters
@@ -33,31 +37,37 @@ def nearest_image(difference, period):
 
 
 @equation
-def bob_position(x, y, l1, tx, ty):
+def bob_position(x: Number, y: Number, l1: Number, tx: Number, ty: Number) -> tuple[Number, Number]:
     """Position of the bob, r1 = r_cm + l1 (sin theta, -cos theta), from that of r_cm."""
     return x + l1 * ty, y - l1 * tx
 
 
 @equation
-def bob_velocity(vx, vy, omega, l1, tx, ty):
+def bob_velocity(
+    vx: Number, vy: Number, omega: Number, l1: Number, tx: Number, ty: Number
+) -> tuple[Number, Number]:
     """Velocity of the bob, v1 = v_cm + l1 omega t."""
     return vx + l1 * omega * tx, vy + l1 * omega * ty
 
 
 @equation
-def bar_position(x, y, l2, tx, ty):
+def bar_position(x: Number, y: Number, l2: Number, tx: Number, ty: Number) -> tuple[Number, Number]:
     """Position of the bar's centre, r2 = r_cm - l2 (sin theta, -cos theta)."""
     return x - l2 * ty, y + l2 * tx
 
 
 @equation
-def bar_velocity(vx, vy, omega, l2, tx, ty):
+def bar_velocity(
+    vx: Number, vy: Number, omega: Number, l2: Number, tx: Number, ty: Number
+) -> tuple[Number, Number]:
     """Velocity of the bar's centre, v2 = v_cm - l2 omega t."""
     return vx - l2 * omega * tx, vy - l2 * omega * ty
 
 
 @equation
-def end_force(torque, bar_length, sin_phi, cos_phi):
+def end_force(
+    torque: Number, bar_length: Number, sin_phi: Number, cos_phi: Number
+) -> tuple[Number, Number]:
     """Force on the left end of a clamped bar, f_L = -f_R = (torque / length) (-sin phi, cos phi).
 
     `torque` is that of the torsion spring on the pendulum, kappa (theta - phi - rest) where the
@@ -68,6 +78,8 @@ def end_force(torque, bar_length, sin_phi, cos_phi):
 
 
 @equation
-def rotational_power(arm, omega, tx, ty, fx, fy):
+def rotational_power(
+    arm: Number, omega: Number, tx: Number, ty: Number, fx: Number, fy: Number
+) -> Number:
     """Power of a force about the centre of mass; `arm` is l1 at the bob and -l2 at the bar."""
     return arm * omega * (tx * fx + ty * fy)

@@ -33,11 +33,11 @@ lanes = LanesType()
 
 @register_model(LanesType)
 class _LanesModel(models.PrimitiveModel):
-    def __init__(self, manager: Any, numba_type: Any) -> None:
+    def __init__(self, manager, numba_type) -> None:
         super().__init__(manager, numba_type, _VECTOR)
 
 
-def _spread(builder: Any, x: Any) -> Any:
+def _spread(builder, x):
     """A float in all eight lanes; lanes as they are."""
     if x.type == _VECTOR:
         return x
@@ -47,14 +47,14 @@ def _spread(builder: Any, x: Any) -> Any:
     return builder.shuffle_vector(first, nothing, zeros)
 
 
-def _arithmetic(operation: Any, instruction: str) -> None:
+def _arithmetic(operation, instruction: str) -> None:
     @infer_global(operation)
     class Typing(AbstractTemplate):
-        def generic(self, args: Any, kws: Any) -> Any:
+        def generic(self, args, kws):
             known = all(isinstance(arg, (LanesType, types.Float)) for arg in args)
             return signature(lanes, *args) if known and lanes in args else None
 
-    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    def build(context, builder, sig, args):
         one, other = (_spread(builder, arg) for arg in args)
         return getattr(builder, instruction)(one, other, flags=("contract",))
 
@@ -71,37 +71,37 @@ for _operation, _instruction in (
     _arithmetic(_operation, _instruction)
 
 
-def _llvm(builder: Any, name: str, result: Any, arguments: list[Any], fast: Any = ()) -> Any:
+def _llvm(builder, name: str, result, arguments: list, fast=()):
     kind = ir.FunctionType(result, [argument.type for argument in arguments])
     function = cgutils.get_or_insert_function(builder.module, kind, f"llvm.{name}.v{LANES}f64")
     return builder.call(function, arguments, fastmath=fast)
 
 
 @intrinsic
-def sqrt(typing_context: Any, x: Any) -> Any:
+def sqrt(typing_context, x):
     """Square roots."""
 
-    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    def build(context, builder, sig, args):
         return _llvm(builder, "sqrt", _VECTOR, list(args))
 
     return lanes(lanes), build
 
 
 @intrinsic
-def absolute(typing_context: Any, x: Any) -> Any:
+def absolute(typing_context, x):
     """Absolute values."""
 
-    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    def build(context, builder, sig, args):
         return _llvm(builder, "fabs", _VECTOR, list(args))
 
     return lanes(lanes), build
 
 
 @intrinsic
-def sum_of_lanes(typing_context: Any, x: Any) -> Any:
+def sum_of_lanes(typing_context, x):
     """Sum of the eight numbers, in any order."""
 
-    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    def build(context, builder, sig, args):
         start = ir.Constant(_FLOAT, -0.0)
         return _llvm(builder, "vector.reduce.fadd", _FLOAT, [start, args[0]], ("reassoc",))
 
@@ -123,10 +123,10 @@ _ROUNDS = (
 
 
 @intrinsic
-def sums_of_lanes(typing_context: Any, xs: Any) -> Any:
+def sums_of_lanes(typing_context, xs):
     """Sums of eight Lanes: that of the first in lane 0, and so on."""
 
-    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    def build(context, builder, sig, args):
         left = cgutils.unpack_tuple(builder, args[0], LANES)
         for one, other in _ROUNDS:
             pairs = zip(left[::2], left[1::2], strict=True)
@@ -140,10 +140,10 @@ def sums_of_lanes(typing_context: Any, xs: Any) -> Any:
 
 
 @intrinsic
-def maximum(typing_context: Any, x: Any) -> Any:
+def maximum(typing_context, x):
     """The largest of the eight numbers, none of which may be nan."""
 
-    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    def build(context, builder, sig, args):
         x = args[0]
         for half in (4, 2, 1):
             swap = [(i + half) % LANES for i in range(LANES)]
@@ -156,10 +156,10 @@ def maximum(typing_context: Any, x: Any) -> Any:
 
 
 @intrinsic
-def where_less(typing_context: Any, x: Any, y: Any, one: Any, other: Any) -> Any:
+def where_less(typing_context, x, y, one, other):
     """`one` in the lanes where x < y, `other` elsewhere."""
 
-    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    def build(context, builder, sig, args):
         x, y, one, other = (_spread(builder, arg) for arg in args)
         return builder.select(builder.fcmp_ordered("<", x, y), one, other)
 
@@ -167,30 +167,30 @@ def where_less(typing_context: Any, x: Any, y: Any, one: Any, other: Any) -> Any
 
 
 @intrinsic
-def broadcast(typing_context: Any, x: Any) -> Any:
+def broadcast(typing_context, x):
     """The same number in every lane."""
 
-    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    def build(context, builder, sig, args):
         return _spread(builder, args[0])
 
     return lanes(types.float64), build
 
 
 @intrinsic
-def lane(typing_context: Any, x: Any, i: Any) -> Any:
+def lane(typing_context, x, i):
     """The number in lane i."""
 
-    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    def build(context, builder, sig, args):
         return builder.extract_element(args[0], builder.trunc(args[1], _INDEX))
 
     return types.float64(lanes, types.intp), build
 
 
 @intrinsic
-def with_lane(typing_context: Any, x: Any, i: Any, value: Any) -> Any:
+def with_lane(typing_context, x, i, value):
     """The Lanes x with another number in lane i."""
 
-    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    def build(context, builder, sig, args):
         return builder.insert_element(args[0], args[2], builder.trunc(args[1], _INDEX))
 
     return lanes(lanes, types.intp, types.float64), build
@@ -208,40 +208,40 @@ rows = RowsType()
 
 @register_model(RowsType)
 class _RowsModel(models.PrimitiveModel):
-    def __init__(self, manager: Any, numba_type: Any) -> None:
+    def __init__(self, manager, numba_type) -> None:
         super().__init__(manager, numba_type, _FLOAT.as_pointer())
 
 
 @intrinsic
-def rows_of(typing_context: Any, array: Any) -> Any:
+def rows_of(typing_context, array):
     """The rows of a C-contiguous array (n, 8): ``rows[k, i]`` is the number in row k, lane i.
 
     Passing an array to a function counts a reference, which takes longer than a step's arithmetic.
     """
 
-    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    def build(context, builder, sig, args):
         return context.make_array(sig.args[0])(context, builder, args[0]).data
 
     good = isinstance(array, types.Array) and array.ndim == 2 and array.layout == "C"
     return (rows(array), build) if good else None
 
 
-def _element(builder: Any, data: Any, row: Any, i: Any = None) -> Any:
+def _element(builder, data, row, i=None):
     place = builder.mul(row, ir.Constant(row.type, LANES))
     return builder.gep(data, [place if i is None else builder.add(place, i)])
 
 
 @intrinsic
-def _get(typing_context: Any, data: Any, row: Any, i: Any) -> Any:
-    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+def _get(typing_context, data, row, i):
+    def build(context, builder, sig, args):
         return builder.load(_element(builder, *args))
 
     return types.float64(rows, types.intp, types.intp), build
 
 
 @intrinsic
-def _set(typing_context: Any, data: Any, row: Any, i: Any, value: Any) -> Any:
-    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+def _set(typing_context, data, row, i, value):
+    def build(context, builder, sig, args):
         builder.store(args[3], _element(builder, *args[:3]))
         return context.get_dummy_value()
 
@@ -263,10 +263,10 @@ def _setitem(data, at, value):
 
 
 @intrinsic
-def load(typing_context: Any, data: Any, row: Any) -> Any:
+def load(typing_context, data, row):
     """Row `row` of Rows."""
 
-    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    def build(context, builder, sig, args):
         place = builder.bitcast(_element(builder, *args), _VECTOR.as_pointer())
         return builder.load(place, align=8)
 
@@ -274,10 +274,10 @@ def load(typing_context: Any, data: Any, row: Any) -> Any:
 
 
 @intrinsic
-def store(typing_context: Any, data: Any, row: Any, x: Any) -> Any:
+def store(typing_context, data, row, x):
     """Write to row `row` of Rows."""
 
-    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    def build(context, builder, sig, args):
         place = builder.bitcast(_element(builder, *args[:2]), _VECTOR.as_pointer())
         builder.store(args[2], place, align=8)
         return context.get_dummy_value()

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from tribo.model.asperite import Asperite, Each, broadcast
-from tribo.model.bath import Bath, Langevin, as_bath, as_langevin
+from tribo.model.bath import Bath, as_bath
 from tribo.model.drives import Drive, Ends, Forced, as_bars, as_drive
+from tribo.model.langevin import Langevin, as_langevin
 from tribo.model.roughness import Roughness, as_heights, draw
 from tribo.model.springs import Springs, as_springs
 from tribo.validation import (

@@ -11,6 +11,7 @@ import numpy as np
 
 from tribo.integrators.methods import Method
 from tribo.integrators.step_control import Tolerance
+from tribo.kernels.compiled import collector_paused
 from tribo.kernels.equations_of_motion import place_bobs
 from tribo.kernels.neighbours import refresh
 from tribo.kernels.records import CLOCK, Neighbours
@@ -18,7 +19,7 @@ from tribo.kernels.samples import STORED, Record, State, initial_state, write_sa
 from tribo.kernels.status import PAUSED, STATUS_OF_CODE, Status
 from tribo.plugins.compile_errors import COMPILE_ERRORS, compile_error
 from tribo.potentials.from_ase import Call
-from tribo.run.forces import Records
+from tribo.run.force_records import Records
 from tribo.run.layout import Layout
 from tribo.run.samples import Samples
 from tribo.run.streamed_ledger import StreamedLedger, portion_size
@@ -184,7 +185,8 @@ def compile_loop(layout: Layout, method: Method, loop: Loop, setting: Setting) -
     began = time.perf_counter()
     clocks, state = _at_rest(layout, method, layout.start, 0.0)
     try:
-        _bound(layout, method, loop, setting)(clocks, state, np.ones(1), _room(layout, 1), 0)
+        with collector_paused():
+            _bound(layout, method, loop, setting)(clocks, state, np.ones(1), _room(layout, 1), 0)
     except COMPILE_ERRORS as error:
         raise compile_error(layout.named_plugins, error) from None
     return time.perf_counter() - began

@@ -26,7 +26,7 @@ from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.potentials.from_ase import Call, Live
 from tribo.run import contacts
-from tribo.run.forces import Records, bonds, fields_on_surfaces, user_forces
+from tribo.run.force_records import Records, bonds, fields_on_surfaces, user_forces
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,9 +14,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tribo.kernels.kinematics import bar_position, bob_position
 from tribo.run.accounts import Account, accounts
 from tribo.run.layout import Layout
-from tribo.run.motion import Batch, Motion, internal_energy, motions, rod_direction
+from tribo.run.motion import Batch, Motion, internal_energy, motions, swing_direction
 from tribo.run.quantities import Table
 from tribo.run.samples import Samples
 from tribo.run.totals import Sums, batch_sums, block_table, system_table
@@ -124,7 +125,9 @@ def _positions(layout: Layout, batch: Batch, m: Motion) -> Table:
     rest = np.where(a.facing > 0.0, 0.0, np.pi)
     x = layout.origin[0] + (a.x + batch.velocity[0] * m.t + m.x)
     y = layout.origin[1] + (a.y + batch.velocity[1] * m.t + m.y)
-    sin, cos = rod_direction(a.facing, m.swing)
+    tx, ty = swing_direction(a.facing, m.swing)
+    x_bob, y_bob = bob_position(x, y, a.l1, tx, ty)
+    x_bar, y_bar = bar_position(x, y, a.l2, tx, ty)
     return {
         "theta": m.swing + rest,
         "phi": m.phi,
@@ -134,10 +137,10 @@ def _positions(layout: Layout, batch: Batch, m: Motion) -> Table:
         "y_cm": y,
         "vx_cm": batch.velocity[0] + m.vx,
         "vy_cm": batch.velocity[1] + m.vy,
-        "x_bob": x + a.l1 * sin,
-        "y_bob": y - a.l1 * cos,
-        "x_bar": x - a.l2 * sin,
-        "y_bar": y + a.l2 * cos,
+        "x_bob": x_bob,
+        "y_bob": y_bob,
+        "x_bar": x_bar,
+        "y_bar": y_bar,
     }
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tribo.run.forces import Records
+from tribo.run.force_records import Records
 from tribo.run.layout import Layout
 from tribo.run.samples import Samples
 
@@ -95,9 +95,9 @@ def columns(slots: np.ndarray, table: np.ndarray, absent: np.ndarray | float = 0
     return values
 
 
-def rod_direction(facing: np.ndarray, swing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """sin(theta) and cos(theta): the bob is at r1 = r_cm + l1 (sin theta, -cos theta)."""
-    return facing * np.sin(swing), facing * np.cos(swing)
+def swing_direction(facing: np.ndarray, swing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The unit vector (t_x, t_y) along which a growing theta moves the bob; see `kinematics`."""
+    return facing * np.cos(swing), facing * np.sin(swing)
 
 
 def internal_energy(batch: Batch, m: Motion) -> np.ndarray:
