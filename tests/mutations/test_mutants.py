@@ -19,14 +19,18 @@ PATTERNS = [
     "integrators/*.py",
     "kernels/contact.py",
     "kernels/equations_of_motion.py",
+    "kernels/kinematics.py",
     "kernels/neighbours.py",
     "kernels/powers.py",
     "kernels/samples.py",
     "model/fields.py",
     "pair/*.py",
+    "run/accounts.py",
     "run/contacts.py",
     "run/layout.py",
     "run/ledger.py",
+    "run/motion.py",
+    "run/totals.py",
 ]
 FILES = [
     path.relative_to(SOURCE).as_posix()
@@ -34,7 +38,8 @@ FILES = [
     for path in sorted(SOURCE.glob(pattern))
     if not path.stem.endswith(("__init__", "tableaux"))  # coefficients have tests of their own
 ]
-SAMPLE = 0.025  # part of all mutants that the default set has
+# Part of all mutants that the default set has; of each file it has at least one.
+SAMPLE = 0.02
 
 
 def candidates(file):
@@ -43,11 +48,16 @@ def candidates(file):
 
 
 def sampled():
-    """The sample, with those marked that no check catches yet."""
+    """The sample without equivalents, with those marked that no check catches yet.
+
+    An equivalent costs all checks that reach it, and is in the slow set only.
+    """
+    not_yet = pytest.mark.xfail(strict=True, reason="no check catches it yet")
     for file in FILES:
-        for mutant in candidates(file):
-            if mutant.draw < SAMPLE:
-                not_yet = pytest.mark.xfail(strict=True, reason="no check catches it yet")
+        changing = [mutant for mutant in candidates(file) if str(mutant) not in EQUIVALENT]
+        most = max(SAMPLE, min(mutant.draw for mutant in changing))
+        for mutant in changing:
+            if mutant.draw <= most:
                 marks = [not_yet] if str(mutant) in OPEN else []
                 yield pytest.param(mutant, id=str(mutant), marks=marks)
 
@@ -71,11 +81,10 @@ def test_the_package_itself_passes(worker):
     assert worker.submit(judge.complaints).result() == []
 
 
-@pytest.mark.parametrize("mutant", sampled())
+@pytest.mark.parametrize("mutant", list(sampled()))
 def test_sampled_mutant_is_caught(worker, mutant):
-    """Every mutant of the sample is caught, and no equivalent one is."""
-    said = caught(worker, mutant)
-    assert (said == "") == (str(mutant) in EQUIVALENT), said
+    """Every mutant of the sample is caught."""
+    assert caught(worker, mutant)
 
 
 @pytest.mark.slow

@@ -164,12 +164,17 @@ def replacements(node: ast.AST, parent: ast.AST, words: set[str]) -> list[ast.AS
         found.append(with_changes(node, body=node.orelse, orelse=node.body))
     elif isinstance(node, ast.Constant):
         found += of_constant(node, parent)
-    elif isinstance(node, ast.Call) and len(node.args) > 1:
+    elif isinstance(node, ast.Call) and len(node.args) > 1 and not is_symmetric(node):
         *first, one, other = node.args
         if ast.dump(one) != ast.dump(other) and not isinstance(other, ast.Starred):
             found.append(with_changes(node, args=[*first, other, one]))
     found += of_name(node, words)
     return found
+
+
+def is_symmetric(call: ast.Call) -> bool:
+    """Whether a call means the same with its arguments in another order, but for nan."""
+    return isinstance(call.func, ast.Name) and call.func.id in ("min", "max")
 
 
 def of_statement(node: ast.stmt) -> list[ast.AST]:

@@ -87,7 +87,7 @@ SCENES = {
         interaction=SPECIES,
     ),
     "lattice": scene(
-        {"springs": {"stiffness": 1.5}, "bath": bath((0.3, 1.5), (0.2, 2.5))},
+        {"springs": {"stiffness": 1.5, "turned": 0.4}, "bath": bath((0.3, 1.5), (0.2, 2.5))},
         {"bath": bath((0.4, 2.0))} | TURNING,
         field=[CORRUGATION | {"on": ["upper", "lower"]}],
     ),
@@ -156,6 +156,18 @@ SCENES = {
         | TURNING,
     ),
 }
+# Every bath and reservoir at once: what methods do to them is compared.
+SCENES["damped"] = SCENES["twisting"] | {
+    "surface": [
+        surface
+        | {
+            "drive": "free",
+            "langevin": {"gamma": gamma, "velocity": [-0.4, 0.2]},
+            "bath": surface["bath"] | {"temperature": 0.2},  # it has momentum at the start
+        }
+        for surface, gamma in zip(SCENES["twisting"]["surface"], (0.4, 0.3), strict=True)
+    ]
+}
 ONE = {name: values[0] for name, values in UPPER["asperite"].items()}
 
 ALONE = {"shape": [1, 1], "heights": [0.0], "asperite": ONE}
@@ -179,6 +191,8 @@ SCENES["by hand"] = scene(
     },
     {"drive": "free"} | TURNING,
 )
+# Run with other forces on the ends of bars, which no reference has: the identities alone.
+SCENES["pushed"] = SCENES["by hand"] | {"duration": 0.8}
 # Run with a field that is a plug-in: the identities alone.
 SCENES["waves"] = scene(
     {"drive": "free"},

@@ -118,6 +118,7 @@ class Surface:
             raise ValueError(f"the reference has no bars {self.bars!r}")
         springs = table.get("springs", {})
         self.spring, self.wrap = springs.get("stiffness", 0.0), springs.get("wrap", False)
+        self.turned = springs.get("turned", 0.0)
         if self.spring and self.shape is None:
             raise ValueError("springs need a shape, not positions")
         bath = table.get("bath", {})
@@ -321,7 +322,10 @@ class Model:
         self.spring_k = np.array(k)
         self.spring_D = differences(self.n, first, second)
         r2_rest = np.concatenate([s.r2_rest for s in self.surfaces], axis=1)
-        self.spring_rest = r2_rest @ self.spring_D
+        turned = np.array([self.surfaces[s].turned for s in owner])
+        x, y = r2_rest @ self.spring_D
+        cos, sin = np.cos(turned), np.sin(turned)
+        self.spring_rest = np.array([cos * x - sin * y, sin * x + cos * y])
         self.spring_member = np.eye(len(self.surfaces))[owner].reshape(-1, len(self.surfaces))
 
     def _bath(self) -> None:

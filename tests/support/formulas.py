@@ -1,0 +1,338 @@
+"""Checks of single functions of the package against a formula or a search written out here.
+
+They are for what no run of a short scene shows: costs, limits, and cells of large lists.  Each
+returns what is wrong, or nothing.  They import the package when they run: see support/judge.py.
+"""
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import NamedTuple
+from unittest import mock
+
+import numpy as np
+
+from support import reference
+from support.mutation_scenes import SCENES
+from support.registers import registers_as_arrays
+
+EPSILON = np.finfo(float).eps
+
+
+def points_of_a_rod() -> str:
+    """Positions along the rod, their rates of change, forces at its bar, and nearest images."""
+    from tribo.kernels import kinematics
+
+    x, y, vx, vy, l1, l2, swing, omega = np.random.default_rng(6).uniform(0.3, 1.3, 8)
+    for facing, rest in ((1.0, 0.0), (-1.0, np.pi)):
+
+        def along(t, arm, rest=rest):
+            theta = rest + swing + omega * t
+            return np.array([x + vx * t + arm * np.sin(theta), y + vy * t - arm * np.cos(theta)])
+
+        tx, ty = facing * np.cos(swing), facing * np.sin(swing)
+        for name, length, arm in (("bob", l1, l1), ("bar", l2, -l2)):
+            position = getattr(kinematics, f"{name}_position")(x, y, length, tx, ty)
+            velocity = getattr(kinematics, f"{name}_velocity")(vx, vy, omega, length, tx, ty)
+            rate = along(1e-100j, arm).imag / 1e-100
+            if not np.allclose([position, velocity], [along(0.0, arm), rate], 1e-13):
+                return f"{name} of a surface with facing {facing}"
+            power = kinematics.rotational_power(arm, omega, tx, ty, 0.7, -0.4)
+            if not np.isclose(power, np.dot([0.7, -0.4], rate - [vx, vy]), 1e-13):
+                return f"power at the {name}"
+    f = np.array(kinematics.end_force(1.7, 2.5, np.sin(swing), np.cos(swing)))
+    arm = 2.5 * np.array([np.cos(swing), np.sin(swing)])  # from the left end to the right
+    if not np.allclose([arm @ f, arm[0] * f[1] - arm[1] * f[0]], [0.0, 1.7], 0.0, 1e-13):
+        return "not the torque of two opposite forces across the bar"
+    for period in (0.7, 3.0):
+        for images, left in ((0, 0.3), (2, -0.49), (-3, 0.49)):
+            found = kinematics.nearest_image((images + left) * period, period)
+            if not np.isclose(found, left * period, 1e-13):
+                return f"image {images} of period {period}"
+    if kinematics.nearest_image(3.0, 2.0) != -1.0:
+        return "not from -period/2 on"
+    return "" if kinematics.nearest_image(5.0, 0.0) == 5.0 else "an image without a period"
+
+
+CALLS: list[tuple[float, ...]] = []  # arguments with which a drive was called
+
+
+class Recorder(NamedTuple):
+    """A drive that records its arguments."""
+
+    nothing: float = 0.0
+
+    def force_on_bar(self, t, x, y, vx, vy, fx, fy):
+        """f2."""
+        CALLS.append((t, x, y, vx, vy, fx, fy))
+        return self.nothing, self.nothing
+
+
+def arguments_of_a_drive() -> str:
+    """A drive is told of place and velocity of the bar in the laboratory, and of f1."""
+    from tribo.kernels.equations_of_motion import custom_drives, place_bobs
+    from tribo.model.drives import Custom
+    from tribo.model.scene_file import scene_from
+    from tribo.run.layout import lay_out
+
+    table, t = SCENES["slid"], 0.7
+    scene = scene_from(table)
+    drive = Custom(force=Recorder())
+    layout = lay_out(replace(scene, surfaces=[replace(s, drive=drive) for s in scene.surfaces]))
+    q, v = np.split(layout.start, 2)
+    place_bobs(layout.model, t, q)
+    bobs = layout.model.bobs
+    bobs.fx, bobs.fy = 1.0 + np.arange(bobs.size), -2.0 - np.arange(bobs.size)
+    CALLS.clear()
+    custom_drives(layout.model, layout.model.drives, t, q, v)
+    model = reference.Model(table)
+    motion = model.motion(t, model.start())
+    expected = [np.full(bobs.size, t), *motion.r2, *motion.v2, bobs.fx, bobs.fy]
+    names = ("t", "x", "y", "vx", "vy", "fx", "fy")
+    for name, found, truth in zip(names, np.array(CALLS).T, expected, strict=True):
+        if not np.allclose(found, truth, 0.0, 1e-13):
+            return f"{name}: {found} instead of {truth}"
+    return ""
+
+
+def errors() -> str:
+    """The error of a step is in units of the tolerance, or of the round-off of large values."""
+    from tribo.integrators.linear_combinations import largest
+
+    rng = np.random.default_rng(1)
+    weights, rates = rng.normal(size=4), rng.normal(size=(4, 3))
+    values = np.array([0.0, -1e10, 3e9])
+    tolerance = np.array([1e-3, 1e-6, 1e-6])
+    for component in range(3):
+        only = np.arange(3) == component
+        found = largest(0.5, weights, rates * only, values, tolerance)
+        unit = tolerance[component] + 2.0 * EPSILON * abs(values[component])
+        if not np.isclose(found, 0.5 * abs(weights @ rates[:, component]) / unit, 1e-12):
+            return f"component {component}"
+    return ""
+
+
+def closing_speeds() -> str:
+    """Two surfaces close in at the diagonal of their velocities, and two swings at most."""
+    from tribo.kernels.contact import closing_speed
+
+    rng = np.random.default_rng(2)
+    surfaces = [SimpleNamespace(start=1, stop=4), SimpleNamespace(start=6, stop=8)]
+    for sign in (1.0, -1.0):
+        speeds = rng.normal(2.0 * sign, 1.0, (9, 3))
+        speeds[:, 2] = np.abs(speeds[:, 2])
+        speeds[[0, 4, 5, 8]] = 1e3  # of other surfaces
+        own = speeds[[1, 2, 3, 6, 7]]
+        expected = np.hypot(*np.ptp(own[:, :2], axis=0)) + 2.0 * np.max(own[:, 2])
+        if not np.isclose(closing_speed(*surfaces, speeds), expected, 1e-12):
+            return "not the diagonal"
+    return ""
+
+
+def listed_pairs() -> str:
+    """A list has exactly the pairs within its reach, sorted, whether cells are many or one."""
+    from tribo.kernels.neighbours import refresh
+    from tribo.model.scene_file import scene_from
+    from tribo.run import layout as layouts
+
+    rng = np.random.default_rng(3)
+    for box in ({}, {"x": 12.0}, {"z": 11.0}, {"x": 12.0, "z": 11.0}, {"x": 5.0, "z": 3.5}):
+        places = rng.uniform(0.0, 12.0, (70, 3)) * [1.0, 0.05, 1.0]
+        with mock.patch("tribo.run.contacts.UNLISTED_PAIRS", 0):
+            layout = layouts.lay_out(scene_from(two_clouds(places, box)))
+        neighbours, bobs = layout.neighbours(), layout.model.bobs
+        near, far = 0.49 * layout.skin, 0.51 * layout.skin
+        for slide, lists_made in ((0.0, 1), (near, 1), (far, 2), (5.3, 3)):
+            bobs.x, bobs.y = places[:, 0] + slide * (np.arange(70) < 30), places[:, 1]
+            refresh(layout.model, neighbours)
+            if neighbours.made[0] != lists_made:
+                return f"slide {slide}: list {neighbours.made[0]} instead of {lists_made}"
+            if slide == near:
+                continue  # the list is the one before
+            now = np.column_stack([bobs.x, bobs.y, bobs.z])
+            for k, pair in enumerate(neighbours.pairs.tolist()):
+                wrong = wrong_row(layout, neighbours, k, now, box, pair)
+                if wrong:
+                    return f"box {box}, slide {slide}: {wrong}"
+    return ""
+
+
+def two_clouds(places: np.ndarray, box: dict) -> dict:
+    """A scene of 30 bobs and the rest, with contact between and within."""
+    potential = {"potential": "lennard-jones", "epsilon": 0.1, "sigma": 0.5}
+    species = ["A" if k % 3 else "B" for k in range(len(places))]
+    return {
+        "duration": 1.0,
+        "periodic": box,
+        "interaction": [
+            potential | {"cutoff": 1.5, "between": ["upper", "lower"], "species": ["A", "B"]},
+            potential | {"cutoff": 1.2, "between": ["upper", "upper"], "species": ["A", "A"]},
+        ],
+        "surface": [
+            {"name": "upper", "positions": places[:30].tolist(), "species": species[:30]},
+            {
+                "name": "lower",
+                "facing": "up",
+                "positions": places[30:].tolist(),
+                "species": species[30:],
+            },
+        ],
+    }
+
+
+def wrong_row(layout, neighbours, k, places, box, pair) -> str:
+    """The first row of the kth pair of surfaces that a comparison of all bobs contradicts."""
+    one, other, row = pair
+    reach, kinds = neighbours.reach[k], sorted(neighbours.species[k])
+    parts = list(layout.parts.values())
+    species = layout.model.species
+    for i in range(parts[one].start, parts[one].stop):
+        difference = places[i] - places
+        for axis, name in ((0, "x"), (2, "z")):
+            if name in box:
+                difference[:, axis] -= box[name] * np.round(difference[:, axis] / box[name])
+        near = np.flatnonzero(np.sum(difference**2, axis=1) < reach**2)
+        expected = [
+            j
+            for j in near.tolist()
+            if parts[other].start <= j < parts[other].stop
+            and j > i
+            and sorted((species[i], species[j])) == kinds
+        ]
+        at = row + i - parts[one].start
+        found = neighbours.index[neighbours.start[at] : neighbours.start[at + 1]].tolist()
+        if found != expected:
+            return f"bob {i} has {found} instead of {expected}"
+    return ""
+
+
+def errors_of_a_pair() -> str:
+    """The error of a pair's step: the worst rate's, and that of the worst account."""
+    rng = np.random.default_rng(4)
+    with registers_as_arrays():
+        from tribo.pair import step
+
+        work = rng.uniform(1e-6, 1e-5, (step.ROWS, 8))
+        work[step.PLACE] = 1e10 * rng.normal(size=8)
+        places = (step.V1, step.OF_V1), (step.V2, step.OF_V2), (step.J, step.OF_J)
+        units = [
+            work[step.LIMITS, limit] + 2.0 * EPSILON * abs(work[step.PLACE, rate])
+            for rate, limit in places
+        ]
+        for worst in range(3):
+            leading = np.where(np.arange(3) == worst, -1.0, 1e-3)
+            gains = rng.normal(size=8)
+            found = step.error_of(0.5, work, SimpleNamespace(leading=leading, leading_gains=gains))
+            accounts = np.max(0.5 * abs(gains) * work[step.ALLOWED])
+            if not np.isclose(found, np.max(0.5 * abs(leading) / units) + accounts, 1e-12):
+                return f"rate {worst}"
+    return ""
+
+
+def steps_towards_encounters() -> str:
+    """A pair's next step goes 3/4 of the way by the rate that will have grown as much again.
+
+    By the rate at its start it goes the part that the clock allows.
+    """
+    clock, length = SimpleNamespace(encounter_fraction=0.5), 0.5
+    sums = SimpleNamespace(once=(0.0, 0.0, 0.0))
+    with registers_as_arrays():
+        from tribo.pair import step
+
+        nothing = {
+            "solve": lambda *_: (True, None),
+            "powers": lambda *_: None,
+            "end_values": lambda *_: np.zeros(8),
+            "sums_of": lambda *_: sums,
+            "error_of": lambda *_: 0.0,
+            "update_state": lambda *_: None,
+            "store_start": lambda *_: None,
+        }
+        for rate, later in ((0.2, 0.8), (0.6, 0.8), (0.8, 0.8), (1.2, 0.8)):
+            work = np.zeros((step.ROWS, 8))
+            changed = nothing | {"encounter_after": lambda *_, later=later: later}
+            with mock.patch.multiple(step, **changed):
+                _, growth, _ = step.try_step(None, None, clock, length, rate, 1.0, work)
+            longest = clock.encounter_fraction / later
+            if later > rate:
+                longest = min(longest, 0.75 / (later + (later - rate)))
+            if not np.isclose(growth * length, longest, 1e-12):
+                return f"from {rate} to {later}: {growth * length} instead of {longest}"
+    return ""
+
+
+def columns_by_slot() -> str:
+    """The columns of a table in some slots, and another value where a slot is absent."""
+    from tribo.run.motion import columns
+
+    table = np.arange(6.0).reshape(2, 3)
+    other = np.array([[7.0, 8.0, 9.0]])
+    for slots, absent, expected in (
+        ([2, -1, 0], 5.0, [[2.0, 5.0, 0.0], [5.0, 5.0, 3.0]]),
+        ([-1, 1, -1], other, [[7.0, 1.0, 9.0], [7.0, 4.0, 9.0]]),
+        ([1, 2, 0], 5.0, [[1.0, 2.0, 0.0], [4.0, 5.0, 3.0]]),
+        ([-1, -1, -1], other, [[7.0, 8.0, 9.0], [7.0, 8.0, 9.0]]),
+    ):
+        if not np.array_equal(columns(np.array(slots), table, absent), expected):
+            return f"slots {slots}"
+    return ""
+
+
+def hot_baths() -> str:
+    """Oscillators start about their bars, each on its own, with variances T / k and T / m."""
+    from tribo.model.scene_file import scene_from
+    from tribo.run.layout import lay_out
+
+    count, temperature, phi = 500, 0.5, 0.3
+    oscillators, torsional = [(0.3, 1.5), (0.2, 2.5)], (0.4, 1.1)
+    surface = {
+        "name": "lower",
+        "facing": "up",
+        "shape": [count, 1],
+        "spacing": [1.0, 0.0],
+        "bars": "free",
+        "asperite": {"m1": 0.7, "m2": 1.5, "length": 1.3},
+        "initial": {"theta": 3.6, "phi": phi},
+        "bath": {
+            "temperature": temperature,
+            "oscillators": [{"mass": m, "frequency": w} for m, w in oscillators],
+            "torsional": [{"inertia": torsional[0], "frequency": torsional[1]}],
+        },
+    }
+    contact = {"potential": "coulomb", "strength": 0.1}
+    upper = {"name": "upper", "bob": [0.0, 5.0]}
+    layout = lay_out(
+        scene_from({"duration": 1.0, "interaction": contact, "surface": [upper, surface]})
+    )
+    q, v = np.split(layout.start, 2)
+    first = layout.model.asperites.dof_bath[1:]
+    l2 = 1.3 * 0.7 / (0.7 + 1.5)
+    bar_x, bar_y = -l2 * np.sin(3.6), l2 * (np.cos(3.6) - np.cos(np.pi))
+    columns = []
+    for k, (place, mass, frequency) in enumerate(
+        [(bar_x, m, w) for m, w in oscillators]
+        + [(bar_y, m, w) for m, w in oscillators]
+        + [(phi, *torsional)]
+    ):
+        stiffness = mass * frequency**2
+        columns.append((q[first + k] - place) * np.sqrt(stiffness / temperature))
+        columns.append(v[first + k] * np.sqrt(mass / temperature))
+    drawn = np.array(columns)  # (10, count) of the normal distribution
+    if np.any(abs(np.mean(drawn, axis=1)) > 5.0 / np.sqrt(count)):
+        return "not about the bar"
+    covariance = drawn @ drawn.T / count
+    if np.any(abs(covariance - np.eye(len(drawn))) > 5.0 * np.sqrt(2.0 / count)):
+        return "not the covariance of a thermal state"
+    return ""
+
+
+FORMULAS = {
+    "points of a rod": points_of_a_rod,
+    "arguments of a drive": arguments_of_a_drive,
+    "errors": errors,
+    "errors of a pair": errors_of_a_pair,
+    "steps of a pair towards encounters": steps_towards_encounters,
+    "closing speeds": closing_speeds,
+    "listed pairs of two clouds": listed_pairs,
+    "columns by slot": columns_by_slot,
+    "hot baths": hot_baths,
+}
