@@ -20,6 +20,7 @@ PATTERNS = [
     "kernels/contact.py",
     "kernels/equations_of_motion.py",
     "kernels/kinematics.py",
+    "kernels/langevin.py",
     "kernels/neighbours.py",
     "kernels/powers.py",
     "kernels/samples.py",
