@@ -110,7 +110,7 @@ SETTINGS = {  # steps or tolerances, and the status of the run
 @pytest.mark.parametrize("name", SETTINGS)
 def test_pauses_of_rows(monkeypatch, name):
     """Lists of neighbours, the rate of encounters and rejected steps survive a pause."""
-    monkeypatch.setattr(tribo.run.contacts, "FEW", 0)
+    monkeypatch.setattr(tribo.run.contacts, "UNLISTED_PAIRS", 0)
     layout = lay_out(rows(34))
     assert layout.rows > 0
     method = METHODS[name]

@@ -28,7 +28,7 @@ def test_the_tip_glides_below_eta_of_one():
 def test_the_tip_jumps_above_eta_of_one():
     """The work of a pull goes to what the jump costs."""
     fast, slow = works(1.02)
-    assert slow > example("stick_slip").cost_of_a_jump(1.02)
+    assert slow > example("stick_slip").jump_energy(1.02)
     assert slow > 0.15 * fast
 
 
