@@ -54,6 +54,7 @@ ORDER = [
     "cli",
     "paper",
     "report_card",
+    "atlas",
     "ensembles",
     "work_precision",
     "plotting",

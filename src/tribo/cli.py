@@ -50,6 +50,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_paper(commands.add_parser("paper", help="compare the paper's cases with its numbers"))
     _add_accuracy(commands.add_parser("accuracy", help="measure error against time per method"))
     _add_check(commands.add_parser("check", help="test a potential and print a report card"))
+    _add_atlas(commands.add_parser("atlas", help="run hard scenes and compare with references"))
     return parser
 
 
@@ -106,6 +107,12 @@ def _add_check(check: argparse.ArgumentParser) -> None:
         help="draw energy, force and the difference between force and derivative",
     )
     check.set_defaults(command=_check)
+
+
+def _add_atlas(atlas: argparse.ArgumentParser) -> None:
+    atlas.add_argument("names", nargs="*", metavar="NAME", help="scenes (default: all)")
+    atlas.add_argument("--json", action="store_true", help="print the table as JSON")
+    atlas.set_defaults(command=_atlas)
 
 
 def _run(options: argparse.Namespace) -> int:
@@ -181,6 +188,32 @@ def _check(options: argparse.Namespace) -> int:
         report.save_figure(options.figure)
     print(report.to_json() if options.json else report)
     return COMPLETED if report.passed else STOPPED
+
+
+def _atlas(options: argparse.Namespace) -> int:
+    from tribo import atlas
+    from tribo.run.result import without_nan
+
+    entries = atlas.chosen(options.names)
+    # With --json, the lines show the progress on a terminal.
+    lines = sys.stderr if options.json else sys.stdout
+    shown = not options.json or lines.isatty()
+    rows: list[atlas.Row] = []
+    if shown:
+        print(atlas.HEAD, file=lines)
+    try:
+        for row in atlas.rows(entries):
+            rows.append(row)
+            if shown:
+                print(row, file=lines, flush=True)
+    except KeyboardInterrupt:
+        print(f"tribo: interrupted after {len(rows)} of {len(entries)} scenes", file=sys.stderr)
+    declared = sum(row.as_declared for row in rows)
+    if options.json:
+        print(json.dumps(without_nan(atlas.table(rows)), indent=1, allow_nan=False))
+    else:
+        print(f"{declared} of {len(entries)} scenes as declared")
+    return COMPLETED if declared == len(entries) else STOPPED
 
 
 def _check_figure(path: Path | None) -> None:
