@@ -20,7 +20,7 @@ import numpy as np
 from numba import config, njit
 
 from tribo.kernels import plugin_methods  # noqa: F401 (kernels call methods of plug-ins)
-from tribo.kernels.pipeline import LINKED
+from tribo.kernels.numba_passes import LINKED
 
 # Division by zero gives inf or nan, as in numpy; the time loops turn both into a named status.
 _options: dict[str, Any] = {"error_model": "numpy"}
