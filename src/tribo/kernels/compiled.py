@@ -94,6 +94,14 @@ def cached_files(loop: FunctionType) -> list[Path]:
     return sorted(path for path in folder.glob("*.nb?") if FILE_NAME.fullmatch(path.name))
 
 
+def is_compiled(loop: Any) -> bool:
+    """Whether a loop made by :func:`time_loop` has been compiled, in this process or on disk."""
+    if config.DISABLE_JIT or loop.overloads:  # type: ignore[attr-defined]
+        return True
+    folder = loop.stats.cache_path
+    return folder is not None and any(Path(folder).glob(f"*.{loop.__name__}-*.nbi"))
+
+
 def remove_stale(loop: FunctionType) -> None:
     """Remove the machine code that other versions of the package left in the folder of a loop.
 
