@@ -137,6 +137,11 @@ OSCILLATOR = np.dtype([("mass", "f8"), ("frequency", "f8")], align=True)
 
 PUSH = np.dtype([("fx", "f8"), ("fy", "f8")], align=True)
 
+# Forces of a plug-in on the ends of a bar, f_L and f_R.
+END_FORCES = np.dtype(
+    [("left_x", "f8"), ("left_y", "f8"), ("right_x", "f8"), ("right_y", "f8")], align=True
+)
+
 
 class Contact(NamedTuple):
     """One interaction: a potential, and the pairs of surfaces between which it acts.
@@ -227,3 +232,4 @@ class Model(NamedTuple):
     langevin: Any  # True, or None
     drives: Any  # tuple of Custom, or None
     ends: Any  # tuple of Custom, or None
+    end_forces: Any  # recarray of END_FORCES, (n,), scratch; None without `ends`
