@@ -66,9 +66,9 @@ from tribo.kernels.status import (
 _ROOT = math.sqrt(0.6)
 NODES = np.array([0.5 - 0.5 * _ROOT, 0.5, 0.5 + 0.5 * _ROOT])
 WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18.0
-# Iterations for velocities in the middle of a kick, on which forces of plug-ins may depend.  A force
-# that rotates a velocity by z in a kick should not change its square: with one or two iterations it
-# does so by z^4 / 4, with three by z^6 / 16.
+# Iterations for velocities in the middle of a kick, on which forces of plug-ins may depend.  A
+# force that rotates a velocity by z in a kick should not change its square: with one or two
+# iterations it does so by z^4 / 4, with three by z^6 / 16.
 ITERATIONS = 3
 
 

@@ -116,6 +116,9 @@ CLOCK = np.dtype(
         ("after_rejection", "i8"),  # 1: the next step may not grow
         ("not_finite", "i8"),  # 1: the last step that was tried led to values that are not finite
         ("evaluations", "i8"),  # of all forces
+        ("passages", "i8"),  # steps in which bobs passed an encounter that cannot matter
+        ("passing", "i8"),  # the bobs that did so last
+        ("passed", "i8"),
     ],
     align=True,
 )

@@ -145,7 +145,7 @@ def lay_out(scene: Scene) -> Layout:
         langevin=True if any(surface.langevin for surface in scene.surfaces) else None,
         drives=user_forces(scene, origin, "drive", CustomDrive),
         ends=ends,
-        end_forces=None if ends is None else np.zeros(scene.count, records.END_FORCES).view(np.recarray),
+        end_forces=np.zeros(scene.count, records.END_FORCES).view(np.recarray) if ends else None,
     )
     return Layout(
         scene=scene,

@@ -1,8 +1,9 @@
-"""Forces of a user's act beside thermal noise: means against closed forms, and no refusal skipped.
+"""Thermal noise beside forces of a user's, by closed forms, and beside encounters.
 
-Asperites are independent, which gives the standard errors.
+Asperites are independent, which gives the standard errors of means.
 """
 
+import re
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -10,7 +11,18 @@ import numpy as np
 import pytest
 
 import tribo
-from tribo import Custom, InputError, Langevin, Output, Scene, Surface
+from tribo import (
+    Coulomb,
+    Custom,
+    Free,
+    Initial,
+    InputError,
+    Interaction,
+    Langevin,
+    Output,
+    Scene,
+    Surface,
+)
 from tribo.accuracy.choose_method import choose
 from tribo.integrators import methods
 from tribo.run.layout import lay_out
@@ -85,3 +97,28 @@ def test_the_method_for_noise_is_checked(monkeypatch):
     for name in (None, "verlet"):
         with pytest.raises(InputError, match=r'^method: "verlet" drops forces$'):
             choose(lay_out(held(1)), None, name, 0.1)
+
+
+def passing(strength, temperature):
+    """Free asperites of one surface whose bobs pass one another."""
+    surface = Surface(
+        "row",
+        shape=(4, 1),
+        spacing=(0.3, 0.0),
+        drive=Free(),
+        langevin=Langevin(0.5, temperature),
+        initial=Initial(omega=(3.0, -3.0, 2.0, -4.0)),
+    )
+    contact = Interaction(Coulomb(strength), ("row", "row"))
+    return Scene([surface], [contact], 20.0, output=Output(samples=2))
+
+
+def test_encounters_far_below_the_noise_end_no_run():
+    """A note names the asperites; without noise, or where the force matters, the run ends."""
+    result = tribo.simulate(passing(1e-14, 0.3), step=0.1)
+    assert result.status == "completed"
+    (note,) = result.notes
+    assert re.match(r'in \d+ steps bobs .* asperite \d of "row" and asperite \d of "row"', note)
+    for strength, temperature in ((1e-14, 0.0), (0.3, 0.3)):
+        with pytest.warns(tribo.TriboWarning, match="EncounterJumped"):
+            tribo.simulate(passing(strength, temperature), method="verlet", step=0.1)
