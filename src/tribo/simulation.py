@@ -29,7 +29,7 @@ from tribo.run.integrate import Integration, Progress, Setting
 from tribo.run.layout import Layout, lay_out
 from tribo.run.ledger import Ledger, assemble
 from tribo.run.loop_selection import Integrator
-from tribo.run.notes import calculator_notes, scene_notes
+from tribo.run.notes import calculator_notes, passage_notes, scene_notes
 from tribo.run.result import Cost, Known, Result
 from tribo.run.streamed_ledger import StreamedLedger, exceeds_memory
 from tribo.validation import InputError, TriboWarning, inside
@@ -175,7 +175,7 @@ class Simulation:
         return self._result(
             run.status,
             None,
-            (),
+            passage_notes(layout, run),
             {},
             lambda: _reported(layout, run),
             lambda: _cost([run], seconds, ratio),
@@ -186,9 +186,10 @@ class Simulation:
         streamed = StreamedLedger(self.layout)
         run = self._integrator(self.plan.setting, self.plan.times, y, streamed)
         note = "of the asperites' series only the first and the last sample are kept"
+        notes = (*passage_notes(self.layout, run), note)
         ledger = streamed.with_ends(run.samples)
         cost = _cost([run], self.compile_seconds, self._digit_ratio)
-        return self._result(run.status, None, (note,), {}, Known(ledger), Known(cost))
+        return self._result(run.status, None, notes, {}, Known(ledger), Known(cost))
 
     def _estimated_result(self, runs: Sequence[Integration]) -> Result:
         """The last run as a result, its error estimated from the two before it."""

@@ -57,12 +57,15 @@ class Integration:
         Steps and evaluations of all forces, its first two elements.
     seconds : float
         Wall time.
+    passages : tuple of int
+        Number of steps in which bobs passed an encounter far below k_B T, and the last two bobs.
     """
 
     recorded: Callable[[], Samples]
     status: Status
     counts: np.ndarray
     seconds: float
+    passages: tuple[int, int, int] = (0, 0, 0)
 
     @cached_property
     def samples(self) -> Samples:
@@ -141,7 +144,8 @@ def integrate(
     whole = samples
     assert whole is not None
     counts = np.array([clocks.steps[0], clocks.evaluations[0]])
-    return Integration(lambda: whole, status, counts, time.perf_counter() - began)
+    passages = (int(clocks.passages[0]), int(clocks.passing[0]), int(clocks.passed[0]))
+    return Integration(lambda: whole, status, counts, time.perf_counter() - began, passages)
 
 
 def run_in_chunks(
