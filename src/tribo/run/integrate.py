@@ -17,7 +17,7 @@ from tribo.kernels.neighbours import refresh
 from tribo.kernels.records import CLOCK, Neighbours
 from tribo.kernels.samples import STORED, Record, State, initial_state, write_sample
 from tribo.kernels.status import PAUSED, STATUS_OF_CODE, Status
-from tribo.plugins.compile_errors import COMPILE_ERRORS, compile_error
+from tribo.plugins.compile_errors import compiling
 from tribo.potentials.from_ase import Call
 from tribo.run.force_records import Records
 from tribo.run.layout import Layout
@@ -184,11 +184,8 @@ def compile_loop(layout: Layout, method: Method, loop: Loop, setting: Setting) -
     """Compile the loop for this scene, or load it from the disk cache; returns the seconds."""
     began = time.perf_counter()
     clocks, state = _at_rest(layout, method, layout.start, 0.0)
-    try:
-        with collector_paused():
-            _bound(layout, method, loop, setting)(clocks, state, np.ones(1), _room(layout, 1), 0)
-    except COMPILE_ERRORS as error:
-        raise compile_error(layout.named_plugins, error) from None
+    with collector_paused(), compiling(loop, layout.named_plugins):
+        _bound(layout, method, loop, setting)(clocks, state, np.ones(1), _room(layout, 1), 0)
     return time.perf_counter() - began
 
 

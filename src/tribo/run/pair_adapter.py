@@ -47,7 +47,7 @@ from tribo.pair.step import (
     S,
     table,
 )
-from tribo.plugins.compile_errors import COMPILE_ERRORS, compile_error
+from tribo.plugins.compile_errors import compiling
 from tribo.plugins.sources import source_stamp
 from tribo.run.integrate import Integration, Progress, run_in_chunks
 from tribo.run.layout import Layout
@@ -130,10 +130,8 @@ class Pair:
         self._tolerance: Tolerance | None = None  # from which the rows' limits were made
         loop = time_loop(pair_collocation, source_stamp(layout.plugins))
         examples = (layout.start, np.zeros(1), np.empty((2, COLUMNS)), 0)
-        try:
+        with compiling(loop, layout.named_plugins):
             self._loop = EntryPoint(loop, self._fixed, examples)
-        except COMPILE_ERRORS as error:
-            raise compile_error(layout.named_plugins, error) from None
         self.compile_seconds = time.perf_counter() - began
 
     def integrate(
