@@ -85,14 +85,28 @@ def empty_stages(count, model, state):
 
 
 @kernel
+def store_within(inner, stored):
+    """Store the forces within surfaces, if there are any."""
+    if inner is not None:
+        for m in range(inner.size):
+            stored[m] = inner[m]
+
+
+@kernel
+def restore_within(inner, stored):
+    """Put stored forces within surfaces in place, if there are any."""
+    if inner is not None:
+        for m in range(inner.size):
+            inner[m] = stored[m]
+
+
+@kernel
 def store_forces(model, work, i):
     """Store the forces that are in place as those of stage i."""
     for m in range(model.bobs.size):
         work.bobs[i, m] = model.bobs[m]
         work.bars[i, m] = model.bars[m]
-    if model.inner is not None:
-        for m in range(model.bobs.size):
-            work.inner[i, m] = model.inner[m]
+    store_within(model.inner, work.inner[i])
 
 
 @kernel
@@ -101,9 +115,7 @@ def restore_forces(model, work, i):
     for m in range(model.bobs.size):
         model.bobs[m] = work.bobs[i, m]
         model.bars[m] = work.bars[i, m]
-    if model.inner is not None:
-        for m in range(model.bobs.size):
-            model.inner[m] = work.inner[i, m]
+    restore_within(model.inner, work.inner[i])
 
 
 @expanded
