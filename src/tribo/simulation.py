@@ -305,9 +305,11 @@ def prepare(
         What is run.
     accuracy : float or mapping, optional
         The largest error of any reported quantity, relative to its scale, or of each observable
-        that is named, as ``{"upper.W": 1e-3}``.  Without it, that of the scene file, else 1e-8.
+        that is named, as ``{"upper.W": 1e-3}``.  Without it and without a step, the accuracy or
+        the step of the scene's numerics, else 1e-8.
     method : str, optional
-        A method's name.  Without it, a model of costs chooses the fastest.
+        A method's name.  Without it, that of the scene's numerics; else a model of costs chooses
+        the fastest.
     step : float, optional
         A step [time] in place of an accuracy; such runs have no error estimate.
     progress : callable, optional
@@ -326,14 +328,14 @@ def prepare(
     if not isinstance(scene, Scene):
         raise InputError("scene", f"must be a tribo.Scene, got {scene!r}")
     layout = lay_out(scene)
+    given = scene.numerics
     if accuracy is None and method is None and step is None:
-        given = scene.numerics
         with inside("numerics"):
             choice = choose(layout, given.accuracy, given.method, given.step)
     else:
         if accuracy is None and step is None:
-            accuracy = scene.numerics.accuracy
-        choice = choose(layout, accuracy, method, step)
+            accuracy, step = given.accuracy, given.step
+        choice = choose(layout, accuracy, given.method if method is None else method, step)
     integrator = integrator_for(layout, choice.method, progress)
     return Simulation(make_plan(choice, integrator), integrator)
 

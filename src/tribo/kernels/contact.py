@@ -317,7 +317,7 @@ def widest_rate(model, speeds):
     for k in range(model.surfaces.shape[0]):
         for m in range(k if model.within is None else k + 1):
             fastest = max(fastest, closing_speed(model.surfaces[k], model.surfaces[m], speeds))
-    return fastest / shortest
+    return fastest / shortest if shortest > 0.0 else math.inf
 
 
 @kernel
