@@ -31,6 +31,7 @@ from tribo.run.ledger import Ledger, assemble
 from tribo.run.loop_selection import Integrator
 from tribo.run.notes import calculator_notes, scene_notes
 from tribo.run.result import Cost, Known, Result
+from tribo.run.state import State, continued, state_of
 from tribo.run.streamed_ledger import StreamedLedger, exceeds_memory
 from tribo.validation import InputError, TriboWarning, inside
 
@@ -162,7 +163,7 @@ class Simulation:
         """Setting and times of runs without an error estimate."""
         if self._single_setting is None:
             return self.plan.setting, self.plan.times
-        return self._single_setting, self.scene.times
+        return self._single_setting, self.layout.times
 
     def _single_run(self, y: np.ndarray) -> Result:
         """A run without an error estimate."""
@@ -179,6 +180,7 @@ class Simulation:
             {},
             lambda: _reported(layout, run),
             lambda: _cost([run], seconds, ratio),
+            run,
         )
 
     def _streamed_run(self, y: np.ndarray) -> Result:
@@ -188,7 +190,7 @@ class Simulation:
         note = "of the asperites' series only the first and the last sample are kept"
         ledger = streamed.with_ends(run.samples)
         cost = _cost([run], self.compile_seconds, self._digit_ratio)
-        return self._result(run.status, None, (note,), {}, Known(ledger), Known(cost))
+        return self._result(run.status, None, (note,), {}, Known(ledger), Known(cost), run)
 
     def _estimated_result(self, runs: Sequence[Integration]) -> Result:
         """The last run as a result, its error estimated from the two before it."""
@@ -202,7 +204,7 @@ class Simulation:
         ledger = _reported(self.layout, fine)
         cost = _cost(runs, self.compile_seconds, self._digit_ratio)
         known = met if len(runs) > 1 else None
-        return self._result(fine.status, known, notes, bounds, Known(ledger), Known(cost))
+        return self._result(fine.status, known, notes, bounds, Known(ledger), Known(cost), fine)
 
     def _errors(self, runs: Sequence[Integration]) -> tuple[dict[str, float], float]:
         """Bounds on the last run's errors, and the largest in units of the request."""
@@ -231,14 +233,16 @@ class Simulation:
         bounds: Mapping[str, float],
         assemble_ledger: Callable[[], Ledger],
         add_up_cost: Callable[[], Cost],
+        run: Integration,
     ) -> Result:
         """A result, with what all results of the simulation share."""
+        layout, method = self.layout, self.method.name
         if self.layout.calculator_calls:
             notes = calculator_notes(self.layout) + notes
         return Result(
             self.scene,
             status,
-            self.method.name,
+            method,
             self.why,
             self.accuracy,
             met,
@@ -246,6 +250,7 @@ class Simulation:
             bounds,
             assemble_ledger,
             add_up_cost,
+            lambda: state_of(layout, method, run),
         )
 
     @cached_property
@@ -265,8 +270,9 @@ class Simulation:
 def _reported(layout: Layout, run: Integration) -> Ledger:
     """The ledger of a run at the scene's times and at its end."""
     samples = run.samples
-    wanted = np.intersect1d(samples.t, layout.scene.times)
-    return assemble(layout, samples.at(np.union1d(wanted, samples.t[-1:])))
+    wanted = np.intersect1d(samples.t, layout.times)
+    ledger = assemble(layout, samples.at(np.union1d(wanted, samples.t[[0, -1]])))
+    return ledger.rows(slice(int(np.searchsorted(ledger.t, layout.beginning)), None))
 
 
 def _cost(runs: Sequence[Integration], compile_seconds: float, ratio: float | None) -> Cost:
@@ -295,6 +301,7 @@ def prepare(
     method: str | None = None,
     step: float | None = None,
     progress: Progress | None = None,
+    start: State | None = None,
 ) -> Simulation:
     """Compile and plan a scene once; method and settings are fixed here.
 
@@ -311,6 +318,10 @@ def prepare(
         A step [time] in place of an accuracy; such runs have no error estimate.
     progress : callable, optional
         Called with the time reached, a few times a second.
+    start : State, optional
+        The state from which all runs begin, as that of a result, in place of the scene's start at
+        t = 0.  In the scene that the state is of, works and changes go on from where they were; in
+        one with other forces they are counted from the state.
 
     Returns
     -------
@@ -324,7 +335,9 @@ def prepare(
     """
     if not isinstance(scene, Scene):
         raise InputError("scene", f"must be a tribo.Scene, got {scene!r}")
-    layout = lay_out(scene)
+    layout, origin = lay_out(scene), None
+    if start is not None:
+        layout, origin = continued(layout, start)
     if accuracy is None and method is None and step is None:
         given = scene.numerics
         with inside("numerics"):
@@ -333,7 +346,7 @@ def prepare(
         if accuracy is None and step is None:
             accuracy = scene.numerics.accuracy
         choice = choose(layout, accuracy, method, step)
-    integrator = integrator_for(layout, choice.method, progress)
+    integrator = integrator_for(layout, choice.method, progress, origin)
     return Simulation(make_plan(choice, integrator), integrator)
 
 
@@ -361,13 +374,15 @@ def simulate(
     method: str | None = None,
     step: float | None = None,
     progress: Progress | None = None,
+    start: State | None = None,
 ) -> Result:
     """Run a scene once.
 
     Parameters
     ----------
-    scene, accuracy, method, step, progress
-        As for :func:`prepare`.
+    scene, accuracy, method, step, progress, start
+        As for :func:`prepare`.  A run from ``result.state()`` by the same method and step gives bit
+        for bit what a run without the pause would have given, if that had recorded the same time.
 
     Returns
     -------
@@ -383,4 +398,4 @@ def simulate(
     TriboWarning
         The run stops early, or its error estimates exceed the accuracy.
     """
-    return _with_warning(prepare(scene, accuracy, method, step, progress).compute_first())
+    return _with_warning(prepare(scene, accuracy, method, step, progress, start).compute_first())

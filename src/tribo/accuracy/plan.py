@@ -17,6 +17,7 @@ from tribo.integrators import methods
 from tribo.run.integrate import Progress, Setting
 from tribo.run.layout import Layout
 from tribo.run.loop_selection import Integrator
+from tribo.run.state import Origin
 from tribo.run.streamed_ledger import exceeds_memory
 from tribo.validation import InputError
 
@@ -65,10 +66,13 @@ class Plan:
 
 
 def integrator_for(
-    layout: Layout, method: methods.Method, progress: Progress | None = None
+    layout: Layout,
+    method: methods.Method,
+    progress: Progress | None = None,
+    origin: Origin | None = None,
 ) -> Integrator:
     """A compiled loop with the usual first step.  Raises InputError."""
-    return Integrator(layout, method, first_step(layout), progress)
+    return Integrator(layout, method, first_step(layout), progress, origin)
 
 
 def make_plan(choice: Choice, integrator: Integrator) -> Plan:
@@ -91,7 +95,7 @@ def make_plan(choice: Choice, integrator: Integrator) -> Plan:
         The accuracy is out of reach, or names quantities that the scene does not report.
     """
     layout, accuracy = integrator.layout, choice.accuracy
-    name, times = choice.method.name, layout.scene.times
+    name, times = choice.method.name, layout.times
     if accuracy is None:
         assert choice.step is not None
         return Plan(name, choice.why, choice.step, times)
@@ -117,7 +121,7 @@ def single_setting(plan: Plan, integrator: Integrator) -> Setting | None:
         integrator.method,
         plan.tuned,
         plan.accuracy,
-        lambda setting: integrator(setting, layout.scene.times),
+        lambda setting: integrator(setting, layout.times),
     )
 
 
@@ -133,6 +137,6 @@ def _check_memory(layout: Layout, stops: StopTimes) -> None:
         )
     raise InputError(
         "output.samples",
-        f"{layout.scene.times.size} samples of {asperites} are too many to compare runs; give "
+        f"{layout.times.size} samples of {asperites} are too many to compare runs; give "
         "fewer samples, or a method and a step",
     )

@@ -19,6 +19,7 @@ from tribo.model.scene_file import scene_from
 from tribo.run import dataset
 from tribo.run.ledger import Ledger
 from tribo.run.quantities import QUANTITIES, Table
+from tribo.run.state import State
 from tribo.validation import as_path
 
 if TYPE_CHECKING:
@@ -147,6 +148,7 @@ class Result:
     bounds: Mapping[str, float] = field(repr=False)  # on errors, by name; empty without estimates
     assemble: Callable[[], Ledger] = field(repr=False)  # computes the ledger
     add_up: Callable[[], Cost] = field(repr=False)  # computes the cost
+    take_state: Callable[[], State] = field(repr=False)  # computes the state at the end
 
     @cached_property
     def ledger(self) -> Ledger:
@@ -181,8 +183,22 @@ class Result:
         return Series(self.ledger.surfaces[surface], self.ledger.blocks[surface])
 
     def __getstate__(self) -> dict[str, Any]:
-        """What is pickled or copied: the ledger and the cost, without the runs."""
-        return {**self.__dict__, "assemble": Known(self.ledger), "add_up": Known(self.cost)}
+        """What is pickled or copied: the ledger, the cost and the state, without the runs."""
+        return {
+            **self.__dict__,
+            "assemble": Known(self.ledger),
+            "add_up": Known(self.cost),
+            "take_state": Known(self.state()),
+        }
+
+    def state(self) -> State:
+        """The full state at the end, from which :func:`tribo.simulate` continues.
+
+        Returns
+        -------
+        State
+        """
+        return self.take_state()
 
     @property
     def end(self) -> dict[str, Any]:
