@@ -66,6 +66,7 @@ ORDER = [
     "potentials",
     "plugins",
     "kernels",
+    "files",
     "validation",
 ]
 

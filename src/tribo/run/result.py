@@ -338,4 +338,5 @@ def load_result(path: str | Path) -> Result:
         bounds={name: bound for name, bound in bounds.items() if bound is not None},
         assemble=Known(dataset.ledger_of(data, scene)),
         add_up=Known(Cost(**json.loads(data.attrs["cost"]))),
+        take_state=Known(dataset.state_in(data, scene)),
     )
