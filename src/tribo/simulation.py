@@ -5,10 +5,11 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 
-from tribo.accuracy.choose_method import choose
+from tribo.accuracy.choose_method import Choice, choose
 from tribo.accuracy.comparison import (
     ABORTED,
     Accuracy,
@@ -17,23 +18,26 @@ from tribo.accuracy.comparison import (
     out_of_reach,
     strictest,
 )
-from tribo.accuracy.estimate import excess_of_request
+from tribo.accuracy.estimate import check_observables, excess_of_request
 from tribo.accuracy.plan import Plan, integrator_for, make_plan, single_setting
 from tribo.accuracy.search import FINE_LEVEL
 from tribo.accuracy.stop_times import StopTimes
+from tribo.files import checked_target
 from tribo.integrators import methods
 from tribo.kernels.status import Status
 from tribo.model.scene import Scene
+from tribo.run.identity import identity_of, refuse_other, settings_of, version
 from tribo.run.initial_state import InitialState, Start
 from tribo.run.integrate import Integration, Progress, Setting
+from tribo.run.journal import PART, Journal
 from tribo.run.layout import Layout, lay_out
 from tribo.run.ledger import Ledger, assemble
 from tribo.run.loop_selection import Integrator
 from tribo.run.notes import calculator_notes, scene_notes
-from tribo.run.result import Cost, Known, Result
-from tribo.run.state import State, continued, state_of
+from tribo.run.result import Cost, Known, Result, load_result
+from tribo.run.state import Origin, State, continued, state_of
 from tribo.run.streamed_ledger import StreamedLedger, exceeds_memory
-from tribo.validation import InputError, TriboWarning, inside
+from tribo.validation import InputError, TriboWarning, as_path, inside
 
 # Levels of two runs that are compared differ by FINE_LEVEL; this many such ratios make a digit.
 RATIOS_PER_DIGIT = -1.0 / np.log10(FINE_LEVEL)
@@ -72,6 +76,9 @@ class Simulation:
         self.why = plan.why
         self.compile_seconds = integrator.compile_seconds
         self._integrator = integrator
+        step = plan.setting if isinstance(plan.setting, float) and plan.accuracy is None else None
+        start = _digest(integrator.origin)
+        self._settings = settings_of(plan.method, plan.accuracy, step, start)
         self._notes = scene_notes(self.scene, self.method)
         self._streams = exceeds_memory(self.layout, plan.times.size)
         self._initial_state = InitialState(self.layout)
@@ -251,6 +258,8 @@ class Simulation:
             assemble_ledger,
             add_up_cost,
             lambda: state_of(layout, method, run),
+            self._settings,
+            version(),
         )
 
     @cached_property
@@ -333,6 +342,19 @@ def prepare(
         The settings do not go together or do not suit the scene, the accuracy is out of reach, or
         a plug-in cannot be compiled.
     """
+    layout, choice, origin = _chosen(scene, accuracy, method, step, start)
+    integrator = integrator_for(layout, choice.method, progress, origin)
+    return Simulation(make_plan(choice, integrator), integrator)
+
+
+def _chosen(
+    scene: Scene,
+    accuracy: Accuracy | None,
+    method: str | None,
+    step: float | None,
+    start: State | None,
+) -> tuple[Layout, Choice, Origin | None]:
+    """The layout of a run, its method and settings, and the state where it begins."""
     if not isinstance(scene, Scene):
         raise InputError("scene", f"must be a tribo.Scene, got {scene!r}")
     layout, origin = lay_out(scene), None
@@ -346,8 +368,9 @@ def prepare(
         if accuracy is None and step is None:
             accuracy = scene.numerics.accuracy
         choice = choose(layout, accuracy, method, step)
-    integrator = integrator_for(layout, choice.method, progress, origin)
-    return Simulation(make_plan(choice, integrator), integrator)
+    if isinstance(choice.accuracy, Mapping):
+        check_observables(layout, choice.accuracy)
+    return layout, choice, origin
 
 
 def from_settings(scene: Scene, settings: Plan) -> Simulation:
@@ -375,6 +398,8 @@ def simulate(
     step: float | None = None,
     progress: Progress | None = None,
     start: State | None = None,
+    out: str | Path | None = None,
+    resume: bool = False,
 ) -> Result:
     """Run a scene once.
 
@@ -383,6 +408,12 @@ def simulate(
     scene, accuracy, method, step, progress, start
         As for :func:`prepare`.  A run from ``result.state()`` by the same method and step gives bit
         for bit what a run without the pause would have given, if that had recorded the same time.
+    out : str or Path, optional
+        A NetCDF file for the result.  While the run goes on, ``out`` with ``.part`` behind its name
+        keeps what is reached, also of a run that is interrupted.
+    resume : bool
+        Continue what ``out.part`` has, to the bits of a run without a pause; begin if there is no
+        such file, and only read ``out`` if that is complete.
 
     Returns
     -------
@@ -398,4 +429,40 @@ def simulate(
     TriboWarning
         The run stops early, or its error estimates exceed the accuracy.
     """
-    return _with_warning(prepare(scene, accuracy, method, step, progress, start).compute_first())
+    if out is None:
+        return _with_warning(
+            prepare(scene, accuracy, method, step, progress, start).compute_first()
+        )
+    layout, choice, origin = _chosen(scene, accuracy, method, step, start)
+    return _with_warning(_run_to_file(as_path(out), resume, layout, choice, origin, progress))
+
+
+def _digest(origin: Origin | None) -> str | None:
+    """What tells the state where a run begins from others; None for the scene's own start."""
+    return None if origin is None else origin.state.digest
+
+
+def _run_to_file(
+    path: Path,
+    resume: bool,
+    layout: Layout,
+    choice: Choice,
+    origin: Origin | None,
+    progress: Progress | None,
+) -> Result:
+    """Run with a journal beside a file, which the result replaces once it is complete."""
+    path = checked_target("out", path)
+    part = path.with_name(path.name + PART)
+    settings = settings_of(choice.method.name, choice.accuracy, choice.step, _digest(origin))
+    identity = identity_of(layout.scene, settings, version())
+    if resume and path.exists() and not part.exists():
+        result = load_result(path)
+        refuse_other(path, identity_of(result.scene, result.settings, result.version), identity)
+        return result
+    with Journal(part, identity, resume) as journal:
+        integrator = integrator_for(layout, choice.method, progress, origin, journal)
+        result = Simulation(make_plan(choice, integrator), integrator).compute_first()
+        if result.status != Status.INTERRUPTED:
+            result.save(path)
+            journal.remove()
+    return result

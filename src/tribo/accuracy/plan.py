@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from tribo.accuracy.choose_method import Choice
 from tribo.accuracy.comparison import Accuracy
-from tribo.accuracy.estimate import check_observables
 from tribo.accuracy.scales import first_step
 from tribo.accuracy.search import FoundSettings, cheapest_setting, find_settings
 from tribo.accuracy.stop_times import PARTS, StopTimes
 from tribo.integrators import methods
 from tribo.run.integrate import Progress, Setting
+from tribo.run.journal import Journal
 from tribo.run.layout import Layout
 from tribo.run.loop_selection import Integrator
 from tribo.run.state import Origin
@@ -70,9 +69,10 @@ def integrator_for(
     method: methods.Method,
     progress: Progress | None = None,
     origin: Origin | None = None,
+    journal: Journal | None = None,
 ) -> Integrator:
     """A compiled loop with the usual first step.  Raises InputError."""
-    return Integrator(layout, method, first_step(layout), progress, origin)
+    return Integrator(layout, method, first_step(layout), progress, origin, journal)
 
 
 def make_plan(choice: Choice, integrator: Integrator) -> Plan:
@@ -99,8 +99,6 @@ def make_plan(choice: Choice, integrator: Integrator) -> Plan:
     if accuracy is None:
         assert choice.step is not None
         return Plan(name, choice.why, choice.step, times)
-    if isinstance(accuracy, Mapping):
-        check_observables(layout, accuracy)
     stops = StopTimes.for_samples(times)
     _check_memory(layout, stops)
     tuned = find_settings(layout, choice.method, accuracy, stops, integrator)

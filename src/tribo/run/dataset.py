@@ -15,6 +15,7 @@ import numpy as np
 from tribo.files import replace_file
 from tribo.model.scene import Scene
 from tribo.model.scene_writer import scene_text
+from tribo.run.identity import plugin_stamps, version
 from tribo.run.ledger import Ledger
 from tribo.run.quantities import QUANTITIES, UNITS, Table
 from tribo.run.state import State
@@ -92,10 +93,10 @@ def _coordinates(result: Result) -> dict[str, Variable]:
 
 def _attributes(result: Result) -> dict[str, str]:
     """The scene and all that is known of the run, as text."""
-    from tribo import __version__
-
     return {
-        "tribo_version": __version__,
+        "version": version(),
+        "settings": json.dumps(result.settings),
+        "plugins": json.dumps(plugin_stamps(result.scene)),
         "scene": scene_text(result.scene),
         "status": str(result.status),
         "method": result.method,

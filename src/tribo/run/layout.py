@@ -27,6 +27,7 @@ from tribo.model.surface import Surface
 from tribo.potentials.from_ase import Call, Live
 from tribo.run import contacts
 from tribo.run.force_records import Records, bonds, fields_on_surfaces, user_forces
+from tribo.run.identity import loaded
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,6 +136,7 @@ class Layout:
 
 def lay_out(scene: Scene) -> Layout:
     """The flat arrays of a scene, in which absent effects have no slots."""
+    scene = loaded(scene)
     counts = [surface.count for surface in scene.surfaces]
     stops = np.cumsum(counts).tolist()
     parts = {

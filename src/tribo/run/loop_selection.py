@@ -8,6 +8,7 @@ from tribo.integrators.methods import Method
 from tribo.integrators.step_control import Tolerance
 from tribo.run.general_loop import GeneralLoop, compile_loop
 from tribo.run.integrate import Integration, Progress, Setting, integrate
+from tribo.run.journal import Journal, key_of
 from tribo.run.layout import Layout
 from tribo.run.pair_adapter import Pair, has_pair_loop
 from tribo.run.state import Origin
@@ -31,6 +32,8 @@ class Integrator:
         Called with the time reached, a few times a second.
     origin : Origin, optional
         The state from which the layout begins; its runs take the general loop.
+    journal : Journal, optional
+        Keeps what each integration reaches, and has what was reached before.
 
     Attributes
     ----------
@@ -50,12 +53,14 @@ class Integrator:
         first_step: float,
         progress: Progress | None = None,
         origin: Origin | None = None,
+        journal: Journal | None = None,
     ) -> None:
         self.layout = layout
         self.method = method
         self._first_step = first_step
         self._progress = progress
-        self._origin = origin
+        self.origin = origin
+        self._journal = journal
         pair = origin is None and has_pair_loop(layout, method)
         self._pair = Pair(layout, method, first_step) if pair else None
         if self._pair is not None:
@@ -88,14 +93,17 @@ class Integrator:
         Integration
         """
         start = self.layout.start if start is None else start
+        checkpoints = None
+        if self._journal is not None and streamed is None:
+            checkpoints = self._journal.integration(key_of(setting, times, start))
         if self._pair is not None:
             assert isinstance(setting, Tolerance)
-            return self._pair.integrate(setting, start, times, self._progress)
+            return self._pair.integrate(setting, start, times, self._progress, checkpoints)
         loop = GeneralLoop(self.layout, self.method, setting, start, self._first_step)
         before = None
-        if self._origin is not None:
+        if self.origin is not None:
             exactly = np.array_equal(start, self.layout.start)
-            self._origin.place(loop, self.method.name, exactly)
-            before, times = self._origin.first, times[times >= self.layout.beginning]
+            self.origin.place(loop, self.method.name, exactly)
+            before, times = self.origin.first, times[times >= self.layout.beginning]
         calls = self.layout.calculator_calls
-        return integrate(loop, times, calls, self._progress, streamed, before=before)
+        return integrate(loop, times, calls, self._progress, streamed, checkpoints, before=before)

@@ -15,8 +15,8 @@ import numpy as np
 
 from tribo.kernels.status import MEANINGS, Status
 from tribo.model.scene import Scene
-from tribo.model.scene_file import scene_from
 from tribo.run import dataset
+from tribo.run.identity import Identity, opened
 from tribo.run.ledger import Ledger
 from tribo.run.quantities import QUANTITIES, Table
 from tribo.run.state import State
@@ -149,6 +149,8 @@ class Result:
     assemble: Callable[[], Ledger] = field(repr=False)  # computes the ledger
     add_up: Callable[[], Cost] = field(repr=False)  # computes the cost
     take_state: Callable[[], State] = field(repr=False)  # computes the state at the end
+    settings: Identity = field(repr=False)  # see tribo.run.identity
+    version: str  # of the package that ran it
 
     @cached_property
     def ledger(self) -> Ledger:
@@ -325,7 +327,8 @@ def load_result(path: str | Path) -> Result:
     """
     path = as_path(path)
     data = dataset.load(path)
-    scene = scene_from(tomllib.loads(data.attrs["scene"]), path.parent)
+    settings, stamps = (json.loads(data.attrs[name]) for name in ("settings", "plugins"))
+    scene = opened(tomllib.loads(data.attrs["scene"]), stamps, path.parent)
     bounds = json.loads(data.attrs["error_estimate"])
     return Result(
         scene=scene,
@@ -339,4 +342,6 @@ def load_result(path: str | Path) -> Result:
         assemble=Known(dataset.ledger_of(data, scene)),
         add_up=Known(Cost(**json.loads(data.attrs["cost"]))),
         take_state=Known(dataset.state_in(data, scene)),
+        settings=settings,
+        version=data.attrs["version"],
     )

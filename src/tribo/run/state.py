@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import tomllib
+import hashlib
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -10,12 +10,13 @@ import numpy as np
 from tribo.model.scene import Scene
 from tribo.model.scene_writer import scene_text
 from tribo.run.general_loop import GeneralLoop
+from tribo.run.identity import first_difference, plain_table
 from tribo.run.integrate import Integration, Memory
 from tribo.run.layout import Layout
 from tribo.run.motion import columns
 from tribo.run.quantities import Table
 from tribo.run.samples import Samples
-from tribo.validation import InputError, short_repr
+from tribo.validation import InputError
 
 # Keys of a scene that are no part of its physics.
 NO_PHYSICS = ("title", "duration", "output", "numerics")
@@ -68,6 +69,14 @@ class State:
     method: str
     scene: Scene
 
+    @property
+    def digest(self) -> str:
+        """A hash of everything that a run depends on [32 hex digits]."""
+        digest = hashlib.blake2b(scene_text(self.scene).encode(), digest_size=16)
+        for name, array in self.arrays().items():
+            digest.update(name.encode() + array.tobytes())
+        return digest.hexdigest()
+
     def arrays(self) -> dict[str, np.ndarray]:
         """Everything as arrays by name, for files."""
         found = {"t": np.array(self.t)}
@@ -82,14 +91,14 @@ class State:
     def of_arrays(cls, arrays: dict[str, np.ndarray], method: str, scene: Scene) -> State:
         """The inverse of :meth:`arrays`."""
         surfaces: dict[str, Table] = {}
-        for key, array in _below("surface_", arrays).items():
+        for key, array in below("surface_", arrays).items():
             name, _, surface = key.partition("_")
             surfaces.setdefault(surface, {})[name] = array
         return cls(
             t=float(arrays["t"]),
             surfaces=surfaces,
-            first=Samples(**_below("first_", arrays)),
-            memory=_below("memory_", arrays),
+            first=Samples(**below("first_", arrays)),
+            memory=below("memory_", arrays),
             method=method,
             scene=scene,
             **{name: arrays[name] for name in ("y", "s", "anchors", "phases")},
@@ -194,28 +203,6 @@ def continued(layout: Layout, state: State) -> tuple[Layout, Origin]:
     return layout, Origin(state, same_scene)
 
 
-def plain_table(scene: Scene) -> dict[str, object]:
-    """The scene as the nested table of its file, with TOML's own types."""
-    return tomllib.loads(scene_text(scene))
-
-
-def first_difference(one: object, other: object, key: str = "") -> str | None:
-    """Where two tables of scenes differ first, "duration was 4.0, is 5.0"; None if nowhere."""
-    if isinstance(one, dict) and isinstance(other, dict):
-        names = dict.fromkeys([*one, *other])
-        pairs = [(f"{key}.{name}", one.get(name), other.get(name)) for name in names]
-    elif isinstance(one, list) and isinstance(other, list) and len(one) == len(other):
-        pairs = [(f"{key}[{i}]", *pair) for i, pair in enumerate(zip(one, other, strict=True))]
-    else:
-        same = one == other
-        return None if same else f"{key.removeprefix('.')} was {_shown(one)}, is {_shown(other)}"
-    return next((d for name, a, b in pairs if (d := first_difference(a, b, name))), None)
-
-
-def _shown(value: object) -> str:
-    return "missing" if value is None else short_repr(value)
-
-
 def _physics(table: dict[str, object]) -> dict[str, object]:
     return {key: value for key, value in table.items() if key not in NO_PHYSICS}
 
@@ -226,7 +213,7 @@ def _places(table: dict[str, object]) -> dict[str, object]:
     return {"surface": [{key: surface.get(key) for key in PLACES} for surface in surfaces]}
 
 
-def _below(prefix: str, arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+def below(prefix: str, arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """The arrays whose names begin with a prefix, by the rest of their names."""
     return {
         name.removeprefix(prefix): array
