@@ -1,6 +1,5 @@
 """Result files and journals: complete or not at all, and never other numbers."""
 
-
 import pytest
 
 import tribo

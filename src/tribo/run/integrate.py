@@ -10,6 +10,7 @@ from typing import Protocol
 
 import numpy as np
 
+from tribo import interrupts
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import PAUSED, STATUS_OF_CODE, Status
 from tribo.potentials.from_ase import Call
@@ -242,11 +243,12 @@ def run_in_chunks(
                 if item.error is not None:
                     return Status.CALCULATOR_FAILED
                 if item.interrupted:
-                    return Status.INTERRUPTED
+                    raise KeyboardInterrupt
             wanted = budget * min(CHUNK_SECONDS / taken, CHUNK_GROWTH)
             budget = int(min(max(wanted, FIRST_CHUNK), LARGEST_CHUNK))
             if progress is not None:
                 progress(float(loop.clocks["t"][0]))
     except KeyboardInterrupt:
+        interrupts.answer()
         return Status.INTERRUPTED
     return STATUS_OF_CODE[code]
