@@ -407,7 +407,7 @@ def simulate(
     ----------
     scene, accuracy, method, step, progress, start
         As for :func:`prepare`.  A run from ``result.state()`` by the same method and step gives bit
-        for bit what a run without the pause would have given, if that had recorded the same time.
+        for bit what a run without the pause gives that records the same times.
     out : str or Path, optional
         A NetCDF file for the result.  While the run goes on, ``out`` with ``.part`` behind its name
         keeps what is reached, also of a run that is interrupted.

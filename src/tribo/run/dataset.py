@@ -143,7 +143,8 @@ def load(path: Path) -> xarray.Dataset:
         raise InputError(str(path), f"cannot be read ({_reason(error)})") from None
     if not _is_intact(image):
         raise InputError(
-            str(path), "is damaged, or is not a result that this version of tribo has written"
+            str(path),
+            "cannot be read: it is damaged, or no result that this version of tribo has written",
         )
     return xarray.load_dataset(io.BytesIO(image), engine="h5netcdf")
 
