@@ -33,7 +33,7 @@ from tribo.run.journal import PART, Journal
 from tribo.run.layout import Layout, lay_out
 from tribo.run.ledger import Ledger, assemble
 from tribo.run.loop_selection import Integrator
-from tribo.run.notes import calculator_notes, scene_notes
+from tribo.run.notes import calculator_notes, passage_notes, scene_notes
 from tribo.run.result import Cost, Known, Result, load_result
 from tribo.run.state import Origin, State, continued, state_of
 from tribo.run.streamed_ledger import StreamedLedger, exceeds_memory
@@ -183,7 +183,7 @@ class Simulation:
         return self._result(
             run.status,
             None,
-            (),
+            passage_notes(layout, run),
             {},
             lambda: _reported(layout, run),
             lambda: _cost([run], seconds, ratio),
@@ -195,9 +195,10 @@ class Simulation:
         streamed = StreamedLedger(self.layout)
         run = self._integrator(self.plan.setting, self.plan.times, y, streamed)
         note = "of the asperites' series only the first and the last sample are kept"
+        notes = (*passage_notes(self.layout, run), note)
         ledger = streamed.with_ends(run.samples)
         cost = _cost([run], self.compile_seconds, self._digit_ratio)
-        return self._result(run.status, None, (note,), {}, Known(ledger), Known(cost), run)
+        return self._result(run.status, None, notes, {}, Known(ledger), Known(cost), run)
 
     def _estimated_result(self, runs: Sequence[Integration]) -> Result:
         """The last run as a result, its error estimated from the two before it."""
@@ -320,9 +321,11 @@ def prepare(
         What is run.
     accuracy : float or mapping, optional
         The largest error of any reported quantity, relative to its scale, or of each observable
-        that is named, as ``{"upper.W": 1e-3}``.  Without it, that of the scene file, else 1e-8.
+        that is named, as ``{"upper.W": 1e-3}``.  Without it and without a step, the accuracy or
+        the step of the scene's numerics, else 1e-8.
     method : str, optional
-        A method's name.  Without it, a model of costs chooses the fastest.
+        A method's name.  Without it, that of the scene's numerics; else a model of costs chooses
+        the fastest.
     step : float, optional
         A step [time] in place of an accuracy; such runs have no error estimate.
     progress : callable, optional
@@ -360,14 +363,14 @@ def _chosen(
     layout, origin = lay_out(scene), None
     if start is not None:
         layout, origin = continued(layout, start)
+    given = scene.numerics
     if accuracy is None and method is None and step is None:
-        given = scene.numerics
         with inside("numerics"):
             choice = choose(layout, given.accuracy, given.method, given.step)
     else:
         if accuracy is None and step is None:
-            accuracy = scene.numerics.accuracy
-        choice = choose(layout, accuracy, method, step)
+            accuracy, step = given.accuracy, given.step
+        choice = choose(layout, accuracy, given.method if method is None else method, step)
     if isinstance(choice.accuracy, Mapping):
         check_observables(layout, choice.accuracy)
     return layout, choice, origin

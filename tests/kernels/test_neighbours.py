@@ -71,7 +71,13 @@ def test_a_list_has_every_pair_within_reach(given_places, slide):
             assert np.all(np.diff(own) > 0)
 
 
-@pytest.mark.parametrize("periodic", [{}, {"x": 6.0, "z": 3.0}], ids=["open", "periodic"])
+@pytest.mark.parametrize(
+    "periodic",
+    [
+        pytest.param({}, marks=pytest.mark.slow, id="open"),
+        pytest.param({"x": 6.0, "z": 3.0}, id="periodic"),
+    ],
+)
 def test_lists_give_all_pairs_bit_for_bit(periodic, monkeypatch):
     """A long slide with bobs that loop: every series is the same, to the last bit."""
     wanted = replace(long_slide(periodic), output=tribo.Output(samples=7))

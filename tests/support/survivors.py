@@ -49,9 +49,6 @@ EQUIVALENT = {
 
 # Results, costs or statuses may change, and no check notices: each of these is a gap.
 OPEN: set[str] = {
-    # Options of the compiler, which no uncompiled check sees.
-    "integrators/time_loops.py: _find_by_class: options |= {'error_model': 'numpy', "
-    "'no_cpython_wrapper': True, 'no_cfunc_wrapper': True} -> pass",
     # Rounding errors of the time, the prediction of gauss-8, and so the cost.
     "integrators/time_loops.py: equal_steps: advance(clock, end, h, h == left) -> "
     "advance(clock, end, h == left, h)",

@@ -8,6 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from tribo.accuracy.estimate import distance, estimate, rounding
+from tribo.accuracy.roundoff import rounding_of_terms
 from tribo.accuracy.scales import EPSILON, KINDS, Scales, kind_of, reported_scales
 from tribo.kernels.status import Status
 from tribo.run.integrate import Integration, Setting
@@ -77,7 +78,8 @@ def error_bounds(
     compared = (_at_shared_times(layout, own, fine, coarse) for coarse in coarser)
     scales = reported_scales(layout, own)
     rough, rounded = np.isfinite(layout.scene.smoothness), rounding(amplification, fine.steps)
-    bounds = estimate(own, compared, scales, bool(rough), rounded, names)
+    terms = rounding_of_terms(layout, fine.samples, fine.steps)
+    bounds = estimate(own, compared, scales, bool(rough), rounded, terms, names)
     if any(run.status != Status.COMPLETED for run in coarser):
         bounds = dict.fromkeys(bounds, np.inf)
     return bounds, scales

@@ -11,7 +11,7 @@ from tribo.integrators.nystrom import Nystrom
 from tribo.integrators.runge_kutta import EmbeddedRungeKutta, RungeKutta
 from tribo.integrators.splitting import Splitting, alternating, composed, splitting_steps
 from tribo.model.scene import Scene
-from tribo.validation import choice
+from tribo.validation import InputError, choice
 
 # Effects that a method refuses, and why: the end of a sentence that begins with its name.
 _POSITIONS_ONLY = "needs forces that depend on positions only; "
@@ -160,7 +160,6 @@ METHODS = {
             "many asperites, long runs, thousands of bath oscillators, Langevin reservoirs",
             "L. Verlet, Phys. Rev. 159 (1967) 98, with the torsion springs rotated exactly",
             splits=True,
-            refuses=_CUSTOM_FORCES,
         ),
         Method(
             "kahan-li-6",
@@ -245,6 +244,13 @@ def refusal(method: Method, scene: Scene) -> str | None:
         if effect in scene.effects:
             return f'"{method.name}" {why}'
     return None
+
+
+def check(method: Method, scene: Scene) -> None:
+    """Refuse a scene that a method cannot run.  Raises InputError."""
+    why = refusal(method, scene)
+    if why is not None:
+        raise InputError("method", why)
 
 
 def named(name: object) -> Method:

@@ -117,6 +117,9 @@ CLOCK = np.dtype(
         ("after_rejection", "i8"),  # 1: the next step may not grow
         ("not_finite", "i8"),  # 1: the last step that was tried led to values that are not finite
         ("evaluations", "i8"),  # of all forces
+        ("passages", "i8"),  # steps in which bobs passed an encounter that cannot matter
+        ("passing", "i8"),  # the bobs that did so last
+        ("passed", "i8"),
     ],
     align=True,
 )
@@ -137,6 +140,11 @@ OSCILLATOR = np.dtype([("mass", "f8"), ("frequency", "f8")], align=True)
 
 
 PUSH = np.dtype([("fx", "f8"), ("fy", "f8")], align=True)
+
+# Forces of a plug-in on the ends of a bar, f_L and f_R.
+END_FORCES = np.dtype(
+    [("left_x", "f8"), ("left_y", "f8"), ("right_x", "f8"), ("right_y", "f8")], align=True
+)
 
 
 class Contact(NamedTuple):
@@ -229,3 +237,4 @@ class Model(NamedTuple):
     langevin: Any  # True, or None
     drives: Any  # tuple of Custom, or None
     ends: Any  # tuple of Custom, or None
+    end_forces: Any  # recarray of END_FORCES, (n,), scratch; None without `ends`

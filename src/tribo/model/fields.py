@@ -65,7 +65,7 @@ class Field:
     potential : Corrugation or NamedTuple
         The field's potential: built in, or a user's own with ``energy_at(self, x, y)``.
     on : list of str
-        Names of the surfaces.
+        Names of the surfaces, each once.
     origin : (float, float)
         Position of the field's own (0, 0) at t = 0 [length].
     velocity : (float, float)
@@ -74,7 +74,7 @@ class Field:
     Raises
     ------
     InputError
-        If the potential cannot be used, or a value is out of range.
+        If the potential cannot be used, a surface is named twice, or a value is out of range.
     """
 
     potential: Any
@@ -87,6 +87,8 @@ class Field:
         put(self, "potential", as_field_potential(self.potential))
         if not is_list(self.on) or len(self.on) == 0:
             raise must_be("on", "a list of names of surfaces", self.on)
+        if any(name in self.on[:i] for i, name in enumerate(self.on)):
+            raise must_be("on", "each surface once; a field acts once on each", self.on)
         put(self, "on", tuple(self.on))
         for name, unit in (("origin", "length"), ("velocity", "length / time")):
             put(self, name, tuple(vector(name, getattr(self, name), size=2, unit=unit).tolist()))

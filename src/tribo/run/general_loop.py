@@ -12,7 +12,7 @@ from tribo.integrators.step_control import Tolerance
 from tribo.kernels.compiled import collector_paused, time_loop
 from tribo.kernels.records import CLOCK, Neighbours
 from tribo.kernels.samples import STORED, Record, State, initial_state
-from tribo.plugins.compile_errors import COMPILE_ERRORS, compile_error
+from tribo.plugins.compile_errors import compiling
 from tribo.plugins.sources import source_stamp
 from tribo.run.integrate import Columns, Memory, Setting
 from tribo.run.layout import Layout
@@ -47,6 +47,8 @@ class GeneralLoop:
         How far the run has come.
     state : State
         Coordinates, velocities, accounts, and what the method keeps of its last step.
+    compiled : callable
+        The loop, compiled at its first call.
     """
 
     def __init__(
@@ -68,7 +70,7 @@ class GeneralLoop:
         if method.splits:
             self._noise = (np.random.default_rng([layout.scene.seed, 2]),)
         self._constants = (method.coefficients, setting)
-        self._loop = time_loop(method.loop, source_stamp(layout.plugins))
+        self.compiled = time_loop(method.loop, source_stamp(layout.plugins))
 
     def room(self, samples: int) -> Record:
         """Arrays for so many samples."""
@@ -84,7 +86,7 @@ class GeneralLoop:
     def advance(self, times: np.ndarray, columns: Columns, budget: int) -> int:
         """Take at most `budget` steps, and record the samples at `times`; a code of a status."""
         self._neighbours = with_room(self._neighbours)
-        code: int = self._loop(
+        code: int = self.compiled(
             self.layout.model,
             self._neighbours,
             *self._constants,
@@ -145,11 +147,8 @@ def compile_loop(layout: Layout, method: Method) -> float:
     if method.adaptive:
         setting = Tolerance(np.ones(2 * layout.coordinates), np.ones(layout.accounts), 1.0, 1.0)
     loop = GeneralLoop(layout, method, setting, layout.start, 0.0)
-    try:
-        with collector_paused():
-            loop.advance(np.ones(1), loop.room(1), 0)
-    except COMPILE_ERRORS as error:
-        raise compile_error(layout.named_plugins, error) from None
+    with collector_paused(), compiling(loop.compiled, layout.named_plugins):
+        loop.advance(np.ones(1), loop.room(1), 0)
     return time.perf_counter() - began
 
 

@@ -94,6 +94,8 @@ class Integration:
         Wall time.
     memory : dict
         All that the time loop needs to continue from the end.
+    passages : tuple of int
+        Number of steps in which bobs passed an encounter far below k_B T, and the last two bobs.
     """
 
     recorded: Callable[[], Samples]
@@ -101,6 +103,7 @@ class Integration:
     counts: np.ndarray
     seconds: float
     memory: Memory
+    passages: tuple[int, ...] = (0, 0, 0)
 
     @cached_property
     def samples(self) -> Samples:
@@ -163,6 +166,7 @@ def integrate(
         status = _run_through(loop, portion, columns, calls, progress, checkpoints)
         memory = loop.memory()
         counts = np.array([loop.clocks["steps"][0], loop.clocks["evaluations"][0]])
+        passages = tuple(int(loop.clocks[name][0]) for name in ("passages", "passing", "passed"))
         new = _recorded(loop, portion, columns, status)
         if before is not None and first == 0:
             new = before.then(new)
@@ -174,7 +178,7 @@ def integrate(
             break
     whole = samples
     assert whole is not None
-    return Integration(lambda: whole, status, counts, time.perf_counter() - began, memory)
+    return Integration(lambda: whole, status, counts, time.perf_counter() - began, memory, passages)
 
 
 def _run_through(

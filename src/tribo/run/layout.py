@@ -162,6 +162,7 @@ def lay_out(scene: Scene) -> Layout:
     bobs = _bobs(scene, parts)
     calls = contacts.calculator_calls(scene, [bobs["z"][part] for part in parts.values()])
     start = _start(asperites, scene, parts, core, coordinates)
+    ends = user_forces(scene, origin, "bars", Ends)
     model = Model(
         asperites=asperites.view(np.recarray),
         surfaces=surfaces.view(np.recarray),
@@ -179,7 +180,8 @@ def lay_out(scene: Scene) -> Layout:
         fields=fields,
         langevin=True if any(surface.langevin for surface in scene.surfaces) else None,
         drives=user_forces(scene, origin, "drive", CustomDrive),
-        ends=user_forces(scene, origin, "bars", Ends),
+        ends=ends,
+        end_forces=np.zeros(scene.count, records.END_FORCES).view(np.recarray) if ends else None,
     )
     return Layout(
         scene=scene,

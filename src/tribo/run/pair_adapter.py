@@ -46,7 +46,7 @@ from tribo.pair.step import (
     S,
     table,
 )
-from tribo.plugins.compile_errors import COMPILE_ERRORS, compile_error
+from tribo.plugins.compile_errors import compiling
 from tribo.plugins.sources import source_stamp
 from tribo.run.general_loop import numbers_of, set_numbers
 from tribo.run.integrate import (
@@ -139,10 +139,8 @@ class Pair:
         self._start = layout.start
         loop = time_loop(pair_collocation, source_stamp(layout.plugins))
         examples = (layout.start, np.zeros(1), np.empty((2, COLUMNS)), 0)
-        try:
+        with compiling(loop, layout.named_plugins):
             self._loop = EntryPoint(loop, self._fixed, examples)
-        except COMPILE_ERRORS as error:
-            raise compile_error(layout.named_plugins, error) from None
         self.compile_seconds = time.perf_counter() - began
 
     def integrate(
