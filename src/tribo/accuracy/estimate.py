@@ -14,7 +14,8 @@ import numpy as np
 
 from tribo.accuracy.scales import EPSILON, KINDS, Scales, kind_of, largest
 from tribo.run.layout import Layout
-from tribo.run.ledger import Ledger
+from tribo.run.ledger import Ledger, assemble
+from tribo.run.samples import Samples
 from tribo.validation import InputError
 
 # An estimate is this times the largest difference from the coarser runs.
@@ -32,10 +33,11 @@ WALK = 1.0
 
 
 def check_observables(layout: Layout, names: Iterable[str], field: str = "accuracy") -> None:
-    """Refuse names of quantities that are not reported.  Raises InputError."""
+    """Refuse names of quantities that the scene does not report.  Raises InputError."""
+    sample = Samples.at_zero(layout.core, layout.accounts, len(layout.parts))
+    reported = assemble(layout, sample)
     for name in names:
-        surface, _, quantity = name.rpartition(".")
-        if quantity not in KINDS or (surface and surface not in layout.parts):
+        if not reported.series(str(name)):
             raise InputError(
                 f"{field}.{name}",
                 'is not a reported quantity; give one, as "w1", or one of a surface, as '

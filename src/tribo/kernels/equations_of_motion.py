@@ -203,7 +203,7 @@ def drive_bar(model, i, t, q):
     elif s.drive == RIGID:
         d.gx = a.mass / s.mass * s.fx - b.fx
     elif s.drive == PULLED:
-        reach = s.speed * t - displacement(a.dof_x, q) + a.l2 * b.ty
+        reach = s.anchor + s.speed * t - displacement(a.dof_x, q) + a.l2 * b.ty
         d.gx = s.stiffness * reach
     else:
         d.gx = 0.0

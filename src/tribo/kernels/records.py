@@ -56,6 +56,7 @@ SURFACE = np.dtype(
         ("load", "f8"),  # the y force on each bar
         ("stiffness", "f8"),  # of the pulling spring
         ("speed", "f8"),  # of the pulling stage, relative to the surface's initial velocity
+        ("anchor", "f8"),  # displacement of the pulling stage at t = 0
         ("fx", "f8"),  # sum of the contact forces' x components, scratch
         ("oscillators", "i8"),  # its bath's rows: first <= n < first + oscillators, on every bar
         ("first_oscillator", "i8"),
@@ -166,6 +167,7 @@ class FieldOn(NamedTuple):
     origin: np.ndarray  # (2,) of the scene, in the field's own frame at t = 0
     velocity: np.ndarray  # (2,) of the first surface, in the field's own frame
     drift: np.ndarray  # (2,) velocity of the field in the laboratory
+    anchor: np.ndarray  # (2,) displacement of the field at t = 0, included in `origin`
     account: int  # of the work done by moving it; -1 where it stands
 
 

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tribo.plugins import classes as plugins
+from tribo.plugins.unloaded import Unloaded, left
 from tribo.validation import InputError, choice, is_list, must_be, vector
 
 # Signature of the method that a plug-in needs, as messages quote it.
@@ -96,6 +97,8 @@ class Field:
 def as_field_potential(value: Any) -> Any:
     """A potential that has energy_at and force_at and whose fields are finite numbers."""
     plugins.check_class(type(value), "kind", ENERGY_AT)
+    if isinstance(value, Unloaded):
+        return value
     if not hasattr(type(value), "force_at"):
         type(value).force_at = _complex_step
     value = plugins.with_numbers(value)
@@ -114,6 +117,9 @@ def from_table(table: object, folder: Path) -> Field:
             raise InputError(key, "is missing")
     settings = {k: parameters.pop(k) for k in ("on", "origin", "velocity") if k in parameters}
     kind = parameters.pop("kind")
+    stand_in = left(kind, parameters)
+    if stand_in is not None:
+        return Field(stand_in, **settings)
     if plugins.is_named(kind):
         cls = plugins.class_named("kind", kind, folder)
         plugins.check_class(cls, "kind", ENERGY_AT)
