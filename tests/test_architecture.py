@@ -52,6 +52,7 @@ def of_this_package(name):
 # `validation` may be imported by all.
 ORDER = [
     "cli",
+    "commands",
     "paper",
     "report_card",
     "atlas",
@@ -67,6 +68,8 @@ ORDER = [
     "potentials",
     "plugins",
     "kernels",
+    "files",
+    "interrupts",
     "validation",
 ]
 

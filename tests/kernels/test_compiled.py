@@ -10,10 +10,12 @@ from numba.core import config
 from tribo.kernels.compiled import (
     EntryPoint,
     cached_files,
+    kernel,
     package_stamp,
     remove_stale,
     time_loop,
 )
+from tribo.kernels.numba_passes import LinkedLibrary
 from tribo.pair.loop import pair_collocation
 
 
@@ -22,6 +24,29 @@ def scaled(factor, x, table, count):
     for i in range(count):
         table[i, 0] = factor[0] * x[i]
     return count
+
+
+@kernel
+def doubled(x):
+    """A kernel."""
+    return 2.0 * x
+
+
+def twice_doubled(x):
+    """A loop that calls a kernel."""
+    return doubled(doubled(x))
+
+
+def test_kernels_are_linked():
+    """A kernel has no machine code of its own; the loop that calls it contains it."""
+    loop = time_loop(twice_doubled, None)
+    assert loop(3.0) == 12.0
+    (library,) = (compiled.library for compiled in doubled.overloads.values())
+    (name,) = (function.name for function in library.get_defined_functions())
+    assert isinstance(library, LinkedLibrary)
+    assert library.get_pointer_to_function(name) == 0
+    (own,) = loop.overloads.values()
+    assert f"call double @{name}" not in own.library.get_llvm_str()
 
 
 @pytest.fixture(scope="module")

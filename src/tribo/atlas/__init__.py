@@ -4,6 +4,6 @@ The scenes are files in `scenes/`; `entries.toml` declares how each ends and hol
 """
 
 from tribo.atlas.entries import Entry, chosen
-from tribo.atlas.rows import HEAD, Row, judge, row, rows, table
+from tribo.atlas.rows import HEAD, Row, judge, row, table
 
-__all__ = ["HEAD", "Entry", "Row", "chosen", "judge", "row", "rows", "table"]
+__all__ = ["HEAD", "Entry", "Row", "chosen", "judge", "row", "table"]

@@ -78,26 +78,6 @@ class Deviation:
         return self.estimate is None or self.error <= self.estimate + self.rounding
 
 
-def rows(entries: Iterable[Entry]) -> Iterator[Row]:
-    """Run scene after scene.
-
-    Parameters
-    ----------
-    entries : iterable of Entry
-
-    Yields
-    ------
-    Row
-
-    Raises
-    ------
-    KeyboardInterrupt
-        A run was interrupted; the rows before it are complete.
-    """
-    for entry in entries:
-        yield row(entry)
-
-
 def row(entry: Entry) -> Row:
     """Run one scene, and compare its end with the reference.
 

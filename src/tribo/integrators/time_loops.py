@@ -37,6 +37,7 @@ from tribo.integrators.step_control import (
     update_encounter,
 )
 from tribo.kernels.neighbours import crowded
+from tribo.kernels.numba_passes import LINKED
 from tribo.kernels.plugin_methods import method_of_named_tuples
 from tribo.kernels.samples import copy_state, empty_state
 from tribo.kernels.status import COMPLETED, NOT_FINITE, PAUSED
@@ -44,7 +45,7 @@ from tribo.kernels.status import COMPLETED, NOT_FINITE, PAUSED
 
 def _find_by_class(name: str, **options: Any) -> Callable[[Any], Any]:
     """Decorate a function that finds the method `name` of a class; `options` are of numba.njit."""
-    options |= {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    options = {"error_model": "numpy", **LINKED, **options}
     return method_of_named_tuples(name, jit_options=options, strict=False)
 
 

@@ -20,27 +20,21 @@ import numpy as np
 from numba import config, njit
 
 from tribo.kernels import plugin_methods  # noqa: F401 (kernels call methods of plug-ins)
+from tribo.kernels.numba_passes import LINKED
 
 # Division by zero gives inf or nan, as in numpy; the time loops turn both into a named status.
-# Without the wrappers by which Python would call it, a kernel compiles a quarter faster.  Without
-# reference counting (_nrt) it can neither make nor return arrays, and a pair of asperites runs
-# more than twice as fast.
-kernel = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False)
-inlined = njit(
-    error_model="numpy",
-    no_cpython_wrapper=True,
-    no_cfunc_wrapper=True,
-    forceinline=True,
-    _nrt=False,
-)
-# Expanded in its caller before that is typed: it adds no function that LLVM has to optimise.  Every
-# other kernel is optimised together with all that it calls, and again in each of its callers.
-expanded = njit(error_model="numpy", inline="always")
-# Kernels that Python calls too.
-shared_kernel = njit(error_model="numpy", _nrt=False)
+_options: dict[str, Any] = {"error_model": "numpy"}
+# Without reference counting (_nrt) a kernel can neither make nor return arrays, and a pair of
+# asperites runs more than twice as fast.
+kernel = njit(**_options, **LINKED, _nrt=False)
+inlined = njit(**_options, **LINKED, _nrt=False, forceinline=True)
+# Expanded in its caller before that is typed.
+expanded = njit(**_options, inline="always")
 # Kernels that make or return arrays.
-owning_kernel = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=True)
-shared_owning_kernel = njit(error_model="numpy", _nrt=True)
+owning_kernel = njit(**_options, **LINKED, _nrt=True)
+# Kernels that Python calls too.
+shared_kernel = njit(**_options, _nrt=False)
+shared_owning_kernel = njit(**_options, _nrt=True)
 
 # A file of the disk cache with the code of a time loop: source, name, the stamps of package and
 # plug-ins, line, and version of Python.
@@ -98,6 +92,14 @@ def cached_files(loop: FunctionType) -> list[Path]:
     """
     folder = Path(_named(loop, package_stamp()).stats.cache_path)
     return sorted(path for path in folder.glob("*.nb?") if FILE_NAME.fullmatch(path.name))
+
+
+def is_compiled(loop: Any) -> bool:
+    """Whether a loop made by :func:`time_loop` has been compiled, in this process or on disk."""
+    if config.DISABLE_JIT or loop.overloads:  # type: ignore[attr-defined]
+        return True
+    folder = loop.stats.cache_path
+    return folder is not None and any(Path(folder).glob(f"*.{loop.__name__}-*.nbi"))
 
 
 def remove_stale(loop: FunctionType) -> None:

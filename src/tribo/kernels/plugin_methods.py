@@ -17,6 +17,8 @@ from numba.core.typing.templates import (
 )
 from numba.extending import overload
 
+from tribo.kernels.numba_passes import LINKED
+
 # Methods of plug-ins, each with its number of arguments after self.
 METHOD_ARGUMENTS = {
     # Potentials: at r, of two charges.
@@ -86,7 +88,7 @@ def _register(name: str, arguments: int) -> None:
         7: lambda self, a, b, c, d, e, f, g: find(self),
     }
     # Plug-ins may call functions that make arrays, as numpy.where does even of numbers.
-    options = {"_nrt": True}
+    options = {**LINKED, "_nrt": True}
     method_of_named_tuples(name, jit_options=options, strict=False)(finders[arguments])
 
 
