@@ -1,4 +1,4 @@
-"""The commands: ``tribo run``, ``tribo paper``, ``tribo accuracy``, ``tribo check``, ``tribo atlas``."""
+"""The commands: `run`, `paper`, `accuracy`, `check` and `atlas`."""
 
 from __future__ import annotations
 
