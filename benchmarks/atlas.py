@@ -75,7 +75,7 @@ def measure(names: list[str], seconds: float) -> None:
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("names", nargs="*", metavar="NAME")
-    parser.add_argument("--seconds", type=float, default=2.0)
+    parser.add_argument("--seconds", type=float, default=1.0)
     options = parser.parse_args()
     warnings.simplefilter("ignore", tribo.TriboWarning)
     measure(options.names, options.seconds)

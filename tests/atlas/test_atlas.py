@@ -26,7 +26,7 @@ def marked(name):
     return pytest.param(name, marks=(*slow, *is_open))
 
 
-@pytest.mark.parametrize("name", map(marked, ENTRIES))
+@pytest.mark.parametrize("name", [marked(name) for name in ENTRIES])
 def test_entry(name):
     """The run ends as declared, within the bound and within its error estimate."""
     row = atlas.row(ENTRIES[name])
