@@ -1,10 +1,12 @@
 """Steps of splitting methods against the pendulums and springs of a scene."""
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 import pytest
 
+import tribo
 from tribo import (
     Asperite,
     Coulomb,
@@ -18,13 +20,18 @@ from tribo import (
     Scene,
     Springs,
     Surface,
+    paper,
 )
 from tribo.accuracy.choose_method import choose
 from tribo.integrators.methods import METHODS
 from tribo.integrators.splitting import rotated
+from tribo.integrators.step_control import LARGEST, all_finite
+from tribo.kernels.samples import STORED
 from tribo.run.layout import lay_out
+from tribo.run.ledger import assemble
 from tribo.run.notes import run_notes
 from tribo.run.resolution import pendulum_frequency, spring_frequency
+from tribo.run.samples import Samples
 
 KAPPA = 1e4
 
@@ -116,3 +123,29 @@ def test_stiff_forces_of_a_user(settings):
     assert choose(layout(0.1, **settings), None, None, None).step < 3e-3
     soft = choose(layout(0.1, drive=Custom(force=Trap(0.1, 0.0))), None, None, None)
     assert soft.step == choose(layout(0.1), None, None, None).step
+
+
+def test_a_search_begins_with_long_steps():
+    """Stiff pendulums that are rotated exactly; from steps of 0.005 rad on it took 541,065."""
+    asperite = Asperite(kappa=1e3)
+    scene = paper.scene("A")
+    surfaces = tuple(replace(surface, asperite=asperite) for surface in scene.surfaces)
+    scene = replace(scene, surfaces=surfaces, output=Output(samples=9))
+    result = tribo.simulate(scene, accuracy=1e-3, method="verlet")
+    assert result.met
+    assert result.cost.force_evaluations < 200_000
+
+
+@pytest.mark.filterwarnings("error")
+def test_numbers_that_overflow_stop_a_run_without_warnings():
+    """A state whose squares overflow counts as not finite; its ledger has infinities."""
+    flat = layout()
+    assert all_finite.py_func(np.array([LARGEST, -1.0]))
+    assert not all_finite.py_func(np.array([1.0, -10.0 * LARGEST]))
+    assert not all_finite.py_func(np.array([1.0, np.nan]))
+    y = np.outer([1.0, 1e200], np.ones(2 * flat.core))
+    s, stored = np.ones((2, flat.accounts)), np.zeros((2, 1, STORED))
+    samples = Samples(np.array([0.0, 1.0]), y, s, np.zeros(2), np.zeros(2), stored)
+    table = assemble(flat, samples).surfaces["row"]
+    assert np.all(np.isfinite(table["theta"]))
+    assert np.all(np.isinf(table["delta_e_int"][-1]))
