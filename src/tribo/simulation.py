@@ -20,7 +20,7 @@ from tribo.accuracy.comparison import (
 )
 from tribo.accuracy.estimate import check_observables, excess_of_request
 from tribo.accuracy.plan import Plan, integrator_for, make_plan, single_setting
-from tribo.accuracy.search import FINE_LEVEL
+from tribo.accuracy.search import fine_level
 from tribo.accuracy.stop_times import StopTimes
 from tribo.files import checked_target
 from tribo.integrators import methods
@@ -38,9 +38,6 @@ from tribo.run.result import Cost, Known, Result, load_result
 from tribo.run.state import Origin, State, continued, state_of
 from tribo.run.streamed_ledger import StreamedLedger, exceeds_memory
 from tribo.validation import InputError, TriboWarning, as_path, inside
-
-# Levels of two runs that are compared differ by FINE_LEVEL; this many such ratios make a digit.
-RATIOS_PER_DIGIT = -1.0 / np.log10(FINE_LEVEL)
 
 
 class Simulation:
@@ -273,7 +270,8 @@ class Simulation:
         runs = () if self.plan.tuned is None else self.plan.tuned.runs
         if len(runs) < 3 or runs[-2].evaluations <= 0:
             return None
-        seen = (runs[-1].evaluations / runs[-2].evaluations) ** RATIOS_PER_DIGIT
+        ratios_per_digit = -1.0 / np.log10(fine_level(self.method))
+        seen = (runs[-1].evaluations / runs[-2].evaluations) ** ratios_per_digit
         return float(min(seen, 10.0 ** (2.0 / self.method.order)))
 
 
