@@ -33,7 +33,7 @@ from tribo.run.journal import PART, Journal
 from tribo.run.layout import Layout, lay_out
 from tribo.run.ledger import Ledger, assemble
 from tribo.run.loop_selection import Integrator
-from tribo.run.notes import calculator_notes, passage_notes, scene_notes
+from tribo.run.notes import calculator_notes, passage_notes, scene_notes, stop_notes
 from tribo.run.result import Cost, Known, Result, load_result
 from tribo.run.state import Origin, State, continued, state_of
 from tribo.run.streamed_ledger import StreamedLedger, exceeds_memory
@@ -208,7 +208,7 @@ class Simulation:
             notes = () if met else (self._missed(excess),)
         ledger = _reported(self.layout, fine)
         cost = _cost(runs, self.compile_seconds, self._digit_ratio)
-        known = met if len(runs) > 1 else None
+        known = met if len(runs) > 1 or fine.status != Status.COMPLETED else None
         return self._result(fine.status, known, notes, bounds, Known(ledger), Known(cost), fine)
 
     def _errors(self, runs: Sequence[Integration]) -> tuple[dict[str, float], float]:
@@ -242,6 +242,7 @@ class Simulation:
     ) -> Result:
         """A result, with what all results of the simulation share."""
         layout, method = self.layout, self.method.name
+        notes = stop_notes(layout, run) + notes
         if self.layout.calculator_calls:
             notes = calculator_notes(self.layout) + notes
         return Result(

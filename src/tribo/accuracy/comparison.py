@@ -19,7 +19,9 @@ from tribo.run.ledger import Ledger, assemble
 # grow linearly, large against round-off.
 PERTURBATION = 1e-11
 # Statuses of runs that were ended from outside, which other settings would not change.
-ABORTED = (Status.INTERRUPTED, Status.CALCULATOR_FAILED)
+FROM_OUTSIDE = (Status.INTERRUPTED, Status.CALCULATOR_FAILED)
+# Statuses of runs after which no other is tried: finer settings would take longer still.
+ABORTED = (*FROM_OUTSIDE, Status.NO_PROGRESS)
 
 # The largest relative error of everything, or of each quantity by name.
 Accuracy = float | Mapping[str, float]
@@ -117,12 +119,12 @@ def measure_amplification(
     -------
     float or None
         the largest difference of the two runs relative to the scales, over PERTURBATION; None if
-        the second run was aborted
+        the second run was ended from outside
     """
     start = layout.start.copy()
     start[: layout.model.asperites.size] += PERTURBATION
     other = attempt(setting, run.samples.t, start)
-    if other.status in ABORTED:
+    if other.status in FROM_OUTSIDE:
         return None
     own = assemble(layout, run.samples)
     scales = reported_scales(layout, own)
