@@ -14,7 +14,6 @@ from tribo.accuracy.comparison import (
     ABORTED,
     Accuracy,
     error_bounds,
-    observables,
     out_of_reach,
     strictest,
 )
@@ -214,8 +213,8 @@ class Simulation:
     def _errors(self, runs: Sequence[Integration]) -> tuple[dict[str, float], float]:
         """Bounds on the last run's errors, and the largest in units of the request."""
         assert self.accuracy is not None and self.plan.tuned is not None
-        names, grown = observables(self.accuracy), self.plan.tuned.amplification
-        found, scales = error_bounds(self.layout, runs[-1], runs[:-1], grown, names)
+        grown = self.plan.tuned.amplification
+        found, scales = error_bounds(self.layout, runs[-1], runs[:-1], grown, self.accuracy)
         return found, excess_of_request(found, scales, self.accuracy)
 
     def _missed(self, excess: float) -> str:

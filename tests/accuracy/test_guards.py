@@ -110,3 +110,33 @@ def test_a_stop_does_not_depend_on_chunks(monkeypatch):
         assert done.status == Status.NO_PROGRESS
         ends.add((done.steps, done.evaluations, done.samples.t[-1]))
     assert len(ends) == 1
+
+
+def stiff(**how):
+    """A pendulum alone whose spring turns it by 2.2 radians in a step of 0.02."""
+    free = tribo.Surface(
+        "upper",
+        bars="free",
+        asperite=tribo.Asperite(kappa=1e4),
+        initial=tribo.Initial(theta=0.01),
+        **how,
+    )
+    return tribo.Scene((free,), (), 4.0, output=tribo.Output(samples=41))
+
+
+def test_energy_that_runs_away_stops_a_run():
+    """A step too long for the spring multiplies the energy, which no work accounts for."""
+    result = stopped("EnergyRunaway", stiff(), step=0.02, method="midpoint")
+    assert 0.0 < result.t[-1] < 1.0
+    change = result.system["total_energy_change"]
+    assert abs(change[-1]) > 1e3 * 0.5 * 1e4 * 0.01**2 > abs(change[-2])
+    assert "a last step of 0.02" in note_of_stop(result)
+
+
+def test_inaccurate_energy_is_no_runaway():
+    """A long step alone does not stop a run."""
+    scene = replace(changed("A"), output=tribo.Output(samples=41))
+    result = tribo.simulate(scene, step=0.2, method="midpoint")
+    system = result.system
+    error = np.max(np.abs(system["total_energy_change"] - system["applied_work"]))
+    assert result.status == "completed" and error > 1e-4

@@ -182,7 +182,7 @@ def find_settings(
         if amplification is None and strictest(accuracy) < TIGHT:
             amplification = measure_amplification(layout, attempt, coarse, runs[-3], names)
             aborted = amplification is None
-        bounds, scales = error_bounds(layout, runs[-1], runs[-3:-1], amplification, names)
+        bounds, scales = error_bounds(layout, runs[-1], runs[-3:-1], amplification, accuracy)
         excess = excess_of_request(bounds, scales, accuracy)
         stalls = stalls + 1 if excess > STALLED * before else 0
         if excess <= 1.0 or level <= FLOOR or stalls == MOST_STALLS or aborted:
@@ -304,7 +304,6 @@ def cheapest_setting(
     finest = found.runs[-1]
     if finest.status != Status.COMPLETED or _work(layout, finest) > LONG_RUN:
         return None
-    names = observables(accuracy)
     scales = tolerance_scales(layout, finest.samples)
     best, fewest, level, factor, work = None, np.inf, found.level, LOOSER, 0.0
     for _ in range(TRIES):
@@ -317,7 +316,7 @@ def cheapest_setting(
             raise KeyboardInterrupt
         good = run.status == Status.COMPLETED and run.evaluations <= MORE * fewest
         if good:
-            bounds, reported = error_bounds(layout, finest, [run], found.amplification, names)
+            bounds, reported = error_bounds(layout, finest, [run], found.amplification, accuracy)
             good = excess_of_request(bounds, reported, accuracy) <= LOOSE_EXCESS
         if not good:
             level, factor = level / factor, factor**0.5
