@@ -38,6 +38,7 @@ from tribo.integrators.methods import Method
 from tribo.kernels.status import Status
 from tribo.run.integrate import Integration, Setting
 from tribo.run.layout import Layout
+from tribo.run.progress_guard import MOST_EVALUATIONS
 from tribo.validation import InputError
 
 # Level of the tolerances of the pilot run: three digits are enough for scales.
@@ -165,13 +166,22 @@ def find_settings(
     Raises
     ------
     InputError
-        if the accuracy is out of reach and its runs would be long
+        if the accuracy is out of reach and its runs would be long, or if equal steps would be too
+        many
     """
     names = observables(accuracy)
     level = min(method.first_level * strictest(accuracy), 1.0)
     runs = _run_pilot(layout, method, accuracy, level, stops, attempt)
     before, amplification, stalls, excess = np.inf, None, 0, np.inf
     for _ in range(ROUNDS):
+        if _equal_steps(layout, method, fine_level(method) * level) > MOST_EVALUATIONS:
+            if runs:
+                break
+            raise InputError(
+                "accuracy",
+                f"would take {method.name} more than {MOST_EVALUATIONS:.0e} steps; give a larger "
+                "one, or a method that chooses its steps",
+            )
         coarse, fine = _run_round(layout, method, level, stops, attempt, runs)
         if runs[-1].status in ABORTED:
             break
@@ -197,6 +207,13 @@ def find_settings(
     return FoundSettings(
         coarse, fine, fine_level(method) * level, tuple(runs), amplification, excess <= 1.0
     )
+
+
+def _equal_steps(layout: Layout, method: Method, level: float) -> float:
+    """Number of equal steps of a run; 0 for a method that chooses its steps."""
+    if method.adaptive:
+        return 0.0
+    return layout.scene.duration / (unit_step(layout) * level ** (1.0 / method.order))
 
 
 def _run_pilot(
