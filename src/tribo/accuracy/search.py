@@ -160,7 +160,7 @@ def find_settings(
         if the accuracy is out of reach and its runs would be long
     """
     names = observables(accuracy)
-    level = method.first_level * strictest(accuracy)
+    level = min(method.first_level * strictest(accuracy), 1.0)
     runs = _run_pilot(layout, method, accuracy, level, stops, attempt)
     before, amplification, stalls, excess = np.inf, None, 0, np.inf
     for _ in range(ROUNDS):
