@@ -79,8 +79,7 @@ class Info(ctypes.Structure):
     """What a solution cost, and the smallest distance between two bobs."""
 
     _fields_ = [
-        (name, ctypes.c_double)
-        for name in ("evaluations", "steps", "smallest", "smallest_at", "t")
+        (name, ctypes.c_double) for name in ("evaluations", "steps", "smallest", "smallest_at", "t")
     ]
     evaluations: float
     steps: float
