@@ -1,7 +1,7 @@
 """A reference of 15 digits and more: scenes in long double or quadruple precision.
 
-    solution = solve(tomllib.load(file))              # long double: an error of 1e-16 or so
-    solution = solve(table, precision="quad")         # __float128: 1e-22 or so, 30 times slower
+    solution = solve(tomllib.load(file))              # long double; if that falls short, quadruple
+    solution = solve(table, precision="quad")         # __float128: 1e-22 or so, 20 times slower
     solution.end["surfaces"]["upper"]["w1"][0]        # as `tribo run --json`, and ["scales"]
     solution.surfaces["upper"]["w1"]                  # (times, asperites), as Result's ledger
     solution.blocks["upper"]["W"], solution.system["contact_energy"], solution.t
@@ -18,8 +18,8 @@ positions and forces of a scene are exact: its numbers are those that doubles ho
 
 Beyond reference.py it solves: every built-in potential, sums and scaled ones, moving fields,
 listed springs, discretised baths, torsional oscillators, and reservoirs at temperature zero.
-`Unsolved` is raised for a scene that cannot be solved (its `status` says why), NotImplementedError
-for one with anything else, as plug-ins and noise.
+`UnsolvedError` is raised for a scene that cannot be solved (its `status` says why), and
+NotImplementedError for one with anything else, as plug-ins and noise.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ BLOCK = ("W", "W_ps", "delta_K", "delta_E_int")
 SYSTEM = ("contact_energy", "total_energy_change", "applied_work")
 
 
-class Unsolved(RuntimeError):
+class UnsolvedError(RuntimeError):
     """A scene that the reference cannot solve; `status` is one of STATUSES."""
 
     def __init__(self, status: str, info: Info) -> None:
@@ -79,8 +79,7 @@ class Info(ctypes.Structure):
     """What a solution cost, and the smallest distance between two bobs."""
 
     _fields_ = [
-        (name, ctypes.c_double)
-        for name in ("evaluations", "steps", "smallest", "smallest_at", "t")
+        (name, ctypes.c_double) for name in ("evaluations", "steps", "smallest", "smallest_at", "t")
     ]
     evaluations: float
     steps: float
@@ -179,14 +178,13 @@ def library(precision: str) -> Any:
 TOLERANCES = {"long double": (3e-18, 7), "quad": (1e-24, 12)}
 # The looser tolerance of the second solution, in units of the first.
 LOOSER = 100.0
+# Time of an evaluation in quadruple precision, in units of that in long double.
+SLOWER = 5.0
+# Errors in long double, relative to the scales, above which quadruple precision is used.
+SMALL = 1e-14
 
 
-def solve(
-    scene: dict[str, Any],
-    precision: str = "long double",
-    tolerance: float | None = None,
-    most: float = 2e7,
-) -> Solution:
+def solve(scene: dict[str, Any], precision: str = "", most: float = 2e7) -> Solution:
     """All quantities of a scene at its recorded times.
 
     Parameters
@@ -194,22 +192,32 @@ def solve(
     scene : dict
         What tomllib gives for a scene file.
     precision : str
-        "long double" or "quad".
-    tolerance : float, optional
-        Of a step, relative to the largest departure of each kind.
+        "long double" or "quad"; empty for the first if that is enough.
     most : float
-        The largest number of evaluations of the forces of one solution.
+        The largest number of evaluations of the forces of one solution; a fifth of it in
+        quadruple precision, if that is chosen here.
 
     Raises
     ------
-    Unsolved
+    UnsolvedError
         If bobs coincide, the steps become too short or too many, or a number is not finite.
     NotImplementedError
         If the scene has an effect that is not solved here.
     """
-    model = Tables(scene)
-    usual, rows = TOLERANCES[precision]
-    tolerance = tolerance or usual
+    if precision:
+        return _solve(Tables(scene), precision, most)
+    try:
+        solution = _solve(Tables(scene), "long double", most)
+    except UnsolvedError as failure:
+        if failure.status == "bobs coincide":
+            raise
+        return _solve(Tables(scene), "quad", most / SLOWER)
+    errors = (solution.error[q] - SMALL * solution.scales[kind_of(q)] for q in solution.error)
+    return solution if max(errors) <= 0.0 else _solve(Tables(scene), "quad", most / SLOWER)
+
+
+def _solve(model: Tables, precision: str, most: float) -> Solution:
+    tolerance, rows = TOLERANCES[precision]
     fine, info = model.solve(precision, tolerance, rows, most)
     rough, _ = model.solve(precision, LOOSER * tolerance, rows, most)
     t, surfaces, blocks, system = model.named(fine)
@@ -452,7 +460,7 @@ class Tables:
             ctypes.byref(info),
         )
         if status:
-            raise Unsolved(STATUSES[status], info)
+            raise UnsolvedError(STATUSES[status], info)
         return out, info
 
     def named(self, out: np.ndarray) -> tuple[np.ndarray, dict, dict, dict]:
