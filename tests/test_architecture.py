@@ -52,6 +52,7 @@ def of_this_package(name):
 # `validation` may be imported by all.
 ORDER = [
     "cli",
+    "commands",
     "paper",
     "report_card",
     "ensembles",
@@ -66,6 +67,8 @@ ORDER = [
     "potentials",
     "plugins",
     "kernels",
+    "files",
+    "interrupts",
     "validation",
 ]
 

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     )
     from tribo.report_card import check
     from tribo.run.result import Result, load_result
+    from tribo.run.state import State
     from tribo.simulation import Simulation, prepare, simulate
     from tribo.validation import InputError, TriboWarning
 
@@ -78,6 +79,7 @@ _HOME = {
     "simulate": "tribo.simulation",
     "Simulation": "tribo.simulation",
     "Spectrum": "tribo.model.spectrum",
+    "State": "tribo.run.state",
     "Springs": "tribo.model.springs",
     "Surface": "tribo.model.surface",
     "TriboWarning": "tribo.validation",

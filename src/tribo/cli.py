@@ -1,229 +1,65 @@
-"""The command line: ``tribo run``, ``tribo paper``, ``tribo accuracy``, ``tribo check``."""
+"""The program ``tribo``: what surrounds every command.
+
+Only the standard library is imported before the program can be interrupted.
+"""
 
 from __future__ import annotations
 
-import argparse
-import json
 import os
 import sys
-import tomllib
-import warnings
-from pathlib import Path
-from typing import Any
 
-from tribo.validation import InputError, TriboWarning, must_be
-
-# Exit statuses: the run completed or the check passed; the run stopped early, or the check failed;
-# the input is wrong.
-COMPLETED, STOPPED, WRONG_INPUT = 0, 1, 2
+# The exit status where the input is wrong.
+WRONG_INPUT = 2
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run the command line; return the exit status."""
-    options = _parser().parse_args(arguments)
+    """Run the command line; return the exit status.
+
+    Parameters
+    ----------
+    arguments : list of str, optional
+        By default those of the program, which Ctrl-C then ends within half a second.
+    """
+    from tribo import interrupts
+
+    if arguments is None:
+        interrupts.watch()
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", TriboWarning)  # commands print what it would say
-            status: int = options.command(options)
-    except InputError as error:
-        print(f"tribo: {error}", file=sys.stderr)
-        return WRONG_INPUT
-    except MemoryError as error:
-        print(f"tribo: this scene needs more memory ({error})", file=sys.stderr)
-        return WRONG_INPUT
-    except BrokenPipeError:
-        sys.stderr.close()
-        return STOPPED
+        status = _run(arguments)
+    except KeyboardInterrupt:
+        interrupts.answer()
+        interrupts.report()
+        status = interrupts.STOPPED
     return status
 
 
-def _parser() -> argparse.ArgumentParser:
-    from tribo import __version__
+def _run(arguments: list[str] | None) -> int:
+    """Run a command, and turn the errors that a user can cause into one sentence."""
+    from tribo.commands import run_command
+    from tribo.interrupts import STOPPED
+    from tribo.validation import InputError
 
-    parser = argparse.ArgumentParser(
-        prog="tribo", description="Simulate sliding friction of asperites, with work accounting."
-    )
-    parser.add_argument("--version", action="version", version=f"tribo {__version__}")
-    commands = parser.add_subparsers(required=True, metavar="COMMAND")
-
-    _add_run(commands.add_parser("run", help="simulate a scene file and print its end state"))
-    _add_paper(commands.add_parser("paper", help="compare the paper's cases with its numbers"))
-    _add_accuracy(commands.add_parser("accuracy", help="measure error against time per method"))
-    _add_check(commands.add_parser("check", help="test a potential and print a report card"))
-    return parser
-
-
-def _add_run(run: argparse.ArgumentParser) -> None:
-    run.add_argument("scene", type=Path, metavar="SCENE.toml", help="the scene file")
-    run.add_argument("--out", type=Path, metavar="FILE", help="write all time series as NetCDF")
-    run.add_argument("--json", action="store_true", help="print only the end state, as JSON")
-    run.set_defaults(command=_run)
-
-
-def _add_paper(paper: argparse.ArgumentParser) -> None:
-    paper.add_argument("case", nargs="?", choices=list("ABCDE"), help="one case (default: all)")
-    paper.add_argument("--json", action="store_true", help="print the comparison as JSON")
-    paper.add_argument("--figures", type=Path, metavar="DIR", help="draw the paper's figures")
-    paper.set_defaults(command=_paper)
-
-
-def _add_accuracy(accuracy: argparse.ArgumentParser) -> None:
-    accuracy.add_argument("scene", type=Path, metavar="SCENE.toml", help="the scene file")
-    accuracy.add_argument("--json", action="store_true", help="print the rows as JSON")
-    accuracy.add_argument(
-        "--figure", type=Path, metavar="FILE", help="draw error against time and evaluations"
-    )
-    accuracy.add_argument("--methods", nargs="+", metavar="NAME", help="methods (default: all)")
-    accuracy.add_argument(
-        "--observables",
-        nargs="+",
-        metavar="NAME",
-        help='observables whose errors count, as "upper.W" (default: all)',
-    )
-    accuracy.add_argument(
-        "--seconds", type=float, default=30.0, help="time for all runs together (default: 30)"
-    )
-    accuracy.set_defaults(command=_accuracy)
-
-
-def _add_check(check: argparse.ArgumentParser) -> None:
-    check.add_argument(
-        "potential",
-        metavar="POTENTIAL",
-        help="name of a built-in potential, file.py:Class, or an expression in r",
-    )
-    check.add_argument(
-        "parameters",
-        nargs="*",
-        metavar="NAME=VALUE",
-        help="parameters, and cutoff, at_cutoff and switch_from as in [interaction]",
-    )
-    check.add_argument("--json", action="store_true", help="print the report card as JSON")
-    check.add_argument(
-        "--figure",
-        type=Path,
-        metavar="FILE",
-        help="draw energy, force and the difference between force and derivative",
-    )
-    check.set_defaults(command=_check)
-
-
-def _run(options: argparse.Namespace) -> int:
-    from tribo.model.scene_file import load_scene
-    from tribo.simulation import simulate
-
-    scene = load_scene(options.scene)
-    if options.out is not None:
-        _check_writable("--out", options.out.absolute())
-    with _ProgressBar(scene.duration) as progress:
-        result = simulate(scene, progress=progress)
-    if options.out is not None:
-        result.save(options.out)
-    print(result.to_json() if options.json else result)
-    return COMPLETED if result.status == "completed" else STOPPED
-
-
-def _check_writable(option: str, path: Path) -> None:
-    """Raise InputError before a run whose file could not be written."""
-    if not path.parent.is_dir():
-        raise InputError(option, f"must be in a folder that exists, got {path.parent}")
-    if path.is_dir():
-        raise InputError(option, f"must be the name of a file, got the folder {path}")
-    if not os.access(path.parent, os.W_OK):
-        raise InputError(option, f"must be in a folder that can be written, got {path.parent}")
-
-
-def _paper(options: argparse.Namespace) -> int:
-    from tribo import paper
-
-    cases = [options.case] if options.case else list(paper.CASES)
-    tables = paper.compare(cases)
-    if options.figures is not None:
-        from tribo.paper import figures as paper_figures
-
-        for path in paper_figures.draw(options.figures, cases):
-            print(path, file=sys.stderr)
-    if options.json:
-        print(
-            json.dumps(
-                {case: [row.as_json() for row in rows] for case, rows in tables.items()}, indent=1
-            )
-        )
-    else:
-        print(paper.report(tables))
-    return COMPLETED
-
-
-def _accuracy(options: argparse.Namespace) -> int:
-    from tribo.model.scene_file import load_scene
-    from tribo.work_precision import work_precision
-
-    scene = load_scene(options.scene)
-    _check_figure(options.figure)
-    report = (lambda name: print(name, file=sys.stderr)) if sys.stderr.isatty() else None
-    diagram = work_precision(
-        scene, options.methods, options.observables or (), options.seconds, progress=report
-    )
-    if options.figure is not None:
-        diagram.save_figure(options.figure)
-    print(diagram.to_json() if options.json else diagram)
-    return COMPLETED
-
-
-def _check(options: argparse.Namespace) -> int:
-    from tribo.potentials.tables import from_table
-    from tribo.report_card import check
-
-    _check_figure(options.figure)
-    table = {"potential": options.potential} | dict(map(_parameter, options.parameters))
-    report = check(from_table(table, Path.cwd()))
-    if options.figure is not None:
-        report.save_figure(options.figure)
-    print(report.to_json() if options.json else report)
-    return COMPLETED if report.passed else STOPPED
-
-
-def _check_figure(path: Path | None) -> None:
-    """Raise InputError before the work for a figure that could not be written."""
-    if path is not None:
-        from tribo.plotting.style import figure_path
-
-        _check_writable("--figure", figure_path("--figure", path).absolute())
-
-
-def _parameter(text: str) -> tuple[str, Any]:
-    """A name and its value: a number, else a value of TOML, else a word."""
-    name, sign, value = text.partition("=")
-    if not sign:
-        raise must_be("parameter", "NAME=VALUE", text)
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):  # a title may have letters that a terminal lacks
+            stream.reconfigure(errors="backslashreplace")
     try:
-        return name, float(value)
-    except ValueError:
-        pass
-    try:
-        return name, tomllib.loads(f"value = {value}")["value"]
-    except tomllib.TOMLDecodeError:
-        return name, value
+        status = run_command(arguments)
+        sys.stdout.flush()
+        return status
+    except InputError as error:
+        problem = str(error)
+    except MemoryError as error:
+        problem = f"this scene needs more memory ({error})"
+    except BrokenPipeError:
+        _discard_output()
+        return STOPPED
+    except OSError as error:
+        _discard_output()
+        problem = f"the output cannot be written ({error.strerror or error})"
+    print(f"tribo: {problem}", file=sys.stderr)
+    return WRONG_INPUT
 
 
-class _ProgressBar:
-    """A progress bar on a terminal, and no output elsewhere."""
-
-    def __init__(self, duration: float) -> None:
-        self.duration = duration
-        self._bar: Any = None
-
-    def __enter__(self) -> _ProgressBar:
-        return self
-
-    def __call__(self, t: float) -> None:
-        if self._bar is None:
-            from tqdm import tqdm
-
-            self._bar = tqdm(total=self.duration, disable=None, leave=False, unit="t")
-        self._bar.n = t
-        self._bar.refresh()
-
-    def __exit__(self, *error: object) -> None:
-        if self._bar is not None:
-            self._bar.close()
+def _discard_output() -> None:
+    """Let Python write what is left of the output to nowhere at its end."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

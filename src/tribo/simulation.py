@@ -5,10 +5,11 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 
-from tribo.accuracy.choose_method import choose
+from tribo.accuracy.choose_method import Choice, choose
 from tribo.accuracy.comparison import (
     ABORTED,
     Accuracy,
@@ -17,22 +18,26 @@ from tribo.accuracy.comparison import (
     out_of_reach,
     strictest,
 )
-from tribo.accuracy.estimate import excess_of_request
+from tribo.accuracy.estimate import check_observables, excess_of_request
 from tribo.accuracy.plan import Plan, integrator_for, make_plan, single_setting
 from tribo.accuracy.search import FINE_LEVEL
 from tribo.accuracy.stop_times import StopTimes
+from tribo.files import checked_target
 from tribo.integrators import methods
 from tribo.kernels.status import Status
 from tribo.model.scene import Scene
+from tribo.run.identity import identity_of, refuse_other, settings_of, version
 from tribo.run.initial_state import InitialState, Start
 from tribo.run.integrate import Integration, Progress, Setting
+from tribo.run.journal import PART, Journal
 from tribo.run.layout import Layout, lay_out
 from tribo.run.ledger import Ledger, assemble
 from tribo.run.loop_selection import Integrator
-from tribo.run.notes import calculator_notes, scene_notes
-from tribo.run.result import Cost, Known, Result
+from tribo.run.notes import calculator_notes, passage_notes, scene_notes
+from tribo.run.result import Cost, Known, Result, load_result
+from tribo.run.state import Origin, State, continued, state_of
 from tribo.run.streamed_ledger import StreamedLedger, exceeds_memory
-from tribo.validation import InputError, TriboWarning, inside
+from tribo.validation import InputError, TriboWarning, as_path, inside
 
 # Levels of two runs that are compared differ by FINE_LEVEL; this many such ratios make a digit.
 RATIOS_PER_DIGIT = -1.0 / np.log10(FINE_LEVEL)
@@ -71,6 +76,9 @@ class Simulation:
         self.why = plan.why
         self.compile_seconds = integrator.compile_seconds
         self._integrator = integrator
+        step = plan.setting if isinstance(plan.setting, float) and plan.accuracy is None else None
+        start = _digest(integrator.origin)
+        self._settings = settings_of(plan.method, plan.accuracy, step, start)
         self._notes = scene_notes(self.scene, self.method)
         self._streams = exceeds_memory(self.layout, plan.times.size)
         self._initial_state = InitialState(self.layout)
@@ -162,7 +170,7 @@ class Simulation:
         """Setting and times of runs without an error estimate."""
         if self._single_setting is None:
             return self.plan.setting, self.plan.times
-        return self._single_setting, self.scene.times
+        return self._single_setting, self.layout.times
 
     def _single_run(self, y: np.ndarray) -> Result:
         """A run without an error estimate."""
@@ -175,10 +183,11 @@ class Simulation:
         return self._result(
             run.status,
             None,
-            (),
+            passage_notes(layout, run),
             {},
             lambda: _reported(layout, run),
             lambda: _cost([run], seconds, ratio),
+            run,
         )
 
     def _streamed_run(self, y: np.ndarray) -> Result:
@@ -186,9 +195,10 @@ class Simulation:
         streamed = StreamedLedger(self.layout)
         run = self._integrator(self.plan.setting, self.plan.times, y, streamed)
         note = "of the asperites' series only the first and the last sample are kept"
+        notes = (*passage_notes(self.layout, run), note)
         ledger = streamed.with_ends(run.samples)
         cost = _cost([run], self.compile_seconds, self._digit_ratio)
-        return self._result(run.status, None, (note,), {}, Known(ledger), Known(cost))
+        return self._result(run.status, None, notes, {}, Known(ledger), Known(cost), run)
 
     def _estimated_result(self, runs: Sequence[Integration]) -> Result:
         """The last run as a result, its error estimated from the two before it."""
@@ -202,7 +212,7 @@ class Simulation:
         ledger = _reported(self.layout, fine)
         cost = _cost(runs, self.compile_seconds, self._digit_ratio)
         known = met if len(runs) > 1 else None
-        return self._result(fine.status, known, notes, bounds, Known(ledger), Known(cost))
+        return self._result(fine.status, known, notes, bounds, Known(ledger), Known(cost), fine)
 
     def _errors(self, runs: Sequence[Integration]) -> tuple[dict[str, float], float]:
         """Bounds on the last run's errors, and the largest in units of the request."""
@@ -231,14 +241,16 @@ class Simulation:
         bounds: Mapping[str, float],
         assemble_ledger: Callable[[], Ledger],
         add_up_cost: Callable[[], Cost],
+        run: Integration,
     ) -> Result:
         """A result, with what all results of the simulation share."""
+        layout, method = self.layout, self.method.name
         if self.layout.calculator_calls:
             notes = calculator_notes(self.layout) + notes
         return Result(
             self.scene,
             status,
-            self.method.name,
+            method,
             self.why,
             self.accuracy,
             met,
@@ -246,6 +258,9 @@ class Simulation:
             bounds,
             assemble_ledger,
             add_up_cost,
+            lambda: state_of(layout, method, run),
+            self._settings,
+            version(),
         )
 
     @cached_property
@@ -265,8 +280,9 @@ class Simulation:
 def _reported(layout: Layout, run: Integration) -> Ledger:
     """The ledger of a run at the scene's times and at its end."""
     samples = run.samples
-    wanted = np.intersect1d(samples.t, layout.scene.times)
-    return assemble(layout, samples.at(np.union1d(wanted, samples.t[-1:])))
+    wanted = np.intersect1d(samples.t, layout.times)
+    ledger = assemble(layout, samples.at(np.union1d(wanted, samples.t[[0, -1]])))
+    return ledger.rows(slice(int(np.searchsorted(ledger.t, layout.beginning)), None))
 
 
 def _cost(runs: Sequence[Integration], compile_seconds: float, ratio: float | None) -> Cost:
@@ -295,6 +311,7 @@ def prepare(
     method: str | None = None,
     step: float | None = None,
     progress: Progress | None = None,
+    start: State | None = None,
 ) -> Simulation:
     """Compile and plan a scene once; method and settings are fixed here.
 
@@ -304,13 +321,19 @@ def prepare(
         What is run.
     accuracy : float or mapping, optional
         The largest error of any reported quantity, relative to its scale, or of each observable
-        that is named, as ``{"upper.W": 1e-3}``.  Without it, that of the scene file, else 1e-8.
+        that is named, as ``{"upper.W": 1e-3}``.  Without it and without a step, the accuracy or
+        the step of the scene's numerics, else 1e-8.
     method : str, optional
-        A method's name.  Without it, a model of costs chooses the fastest.
+        A method's name.  Without it, that of the scene's numerics; else a model of costs chooses
+        the fastest.
     step : float, optional
         A step [time] in place of an accuracy; such runs have no error estimate.
     progress : callable, optional
         Called with the time reached, a few times a second.
+    start : State, optional
+        The state from which all runs begin, as that of a result, in place of the scene's start at
+        t = 0.  In the scene that the state is of, works and changes go on from where they were; in
+        one with other forces they are counted from the state.
 
     Returns
     -------
@@ -322,19 +345,35 @@ def prepare(
         The settings do not go together or do not suit the scene, the accuracy is out of reach, or
         a plug-in cannot be compiled.
     """
+    layout, choice, origin = _chosen(scene, accuracy, method, step, start)
+    integrator = integrator_for(layout, choice.method, progress, origin)
+    return Simulation(make_plan(choice, integrator), integrator)
+
+
+def _chosen(
+    scene: Scene,
+    accuracy: Accuracy | None,
+    method: str | None,
+    step: float | None,
+    start: State | None,
+) -> tuple[Layout, Choice, Origin | None]:
+    """The layout of a run, its method and settings, and the state where it begins."""
     if not isinstance(scene, Scene):
         raise InputError("scene", f"must be a tribo.Scene, got {scene!r}")
-    layout = lay_out(scene)
+    layout, origin = lay_out(scene), None
+    if start is not None:
+        layout, origin = continued(layout, start)
+    given = scene.numerics
     if accuracy is None and method is None and step is None:
-        given = scene.numerics
         with inside("numerics"):
             choice = choose(layout, given.accuracy, given.method, given.step)
     else:
         if accuracy is None and step is None:
-            accuracy = scene.numerics.accuracy
-        choice = choose(layout, accuracy, method, step)
-    integrator = integrator_for(layout, choice.method, progress)
-    return Simulation(make_plan(choice, integrator), integrator)
+            accuracy, step = given.accuracy, given.step
+        choice = choose(layout, accuracy, given.method if method is None else method, step)
+    if isinstance(choice.accuracy, Mapping):
+        check_observables(layout, choice.accuracy)
+    return layout, choice, origin
 
 
 def from_settings(scene: Scene, settings: Plan) -> Simulation:
@@ -361,13 +400,23 @@ def simulate(
     method: str | None = None,
     step: float | None = None,
     progress: Progress | None = None,
+    start: State | None = None,
+    out: str | Path | None = None,
+    resume: bool = False,
 ) -> Result:
     """Run a scene once.
 
     Parameters
     ----------
-    scene, accuracy, method, step, progress
-        As for :func:`prepare`.
+    scene, accuracy, method, step, progress, start
+        As for :func:`prepare`.  A run from ``result.state()`` by the same method and step gives bit
+        for bit what a run without the pause gives that records the same times.
+    out : str or Path, optional
+        A NetCDF file for the result.  While the run goes on, ``out`` with ``.part`` behind its name
+        keeps what is reached, also of a run that is interrupted.
+    resume : bool
+        Continue what ``out.part`` has, to the bits of a run without a pause; begin if there is no
+        such file, and only read ``out`` if that is complete.
 
     Returns
     -------
@@ -383,4 +432,40 @@ def simulate(
     TriboWarning
         The run stops early, or its error estimates exceed the accuracy.
     """
-    return _with_warning(prepare(scene, accuracy, method, step, progress).compute_first())
+    if out is None:
+        return _with_warning(
+            prepare(scene, accuracy, method, step, progress, start).compute_first()
+        )
+    layout, choice, origin = _chosen(scene, accuracy, method, step, start)
+    return _with_warning(_run_to_file(as_path(out), resume, layout, choice, origin, progress))
+
+
+def _digest(origin: Origin | None) -> str | None:
+    """What tells the state where a run begins from others; None for the scene's own start."""
+    return None if origin is None else origin.state.digest
+
+
+def _run_to_file(
+    path: Path,
+    resume: bool,
+    layout: Layout,
+    choice: Choice,
+    origin: Origin | None,
+    progress: Progress | None,
+) -> Result:
+    """Run with a journal beside a file, which the result replaces once it is complete."""
+    path = checked_target("out", path)
+    part = path.with_name(path.name + PART)
+    settings = settings_of(choice.method.name, choice.accuracy, choice.step, _digest(origin))
+    identity = identity_of(layout.scene, settings, version())
+    if resume and path.exists() and not part.exists():
+        result = load_result(path)
+        refuse_other(path, identity_of(result.scene, result.settings, result.version), identity)
+        return result
+    with Journal(part, identity, resume) as journal:
+        integrator = integrator_for(layout, choice.method, progress, origin, journal)
+        result = Simulation(make_plan(choice, integrator), integrator).compute_first()
+        if result.status != Status.INTERRUPTED:
+            result.save(path)
+            journal.remove()
+    return result

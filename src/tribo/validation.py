@@ -11,9 +11,11 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
-from typing import Any, TypeGuard
+from typing import Any, TypeGuard, TypeVar
 
 import numpy as np
+
+Word = TypeVar("Word", bound=str)
 
 Condition = tuple[str, Callable[[float], bool]]
 
@@ -148,13 +150,14 @@ def integer(field: str, value: object, least: int, most: int | None = None) -> i
     return int(value)
 
 
-def choice(field: str, value: object, options: Iterable[str]) -> str:
+def choice(field: str, value: object, options: Iterable[Word]) -> Word:
     """One of the given words."""
     options = list(options)
-    if not isinstance(value, str) or value not in options:
-        words = " or ".join(f'"{o}"' for o in options)
-        raise must_be(field, f"{words}", value)
-    return value
+    for option in options:
+        if isinstance(value, str) and value == option:
+            return option
+    words = " or ".join(f'"{o}"' for o in options)
+    raise must_be(field, f"{words}", value)
 
 
 def boolean(field: str, value: object) -> bool:

@@ -300,6 +300,7 @@ def work_precision(
     if not taken:
         raise InputError("methods", f"must integrate this scene, got {[m.name for m in named]}")
     watched = tuple(observables)
+    check_observables(lay_out(scene), watched, "observables")
     if progress:
         progress("reference")
     truth, scales, reference = _reference(scene, watched)
@@ -320,7 +321,6 @@ def _reference(scene: Scene, watched: tuple[str, ...]) -> tuple[Ledger, Toleranc
     rough = bool(np.isfinite(scene.smoothness))
     name = FOR_ROUGH if rough else FOR_SMOOTH
     simulation = prepare(scene, FINEST, name)
-    check_observables(simulation.layout, watched, "observables")
     result, finest = simulation.compute_first(), simulation.finest
     if result.status != Status.COMPLETED:
         raise InputError("scene", f"must run to its end, but ends by {result.status}")

@@ -1,12 +1,17 @@
-"""The scales of tolerances are those of the ledger, where bars turn too."""
+"""The scales of tolerances and of errors, and the rounding of differences of energies."""
 
+import os
+import subprocess
+import sys
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import tribo
+from support.hard_scenes import simulate
 from tribo import paper
+from tribo.accuracy.roundoff import rounding_of_terms
 from tribo.accuracy.scales import first_guess, reported_scales, tolerance_scales
 from tribo.run.layout import lay_out
 from tribo.run.ledger import assemble
@@ -50,3 +55,80 @@ def test_the_first_guess_of_the_rate(bars):
     """At least the rates of the scene's start, those of bars among them."""
     start = TURNING[bars].get("initial", tribo.Initial())
     assert first_guess(lay_out(scene(bars))).rate >= (start.nu or 0.0)
+
+
+def pair(potential, duration, upper, lower=None, samples=11):
+    """One asperite that slides over another."""
+    surfaces = (tribo.Surface("upper", **upper), tribo.Surface("lower", facing="up", **lower or {}))
+    return tribo.Scene(surfaces, potential, duration, output=tribo.Output(samples=samples))
+
+
+STIFF = {
+    "bob": (-20.0, 0.1),
+    "velocity": (3.0, 0.0),
+    "asperite": tribo.Asperite(kappa=5e4, m2=0.01),
+}
+
+
+@pytest.mark.parametrize("lower", [{}, {"asperite": STIFF["asperite"]}], ids=["soft", "stiff"])
+@pytest.mark.parametrize("samples", [2, 401])
+def test_a_stiff_pendulum_that_feels_no_force_yet(samples, lower):
+    """Its works, 1e-59, are found to the accuracy in few steps; oscillations of a run are not."""
+    scene = pair(tribo.Morse(1.0, 10.0, 0.5), 2.0, STIFF, lower, samples)
+    result = simulate(scene, accuracy=1e-2)
+    assert result.status == "completed" and result.met
+    assert result.cost.force_evaluations < 1_000_000
+    energy = tribo.Morse(1.0, 10.0, 0.5).energy(np.hypot(14.0, 0.1))
+    assert result["upper"].w1_ps[-1, 0] == pytest.approx(energy, rel=1e-2)
+
+
+SPINNING = {"initial": tribo.Initial(omega=100.0), "asperite": tribo.Asperite(kappa=0.0)}
+
+
+def test_both_terms_of_a_difference_are_rounded():
+    """A change of 1e-8 in an energy of 5e3 has the rounding of 5e3."""
+    upper = {"bob": (-0.5, 0.5), "velocity": (1.0, 0.0), **SPINNING}
+    lower = {"asperite": SPINNING["asperite"]}
+    with pytest.warns(tribo.TriboWarning, match="accuracy is not met"):
+        result = simulate(pair(tribo.Coulomb(1e-8), 1.0, upper, lower))
+    table, bounds = result["upper"], result.error_estimate
+    error = np.max(np.abs(table.delta_e_int - (table.w - table.w_ps)))  # the works are exact
+    assert 1e-14 < error <= bounds["delta_e_int"] < 1e-9
+    assert max(bounds["w"], bounds["w_ps"]) < 1e-18
+    change, block = result.system["total_energy_change"], result.ledger.blocks["upper"]
+    off = np.max(np.abs(change - result.system["applied_work"]))
+    assert 1e-14 < off <= bounds["total_energy_change"]
+    assert np.max(np.abs(block["delta_E_int"] - table.delta_e_int[:, 0])) <= bounds["delta_E_int"]
+
+
+def test_rounding_of_terms_in_a_fast_frame():
+    """Where a surface is fast, works are sums of large terms, which cancel for a forced one."""
+    fast = {"velocity": (1e6, 0.0), "bob": (-0.5, 0.5)}
+    scene = pair(tribo.Coulomb(0.2), 1.0, fast, {"velocity": (1e6 - 1.0, 0.0)})
+    simulation = tribo.prepare(scene, accuracy=1e-4)
+    samples, layout = simulation.finest.samples, simulation.layout
+    terms = rounding_of_terms(layout, samples, 1)
+    work = np.max(np.abs(assemble(layout, samples).surfaces["upper"]["w1_ps"]))
+    for name in ("w_ps", "W_ps", "w"):
+        assert 2.0 < terms[name] / (np.finfo(float).eps * work) < 20.0
+
+
+@pytest.mark.parametrize("bars", ["free", "clamped"])
+def test_an_isolated_pendulum_keeps_an_accuracy(bars):
+    """Where nothing does work, the round-off of an energy is not a scale."""
+    upper = {"bob": (-0.5, 0.5), "bars": bars, "initial": tribo.Initial(theta=0.3)}
+    assert simulate(pair(tribo.Coulomb(0.0), 5.0, upper), method="gauss-radau-15").met
+
+
+UNCOMPILED = """
+import tribo
+surfaces = tribo.Surface("upper"), tribo.Surface("lower", facing="up")
+scene = tribo.Scene(surfaces, (), 1.0, output=tribo.Output(samples=2))
+assert tribo.simulate(scene, method="midpoint", step=0.1).status == "completed"
+"""
+
+
+def test_no_interactions_in_plain_python():
+    """No bob is on its way to an encounter, as in compiled code."""
+    plain = os.environ | {"NUMBA_DISABLE_JIT": "1"}
+    subprocess.run([sys.executable, "-c", UNCOMPILED], env=plain, check=True)

@@ -46,6 +46,16 @@ def test_accuracy_of_observables_in_a_file(tmp_path):
     assert tribo.simulate(again).met
 
 
+def test_a_call_replaces_what_it_names():
+    """The file's method stays where a call gives an accuracy or a step, and the reverse."""
+    scene = replace(case("A"), numerics=tribo.Numerics(method="rk4", step=0.5))
+    assert tribo.prepare(scene, step=0.4).method.name == "rk4"
+    assert tribo.prepare(scene, accuracy=1e-2).method.name == "rk4"
+    assert tribo.prepare(scene, method="midpoint").plan.setting == 0.5
+    with pytest.raises(tribo.InputError, match="step: cannot go with gauss-radau-15"):
+        tribo.prepare(scene, method="gauss-radau-15")
+
+
 @pytest.mark.parametrize(
     ("accuracy", "says"),
     [

@@ -282,10 +282,10 @@ def test_what_a_method_cannot_do_is_refused(name, effect):
     assert (effect in refused) == (name in REFUSED[effect])
 
 
-PLACES = {"rkn8", "rkn12", "verlet", "kahan-li-6", "kahan-li-8", "blanes-moan-6"}
+PLACES = {"rkn8", "rkn12", "kahan-li-6", "kahan-li-8", "blanes-moan-6"}
 REFUSED = {
     "own drive": PLACES,
-    "langevin": PLACES - {"verlet"},
+    "langevin": PLACES,
     "bath": {"blanes-moan-6"},
 }
 

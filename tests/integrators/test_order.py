@@ -13,6 +13,8 @@ from tribo import (
     Field,
     Free,
     Initial,
+    Interaction,
+    Morse,
     Output,
     Pulled,
     Scene,
@@ -70,7 +72,11 @@ def everything(bath):
         initial=Initial(nu=0.3, phi=0.1),
     )
     field = Field(tribo.Corrugation(0.1, 1.5), on=("upper", "lower"), velocity=(0.2, 0.0))
-    return Scene((upper, lower), Coulomb(4.0), END, fields=(field,), output=Output(samples=2))
+    contacts = (
+        Interaction(Coulomb(4.0), between=("upper", "lower")),
+        Interaction(Morse(0.2, 0.4, 1.0), between=("upper", "upper")),
+    )
+    return Scene((upper, lower), contacts, END, fields=(field,), output=Output(samples=2))
 
 
 def in_steps(layout, method, count):

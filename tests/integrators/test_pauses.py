@@ -21,10 +21,9 @@ from tribo import (
 from tribo.accuracy.scales import first_step
 from tribo.integrators.methods import METHODS
 from tribo.integrators.step_control import Tolerance
-from tribo.kernels.compiled import time_loop
 from tribo.paper import scene as case
-from tribo.plugins.sources import source_stamp
 from tribo.run import integrate, pair_adapter
+from tribo.run.general_loop import GeneralLoop
 from tribo.run.layout import lay_out
 
 BUDGETS = (10**9, 1, 7)  # steps between two pauses
@@ -62,16 +61,8 @@ def falling(count):
 
 def in_chunks(monkeypatch, budget):
     """Let loops pause after `budget` steps."""
-    original = integrate.run_in_chunks
-
-    def run_in_chunks(call, *rest):
-        def limited(clocks, state, times, record, _):
-            return call(clocks, state, times, record, budget)
-
-        return original(limited, *rest)
-
-    for module in (integrate, pair_adapter):
-        monkeypatch.setattr(module, "run_in_chunks", run_in_chunks)
+    monkeypatch.setattr(integrate, "FIRST_CHUNK", budget)
+    monkeypatch.setattr(integrate, "LARGEST_CHUNK", budget)
 
 
 def tolerance(layout, level):
@@ -114,20 +105,12 @@ def test_pauses_of_rows(monkeypatch, name):
     layout = lay_out(rows(34))
     assert layout.rows > 0
     method = METHODS[name]
-    loop = time_loop(method.loop, source_stamp(layout.plugins))
     for setting, status in SETTINGS[name]:
         wanted = tolerance(layout, setting) if method.adaptive else setting
 
         def run(wanted=wanted):
-            return integrate.integrate(
-                layout,
-                method,
-                loop,
-                wanted,
-                layout.start,
-                layout.scene.times,
-                first_step(layout),
-            )
+            loop = GeneralLoop(layout, method, wanted, layout.start, first_step(layout))
+            return integrate.integrate(loop, layout.scene.times)
 
         assert_same(monkeypatch, run, status)
 
@@ -137,11 +120,10 @@ def test_refusal_of_a_step(monkeypatch, name):
     """A step is refused when the encounter rate is computed, which no pause brings forward."""
     layout = lay_out(falling(33))
     method = METHODS[name]
-    loop = time_loop(method.loop, source_stamp(layout.plugins))
 
     def run():
-        times = layout.scene.times
-        return integrate.integrate(layout, method, loop, 0.2, layout.start, times, 0.0)
+        loop = GeneralLoop(layout, method, 0.2, layout.start, 0.0)
+        return integrate.integrate(loop, layout.scene.times)
 
     assert_same(monkeypatch, run, "EncounterJumped")
 

@@ -15,7 +15,7 @@ from tribo.kernels.compiled import (
     remove_stale,
     time_loop,
 )
-from tribo.kernels.pipeline import LinkedLibrary
+from tribo.kernels.numba_passes import LinkedLibrary
 from tribo.pair.loop import pair_collocation
 
 

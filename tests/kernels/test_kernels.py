@@ -36,9 +36,17 @@ def rows():
     return Scene((upper, lower), Coulomb(0.2), 1.0, fields=(field,), output=Output(samples=5))
 
 
+def encounter(letter):
+    """A case of the paper from shortly before the bobs pass to shortly after."""
+    scene = case(letter)
+    upper, lower = scene.surfaces
+    surfaces = (replace(upper, bob=(-1.0, upper.bob[1])), lower)
+    return replace(scene, surfaces=surfaces, duration=4.0, output=Output(times=(2.0, 4.0)))
+
+
 SCENES = {
-    "A": replace(case("A"), duration=24.0, output=Output(times=(20.0, 22.0))),
-    "C": replace(case("C"), duration=24.0, output=Output(times=(20.0, 22.0))),
+    "A": encounter("A"),
+    "C": encounter("C"),
     "rows": rows(),
 }
 HOW = {

@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 import tribo
 from support.sliding import CUTOFF, long_slide, scene
 from tribo.kernels.neighbours import refresh
-from tribo.run import contacts
-from tribo.run import integrate as integrate
+from tribo.run import contacts, general_loop
 from tribo.run import layout as layouts
 
 
@@ -60,7 +59,7 @@ def test_a_list_has_every_pair_within_reach(given_places, slide):
         bobs.x, bobs.y = world[:, 0], world[:, 1]
         bobs.x[: len(upper)] += shift
         refresh(layout.model, neighbours)
-        neighbours = integrate.with_room(neighbours)
+        neighbours = general_loop.with_room(neighbours)
         refresh(layout.model, neighbours)
         now = np.column_stack([bobs.x, bobs.y, bobs.z])
         needed = pairs_within(now, len(upper), CUTOFF, box)
@@ -72,7 +71,13 @@ def test_a_list_has_every_pair_within_reach(given_places, slide):
             assert np.all(np.diff(own) > 0)
 
 
-@pytest.mark.parametrize("periodic", [{}, {"x": 6.0, "z": 3.0}], ids=["open", "periodic"])
+@pytest.mark.parametrize(
+    "periodic",
+    [
+        pytest.param({}, marks=pytest.mark.slow, id="open"),
+        pytest.param({"x": 6.0, "z": 3.0}, id="periodic"),
+    ],
+)
 def test_lists_give_all_pairs_bit_for_bit(periodic, monkeypatch):
     """A long slide with bobs that loop: every series is the same, to the last bit."""
     wanted = replace(long_slide(periodic), output=tribo.Output(samples=7))
@@ -116,7 +121,7 @@ def test_a_list_that_outgrows_its_room(method, monkeypatch):
         return whole(self)._replace(index=np.zeros(1, np.int64))
 
     whole = layouts.Layout.neighbours
-    monkeypatch.setattr(integrate, "with_room", exactly)
+    monkeypatch.setattr(general_loop, "with_room", exactly)
     monkeypatch.setattr(layouts.Layout, "neighbours", cramped)
     by_list = tribo.simulate(wanted, method=method, **how)
     assert len(set(grown)) >= 2, "the room must run out on the way, not at the start alone"

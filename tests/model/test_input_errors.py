@@ -243,6 +243,7 @@ WRONG = [
     ("field", {}, "must be [[field]] tables, one for each field"),
     ("field[0]", 5, "must be a table, got 5"),
     ("field[0].on", "upper", "must be a list of names of surfaces, got 'upper'"),
+    ("field[0].on", ["upper", "upper"], "must be each surface once; a field acts once on each"),
     ("field[0].on", [], "must be a list of names of surfaces, got []"),
     ("field[0].on", [5], "must be one of the surfaces ['upper', 'lower', 'rough'], got 5"),
     ("output", 5, "must be a table, got 5"),
@@ -289,6 +290,7 @@ WRONG = [
     ("surface[1].springs.pairs", [[0, 0]], "must be two different asperites, got [0, 0]", "[0]"),
     ("surface[1].springs.pairs", [[0, 2]], "must be indices from 0 to 1, got (0, 2)", "[0]"),
     ("surface[1].springs.pairs", 5, "must be"),
+    ("surface[1].springs.pairs", [[0, 1], [1, 0]], "must be a pair not listed before, got", "[1]"),
     ("surface[2].heights.rms", -0.1, "must not be negative [length], got -0.1"),
     ("surface[2].heights.hurst", 1.5, "must be between 0 and 1, both excluded, got 1.5"),
     (
@@ -646,6 +648,10 @@ STARTS = [
     (
         {"upper.phi": 0.1},
         "upper.phi: cannot be changed where bars are clamped; prepare another scene",
+    ),
+    (
+        {"upper.theta": 0.1, "upper.swing": 0.1},
+        "upper.swing: cannot go with upper.theta; give one or the other",
     ),
     ({5: 1.0}, "5: must name a surface"),
     (5, ""),

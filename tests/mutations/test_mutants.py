@@ -40,7 +40,7 @@ FILES = [
     if not path.stem.endswith(("__init__", "tableaux"))  # coefficients have tests of their own
 ]
 # Part of all mutants that the default set has; of each file it has at least one.
-SAMPLE = 0.02
+SAMPLE = 0.01
 
 
 def candidates(file):

@@ -94,7 +94,10 @@ def test_same_as_asperite_by_asperite(drives, monkeypatch):
 
 
 @pytest.mark.filterwarnings("ignore:the accuracy is not met:tribo.TriboWarning")
-@pytest.mark.parametrize("name", POTENTIALS)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(k, marks=[pytest.mark.slow] * (k == "one with functions")) for k in POTENTIALS],
+)
 def test_every_kind_of_potential(name, monkeypatch):
     """Formulas that Lanes cannot compute are computed one distance after another."""
     scene = pair(POTENTIALS[name], DRIVES[1])

@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import tribo
+from tribo.integrators.methods import METHODS
 from tribo.model.scene_file import scene_from
 from tribo.model.scene_writer import scene_text
 from tribo.potentials import (
@@ -37,6 +38,7 @@ from tribo.potentials import (
 from tribo.potentials.cutoff import AT_CUTOFF
 from tribo.potentials.derivative import FUNCTIONS
 from tribo.potentials.tables import as_table
+from tribo.run.notes import scene_notes
 from tribo.validation import InputError
 
 mpmath.mp.dps = 50
@@ -466,8 +468,8 @@ def pair(potential, duration=4.0, charge=1.0):
 
 
 def series(potential, charge=1.0):
-    """Every series of the upper surface, by the paper's method."""
-    result = tribo.simulate(pair(potential, charge=charge), method="midpoint", step=0.01)
+    """Every series of the upper surface."""
+    result = tribo.simulate(pair(potential, charge=charge), method="gauss-radau-15")
     assert result.status == "completed"
     return dict(result["upper"].items())
 
@@ -597,7 +599,7 @@ def test_a_result_keeps_its_potential(tmp_path):
         expression("s/r**n", s=0.1, n=1),
     )
     scene = pair(sum_of(*parts), duration=0.5)
-    result = tribo.simulate(scene, method="midpoint", step=0.05)
+    result = tribo.simulate(scene, accuracy=1e-3)
     result.save(tmp_path / "result.nc")
     loaded = tribo.load_result(tmp_path / "result.nc")
     assert loaded.scene.interactions[0].potential == scene.interactions[0].potential
@@ -680,13 +682,8 @@ def test_wrong_potentials_in_python(call, sentence):
     ("at_cutoff", "method", "note"),
     [
         ("truncate", "midpoint", "the energy of 'coulomb' jumps"),
-        pytest.param(
-            "shift",
-            "midpoint",
-            "'coulomb' has 0 continuous derivatives; midpoint needs 1",
-            marks=pytest.mark.slow,
-        ),
-        pytest.param("force-shift", "midpoint", None, marks=pytest.mark.slow),
+        ("shift", "midpoint", "'coulomb' has 0 continuous derivatives; midpoint needs 1"),
+        ("force-shift", "midpoint", None),
         ("force-shift", "kahan-li-6", "'coulomb' has 1 continuous derivatives; kahan-li-6 needs 2"),
         ("switch", "kahan-li-6", None),
     ],
@@ -694,5 +691,5 @@ def test_wrong_potentials_in_python(call, sentence):
 def test_notes_on_smoothness(at_cutoff, method, note):
     """A note names a potential that is not smooth enough for the method, and no other."""
     scene = pair(with_cutoff(Coulomb(0.2), 1.8, at_cutoff), duration=0.2)
-    notes = tribo.simulate(scene, method=method, step=0.05).notes
+    notes = scene_notes(scene, METHODS[method])
     assert (not notes) if note is None else notes[0].startswith(note)

@@ -69,7 +69,7 @@ class Recorder(NamedTuple):
 
 def arguments_of_a_drive() -> str:
     """A drive is told of place and velocity of the bar in the laboratory, and of f1."""
-    from tribo.kernels.equations_of_motion import custom_drives, place_bobs
+    from tribo.kernels.equations_of_motion import custom_drive, place_bobs
     from tribo.model.drives import Custom
     from tribo.model.scene_file import scene_from
     from tribo.run.layout import lay_out
@@ -83,7 +83,8 @@ def arguments_of_a_drive() -> str:
     bobs = layout.model.bobs
     bobs.fx, bobs.fy = 1.0 + np.arange(bobs.size), -2.0 - np.arange(bobs.size)
     CALLS.clear()
-    custom_drives(layout.model, layout.model.drives, t, q, v)
+    for i in range(bobs.size):
+        custom_drive(layout.model, layout.model.drives, i, t, q, v)
     model = reference.Model(table)
     motion = model.motion(t, model.start())
     expected = [np.full(bobs.size, t), *motion.r2, *motion.v2, bobs.fx, bobs.fy]

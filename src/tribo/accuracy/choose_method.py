@@ -127,14 +127,14 @@ def choose(
     scene = layout.scene
     if accuracy is not None and step is not None:
         raise InputError("accuracy", "cannot go with a step; give one or the other")
+    if method is None and methods.noisy(scene):
+        method = "verlet"
+    elif method is None and step is not None:
+        method = "midpoint"
     if method is not None:
-        refusal = methods.refusal(methods.named(method), scene)
-        if refusal is not None:
-            raise InputError("method", refusal)
+        methods.check(methods.named(method), scene)
     if methods.noisy(scene):
         return _noisy(layout, accuracy, step)
-    if method is None and step is not None:
-        method = "midpoint"
     wanted = check_accuracy(DEFAULT_ACCURACY if accuracy is None else accuracy)
     if method is None:
         chosen, why = cheapest(layout, strictest(wanted))

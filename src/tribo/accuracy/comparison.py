@@ -8,12 +8,12 @@ from typing import Protocol
 import numpy as np
 
 from tribo.accuracy.estimate import distance, estimate, rounding
+from tribo.accuracy.roundoff import rounding_of_terms
 from tribo.accuracy.scales import EPSILON, KINDS, Scales, kind_of, reported_scales
 from tribo.kernels.status import Status
 from tribo.run.integrate import Integration, Setting
 from tribo.run.layout import Layout
 from tribo.run.ledger import Ledger, assemble
-from tribo.validation import InputError
 
 # Change of every initial theta that measures the amplification [radian]: small enough to
 # grow linearly, large against round-off.
@@ -72,21 +72,14 @@ def error_bounds(
         by quantity, in its own unit
     scales : Scales
         which errors are relative to
-
-    Raises
-    ------
-    InputError
-        if the scene does not report a quantity in `names`
     """
     names = tuple(names)
     own = assemble(layout, fine.samples)
-    for name in names:
-        if not own.series(name):
-            raise InputError(f"accuracy.{name}", "is not a quantity that this scene reports")
     compared = (_at_shared_times(layout, own, fine, coarse) for coarse in coarser)
     scales = reported_scales(layout, own)
     rough, rounded = np.isfinite(layout.scene.smoothness), rounding(amplification, fine.steps)
-    bounds = estimate(own, compared, scales, bool(rough), rounded, names)
+    terms = rounding_of_terms(layout, fine.samples, fine.steps)
+    bounds = estimate(own, compared, scales, bool(rough), rounded, terms, names)
     if any(run.status != Status.COMPLETED for run in coarser):
         bounds = dict.fromkeys(bounds, np.inf)
     return bounds, scales

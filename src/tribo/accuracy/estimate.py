@@ -14,7 +14,8 @@ import numpy as np
 
 from tribo.accuracy.scales import EPSILON, KINDS, Scales, kind_of, largest
 from tribo.run.layout import Layout
-from tribo.run.ledger import Ledger
+from tribo.run.ledger import Ledger, assemble
+from tribo.run.samples import Samples
 from tribo.validation import InputError
 
 # An estimate is this times the largest difference from the coarser runs.
@@ -32,10 +33,11 @@ WALK = 1.0
 
 
 def check_observables(layout: Layout, names: Iterable[str], field: str = "accuracy") -> None:
-    """Refuse names of quantities that are not reported.  Raises InputError."""
+    """Refuse names of quantities that the scene does not report.  Raises InputError."""
+    sample = Samples.at_zero(layout.core, layout.accounts, len(layout.parts))
+    reported = assemble(layout, sample)
     for name in names:
-        surface, _, quantity = name.rpartition(".")
-        if quantity not in KINDS or (surface and surface not in layout.parts):
+        if not reported.series(str(name)):
             raise InputError(
                 f"{field}.{name}",
                 'is not a reported quantity; give one, as "w1", or one of a surface, as '
@@ -77,6 +79,7 @@ def estimate(
     scales: Scales,
     rough: bool,
     rounded: float,
+    own: Mapping[str, float],
     names: Iterable[str],
 ) -> dict[str, float]:
     """A bound on the error of each reported quantity, over asperites and recorded times.
@@ -92,7 +95,11 @@ def estimate(
     rough
         whether a derivative of a potential jumps
     rounded
-        the effect of rounding, in units of the scales; it may be the same in all runs
+        the effect of rounding on the motion, in units of the scales; it may be the same in all
+        runs
+    own
+        the rounding of the terms of each quantity, in its own unit: see
+        :func:`tribo.accuracy.roundoff.rounding_of_terms`
     names
         of further quantities, as "upper.W"
 
@@ -111,15 +118,28 @@ def estimate(
                 gaps = [times * largest(one - other) for one, other in pairs]
             apart[name] = float(np.max([apart[name], *gaps]))
     relative = (
-        gap / scales.of(kind_of(name)) for name, gap in apart.items() if scales.of(kind_of(name))
+        _beyond(gap, times * _of(own, name)) / scales.of(kind_of(name))
+        for name, gap in apart.items()
+        if scales.of(kind_of(name)) > 0.0
     )
-    pooled = POOLED * max((x for x in relative if np.isfinite(x)), default=0.0)
+    pooled = POOLED * max(relative, default=0.0)
     bounds = {}
     for name, gap in apart.items():
         bounds[name] = gap + 4.0 * EPSILON * max(map(largest, ledger.series(name)))
+        bounds[name] += _of(own, name)
         if gap > 0.0:
             bounds[name] += (pooled + rounded) * scales.of(kind_of(name))
     return bounds
+
+
+def _of(own: Mapping[str, float], name: str) -> float:
+    """The entry of a quantity, "w1" or "upper.w1"; 0 where there is none."""
+    return own.get(name.rpartition(".")[2], 0.0)
+
+
+def _beyond(gap: float, rounded: float) -> float:
+    """The part of a difference that is no rounding; 0 if unknown."""
+    return max(gap - rounded, 0.0) if np.isfinite(gap) else 0.0
 
 
 def excess_of_request(

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from tribo.accuracy.choose_method import Choice
 from tribo.accuracy.comparison import Accuracy
-from tribo.accuracy.estimate import check_observables
 from tribo.accuracy.scales import first_step
 from tribo.accuracy.search import FoundSettings, cheapest_setting, find_settings
 from tribo.accuracy.stop_times import PARTS, StopTimes
 from tribo.integrators import methods
 from tribo.run.integrate import Progress, Setting
+from tribo.run.journal import Journal
 from tribo.run.layout import Layout
 from tribo.run.loop_selection import Integrator
+from tribo.run.state import Origin
 from tribo.run.streamed_ledger import exceeds_memory
 from tribo.validation import InputError
 
@@ -65,10 +65,14 @@ class Plan:
 
 
 def integrator_for(
-    layout: Layout, method: methods.Method, progress: Progress | None = None
+    layout: Layout,
+    method: methods.Method,
+    progress: Progress | None = None,
+    origin: Origin | None = None,
+    journal: Journal | None = None,
 ) -> Integrator:
     """A compiled loop with the usual first step.  Raises InputError."""
-    return Integrator(layout, method, first_step(layout), progress)
+    return Integrator(layout, method, first_step(layout), progress, origin, journal)
 
 
 def make_plan(choice: Choice, integrator: Integrator) -> Plan:
@@ -91,12 +95,10 @@ def make_plan(choice: Choice, integrator: Integrator) -> Plan:
         The accuracy is out of reach, or names quantities that the scene does not report.
     """
     layout, accuracy = integrator.layout, choice.accuracy
-    name, times = choice.method.name, layout.scene.times
+    name, times = choice.method.name, layout.times
     if accuracy is None:
         assert choice.step is not None
         return Plan(name, choice.why, choice.step, times)
-    if isinstance(accuracy, Mapping):
-        check_observables(layout, accuracy)
     stops = StopTimes.for_samples(times)
     _check_memory(layout, stops)
     tuned = find_settings(layout, choice.method, accuracy, stops, integrator)
@@ -117,7 +119,7 @@ def single_setting(plan: Plan, integrator: Integrator) -> Setting | None:
         integrator.method,
         plan.tuned,
         plan.accuracy,
-        lambda setting: integrator(setting, layout.scene.times),
+        lambda setting: integrator(setting, layout.times),
     )
 
 
@@ -133,6 +135,6 @@ def _check_memory(layout: Layout, stops: StopTimes) -> None:
         )
     raise InputError(
         "output.samples",
-        f"{layout.scene.times.size} samples of {asperites} are too many to compare runs; give "
+        f"{layout.times.size} samples of {asperites} are too many to compare runs; give "
         "fewer samples, or a method and a step",
     )

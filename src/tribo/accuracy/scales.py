@@ -36,7 +36,8 @@ class Scales:
         the largest speed of a bob relative to the mean of the surfaces' initial
         velocities [length / time]
     energy
-        the largest work, pseudowork, delta_e_int or delta_k_trans [energy]
+        the largest work, pseudowork, delta_e_int or delta_k_trans [energy]; where all works are
+        zero, so that the others are round-off, the largest internal energy
     angle
         1 radian
     """
@@ -59,13 +60,26 @@ def reported_scales(layout: Layout, ledger: Ledger) -> Scales:
         return max(largest(series) for name in names for series in ledger.series(name))
 
     asperite = ASPERITE_QUANTITIES | OPTIONAL_QUANTITIES
-    works = [name for name in asperite if KINDS[name] == "energy" and ledger.series(name)]
+    energies = [name for name in asperite if KINDS[name] == "energy" and ledger.series(name)]
+    works = [name for name in energies if name.startswith("w")]
     return Scales(
         rate=top("omega", "nu"),
         length=_longest_rod(layout),
         velocity=_fastest_bob(layout, ledger),
-        energy=top(*works),
+        energy=top(*energies) if top(*works) > 0.0 else _internal_energy(layout, ledger),
     )
+
+
+def _internal_energy(layout: Layout, ledger: Ledger) -> float:
+    """The largest internal energy of an asperite."""
+    highest = 0.0
+    for surface in layout.scene.surfaces:
+        table = ledger.surfaces[surface.name]
+        a = layout.model.asperites[layout.parts[surface.name]]
+        twist = table["theta"] - surface.rest - table["phi"]
+        energy = internal_energy(a, table["omega"], table["nu"], twist)
+        highest = max(highest, largest(energy))
+    return highest
 
 
 def _longest_rod(layout: Layout) -> float:
@@ -115,8 +129,7 @@ class ToleranceScales:
 def first_guess(layout: Layout) -> ToleranceScales:
     """Scales for a first, coarse run, from the start of the scene."""
     a = layout.model.asperites
-    mean = np.mean(layout.velocity - layout.velocity[0], axis=0)
-    relative = layout.velocity - layout.velocity[0] - mean
+    relative = _relative_velocity(layout)
     frequency = np.sqrt(a.kappa / a.inertia)
     omega = np.max(np.abs(layout.start[layout.coordinates :][: a.size]))
     velocity = float(np.max(np.hypot(relative[:, 0], relative[:, 1])) + np.max(a.l1) * omega)
@@ -126,21 +139,36 @@ def first_guess(layout: Layout) -> ToleranceScales:
     return ToleranceScales(velocity, energy, energy / velocity, rate, 1.0)
 
 
+def _relative_velocity(layout: Layout) -> np.ndarray:
+    """Initial velocity of each asperite relative to the mean of the surfaces' (asperites, 2)."""
+    own = layout.velocity - layout.velocity[0]  # exact where all surfaces move fast
+    mean = np.mean([own[part.start] for part in layout.parts.values()], axis=0)
+    return np.asarray(own - mean)
+
+
 def tolerance_scales(layout: Layout, samples: Samples) -> ToleranceScales:
-    """Scales measured in a run; `first_guess` replaces those that are zero."""
+    """Scales measured in a run; `first_guess` replaces those that are zero.
+
+    The works are those in the frame of the surfaces' mean velocity.
+    """
     guess = first_guess(layout)
-    change = rate = twist = 0.0
+    change = rate = twist = highest = 0.0
     for index in range(len(layout.scene.surfaces)):
         for batch, motion in motions(layout, samples, index):
-            internal = internal_energy(batch, motion)
+            torsion = motion.swing - motion.phi
+            internal = internal_energy(batch.asperites, motion.omega, motion.nu, torsion)
+            highest = max(highest, largest(internal))
             change = max(change, largest(internal - internal[0]))
             rate = max(rate, largest(motion.omega), largest(motion.nu))
-            twist = max(twist, largest(motion.swing - motion.phi))
+            twist = max(twist, largest(torsion))
     weights = _account_weights(layout)
     top = np.max(np.abs(samples.s), axis=0, initial=0.0)
+    work = max(float(np.max(top * weights)), _work_of_impulses(layout, samples.s))
+    # Where nothing does work, the change of an energy is round-off.
+    energy = max(work, change) if work > 0.0 else highest
     return ToleranceScales(
         velocity=guess.velocity,
-        energy=max(float(np.max(top * weights)), change) or guess.energy,
+        energy=energy or guess.energy,
         impulse=float(np.max(top[weights == 0.0])) or guess.impulse,
         rate=rate or guess.rate,
         twist=twist or guess.twist,
@@ -152,29 +180,44 @@ def largest(values: np.ndarray) -> float:
     return float(np.max(np.abs(values), initial=0.0))
 
 
+# Places of the impulses (x, y, ...) in each group of accounts.
+IMPULSES = {
+    "acc_contact": (0, 1),
+    "acc_drive": (0, 1),
+    "acc_ends": (2, 3),
+    "acc_user_ends": (2, 3, 4, 5),
+    "acc_internal": (0, 1),
+    "acc_field": (0, 1),
+    "acc_thermal": (0, 1),
+}
+# Places of integrals that have no factor of the arm's length yet.
+WITHOUT_ARM = {"acc_contact": (2, 3), "acc_drive": (2,)}
+
+
 def _account_weights(layout: Layout) -> np.ndarray:
     """The factor that makes a work of each account; 0 for impulses. Shape (accounts,)."""
     weights = np.ones(layout.accounts)
     a = layout.model.asperites
     length = a.l1 + a.l2
-    impulses = {
-        "acc_contact": (0, 1),
-        "acc_drive": (0, 1),
-        "acc_ends": (2, 3),
-        "acc_user_ends": (2, 3, 4, 5),
-        "acc_internal": (0, 1),
-        "acc_field": (0, 1),
-        "acc_thermal": (0, 1),
-    }
-    # These integrals have no factor of the arm's length yet.
-    arms = {"acc_contact": (2, 3), "acc_drive": (2,)}
-    for name, offsets in impulses.items():
+    for name, offsets in IMPULSES.items():
         present = a[name] >= 0
         for k in offsets:
             weights[a[name][present] + k] = 0.0
-        for k in arms.get(name, ()):
+        for k in WITHOUT_ARM.get(name, ()):
             weights[a[name][present] + k] = length[present]
     return weights
+
+
+def _work_of_impulses(layout: Layout, s: np.ndarray) -> float:
+    """The largest V . J of an impulse J, where V is relative to the surfaces' mean velocity."""
+    a, velocity = layout.model.asperites, _relative_velocity(layout)
+    highest = 0.0
+    for name, offsets in IMPULSES.items():
+        present = a[name] >= 0
+        first, (vx, vy) = a[name][present], velocity[present].T
+        for k in offsets[::2]:
+            highest = max(highest, largest(vx * s[:, first + k] + vy * s[:, first + k + 1]))
+    return highest
 
 
 def tolerances(layout: Layout, scales: ToleranceScales, level: float, near: float) -> Tolerance:
@@ -202,8 +245,9 @@ def tolerances(layout: Layout, scales: ToleranceScales, level: float, near: floa
     q = np.full(layout.coordinates, level * _longest_rod(layout))
     v = np.full(layout.coordinates, speed)
     swing = slice(0, a.size)
-    q[swing] = np.minimum(level, energy / _positive(a.kappa * scales.twist))
-    v[swing] = np.minimum(level * scales.rate, energy / _positive(a.inertia * scales.rate))
+    with np.errstate(over="ignore"):  # infinite where a torsion or a rate is tiny
+        q[swing] = np.minimum(level, energy / _positive(a.kappa * scales.twist))
+        v[swing] = np.minimum(level * scales.rate, energy / _positive(a.inertia * scales.rate))
     turning = a.dof_phi >= 0
     q[a.dof_phi[turning]] = q[swing][turning]
     v[a.dof_phi[turning]] = np.minimum(level * scales.rate, energy / (a.i2[turning] * scales.rate))
@@ -211,7 +255,9 @@ def tolerances(layout: Layout, scales: ToleranceScales, level: float, near: floa
         live = slots >= 0
         v[slots[live]] = np.minimum(speed, energy / (a.mass[live] * scales.velocity))
     weights = _account_weights(layout)
+    # An impulse whose work is a small difference has no digits beyond its own round-off.
     impulse = level * min(scales.impulse, scales.energy / scales.velocity)
+    impulse = max(impulse, FLOOR * scales.impulse)
     s = np.where(weights > 0.0, energy / np.where(weights > 0.0, weights, 1.0), impulse)
     return Tolerance(np.concatenate([q, v]), s, level, near)
 

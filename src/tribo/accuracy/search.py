@@ -42,6 +42,9 @@ from tribo.validation import InputError
 
 # Level of the tolerances of the pilot run: three digits are enough for scales.
 PILOT_LEVEL = 1e-3
+# Most pilot runs.  Each finds smaller scales until they are those of the motion; where these are
+# tiny, 1e-60 of the first guess, four are enough.
+PILOTS = 8
 # Level of the fine run relative to the coarse ones.  Their difference exceeds the error of the
 # fine run by about the inverse of this.
 FINE_LEVEL = 0.3
@@ -157,7 +160,7 @@ def find_settings(
         if the accuracy is out of reach and its runs would be long
     """
     names = observables(accuracy)
-    level = method.first_level * strictest(accuracy)
+    level = min(method.first_level * strictest(accuracy), 1.0)
     runs = _run_pilot(layout, method, accuracy, level, stops, attempt)
     before, amplification, stalls, excess = np.inf, None, 0, np.inf
     for _ in range(ROUNDS):
@@ -202,8 +205,7 @@ def _run_pilot(
     """
     if not method.adaptive:
         return []
-    setting = setting_at(layout, method, first_guess(layout), PILOT_LEVEL)
-    pilot = attempt(setting, stops.few)
+    setting, pilot = _resolved(layout, method, stops.few, attempt)
     longer = (PILOT_LEVEL / (FINE_LEVEL * level)) ** (1.0 / method.order)
     if pilot.status != Status.COMPLETED or longer * _work(layout, pilot) < LONG_RUN:
         return [pilot]
@@ -216,6 +218,26 @@ def _run_pilot(
             "averages over many starts",
         )
     return [pilot]
+
+
+def _resolved(
+    layout: Layout, method: Method, times: np.ndarray, attempt: Attempt
+) -> tuple[Setting, Integration]:
+    """A run whose tolerances resolve the energies and rates that it finds, and its setting.
+
+    Those below the tolerances of a run are its errors, such as oscillations of a stiff pendulum
+    that feels no force yet; the next run has tolerances relative to them.
+    """
+    scales = first_guess(layout)
+    for _ in range(PILOTS):
+        setting = setting_at(layout, method, scales, PILOT_LEVEL)
+        run = attempt(setting, times)
+        found = tolerance_scales(layout, run.samples)
+        resolved = min(found.energy / scales.energy, found.rate / scales.rate) >= PILOT_LEVEL
+        if run.status != Status.COMPLETED or resolved:
+            break
+        scales = found
+    return setting, run
 
 
 def _run_round(

@@ -9,6 +9,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from tribo import interrupts
 from tribo.accuracy.plan import Plan
 from tribo.accuracy.scales import reported_scales
 from tribo.ensembles.members import Member, Variation
@@ -171,6 +172,7 @@ class Runner:
                 if self._progress is not None:
                     self._progress(len(self.members))
         except KeyboardInterrupt:
+            interrupts.answer()
             self.interrupted = True
             if self.completed < 2:
                 raise
@@ -192,6 +194,7 @@ class Runner:
         try:
             again = list(self._run(first, plan if estimate else plan.at_half_step(), estimate))
         except KeyboardInterrupt:
+            interrupts.answer()
             return SettingsCheck()
         if any(o.status == Status.INTERRUPTED for o in again):
             return SettingsCheck()

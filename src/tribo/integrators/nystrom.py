@@ -20,7 +20,7 @@ from tribo.integrators.step_control import evaluate_rates, growth_factor
 from tribo.kernels.compiled import expanded, kernel, owning_kernel
 from tribo.kernels.equations_of_motion import equations_of_motion
 from tribo.kernels.powers import all_powers
-from tribo.kernels.records import BAR, BOB
+from tribo.kernels.records import BAR, BOB, PUSH
 from tribo.kernels.samples import copy, copy_state
 
 
@@ -32,6 +32,7 @@ class Stages(NamedTuple):
     powers: np.ndarray  # (stages + 1, accounts)
     bobs: np.ndarray  # (stages, asperites) of BOB; row 0 is that of the end
     bars: np.ndarray  # (stages, asperites) of BAR; row 0 is that of the end
+    inner: np.ndarray  # (stages, asperites) of PUSH, or (stages, 0) without contact within
     v: np.ndarray  # (coordinates,) at the present stage
 
 
@@ -53,7 +54,7 @@ class Nystrom(NamedTuple):
 
     def workspace(self, model, state):
         """The arrays that a step needs."""
-        return empty_stages(self.c.size, model.bobs.size, state)
+        return empty_stages(self.c.size, model, state)
 
     def trial(self, model, neighbours, clock, h, end, state, new, tolerance, work):
         """Try a step; see :mod:`tribo.integrators.time_loops`."""
@@ -68,17 +69,35 @@ class Nystrom(NamedTuple):
 
 
 @owning_kernel
-def empty_stages(count, asperites, state):
+def empty_stages(count, model, state):
     """Room for that many stages."""
     n = state.acceleration.size
+    asperites = model.bobs.size
     return Stages(
         np.empty((count, n)),
         np.empty((count + 1, n)),
         np.zeros((count + 1, state.s.size)),
         np.empty((count, asperites), BOB),
         np.empty((count, asperites), BAR),
+        np.empty((count, 0 if model.inner is None else asperites), PUSH),
         np.empty(n),
     )
+
+
+@kernel
+def store_within(inner, stored):
+    """Store the forces within surfaces, if there are any."""
+    if inner is not None:
+        for m in range(inner.size):
+            stored[m] = inner[m]
+
+
+@kernel
+def restore_within(inner, stored):
+    """Put stored forces within surfaces in place, if there are any."""
+    if inner is not None:
+        for m in range(inner.size):
+            inner[m] = stored[m]
 
 
 @kernel
@@ -87,6 +106,7 @@ def store_forces(model, work, i):
     for m in range(model.bobs.size):
         work.bobs[i, m] = model.bobs[m]
         work.bars[i, m] = model.bars[m]
+    store_within(model.inner, work.inner[i])
 
 
 @kernel
@@ -95,6 +115,7 @@ def restore_forces(model, work, i):
     for m in range(model.bobs.size):
         model.bobs[m] = work.bobs[i, m]
         model.bars[m] = work.bars[i, m]
+    restore_within(model.inner, work.inner[i])
 
 
 @expanded

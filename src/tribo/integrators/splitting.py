@@ -33,6 +33,7 @@ from tribo.integrators.step_control import (
 from tribo.kernels.compiled import kernel
 from tribo.kernels.equations_of_motion import (
     accelerate,
+    custom_forces,
     displacement,
     drive_bar,
     forces,
@@ -40,12 +41,15 @@ from tribo.kernels.equations_of_motion import (
     place_bob,
     update_neighbours,
 )
+from tribo.kernels.kinematics import end_force, rotational_power
+from tribo.kernels.langevin import clear_friction
 from tribo.kernels.neighbours import crowded, refresh
 from tribo.kernels.powers import (
     CONTACT,
     DRIVE,
     POINT,
     SLIDE,
+    USER_ENDS,
     block_powers,
     field_powers,
     powers_of,
@@ -62,6 +66,10 @@ from tribo.kernels.status import (
 _ROOT = math.sqrt(0.6)
 NODES = np.array([0.5 - 0.5 * _ROOT, 0.5, 0.5 + 0.5 * _ROOT])
 WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18.0
+# Iterations for velocities in the middle of a kick, on which forces of plug-ins may depend.  A
+# force that rotates a velocity by z in a kick should not change its square: with one or two
+# iterations it does so by z^4 / 4, with three by z^6 / 16.
+ITERATIONS = 3
 
 
 class Splitting(NamedTuple):
@@ -114,9 +122,8 @@ def add_end_works(a, twist, rate, new, new_rate, vx, vy, s):
     k = a.acc_ends
     with_bar = arc_work(new) - arc_work(twist)
     with_bar *= -a.l2 * a.kappa / a.bar_length * a.facing
-    impulse = a.inertia * (rate - new_rate) / a.bar_length
-    end_x = -impulse * math.sin(a.phi)
-    end_y = impulse * math.cos(a.phi)
+    impulse = a.inertia * (rate - new_rate)
+    end_x, end_y = end_force(impulse, a.bar_length, math.sin(a.phi), math.cos(a.phi))
     s[k] += with_bar
     s[k + 1] -= with_bar
     s[k + 2] += end_x
@@ -128,14 +135,15 @@ def add_end_works(a, twist, rate, new, new_rate, vx, vy, s):
 def add_rotating_end_works(a, twist, rate, frequency, t, tau, vx, vy, s):
     """Add them where the bar itself rotates uniformly, by Gauss-Legendre quadrature."""
     k = a.acc_ends
-    pull = a.kappa / a.bar_length
     for m in range(NODES.size):
         weight = WEIGHTS[m] * tau
         now, now_rate = rotated(twist, rate, frequency, NODES[m] * tau)
         phi = a.phi + a.nu * (t + NODES[m] * tau)
-        end_x = -pull * now * math.sin(phi)
-        end_y = pull * now * math.cos(phi)
-        with_bar = -a.l2 * (now_rate + a.nu) * pull * now * a.facing * math.sin(now)
+        end_x, end_y = end_force(a.kappa * now, a.bar_length, math.sin(phi), math.cos(phi))
+        swing = now + phi
+        tx = a.facing * math.cos(swing)
+        ty = a.facing * math.sin(swing)
+        with_bar = rotational_power(-a.l2, now_rate + a.nu, tx, ty, end_x, end_y)
         s[k] += weight * with_bar
         s[k + 1] -= weight * with_bar
         s[k + 2] += weight * end_x
@@ -197,11 +205,36 @@ def drift(model, now, tau, q, v, s):
 
 
 @kernel
-def apply_kick(slot, tau, acceleration, v, middle):
-    """The velocity in a slot, if there is one, after the kick and in the middle of it."""
+def set_middle(slot, tau, acceleration, v, middle):
+    """Set the velocity in a slot, if there is one, in the middle of a kick."""
     if slot >= 0:
         middle[slot] = v[slot] + 0.5 * tau * acceleration[slot]
+
+
+@kernel
+def apply_kick(slot, tau, acceleration, v, middle):
+    """Set the velocity in a slot, if there is one, after a kick and in the middle of it."""
+    if slot >= 0:
+        set_middle(slot, tau, acceleration, v, middle)
         v[slot] += tau * acceleration[slot]
+
+
+@kernel
+def settle_custom_forces(model, drives, ends, i, t, tau, q, v, acceleration, middle):
+    """Set the forces of plug-ins on bar i for its velocities in the middle of a kick.
+
+    These are found by iteration from the velocities before the kick.
+    """
+    if drives is not None or ends is not None:
+        a = model.asperites[i]
+        custom_forces(model, i, t, q, v)
+        for _ in range(ITERATIONS):
+            accelerate(model, i, 0.0, t, q, acceleration)
+            set_middle(i, tau, acceleration, v, middle)
+            set_middle(a.dof_phi, tau, acceleration, v, middle)
+            set_middle(a.dof_x, tau, acceleration, v, middle)
+            set_middle(a.dof_y, tau, acceleration, v, middle)
+            custom_forces(model, i, t, q, middle)
 
 
 @kernel
@@ -223,6 +256,8 @@ def kick(model, t, tau, q, v, s, acceleration, middle, power, core, common):
     for i in range(model.asperites.shape[0]):
         a = model.asperites[i]
         drive_bar(model, i, t, q)
+        drives, ends = model.drives, model.ends
+        settle_custom_forces(model, drives, ends, i, t, tau, q, v, acceleration, middle)
         accelerate(model, i, 0.0, t, q, acceleration)
         apply_kick(i, tau, acceleration, v, middle)
         apply_kick(a.dof_phi, tau, acceleration, v, middle)
@@ -234,10 +269,11 @@ def kick(model, t, tau, q, v, s, acceleration, middle, power, core, common):
         accumulate(a.acc_drive, DRIVE, tau, power, s)
         accumulate(a.acc_internal, POINT, tau, power, s)
         accumulate(a.acc_field, POINT, tau, power, s)
+        accumulate(a.acc_user_ends, USER_ENDS, tau, power, s)
     for m in range(core, v.size):
         middle[m] = v[m]
     field_powers(model, model.fields, t, power)
-    block_powers(model, t, q, middle, power)
+    block_powers(model, middle, power)
     accumulate(s.size - common, common, tau, power, s)
 
 
@@ -263,6 +299,7 @@ def splitting_steps(
     torsional_rotations = empty_rotations(model.torsional)
     common = shared_accounts(model, model.fields)
     split = model.bath is not None or model.torsional is not None or model.langevin is not None
+    clear_friction(model.bars)
     if clock.evaluations == 0:
         if not update_neighbours(model, neighbours, clock.t, q):
             return PAUSED

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo.kernels.compiled import expanded, kernel
-from tribo.kernels.contact import encounter_rate, widest_rate
+from tribo.kernels.contact import next_encounter, widest_rate
 from tribo.kernels.equations_of_motion import equations_of_motion, place_bobs, top_speeds
 from tribo.kernels.neighbours import crowded, is_empty, refresh
 from tribo.kernels.powers import all_powers
@@ -51,7 +51,8 @@ def current_encounter(model, neighbours, t, y, speeds):
     """The encounter rate [1 / time] and the smallest distance of two bobs, for bobs in place."""
     n = y.size // 2
     top_speeds(model, t, y[:n], y[n:], speeds)
-    return encounter_rate(model, neighbours, speeds)
+    found = next_encounter(model, neighbours, speeds)
+    return found.rate, found.closest
 
 
 @kernel
@@ -61,18 +62,22 @@ def update_interval(model):
 
 
 @kernel
-def encounter_bound(model, neighbours, t, y, speeds, h):
+def encounter_bound(model, neighbours, clock, y, speeds, h):
     """An upper bound on the encounter rate, pair by pair only where it matters for a step h.
 
     If the fastest bobs cannot cross a potential's length in a quarter of the step, no pair matters.
     """
     n = y.size // 2
-    top_speeds(model, t, y[:n], y[n:], speeds)
+    top_speeds(model, clock.t, y[:n], y[n:], speeds)
     bound = widest_rate(model, speeds)
     if h * bound <= ENCOUNTER_UPDATE:
         return bound
-    rate, _ = encounter_rate(model, neighbours, speeds)
-    return rate
+    found = next_encounter(model, neighbours, speeds)
+    if h * found.ignored > 1.0:
+        clock.passages += 1
+        clock.passing = found.one
+        clock.passed = found.other
+    return found.rate
 
 
 @kernel
@@ -158,7 +163,7 @@ def update_encounter(model, neighbours, clock, y, speeds, h):
     if clock.steps % update_interval(model) != 0 and not near:
         return False
     clock.encounter_age = 0.0
-    clock.encounter_rate = encounter_bound(model, neighbours, clock.t, y, speeds, h)
+    clock.encounter_rate = encounter_bound(model, neighbours, clock, y, speeds, h)
     return True
 
 

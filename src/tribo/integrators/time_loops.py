@@ -37,7 +37,7 @@ from tribo.integrators.step_control import (
     update_encounter,
 )
 from tribo.kernels.neighbours import crowded
-from tribo.kernels.pipeline import LINKED
+from tribo.kernels.numba_passes import LINKED
 from tribo.kernels.plugin_methods import method_of_named_tuples
 from tribo.kernels.samples import copy_state, empty_state
 from tribo.kernels.status import COMPLETED, NOT_FINITE, PAUSED

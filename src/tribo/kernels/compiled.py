@@ -20,7 +20,7 @@ import numpy as np
 from numba import config, njit
 
 from tribo.kernels import plugin_methods  # noqa: F401 (kernels call methods of plug-ins)
-from tribo.kernels.pipeline import LINKED
+from tribo.kernels.numba_passes import LINKED
 
 # Division by zero gives inf or nan, as in numpy; the time loops turn both into a named status.
 _options: dict[str, Any] = {"error_model": "numpy"}
@@ -92,6 +92,14 @@ def cached_files(loop: FunctionType) -> list[Path]:
     """
     folder = Path(_named(loop, package_stamp()).stats.cache_path)
     return sorted(path for path in folder.glob("*.nb?") if FILE_NAME.fullmatch(path.name))
+
+
+def is_compiled(loop: Any) -> bool:
+    """Whether a loop made by :func:`time_loop` has been compiled, in this process or on disk."""
+    if config.DISABLE_JIT or loop.overloads:  # type: ignore[attr-defined]
+        return True
+    folder = loop.stats.cache_path
+    return folder is not None and any(Path(folder).glob(f"*.{loop.__name__}-*.nbi"))
 
 
 def remove_stale(loop: FunctionType) -> None:

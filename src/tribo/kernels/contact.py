@@ -4,6 +4,7 @@ The latter are internal forces of the surface.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import literal_unroll
@@ -14,6 +15,11 @@ from tribo.kernels.python_callback import call_at
 
 # Square of a distance below which the squares of its components lose digits to underflow.
 SQUARE_IS_SAFE = 1e-280
+# With noise, an encounter can matter if at some distance up to the present one, of this many that
+# are evenly spaced, the potential energy exceeds this fraction of k_B T.  The first is a sixteenth:
+# one in sixteen pairs that pass each other comes closer.
+PROBES = 16
+NEGLIGIBLE = 0.01
 
 
 @kernel
@@ -186,12 +192,43 @@ def contact_energy(model, neighbours):
     return energy
 
 
+class Encounter(NamedTuple):
+    """The next encounters of bobs."""
+
+    rate: float  # largest (relative speed) / (distance to the next change of force) [1 / time]
+    closest: float  # smallest distance of a pair [length]
+    ignored: float  # largest rate of pairs whose potential cannot matter [1 / time]
+    one: int  # the bobs of the fastest of these
+    other: int
+
+
 @kernel
-def encounter_of_contact(model, contact, neighbours, speeds):
-    """Largest encounter rate, and smallest distance, in one interaction."""
+def thermal_energy(model):
+    """The largest k_B T of a surface with noise; 0 without noise."""
+    energy = 0.0
+    for k in range(model.surfaces.shape[0]):
+        if model.surfaces[k].gamma > 0.0:
+            energy = max(energy, model.surfaces[k].temperature)
+    return energy
+
+
+@kernel
+def can_matter(potential, r, charge, other_charge, thermal):
+    """Whether a pair at r can come to feel its potential, against the thermal energy."""
+    if thermal == 0.0:
+        return True
+    for k in range(PROBES):
+        energy = potential.energy_between((k + 1) / PROBES * r, charge, other_charge)
+        if not abs(energy) < NEGLIGIBLE * thermal:
+            return True
+    return False
+
+
+@kernel
+def encounter_of_contact(model, contact, neighbours, speeds, thermal, found):
+    """The encounters found before, or those of one interaction where they come sooner."""
     bobs = model.bobs
-    rate = 0.0
-    closest = np.inf
+    rate, closest, ignored, first, second = found
     potential = contact.potential
     for k in range(contact.pairs.shape[0]):
         one = model.surfaces[contact.pairs[k, 0]]
@@ -213,18 +250,24 @@ def encounter_of_contact(model, contact, neighbours, speeds):
                     + speeds[j, 2]
                 )
                 closest = min(closest, r)
-                rate = max(rate, speed / potential.clearance(r))
+                faster = speed / potential.clearance(r)
+                if faster > rate:
+                    if can_matter(potential, r, a.charge, b.charge, thermal):
+                        rate = faster
+                    elif faster > ignored:
+                        ignored, first, second = faster, i, j
         if neighbours is not None and contact.rows[k] >= 0:
             rate = max(rate, closing_speed(one, other, speeds) / neighbours.skin)
-    return rate, closest
+    return Encounter(rate, closest, ignored, first, second)
 
 
 @kernel
-def encounter_rate(model, neighbours, speeds):
-    """Largest of (relative speed) / (distance to the next change of force) over all pairs.
+def next_encounter(model, neighbours, speeds):
+    """The next encounters of all pairs.
 
     A potential's clearance(r) is the distance that a pair at r may move before its force changes.
-    Pairs that are not listed are farther apart than the cutoff by what is left of the skin.
+    Pairs that are not listed are farther apart than the cutoff by what is left of the skin.  With
+    thermal noise, pairs whose potential is far below k_B T are counted apart.
 
     Parameters
     ----------
@@ -237,29 +280,22 @@ def encounter_rate(model, neighbours, speeds):
 
     Returns
     -------
-    rate : float
-        [1 / time]
-    closest : float
-        Smallest distance of a pair [length].
+    Encounter
     """
-    rate = 0.0
-    closest = np.inf
+    found = Encounter(0.0, np.inf, 0.0, -1, -1)
+    thermal = thermal_energy(model)
     for contact in literal_unroll(model.contacts):
-        faster, closer = encounter_of_contact(model, contact, neighbours, speeds)
-        rate = max(rate, faster)
-        closest = min(closest, closer)
-    return encounter_within(model, model.within, neighbours, speeds, rate, closest)
+        found = encounter_of_contact(model, contact, neighbours, speeds, thermal, found)
+    return encounter_within(model, model.within, neighbours, speeds, thermal, found)
 
 
 @kernel
-def encounter_within(model, within, neighbours, speeds, rate, closest):
+def encounter_within(model, within, neighbours, speeds, thermal, found):
     """The same, with the contact within surfaces."""
     if within is not None:
         for contact in literal_unroll(within):
-            faster, closer = encounter_of_contact(model, contact, neighbours, speeds)
-            rate = max(rate, faster)
-            closest = min(closest, closer)
-    return rate, closest
+            found = encounter_of_contact(model, contact, neighbours, speeds, thermal, found)
+    return found
 
 
 @kernel
@@ -281,7 +317,7 @@ def widest_rate(model, speeds):
     for k in range(model.surfaces.shape[0]):
         for m in range(k if model.within is None else k + 1):
             fastest = max(fastest, closing_speed(model.surfaces[k], model.surfaces[m], speeds))
-    return fastest / shortest
+    return fastest / shortest if shortest > 0.0 else math.inf
 
 
 @kernel

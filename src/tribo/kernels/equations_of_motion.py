@@ -203,7 +203,7 @@ def drive_bar(model, i, t, q):
     elif s.drive == RIGID:
         d.gx = a.mass / s.mass * s.fx - b.fx
     elif s.drive == PULLED:
-        reach = s.speed * t - displacement(a.dof_x, q) + a.l2 * b.ty
+        reach = s.anchor + s.speed * t - displacement(a.dof_x, q) + a.l2 * b.ty
         d.gx = s.stiffness * reach
     else:
         d.gx = 0.0
@@ -219,26 +219,48 @@ def drive_forces(model, t, q):
 
 
 @kernel
-def custom_drives(model, drives, t, q, v):
+def custom_drive(model, drives, i, t, q, v):
     """Set f2 by a plug-in: a function of time, of the bar's motion, and of the contact force."""
     if drives is not None:
+        a = model.asperites[i]
         for drive in literal_unroll(drives):
-            s = model.surfaces[drive.surface]
-            for i in range(s.start, s.stop):
-                a = model.asperites[i]
+            if drive.surface == a.surface:
                 b = model.bobs[i]
+                s = model.surfaces[a.surface]
                 x, y = bar_position(b.x, b.y, a.l1 + a.l2, b.tx, b.ty)
                 x = x + drive.origin[0] + drive.velocity[0] * t
                 y = y + drive.origin[1] + drive.velocity[1] * t
-                vx = a.vx + displacement(a.dof_x, v)
-                vy = a.vy + displacement(a.dof_y, v)
-                vx, vy = bar_velocity(vx, vy, v[i], a.l2, b.tx, b.ty)
-                vx += drive.velocity[0]
-                vy += drive.velocity[1]
+                vx, vy = velocity_of_bar(a, b, i, v)
+                vx += a.vx + drive.velocity[0]
+                vy += a.vy + drive.velocity[1]
                 gx, gy = drive.plugin.force_on_bar(t, x, y, vx, vy, b.fx, b.fy)
                 d = model.bars[i]
                 d.gx = gx
                 d.gy = s.load if s.loaded else gy
+
+
+@kernel
+def custom_ends(model, ends, i, t, q, v):
+    """Set the forces of a plug-in on the ends of bar i: a function of time and of its rotation."""
+    if ends is not None:
+        a = model.asperites[i]
+        for end in literal_unroll(ends):
+            if end.surface == a.surface:
+                phi = bar_angle(a, t, q)
+                nu = displacement(a.dof_phi, v)
+                left_x, left_y, right_x, right_y = end.plugin.end_forces(t, phi, nu, q[i] - phi)
+                f = model.end_forces[i]
+                f.left_x = left_x
+                f.left_y = left_y
+                f.right_x = right_x
+                f.right_y = right_y
+
+
+@kernel
+def custom_forces(model, i, t, q, v):
+    """Set all forces of plug-ins on bar i, contact forces in place."""
+    custom_drive(model, model.drives, i, t, q, v)
+    custom_ends(model, model.ends, i, t, q, v)
 
 
 @kernel
@@ -264,33 +286,32 @@ def forces(model, neighbours, t, q):
 
 
 @kernel
-def user_end_forces(end, a, i, t, q, v):
-    """Forces of a plug-in on the ends of bar i: f_L and f_R, x and y of each."""
-    phi = bar_angle(a, t, q)
-    return end.plugin.end_forces(t, phi, displacement(a.dof_phi, v), q[i] - phi)
+def end_force_sum(end_forces, i):
+    """f_L + f_R of a plug-in on bar i."""
+    if end_forces is None:
+        return 0.0, 0.0
+    f = end_forces[i]
+    return f.left_x + f.right_x, f.left_y + f.right_y
 
 
 @kernel
-def add_user_ends(model, ends, t, q, v, acceleration):
-    """Add the forces of plug-ins on the ends of bars, f_L and f_R, to q''."""
-    if ends is not None:
-        for end in literal_unroll(ends):
-            s = model.surfaces[end.surface]
-            for i in range(s.start, s.stop):
-                a = model.asperites[i]
-                b = model.bobs[i]
-                phi = bar_angle(a, t, q)
-                left_x, left_y, right_x, right_y = user_end_forces(end, a, i, t, q, v)
-                fx = left_x + right_x
-                fy = left_y + right_y
-                half = 0.5 * a.bar_length
-                cos = half * math.cos(phi)
-                sin = half * math.sin(phi)
-                torque = cos * (right_y - left_y) - sin * (right_x - left_x)
-                acceleration[i] -= a.l2 * (b.tx * fx + b.ty * fy) / a.inertia
-                acceleration[a.dof_phi] += torque / a.i2
-                acceleration[a.dof_x] += fx / a.mass
-                acceleration[a.dof_y] += fy / a.mass
+def add_end_forces(model, end_forces, i, t, q, acceleration):
+    """Add the forces of a plug-in on the ends of bar i, f_L and f_R, to q''."""
+    if end_forces is not None:
+        a = model.asperites[i]
+        if a.acc_user_ends >= 0:
+            b = model.bobs[i]
+            f = end_forces[i]
+            fx, fy = end_force_sum(end_forces, i)
+            half = 0.5 * a.bar_length
+            phi = bar_angle(a, t, q)
+            cos = half * math.cos(phi)
+            sin = half * math.sin(phi)
+            torque = cos * (f.right_y - f.left_y) - sin * (f.right_x - f.left_x)
+            acceleration[i] -= a.l2 * (b.tx * fx + b.ty * fy) / a.inertia
+            acceleration[a.dof_phi] += torque / a.i2
+            acceleration[a.dof_x] += fx / a.mass
+            acceleration[a.dof_y] += fy / a.mass
 
 
 @kernel
@@ -341,6 +362,7 @@ def accelerate(model, i, torsion, t, q, acceleration):
         acceleration[a.dof_x] = (bob_x + bar_x) / a.mass
     if a.dof_y >= 0:
         acceleration[a.dof_y] = (bob_y + bar_y) / a.mass
+    add_end_forces(model, model.end_forces, i, t, q, acceleration)
 
 
 @kernel
@@ -385,10 +407,9 @@ def equations_of_motion(model, neighbours, t, q, v, acceleration):
     drive_forces(model, t, q)
     bath_forces(model, model.bath, q)
     friction_forces(model, model.langevin, v)
-    custom_drives(model, model.drives, t, q, v)
     for i in range(model.asperites.shape[0]):
+        custom_forces(model, i, t, q, v)
         accelerate(model, i, 1.0, t, q, acceleration)
-    add_user_ends(model, model.ends, t, q, v, acceleration)
     bath_accelerations(model, model.bath, q, acceleration)
     torsional_accelerations(model, model.torsional, t, q, acceleration)
 

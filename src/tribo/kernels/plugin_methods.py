@@ -17,7 +17,7 @@ from numba.core.typing.templates import (
 )
 from numba.extending import overload
 
-from tribo.kernels.pipeline import LINKED
+from tribo.kernels.numba_passes import LINKED
 
 # Methods of plug-ins, each with its number of arguments after self.
 METHOD_ARGUMENTS = {

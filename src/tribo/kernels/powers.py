@@ -25,12 +25,7 @@ from numba import literal_unroll
 
 from tribo.kernels.compiled import kernel
 from tribo.kernels.contact import force_within
-from tribo.kernels.equations_of_motion import (
-    bar_angle,
-    displacement,
-    field_shift,
-    user_end_forces,
-)
+from tribo.kernels.equations_of_motion import bar_angle, displacement, end_force_sum, field_shift
 from tribo.kernels.kinematics import bar_velocity, end_force, rotational_power
 
 # Number of accounts in each group; POINT is that of internal, field and thermal.
@@ -78,8 +73,34 @@ def clamped_ends(power, k, a, b, t, q, i, omega, vx, vy):
 
 
 @kernel
+def custom_end_powers(model, end_forces, i, t, q, v, power):
+    """Set the powers of a plug-in's forces on the ends of bar i, at r2 + r_L and r2 + r_R."""
+    if end_forces is not None:
+        a = model.asperites[i]
+        if a.acc_user_ends >= 0:
+            b = model.bobs[i]
+            f = end_forces[i]
+            phi = bar_angle(a, t, q)
+            nu = displacement(a.dof_phi, v)
+            vx = displacement(a.dof_x, v)
+            vy = displacement(a.dof_y, v)
+            tip_x = -0.5 * a.bar_length * math.sin(phi) * nu
+            tip_y = 0.5 * a.bar_length * math.cos(phi) * nu
+            bar_x, bar_y = bar_velocity(0.0, 0.0, v[i], a.l2, b.tx, b.ty)
+            k = a.acc_user_ends
+            power[k] = f.left_x * (bar_x - tip_x) + f.left_y * (bar_y - tip_y)
+            power[k + 1] = f.right_x * (bar_x + tip_x) + f.right_y * (bar_y + tip_y)
+            power[k + 2] = f.left_x
+            power[k + 3] = f.left_y
+            power[k + 4] = f.right_x
+            power[k + 5] = f.right_y
+            power[k + 6] = f.left_x * vx + f.left_y * vy
+            power[k + 7] = f.right_x * vx + f.right_y * vy
+
+
+@kernel
 def powers_of(model, i, torsion, t, q, v, power):
-    """Set the powers of asperite i's accounts except those of plug-ins at its ends.
+    """Set the powers of asperite i's accounts.
 
     The forces are in place.  `torsion` is 0 where the torsion springs, and the ends that hold them,
     are integrated separately.
@@ -121,6 +142,7 @@ def powers_of(model, i, torsion, t, q, v, power):
     if model.langevin is not None:
         if a.acc_thermal >= 0:
             at_bar(power, a.acc_thermal, d.lx, d.ly, a, b, omega, vx, vy)
+    custom_end_powers(model, model.end_forces, i, t, q, v, power)
 
 
 @kernel
@@ -151,34 +173,6 @@ def shared_accounts(model, fields):
             if field.account >= 0:
                 count += 1
     return count
-
-
-@kernel
-def user_end_powers(model, ends, t, q, v, power):
-    """Set the powers of plug-ins' forces on the ends of bars, at r2 + r_L and r2 + r_R."""
-    if ends is not None:
-        for end in literal_unroll(ends):
-            s = model.surfaces[end.surface]
-            for i in range(s.start, s.stop):
-                a = model.asperites[i]
-                b = model.bobs[i]
-                phi = bar_angle(a, t, q)
-                nu = displacement(a.dof_phi, v)
-                vx = displacement(a.dof_x, v)
-                vy = displacement(a.dof_y, v)
-                left_x, left_y, right_x, right_y = user_end_forces(end, a, i, t, q, v)
-                tip_x = -0.5 * a.bar_length * math.sin(phi) * nu
-                tip_y = 0.5 * a.bar_length * math.cos(phi) * nu
-                bar_x, bar_y = bar_velocity(0.0, 0.0, v[i], a.l2, b.tx, b.ty)
-                k = a.acc_user_ends
-                power[k] = left_x * (bar_x - tip_x) + left_y * (bar_y - tip_y)
-                power[k + 1] = right_x * (bar_x + tip_x) + right_y * (bar_y + tip_y)
-                power[k + 2] = left_x
-                power[k + 3] = left_y
-                power[k + 4] = right_x
-                power[k + 5] = right_y
-                power[k + 6] = left_x * vx + left_y * vy
-                power[k + 7] = right_x * vx + right_y * vy
 
 
 @kernel
@@ -223,7 +217,7 @@ def momentum(model, s, v):
 
 @kernel
 def external_force(model, s):
-    """Sum of f1, f2, field and f_T over a surface; forces of plug-ins on ends are not included."""
+    """Sum of f1, f2, field, f_T and a plug-in's forces on ends over a surface."""
     fx = 0.0
     fy = 0.0
     for i in range(s.start, s.stop):
@@ -237,36 +231,21 @@ def external_force(model, s):
         if model.langevin is not None:
             fx += d.lx
             fy += d.ly
+        end_x, end_y = end_force_sum(model.end_forces, i)
+        fx += end_x
+        fy += end_y
     return fx, fy
 
 
 @kernel
-def total_user_force(model, ends, k, t, q, v):
-    """Sum of the forces of plug-ins on the ends of surface k's bars."""
-    fx = 0.0
-    fy = 0.0
-    if ends is not None:
-        for end in literal_unroll(ends):
-            if end.surface == k:
-                s = model.surfaces[k]
-                for i in range(s.start, s.stop):
-                    a = model.asperites[i]
-                    left_x, left_y, right_x, right_y = user_end_forces(end, a, i, t, q, v)
-                    fx += left_x + right_x
-                    fy += left_y + right_y
-    return fx, fy
-
-
-@kernel
-def block_powers(model, t, q, v, power):
+def block_powers(model, v, power):
     """Set the power of each surface's external force at the velocity of its centre of mass."""
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         if s.acc_block >= 0:
             fx, fy = external_force(model, s)
-            end_x, end_y = total_user_force(model, model.ends, k, t, q, v)
             px, py = momentum(model, s, v)
-            power[s.acc_block] = ((fx + end_x) * px + (fy + end_y) * py) / s.total_mass
+            power[s.acc_block] = (fx * px + fy * py) / s.total_mass
 
 
 @kernel
@@ -275,6 +254,5 @@ def all_powers(model, t, q, v, power):
     for i in range(model.asperites.shape[0]):
         powers_of(model, i, 1.0, t, q, v, power)
     field_powers(model, model.fields, t, power)
-    user_end_powers(model, model.ends, t, q, v, power)
     torsional_powers(model, model.torsional, t, q, v, power)
-    block_powers(model, t, q, v, power)
+    block_powers(model, v, power)

@@ -56,6 +56,7 @@ SURFACE = np.dtype(
         ("load", "f8"),  # the y force on each bar
         ("stiffness", "f8"),  # of the pulling spring
         ("speed", "f8"),  # of the pulling stage, relative to the surface's initial velocity
+        ("anchor", "f8"),  # displacement of the pulling stage at t = 0
         ("fx", "f8"),  # sum of the contact forces' x components, scratch
         ("oscillators", "i8"),  # its bath's rows: first <= n < first + oscillators, on every bar
         ("first_oscillator", "i8"),
@@ -116,6 +117,9 @@ CLOCK = np.dtype(
         ("after_rejection", "i8"),  # 1: the next step may not grow
         ("not_finite", "i8"),  # 1: the last step that was tried led to values that are not finite
         ("evaluations", "i8"),  # of all forces
+        ("passages", "i8"),  # steps in which bobs passed an encounter that cannot matter
+        ("passing", "i8"),  # the bobs that did so last
+        ("passed", "i8"),
     ],
     align=True,
 )
@@ -136,6 +140,11 @@ OSCILLATOR = np.dtype([("mass", "f8"), ("frequency", "f8")], align=True)
 
 
 PUSH = np.dtype([("fx", "f8"), ("fy", "f8")], align=True)
+
+# Forces of a plug-in on the ends of a bar, f_L and f_R.
+END_FORCES = np.dtype(
+    [("left_x", "f8"), ("left_y", "f8"), ("right_x", "f8"), ("right_y", "f8")], align=True
+)
 
 
 class Contact(NamedTuple):
@@ -158,6 +167,7 @@ class FieldOn(NamedTuple):
     origin: np.ndarray  # (2,) of the scene, in the field's own frame at t = 0
     velocity: np.ndarray  # (2,) of the first surface, in the field's own frame
     drift: np.ndarray  # (2,) velocity of the field in the laboratory
+    anchor: np.ndarray  # (2,) displacement of the field at t = 0, included in `origin`
     account: int  # of the work done by moving it; -1 where it stands
 
 
@@ -227,3 +237,4 @@ class Model(NamedTuple):
     langevin: Any  # True, or None
     drives: Any  # tuple of Custom, or None
     ends: Any  # tuple of Custom, or None
+    end_forces: Any  # recarray of END_FORCES, (n,), scratch; None without `ends`

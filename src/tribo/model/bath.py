@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from tribo.model.spectrum import KINDS, Spectrum
+from tribo.model.recurrence import KINDS, Kind
+from tribo.model.spectrum import Spectrum
 from tribo.validation import (
     NOT_NEGATIVE,
     POSITIVE,
@@ -133,7 +134,7 @@ def as_bath(value: object) -> Bath:
 
 
 def _spectrum(table: dict[str, Any]) -> Spectrum:
-    kind = choice("spectrum", table["spectrum"], KINDS)
+    kind: Kind = choice("spectrum", table["spectrum"], KINDS)
     if "oscillators" in table:
         raise InputError("oscillators", "cannot go with spectrum; give one or the other")
     known_keys(table, table, SPECTRAL_KEYS)

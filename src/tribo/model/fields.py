@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tribo.plugins import classes as plugins
+from tribo.plugins.unloaded import Unloaded, left
 from tribo.validation import InputError, choice, is_list, must_be, vector
 
 # Signature of the method that a plug-in needs, as messages quote it.
@@ -64,7 +65,7 @@ class Field:
     potential : Corrugation or NamedTuple
         The field's potential: built in, or a user's own with ``energy_at(self, x, y)``.
     on : list of str
-        Names of the surfaces.
+        Names of the surfaces, each once.
     origin : (float, float)
         Position of the field's own (0, 0) at t = 0 [length].
     velocity : (float, float)
@@ -73,7 +74,7 @@ class Field:
     Raises
     ------
     InputError
-        If the potential cannot be used, or a value is out of range.
+        If the potential cannot be used, a surface is named twice, or a value is out of range.
     """
 
     potential: Any
@@ -86,6 +87,8 @@ class Field:
         put(self, "potential", as_field_potential(self.potential))
         if not is_list(self.on) or len(self.on) == 0:
             raise must_be("on", "a list of names of surfaces", self.on)
+        if any(name in self.on[:i] for i, name in enumerate(self.on)):
+            raise must_be("on", "each surface once; a field acts once on each", self.on)
         put(self, "on", tuple(self.on))
         for name, unit in (("origin", "length"), ("velocity", "length / time")):
             put(self, name, tuple(vector(name, getattr(self, name), size=2, unit=unit).tolist()))
@@ -94,6 +97,8 @@ class Field:
 def as_field_potential(value: Any) -> Any:
     """A potential that has energy_at and force_at and whose fields are finite numbers."""
     plugins.check_class(type(value), "kind", ENERGY_AT)
+    if isinstance(value, Unloaded):
+        return value
     if not hasattr(type(value), "force_at"):
         type(value).force_at = _complex_step
     value = plugins.with_numbers(value)
@@ -112,6 +117,9 @@ def from_table(table: object, folder: Path) -> Field:
             raise InputError(key, "is missing")
     settings = {k: parameters.pop(k) for k in ("on", "origin", "velocity") if k in parameters}
     kind = parameters.pop("kind")
+    stand_in = left(kind, parameters)
+    if stand_in is not None:
+        return Field(stand_in, **settings)
     if plugins.is_named(kind):
         cls = plugins.class_named("kind", kind, folder)
         plugins.check_class(cls, "kind", ENERGY_AT)

@@ -9,8 +9,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Literal, assert_never, get_args
 
 import numpy as np
+
+# The spectra whose continuum is known.
+Kind = Literal["drude", "ohmic", "debye"]
+KINDS = get_args(Kind)
 
 # Side of the square blocks in which the energy is sampled: SIDE x SIDE samples a block.
 SIDE = 64
@@ -141,7 +146,9 @@ def motion_with_oscillators(
 
 
 @lru_cache(maxsize=256)
-def motion_with_continuum(kind: str, friction: float, frequency: float, tolerance: float) -> Motion:
+def motion_with_continuum(
+    kind: Kind, friction: float, frequency: float, tolerance: float
+) -> Motion:
     """Motion of a bar of mass 1 in a continuum with a cutoff of 1 and gamma = `friction`.
 
     At critical damping two rates coincide and no sum of exponentials exists.  There the mean of
@@ -159,7 +166,7 @@ def motion_with_continuum(kind: str, friction: float, frequency: float, toleranc
     )
 
 
-def _decay(kind: str, friction: float, frequency: float, tolerance: float) -> Motion:
+def _decay(kind: Kind, friction: float, frequency: float, tolerance: float) -> Motion:
     """The same motion from eigenvalues, also where they nearly coincide.
 
     With Gamma(t) = friction Re sum c_j exp(-r_j t), the integral in the equation of motion is
@@ -182,7 +189,7 @@ def _decay(kind: str, friction: float, frequency: float, tolerance: float) -> Mo
     return Motion(*(term[kept].astype(complex) for term in terms))
 
 
-def _exponentials(kind: str, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
+def _exponentials(kind: Kind, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
     """c and r with Gamma(t) = gamma w_c Re sum c_j exp(-r_j w_c t), at all t, to the tolerance.
 
     Drude is one exponential.  The others are (2/pi) Re integral of J(w)/(gamma w) exp(i w t) dw
@@ -205,10 +212,12 @@ def _exponentials(kind: str, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
         bend = np.exp(s + 0.9j)
         w = 1j * np.exp(2.0 * s) / (1.0 + bend)
         c = np.exp(-w) * w * (2.0 - bend / (1.0 + bend))
-    else:
+    elif kind == "debye":
         h = 8.4 / digits
         s = np.arange(np.log(digits), -digits - h, -h)
         x = 1.0 / (1.0 + np.exp(-s - np.exp(s)))
         w = np.exp(0.5j * np.pi * x)
         c = -0.5j * np.pi * w * x * (1.0 - x) * (1.0 + np.exp(s))
+    else:
+        assert_never(kind)
     return 2.0 / np.pi * h * c, -1j * w

@@ -17,11 +17,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import assert_never
 
 import numpy as np
 
 from tribo.model.recurrence import (
+    KINDS,
     SIDE,
+    Kind,
     Motion,
     motion_with_continuum,
     motion_with_oscillators,
@@ -31,7 +34,6 @@ from tribo.validation import LARGEST_COUNT, NOT_NEGATIVE, POSITIVE, choice, inte
 
 __all__ = ["Spectrum", "discrete_decay", "exact_decay", "normal_modes", "valid_until"]
 
-KINDS = ("drude", "ohmic", "debye")
 
 # Largest difference between the bar's energy with n oscillators and with the continuum up to which
 # the bath is valid, as a fraction of the initial energy.
@@ -93,7 +95,7 @@ class Spectrum:
     see `mass` of :class:`tribo.Bath`.
     """
 
-    kind: str
+    kind: Kind
     gamma: float
     cutoff: float
     n: int
@@ -111,8 +113,10 @@ class Spectrum:
             w, share = np.tan(np.pi / 2.0 * x), np.ones(self.n)
         elif self.kind == "ohmic":
             w, share = -2.0 * np.log1p(-x), 4.0 / np.pi * (1.0 - x)
-        else:
+        elif self.kind == "debye":
             w, share = x, np.full(self.n, 2.0 / np.pi)
+        else:
+            assert_never(self.kind)
         return self.gamma / (self.cutoff * self.n) * share / w**2, self.cutoff * w
 
     def kernel(self, t: np.ndarray | float) -> np.ndarray:
@@ -123,7 +127,9 @@ class Spectrum:
             return strength * np.exp(-wt)
         if self.kind == "ohmic":
             return 2.0 / np.pi * strength / (1.0 + wt**2)
-        return 2.0 / np.pi * strength * np.sinc(wt / np.pi)
+        if self.kind == "debye":
+            return 2.0 / np.pi * strength * np.sinc(wt / np.pi)
+        assert_never(self.kind)
 
 
 def exact_decay(spectrum: Spectrum, mass: float, frequency: float, t: np.ndarray) -> np.ndarray:
@@ -245,7 +251,7 @@ def _checked(mass: float, frequency: float, t: np.ndarray) -> tuple[float, float
 
 
 @lru_cache(maxsize=256)
-def _end_of_agreement(kind: str, n: int, friction: float, frequency: float) -> float:
+def _end_of_agreement(kind: Kind, n: int, friction: float, frequency: float) -> float:
     """:func:`valid_until` by comparison, for a bar of mass 1 and a cutoff of 1."""
     oscillators = Spectrum(kind, friction, 1.0, n).oscillators()
     discrete = motion_with_oscillators(*oscillators, frequency).without_small_terms(NEGLIGIBLE)

@@ -35,14 +35,15 @@ class Springs:
         Whether springs join the two ends of every row, along the periodic directions of the
         scene; along both directions if the scene is not periodic.
     pairs : list of (int, int), optional
-        Indices of the bars that are joined, instead of neighbours on the grid.
+        Indices of the bars that are joined, instead of neighbours on the grid; each pair once.
     turned : float
         Angle by which the rest vectors are rotated [rad], which rotates a whole scene.
 
     Raises
     ------
     InputError
-        If a value is out of range, or `pairs` goes with `wrap` or with two stiffnesses.
+        If a value is out of range, a pair is listed twice, or `pairs` goes with `wrap` or with two
+        stiffnesses.
     """
 
     stiffness: float | tuple[float, float] = 0.0
@@ -63,6 +64,11 @@ class Springs:
             if not is_list(self.pairs):
                 raise must_be("pairs", "a list of pairs of indices", self.pairs)
             put(self, "pairs", tuple(self._pair(i, p) for i, p in enumerate(self.pairs)))
+            joined: set[tuple[int, int]] = set()
+            for i, (one, other) in enumerate(self.pairs):
+                if (min(one, other), max(one, other)) in joined:
+                    raise must_be(f"pairs[{i}]", "a pair not listed before", (one, other))
+                joined.add((min(one, other), max(one, other)))
             if self.wrap:
                 raise InputError("wrap", "cannot go with pairs; list the pairs that close the row")
             if isinstance(self.stiffness, tuple):

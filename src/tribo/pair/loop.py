@@ -51,8 +51,8 @@ ENERGY = J + 1 + LANES
 # Number of columns of a record.
 COLUMNS = ENERGY + 1
 
-# Columns of the last row of a record, behind all samples: counts of the run, and the last time.
-STEPS, EVALUATIONS, SAMPLES, REACHED = range(4)
+# Columns of the last row of a record, behind all samples: counts of the run.
+STEPS, EVALUATIONS = range(2)
 
 
 @kernel
@@ -87,11 +87,9 @@ def write_sample(pair, potential, clock, work, record):
 
 @kernel
 def write_summary(clock, record, last):
-    """Write counts of the run, and the time that it reached, to the last row of a record."""
+    """Write counts of the run to the last row of a record."""
     record[last, STEPS] = clock.steps
     record[last, EVALUATIONS] = clock.evaluations
-    record[last, SAMPLES] = clock.sample
-    record[last, REACHED] = clock.t
 
 
 @kernel
@@ -154,7 +152,7 @@ def pair_collocation(pairs, potential, rows, clocks, start, times, record, budge
     times : ndarray, (times,)
         Of the samples, ascending.
     record : ndarray, (times + 1, COLUMNS)
-        Filled in row by row; the state where a run stops early is its last sample.
+        Filled in row by row; its last row is a summary.
     budget : int
         Steps after which the loop pauses.
 
@@ -191,6 +189,4 @@ def pair_collocation(pairs, potential, rows, clocks, start, times, record, budge
         end = end_of_step(clock, goal, h, landing)
         accept_step(clock, end, h, landing, min(MAX_EXTRAPOLATION, factor))
     write_summary(clock, record, times.size)
-    if status != COMPLETED:
-        write_sample(pair, potential, clock, work, record)
     return status

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from tribo.plugins import sources
+from tribo.plugins.unloaded import Unloaded, refuse_code
 from tribo.validation import InputError, known_keys, number, short_repr
 
 # How many numbers a method returns; 1 if it is not listed.
@@ -23,6 +24,8 @@ RETURN_COUNTS = {"feature": 2, "domain": 2, "force_at": 2, "force_on_bar": 2, "e
 
 def check_class(cls: Any, field: str, method: str) -> None:
     """Raise InputError, about `field`, if a class is not a plug-in that has `method`."""
+    if cls is Unloaded:
+        return
     name = getattr(cls, "__name__", repr(cls))
     if not (isinstance(cls, type) and issubclass(cls, tuple) and hasattr(cls, "_fields")):
         raise InputError(field, f"{name} must be a NamedTuple whose fields are numbers")
@@ -34,6 +37,8 @@ def check_class(cls: Any, field: str, method: str) -> None:
 
 def with_numbers(value: Any) -> Any:
     """The same plug-in with its fields as finite floats."""
+    if isinstance(value, Unloaded):
+        return value
     return type(value)(**{key: number(key, item) for key, item in value._asdict().items()})
 
 
@@ -54,6 +59,7 @@ def class_named(field: str, name: str, folder: Path) -> Any:
 
     Raises InputError about `field`.
     """
+    refuse_code(field, name)
     place, _, class_name = name.rpartition(":")
     try:
         if ".py:" in name:
@@ -70,6 +76,8 @@ def class_named(field: str, name: str, folder: Path) -> Any:
 
 def name_of(plugin: Any, built_in: dict[str, Any]) -> str:
     """The name of the plug-in's class in a scene file."""
+    if isinstance(plugin, Unloaded):
+        return plugin.name
     for name, cls in built_in.items():
         if type(plugin) is cls:
             return name

@@ -10,7 +10,7 @@ import inspect
 import linecache
 import sys
 from pathlib import Path
-from types import ModuleType
+from types import FunctionType, ModuleType
 from typing import Any
 
 from tribo.validation import InputError
@@ -111,9 +111,9 @@ def _stamp_of(plugin: Any) -> str | None:
     return inner + digest.hexdigest()
 
 
-def is_own(cls: type) -> bool:
-    """Whether a class is this package's."""
-    return cls.__module__.startswith("tribo.")
+def is_own(item: type | FunctionType) -> bool:
+    """Whether a class or a function is this package's."""
+    return item.__module__.startswith("tribo.")
 
 
 def _collect(module: ModuleType | None, root: str, sources: dict[str, bytes]) -> None:

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from tribo.plugins.unloaded import refuse_code
 from tribo.validation import (
     NOT_NEGATIVE,
     POSITIVE,
@@ -153,6 +154,7 @@ def make_calculator(calculator: Calculator | str, arguments: dict[str, Any]) -> 
     name = calculator
     if ":" not in name:
         raise must_be("calculator", '"module:Class", as "ase.calculators.emt:EMT"', name)
+    refuse_code("calculator", name)
     module, _, cls = name.partition(":")
     try:
         return getattr(importlib.import_module(module), cls)(**arguments)

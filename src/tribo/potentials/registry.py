@@ -33,6 +33,7 @@ import math
 from typing import Any
 
 from tribo.plugins import classes as plugins
+from tribo.plugins.unloaded import Unloaded
 from tribo.potentials.born_mayer import BornMayer
 from tribo.potentials.buckingham import Buckingham
 from tribo.potentials.coulomb import Coulomb
@@ -140,6 +141,8 @@ for _cls in (Sum, Scaled, Table, *AT_CUTOFF.values()):
 
 def as_potential(value: Any) -> Potential:
     """A potential with a complete class and finite, valid parameters.  Raises InputError."""
+    if isinstance(value, Unloaded):
+        return value  # type: ignore[return-value]  # only a scene that is run needs more
     complete(type(value))
     if isinstance(value, Table):
         table: Any = from_points(value.r, value.values, value.error)

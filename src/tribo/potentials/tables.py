@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from tribo.plugins import classes as plugins
+from tribo.plugins.unloaded import left
 from tribo.potentials import from_ase
 from tribo.potentials.cutoff import AT_CUTOFF
 from tribo.potentials.dimers import from_dimer
@@ -59,6 +60,9 @@ def from_table(table: object, folder: Path) -> Any:
     if "potential" not in parameters:
         raise InputError("potential", "is missing")
     name = parameters.pop("potential")
+    stand_in = left(name, parameters)
+    if stand_in is not None:
+        return stand_in
     if name == "ase":
         return from_ase.from_table(parameters)
     cutoff = {key: parameters.pop(key) for key in CUTOFF_KEYS if key in parameters}

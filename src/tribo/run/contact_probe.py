@@ -8,7 +8,7 @@ from tribo.kernels.compiled import time_loop
 from tribo.kernels.probe import contact_probe, distance_probe
 from tribo.model.scene import Scene
 from tribo.plugins import sources
-from tribo.plugins.compile_errors import COMPILE_ERRORS, compile_error
+from tribo.plugins.compile_errors import compiling
 from tribo.run.layout import lay_out
 from tribo.validation import InputError
 
@@ -67,10 +67,8 @@ class ContactProbe:
         """
         energies, forces = np.empty(len(positions)), np.empty((*positions.shape[:2], 2))
         probe = time_loop(contact_probe, self._stamp)
-        try:
+        with compiling(probe, self.layout.named_plugins):
             probe(self.layout.model, positions, charges, energies, forces)
-        except COMPILE_ERRORS as error:
-            raise compile_error(self.layout.named_plugins, error) from None
         for call in self.layout.calculator_calls:
             if call.error is not None:
                 problem = f"the calculator raises {type(call.error).__name__}: {call.error}"

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+import hashlib
+import io
 import json
-import os
+import re
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from tribo.files import replace_file
 from tribo.model.scene import Scene
 from tribo.model.scene_writer import scene_text
+from tribo.run.identity import plugin_stamps, version
 from tribo.run.ledger import Ledger
 from tribo.run.quantities import QUANTITIES, UNITS, Table
+from tribo.run.state import State
 from tribo.validation import InputError
 
 if TYPE_CHECKING:
@@ -21,6 +26,11 @@ if TYPE_CHECKING:
 
     from tribo.run.result import Result
 
+# Before the names of the arrays of a state.
+STATE = "state."
+# Before the hash of a file, which is computed with zeros in its place.
+HASH = b"blake2b:"
+NO_DIGEST = b"0" * 64
 # A variable of a data set: its dimensions, its values and its attributes.
 Variable = tuple[tuple[str, ...], np.ndarray | float, dict[str, str]]
 
@@ -83,10 +93,10 @@ def _coordinates(result: Result) -> dict[str, Variable]:
 
 def _attributes(result: Result) -> dict[str, str]:
     """The scene and all that is known of the run, as text."""
-    from tribo import __version__
-
     return {
-        "tribo_version": __version__,
+        "version": version(),
+        "settings": json.dumps(result.settings),
+        "plugins": json.dumps(plugin_stamps(result.scene)),
         "scene": scene_text(result.scene),
         "status": str(result.status),
         "method": result.method,
@@ -101,26 +111,64 @@ def _attributes(result: Result) -> dict[str, str]:
 
 def save(result: Result, path: Path) -> None:
     """Write a NetCDF file, which appears complete or not at all.  Raises InputError."""
-    partial = path.with_name(path.name + ".partial")
-    try:
-        dataset(result).to_netcdf(partial, engine="h5netcdf")
-        os.replace(partial, path)
-    except OSError as error:
-        partial.unlink(missing_ok=True)
-        raise InputError(str(path), f"cannot be written ({error.strerror or error})") from None
+    replace_file(path, content(result))
+
+
+def content(result: Result) -> bytes:
+    """The bytes of the NetCDF file of a result, with its state and a hash of the whole."""
+    data = dataset(result)
+    state = result.state()
+    for name, array in state.arrays().items():
+        dimensions = tuple(f"state.{name}_{axis}" for axis in range(array.ndim))
+        data[f"{STATE}{name}"] = (dimensions, array)
+    data.attrs["hash"] = (HASH + NO_DIGEST).decode()
+    image = bytes(data.to_netcdf(engine="h5netcdf"))
+    return image.replace(HASH + NO_DIGEST, HASH + _digest(image))
+
+
+def _digest(image: bytes) -> bytes:
+    return hashlib.blake2b(image, digest_size=32).hexdigest().encode()
 
 
 def load(path: Path) -> xarray.Dataset:
-    """The data set that `save` wrote.  Raises InputError."""
+    """The data set in a file that `save` wrote.
+
+    Raises InputError if the file cannot be read, or if any bit of it has changed.
+    """
     import xarray
 
     try:
-        data = xarray.load_dataset(path, engine="h5netcdf")
-    except OSError as error:
-        raise InputError(str(path), f"cannot be read ({error.strerror or error})") from None
-    if "scene" not in data.attrs:
-        raise InputError(str(path), "is not a result that tribo has written")
-    return data
+        image = path.read_bytes()
+    except (OSError, ValueError) as error:
+        raise InputError(str(path), f"cannot be read ({_reason(error)})") from None
+    if not _is_intact(image):
+        raise InputError(
+            str(path),
+            "cannot be read: it is damaged, or no result that this version of tribo has written",
+        )
+    return xarray.load_dataset(io.BytesIO(image), engine="h5netcdf")
+
+
+def _is_intact(image: bytes) -> bool:
+    """Whether the file has its own hash."""
+    return any(
+        found[1] == _digest(image[: found.start(1)] + NO_DIGEST + image[found.end(1) :])
+        for found in re.finditer(HASH + b"([0-9a-f]{64})", image)
+    )
+
+
+def _reason(error: Exception) -> str:
+    return getattr(error, "strerror", None) or str(error)
+
+
+def state_in(data: xarray.Dataset, scene: Scene) -> State:
+    """The state in a data set."""
+    arrays = {
+        str(name).removeprefix(STATE): variable.values
+        for name, variable in data.data_vars.items()
+        if str(name).startswith(STATE)
+    }
+    return State.of_arrays(arrays, data.attrs["method"], scene)
 
 
 def ledger_of(data: xarray.Dataset, scene: Scene) -> Ledger:
@@ -130,8 +178,8 @@ def ledger_of(data: xarray.Dataset, scene: Scene) -> Ledger:
     system: Table = {}
     for name, variable in data.data_vars.items():
         surface, _, key = str(name).rpartition(".")
-        if key not in QUANTITIES:
-            continue  # an error estimate
+        if key not in QUANTITIES or str(name).startswith(STATE):
+            continue  # an error estimate, or the state
         if not surface:
             system[key] = variable.values
         elif variable.ndim == 2:

@@ -30,6 +30,7 @@ def fields_on_surfaces(
                 origin=origin - np.array(item.origin),
                 velocity=velocity - drift,
                 drift=drift,
+                anchor=np.zeros(2),
                 account=accounts if moves else -1,
             )
         )

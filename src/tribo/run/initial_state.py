@@ -37,6 +37,7 @@ class InitialState:
         ----------
         start : mapping
             "surface.theta" (or swing, phi, omega, nu) -> a number, or one for each asperite.
+            A phi moves theta with it where neither the scene nor `start` gives a theta or swing.
 
         Returns
         -------
@@ -45,7 +46,7 @@ class InitialState:
         Raises
         ------
         InputError
-            A name or a value cannot be used.
+            A name or a value cannot be used, or both theta and swing are given.
         """
         if not isinstance(start, (dict, Mapping)):  # a dict is recognised sooner
             raise InputError("start", f"must map names to values, got {start!r}")
@@ -61,9 +62,22 @@ class InitialState:
                     raise InputError(key, f"has {values.size} values for {count} asperites")
                 values = values.reshape(y[slots].shape)
             y[slots] = values - rest
+        for key in start:
+            if key.endswith((".phi", ".swing")):
+                self._follow(key.rpartition(".")[0], start, y)
         if start and self._has_bath:
             _reset_baths(self._layout, y)
         return y
+
+    def _follow(self, name: str, start: Start, y: np.ndarray) -> None:
+        """Let theta follow phi, as in :class:`tribo.Initial`, where it is given nowhere."""
+        given = [key for key in (f"{name}.theta", f"{name}.swing") if key in start]
+        if len(given) == 2:
+            raise InputError(given[1], f"cannot go with {given[0]}; give one or the other")
+        surface, _ = self._layout.scene.initial_value(f"{name}.theta")
+        if not given and surface.initial_swing is None:
+            swing, phi = (_slots(self._layout, f"{name}.{key}")[0] for key in ("swing", "phi"))
+            y[swing] = y[phi]
 
 
 def _slots(layout: Layout, key: str) -> Slots:

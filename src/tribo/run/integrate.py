@@ -1,4 +1,4 @@
-"""One integration of a scene: a compiled time loop, called in chunks, and its samples."""
+"""One integration of a scene: a time loop, called in chunks, and its samples."""
 
 from __future__ import annotations
 
@@ -6,41 +6,76 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 
-from tribo.integrators.methods import Method
+from tribo import interrupts
 from tribo.integrators.step_control import Tolerance
-from tribo.kernels.compiled import collector_paused
-from tribo.kernels.equations_of_motion import place_bobs
-from tribo.kernels.neighbours import refresh
-from tribo.kernels.records import CLOCK, Neighbours
-from tribo.kernels.samples import STORED, Record, State, initial_state, write_sample
 from tribo.kernels.status import PAUSED, STATUS_OF_CODE, Status
-from tribo.plugins.compile_errors import COMPILE_ERRORS, compile_error
 from tribo.potentials.from_ase import Call
-from tribo.run.force_records import Records
 from tribo.run.layout import Layout
 from tribo.run.samples import Samples
 from tribo.run.streamed_ledger import StreamedLedger, portion_size
 
 Progress = Callable[[float], None]  # called with the time reached, a few times a second
 Setting = float | Tolerance  # of a time loop: its step, or the tolerances of an adaptive one
-Loop = Callable[..., int]  # a compiled time loop
+Columns = tuple[np.ndarray, ...]  # raw samples of a time loop; the first axis of each is time
+Memory = dict[str, np.ndarray]  # all that a time loop needs to continue bit for bit
 
 # Seconds between two checks for an interrupt: short for a person, long against a call.
 CHUNK_SECONDS = 0.1
-# Steps of the first chunk: milliseconds for small scenes.
-FIRST_CHUNK = 256
-# Steps of any other chunk, at least: calls of fewer would cost more than their steps.
-SMALLEST_CHUNK = 16
-# Steps of any other chunk, at most: budgets are integers of 64 bits.
+# Steps of the first chunk: a person does not notice the time they take, even with a million
+# asperites.
+FIRST_CHUNK = 1
+# Largest ratio of the steps of a chunk to those of the one before: the first steps may be much
+# cheaper than later ones.
+CHUNK_GROWTH = 16
+# Steps of any chunk, at most: budgets are integers of 64 bits.
 LARGEST_CHUNK = 1_000_000_000
 # Seconds that a chunk counts as taking if the clock shows less.
 LEAST_SECONDS = 1e-6
-# Room of a neighbour list, in units of what it needed when it had too little: bobs that approach
-# one another need somewhat more soon after.
-EXTRA_ROOM = 1.5
+
+
+class TimeLoop(Protocol):
+    """A compiled time loop, and the state of its run."""
+
+    layout: Layout
+
+    @property
+    def clocks(self) -> np.ndarray:
+        """How far the run has come, (1,) of :data:`tribo.kernels.records.CLOCK`."""
+
+    def room(self, samples: int) -> Columns:
+        """Arrays for so many samples."""
+
+    def advance(self, times: np.ndarray, columns: Columns, budget: int) -> int:
+        """Take at most `budget` steps, and record the samples at `times`; a code of a status."""
+
+    def forget_neighbours(self) -> None:
+        """Let the next call make its neighbour list, if it has one, from the bobs' places."""
+
+    def memory(self) -> Memory:
+        """All that another loop of this kind needs to continue; a copy."""
+
+    def restore(self, memory: Memory) -> None:
+        """Continue where another loop of this kind was."""
+
+    def samples(self, times: np.ndarray, columns: Columns) -> Samples:
+        """The first samples in `columns`, which were recorded at `times`."""
+
+
+class Checkpoints(Protocol):
+    """Where an integration keeps its samples and its memory while it goes on."""
+
+    def restore(self, loop: TimeLoop, columns: Columns) -> Status | None:
+        """Fill in what was kept, if anything; the status of an integration that had ended."""
+
+    def due(self) -> bool:
+        """Whether it is time to keep what was reached."""
+
+    def keep(self, loop: TimeLoop, columns: Columns, status: Status | None) -> None:
+        """Keep the samples so far and the memory, and the status if the integration has ended."""
 
 
 @dataclass(eq=False)
@@ -57,12 +92,18 @@ class Integration:
         Steps and evaluations of all forces, its first two elements.
     seconds : float
         Wall time.
+    memory : dict
+        All that the time loop needs to continue from the end.
+    passages : tuple of int
+        Number of steps in which bobs passed an encounter far below k_B T, and the last two bobs.
     """
 
     recorded: Callable[[], Samples]
     status: Status
     counts: np.ndarray
     seconds: float
+    memory: Memory
+    passages: tuple[int, ...] = (0, 0, 0)
 
     @cached_property
     def samples(self) -> Samples:
@@ -81,57 +122,54 @@ class Integration:
 
 
 def integrate(
-    layout: Layout,
-    method: Method,
-    loop: Loop,
-    setting: Setting,
-    start: np.ndarray,
+    loop: TimeLoop,
     times: np.ndarray,
-    first_step: float,
+    calls: tuple[Call, ...] = (),
     progress: Progress | None = None,
     streamed: StreamedLedger | None = None,
+    checkpoints: Checkpoints | None = None,
+    columns: Columns | None = None,
+    before: Samples | None = None,
 ) -> Integration:
-    """Integrate from `start` through `times`.
+    """Integrate through `times`.
 
     Ends at the last time, or where something stops it; then the state reached is the last sample.
 
     Parameters
     ----------
-    layout, method, loop : Layout, Method, callable
-        The scene, the method, and its compiled time loop.
-    setting : float or Tolerance
-        The step, or the tolerances of an adaptive method.
-    start : ndarray, (2 coordinates,)
-        y at t = 0.
+    loop : TimeLoop
+        Where the run starts.
     times : ndarray, (times,)
         When to record.
-    first_step : float
-        The first step of an adaptive method [time].
+    calls : tuple of Call
+        ASE calculators that the loop calls.
     progress : callable, optional
         Called with the time reached.
     streamed : StreamedLedger, optional
         Takes in the samples, of which only the first and the last are kept then.
+    checkpoints : Checkpoints, optional
+        Keeps what is reached, and has what was reached before; not of a streamed run.
+    columns : tuple of ndarray, optional
+        The samples of a loop that has begun.
+    before : Samples, optional
+        The first sample of the run that is continued; it comes before all others.
     """
     began = time.perf_counter()
-    clocks, state = _at_rest(layout, method, start, first_step)
-    rows = times.size if streamed is None else portion_size(layout)
-    record = _room(layout, min(rows, times.size) + 1)
-    if isinstance(setting, Tolerance):
-        clocks.encounter_fraction = setting.encounter_fraction
-    call = _bound(layout, method, loop, setting)
+    rows = times.size if streamed is None else portion_size(loop.layout)
+    columns = columns or loop.room(min(rows, times.size) + 1)
     samples: Samples | None = None
     status = Status.COMPLETED
     for first in range(0, times.size, rows):
         portion = times[first : first + rows]
-        clocks.sample[:] = 0
-        status = run_in_chunks(
-            call, layout.calculator_calls, clocks, state, portion, record, progress
-        )
-        reached = portion[: int(clocks.sample[0])]
-        if status != Status.COMPLETED and (not reached.size or reached[-1] != clocks.t[0]):
-            _record_now(layout, clocks, state, record)
-            reached = np.append(reached, clocks.t[0])
-        new = Samples(reached, *(column[: reached.size] for column in record))
+        if first > 0:
+            loop.clocks["sample"] = 0
+        status = _run_through(loop, portion, columns, calls, progress, checkpoints)
+        memory = loop.memory()
+        counts = np.array([loop.clocks["steps"][0], loop.clocks["evaluations"][0]])
+        passages = tuple(int(loop.clocks[name][0]) for name in ("passages", "passing", "passed"))
+        new = _recorded(loop, portion, columns, status)
+        if before is not None and first == 0:
+            new = before.then(new)
         if streamed is not None:
             streamed.add(new if samples is None else samples.first().then(new))
             new = new.ends() if samples is None else samples.first().then(new.last())
@@ -140,18 +178,57 @@ def integrate(
             break
     whole = samples
     assert whole is not None
-    counts = np.array([clocks.steps[0], clocks.evaluations[0]])
-    return Integration(lambda: whole, status, counts, time.perf_counter() - began)
+    return Integration(lambda: whole, status, counts, time.perf_counter() - began, memory, passages)
+
+
+def _run_through(
+    loop: TimeLoop,
+    times: np.ndarray,
+    columns: Columns,
+    calls: tuple[Call, ...],
+    progress: Progress | None,
+    checkpoints: Checkpoints | None,
+) -> Status:
+    """Run through the times, from the last checkpoint if there is one; how it ended."""
+    if checkpoints is None:
+        return run_in_chunks(loop, times, columns, calls, progress)
+    status = checkpoints.restore(loop, columns)
+    if status is not None:
+        return status
+
+    def between(t: float) -> None:
+        if checkpoints.due():
+            checkpoints.keep(loop, columns, None)
+        if progress is not None:
+            progress(t)
+
+    status = run_in_chunks(loop, times, columns, calls, between)
+    # An interrupt ends the program, not the integration, which can be continued.
+    checkpoints.keep(loop, columns, None if status == Status.INTERRUPTED else status)
+    return status
+
+
+def _recorded(loop: TimeLoop, times: np.ndarray, columns: Columns, status: Status) -> Samples:
+    """The samples of a run, and the state in which it stopped as one more."""
+    done = int(loop.clocks["sample"][0])
+    t = float(loop.clocks["t"][0])
+    if status == Status.COMPLETED or (done and times[done - 1] == t):
+        return loop.samples(times[:done], columns)
+    # The loop records a sample that is due before it takes a step.
+    loop.clocks["sample"], loop.clocks["t_low"], loop.clocks["evaluations"] = 0, 0.0, 1
+    loop.forget_neighbours()
+    rest = tuple(column[done:] for column in columns)
+    while loop.advance(np.array([t]), rest, 1) == PAUSED:
+        pass
+    return loop.samples(np.append(times[:done], t), columns)
 
 
 def run_in_chunks(
-    call: Loop,
-    calls: tuple[Call, ...],
-    clocks: np.ndarray,
-    state: State | np.ndarray,
+    loop: TimeLoop,
     times: np.ndarray,
-    record: Record | np.ndarray,
-    progress: Progress | None,
+    columns: Columns,
+    calls: tuple[Call, ...] = (),
+    progress: Progress | None = None,
 ) -> Status:
     """Run through the times in chunks, and check for an interrupt between them.
 
@@ -164,98 +241,18 @@ def run_in_chunks(
     try:
         while code == PAUSED:
             began = time.perf_counter()
-            code = call(clocks, state, times, record, budget)
+            code = loop.advance(times, columns, budget)
             taken = max(time.perf_counter() - began, LEAST_SECONDS)
             for item in calls:
                 if item.error is not None:
                     return Status.CALCULATOR_FAILED
                 if item.interrupted:
-                    return Status.INTERRUPTED
-            wanted = budget * CHUNK_SECONDS / taken
-            budget = int(min(max(wanted, SMALLEST_CHUNK), LARGEST_CHUNK))
+                    raise KeyboardInterrupt
+            wanted = budget * min(CHUNK_SECONDS / taken, CHUNK_GROWTH)
+            budget = int(min(max(wanted, FIRST_CHUNK), LARGEST_CHUNK))
             if progress is not None:
-                progress(float(clocks["t"][0]))
+                progress(float(loop.clocks["t"][0]))
     except KeyboardInterrupt:
+        interrupts.answer()
         return Status.INTERRUPTED
     return STATUS_OF_CODE[code]
-
-
-def compile_loop(layout: Layout, method: Method, loop: Loop, setting: Setting) -> float:
-    """Compile the loop for this scene, or load it from the disk cache; returns the seconds."""
-    began = time.perf_counter()
-    clocks, state = _at_rest(layout, method, layout.start, 0.0)
-    try:
-        with collector_paused():
-            _bound(layout, method, loop, setting)(clocks, state, np.ones(1), _room(layout, 1), 0)
-    except COMPILE_ERRORS as error:
-        raise compile_error(layout.named_plugins, error) from None
-    return time.perf_counter() - began
-
-
-def _at_rest(
-    layout: Layout, method: Method, start: np.ndarray, first_step: float
-) -> tuple[Records, State]:
-    """A clock at zero, and the state at the start."""
-    clocks = np.zeros(1, CLOCK).view(np.recarray)
-    clocks.h = first_step
-    return clocks, initial_state(start, layout.accounts, method.remembers, method.splits)
-
-
-def _room(layout: Layout, times: int) -> Record:
-    """Arrays for so many samples."""
-    surfaces = len(layout.scene.surfaces)
-    return Record(
-        np.empty((times, 2 * layout.core)),
-        np.empty((times, layout.accounts)),
-        np.empty(times),
-        np.empty(times),
-        np.zeros((times, surfaces, STORED)),
-    )
-
-
-def _bound(layout: Layout, method: Method, loop: Loop, setting: Setting) -> Loop:
-    """The loop with its constant arguments given."""
-    neighbours = layout.neighbours()
-    noise: tuple[np.random.Generator, ...] = ()
-    if method.splits:
-        noise = (np.random.default_rng([layout.scene.seed, 2]),)
-
-    def call(clocks: Records, state: State, times: np.ndarray, record: Record, budget: int) -> int:
-        nonlocal neighbours
-        neighbours = with_room(neighbours)
-        return loop(
-            layout.model,
-            neighbours,
-            method.coefficients,
-            setting,
-            clocks,
-            state,
-            times,
-            record,
-            budget,
-            *noise,
-        )
-
-    return call
-
-
-def with_room(neighbours: Neighbours | None) -> Neighbours | None:
-    """The same list, or an empty one with more room if it had too little."""
-    if neighbours is None or neighbours.start[-1] <= neighbours.index.size:
-        return neighbours
-    room = int(EXTRA_ROOM * neighbours.start[-1])
-    return neighbours._replace(
-        index=np.zeros(room, np.int64), place=np.full_like(neighbours.place, np.nan)
-    )
-
-
-def _record_now(layout: Layout, clocks: Records, state: State, record: Record) -> None:
-    """Record the state in which a run stopped as one more sample."""
-    model = layout.model
-    now = float(clocks.t[0])
-    place_bobs(model, now, state.y[: layout.coordinates])
-    neighbours = layout.neighbours()
-    for _ in range(2):
-        neighbours = with_room(neighbours)
-        refresh(model, neighbours)
-    write_sample(model, neighbours, clocks[0], state, record)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -27,6 +27,7 @@ from tribo.model.surface import Surface
 from tribo.potentials.from_ase import Call, Live
 from tribo.run import contacts
 from tribo.run.force_records import Records, bonds, fields_on_surfaces, user_forces
+from tribo.run.identity import loaded
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +44,7 @@ class Layout:
     model : Model
         The records that the kernels read.
     start : ndarray, (2 coordinates,)
-        y at t = 0.
+        y at the start of the run.
     core, coordinates, accounts : int
         Coordinates of the asperites; all coordinates, including the baths'; size of s.
     velocity : ndarray, (n, 2)
@@ -56,6 +57,8 @@ class Layout:
         The ASE calculators that the kernels call.
     rows, skin : int, float
         Rows of the neighbour list, 0 without one; how much farther than a cutoff it reaches.
+    beginning : float
+        Time at which the run starts.
     """
 
     scene: Scene
@@ -70,6 +73,38 @@ class Layout:
     calculator_calls: tuple[Call, ...]
     rows: int
     skin: float
+    beginning: float = 0.0
+
+    @property
+    def times(self) -> np.ndarray:
+        """The times to record, from the start of the run on."""
+        times = self.scene.times
+        return np.union1d(times[times > self.beginning], [self.beginning])
+
+    @property
+    def anchors(self) -> np.ndarray:
+        """Displacement of each pulling stage and each field at t = 0, (surfaces + fields, 2)."""
+        stages = np.column_stack([self.model.surfaces.anchor, np.zeros(len(self.scene.surfaces))])
+        return np.concatenate([stages, *(f.anchor[None] for f in self.model.fields or ())])
+
+    @property
+    def drifts(self) -> np.ndarray:
+        """Velocity of each pulling stage and each field, (surfaces + fields, 2)."""
+        stages = np.column_stack([self.model.surfaces.speed, np.zeros(len(self.scene.surfaces))])
+        return np.concatenate([stages, *(f.drift[None] for f in self.model.fields or ())])
+
+    def anchored(self, anchors: np.ndarray) -> Layout:
+        """The same layout with other places of pulling stages and fields at t = 0."""
+        model = self.model
+        count = len(self.scene.surfaces)
+        surfaces = model.surfaces.copy()
+        surfaces.anchor = anchors[:count, 0]
+        moved = [
+            field._replace(origin=field.origin - anchor, anchor=anchor)
+            for field, anchor in zip(model.fields or (), anchors[count:], strict=True)
+        ]
+        model = model._replace(surfaces=surfaces, fields=tuple(moved) or None)
+        return replace(self, model=model)
 
     @property
     def plugins(self) -> list[Any]:
@@ -101,6 +136,7 @@ class Layout:
 
 def lay_out(scene: Scene) -> Layout:
     """The flat arrays of a scene, in which absent effects have no slots."""
+    scene = loaded(scene)
     counts = [surface.count for surface in scene.surfaces]
     stops = np.cumsum(counts).tolist()
     parts = {
@@ -126,6 +162,7 @@ def lay_out(scene: Scene) -> Layout:
     bobs = _bobs(scene, parts)
     calls = contacts.calculator_calls(scene, [bobs["z"][part] for part in parts.values()])
     start = _start(asperites, scene, parts, core, coordinates)
+    ends = user_forces(scene, origin, "bars", Ends)
     model = Model(
         asperites=asperites.view(np.recarray),
         surfaces=surfaces.view(np.recarray),
@@ -143,7 +180,8 @@ def lay_out(scene: Scene) -> Layout:
         fields=fields,
         langevin=True if any(surface.langevin for surface in scene.surfaces) else None,
         drives=user_forces(scene, origin, "drive", CustomDrive),
-        ends=user_forces(scene, origin, "bars", Ends),
+        ends=ends,
+        end_forces=np.zeros(scene.count, records.END_FORCES).view(np.recarray) if ends else None,
     )
     return Layout(
         scene=scene,

@@ -72,7 +72,7 @@ def assemble(layout: Layout, samples: Samples) -> Ledger:
     sums = []
     for k, surface in enumerate(layout.scene.surfaces):
         tables, terms = [], []
-        for batch, motion, forces, energies in _entries(layout, samples, k):
+        for batch, motion, forces, energies in entries(layout, samples, k):
             terms.append(batch_sums(batch, motion, forces, energies))
             works = _works(batch, forces) | _optional(layout, batch, forces)
             tables.append(_positions(layout, batch, motion) | works | energies)
@@ -85,15 +85,15 @@ def assemble_totals(layout: Layout, samples: Samples) -> Ledger:
     """The ledger of surfaces as wholes and of the system, without the series of asperites."""
     sums = []
     for k in range(len(layout.scene.surfaces)):
-        terms = [batch_sums(*entry) for entry in _entries(layout, samples, k)]
+        terms = [batch_sums(*entry) for entry in entries(layout, samples, k)]
         sums.append(sum(terms[1:], start=terms[0]))
     return _with_totals(layout, samples, {}, sums)
 
 
-def _entries(
+def entries(
     layout: Layout, samples: Samples, index: int
 ) -> Iterator[tuple[Batch, Motion, dict[str, Account], Table]]:
-    """Motion, accounts and changes of energy of each batch of a surface."""
+    """Motion, accounts and changes of energy of each batch of surface `index`."""
     for batch, motion in motions(layout, samples, index):
         yield batch, motion, accounts(batch, samples.s), _energies(batch, motion)
 
@@ -174,7 +174,7 @@ def _optional(layout: Layout, batch: Batch, forces: dict[str, Account]) -> Table
 
 def _energies(batch: Batch, m: Motion) -> Table:
     """Changes of the translational kinetic and of the internal energy of each asperite."""
-    internal = internal_energy(batch, m)
+    internal = internal_energy(batch.asperites, m.omega, m.nu, m.swing - m.phi)
     lag = batch.velocity[0] * m.vx + batch.velocity[1] * m.vy + 0.5 * (m.vx**2 + m.vy**2)
     return {
         "delta_k_trans": batch.asperites.mass * lag,

@@ -6,11 +6,12 @@ import numpy as np
 
 from tribo.integrators.methods import Method
 from tribo.integrators.step_control import Tolerance
-from tribo.kernels.compiled import time_loop
-from tribo.plugins import sources
-from tribo.run.integrate import Integration, Progress, Setting, compile_loop, integrate
+from tribo.run.general_loop import GeneralLoop, compile_loop
+from tribo.run.integrate import Integration, Progress, Setting, integrate
+from tribo.run.journal import Journal, key_of
 from tribo.run.layout import Layout
 from tribo.run.pair_adapter import Pair, has_pair_loop
+from tribo.run.state import Origin
 from tribo.run.streamed_ledger import StreamedLedger
 
 
@@ -29,6 +30,10 @@ class Integrator:
         The first step of an adaptive method [time].
     progress : callable, optional
         Called with the time reached, a few times a second.
+    origin : Origin, optional
+        The state from which the layout begins; its runs take the general loop.
+    journal : Journal, optional
+        Keeps what each integration reaches, and has what was reached before.
 
     Attributes
     ----------
@@ -47,17 +52,21 @@ class Integrator:
         method: Method,
         first_step: float,
         progress: Progress | None = None,
+        origin: Origin | None = None,
+        journal: Journal | None = None,
     ) -> None:
         self.layout = layout
         self.method = method
         self._first_step = first_step
         self._progress = progress
-        self._pair = Pair(layout, method, first_step) if has_pair_loop(layout, method) else None
+        self.origin = origin
+        self._journal = journal
+        pair = origin is None and has_pair_loop(layout, method)
+        self._pair = Pair(layout, method, first_step) if pair else None
         if self._pair is not None:
             self.compile_seconds = self._pair.compile_seconds
         else:
-            self._loop = time_loop(method.loop, sources.source_stamp(layout.plugins))
-            self.compile_seconds = compile_loop(layout, method, self._loop, _example(self))
+            self.compile_seconds = compile_loop(layout, method)
 
     def __call__(
         self,
@@ -84,25 +93,17 @@ class Integrator:
         Integration
         """
         start = self.layout.start if start is None else start
+        checkpoints = None
+        if self._journal is not None and streamed is None:
+            checkpoints = self._journal.integration(key_of(setting, times, start))
         if self._pair is not None:
             assert isinstance(setting, Tolerance)
-            return self._pair.integrate(setting, start, times, self._progress)
-        return integrate(
-            self.layout,
-            self.method,
-            self._loop,
-            setting,
-            start,
-            times,
-            self._first_step,
-            self._progress,
-            streamed,
-        )
-
-
-def _example(integrator: Integrator) -> Setting:
-    """A setting of the type that the method takes, for which its loop is compiled."""
-    layout = integrator.layout
-    if integrator.method.adaptive:
-        return Tolerance(np.ones(2 * layout.coordinates), np.ones(layout.accounts), 1.0, 1.0)
-    return 1.0
+            return self._pair.integrate(setting, start, times, self._progress, checkpoints)
+        loop = GeneralLoop(self.layout, self.method, setting, start, self._first_step)
+        before = None
+        if self.origin is not None:
+            exactly = np.array_equal(start, self.layout.start)
+            self.origin.place(loop, self.method.name, exactly)
+            before, times = self.origin.first, times[times >= self.layout.beginning]
+        calls = self.layout.calculator_calls
+        return integrate(loop, times, calls, self._progress, streamed, checkpoints, before=before)

@@ -100,7 +100,9 @@ def swing_direction(facing: np.ndarray, swing: np.ndarray) -> tuple[np.ndarray, 
     return facing * np.cos(swing), facing * np.sin(swing)
 
 
-def internal_energy(batch: Batch, m: Motion) -> np.ndarray:
+def internal_energy(
+    asperites: Records, omega: np.ndarray, nu: np.ndarray, torsion: np.ndarray
+) -> np.ndarray:
     """1/2 I omega^2 + 1/2 i2 nu^2 + 1/2 kappa (theta - rest - phi)^2, (times, asperites)."""
-    a = batch.asperites
-    return 0.5 * (a.inertia * m.omega**2 + a.i2 * m.nu**2 + a.kappa * (m.swing - m.phi) ** 2)
+    a = asperites
+    return np.asarray(0.5 * (a.inertia * omega**2 + a.i2 * nu**2 + a.kappa * torsion**2))

@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from tribo.integrators.methods import Method
+from tribo.kernels.contact import NEGLIGIBLE
 from tribo.model.scene import Scene
 from tribo.model.spectrum import valid_until
 from tribo.potentials.tables import as_table
+from tribo.run.integrate import Integration
 from tribo.run.layout import Layout
 from tribo.validation import short_repr
 
@@ -24,6 +26,27 @@ def calculator_notes(layout: Layout) -> tuple[str, ...]:
         for call in layout.calculator_calls
         if call.error is not None
     )
+
+
+def passage_notes(layout: Layout, run: Integration) -> tuple[str, ...]:
+    """A note on encounters that steps of a run with noise have passed."""
+    count, *bobs = run.passages
+    if count == 0:
+        return ()
+    one, other = (asperite_name(layout, bob) for bob in bobs)
+    return (
+        f"in {count} steps bobs passed one another within the step, {one} and {other} last; "
+        f"their potential energy is below {NEGLIGIBLE:g} k_B T there and does not affect the "
+        "motion, but works of their contact are inaccurate; a smaller step resolves them",
+    )
+
+
+def asperite_name(layout: Layout, index: int) -> str:
+    """An asperite by its surface and its place there, from 0 on."""
+    for name, part in layout.parts.items():
+        if part.start <= index < part.stop:
+            return f'asperite {index - part.start} of "{name}"'
+    raise IndexError(index)
 
 
 def _on_potentials(scene: Scene, method: Method) -> list[str]:

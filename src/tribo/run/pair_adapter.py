@@ -7,7 +7,6 @@ multiple of one of them; two matrices hold the factors.
 from __future__ import annotations
 
 import time
-from typing import Any
 
 import numpy as np
 from numba import config
@@ -19,9 +18,9 @@ from tribo.kernels.compiled import EntryPoint, time_loop
 from tribo.kernels.records import CLOCK, FORCED, FREE
 from tribo.kernels.samples import STORED
 from tribo.kernels.simd import LANES
-from tribo.kernels.status import COMPLETED, PAUSED, STATUS_OF_CODE, Status
+from tribo.kernels.status import COMPLETED, PAUSED, Status
 from tribo.pair.forces import PAIR
-from tribo.pair.loop import COLUMNS, ENERGY, REACHED, SAMPLES, pair_collocation
+from tribo.pair.loop import COLUMNS, ENERGY, pair_collocation
 from tribo.pair.step import (
     FIRST,
     J_Y,
@@ -47,9 +46,17 @@ from tribo.pair.step import (
     S,
     table,
 )
-from tribo.plugins.compile_errors import COMPILE_ERRORS, compile_error
+from tribo.plugins.compile_errors import compiling
 from tribo.plugins.sources import source_stamp
-from tribo.run.integrate import Integration, Progress, run_in_chunks
+from tribo.run.general_loop import numbers_of, set_numbers
+from tribo.run.integrate import (
+    Checkpoints,
+    Columns,
+    Integration,
+    Memory,
+    Progress,
+    integrate,
+)
 from tribo.run.layout import Layout
 from tribo.run.samples import Samples
 
@@ -61,7 +68,6 @@ FIRST_ACCOUNT = J + 1
 FIRST_STEP_FACTOR = 8.0
 # Steps before a run without a progress report can be interrupted: a few milliseconds.
 UNINTERRUPTED_STEPS = 2048
-INTERRUPTED = "Interrupted"
 
 
 def has_pair_loop(layout: Layout, method: Method) -> bool:
@@ -107,6 +113,8 @@ class Pair:
     ----------
     layout : Layout
         Of the scene.
+    clocks : ndarray, (1,)
+        How far the run has come.
     compile_seconds : float
         Time taken to compile the loop, or to load it from disk.
     """
@@ -118,22 +126,21 @@ class Pair:
         mobility = _mobility(layout)
         potential = layout.model.contacts[0].potential
         self._first_step = FIRST_STEP_FACTOR * first_step
-        self._clocks, self._rows = np.zeros(1, CLOCK), np.zeros((ROWS, LANES))
+        self.clocks, self._rows = np.zeros(1, CLOCK), np.zeros((ROWS, LANES))
         assert isinstance(method.coefficients, Collocation)
         self._rows[:LIMITS] = table(method.coefficients)
         # (2 coordinates, columns) and (accounts, columns): y and s of the scene's layout are the
         # products of these with a row of the loop's record and its arcs.
         self._to_state, self._to_accounts = _matrices(layout, mobility)
         # The loop's first arguments, the same in each call.
-        self._fixed = (_record(layout, mobility), potential, self._rows, self._clocks)
-        self._evaluations = self._clocks["evaluations"]  # the loop begins a run where this is 0
+        self._fixed = (_record(layout, mobility), potential, self._rows, self.clocks)
+        self._evaluations = self.clocks["evaluations"]  # the loop begins a run where this is 0
         self._tolerance: Tolerance | None = None  # from which the rows' limits were made
+        self._start = layout.start
         loop = time_loop(pair_collocation, source_stamp(layout.plugins))
         examples = (layout.start, np.zeros(1), np.empty((2, COLUMNS)), 0)
-        try:
+        with compiling(loop, layout.named_plugins):
             self._loop = EntryPoint(loop, self._fixed, examples)
-        except COMPILE_ERRORS as error:
-            raise compile_error(layout.named_plugins, error) from None
         self.compile_seconds = time.perf_counter() - began
 
     def integrate(
@@ -142,50 +149,49 @@ class Pair:
         start: np.ndarray,
         times: np.ndarray,
         progress: Progress | None = None,
+        checkpoints: Checkpoints | None = None,
     ) -> Integration:
-        """As :func:`tribo.run.integrate.integrate`, from `start`, y of the scene's layout."""
+        """Integrate from `start`, y of the scene's layout, through `times`."""
         began = time.perf_counter()
         if self._tolerance is not tolerance:
             self._tolerance = tolerance
             self._rows[LIMITS:STATE] = self.limits(tolerance)
-            self._clocks["encounter_fraction"] = tolerance.encounter_fraction
+            self.clocks["encounter_fraction"] = tolerance.encounter_fraction
         self._evaluations[0] = 0
+        self._start = start
+        if progress is not None or checkpoints is not None:
+            return integrate(self, times, (), progress, None, checkpoints)
         record = np.empty((times.size + 1, COLUMNS))
-        code = PAUSED
-        if progress is None:
-            code = self._loop(start, times, record, UNINTERRUPTED_STEPS)
-        status = (
-            STATUS_OF_CODE[code] if code != PAUSED else self._resume(start, times, record, progress)
+        code = self._loop(start, times, record, UNINTERRUPTED_STEPS)
+        if code != COMPLETED:
+            if code != PAUSED:
+                self._evaluations[0] = 0  # from the start again, to the same end
+            return integrate(self, times, columns=(record,))
+        seconds, memory = time.perf_counter() - began, self.memory()
+        return Integration(
+            lambda: self.samples(times, (record,)), Status.COMPLETED, record[-1], seconds, memory
         )
 
-        def recorded() -> Samples:
-            reached = times
-            if status != STATUS_OF_CODE[COMPLETED]:
-                reached = times[: int(record[-1, SAMPLES])]
-                if reached.size < times.size:  # the last state is one more sample
-                    reached = np.append(reached, record[-1, REACHED])
-            return self.samples(reached, record)
+    def room(self, samples: int) -> Columns:
+        """Arrays for so many samples."""
+        return (np.empty((samples, COLUMNS)),)
 
-        return Integration(recorded, status, record[-1], time.perf_counter() - began)
+    def advance(self, times: np.ndarray, columns: Columns, budget: int) -> int:
+        """Take at most `budget` steps, and record the samples at `times`; a code of a status."""
+        code: int = self._loop(self._start, times, columns[0], budget)
+        return code
 
-    def _resume(
-        self, start: np.ndarray, times: np.ndarray, record: np.ndarray, progress: Progress | None
-    ) -> Status:
-        """Continue a long run to its end, with reports of its progress."""
+    def forget_neighbours(self) -> None:
+        """Nothing, as a pair has no list."""
 
-        def call(clocks: Any, _: Any, times: np.ndarray, record: Any, budget: int) -> int:
-            code: int = self._loop(start, times, record, budget)
-            return code
+    def memory(self) -> Memory:
+        """All that another loop of this kind needs to continue; a copy."""
+        return {"clock": numbers_of(self.clocks), "pair": self._rows[STATE:].copy()}
 
-        clocks = self._clocks
-        status = run_in_chunks(call, (), clocks, self._rows, times, record, progress)
-        done = int(clocks["sample"][0])
-        if status == INTERRUPTED and done < times.size:  # the last state is one more sample
-            clocks["sample"], clocks["t_low"] = 0, 0.0
-            call(clocks, self._rows, clocks["t"].copy(), record[done:], 1)
-            taken = (clocks[name][0] for name in ("steps", "evaluations"))
-            record[-1, : REACHED + 1] = *taken, done, clocks["t"][0]
-        return status
+    def restore(self, memory: Memory) -> None:
+        """Continue where another loop of this kind was."""
+        set_numbers(self.clocks, memory["clock"])
+        self._rows[STATE:] = memory["pair"]
 
     def limits(self, tolerance: Tolerance) -> np.ndarray:
         """The loop's own limits (2, 8), with which all of the layout's tolerances are met."""
@@ -200,9 +206,9 @@ class Pair:
         both[1] = 1.0 / own[FIRST_ACCOUNT : FIRST_ACCOUNT + LANES]
         return both
 
-    def samples(self, times: np.ndarray, record: np.ndarray) -> Samples:
-        """The samples of the scene's layout, from the loop's record."""
-        own = record[: times.size]
+    def samples(self, times: np.ndarray, columns: Columns) -> Samples:
+        """The first samples in `columns`, of the scene's layout, which were recorded at `times`."""
+        own = columns[0][: times.size]
         rows = np.concatenate([own[:, :ENERGY], self._arcs(own)], axis=1)
         none = np.zeros(times.size)
         return Samples(

@@ -15,10 +15,11 @@ import numpy as np
 
 from tribo.kernels.status import MEANINGS, Status
 from tribo.model.scene import Scene
-from tribo.model.scene_file import scene_from
 from tribo.run import dataset
+from tribo.run.identity import Identity, opened
 from tribo.run.ledger import Ledger
 from tribo.run.quantities import QUANTITIES, Table
+from tribo.run.state import State
 from tribo.validation import as_path
 
 if TYPE_CHECKING:
@@ -147,6 +148,9 @@ class Result:
     bounds: Mapping[str, float] = field(repr=False)  # on errors, by name; empty without estimates
     assemble: Callable[[], Ledger] = field(repr=False)  # computes the ledger
     add_up: Callable[[], Cost] = field(repr=False)  # computes the cost
+    take_state: Callable[[], State] = field(repr=False)  # computes the state at the end
+    settings: Identity = field(repr=False)  # see tribo.run.identity
+    version: str  # of the package that ran it
 
     @cached_property
     def ledger(self) -> Ledger:
@@ -181,8 +185,22 @@ class Result:
         return Series(self.ledger.surfaces[surface], self.ledger.blocks[surface])
 
     def __getstate__(self) -> dict[str, Any]:
-        """What is pickled or copied: the ledger and the cost, without the runs."""
-        return {**self.__dict__, "assemble": Known(self.ledger), "add_up": Known(self.cost)}
+        """What is pickled or copied: the ledger, the cost and the state, without the runs."""
+        return {
+            **self.__dict__,
+            "assemble": Known(self.ledger),
+            "add_up": Known(self.cost),
+            "take_state": Known(self.state()),
+        }
+
+    def state(self) -> State:
+        """The full state at the end, from which :func:`tribo.simulate` continues.
+
+        Returns
+        -------
+        State
+        """
+        return self.take_state()
 
     @property
     def end(self) -> dict[str, Any]:
@@ -309,7 +327,8 @@ def load_result(path: str | Path) -> Result:
     """
     path = as_path(path)
     data = dataset.load(path)
-    scene = scene_from(tomllib.loads(data.attrs["scene"]), path.parent)
+    settings, stamps = (json.loads(data.attrs[name]) for name in ("settings", "plugins"))
+    scene = opened(tomllib.loads(data.attrs["scene"]), stamps, path.parent)
     bounds = json.loads(data.attrs["error_estimate"])
     return Result(
         scene=scene,
@@ -322,4 +341,7 @@ def load_result(path: str | Path) -> Result:
         bounds={name: bound for name, bound in bounds.items() if bound is not None},
         assemble=Known(dataset.ledger_of(data, scene)),
         add_up=Known(Cost(**json.loads(data.attrs["cost"]))),
+        take_state=Known(dataset.state_in(data, scene)),
+        settings=settings,
+        version=data.attrs["version"],
     )

@@ -6,6 +6,8 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from tribo.kernels.samples import STORED
+
 
 @dataclass(frozen=True, eq=False)
 class Samples:
@@ -20,6 +22,13 @@ class Samples:
     contact: np.ndarray  # (times,) energy of contacts between surfaces
     field: np.ndarray  # (times,) energy in external fields
     stored: np.ndarray  # (times, surfaces, STORED)
+
+    @classmethod
+    def at_zero(cls, coordinates: int, accounts: int, surfaces: int) -> Samples:
+        """One sample at t = 0, of which all values are zero."""
+        one = np.zeros(1)
+        y, s = np.zeros((1, 2 * coordinates)), np.zeros((1, accounts))
+        return cls(one, y, s, one, one, np.zeros((1, surfaces, STORED)))
 
     def at(self, times: np.ndarray) -> Samples:
         """The samples whose times are among `times`."""

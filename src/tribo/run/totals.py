@@ -35,15 +35,16 @@ def batch_sums(batch: Batch, m: Motion, forces: dict[str, Account], energies: Ta
     """The sums over one batch."""
     mass = batch.asperites.mass
 
+    # Sums, unlike products of matrices, have the same bits for any number of times.
     def total(*values: np.ndarray) -> np.ndarray:
         return np.sum(sum(values), axis=1)
 
     external = [account for name, account in forces.items() if name != "w_int"]
     outside = [forces[name].work(batch.velocity) for name in ("w2", "wL", "wR", "w_T")]
     return Sums(
-        px=m.vx @ mass,
-        py=m.vy @ mass,
-        moving=0.5 * (m.vx**2 + m.vy**2) @ mass,
+        px=total(m.vx * mass),
+        py=total(m.vy * mass),
+        moving=total(0.5 * (m.vx**2 + m.vy**2) * mass),
         internal=total(energies["delta_e_int"]),
         work=total(*(e.about + e.pseudo for e in external)),
         jx=total(*(e.jx for e in external)),

@@ -1,0 +1,65 @@
+"""Files that are written whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import stat
+from pathlib import Path
+
+from tribo.validation import InputError
+
+
+def checked_target(field: str, path: Path) -> Path:
+    """The file that a path names, behind links.
+
+    Raises InputError about `field` where no file could be written: a folder, a pipe or a device, or
+    in a folder that does not exist or cannot be written.
+    """
+    try:
+        path = Path(os.path.realpath(path))
+        folder = path.parent
+        kind = path.lstat().st_mode if os.path.lexists(path) else stat.S_IFREG
+        if not folder.is_dir():
+            raise InputError(field, f"must be in a folder that exists, got {folder}")
+    except (OSError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(field, f"must be the name of a file ({reason})") from None
+    if stat.S_ISDIR(kind):
+        raise InputError(field, f"must be the name of a file, got the folder {path}")
+    if not stat.S_ISREG(kind):
+        raise InputError(field, f"must be a regular file, got the pipe or device {path}")
+    if not os.access(folder, os.W_OK):
+        raise InputError(field, f"must be in a folder that can be written, got {folder}")
+    limit = os.pathconf(folder, "PC_NAME_MAX") if hasattr(os, "pathconf") else 255
+    if len(os.fsencode(path.name)) + len(NEW) > limit:
+        raise InputError(field, f"must be a name of at most {limit - len(NEW)} bytes")
+    return path
+
+
+# What follows the name of a file while it is written; the longest such addition to a name.
+NEW = ".part.new"
+
+
+def replace_file(path: Path, content: bytes) -> None:
+    """Write a file; one that was there stays as it was until all is on disk.
+
+    Raises InputError.
+    """
+    path = checked_target(str(path), path)
+    new = path.with_name(path.name + NEW)
+    try:
+        with open(new, "wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(new, path)
+    except OSError as error:
+        new.unlink(missing_ok=True)
+        raise not_written(path, error) from None
+
+
+def not_written(path: Path, error: OSError) -> InputError:
+    """The error of a file that cannot be written."""
+    return InputError(str(path), f"cannot be written ({error.strerror or error})")

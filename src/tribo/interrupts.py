@@ -1,0 +1,50 @@
+"""Ctrl-C: an answer within half a second, whatever the program does at that time.
+
+Python raises KeyboardInterrupt between two of its own instructions.  A compiler that runs for
+seconds delays it, and code that is called back from a compiler loses it.  A thread therefore ends
+the program if nothing has answered the interrupt in time.  Files are complete at any time.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import threading
+
+# Seconds for an answer before the program is ended.
+PATIENCE = 0.15
+# The exit status of a run that stopped early, and of a check that failed.
+STOPPED = 1
+
+_answered = threading.Event()
+
+
+def watch() -> None:
+    """Make sure that each interrupt of this program is answered."""
+    reader, writer = os.pipe()
+    os.set_blocking(writer, False)
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    signal.set_wakeup_fd(writer, warn_on_full_buffer=False)
+    threading.Thread(target=_end_unanswered, args=(reader,), daemon=True).start()
+
+
+def answer() -> None:
+    """Tell that an interrupt was received, and that what it stopped comes to an end."""
+    _answered.set()
+
+
+def report() -> None:
+    """Print the status of a command that was interrupted before it had a result."""
+    if "--json" in sys.argv:
+        os.write(1, b'{"status": "Interrupted"}\n')
+    os.write(2, b"tribo: Interrupted: the command was interrupted before it had a result\n")
+
+
+def _end_unanswered(reader: int) -> None:
+    """End the program after an interrupt that nothing answers."""
+    while os.read(reader, 1) != signal.SIGINT.to_bytes():
+        pass
+    if not _answered.wait(PATIENCE):
+        report()
+        os._exit(STOPPED)

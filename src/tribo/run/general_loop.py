@@ -1,0 +1,173 @@
+"""The time loops of any scene, with the state of their run."""
+
+from __future__ import annotations
+
+import json
+import time
+
+import numpy as np
+
+from tribo.integrators.methods import Method
+from tribo.integrators.step_control import Tolerance
+from tribo.kernels.compiled import collector_paused, time_loop
+from tribo.kernels.records import CLOCK, Neighbours
+from tribo.kernels.samples import STORED, Record, State, initial_state
+from tribo.plugins.compile_errors import compiling
+from tribo.plugins.sources import source_stamp
+from tribo.run.integrate import Columns, Memory, Setting
+from tribo.run.layout import Layout
+from tribo.run.samples import Samples
+
+# Room of a neighbour list, in units of what it needed when it had too little: bobs that approach
+# one another need somewhat more soon after.
+EXTRA_ROOM = 1.5
+
+
+class GeneralLoop:
+    """The time loop of a method for one scene, and the state of its run.
+
+    Parameters
+    ----------
+    layout : Layout
+        The scene.
+    method : Method
+        How time advances.
+    setting : float or Tolerance
+        The step, or the tolerances of an adaptive method.
+    start : ndarray, (2 coordinates,)
+        y at t = 0.
+    first_step : float
+        The first step of an adaptive method [time].
+
+    Attributes
+    ----------
+    layout : Layout
+        The scene.
+    clocks : ndarray, (1,)
+        How far the run has come.
+    state : State
+        Coordinates, velocities, accounts, and what the method keeps of its last step.
+    compiled : callable
+        The loop, compiled at its first call.
+    """
+
+    def __init__(
+        self,
+        layout: Layout,
+        method: Method,
+        setting: Setting,
+        start: np.ndarray,
+        first_step: float,
+    ) -> None:
+        self.layout = layout
+        self.clocks = np.zeros(1, CLOCK).view(np.recarray)
+        self.clocks.h = first_step
+        if isinstance(setting, Tolerance):
+            self.clocks.encounter_fraction = setting.encounter_fraction
+        self.state = initial_state(start, layout.accounts, method.remembers, method.splits)
+        self._neighbours = layout.neighbours()
+        self._noise: tuple[np.random.Generator, ...] = ()
+        if method.splits:
+            self._noise = (np.random.default_rng([layout.scene.seed, 2]),)
+        self._constants = (method.coefficients, setting)
+        self.compiled = time_loop(method.loop, source_stamp(layout.plugins))
+
+    def room(self, samples: int) -> Record:
+        """Arrays for so many samples."""
+        surfaces = len(self.layout.scene.surfaces)
+        return Record(
+            np.empty((samples, 2 * self.layout.core)),
+            np.empty((samples, self.layout.accounts)),
+            np.empty(samples),
+            np.empty(samples),
+            np.zeros((samples, surfaces, STORED)),
+        )
+
+    def advance(self, times: np.ndarray, columns: Columns, budget: int) -> int:
+        """Take at most `budget` steps, and record the samples at `times`; a code of a status."""
+        self._neighbours = with_room(self._neighbours)
+        code: int = self.compiled(
+            self.layout.model,
+            self._neighbours,
+            *self._constants,
+            self.clocks,
+            self.state,
+            times,
+            Record(*columns),
+            budget,
+            *self._noise,
+        )
+        return code
+
+    def forget_neighbours(self) -> None:
+        """Let the next call make its neighbour list, if it has one, from the bobs' places."""
+        if self._neighbours is not None:
+            self._neighbours.place[:] = np.nan
+
+    def memory(self) -> Memory:
+        """All that another loop of this kind needs to continue; a copy."""
+        memory = {"clock": numbers_of(self.clocks)}
+        memory |= {name: array.copy() for name, array in self.state._asdict().items()}
+        if self._neighbours is not None:
+            for name in ("start", "index", "place", "made"):
+                memory[f"neighbours_{name}"] = getattr(self._neighbours, name).copy()
+        if self._noise:
+            text = json.dumps(self._noise[0].bit_generator.state)
+            memory["noise"] = np.frombuffer(text.encode(), np.uint8).copy()
+        return memory
+
+    def restore(self, memory: Memory) -> None:
+        """Continue where another loop of this kind was."""
+        set_numbers(self.clocks, memory["clock"])
+        self.state = State(**{name: memory[name].copy() for name in State._fields})
+        if self._neighbours is not None:
+            self._neighbours = self._neighbours._replace(
+                start=memory["neighbours_start"].copy(),
+                index=memory["neighbours_index"].copy(),
+                place=memory["neighbours_place"].copy(),
+                made=memory["neighbours_made"].copy(),
+            )
+        if self._noise:
+            self.restore_noise(memory["noise"])
+
+    def restore_noise(self, noise: np.ndarray) -> None:
+        """Draw the random numbers that follow those drawn before, if any are drawn."""
+        for generator in self._noise:
+            generator.bit_generator.state = json.loads(noise.tobytes())
+
+    def samples(self, times: np.ndarray, columns: Columns) -> Samples:
+        """The first samples in `columns`, which were recorded at `times`."""
+        return Samples(times, *(column[: times.size] for column in columns))
+
+
+def compile_loop(layout: Layout, method: Method) -> float:
+    """Compile a loop for a scene, or load it from the disk cache; returns the seconds."""
+    began = time.perf_counter()
+    setting: Setting = 1.0
+    if method.adaptive:
+        setting = Tolerance(np.ones(2 * layout.coordinates), np.ones(layout.accounts), 1.0, 1.0)
+    loop = GeneralLoop(layout, method, setting, layout.start, 0.0)
+    with collector_paused(), compiling(loop.compiled, layout.named_plugins):
+        loop.advance(np.ones(1), loop.room(1), 0)
+    return time.perf_counter() - began
+
+
+def numbers_of(clocks: np.ndarray) -> np.ndarray:
+    """The fields of a clock as numbers; counts below 2^53 are exact."""
+    return np.array(clocks[0].tolist(), float)
+
+
+def set_numbers(clocks: np.ndarray, numbers: np.ndarray) -> None:
+    """Set the fields of a clock from :func:`numbers_of`."""
+    for name, value in zip(CLOCK.names or (), numbers, strict=True):
+        clocks[name] = value
+
+
+def with_room(neighbours: Neighbours | None) -> Neighbours | None:
+    """The same list, or an empty one with more room if it had too little."""
+    if neighbours is None or neighbours.start[-1] <= neighbours.index.size:
+        return neighbours
+    room = int(EXTRA_ROOM * neighbours.start[-1])
+    return neighbours._replace(
+        index=np.zeros(room, np.int64), place=np.full_like(neighbours.place, np.nan)
+    )

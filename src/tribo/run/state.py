@@ -1,0 +1,222 @@
+"""States: all of a run at one time, from which another run continues."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+
+from tribo.model.scene import Scene
+from tribo.model.scene_writer import scene_text
+from tribo.run.general_loop import GeneralLoop
+from tribo.run.identity import first_difference, plain_table
+from tribo.run.integrate import Integration, Memory
+from tribo.run.layout import Layout
+from tribo.run.motion import columns
+from tribo.run.quantities import Table
+from tribo.run.samples import Samples
+from tribo.validation import InputError
+
+# Keys of a scene that are no part of its physics.
+NO_PHYSICS = ("title", "duration", "output", "numerics")
+# Keys of a surface that place it: displacements in a state are relative to them.
+PLACES = (
+    *("name", "facing", "bob", "velocity", "shape", "spacing", "depth", "heights", "positions"),
+    *("species", "bars"),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """The full state of a run at one time; :func:`tribo.simulate` continues from it.
+
+    Attributes
+    ----------
+    t : float
+        The time [time].
+    surfaces : dict
+        Surface -> quantity -> (asperites,): the angles ``swing`` and ``phi`` from rest, the rates
+        ``omega`` and ``nu``, the displacement ``x``, ``y`` of each centre of mass from its uniform
+        motion with the surface's initial velocity, and its rate ``vx``, ``vy``.
+    y : ndarray, (2 coordinates,)
+        The same and the baths, as the time loops order them.
+    s : ndarray, (accounts,)
+        The accounts of work and pseudowork.
+    first : Samples
+        The first sample of the run, from which changes are counted.
+    anchors : ndarray, (surfaces + fields, 2)
+        Displacement of each pulling stage and of each field at t = 0, if they had moved at their
+        present velocities all the time; zero unless a velocity was changed between two runs.
+    phases : ndarray, (surfaces + fields, 2)
+        Displacement of each pulling stage and of each field at `t`.
+    memory : dict
+        What the method needs to continue bit for bit, and the random generator.
+    method : str
+        The method's name.
+    scene : Scene
+        What was run.
+    """
+
+    t: float
+    surfaces: dict[str, Table]
+    y: np.ndarray
+    s: np.ndarray
+    first: Samples
+    anchors: np.ndarray
+    phases: np.ndarray
+    memory: Memory
+    method: str
+    scene: Scene
+
+    @property
+    def digest(self) -> str:
+        """A hash of everything that a run depends on [32 hex digits]."""
+        digest = hashlib.blake2b(scene_text(self.scene).encode(), digest_size=16)
+        for name, array in self.arrays().items():
+            digest.update(name.encode() + array.tobytes())
+        return digest.hexdigest()
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Everything as arrays by name, for files."""
+        found = {"t": np.array(self.t)}
+        found |= {name: getattr(self, name) for name in ("y", "s", "anchors", "phases")}
+        found |= {f"first_{f.name}": getattr(self.first, f.name) for f in fields(Samples)}
+        found |= {f"memory_{name}": array for name, array in self.memory.items()}
+        for surface, table in self.surfaces.items():
+            found |= {f"surface_{name}_{surface}": array for name, array in table.items()}
+        return found
+
+    @classmethod
+    def of_arrays(cls, arrays: dict[str, np.ndarray], method: str, scene: Scene) -> State:
+        """The inverse of :meth:`arrays`."""
+        surfaces: dict[str, Table] = {}
+        for key, array in below("surface_", arrays).items():
+            name, _, surface = key.partition("_")
+            surfaces.setdefault(surface, {})[name] = array
+        return cls(
+            t=float(arrays["t"]),
+            surfaces=surfaces,
+            first=Samples(**below("first_", arrays)),
+            memory=below("memory_", arrays),
+            method=method,
+            scene=scene,
+            **{name: arrays[name] for name in ("y", "s", "anchors", "phases")},
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Origin:
+    """Where the runs of a scene begin, if not at its start.
+
+    Attributes
+    ----------
+    state : State
+        The state they begin from.
+    same_scene : bool
+        Whether the state is of the same scene, whose accounts go on.
+    """
+
+    state: State
+    same_scene: bool
+
+    @property
+    def first(self) -> Samples | None:
+        """The first sample of the run that goes on; None where a run begins."""
+        earlier = self.same_scene and self.state.first.t[0] < self.state.t
+        return self.state.first if earlier else None
+
+    def place(self, loop: GeneralLoop, method: str, exactly: bool) -> None:
+        """Let a loop begin from the state; `exactly` if its coordinates were not changed."""
+        state = self.state
+        if exactly and self.same_scene and method == state.method and "y" in state.memory:
+            fraction = loop.clocks["encounter_fraction"].copy()
+            loop.restore(state.memory)
+            loop.clocks["encounter_fraction"], loop.clocks["sample"] = fraction, 0
+            return
+        loop.clocks["t"] = state.t
+        if self.same_scene:
+            loop.state.s[:] = state.s
+        if "noise" in state.memory:
+            loop.restore_noise(state.memory["noise"])
+
+
+def state_of(layout: Layout, method: str, run: Integration) -> State:
+    """The state at the end of a run."""
+    last = run.samples.last()
+    core, n = layout.core, layout.coordinates
+    y = run.memory["y"].copy() if "y" in run.memory else last.y[0].copy()
+    # A sample has the coordinates of the asperites at its time; a loop may be behind with them.
+    y[:core], y[n : n + core] = last.y[0, :core], last.y[0, core:]
+    t = float(last.t[0])
+    anchors = layout.anchors
+    return State(
+        t=t,
+        surfaces={name: _surface(layout, part, y) for name, part in layout.parts.items()},
+        y=y,
+        s=last.s[0],
+        first=run.samples.first(),
+        anchors=anchors,
+        phases=anchors + layout.drifts * t,
+        memory=run.memory,
+        method=method,
+        scene=layout.scene,
+    )
+
+
+def _surface(layout: Layout, part: slice, y: np.ndarray) -> Table:
+    """The coordinates of a surface's asperites and their rates, by name."""
+    a, n = layout.model.asperites[part], layout.coordinates
+    table = {"swing": y[:n][part], "omega": y[n:][part]}
+    for name, rate, slots in (
+        ("phi", "nu", a.dof_phi),
+        ("x", "vx", a.dof_x),
+        ("y", "vy", a.dof_y),
+    ):
+        table[name] = columns(slots, y[None, :n])[0]
+        table[rate] = columns(slots, y[None, n:])[0]
+    return {name: np.array(values) for name, values in table.items()}
+
+
+def continued(layout: Layout, state: State) -> tuple[Layout, Origin]:
+    """The layout of a scene that starts from a state, which may be of a scene with other forces.
+
+    Raises InputError if the state does not fit the scene.
+    """
+    if not isinstance(state, State):
+        raise InputError("start", f"must be a tribo.State, got {type(state).__name__}")
+    old, new = plain_table(state.scene), plain_table(layout.scene)
+    same_scene = first_difference(_physics(old), _physics(new)) is None
+    other = first_difference(_places(old), _places(new))
+    if other is not None:
+        raise InputError("start", f"must be a state of this scene, but {other}")
+    if state.y.size != layout.start.size:
+        raise InputError("start", "must be a state of this scene, but has other coordinates")
+    if layout.scene.duration <= state.t:
+        raise InputError(
+            "duration", f"must be later than the state's t = {state.t:g}, got {new['duration']:g}"
+        )
+    anchors = state.anchors
+    if not same_scene and anchors.shape == layout.drifts.shape:
+        anchors = state.phases - layout.drifts * state.t
+    layout = replace(layout.anchored(anchors), start=state.y, beginning=state.t)
+    return layout, Origin(state, same_scene)
+
+
+def _physics(table: dict[str, object]) -> dict[str, object]:
+    return {key: value for key, value in table.items() if key not in NO_PHYSICS}
+
+
+def _places(table: dict[str, object]) -> dict[str, object]:
+    surfaces = table["surface"]
+    assert isinstance(surfaces, list)
+    return {"surface": [{key: surface.get(key) for key in PLACES} for surface in surfaces]}
+
+
+def below(prefix: str, arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """The arrays whose names begin with a prefix, by the rest of their names."""
+    return {
+        name.removeprefix(prefix): array
+        for name, array in arrays.items()
+        if name.startswith(prefix)
+    }
