@@ -13,6 +13,7 @@ import json
 import select
 import subprocess
 import sys
+import time
 from collections import Counter
 from pathlib import Path
 
@@ -96,10 +97,11 @@ def serve() -> None:
     from support.verdicts import truth_of, verdict
 
     for line in sys.stdin:
-        table = wide_scene(int(line))
+        table, began = wide_scene(int(line)), time.perf_counter()
         truth = truth_of(table)
-        row = verdict(table, truth)
-        row["reference"] = truth if isinstance(truth, str) else truth.info.evaluations
+        cost = {"reference": truth if isinstance(truth, str) else truth.info.evaluations}
+        cost["reference_seconds"] = time.perf_counter() - began
+        row = verdict(table, truth) | cost
         print(json.dumps(row), flush=True)
 
 

@@ -145,6 +145,11 @@ class Solution:
             "scales": self.scales,
         }
 
+    @property
+    def has_work(self) -> bool:
+        """Whether any force works; if none does, the scale of energies is rounding."""
+        return any(np.any(series) for series in self.series("w1") + self.series("w"))
+
     def series(self, name: str) -> list[np.ndarray]:
         """All series of a quantity."""
         tables = [self.system, *self.surfaces.values(), *self.blocks.values()]
@@ -180,6 +185,8 @@ TOLERANCES = {"long double": (3e-18, 7), "quad": (1e-24, 12)}
 LOOSER = 100.0
 # Time of an evaluation in quadruple precision, in units of that in long double.
 SLOWER = 5.0
+# Times at which the scales of a run are measured, besides the recorded ones.
+SCALE_TIMES = 33
 # Errors in long double, relative to the scales, above which quadruple precision is used.
 SMALL = 1e-14
 
@@ -220,9 +227,9 @@ def _solve(model: Tables, precision: str, most: float) -> Solution:
     tolerance, rows = TOLERANCES[precision]
     fine, info = model.solve(precision, tolerance, rows, most)
     rough, _ = model.solve(precision, LOOSER * tolerance, rows, most)
-    t, surfaces, blocks, system = model.named(fine)
-    solution = Solution(t, surfaces, blocks, system, {}, model.scales(fine), info)
-    other = Solution(*model.named(rough), {}, {}, info)
+    times, kept = model.t[model.recorded], model.recorded
+    solution = Solution(times, *model.named(fine[kept]), {}, model.scales(fine), info)
+    other = Solution(times, *model.named(rough[kept]), {}, {}, info)
     for name in (*QUANTITIES[:-2], *BLOCK, *SYSTEM):
         pairs = zip(solution.series(name), other.series(name), strict=True)
         differences = [float(np.max(np.abs(one - two))) for one, two in pairs]
@@ -298,7 +305,9 @@ class Tables:
     """A scene as the arrays that the C source describes."""
 
     def __init__(self, scene: dict[str, Any]) -> None:
-        self.scene, self.t = scene, recorded_times(scene)
+        self.scene, recorded = scene, recorded_times(scene)
+        self.t = np.union1d(recorded, np.linspace(0.0, recorded[-1], SCALE_TIMES))
+        self.recorded = np.searchsorted(self.t, recorded)
         self.names: list[str] = []
         self.counts: list[int] = []
         self.species: list[list[str]] = []
@@ -463,8 +472,8 @@ class Tables:
             raise UnsolvedError(STATUSES[status], info)
         return out, info
 
-    def named(self, out: np.ndarray) -> tuple[np.ndarray, dict, dict, dict]:
-        """The recorded numbers by surface and quantity."""
+    def named(self, out: np.ndarray) -> tuple[dict, dict, dict]:
+        """Rows of numbers by surface and quantity."""
         n, width = sum(self.counts), len(QUANTITIES)
         each = out[:, : n * width].reshape(-1, n, width)
         surfaces, blocks, start = {}, {}, 0
@@ -480,11 +489,11 @@ class Tables:
             blocks[name] = {q: out[:, first + i] for i, q in enumerate(BLOCK)}
             start += count
         system = {q: out[:, i - 3] for i, q in enumerate(SYSTEM)}
-        return self.t, surfaces, blocks, system
+        return surfaces, blocks, system
 
     def scales(self, out: np.ndarray) -> dict[str, float]:
-        """One scale for each kind of quantity, the largest over asperites and recorded times."""
-        _, surfaces, blocks, system = self.named(out)
+        """One scale for each kind of quantity, the largest over asperites and the run."""
+        surfaces, blocks, system = self.named(out)
 
         def top(tables: list[dict[str, np.ndarray]], kind: str) -> float:
             values = [v for table in tables for q, v in table.items() if kind_of(q) == kind]
