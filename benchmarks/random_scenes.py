@@ -1,11 +1,14 @@
 """Run random scenes and judge every recorded number by a reference that shares no code.
 
     python benchmarks/random_scenes.py --seeds 0:1000 --out random.jsonl [--failures DIR]
+    python benchmarks/random_scenes.py --store 0,5,450
 
 It needs a C compiler.  FILE gets a line for each seed; seeds that it has already are not run again,
 so that a run continues where it stopped.  Scenes that fail are written to DIR as scene files.  At
 the end it prints how many scenes there were, every outcome, and each failure on a line.  A scene
 that gives no answer within HANG seconds is a hang; its process is ended.
+
+The second form stores scenes and their references for tests/accuracy/test_random_scenes.py.
 """
 
 import argparse
@@ -31,10 +34,13 @@ def main() -> None:
     parser.add_argument("--seeds", default="0:1000", help="first:last, the last excluded")
     parser.add_argument("--out", type=Path, default=Path("random.jsonl"))
     parser.add_argument("--failures", type=Path)
+    parser.add_argument("--store", help="seeds of the scenes to store for the tests")
     parser.add_argument("--serve", action="store_true", help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.serve:
         return serve()
+    if options.store:
+        return store([int(seed) for seed in options.store.split(",")])
     first, last = map(int, options.seeds.split(":"))
     done = {row["seed"] for row in rows_of(options.out)}
     worker = Worker()
@@ -103,6 +109,20 @@ def serve() -> None:
         cost["reference_seconds"] = time.perf_counter() - began
         row = verdict(table, truth) | cost
         print(json.dumps(row), flush=True)
+
+
+def store(seeds: list[int]) -> None:
+    """Write scenes and their solutions for the default tests."""
+    from support.random_scenes import wide_scene
+    from support.reference_precise import solve
+    from support.verdicts import STORED
+
+    rows = []
+    for seed in seeds:
+        table = wide_scene(seed)
+        rows.append({"seed": seed, "scene": table, "solution": solve(table).as_table()})
+    lines = ",\n".join(json.dumps(row, separators=(",", ":")) for row in rows)
+    STORED.write_text(f"[\n{lines}\n]\n", encoding="utf-8")
 
 
 def keep(folder: Path | None, seed: int, row: dict) -> None:

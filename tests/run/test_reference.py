@@ -6,6 +6,7 @@ the package.
 
 from decimal import Decimal
 
+import mpmath
 import numpy as np
 import pytest
 
@@ -15,6 +16,7 @@ from support.random_scenes import POTENTIALS, random_scene, rich_scene
 from tribo.accuracy.scales import KINDS
 from tribo.integrators.methods import METHODS
 from tribo.model.scene_file import scene_from
+from tribo.run.layout import lay_out
 
 ACCURACY = 1e-8
 # Largest difference, in units of the scale of each kind.
@@ -100,6 +102,20 @@ def test_contact_within_alone():
 def test_methods_that_choose_their_steps(method):
     """Each of them, on a scene with every effect at once."""
     assert_agrees(rich_scene(1), method)
+
+
+def test_phase_of_a_field_far_from_the_origin():
+    """At 1e7 periods from x = 0 the force of a corrugation keeps its digits."""
+    scene = random_scene(4, "morse")
+    scene["surface"][0]["bob"] = [1e5 + 0.001, 0.0]
+    field = {"on": ["upper"], "kind": "corrugation", "amplitude": 1.0, "period": 0.013}
+    field["origin"] = [3e4, 0.0]
+    (laid_out,) = lay_out(scene_from(scene | {"field": [field]})).model.fields
+    force, _ = laid_out.potential.force_at(laid_out.origin[0], 0.0)
+    with mpmath.workdps(40):
+        q = 2 * mpmath.pi / mpmath.mpf(0.013)
+        exact = -q * mpmath.sin(q * (mpmath.mpf(1e5 + 0.001) - mpmath.mpf(3e4)))
+    assert force == pytest.approx(float(exact), rel=1e-14)
 
 
 # --- the solver in C ------------------------------------------------------------------------------

@@ -233,7 +233,7 @@ def wide_drive(draw: Draw) -> object:
     return table
 
 
-def wide_start(draw: Draw, name: str) -> dict:
+def wide_start(draw: Draw) -> dict:
     """Angles and rates at the start."""
     start: dict = {}
     if draw.chance(0.7):
@@ -257,7 +257,7 @@ def wide_surface(draw: Draw, structure: dict, name: str) -> dict:
         "drive": wide_drive(draw),
         "bars": draw.pick("clamped", "clamped", "free"),
         "asperite": wide_asperites(draw, count),
-        "initial": wide_start(draw, name),
+        "initial": wide_start(draw),
     }
     if count > 1:
         table["heights"] = [draw.between(-0.1, 0.1) for _ in range(count)]

@@ -150,10 +150,51 @@ class Solution:
         """Whether any force works; if none does, the scale of energies is rounding."""
         return any(np.any(series) for series in self.series("w1") + self.series("w"))
 
+    def relative_error(self) -> float:
+        """The largest error in units of its scale."""
+        ratios = [0.0]
+        for name, error in self.error.items():
+            scale = self.scales[kind_of(name)]
+            if error > 0.0:
+                ratios.append(error / scale if scale > 0.0 else math.inf)
+        return max(ratios)
+
+    def as_table(self) -> dict[str, Any]:
+        """All numbers as lists, which `solution_from` reads."""
+        return {
+            "t": self.t.tolist(),
+            "surfaces": {name: _lists(table) for name, table in self.surfaces.items()},
+            "blocks": {name: _lists(table) for name, table in self.blocks.items()},
+            "system": _lists(self.system),
+            "error": self.error,
+            "scales": self.scales,
+        }
+
     def series(self, name: str) -> list[np.ndarray]:
         """All series of a quantity."""
         tables = [self.system, *self.surfaces.values(), *self.blocks.values()]
         return [table[name] for table in tables if name in table]
+
+
+def _lists(table: dict[str, np.ndarray]) -> dict[str, list]:
+    return {name: values.tolist() for name, values in table.items()}
+
+
+def _arrays(table: dict[str, list]) -> dict[str, np.ndarray]:
+    return {name: np.array(values) for name, values in table.items()}
+
+
+def solution_from(table: dict[str, Any]) -> Solution:
+    """The solution that `Solution.as_table` gave."""
+    return Solution(
+        np.array(table["t"]),
+        {name: _arrays(values) for name, values in table["surfaces"].items()},
+        {name: _arrays(values) for name, values in table["blocks"].items()},
+        _arrays(table["system"]),
+        table["error"],
+        table["scales"],
+        Info(),
+    )
 
 
 @cache
@@ -187,11 +228,13 @@ LOOSER = 100.0
 SLOWER = 5.0
 # Times at which the scales of a run are measured, besides the recorded ones.
 SCALE_TIMES = 33
-# Errors in long double, relative to the scales, above which quadruple precision is used.
+# Errors in long double, relative to the scales, above which quadruple precision is tried.
 SMALL = 1e-14
 
 
-def solve(scene: dict[str, Any], precision: str = "", most: float = 2e7) -> Solution:
+def solve(
+    scene: dict[str, Any], precision: str = "", most: float = 2e7, wanted: float = SMALL
+) -> Solution:
     """All quantities of a scene at its recorded times.
 
     Parameters
@@ -203,6 +246,8 @@ def solve(scene: dict[str, Any], precision: str = "", most: float = 2e7) -> Solu
     most : float
         The largest number of evaluations of the forces of one solution; a fifth of it in
         quadruple precision, if that is chosen here.
+    wanted : float
+        Error in long double, relative to the scales, above which quadruple precision is tried.
 
     Raises
     ------
@@ -213,14 +258,20 @@ def solve(scene: dict[str, Any], precision: str = "", most: float = 2e7) -> Solu
     """
     if precision:
         return _solve(Tables(scene), precision, most)
+    solution = None
     try:
         solution = _solve(Tables(scene), "long double", most)
+        if solution.relative_error() <= wanted:
+            return solution
     except UnsolvedError as failure:
         if failure.status == "bobs coincide":
             raise
+    try:
         return _solve(Tables(scene), "quad", most / SLOWER)
-    errors = (solution.error[q] - SMALL * solution.scales[kind_of(q)] for q in solution.error)
-    return solution if max(errors) <= 0.0 else _solve(Tables(scene), "quad", most / SLOWER)
+    except UnsolvedError:
+        if solution is None:
+            raise
+        return solution
 
 
 def _solve(model: Tables, precision: str, most: float) -> Solution:

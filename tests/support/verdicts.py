@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import time
 import warnings
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import tribo
-from support.reference_precise import Solution, Tables, UnsolvedError, kind_of, solve
+from support.reference_precise import SMALL, Solution, Tables, UnsolvedError, kind_of, solve
 from tribo.model.scene_file import scene_from
 
 # What may happen to a scene: the first four are allowed.
@@ -24,9 +25,13 @@ OUTCOMES = (
     "warning",  # a warning other than a TriboWarning
     "traceback",  # an exception other than an InputError
 )
+# Scenes with their solutions, for the default tests.
+STORED = Path(__file__).with_name("random_scenes.json")
 # Work of one solution of the reference after which it gives up: evaluations times the asperites and
 # their pairs; 2 to 5 s.
 MOST = 2e6
+# Largest error of the reference, relative to the accuracy of the run, that needs no more precision.
+SURER = 1e-5
 # Scales are the largest over a run, which the package and the reference see at other times: a
 # hundredth is the most that they differ by for a sine at 33 times a period.
 SCALE_ERROR = 0.05
@@ -38,7 +43,9 @@ def truth_of(table: dict) -> Solution | str:
     """The reference's solution of a scene, or why there is none."""
     try:
         rows = Tables(table).rows
-        return solve(table, most=MOST / (len(rows["asperites"]) + len(rows["pair"])))
+        most = MOST / (len(rows["asperites"]) + len(rows["pair"]))
+        accuracy = table.get("numerics", {}).get("accuracy", 1e-8)
+        return solve(table, most=most, wanted=max(SURER * accuracy, SMALL))
     except (UnsolvedError, NotImplementedError) as problem:
         return str(problem)
 
