@@ -85,19 +85,19 @@ def empty_stages(count, model, state):
 
 
 @kernel
-def store_within(inner, stored):
-    """Store the forces within surfaces, if there are any."""
+def store_within(inner, stored, i):
+    """Store the forces within surfaces, if there are any, as those of stage i."""
     if inner is not None:
         for m in range(inner.size):
-            stored[m] = inner[m]
+            stored[i, m] = inner[m]
 
 
 @kernel
-def restore_within(inner, stored):
-    """Put stored forces within surfaces in place, if there are any."""
+def restore_within(inner, stored, i):
+    """Put the forces within surfaces of stage i in place, if there are any."""
     if inner is not None:
         for m in range(inner.size):
-            inner[m] = stored[m]
+            inner[m] = stored[i, m]
 
 
 @kernel
@@ -106,7 +106,7 @@ def store_forces(model, work, i):
     for m in range(model.bobs.size):
         work.bobs[i, m] = model.bobs[m]
         work.bars[i, m] = model.bars[m]
-    store_within(model.inner, work.inner[i])
+    store_within(model.inner, work.inner, i)
 
 
 @kernel
@@ -115,7 +115,7 @@ def restore_forces(model, work, i):
     for m in range(model.bobs.size):
         model.bobs[m] = work.bobs[i, m]
         model.bars[m] = work.bars[i, m]
-    restore_within(model.inner, work.inner[i])
+    restore_within(model.inner, work.inner, i)
 
 
 @expanded

@@ -47,6 +47,8 @@ class GeneralLoop:
         How far the run has come.
     state : State
         Coordinates, velocities, accounts, and what the method keeps of its last step.
+    adaptive : bool
+        Whether it chooses its steps.
     compiled : callable
         The loop, compiled at its first call.
     """
@@ -60,6 +62,7 @@ class GeneralLoop:
         first_step: float,
     ) -> None:
         self.layout = layout
+        self.adaptive = method.adaptive
         self.clocks = np.zeros(1, CLOCK).view(np.recarray)
         self.clocks.h = first_step
         if isinstance(setting, Tolerance):
@@ -105,15 +108,15 @@ class GeneralLoop:
             self._neighbours.place[:] = np.nan
 
     def memory(self) -> Memory:
-        """All that another loop of this kind needs to continue; a copy."""
+        """All that another loop of this kind needs to continue, until this one goes on."""
         memory = {"clock": numbers_of(self.clocks)}
-        memory |= {name: array.copy() for name, array in self.state._asdict().items()}
+        memory |= self.state._asdict()
         if self._neighbours is not None:
             for name in ("start", "index", "place", "made"):
-                memory[f"neighbours_{name}"] = getattr(self._neighbours, name).copy()
+                memory[f"neighbours_{name}"] = getattr(self._neighbours, name)
         if self._noise:
             text = json.dumps(self._noise[0].bit_generator.state)
-            memory["noise"] = np.frombuffer(text.encode(), np.uint8).copy()
+            memory["noise"] = np.frombuffer(text.encode(), np.uint8)
         return memory
 
     def restore(self, memory: Memory) -> None:

@@ -15,6 +15,7 @@ from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import PAUSED, STATUS_OF_CODE, Status
 from tribo.potentials.from_ase import Call
 from tribo.run.layout import Layout
+from tribo.run.progress_guard import ProgressGuard
 from tribo.run.samples import Samples
 from tribo.run.streamed_ledger import StreamedLedger, portion_size
 
@@ -41,6 +42,7 @@ class TimeLoop(Protocol):
     """A compiled time loop, and the state of its run."""
 
     layout: Layout
+    adaptive: bool  # whether it chooses its steps
 
     @property
     def clocks(self) -> np.ndarray:
@@ -56,7 +58,7 @@ class TimeLoop(Protocol):
         """Let the next call make its neighbour list, if it has one, from the bobs' places."""
 
     def memory(self) -> Memory:
-        """All that another loop of this kind needs to continue; a copy."""
+        """All that another loop of this kind needs to continue, until this one goes on."""
 
     def restore(self, memory: Memory) -> None:
         """Continue where another loop of this kind was."""
@@ -165,6 +167,8 @@ def integrate(
             loop.clocks["sample"] = 0
         status = _run_through(loop, portion, columns, calls, progress, checkpoints)
         memory = loop.memory()
+        if status != Status.COMPLETED:  # the loop goes on, to record where it stopped
+            memory = {name: array.copy() for name, array in memory.items()}
         counts = np.array([loop.clocks["steps"][0], loop.clocks["evaluations"][0]])
         passages = tuple(int(loop.clocks[name][0]) for name in ("passages", "passing", "passed"))
         new = _recorded(loop, portion, columns, status)
@@ -230,24 +234,30 @@ def run_in_chunks(
     calls: tuple[Call, ...] = (),
     progress: Progress | None = None,
 ) -> Status:
-    """Run through the times in chunks, and check for an interrupt between them.
+    """Run through the times in chunks, and check for an interrupt and for progress between them.
 
     The clock only decides how many steps a chunk has; loops give the same bits for any chunks.
     """
     budget = FIRST_CHUNK
     code = PAUSED
+    layout = loop.layout
+    guard = ProgressGuard(
+        loop.clocks, layout.beginning, float(times[-1]), layout.model.asperites.size
+    )
     for item in calls:
         item.error, item.interrupted = None, False
     try:
         while code == PAUSED:
             began = time.perf_counter()
-            code = loop.advance(times, columns, budget)
+            code = loop.advance(times, columns, guard.within(budget))
             taken = max(time.perf_counter() - began, LEAST_SECONDS)
             for item in calls:
                 if item.error is not None:
                     return Status.CALCULATOR_FAILED
                 if item.interrupted:
                     raise KeyboardInterrupt
+            if loop.adaptive and code == PAUSED and guard.is_hopeless():
+                return Status.NO_PROGRESS
             wanted = budget * min(CHUNK_SECONDS / taken, CHUNK_GROWTH)
             budget = int(min(max(wanted, FIRST_CHUNK), LARGEST_CHUNK))
             if progress is not None:

@@ -8,9 +8,12 @@ import numpy as np
 
 from tribo.integrators.methods import Method
 from tribo.kernels.contact import NEGLIGIBLE
+from tribo.kernels.records import CLOCK
+from tribo.kernels.status import Status
 from tribo.model.scene import Scene
 from tribo.model.spectrum import valid_until
 from tribo.potentials.tables import as_table
+from tribo.run.closest_bobs import closest_bobs
 from tribo.run.integrate import Integration
 from tribo.run.layout import Layout
 from tribo.run.resolution import pendulum_frequency, turn_of_step
@@ -48,6 +51,23 @@ def passage_notes(layout: Layout, run: Integration) -> tuple[str, ...]:
         f"their potential energy is below {NEGLIGIBLE:g} k_B T there and does not affect the "
         "motion, but works of their contact are inaccurate; a smaller step resolves them",
     )
+
+
+def stop_notes(layout: Layout, run: Integration) -> tuple[str, ...]:
+    """Where a run stopped: the time, the last step, and the closest bobs that interact."""
+    if run.status in (Status.COMPLETED, Status.INTERRUPTED):
+        return ()
+    last = run.samples.last()
+    clock = dict(zip(CLOCK.names or (), run.memory["clock"], strict=True))
+    taken = clock["last_step"]
+    step = f"after a last step of {taken:.3g}" if taken > 0.0 else "before the first step"
+    bobs = closest_bobs(layout, last)
+    near = ""
+    if bobs is not None:
+        distance, *both = bobs
+        one, other = (asperite_name(layout, bob) for bob in both)
+        near = f"; the closest bobs, of {one} and {other}, were {distance:.3g} apart"
+    return (f"stopped at t = {last.t[0]:.9g}, {step}{near}",)
 
 
 def asperite_name(layout: Layout, index: int) -> str:
