@@ -14,13 +14,12 @@ from tribo.accuracy.comparison import (
     ABORTED,
     Accuracy,
     error_bounds,
-    observables,
     out_of_reach,
     strictest,
 )
 from tribo.accuracy.estimate import check_observables, excess_of_request
 from tribo.accuracy.plan import Plan, integrator_for, make_plan, single_setting
-from tribo.accuracy.search import FINE_LEVEL
+from tribo.accuracy.search import fine_level
 from tribo.accuracy.stop_times import StopTimes
 from tribo.files import checked_target
 from tribo.integrators import methods
@@ -33,14 +32,11 @@ from tribo.run.journal import PART, Journal
 from tribo.run.layout import Layout, lay_out
 from tribo.run.ledger import Ledger, assemble
 from tribo.run.loop_selection import Integrator
-from tribo.run.notes import calculator_notes, passage_notes, scene_notes
+from tribo.run.notes import calculator_notes, passage_notes, run_notes, stop_notes
 from tribo.run.result import Cost, Known, Result, load_result
 from tribo.run.state import Origin, State, continued, state_of
 from tribo.run.streamed_ledger import StreamedLedger, exceeds_memory
 from tribo.validation import InputError, TriboWarning, as_path, inside
-
-# Levels of two runs that are compared differ by FINE_LEVEL; this many such ratios make a digit.
-RATIOS_PER_DIGIT = -1.0 / np.log10(FINE_LEVEL)
 
 
 class Simulation:
@@ -79,7 +75,7 @@ class Simulation:
         step = plan.setting if isinstance(plan.setting, float) and plan.accuracy is None else None
         start = _digest(integrator.origin)
         self._settings = settings_of(plan.method, plan.accuracy, step, start)
-        self._notes = scene_notes(self.scene, self.method)
+        self._notes = run_notes(self.layout, self.method, step)
         self._streams = exceeds_memory(self.layout, plan.times.size)
         self._initial_state = InitialState(self.layout)
 
@@ -211,14 +207,14 @@ class Simulation:
             notes = () if met else (self._missed(excess),)
         ledger = _reported(self.layout, fine)
         cost = _cost(runs, self.compile_seconds, self._digit_ratio)
-        known = met if len(runs) > 1 else None
+        known = met if len(runs) > 1 or fine.status != Status.COMPLETED else None
         return self._result(fine.status, known, notes, bounds, Known(ledger), Known(cost), fine)
 
     def _errors(self, runs: Sequence[Integration]) -> tuple[dict[str, float], float]:
         """Bounds on the last run's errors, and the largest in units of the request."""
         assert self.accuracy is not None and self.plan.tuned is not None
-        names, grown = observables(self.accuracy), self.plan.tuned.amplification
-        found, scales = error_bounds(self.layout, runs[-1], runs[:-1], grown, names)
+        grown = self.plan.tuned.amplification
+        found, scales = error_bounds(self.layout, runs[-1], runs[:-1], grown, self.accuracy)
         return found, excess_of_request(found, scales, self.accuracy)
 
     def _missed(self, excess: float) -> str:
@@ -245,6 +241,7 @@ class Simulation:
     ) -> Result:
         """A result, with what all results of the simulation share."""
         layout, method = self.layout, self.method.name
+        notes = stop_notes(layout, run) + notes
         if self.layout.calculator_calls:
             notes = calculator_notes(self.layout) + notes
         return Result(
@@ -273,7 +270,8 @@ class Simulation:
         runs = () if self.plan.tuned is None else self.plan.tuned.runs
         if len(runs) < 3 or runs[-2].evaluations <= 0:
             return None
-        seen = (runs[-1].evaluations / runs[-2].evaluations) ** RATIOS_PER_DIGIT
+        ratios_per_digit = -1.0 / np.log10(fine_level(self.method))
+        seen = (runs[-1].evaluations / runs[-2].evaluations) ** ratios_per_digit
         return float(min(seen, 10.0 ** (2.0 / self.method.order)))
 
 

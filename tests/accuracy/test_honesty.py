@@ -20,6 +20,8 @@ KINDS = ("coulomb", "morse", "lennard-jones", "everything")
 SAMPLES = (33, 9, 129, 401)
 # Scenes of each kind, in the default set and in the slow set.
 FEW, MANY = 12, 60
+# Errors below this fraction of the request count as this: no estimate need resolve them.
+RESOLVED = 1e-3
 # The median ratio of estimate to error, of few scenes and of many.
 MEDIAN_OF_FEW, MEDIAN_OF_MANY = 100.0, 30.0
 
@@ -56,8 +58,9 @@ def judged(kind: str, seed: int) -> list[float]:
         error = max(float(np.max(np.abs(one - other))) for one, other in pairs)
         unknown = truth.error_estimate[name]
         assert error <= bound + unknown, (name, wanted, result.method, error, bound, unknown)
-        if error > 3.0 * unknown and bound > 0.0:
-            ratios.append(bound / error)
+        least = RESOLVED * wanted * scales.of(acc.kind_of(name))
+        if bound > 0.0 and least > 0.0:
+            ratios.append(bound / max(error, least))
     return ratios
 
 

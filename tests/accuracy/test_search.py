@@ -46,6 +46,13 @@ def test_accuracy_of_observables_in_a_file(tmp_path):
     assert tribo.simulate(again).met
 
 
+def test_too_many_equal_steps():
+    """They are refused before the first run, and not tried after a run that fell short."""
+    long = replace(case("A"), duration=4e5)
+    with pytest.raises(tribo.InputError, match=r"accuracy: would take midpoint more than 1e\+09"):
+        tribo.prepare(long, accuracy=1e-13, method="midpoint")
+
+
 def test_a_call_replaces_what_it_names():
     """The file's method stays where a call gives an accuracy or a step, and the reverse."""
     scene = replace(case("A"), numerics=tribo.Numerics(method="rk4", step=0.5))

@@ -78,7 +78,7 @@ def estimate(
     compared: Iterable[tuple[Ledger, Ledger]],
     scales: Scales,
     rough: bool,
-    rounded: float,
+    least: float,
     own: Mapping[str, float],
     names: Iterable[str],
 ) -> dict[str, float]:
@@ -94,9 +94,9 @@ def estimate(
         which errors are relative to
     rough
         whether a derivative of a potential jumps
-    rounded
-        the effect of rounding on the motion, in units of the scales; it may be the same in all
-        runs
+    least
+        added to the estimates, in units of the scales: the effect of rounding on the motion, which
+        may be the same in all runs, and of chance
     own
         the rounding of the terms of each quantity, in its own unit: see
         :func:`tribo.accuracy.roundoff.rounding_of_terms`
@@ -128,7 +128,7 @@ def estimate(
         bounds[name] = gap + 4.0 * EPSILON * max(map(largest, ledger.series(name)))
         bounds[name] += _of(own, name)
         if gap > 0.0:
-            bounds[name] += (pooled + rounded) * scales.of(kind_of(name))
+            bounds[name] += (pooled + least) * scales.of(kind_of(name))
     return bounds
 
 

@@ -38,6 +38,8 @@ from tribo.integrators.methods import Method
 from tribo.kernels.status import Status
 from tribo.run.integrate import Integration, Setting
 from tribo.run.layout import Layout
+from tribo.run.progress_guard import MOST_EVALUATIONS
+from tribo.run.resolution import spring_frequency
 from tribo.validation import InputError
 
 # Level of the tolerances of the pilot run: three digits are enough for scales.
@@ -46,10 +48,13 @@ PILOT_LEVEL = 1e-3
 # tiny, 1e-60 of the first guess, four are enough.
 PILOTS = 8
 # Level of the fine run relative to the coarse ones.  Their difference exceeds the error of the
-# fine run by about the inverse of this.
-FINE_LEVEL = 0.3
+# fine run by about the inverse of this.  Errors of adaptive steps differ by chance, so that two
+# runs may agree: of 600 random pairs of asperites 2.3 % had errors beyond their bars at 0.3, and
+# 0.3 % at 0.1.  Errors of equal steps fall smoothly.
+FINE_LEVEL = 0.1
+FINE_LEVEL_OF_EQUAL_STEPS = 0.3
 # The longest step of a coarse run, as a fraction of the time to the next encounter.  That of a
-# fine run is shorter, so that errors which tolerances do not control fall by FINE_LEVEL too.
+# fine run is shorter, so that errors which tolerances do not control fall as much.
 NEAR = 0.5
 # The same for a run that is compared with no other.
 NEAR_ALONE = 0.75
@@ -69,6 +74,10 @@ TIGHT = 1e-9
 # of reach: 20 s at the 0.13 us that benchmarks/calibrate.py measures for an asperite.  The tries of
 # a looser setting end after as much work.
 LONG_RUN = 1.5e8
+# The next round takes this fraction of equal steps that are too long.
+SHORTER = 0.25
+# Statuses of runs whose equal steps are too long.
+TOO_LONG = (Status.ENCOUNTER_JUMPED, Status.NOT_FINITE, Status.NOT_CONVERGED)
 # Asperites that take as long as a call of an ASE calculator: 1 ms, as measured for EMT.
 CALL = 8000
 # First factor by which the level is raised for a run that is compared with no other.
@@ -108,6 +117,11 @@ class FoundSettings:
     met: bool
 
 
+def fine_level(method: Method) -> float:
+    """Level of a fine run relative to that of the coarse runs that it is compared with."""
+    return FINE_LEVEL if method.adaptive else FINE_LEVEL_OF_EQUAL_STEPS
+
+
 def setting_at(
     layout: Layout, method: Method, scales: ToleranceScales, level: float, near: float = NEAR
 ) -> Setting:
@@ -128,7 +142,9 @@ def setting_at(
     """
     if method.adaptive:
         return tolerances(layout, scales, level, near)
-    return unit_step(layout) * level ** (1.0 / method.order)
+    springs = spring_frequency(layout)
+    unit = min(unit_step(layout), 1.0 / springs if springs > 0.0 else np.inf)
+    return unit * level ** (1.0 / method.order)
 
 
 def find_settings(
@@ -157,25 +173,38 @@ def find_settings(
     Raises
     ------
     InputError
-        if the accuracy is out of reach and its runs would be long
+        if the accuracy is out of reach and its runs would be long, or if equal steps would be too
+        many
     """
     names = observables(accuracy)
     level = min(method.first_level * strictest(accuracy), 1.0)
     runs = _run_pilot(layout, method, accuracy, level, stops, attempt)
     before, amplification, stalls, excess = np.inf, None, 0, np.inf
     for _ in range(ROUNDS):
+        if _equal_steps(layout, method, fine_level(method) * level) > MOST_EVALUATIONS:
+            if runs:
+                break
+            raise InputError(
+                "accuracy",
+                f"would take {method.name} more than {MOST_EVALUATIONS:.0e} steps; give a larger "
+                "one, or a method that chooses its steps",
+            )
         coarse, fine = _run_round(layout, method, level, stops, attempt, runs)
         if runs[-1].status in ABORTED:
             break
-        if not method.adaptive and any(run.status == Status.ENCOUNTER_JUMPED for run in runs[-3:]):
-            level *= LOWER**2
+        can_be_too_long = not method.adaptive and _work(layout, runs[-1]) < SHORTER * LONG_RUN
+        if can_be_too_long and any(run.status in TOO_LONG for run in runs[-3:]):
+            level *= SHORTER**method.order
             continue
         aborted = False
         if amplification is None and strictest(accuracy) < TIGHT:
             amplification = measure_amplification(layout, attempt, coarse, runs[-3], names)
             aborted = amplification is None
-        bounds, scales = error_bounds(layout, runs[-1], runs[-3:-1], amplification, names)
+        bounds, scales = error_bounds(layout, runs[-1], runs[-3:-1], amplification, accuracy)
         excess = excess_of_request(bounds, scales, accuracy)
+        if can_be_too_long and len(runs) == 3 and excess * strictest(accuracy) > 1.0:
+            level, amplification = level * SHORTER**method.order, None
+            continue
         stalls = stalls + 1 if excess > STALLED * before else 0
         if excess <= 1.0 or level <= FLOOR or stalls == MOST_STALLS or aborted:
             break
@@ -187,8 +216,15 @@ def find_settings(
         lower = AIM / excess if np.isfinite(excess) else LOWER**2
         level = max(level * min(LOWER, lower), FLOOR)
     return FoundSettings(
-        coarse, fine, FINE_LEVEL * level, tuple(runs), amplification, excess <= 1.0
+        coarse, fine, fine_level(method) * level, tuple(runs), amplification, excess <= 1.0
     )
+
+
+def _equal_steps(layout: Layout, method: Method, level: float) -> float:
+    """Number of equal steps of a run; 0 for a method that chooses its steps."""
+    if method.adaptive:
+        return 0.0
+    return layout.scene.duration / (unit_step(layout) * level ** (1.0 / method.order))
 
 
 def _run_pilot(
@@ -206,7 +242,7 @@ def _run_pilot(
     if not method.adaptive:
         return []
     setting, pilot = _resolved(layout, method, stops.few, attempt)
-    longer = (PILOT_LEVEL / (FINE_LEVEL * level)) ** (1.0 / method.order)
+    longer = (PILOT_LEVEL / (fine_level(method) * level)) ** (1.0 / method.order)
     if pilot.status != Status.COMPLETED or longer * _work(layout, pilot) < LONG_RUN:
         return [pilot]
     amplification = measure_amplification(layout, attempt, setting, pilot, observables(accuracy))
@@ -251,8 +287,9 @@ def _run_round(
     """Append two coarse runs at `level` and a fine one to `runs`; their settings."""
     scales = tolerance_scales(layout, runs[-1].samples) if runs else first_guess(layout)
     coarse = setting_at(layout, method, scales, level)
-    near = NEAR * FINE_LEVEL ** (1.0 / method.order)
-    fine = setting_at(layout, method, scales, FINE_LEVEL * level, near)
+    ratio = fine_level(method)
+    near = NEAR * ratio ** (1.0 / method.order)
+    fine = setting_at(layout, method, scales, ratio * level, near)
     for setting, times in zip((coarse, coarse, fine), stops, strict=True):
         if not runs or runs[-1].status not in ABORTED:
             runs.append(attempt(setting, times))
@@ -295,7 +332,6 @@ def cheapest_setting(
     finest = found.runs[-1]
     if finest.status != Status.COMPLETED or _work(layout, finest) > LONG_RUN:
         return None
-    names = observables(accuracy)
     scales = tolerance_scales(layout, finest.samples)
     best, fewest, level, factor, work = None, np.inf, found.level, LOOSER, 0.0
     for _ in range(TRIES):
@@ -308,7 +344,7 @@ def cheapest_setting(
             raise KeyboardInterrupt
         good = run.status == Status.COMPLETED and run.evaluations <= MORE * fewest
         if good:
-            bounds, reported = error_bounds(layout, finest, [run], found.amplification, names)
+            bounds, reported = error_bounds(layout, finest, [run], found.amplification, accuracy)
             good = excess_of_request(bounds, reported, accuracy) <= LOOSE_EXCESS
         if not good:
             level, factor = level / factor, factor**0.5

@@ -47,6 +47,8 @@ class GeneralLoop:
         How far the run has come.
     state : State
         Coordinates, velocities, accounts, and what the method keeps of its last step.
+    adaptive : bool
+        Whether it chooses its steps.
     compiled : callable
         The loop, compiled at its first call.
     """
@@ -60,6 +62,7 @@ class GeneralLoop:
         first_step: float,
     ) -> None:
         self.layout = layout
+        self.adaptive = method.adaptive
         self.clocks = np.zeros(1, CLOCK).view(np.recarray)
         self.clocks.h = first_step
         if isinstance(setting, Tolerance):

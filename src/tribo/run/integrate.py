@@ -15,6 +15,7 @@ from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import PAUSED, STATUS_OF_CODE, Status
 from tribo.potentials.from_ase import Call
 from tribo.run.layout import Layout
+from tribo.run.progress_guard import ProgressGuard
 from tribo.run.samples import Samples
 from tribo.run.streamed_ledger import StreamedLedger, portion_size
 
@@ -41,6 +42,7 @@ class TimeLoop(Protocol):
     """A compiled time loop, and the state of its run."""
 
     layout: Layout
+    adaptive: bool  # whether it chooses its steps
 
     @property
     def clocks(self) -> np.ndarray:
@@ -232,24 +234,30 @@ def run_in_chunks(
     calls: tuple[Call, ...] = (),
     progress: Progress | None = None,
 ) -> Status:
-    """Run through the times in chunks, and check for an interrupt between them.
+    """Run through the times in chunks, and check for an interrupt and for progress between them.
 
     The clock only decides how many steps a chunk has; loops give the same bits for any chunks.
     """
     budget = FIRST_CHUNK
     code = PAUSED
+    layout = loop.layout
+    guard = ProgressGuard(
+        loop.clocks, layout.beginning, float(times[-1]), layout.model.asperites.size
+    )
     for item in calls:
         item.error, item.interrupted = None, False
     try:
         while code == PAUSED:
             began = time.perf_counter()
-            code = loop.advance(times, columns, budget)
+            code = loop.advance(times, columns, guard.within(budget))
             taken = max(time.perf_counter() - began, LEAST_SECONDS)
             for item in calls:
                 if item.error is not None:
                     return Status.CALCULATOR_FAILED
                 if item.interrupted:
                     raise KeyboardInterrupt
+            if loop.adaptive and code == PAUSED and guard.is_hopeless():
+                return Status.NO_PROGRESS
             wanted = budget * min(CHUNK_SECONDS / taken, CHUNK_GROWTH)
             budget = int(min(max(wanted, FIRST_CHUNK), LARGEST_CHUNK))
             if progress is not None:

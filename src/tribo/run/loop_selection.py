@@ -11,6 +11,7 @@ from tribo.run.integrate import Integration, Progress, Setting, integrate
 from tribo.run.journal import Journal, key_of
 from tribo.run.layout import Layout
 from tribo.run.pair_adapter import Pair, has_pair_loop
+from tribo.run.runaway import up_to_runaway
 from tribo.run.state import Origin
 from tribo.run.streamed_ledger import StreamedLedger
 
@@ -106,4 +107,8 @@ class Integrator:
             self.origin.place(loop, self.method.name, exactly)
             before, times = self.origin.first, times[times >= self.layout.beginning]
         calls = self.layout.calculator_calls
-        return integrate(loop, times, calls, self._progress, streamed, checkpoints, before=before)
+        run = integrate(loop, times, calls, self._progress, streamed, checkpoints, before=before)
+        # Of a streamed run there are no samples, and adaptive steps keep the energy.
+        if streamed is not None or self.method.adaptive:
+            return run
+        return up_to_runaway(self.layout, run)

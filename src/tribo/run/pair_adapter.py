@@ -113,6 +113,8 @@ class Pair:
     ----------
     layout : Layout
         Of the scene.
+    adaptive : bool
+        True: the loop chooses its steps.
     clocks : ndarray, (1,)
         How far the run has come.
     compile_seconds : float
@@ -123,6 +125,7 @@ class Pair:
         """Compile the loop, or load it from disk."""
         began = time.perf_counter()
         self.layout = layout
+        self.adaptive = True
         mobility = _mobility(layout)
         potential = layout.model.contacts[0].potential
         self._first_step = FIRST_STEP_FACTOR * first_step

@@ -1,0 +1,142 @@
+"""Guards of a run: each stops it by name, keeps what was reached and says where it was."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import tribo
+from support.hard_scenes import changed, side_by_side, stopped
+from tribo.accuracy.plan import integrator_for
+from tribo.integrators.methods import METHODS
+from tribo.integrators.step_control import Tolerance
+from tribo.kernels.status import Status
+from tribo.run import integrate, progress_guard
+from tribo.run.closest_bobs import closest_bobs
+from tribo.run.layout import lay_out
+from tribo.run.samples import Samples
+
+
+def note_of_stop(result):
+    """The note that says where a run stopped."""
+    (note,) = (note for note in result.notes if note.startswith("stopped at t = "))
+    assert note in str(result) and note in result.end["notes"]
+    return note
+
+
+@pytest.mark.parametrize(
+    ("scene", "how", "status", "says"),
+    [
+        (side_by_side(tribo.Forced()), {}, "StepUnderflow", "after a last step of"),
+        (side_by_side(tribo.Forced()), {"step": 1e-3}, "EncounterJumped", "step of 0.001;"),
+        (changed("A", start=0.0), {}, "BobsCoincide", "before the first step; .* 0 apart"),
+    ],
+    ids=["underflow", "jump", "coincidence"],
+)
+def test_a_stop_says_where_it_was(scene, how, status, says):
+    """The time, the last step, and the closest asperites with their distance."""
+    result = stopped(status, scene, **how)
+    note = note_of_stop(result)
+    one, other = (surface.name for surface in scene.surfaces)
+    bobs = f'the closest bobs, of asperite 0 of "{one}" and asperite 0 of "{other}", were '
+    assert bobs in note
+    distance = float(note.partition(bobs)[2].split()[0])
+    gaps = [result[one][f"{axis}_bob"] - result[other][f"{axis}_bob"] for axis in "xy"]
+    assert distance == pytest.approx(np.hypot(*gaps)[-1, 0], rel=1e-2, abs=1e-12)
+    assert re.search(says, note)
+
+
+def test_closest_bobs_of_lattices():
+    """Of periodic surfaces and within one, the smallest distance of any two that interact."""
+    upper = tribo.Surface("upper", shape=(3, 2), spacing=(1.0, 1.5), bob=(0.2, 1.0))
+    lower = tribo.Surface("lower", facing="up", bob=(4.1, 0.0), shape=(2, 1), spacing=(0.3, 0.0))
+    cut = tribo.with_cutoff(tribo.LennardJones(1.0, 0.3), 1.4)
+    between = tribo.Interaction(cut, between=("upper", "lower"))
+    within = tribo.Interaction(cut, between=("lower", "lower"))
+    box = tribo.Periodic(x=4.0, z=3.0)
+    for interactions, expected in (
+        ((between,), (np.hypot(0.1, 1.0), {0, 6})),
+        ((between, within), (0.3, {6, 7})),
+        ((), None),
+    ):
+        scene = tribo.Scene((upper, lower), interactions, 1.0, periodic=box)
+        layout = lay_out(scene)
+        none = np.zeros(1)
+        start = Samples(none, layout.start[None], np.zeros((1, layout.accounts)), none, none, none)
+        found = closest_bobs(layout, start)
+        if expected is None:
+            assert found is None
+        else:
+            assert found[0] == pytest.approx(expected[0], rel=1e-12)
+            assert set(found[1:]) == expected[1]
+
+
+def impatient(monkeypatch, evaluations=500.0):
+    """Look at the progress of a run after every 16 trials."""
+    monkeypatch.setattr(progress_guard, "TRIALS", 16)
+    monkeypatch.setattr(progress_guard, "FEWEST_TRIALS", 16)
+    monkeypatch.setattr(progress_guard, "MOST_EVALUATIONS", evaluations)
+
+
+def test_a_run_that_makes_no_progress_stops(monkeypatch):
+    """By the number of its evaluations; what was reached is kept, and no finer run is tried."""
+    scene = replace(changed("A"), output=tribo.Output(samples=401))
+    assert tribo.simulate(scene).status == "completed"
+    impatient(monkeypatch)
+    result = stopped("NoProgress", scene)
+    assert 0.0 < result.t[-1] < scene.duration and result.met is False
+    assert result.cost.force_evaluations < 1000
+    assert "closest bobs" in note_of_stop(result)
+
+
+def test_equal_steps_are_not_bounded(monkeypatch):
+    """A user who gives a step decides what it costs."""
+    impatient(monkeypatch)
+    assert tribo.simulate(changed("A"), step=0.02).status == "completed"
+
+
+def test_a_stop_does_not_depend_on_chunks(monkeypatch):
+    """Trials decide when the progress is looked at, in chunks of any number of steps."""
+    impatient(monkeypatch)
+    layout = lay_out(changed("A"))
+    run = integrator_for(layout, METHODS["gauss-radau-15"], progress=lambda t: None)
+    tight = Tolerance(np.full(2 * layout.coordinates, 1e-9), np.full(layout.accounts, 1e-9), 1e-9)
+    ends = set()
+    for chunk in (1, 7, 1000):
+        monkeypatch.setattr(integrate, "FIRST_CHUNK", chunk)
+        monkeypatch.setattr(integrate, "CHUNK_GROWTH", 1)
+        done = run(tight, layout.scene.times)
+        assert done.status == Status.NO_PROGRESS
+        ends.add((done.steps, done.evaluations, done.samples.t[-1]))
+    assert len(ends) == 1
+
+
+def stiff(**how):
+    """A pendulum alone whose spring turns it by 2.2 radians in a step of 0.02."""
+    free = tribo.Surface(
+        "upper",
+        bars="free",
+        asperite=tribo.Asperite(kappa=1e4),
+        initial=tribo.Initial(theta=0.01),
+        **how,
+    )
+    return tribo.Scene((free,), (), 4.0, output=tribo.Output(samples=41))
+
+
+def test_energy_that_runs_away_stops_a_run():
+    """A step too long for the spring multiplies the energy, which no work accounts for."""
+    result = stopped("EnergyRunaway", stiff(), step=0.02, method="midpoint")
+    assert 0.0 < result.t[-1] < 1.0
+    change = result.system["total_energy_change"]
+    assert abs(change[-1]) > 1e3 * 0.5 * 1e4 * 0.01**2 > abs(change[-2])
+    assert "a last step of 0.02" in note_of_stop(result)
+
+
+def test_inaccurate_energy_is_no_runaway():
+    """A long step alone does not stop a run."""
+    scene = replace(changed("A"), output=tribo.Output(samples=41))
+    result = tribo.simulate(scene, step=0.2, method="midpoint")
+    system = result.system
+    error = np.max(np.abs(system["total_energy_change"] - system["applied_work"]))
+    assert result.status == "completed" and error > 1e-4
