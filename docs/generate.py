@@ -13,6 +13,7 @@ from collections.abc import Iterable
 from dataclasses import fields
 from pathlib import Path
 
+import atlas_tables
 import measure_accuracy
 import page_code
 import slip as slip_page
@@ -48,6 +49,7 @@ def everything(folder: Path) -> None:
         page_code.run(page, folder)
     report_cards(folder)
     paper_figures.draw(folder, paper.CASES)
+    atlas_tables.figure(folder / "atlas.png")
     tables = paper.compare(paper.CASES)
     (folder / "paper.txt").write_text(paper.report(tables) + "\n", encoding="utf-8")
     for name, rows in {
@@ -58,6 +60,9 @@ def everything(folder: Path) -> None:
         "chosen": measure_accuracy.chosen(),
         "evaluations": measure_accuracy.evaluations(),
         "files": table_of_files(),
+        "atlas": atlas_tables.outcomes(),
+        "atlas_methods": atlas_tables.by_method(),
+        "atlas_stability": atlas_tables.stability(),
     }.items():
         (folder / f"{name}.md").write_text(markdown(rows), encoding="utf-8")
     stamp.write_text(now, encoding="utf-8")

@@ -55,6 +55,7 @@ ORDER = [
     "commands",
     "paper",
     "report_card",
+    "atlas",
     "ensembles",
     "work_precision",
     "plotting",

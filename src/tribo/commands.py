@@ -1,4 +1,4 @@
-"""The commands: ``tribo run``, ``tribo paper``, ``tribo accuracy``, ``tribo check``."""
+"""The commands: `run`, `paper`, `accuracy`, `check` and `atlas`."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tribo.files import checked_target
-from tribo.interrupts import STOPPED
+from tribo.interrupts import STOPPED, answer
 from tribo.validation import InputError, TriboWarning, must_be
 
 if TYPE_CHECKING:
@@ -43,6 +43,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_paper(commands.add_parser("paper", help="compare the paper's cases with its numbers"))
     _add_accuracy(commands.add_parser("accuracy", help="measure error against time per method"))
     _add_check(commands.add_parser("check", help="test a potential and print a report card"))
+    _add_atlas(commands.add_parser("atlas", help="run hard scenes and compare with references"))
     return parser
 
 
@@ -125,6 +126,12 @@ def _add_check(check: argparse.ArgumentParser) -> None:
     check.set_defaults(command=_check)
 
 
+def _add_atlas(atlas: argparse.ArgumentParser) -> None:
+    atlas.add_argument("names", nargs="*", metavar="NAME", help="scenes (default: all)")
+    atlas.add_argument("--json", action="store_true", help="print the table as JSON")
+    atlas.set_defaults(command=_atlas)
+
+
 def _run(options: argparse.Namespace) -> int:
     from tribo.simulation import simulate
 
@@ -195,6 +202,33 @@ def _check(options: argparse.Namespace) -> int:
         report.save_figure(options.figure)
     print(report.to_json() if options.json else report)
     return COMPLETED if report.passed else STOPPED
+
+
+def _atlas(options: argparse.Namespace) -> int:
+    from tribo import atlas
+    from tribo.run.result import without_nan
+
+    entries = atlas.chosen(options.names)
+    # With --json, the lines show the progress on a terminal.
+    lines = sys.stderr if options.json else sys.stdout
+    shown = not options.json or lines.isatty()
+    rows: list[atlas.Row] = []
+    if shown:
+        print(atlas.HEAD, file=lines, flush=True)
+    try:
+        for row in map(atlas.row, entries):
+            rows.append(row)
+            if shown:
+                print(row, file=lines, flush=True)
+    except KeyboardInterrupt:
+        answer()
+        print(f"tribo: interrupted after {len(rows)} of {len(entries)} scenes", file=sys.stderr)
+    declared = sum(row.as_declared for row in rows)
+    if options.json:
+        print(json.dumps(without_nan(atlas.table(rows)), indent=1, allow_nan=False))
+    else:
+        print(f"{declared} of {len(entries)} scenes as declared")
+    return COMPLETED if declared == len(entries) else STOPPED
 
 
 def _check_figure(path: Path | None) -> None:

@@ -25,6 +25,7 @@ def watch() -> None:
     reader, writer = os.pipe()
     os.set_blocking(writer, False)
     signal.signal(signal.SIGINT, signal.default_int_handler)
+    sys.unraisablehook = _report_lost
     signal.set_wakeup_fd(writer, warn_on_full_buffer=False)
     threading.Thread(target=_end_unanswered, args=(reader,), daemon=True).start()
 
@@ -39,6 +40,12 @@ def report() -> None:
     if "--json" in sys.argv:
         os.write(1, b'{"status": "Interrupted"}\n')
     os.write(2, b"tribo: Interrupted: the command was interrupted before it had a result\n")
+
+
+def _report_lost(lost: sys.UnraisableHookArgs) -> None:
+    """Report an exception that Python cannot raise, unless it is an interrupt."""
+    if not issubclass(lost.exc_type, KeyboardInterrupt):
+        sys.__unraisablehook__(lost)
 
 
 def _end_unanswered(reader: int) -> None:

@@ -32,7 +32,7 @@ from tribo.run.journal import PART, Journal
 from tribo.run.layout import Layout, lay_out
 from tribo.run.ledger import Ledger, assemble
 from tribo.run.loop_selection import Integrator
-from tribo.run.notes import calculator_notes, passage_notes, scene_notes, stop_notes
+from tribo.run.notes import calculator_notes, passage_notes, run_notes, stop_notes
 from tribo.run.result import Cost, Known, Result, load_result
 from tribo.run.state import Origin, State, continued, state_of
 from tribo.run.streamed_ledger import StreamedLedger, exceeds_memory
@@ -75,7 +75,7 @@ class Simulation:
         step = plan.setting if isinstance(plan.setting, float) and plan.accuracy is None else None
         start = _digest(integrator.origin)
         self._settings = settings_of(plan.method, plan.accuracy, step, start)
-        self._notes = scene_notes(self.scene, self.method)
+        self._notes = run_notes(self.layout, self.method, step)
         self._streams = exceeds_memory(self.layout, plan.times.size)
         self._initial_state = InitialState(self.layout)
 

@@ -59,6 +59,8 @@ NOT_NEGATIVE: Condition = ("must not be negative", lambda x: x >= 0.0)
 
 # Largest magnitude of a number: energies, cubes and ratios of two such numbers are finite.
 LARGEST_NUMBER = 1e100
+# Smallest duration [time]: products of two such numbers are positive.
+SHORTEST_DURATION = 1e-100
 # Largest number of asperites, samples or oscillators, which fit in memory.
 LARGEST_COUNT = 10_000_000
 # Largest number of characters of a value that a message quotes.

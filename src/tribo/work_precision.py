@@ -30,7 +30,7 @@ from tribo.run.layout import lay_out
 from tribo.run.ledger import Ledger, assemble
 from tribo.run.loop_selection import Integrator
 from tribo.simulation import prepare
-from tribo.validation import InputError
+from tribo.validation import POSITIVE, InputError, number
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -299,7 +299,7 @@ def work_precision(
         raise InputError("scene", "must have no thermal noise, with which no two runs agree")
     if not taken:
         raise InputError("methods", f"must integrate this scene, got {[m.name for m in named]}")
-    watched = tuple(observables)
+    watched, seconds = tuple(observables), number("seconds", seconds, POSITIVE, "s")
     check_observables(lay_out(scene), watched, "observables")
     if progress:
         progress("reference")

@@ -230,6 +230,6 @@ def test_a_long_run_gets_no_cheaper_setting(monkeypatch):
 def test_work_of_calculators():
     """A call of a calculator counts as much as many asperites."""
     layout = lay_out(case("A"))
-    run = Integration(lambda: None, Status.COMPLETED, np.array([3, 7]), 1.0)
+    run = Integration(lambda: None, Status.COMPLETED, np.array([3, 7]), 1.0, {})
     assert search._work(layout, run) == 7 * 2
     assert search._work(replace(layout, calculator_calls=(None,)), run) == 7 * (2 + search.CALL)

@@ -1,14 +1,19 @@
 """Compiled code is cached on disk, and never used for sources that have changed since."""
 
 import os
+import random
 import shutil
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 import tribo
+from tribo.kernels.compiled import is_compiled, time_loop
+from tribo.kernels.disk_cache import CodeFiles
+from tribo.kernels.probe import contact_probe
 
 PLUGIN = """
 from typing import NamedTuple
@@ -275,3 +280,56 @@ def test_stamp_is_of_this_package(tmp_path):
     """An identical copy in another folder has the same stamp."""
     shutil.copytree(Path(tribo.__file__).parent, tmp_path / "tribo")
     assert python(STAMP, PYTHONPATH=tmp_path) == python(STAMP)
+
+
+def test_damaged_files_are_compiled_again(place):
+    """By two processes at once; afterwards the files are whole again."""
+    place.write("one", PLUGIN)
+    (first,) = place.run("one")
+    files = sorted(place.cache.rglob("*.nbc"))
+    whole = {path: path.stat().st_size for path in files}
+    assert files
+    for path in files:
+        path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    scene = place.root / "one" / "scene.toml"
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(place.cache)}
+    command = [sys.executable, "-W", "error", "-c", FORCE, str(scene)]
+    both = [
+        subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True)
+        for _ in range(2)
+    ]
+    assert [float(process.communicate()[0]) for process in both] == [first, first]
+    again = {path: path.stat().st_size for path in place.cache.rglob("*.nbc")}
+    assert again.keys() == whole.keys() and all(again[path] > 0.9 * whole[path] for path in whole)
+
+
+def test_no_damage_goes_unnoticed(tmp_path):
+    """A file with any bit changed, cut short or of another function is not used."""
+    index = SimpleNamespace(_cache_path=tmp_path, _index_name="loop-1.nbi", _source_stamp=(1, 2))
+    files = CodeFiles(index)
+    key, code = (("float64",), "x86"), (b"machine code" * 20, {"a": 1})
+    assert files.load(key) is None
+    files.save(key, code)
+    assert files.load(key) == code and files.load((("int64",), "x86")) is None
+    (path,) = tmp_path.iterdir()
+    content = path.read_bytes()
+    rng = random.Random(0)
+    for _ in range(300):
+        damaged = bytearray(content)
+        damaged[rng.randrange(len(content))] ^= 1 << rng.randrange(8)
+        path.write_bytes(damaged[: rng.choice([len(content), rng.randrange(len(content))])])
+        assert files.load(key) is None
+    index._source_stamp = (1, 3)
+    path.write_bytes(content)
+    assert CodeFiles(index).load(key) is None
+
+
+def test_no_folder_for_files(monkeypatch):
+    """Loops are compiled without a cache where none can be written."""
+
+    def nowhere(function):
+        raise RuntimeError("cannot cache function: no locator available")
+
+    monkeypatch.setattr("tribo.kernels.compiled.KernelCache", nowhere)
+    loop = time_loop.__wrapped__(contact_probe, "")
+    assert loop.stats.cache_path is None and not is_compiled(loop)

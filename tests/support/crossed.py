@@ -33,6 +33,9 @@ from tribo import (
     Surface,
     with_cutoff,
 )
+from tribo.accuracy.plan import integrator_for
+from tribo.integrators.methods import METHODS
+from tribo.run.layout import lay_out
 
 STEP, END = 0.01, 0.03
 # Largest difference of verlet from one step of rk4; every effect changes the motion by more.
@@ -187,11 +190,32 @@ def complaints(names):
             yield f"{law}: {gap:.1e}"
 
 
+def order_with_user_forces():
+    """The ratio of verlet's errors at two steps, with forces that depend on velocities."""
+    names = ("custom", "ends")
+    truth = run(names, 0.0, "rk4", 0.5 * STEP)
+    coarse, fine = (apart(run(names, COLD, None, step), truth) for step in (STEP, 0.5 * STEP))
+    return coarse / fine
+
+
+def friction_left_by_another_method():
+    """The largest change of an account by friction that another method has left in the layout."""
+    layout = lay_out(scene(("reservoir", "custom"), COLD))
+    integrate = integrator_for(layout, METHODS["verlet"])
+    before = integrate(STEP, layout.scene.times).samples.s[-1]
+    layout.model.bars.lx = 7.0
+    return float(np.max(np.abs(integrate(STEP, layout.scene.times).samples.s[-1] - before)))
+
+
 def main():
-    """Print the complaints about all pairs of effects."""
+    """Print what is wrong."""
     for names in combinations(EFFECTS, 2):
         for complaint in complaints(names):
             print(f"{' and '.join(names)}: {complaint}")
+    if not 3.8 < order_with_user_forces() < 4.2:
+        print(f"half the step has 1 / {order_with_user_forces():.2f} of the error")
+    if friction_left_by_another_method() > 0.0:
+        print(f"old friction acts by {friction_left_by_another_method():.1e}")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Scenes on which simple integrators fail, and plug-ins that fail on purpose."""
+"""Runs with a limit of steps, changed cases of the paper, and plug-ins that fail on purpose."""
 
 import itertools
 import math

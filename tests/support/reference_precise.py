@@ -1,7 +1,7 @@
 """A reference of 15 digits and more: scenes in long double or quadruple precision.
 
-    solution = solve(tomllib.load(file))              # long double: an error of 1e-16 or so
-    solution = solve(table, precision="quad")         # __float128: 1e-22 or so, 30 times slower
+    solution = solve(tomllib.load(file))              # long double; if that falls short, quadruple
+    solution = solve(table, precision="quad")         # __float128: 1e-22 or so, 20 times slower
     solution.end["surfaces"]["upper"]["w1"][0]        # as `tribo run --json`, and ["scales"]
     solution.surfaces["upper"]["w1"]                  # (times, asperites), as Result's ledger
     solution.blocks["upper"]["W"], solution.system["contact_energy"], solution.t
@@ -18,8 +18,8 @@ positions and forces of a scene are exact: its numbers are those that doubles ho
 
 Beyond reference.py it solves: every built-in potential, sums and scaled ones, moving fields,
 listed springs, discretised baths, torsional oscillators, and reservoirs at temperature zero.
-`Unsolved` is raised for a scene that cannot be solved (its `status` says why), NotImplementedError
-for one with anything else, as plug-ins and noise.
+`UnsolvedError` is raised for a scene that cannot be solved (its `status` says why), and
+NotImplementedError for one with anything else, as plug-ins and noise.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ BLOCK = ("W", "W_ps", "delta_K", "delta_E_int")
 SYSTEM = ("contact_energy", "total_energy_change", "applied_work")
 
 
-class Unsolved(RuntimeError):
+class UnsolvedError(RuntimeError):
     """A scene that the reference cannot solve; `status` is one of STATUSES."""
 
     def __init__(self, status: str, info: Info) -> None:
@@ -79,8 +79,7 @@ class Info(ctypes.Structure):
     """What a solution cost, and the smallest distance between two bobs."""
 
     _fields_ = [
-        (name, ctypes.c_double)
-        for name in ("evaluations", "steps", "smallest", "smallest_at", "t")
+        (name, ctypes.c_double) for name in ("evaluations", "steps", "smallest", "smallest_at", "t")
     ]
     evaluations: float
     steps: float
@@ -146,10 +145,56 @@ class Solution:
             "scales": self.scales,
         }
 
+    @property
+    def has_work(self) -> bool:
+        """Whether any force works; if none does, the scale of energies is rounding."""
+        return any(np.any(series) for series in self.series("w1") + self.series("w"))
+
+    def relative_error(self) -> float:
+        """The largest error in units of its scale."""
+        ratios = [0.0]
+        for name, error in self.error.items():
+            scale = self.scales[kind_of(name)]
+            if error > 0.0:
+                ratios.append(error / scale if scale > 0.0 else math.inf)
+        return max(ratios)
+
+    def as_table(self) -> dict[str, Any]:
+        """All numbers as lists, which `solution_from` reads."""
+        return {
+            "t": self.t.tolist(),
+            "surfaces": {name: _lists(table) for name, table in self.surfaces.items()},
+            "blocks": {name: _lists(table) for name, table in self.blocks.items()},
+            "system": _lists(self.system),
+            "error": self.error,
+            "scales": self.scales,
+        }
+
     def series(self, name: str) -> list[np.ndarray]:
         """All series of a quantity."""
         tables = [self.system, *self.surfaces.values(), *self.blocks.values()]
         return [table[name] for table in tables if name in table]
+
+
+def _lists(table: dict[str, np.ndarray]) -> dict[str, list]:
+    return {name: values.tolist() for name, values in table.items()}
+
+
+def _arrays(table: dict[str, list]) -> dict[str, np.ndarray]:
+    return {name: np.array(values) for name, values in table.items()}
+
+
+def solution_from(table: dict[str, Any]) -> Solution:
+    """The solution that `Solution.as_table` gave."""
+    return Solution(
+        np.array(table["t"]),
+        {name: _arrays(values) for name, values in table["surfaces"].items()},
+        {name: _arrays(values) for name, values in table["blocks"].items()},
+        _arrays(table["system"]),
+        table["error"],
+        table["scales"],
+        Info(),
+    )
 
 
 @cache
@@ -179,13 +224,16 @@ def library(precision: str) -> Any:
 TOLERANCES = {"long double": (3e-18, 7), "quad": (1e-24, 12)}
 # The looser tolerance of the second solution, in units of the first.
 LOOSER = 100.0
+# Time of an evaluation in quadruple precision, in units of that in long double.
+SLOWER = 5.0
+# Times at which the scales of a run are measured, besides the recorded ones.
+SCALE_TIMES = 33
+# Errors in long double, relative to the scales, above which quadruple precision is tried.
+SMALL = 1e-14
 
 
 def solve(
-    scene: dict[str, Any],
-    precision: str = "long double",
-    tolerance: float | None = None,
-    most: float = 2e7,
+    scene: dict[str, Any], precision: str = "", most: float = 2e7, wanted: float = SMALL
 ) -> Solution:
     """All quantities of a scene at its recorded times.
 
@@ -194,27 +242,45 @@ def solve(
     scene : dict
         What tomllib gives for a scene file.
     precision : str
-        "long double" or "quad".
-    tolerance : float, optional
-        Of a step, relative to the largest departure of each kind.
+        "long double" or "quad"; empty for the first if that is enough.
     most : float
-        The largest number of evaluations of the forces of one solution.
+        The largest number of evaluations of the forces of one solution; a fifth of it in
+        quadruple precision, if that is chosen here.
+    wanted : float
+        Error in long double, relative to the scales, above which quadruple precision is tried.
 
     Raises
     ------
-    Unsolved
+    UnsolvedError
         If bobs coincide, the steps become too short or too many, or a number is not finite.
     NotImplementedError
         If the scene has an effect that is not solved here.
     """
-    model = Tables(scene)
-    usual, rows = TOLERANCES[precision]
-    tolerance = tolerance or usual
+    if precision:
+        return _solve(Tables(scene), precision, most)
+    solution = None
+    try:
+        solution = _solve(Tables(scene), "long double", most)
+        if solution.relative_error() <= wanted:
+            return solution
+    except UnsolvedError as failure:
+        if failure.status == "bobs coincide":
+            raise
+    try:
+        return _solve(Tables(scene), "quad", most / SLOWER)
+    except UnsolvedError:
+        if solution is None:
+            raise
+        return solution
+
+
+def _solve(model: Tables, precision: str, most: float) -> Solution:
+    tolerance, rows = TOLERANCES[precision]
     fine, info = model.solve(precision, tolerance, rows, most)
     rough, _ = model.solve(precision, LOOSER * tolerance, rows, most)
-    t, surfaces, blocks, system = model.named(fine)
-    solution = Solution(t, surfaces, blocks, system, {}, model.scales(fine), info)
-    other = Solution(*model.named(rough), {}, {}, info)
+    times, kept = model.t[model.recorded], model.recorded
+    solution = Solution(times, *model.named(fine[kept]), {}, model.scales(fine), info)
+    other = Solution(times, *model.named(rough[kept]), {}, {}, info)
     for name in (*QUANTITIES[:-2], *BLOCK, *SYSTEM):
         pairs = zip(solution.series(name), other.series(name), strict=True)
         differences = [float(np.max(np.abs(one - two))) for one, two in pairs]
@@ -290,7 +356,9 @@ class Tables:
     """A scene as the arrays that the C source describes."""
 
     def __init__(self, scene: dict[str, Any]) -> None:
-        self.scene, self.t = scene, recorded_times(scene)
+        self.scene, recorded = scene, recorded_times(scene)
+        self.t = np.union1d(recorded, np.linspace(0.0, recorded[-1], SCALE_TIMES))
+        self.recorded = np.searchsorted(self.t, recorded)
         self.names: list[str] = []
         self.counts: list[int] = []
         self.species: list[list[str]] = []
@@ -452,11 +520,11 @@ class Tables:
             ctypes.byref(info),
         )
         if status:
-            raise Unsolved(STATUSES[status], info)
+            raise UnsolvedError(STATUSES[status], info)
         return out, info
 
-    def named(self, out: np.ndarray) -> tuple[np.ndarray, dict, dict, dict]:
-        """The recorded numbers by surface and quantity."""
+    def named(self, out: np.ndarray) -> tuple[dict, dict, dict]:
+        """Rows of numbers by surface and quantity."""
         n, width = sum(self.counts), len(QUANTITIES)
         each = out[:, : n * width].reshape(-1, n, width)
         surfaces, blocks, start = {}, {}, 0
@@ -472,11 +540,11 @@ class Tables:
             blocks[name] = {q: out[:, first + i] for i, q in enumerate(BLOCK)}
             start += count
         system = {q: out[:, i - 3] for i, q in enumerate(SYSTEM)}
-        return self.t, surfaces, blocks, system
+        return surfaces, blocks, system
 
     def scales(self, out: np.ndarray) -> dict[str, float]:
-        """One scale for each kind of quantity, the largest over asperites and recorded times."""
-        _, surfaces, blocks, system = self.named(out)
+        """One scale for each kind of quantity, the largest over asperites and the run."""
+        surfaces, blocks, system = self.named(out)
 
         def top(tables: list[dict[str, np.ndarray]], kind: str) -> float:
             values = [v for table in tables for q, v in table.items() if kind_of(q) == kind]

@@ -4,6 +4,11 @@
 /* Rounding of an extrapolated change, in units of one rounding: coefficients of up to 50. */
 #define AMPLIFIED 100
 
+/* A row stalls if its error exceeds this part of the error of the row before. */
+#define STALLED 0.2
+/* The largest error, in units of the tolerance, that rounding may explain. */
+#define ROUNDED 1e8
+
 typedef struct {
     real *start_rate, *z, *other, *rate, *sum, *carry, *best, *error, *table[ROWS], *distance;
 } Work;
@@ -69,11 +74,13 @@ static void measure(const Model *m, const real *y, const real *z, const real *mo
             scale[k] = 1;
 }
 
-/* One step: the change in w->best.  Returns the row that was accepted, 0 if none was. */
+/* One step: the change in w->best.  Returns the row that was accepted, 0 if none was.  Where the
+   rounding of forces is the limit, rows gain nothing: then the last is accepted, and the two
+   tolerances differ by that rounding. */
 static int extrapolate(Model *m, Work *w, real t, const real *y, real h, int rows, real tol,
                        const real *most, real *error, int full)
 {
-    real scale[KINDS];
+    real scale[KINDS], before = 0, still = 0;
     for (int j = 0; j < rows; j++) {
         real *next = w->error;
         midpoint(m, w, t, y, h, 2 * (j + 1), next);
@@ -89,6 +96,7 @@ static int extrapolate(Model *m, Work *w, real t, const real *y, real h, int row
         if (j > 0) {
             measure(m, y, next, most, scale);
             *error = error_of(m, next, w->table[j - 1], scale, tol);
+            still = *error > STALLED * before ? still + 1 : 0, before = *error;
         }
         memcpy(w->table[j], next, sizeof(real) * m->size);
         memcpy(w->best, next, sizeof(real) * m->size);
@@ -97,6 +105,8 @@ static int extrapolate(Model *m, Work *w, real t, const real *y, real h, int row
         if (j > 2 && !(*error < 1e60))
             return 0;
     }
+    if (*error > 1 && *error < ROUNDED && still > 1)
+        *error = 0;
     return *error <= 1 ? rows : 0;
 }
 

@@ -27,6 +27,13 @@ from tribo.model.scene import Scene
 from tribo.model.settings import check_accuracy
 from tribo.run.layout import Layout
 from tribo.run.pair_adapter import has_pair_loop
+from tribo.run.resolution import (
+    longest_kick,
+    pendulum_frequency,
+    spring_frequency,
+    turn_of_step,
+    user_frequency,
+)
 from tribo.validation import POSITIVE, InputError, number
 
 # The accuracy where neither the call nor the scene file gives one: far below what a figure can
@@ -35,6 +42,12 @@ DEFAULT_ACCURACY = 1e-8
 # Step of a run with noise, in units of the first step of a run without: a tenth of a radian of the
 # fastest pendulum or oscillator.
 NOISY_STEP = 2.0
+# Such a step is also at most this phase of springs between bars, of pulling springs, and of a
+# user's forces [rad].
+NOISY_PHASE = 0.1
+# Most phase of a pendulum and of springs between two kicks [rad].  At 2, deflections are 0.64 of
+# the right ones and springs become unstable; at pi, kicks are in resonance with the pendulum.
+MOST_PHASE = 2.0
 
 
 @dataclass(frozen=True)
@@ -148,7 +161,26 @@ def choose(
         )
     if step is None:
         raise InputError("step", f"is missing; {chosen.name} takes equal steps; or give accuracy")
-    return Choice(chosen, None, number("step", step, POSITIVE))
+    return Choice(chosen, None, _checked_step(layout, chosen, step))
+
+
+def _checked_step(layout: Layout, method: methods.Method, step: float) -> float:
+    """A given step.  Raises InputError where a splitting method would not resolve the scene."""
+    step = number("step", step, POSITIVE)
+    if not method.splits:
+        return step
+    for what, frequency in (
+        ("the fastest pendulum", pendulum_frequency(layout)),
+        ("the stiffest spring between bars or to a stage", spring_frequency(layout)),
+    ):
+        if turn_of_step(layout, method, step, frequency) > MOST_PHASE:
+            most = MOST_PHASE / (frequency * longest_kick(method))
+            raise InputError(
+                "step",
+                f"must be at most {most:.3g} for {method.name}, got {step:g}: a longer one does "
+                f"not resolve {what}, {frequency:.3g} rad/time",
+            )
+    return step
 
 
 def _noisy(layout: Layout, accuracy: Accuracy | None, step: float | None) -> Choice:
@@ -159,9 +191,12 @@ def _noisy(layout: Layout, accuracy: Accuracy | None, step: float | None) -> Cho
             "cannot be kept with thermal noise, where no two runs agree; give a step, and average "
             "over runs, as tribo.ensemble does",
         )
-    if step is None:
-        step = NOISY_STEP * first_step(layout)
-    return Choice(methods.METHODS["verlet"], None, number("step", step, POSITIVE))
+    method = methods.METHODS["verlet"]
+    if step is not None:
+        return Choice(method, None, _checked_step(layout, method, step))
+    step = NOISY_STEP * first_step(layout)
+    fastest = max(spring_frequency(layout), user_frequency(layout))
+    return Choice(method, None, min(step, NOISY_PHASE / fastest if fastest > 0.0 else np.inf))
 
 
 def cheapest(layout: Layout, accuracy: float) -> tuple[methods.Method, str]:

@@ -12,6 +12,7 @@ from tribo.run.layout import Layout
 from tribo.run.ledger import Ledger
 from tribo.run.motion import internal_energy, motions, swing_direction
 from tribo.run.quantities import ASPERITE_QUANTITIES, OPTIONAL_QUANTITIES, QUANTITIES
+from tribo.run.resolution import pendulum_frequency
 from tribo.run.samples import Samples
 
 # The distance from 1 to the next double.
@@ -278,9 +279,7 @@ def first_step(layout: Layout) -> float:
 
 def unit_step(layout: Layout) -> float:
     """The unit of equal steps: the time in which the fastest pendulum turns by one radian."""
-    a = layout.model.asperites
-    inverse = 1.0 / a.inertia + np.where(a.dof_phi >= 0, 1.0 / a.i2, 0.0)
-    fastest = float(np.max(np.sqrt(a.kappa * inverse)))
+    fastest = pendulum_frequency(layout)
     return min(1.0 / fastest if fastest > 0.0 else np.inf, 0.01 * layout.scene.duration)
 
 

@@ -39,6 +39,7 @@ from tribo.kernels.status import Status
 from tribo.run.integrate import Integration, Setting
 from tribo.run.layout import Layout
 from tribo.run.progress_guard import MOST_EVALUATIONS
+from tribo.run.resolution import spring_frequency
 from tribo.validation import InputError
 
 # Level of the tolerances of the pilot run: three digits are enough for scales.
@@ -73,6 +74,10 @@ TIGHT = 1e-9
 # of reach: 20 s at the 0.13 us that benchmarks/calibrate.py measures for an asperite.  The tries of
 # a looser setting end after as much work.
 LONG_RUN = 1.5e8
+# The next round takes this fraction of equal steps that are too long.
+SHORTER = 0.25
+# Statuses of runs whose equal steps are too long.
+TOO_LONG = (Status.ENCOUNTER_JUMPED, Status.NOT_FINITE, Status.NOT_CONVERGED)
 # Asperites that take as long as a call of an ASE calculator: 1 ms, as measured for EMT.
 CALL = 8000
 # First factor by which the level is raised for a run that is compared with no other.
@@ -137,7 +142,9 @@ def setting_at(
     """
     if method.adaptive:
         return tolerances(layout, scales, level, near)
-    return unit_step(layout) * level ** (1.0 / method.order)
+    springs = spring_frequency(layout)
+    unit = min(unit_step(layout), 1.0 / springs if springs > 0.0 else np.inf)
+    return unit * level ** (1.0 / method.order)
 
 
 def find_settings(
@@ -185,8 +192,9 @@ def find_settings(
         coarse, fine = _run_round(layout, method, level, stops, attempt, runs)
         if runs[-1].status in ABORTED:
             break
-        if not method.adaptive and any(run.status == Status.ENCOUNTER_JUMPED for run in runs[-3:]):
-            level *= LOWER**2
+        can_be_too_long = not method.adaptive and _work(layout, runs[-1]) < SHORTER * LONG_RUN
+        if can_be_too_long and any(run.status in TOO_LONG for run in runs[-3:]):
+            level *= SHORTER**method.order
             continue
         aborted = False
         if amplification is None and strictest(accuracy) < TIGHT:
@@ -194,6 +202,9 @@ def find_settings(
             aborted = amplification is None
         bounds, scales = error_bounds(layout, runs[-1], runs[-3:-1], amplification, accuracy)
         excess = excess_of_request(bounds, scales, accuracy)
+        if can_be_too_long and len(runs) == 3 and excess * strictest(accuracy) > 1.0:
+            level, amplification = level * SHORTER**method.order, None
+            continue
         stalls = stalls + 1 if excess > STALLED * before else 0
         if excess <= 1.0 or level <= FLOOR or stalls == MOST_STALLS or aborted:
             break

@@ -33,6 +33,8 @@ ENCOUNTER_UPDATE = 0.25
 # move; up to FEW_ASPERITES asperites after every step.
 UPDATE_INTERVAL = 8
 FEW_ASPERITES = 64
+# Largest component of a state or of its rates of change, in any unit: energies have squares of it.
+LARGEST = 1e150
 # Smallest step, in units of the spacing of floating-point numbers at the end time.
 MIN_STEP = 16.0
 
@@ -82,9 +84,9 @@ def encounter_bound(model, neighbours, clock, y, speeds, h):
 
 @kernel
 def all_finite(x):
-    """Whether every component is finite."""
+    """Whether every component is finite, and its square."""
     for m in range(x.size):
-        if not math.isfinite(x[m]):
+        if not abs(x[m]) <= LARGEST:
             return False
     return True
 

@@ -11,7 +11,7 @@ import gc
 import hashlib
 import re
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import FunctionType
 from typing import Any
@@ -20,6 +20,7 @@ import numpy as np
 from numba import config, njit
 
 from tribo.kernels import plugin_methods  # noqa: F401 (kernels call methods of plug-ins)
+from tribo.kernels.disk_cache import KernelCache
 from tribo.kernels.numba_passes import LINKED
 
 # Division by zero gives inf or nan, as in numpy; the time loops turn both into a named status.
@@ -78,11 +79,15 @@ def time_loop(loop: FunctionType, stamp: str | None) -> Callable[..., Any]:
 
 
 def _named(loop: FunctionType, stamps: str) -> Any:
-    """The loop under a name of its own, by which numba's disk cache finds it."""
+    """The loop under a name of its own, by which the disk cache finds it."""
     name = f"{loop.__name__}_{stamps}"
     clone = FunctionType(loop.__code__, loop.__globals__, name, loop.__defaults__)
     clone.__qualname__ = name
-    return njit(error_model="numpy", cache=True)(clone)
+    compiled: Any = njit(error_model="numpy")(clone)
+    # With no folder that can be written, each process compiles.
+    with suppress(RuntimeError):
+        compiled._cache = KernelCache(clone)
+    return compiled
 
 
 def cached_files(loop: FunctionType) -> list[Path]:
@@ -90,8 +95,10 @@ def cached_files(loop: FunctionType) -> list[Path]:
 
     They are of all loops from sources in one folder, and of all versions of package and plug-ins.
     """
-    folder = Path(_named(loop, package_stamp()).stats.cache_path)
-    return sorted(path for path in folder.glob("*.nb?") if FILE_NAME.fullmatch(path.name))
+    folder = _named(loop, package_stamp()).stats.cache_path
+    if folder is None:
+        return []
+    return sorted(path for path in Path(folder).glob("*.nb?") if FILE_NAME.fullmatch(path.name))
 
 
 def is_compiled(loop: Any) -> bool:
@@ -99,7 +106,7 @@ def is_compiled(loop: Any) -> bool:
     if config.DISABLE_JIT or loop.overloads:  # type: ignore[attr-defined]
         return True
     folder = loop.stats.cache_path
-    return folder is not None and any(Path(folder).glob(f"*.{loop.__name__}-*.nbi"))
+    return folder is not None and any(Path(folder).glob(f"*.{loop.__name__}-*.nbc"))
 
 
 def remove_stale(loop: FunctionType) -> None:

@@ -16,7 +16,15 @@ from tribo.model.interaction import Interaction, Periodic, as_periodic
 from tribo.model.settings import Numerics, Output
 from tribo.model.surface import UNITS, Surface
 from tribo.potentials.from_ase import Live
-from tribo.validation import POSITIVE, InputError, inside, integer, must_be, number
+from tribo.validation import (
+    POSITIVE,
+    SHORTEST_DURATION,
+    InputError,
+    inside,
+    integer,
+    must_be,
+    number,
+)
 
 
 class Effect(StrEnum):
@@ -102,6 +110,8 @@ class Scene:
     def __post_init__(self) -> None:
         put = object.__setattr__
         put(self, "duration", number("duration", self.duration, POSITIVE, "time"))
+        if self.duration < SHORTEST_DURATION:
+            raise must_be("duration", f"at least {SHORTEST_DURATION:g} [time]", self.duration)
         put(self, "seed", integer("seed", self.seed, 0))
         if not isinstance(self.title, str):
             raise must_be("title", "text", self.title)

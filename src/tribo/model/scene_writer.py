@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tribo.files import replace_file
 from tribo.model import bath, drives, fields
 from tribo.model.roughness import Roughness
 from tribo.model.surface import Surface
 from tribo.potentials import tables as potentials
-from tribo.validation import InputError, as_path
+from tribo.validation import as_path
 
 if TYPE_CHECKING:
     from tribo.model.scene import Scene
@@ -19,12 +20,7 @@ if TYPE_CHECKING:
 
 def save_scene(scene: Scene, path: object) -> None:
     """Write the TOML file that `load_scene` reads."""
-    path = as_path(path)
-    text = scene_text(scene).encode("utf-8")
-    try:
-        path.write_bytes(text)
-    except OSError as error:
-        raise InputError(str(path), f"cannot be written ({error.strerror})") from None
+    replace_file(as_path(path), scene_text(scene).encode("utf-8"))
 
 
 def scene_text(scene: Scene) -> str:

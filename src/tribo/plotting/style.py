@@ -5,12 +5,14 @@ Sizes of letters, gaps and margins are in points.
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tribo.validation import InputError, as_path
+from tribo.files import replace_file
+from tribo.validation import InputError, as_path, inside
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -135,13 +137,13 @@ def save(drawing: Axes | Figure, path: str | Path) -> Path:
         If the name ends otherwise, or the file cannot be written.
     """
     place = figure_path("path", path)
+    kind = place.suffix.lower()
     undated = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}
-    try:
-        with style():
-            figure_of(drawing).savefig(place, metadata=undated.get(place.suffix.lower()))
-    except OSError as error:
-        why = error.strerror or str(error)
-        raise InputError("path", f"{place} cannot be written ({why})") from None
+    content = io.BytesIO()
+    with style():
+        figure_of(drawing).savefig(content, format=kind[1:], metadata=undated.get(kind))
+    with inside("path"):
+        replace_file(place, content.getvalue())
     return place
 
 

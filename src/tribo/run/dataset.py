@@ -116,11 +116,11 @@ def save(result: Result, path: Path) -> None:
 
 def content(result: Result) -> bytes:
     """The bytes of the NetCDF file of a result, with its state and a hash of the whole."""
-    data = dataset(result)
-    state = result.state()
-    for name, array in state.arrays().items():
-        dimensions = tuple(f"state.{name}_{axis}" for axis in range(array.ndim))
-        data[f"{STATE}{name}"] = (dimensions, array)
+    state: dict[str, Variable] = {}
+    for name, array in result.state().arrays().items():
+        dimensions = tuple(f"{STATE}{name}_{axis}" for axis in range(array.ndim))
+        state[f"{STATE}{name}"] = (dimensions, array, {})
+    data = dataset(result).assign(state)
     data.attrs["hash"] = (HASH + NO_DIGEST).decode()
     image = bytes(data.to_netcdf(engine="h5netcdf"))
     return image.replace(HASH + NO_DIGEST, HASH + _digest(image))

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 
 from tribo.kernels import records
 from tribo.kernels.records import Custom, FieldOn
+from tribo.model.fields import Corrugation, Field
 from tribo.model.scene import Scene
 
 Records = np.recarray[Any, Any]  # whose fields are read as attributes
@@ -27,7 +29,7 @@ def fields_on_surfaces(
             FieldOn(
                 potential=item.potential,
                 surfaces=np.array([names.index(name) for name in item.on]),
-                origin=origin - np.array(item.origin),
+                origin=_in_frame_of(item, origin),
                 velocity=velocity - drift,
                 drift=drift,
                 anchor=np.zeros(2),
@@ -36,6 +38,18 @@ def fields_on_surfaces(
         )
         accounts += moves
     return tuple(fields) or None, accounts
+
+
+def _in_frame_of(field: Field, origin: np.ndarray) -> np.ndarray:
+    """The scene's origin in the field's own frame at t = 0 (2,).
+
+    In a corrugation whole periods are left out, so that its phase keeps all digits far from x = 0;
+    fmod is exact.
+    """
+    if isinstance(field.potential, Corrugation):
+        x, start = (math.fmod(x, field.potential.period) for x in (origin[0], field.origin[0]))
+        return np.array([x - start, 0.0])
+    return origin - np.array(field.origin)
 
 
 def bonds(scene: Scene, parts: dict[str, slice], asperites: np.ndarray) -> Records | None:

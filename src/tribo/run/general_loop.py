@@ -108,15 +108,15 @@ class GeneralLoop:
             self._neighbours.place[:] = np.nan
 
     def memory(self) -> Memory:
-        """All that another loop of this kind needs to continue; a copy."""
+        """All that another loop of this kind needs to continue, until this one goes on."""
         memory = {"clock": numbers_of(self.clocks)}
-        memory |= {name: array.copy() for name, array in self.state._asdict().items()}
+        memory |= self.state._asdict()
         if self._neighbours is not None:
             for name in ("start", "index", "place", "made"):
-                memory[f"neighbours_{name}"] = getattr(self._neighbours, name).copy()
+                memory[f"neighbours_{name}"] = getattr(self._neighbours, name)
         if self._noise:
             text = json.dumps(self._noise[0].bit_generator.state)
-            memory["noise"] = np.frombuffer(text.encode(), np.uint8).copy()
+            memory["noise"] = np.frombuffer(text.encode(), np.uint8)
         return memory
 
     def restore(self, memory: Memory) -> None:

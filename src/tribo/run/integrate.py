@@ -58,7 +58,7 @@ class TimeLoop(Protocol):
         """Let the next call make its neighbour list, if it has one, from the bobs' places."""
 
     def memory(self) -> Memory:
-        """All that another loop of this kind needs to continue; a copy."""
+        """All that another loop of this kind needs to continue, until this one goes on."""
 
     def restore(self, memory: Memory) -> None:
         """Continue where another loop of this kind was."""
@@ -167,6 +167,8 @@ def integrate(
             loop.clocks["sample"] = 0
         status = _run_through(loop, portion, columns, calls, progress, checkpoints)
         memory = loop.memory()
+        if status != Status.COMPLETED:  # the loop goes on, to record where it stopped
+            memory = {name: array.copy() for name, array in memory.items()}
         counts = np.array([loop.clocks["steps"][0], loop.clocks["evaluations"][0]])
         passages = tuple(int(loop.clocks[name][0]) for name in ("passages", "passing", "passed"))
         new = _recorded(loop, portion, columns, status)

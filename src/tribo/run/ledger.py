@@ -66,6 +66,11 @@ def _rows(table: Table, selected: slice | np.ndarray) -> Table:
     return {name: values[selected] for name, values in table.items()}
 
 
+# In a run that stopped because values were not finite, the last are infinite or NaN here too.
+_with_infinities = np.errstate(over="ignore", invalid="ignore")
+
+
+@_with_infinities
 def assemble(layout: Layout, samples: Samples) -> Ledger:
     """The ledger of raw samples, the first of which is the start of the run."""
     surfaces: dict[str, Table] = {}
@@ -81,6 +86,7 @@ def assemble(layout: Layout, samples: Samples) -> Ledger:
     return _with_totals(layout, samples, surfaces, sums)
 
 
+@_with_infinities
 def assemble_totals(layout: Layout, samples: Samples) -> Ledger:
     """The ledger of surfaces as wholes and of the system, without the series of asperites."""
     sums = []

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from tribo.integrators.methods import Method
@@ -14,12 +16,19 @@ from tribo.potentials.tables import as_table
 from tribo.run.closest_bobs import closest_bobs
 from tribo.run.integrate import Integration
 from tribo.run.layout import Layout
+from tribo.run.resolution import pendulum_frequency, turn_of_step
 from tribo.validation import short_repr
 
+# Phase of the fastest pendulum between two kicks above which a step is noted [rad]: static
+# deflections are 2 % too small there.
+NOTED_TURN = 0.5
 
-def scene_notes(scene: Scene, method: Method) -> tuple[str, ...]:
-    """Notes on potentials that are too rough for the method, and on baths of a continuum."""
-    return (*_on_potentials(scene, method), *_on_baths(scene))
+
+def run_notes(layout: Layout, method: Method, step: float | None) -> tuple[str, ...]:
+    """Notes on potentials too rough for the method, a given step too long, and baths too small."""
+    scene = layout.scene
+    steps = [] if step is None else _on_step(layout, method, step)
+    return (*_on_potentials(scene, method), *steps, *_on_baths(scene))
 
 
 def calculator_notes(layout: Layout) -> tuple[str, ...]:
@@ -86,6 +95,21 @@ def _on_potentials(scene: Scene, method: Method) -> list[str]:
                 f"{method.smoothness} for errors of order {method.order}"
             )
     return notes
+
+
+def _on_step(layout: Layout, method: Method, step: float) -> list[str]:
+    """A note on pendulums that a given step of a splitting method hardly resolves."""
+    if not method.splits:
+        return []
+    turn = turn_of_step(layout, method, step, pendulum_frequency(layout))
+    if turn <= NOTED_TURN:
+        return []
+    right = 0.5 * turn / math.tan(0.5 * turn)
+    return [
+        f"the fastest pendulum rotates by {turn:.2g} rad from one kick to the next, so constant "
+        f"forces deflect it by {right:.2g} of the right angle; steps up to "
+        f"{step * NOTED_TURN / turn:.2g} keep this error below 2 %",
+    ]
 
 
 def _on_baths(scene: Scene) -> list[str]:

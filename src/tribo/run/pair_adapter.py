@@ -188,7 +188,7 @@ class Pair:
         """Nothing, as a pair has no list."""
 
     def memory(self) -> Memory:
-        """All that another loop of this kind needs to continue; a copy."""
+        """All that another loop of this kind needs to continue."""
         return {"clock": numbers_of(self.clocks), "pair": self._rows[STATE:].copy()}
 
     def restore(self, memory: Memory) -> None:

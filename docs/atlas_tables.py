@@ -1,0 +1,96 @@
+"""The tables and the picture of hard_cases.md, from what benchmarks/atlas.py measured."""
+
+import json
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from tribo import atlas
+from tribo.integrators.methods import METHODS
+from tribo.plotting.style import drawing_on, save
+
+MEASURED = Path(__file__).resolve().parent / "measured" / "atlas.json"
+# Errors below this are drawn here: log scales have no zero.
+LEAST = 1e-16
+# How the outcomes of runs by a method are shown; a completed run shows its evaluations.
+SHOWN = {
+    "completed, accuracy not met": "not met",
+    "completed, error above its estimate": "wrong",
+    "Interrupted": "slow",
+}
+
+
+def measured() -> dict[str, Any]:
+    """Scene -> its row, and its runs by every method."""
+    data: dict[str, Any] = json.loads(MEASURED.read_text(encoding="utf-8"))
+    return data
+
+
+def outcomes() -> Iterator[list[str]]:
+    """Every scene: its outcome, its error beside its estimate, and how simple integrators fail."""
+    yield ["scene", "outcome", "error", "estimate", "how a simple integrator fails"]
+    for name, data in measured().items():
+        row = data["row"]
+        (entry,) = atlas.chosen([name])
+        outcome = row["outcome"] if row["as_declared"] else f"**{row['outcome']}**"
+        numbers = (_power(row["error"]), _power(row["estimate"]))
+        yield [f"`{name}`: {entry.scene().title}", outcome, *numbers, entry.failure]
+
+
+def by_method() -> Iterator[list[str]]:
+    """Every scene by every method: force evaluations, or why there is no number."""
+    yield ["scene", *(f"`{method}`" for method in METHODS)]
+    for name, data in measured().items():
+        cells = {cell["method"]: _cell(cell) for cell in data["methods"]}
+        if cells:
+            yield [f"`{name}`", *(cells[method] for method in METHODS)]
+
+
+def stability() -> Iterator[list[str]]:
+    """Every method: how many scenes it completes, refuses, stops at, or leaves unfinished."""
+    kinds = ("completed", "not met", "stopped", "slow", "refused", "wrong")
+    yield ["method", *kinds]
+    runs = [cell for data in measured().values() for cell in data["methods"]]
+    for method in METHODS:
+        found = [_kind(cell) for cell in runs if cell["method"] == method]
+        yield [f"`{method}`", *(str(found.count(kind)) for kind in kinds)]
+
+
+def _kind(cell: dict[str, Any]) -> str:
+    """The outcome of a run by a method in one word."""
+    outcome = cell["outcome"]
+    known = {"completed", "refused"}
+    return SHOWN.get(outcome, outcome if outcome in known else "stopped")
+
+
+def _cell(cell: dict[str, Any]) -> str:
+    """Force evaluations of a run that completed, or its outcome."""
+    outcome = cell["outcome"]
+    if outcome == "completed":
+        return _power(cell["evaluations"])
+    return SHOWN.get(outcome, outcome)
+
+
+def _power(value: float | None) -> str:
+    """A number to two digits."""
+    return "" if value is None else f"{value:.1e}".replace("e+0", "e").replace("e-0", "e-")
+
+
+def figure(path: Path) -> None:
+    """Errors, estimates and bounds of all scenes that have a reference of their end."""
+    rows = [(name, data["row"]) for name, data in measured().items()]
+    rows = [(name, row) for name, row in rows if row["error"] is not None]
+    with drawing_on(None, 7.0, 0.14 * len(rows) + 0.8) as ax:
+        for y, (name, row) in enumerate(reversed(rows)):
+            (entry,) = atlas.chosen([name])
+            error = max(row["error"], LEAST)
+            if row["estimate"] is not None and math.isfinite(row["estimate"]):
+                ax.plot([error, max(row["estimate"], LEAST)], [y, y], color="0.7", linewidth=3)
+            ax.plot(error, y, "o", color="C0", markersize=3.5)
+            ax.plot(entry.bound, y, "|", color="C3", markersize=6)
+        ax.set_xscale("log")
+        ax.set_yticks(range(len(rows)), [name for name, _ in reversed(rows)], fontsize=6)
+        ax.set_ylim(-1, len(rows))
+        ax.set_xlabel("error (dot), its estimate (end of the bar), declared bound (tick)")
+        save(ax, path)

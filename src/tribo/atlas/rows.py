@@ -1,0 +1,183 @@
+"""The table of the atlas: each scene is run, and its end is compared with its reference."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Iterator
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+from tribo.accuracy.scales import EPSILON, KINDS, Scales, reported_scales
+from tribo.atlas.entries import STOP_TIME, Entry
+from tribo.kernels.status import Status
+from tribo.run.layout import lay_out
+from tribo.run.result import Result
+from tribo.simulation import prepare
+
+# Outcomes of completed runs that fall short.
+NOT_MET = "completed, accuracy not met"
+NOT_HONEST = "completed, error above its estimate"
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line of the table.
+
+    Attributes
+    ----------
+    name : str
+        Of the entry.
+    declared : str
+        The outcome that the entry declares.
+    outcome : str
+        The outcome of the run.
+    as_declared : bool
+        Whether they are equal and the error is within the entry's bound.
+    error : float or None
+        The largest error of the reference's quantities at the end, relative to the scale of each;
+        None where the run did not reach what the reference describes.
+    estimate : float or None
+        The largest error estimate of these quantities, in the same units; None without estimates.
+    seconds : float
+        Time of all runs, compilation included [s].
+    """
+
+    name: str
+    declared: str
+    outcome: str
+    as_declared: bool
+    error: float | None
+    estimate: float | None
+    seconds: float
+
+    def __str__(self) -> str:
+        verdict = "as declared" if self.as_declared else f"NOT AS DECLARED ({self.declared})"
+        error, estimate = ("" if x is None else f"{x:.1e}" for x in (self.error, self.estimate))
+        return (
+            f"{self.name:<28} {error:>8} {estimate:>8} {self.seconds:8.2f} s  "
+            f"{self.outcome}, {verdict}"
+        )
+
+
+# The head of the lines that rows print.
+HEAD = f"{'scene':<28} {'error':>8} {'estimate':>8} {'time':>10}  outcome"
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """The difference from one quantity of a reference, in units of its scale."""
+
+    error: float
+    estimate: float | None
+    rounding: float  # of the reference to a double, in the same units
+
+    @property
+    def honest(self) -> bool:
+        """Whether the error is within its estimate."""
+        return self.estimate is None or self.error <= self.estimate + self.rounding
+
+
+def row(entry: Entry) -> Row:
+    """Run one scene, and compare its end with the reference.
+
+    Parameters
+    ----------
+    entry : Entry
+
+    Returns
+    -------
+    Row
+
+    Raises
+    ------
+    KeyboardInterrupt
+        The run was interrupted.
+    """
+    began = time.perf_counter()
+    result = prepare(entry.scene()).compute_first()
+    if result.status == Status.INTERRUPTED:
+        raise KeyboardInterrupt
+    return judge(entry, result, time.perf_counter() - began)
+
+
+def judge(entry: Entry, result: Result, seconds: float) -> Row:
+    """Compare a result with the reference of an entry.
+
+    Parameters
+    ----------
+    entry : Entry
+    result : Result
+        Of the entry's scene, by any method.
+    seconds : float
+        Time that it took [s].
+
+    Returns
+    -------
+    Row
+    """
+    stops = STOP_TIME in entry.reference
+    if stops == (result.status == Status.COMPLETED):  # the reference is of another end
+        return Row(entry.name, entry.declared, _outcome(result), False, None, None, seconds)
+    found = [_stop(entry, result)] if stops else list(_deviations(entry, result))
+    outcome = _outcome(result) if all(item.honest for item in found) else NOT_HONEST
+    error = max(item.error for item in found)
+    estimates = [item.estimate for item in found if item.estimate is not None]
+    return Row(
+        name=entry.name,
+        declared=entry.declared,
+        outcome=outcome,
+        as_declared=outcome == entry.declared and error <= entry.bound,
+        error=error,
+        estimate=max(estimates, default=None),
+        seconds=seconds,
+    )
+
+
+def _outcome(result: Result) -> str:
+    """The status of a run, and whether it fell short of the accuracy."""
+    completed = result.status == Status.COMPLETED
+    return NOT_MET if completed and result.met is False else str(result.status)
+
+
+def _stop(entry: Entry, result: Result) -> Deviation:
+    """The difference of the time of a stop, in units of the duration."""
+    (digits,) = entry.reference[STOP_TIME]
+    return Deviation(abs(float(result.t[-1]) - float(digits)) / result.scene.duration, None, 0.0)
+
+
+def _deviations(entry: Entry, result: Result) -> Iterator[Deviation]:
+    """The difference of each quantity of the reference, asperite by asperite."""
+    scales = reported_scales(lay_out(result.scene), result.ledger)
+    for key, digits in entry.reference.items():
+        surface, _, name = key.partition(".")
+        values = np.atleast_1d(result[surface][name][-1])
+        for value, true in zip(values, map(float, digits), strict=True):
+            bar = result.error_estimate[name]
+            yield Deviation(
+                error=_relative(abs(float(value) - true), name, scales),
+                estimate=None if bar is None else _relative(bar, name, scales),
+                rounding=_relative(EPSILON * abs(true), name, scales),
+            )
+
+
+def _relative(difference: float, name: str, scales: Scales) -> float:
+    """A difference in units of the scale of a quantity's kind; 0 stays 0 where that is 0."""
+    scale = scales.of(KINDS[name])
+    if difference == 0.0:
+        return 0.0
+    return difference / scale if scale > 0.0 else np.inf
+
+
+def table(rows: Iterable[Row]) -> dict[str, list[dict[str, object]]]:
+    """The rows as ``tribo atlas --json`` prints them.
+
+    Parameters
+    ----------
+    rows : iterable of Row
+
+    Returns
+    -------
+    dict
+    """
+    return {"rows": [asdict(row) for row in rows]}

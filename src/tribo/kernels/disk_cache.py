@@ -1,0 +1,88 @@
+"""Machine code on disk: used if it is whole and for the same arguments, else compiled again.
+
+numba trusts the content of its files, and numbers them by an index that two processes can write at
+the same time.  Here each combination of argument types has a file of its own, which holds these
+types, and a checksum.
+"""
+
+import hashlib
+import io
+import os
+import pickle
+import uuid
+from pathlib import Path
+from typing import Any
+
+import numba
+from numba.core.caching import FunctionCache, IndexDataCacheFile
+from numba.core.serialize import dumps
+
+# Bytes of the checksum that a file begins with.
+CHECKSUM = 32
+
+
+class KernelCache(FunctionCache):
+    """The compiled forms of one function on disk.
+
+    Parameters
+    ----------
+    function : function
+        As Python.
+
+    Raises
+    ------
+    RuntimeError
+        There is no folder for it that can be written.
+    """
+
+    def __init__(self, function: Any) -> None:
+        super().__init__(function)
+        self._cache_file = CodeFiles(self._cache_file)
+
+    def _save_overload(self, signature: Any, data: Any) -> None:
+        try:
+            super()._save_overload(signature, data)
+        except OSError:  # the code is in memory; another process compiles it again
+            return
+
+
+class CodeFiles:
+    """The files of one function, in place of numba's `IndexDataCacheFile`."""
+
+    def __init__(self, files: IndexDataCacheFile) -> None:
+        self._folder = Path(files._cache_path)
+        self._name = files._index_name.removesuffix(".nbi")
+        self._made_by = (numba.__version__, files._source_stamp)
+
+    def load(self, key: Any) -> Any:
+        """The code for the argument types in `key`; None if there is none that is whole."""
+        try:
+            content = self._file(key).read_bytes()
+        except OSError:
+            return None
+        if _checksum(content[CHECKSUM:]) != content[:CHECKSUM]:
+            return None
+        stream = io.BytesIO(content[CHECKSUM:])
+        try:
+            found = pickle.load(stream) == (self._made_by, key)
+            return pickle.load(stream) if found else None
+        except Exception:  # a class that it names is no longer there
+            return None
+
+    def save(self, key: Any, data: Any) -> None:
+        """Write the code for the argument types in `key`.  Raises OSError."""
+        content = dumps((self._made_by, key)) + dumps(data)
+        path = self._file(key)
+        new = path.with_name(f"{path.name}.{uuid.uuid4().hex}")
+        try:
+            new.write_bytes(_checksum(content) + content)
+            os.replace(new, path)
+        finally:
+            new.unlink(missing_ok=True)
+
+    def _file(self, key: Any) -> Path:
+        return self._folder / f"{self._name}.{_checksum(repr(key).encode()).hex()[:16]}.nbc"
+
+
+def _checksum(content: bytes) -> bytes:
+    return hashlib.blake2b(content, digest_size=CHECKSUM).digest()

@@ -1,0 +1,105 @@
+"""The frequencies that a step of a splitting method has to resolve."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from tribo.integrators.methods import Method
+from tribo.integrators.splitting import Splitting
+from tribo.kernels.records import PULLED
+from tribo.run.layout import Layout
+
+# Change of a place in units of a rod's length, of an angle in radians, and of a velocity in these
+# for each unit of time, by which derivatives of a user's forces are taken.  A smaller one would let
+# a jump of a force, as of dry friction at rest, demand steps that are too short to be of use.
+DIFFERENCE = 0.01
+
+
+def pendulum_frequency(layout: Layout) -> float:
+    """The angular frequency of the fastest pendulum [rad / time]."""
+    a = layout.model.asperites
+    inverse = 1.0 / a.inertia + np.where(a.dof_phi >= 0, 1.0 / a.i2, 0.0)
+    return float(np.max(np.sqrt(a.kappa * inverse)))
+
+
+def spring_frequency(layout: Layout) -> float:
+    """A bound on the angular frequencies of lattice springs and of pulling springs [rad / time].
+
+    By Gershgorin: the sum of a row of the matrix of stiffnesses, over mass and inertia of its bar.
+    """
+    a, surfaces, bonds = layout.model.asperites, layout.model.surfaces, layout.model.bonds
+    stiffness = np.where(surfaces.drive == PULLED, surfaces.stiffness, 0.0)[a.surface]
+    if bonds is not None:
+        for ends in (bonds.i, bonds.j):
+            np.add.at(stiffness, ends, 2.0 * bonds.stiffness)
+    return float(np.sqrt(np.max(stiffness * _mobility(layout))))
+
+
+def user_frequency(layout: Layout) -> float:
+    """The largest rate at which a user's forces change a motion at the start [rad / time].
+
+    Measured by differences at one asperite of each surface; 0 where they cannot be taken.
+    """
+    with np.errstate(all="ignore"):
+        rates = [rate for rate in _user_rates(layout) if np.isfinite(rate)]
+    return max(rates, default=0.0)
+
+
+def turn_of_step(layout: Layout, method: Method, step: float, frequency: float) -> float:
+    """The phase of a frequency in the longest substep that a splitting method takes [rad]."""
+    intervals = np.diff(layout.scene.times)
+    longest = float(np.max(intervals / np.maximum(1.0, np.ceil(intervals / step - 1e-9))))
+    return frequency * longest * longest_kick(method)
+
+
+def longest_kick(method: Method) -> float:
+    """The longest kick of a splitting method, in units of the step."""
+    assert isinstance(method.coefficients, Splitting)
+    return float(np.max(np.abs(method.coefficients.kicks)))
+
+
+def _mobility(layout: Layout) -> np.ndarray:
+    """Velocity of each bar for a unit of momentum, at most."""
+    a = layout.model.asperites
+    return 1.0 / a.mass + a.l2**2 / a.inertia
+
+
+def _user_rates(layout: Layout) -> Iterator[float]:
+    """Rates at which a user's forces change places, angles, and velocities."""
+    a, mobility = layout.model.asperites, _mobility(layout)
+    for drive in layout.model.drives or ():
+        i = int(layout.model.surfaces.start[drive.surface])
+        place = np.add(drive.origin, (a.x[i], a.y[i] + a.facing[i] * a.l2[i]))
+        velocity = np.add(drive.velocity, (a.vx[i], a.vy[i]))
+        state, size = (0.0, *place, *velocity, 0.0, 0.0), float(a.l1[i] + a.l2[i])
+        force = drive.plugin.force_on_bar
+        yield np.sqrt(_slope(force, state, (1, 2), size) * mobility[i])
+        yield _slope(force, state, (3, 4), size) * mobility[i]
+    for end in layout.model.ends or ():
+        i = int(layout.model.surfaces.start[end.surface])
+        angles, arm = (0.0, float(a.phi[i]), float(a.nu[i]), 0.0), a.bar_length[i] / a.i2[i]
+        force = end.plugin.end_forces
+        yield np.sqrt(_slope(force, angles, (1, 3), 1.0) * arm)
+        yield _slope(force, angles, (2,), 1.0) * arm
+
+
+def _slope(
+    force: Callable[..., tuple[float, ...]],
+    state: tuple[float, ...],
+    places: tuple[int, ...],
+    size: float,
+) -> float:
+    """The largest derivative of a force by some of its arguments; nan if it cannot be computed."""
+    slopes = [0.0]
+    for place in places:
+        one, other = list(state), list(state)
+        one[place] -= DIFFERENCE * size
+        other[place] += DIFFERENCE * size
+        try:
+            change = np.subtract(force(*other), force(*one))
+        except (ArithmeticError, ValueError):
+            return np.nan
+        slopes.append(float(np.max(np.abs(change))) / (2.0 * DIFFERENCE * size))
+    return max(slopes)

@@ -1,0 +1,100 @@
+"""Random scenes: every recorded number is right within its bar, or the run stops by name.
+
+The scenes of the default set are stored with their solutions; those of the slow set are solved by
+the reference in C when they run, and the set continues where it stopped:
+
+    python -m pytest -m slow tests/accuracy/test_random_scenes.py
+    TRIBO_SEEDS=5000:6000 python -m pytest -m slow tests/accuracy/test_random_scenes.py
+"""
+
+import copy
+import hashlib
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from statistics import median
+
+import numpy as np
+import pytest
+
+import tribo
+from support.random_scenes import BLOCK, structure_of, wide_scene
+from support.reference_precise import compiler, kind_of, solution_from, solve
+from support.verdicts import STORED, compared, verdict
+from tribo.model.scene_file import scene_from
+
+ROOT = Path(tribo.__file__).parents[2]
+SCENES = {row["seed"]: row for row in json.loads(STORED.read_text(encoding="utf-8"))}
+# The median ratio of bar to error over the stored scenes: bars are not useless.
+MEDIAN = 100.0
+ratios = []
+
+
+@pytest.mark.parametrize("seed", SCENES)
+def test_stored_scene(seed):
+    """Every quantity at every recorded time, by a stored solution."""
+    row = SCENES[seed]
+    found = verdict(row["scene"], solution_from(row["solution"]))
+    assert found["outcome"] == "right", found
+    if found["ratio"] > 0.0:
+        ratios.append(1.0 / found["ratio"])
+
+
+def test_bars_are_not_useless():
+    """Half of the bars are at most a hundred times the error of the worst quantity."""
+    if len(ratios) < len(SCENES) // 2:
+        pytest.skip("it needs the ratios of the stored scenes")
+    assert median(ratios) <= MEDIAN
+
+
+@pytest.mark.skipif(compiler() is None, reason="there is no C compiler")
+@pytest.mark.parametrize("seed", list(SCENES)[::8])
+def test_stored_solution(seed):
+    """The reference gives the stored numbers again."""
+    row = SCENES[seed]
+    stored, again = solution_from(row["solution"]), solve(row["scene"])
+    for name, error in stored.error.items():
+        allowed = 10.0 * (error + again.error[name]) + 1e-15 * stored.scales[kind_of(name)]
+        for one, other in zip(stored.series(name), again.series(name), strict=True):
+            assert np.max(np.abs(one - other)) <= allowed
+
+
+@pytest.mark.parametrize("quantity", ["theta", "w1", "delta_E_int", "contact_energy"])
+def test_a_wrong_number_is_seen(quantity):
+    """One recorded number that is off by twice its bar is a silent error."""
+    row = next(iter(SCENES.values()))
+    result = tribo.simulate(scene_from(row["scene"]))
+    truth = solution_from(copy.deepcopy(row["solution"]))
+    assert compared(result, truth)["outcome"] == "right"
+    series = truth.series(quantity)[0]
+    series[len(series) // 2] += 2.0 * result.error_estimate[quantity]
+    found = compared(result, truth)
+    assert (found["outcome"], found["quantity"]) == ("silent", quantity)
+
+
+def test_scenes_are_repeatable_and_valid():
+    """A seed stands for one scene; the seeds of a block share their effects."""
+    for seed in range(0, 20 * BLOCK, 7):
+        table = wide_scene(seed)
+        assert table == wide_scene(seed)
+        scene = scene_from(table)
+        assert len(table["field"]) == structure_of(seed // BLOCK)["fields"]
+        assert scene.duration > 0.0
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(compiler() is None, reason="there is no C compiler")
+def test_a_thousand_scenes(request):
+    """No silent error, hang, traceback or warning; it continues where it stopped."""
+    sources = sorted((ROOT / "src").rglob("*.py"))
+    version = hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()[:12]
+    seeds = os.environ.get("TRIBO_SEEDS", "0:1000")
+    out = Path(request.config.cache.mkdir("random_scenes")) / f"{version}_{seeds}.jsonl"
+    command = [sys.executable, str(ROOT / "benchmarks" / "random_scenes.py")]
+    subprocess.run([*command, "--seeds", seeds, "--out", str(out)], check=True)
+    rows = [json.loads(line) for line in out.read_text(encoding="utf-8").splitlines()]
+    assert len(rows) >= 1000
+    allowed = ("right", "stopped", "refused", "unjudged")
+    assert [row for row in rows if row["outcome"] not in allowed] == []

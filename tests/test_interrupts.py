@@ -1,0 +1,89 @@
+"""Ctrl-C: every command answers it at any time, and keeps what it has."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+LONG = """
+duration = 1e6
+numerics = { method = "verlet", step = 1e-3 }
+interaction = { potential = "coulomb", strength = 0.2 }
+surface = [ { name = "upper", bob = [-1.0, 0.0] }, { name = "lower", facing = "up" } ]
+"""
+PROGRAM = "import sys; from tribo.cli import main; sys.exit(main())"
+# Seconds for an answer: half a second on an idle machine, and more on one that runs all tests.
+ANSWER = 3.0
+
+
+@pytest.fixture
+def interrupted(tmp_path):
+    """Start a command, wait, interrupt it; its status, output and errors."""
+    (tmp_path / "long.toml").write_text(LONG)
+
+    def run(wait, *command):
+        environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+        with subprocess.Popen(
+            [sys.executable, "-W", "error", "-c", PROGRAM, *command],
+            cwd=tmp_path,
+            env=environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        ) as process:
+            wait()
+            process.send_signal(signal.SIGINT)
+            began = time.monotonic()
+            out, err = process.communicate()
+            assert time.monotonic() - began < ANSWER
+        assert "Traceback" not in err
+        return process.returncode, out, err
+
+    return run
+
+
+COMMANDS = {
+    "run": (1.0, "run", "long.toml", "--json"),  # it imports
+    "compiling": (3.0, "run", "long.toml", "--json"),
+    "accuracy": (2.0, "accuracy", "long.toml", "--json"),
+    "check": (1.5, "check", "coulomb", "strength=1", "--json"),
+    "paper": (1.5, "paper", "--json"),
+}
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_before_there_is_a_result(interrupted, name):
+    """Status 1 and the name of the status, also while modules are imported and loops compiled."""
+    seconds, *command = COMMANDS[name]
+    status, out, err = interrupted(lambda: time.sleep(seconds), *command)
+    assert status == 1
+    assert json.loads(out) == {"status": "Interrupted"}
+    assert err == "tribo: Interrupted: the command was interrupted before it had a result\n"
+
+
+def test_a_run_keeps_what_it_reached(interrupted, tmp_path):
+    """In FILE.part; an earlier FILE stays as it was.  The run can be interrupted again."""
+    out = tmp_path / "long.nc"
+    out.write_bytes(b"an earlier file")
+    part = tmp_path / "long.nc.part"
+
+    def later():
+        """Wait until the run has kept something more."""
+        size = part.stat().st_size if part.exists() else 0
+        while not (part.exists() and part.stat().st_size > size):
+            time.sleep(0.05)
+        time.sleep(0.5)
+
+    reached = []
+    for options in ((), ("--resume",)):
+        command = ("run", "long.toml", "--json", "--out", "long.nc", *options)
+        status, printed, err = interrupted(later, *command)
+        end = json.loads(printed)
+        assert (status, err, end["status"]) == (1, "", "Interrupted")
+        reached.append(end["t"])
+        assert out.read_bytes() == b"an earlier file"
+    assert 0.0 < reached[0] < reached[1]
