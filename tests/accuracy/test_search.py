@@ -154,7 +154,7 @@ def test_equal_steps_are_for_fast_baths():
 
 def test_unreported_quantities_are_refused():
     """A quantity that a scene does not report cannot be kept to an accuracy."""
-    with pytest.raises(tribo.InputError, match="reports"):
+    with pytest.raises(tribo.InputError, match="is not a reported quantity"):
         tribo.simulate(case("A"), accuracy={"upper.contact_energy": 1e-3})
 
 

@@ -19,6 +19,7 @@ PATTERNS = [
     "integrators/*.py",
     "kernels/contact.py",
     "kernels/equations_of_motion.py",
+    "kernels/fields.py",
     "kernels/kinematics.py",
     "kernels/langevin.py",
     "kernels/neighbours.py",

@@ -85,8 +85,8 @@ LOOSER = 16.0
 # Most runs that try such a level.
 TRIES = 8
 # Largest estimate of such a run relative to the request: its difference from the finest run is
-# nearly its error, and the estimate is twice that.
-LOOSE_EXCESS = 1.25
+# nearly its error, and the estimate is three times that.
+LOOSE_EXCESS = 1.875
 # A try with more evaluations than this times the fewest so far is no cheaper; fewer is chance.
 MORE = 1.05
 

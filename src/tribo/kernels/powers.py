@@ -25,7 +25,8 @@ from numba import literal_unroll
 
 from tribo.kernels.compiled import kernel
 from tribo.kernels.contact import force_within
-from tribo.kernels.equations_of_motion import bar_angle, displacement, end_force_sum, field_shift
+from tribo.kernels.equations_of_motion import bar_angle, displacement, end_force_sum
+from tribo.kernels.fields import field_shift
 from tribo.kernels.kinematics import bar_velocity, end_force, rotational_power
 
 # Number of accounts in each group; POINT is that of internal, field and thermal.

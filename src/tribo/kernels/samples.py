@@ -7,7 +7,8 @@ from numba import literal_unroll
 
 from tribo.kernels.compiled import kernel, owning_kernel, shared_owning_kernel
 from tribo.kernels.contact import contact_energy, pair_energy
-from tribo.kernels.equations_of_motion import bar_angle, bar_displacement, field_energy, stretch
+from tribo.kernels.equations_of_motion import bar_angle, bar_displacement, stretch
+from tribo.kernels.fields import field_energy
 from tribo.kernels.powers import bath_momentum
 
 SPRINGS, BATH, TORSIONAL, WITHIN, MOMENTUM_X, MOMENTUM_Y, STORED = range(7)

@@ -12,6 +12,7 @@ from tribo.run.integrate import Integration
 from tribo.run.layout import Layout
 from tribo.run.ledger import assemble_totals
 from tribo.run.motion import internal_energy, motions
+from tribo.run.samples import Samples
 
 # Energy that appears, in units of that at the start, from which a run counts as lost: a step that
 # is too long for a spring multiplies it by 1e3 in tens of steps, an inaccurate one does not.
@@ -21,32 +22,34 @@ RUNAWAY = 1e3
 def up_to_runaway(layout: Layout, run: Integration) -> Integration:
     """The run, or its part up to the first sample at which its energy has run away.
 
-    That is where the change of the total energy differs from the applied work by more than RUNAWAY
-    times the energy at the start, more than any energy of contact and more than any applied work.
+    That is where the energy exceeds RUNAWAY times that at the start, and its change differs from
+    the applied work by more than any applied work and any energy of contact so far.
     """
     samples = run.samples
     with np.errstate(over="ignore", invalid="ignore"):  # an energy may exceed all numbers
+        energy = _energy(layout, samples)
+        grown = energy > RUNAWAY * energy[0]
+        if not np.any(grown):
+            return run
         system = assemble_totals(layout, samples).system
         excess = np.abs(system["total_energy_change"] - system["applied_work"])
         known = np.maximum(np.abs(samples.contact), np.abs(system["applied_work"]))
-        most = np.maximum(RUNAWAY * _energy_at_start(layout, run), np.maximum.accumulate(known))
-        lost = np.flatnonzero(excess > most)
+        lost = np.flatnonzero(grown & (excess > np.maximum.accumulate(known)))
     if lost.size == 0:
         return run
     kept = samples.at(samples.t[: lost[0] + 1])
     return replace(run, recorded=lambda: kept, status=Status.ENERGY_RUNAWAY)
 
 
-def _energy_at_start(layout: Layout, run: Integration) -> float:
-    """Energy at the first sample, of motion relative to the surfaces' mean velocity."""
-    first = run.samples.first()
+def _energy(layout: Layout, samples: Samples) -> np.ndarray:
+    """Sum of the magnitudes of all energies, in the frame of the surfaces' mean velocity."""
     mean = np.mean([surface.velocity for surface in layout.scene.surfaces], axis=0)
-    stores = first.stored[0][:, [SPRINGS, BATH, TORSIONAL, WITHIN]]
-    energy = float(np.sum(np.abs(stores)) + abs(first.contact[0]) + abs(first.field[0]))
+    stores = samples.stored[:, :, [SPRINGS, BATH, TORSIONAL, WITHIN]]
+    energy = np.sum(np.abs(stores), axis=(1, 2)) + np.abs(samples.contact) + np.abs(samples.field)
     for index in range(len(layout.scene.surfaces)):
-        for batch, m in motions(layout, first, index):
+        for batch, m in motions(layout, samples, index):
             vx, vy = batch.velocity - mean
-            speed = np.hypot(m.vx + vx, m.vy + vy)
+            moving = 0.5 * ((m.vx + vx) ** 2 + (m.vy + vy) ** 2)
             internal = internal_energy(batch.asperites, m.omega, m.nu, m.swing - m.phi)
-            energy += float(np.sum(0.5 * batch.asperites.mass * speed**2 + internal))
-    return energy
+            energy = energy + moving @ batch.asperites.mass + np.sum(internal, axis=1)
+    return np.asarray(energy)
