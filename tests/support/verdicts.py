@@ -32,6 +32,8 @@ STORED = Path(__file__).with_name("random_scenes.json")
 MOST = 2e6
 # Largest error of the reference, relative to the accuracy of the run, that needs no more precision.
 SURER = 1e-5
+# Error of the reference, relative to the scales, above which nothing is known of a scene.
+UNKNOWN = 0.01
 # Scales are the largest over a run, which the package and the reference see at other times: a
 # hundredth is the most that they differ by for a sine at 33 times a period.
 SCALE_ERROR = 0.05
@@ -45,9 +47,11 @@ def truth_of(table: dict) -> Solution | str:
         rows = Tables(table).rows
         most = MOST / (len(rows["asperites"]) + len(rows["pair"]))
         accuracy = table.get("numerics", {}).get("accuracy", 1e-8)
-        return solve(table, most=most, wanted=max(SURER * accuracy, SMALL))
+        solution = solve(table, most=most, wanted=max(SURER * accuracy, SMALL))
     except (UnsolvedError, NotImplementedError) as problem:
         return str(problem)
+    error = solution.relative_error() if solution.has_work else 0.0
+    return solution if error <= UNKNOWN else f"known to {error:.0e} of the scale alone"
 
 
 def verdict(table: dict, truth: Solution | str, seconds: float = 15.0) -> dict[str, Any]:
