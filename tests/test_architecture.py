@@ -60,6 +60,7 @@ ORDER = [
     "work_precision",
     "plotting",
     "simulation",
+    "prepared",
     "accuracy",
     "run",
     "pair",

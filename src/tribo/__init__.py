@@ -34,10 +34,11 @@ if TYPE_CHECKING:
         Yukawa,
         with_cutoff,
     )
+    from tribo.prepared import Simulation
     from tribo.report_card import check
     from tribo.run.result import Result, load_result
     from tribo.run.state import State
-    from tribo.simulation import Simulation, prepare, simulate
+    from tribo.simulation import prepare, simulate
     from tribo.validation import InputError, TriboWarning
 
 # The module of each public name; it is imported when the name is first used.
@@ -77,7 +78,7 @@ _HOME = {
     "Roughness": "tribo.model.roughness",
     "Scene": "tribo.model.scene",
     "simulate": "tribo.simulation",
-    "Simulation": "tribo.simulation",
+    "Simulation": "tribo.prepared",
     "Spectrum": "tribo.model.spectrum",
     "State": "tribo.run.state",
     "Springs": "tribo.model.springs",

@@ -13,7 +13,7 @@ import sys
 import threading
 
 # Seconds for an answer before the program is ended.
-PATIENCE = 0.15
+PATIENCE = 0.25
 # The exit status of a run that stopped early, and of a check that failed.
 STOPPED = 1
 

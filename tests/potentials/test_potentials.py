@@ -38,7 +38,8 @@ from tribo.potentials import (
 from tribo.potentials.cutoff import AT_CUTOFF
 from tribo.potentials.derivative import FUNCTIONS
 from tribo.potentials.tables import as_table
-from tribo.run.notes import scene_notes
+from tribo.run.layout import lay_out
+from tribo.run.notes import run_notes
 from tribo.validation import InputError
 
 mpmath.mp.dps = 50
@@ -691,5 +692,5 @@ def test_wrong_potentials_in_python(call, sentence):
 def test_notes_on_smoothness(at_cutoff, method, note):
     """A note names a potential that is not smooth enough for the method, and no other."""
     scene = pair(with_cutoff(Coulomb(0.2), 1.8, at_cutoff), duration=0.2)
-    notes = scene_notes(scene, METHODS[method])
+    notes = run_notes(lay_out(scene), METHODS[method], None)
     assert (not notes) if note is None else notes[0].startswith(note)

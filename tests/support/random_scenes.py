@@ -269,7 +269,8 @@ def wide_surface(draw: Draw, structure: dict, name: str) -> dict:
     if structure["langevin"]:
         table["langevin"] = {"gamma": draw.around(0.1), "velocity": [draw.signed(0.1), 0.0]}
     if structure["species"]:
-        table["species"] = ["A" if i % 2 else "B" for i in range(count)]
+        odd = name != "upper"  # so that both species are in every scene
+        table["species"] = ["A" if i % 2 == odd else "B" for i in range(count)]
     return table
 
 

@@ -130,10 +130,12 @@ def estimate(
     pooled = largest_of_all * (1.0 if largest_of_all > DIVERGED else POOLED)
     bounds = {}
     for name, gap in apart.items():
-        bounds[name] = gap + 4.0 * EPSILON * max(map(largest, ledger.series(name)))
-        bounds[name] += _of(own, name)
+        top, scale = max(map(largest, ledger.series(name))), scales.of(kind_of(name))
+        bounds[name] = gap + 4.0 * EPSILON * top + _of(own, name)
         if gap > 0.0:
-            bounds[name] += (pooled + least) * scales.of(kind_of(name))
+            bounds[name] += (pooled + least) * scale
+        elif top > 0.0:  # equal bits in all runs, as of the energy of a first contact
+            bounds[name] += EPSILON * scale
     return bounds
 
 

@@ -23,7 +23,8 @@ from tribo.ensembles.runner import (
 )
 from tribo.kernels.status import Status
 from tribo.model.scene import Scene
-from tribo.simulation import Simulation, prepare
+from tribo.prepared import Simulation
+from tribo.simulation import prepare
 from tribo.validation import POSITIVE, InputError, inside, integer, number, short_repr
 
 if TYPE_CHECKING:

@@ -17,10 +17,11 @@ from tribo.kernels.status import MEANINGS, Status
 from tribo.model.scene import Scene
 from tribo.model.scene_file import scene_from
 from tribo.model.scene_writer import scene_text
+from tribo.prepared import Simulation
 from tribo.run.quantities import BLOCK_QUANTITIES, SYSTEM_QUANTITIES
 from tribo.run.result import Result
 from tribo.run.streamed_ledger import exceeds_memory
-from tribo.simulation import Simulation, from_settings
+from tribo.simulation import from_settings
 from tribo.validation import InputError, short_repr
 
 # Members whose spread determines the number of all, and which are run again to check the settings:

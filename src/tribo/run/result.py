@@ -136,6 +136,10 @@ class Result:
         Anything else that a reader of the result should know.
     error_estimate : dict
         Quantity -> bound on its error over all surfaces, asperites and times; None if unknown.
+    settings : dict
+        Method, accuracy, step, and the hash of the state where the run began, if it did.
+    version : str
+        The version of tribo that ran it, with the hash of its sources.
     """
 
     scene: Scene

@@ -141,6 +141,11 @@ class Origin:
             loop.restore_noise(state.memory["noise"])
 
 
+def digest_of(origin: Origin | None) -> str | None:
+    """What tells the state where a run begins from others; None for the scene's own start."""
+    return None if origin is None else origin.state.digest
+
+
 def state_of(layout: Layout, method: str, run: Integration) -> State:
     """The state at the end of a run."""
     last = run.samples.last()

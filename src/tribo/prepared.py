@@ -1,0 +1,296 @@
+"""Prepared scenes: compiled and planned once, and run again and again."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
+
+import numpy as np
+
+from tribo.accuracy.comparison import (
+    ABORTED,
+    error_bounds,
+    out_of_reach,
+    strictest,
+)
+from tribo.accuracy.estimate import excess_of_request
+from tribo.accuracy.plan import Plan, single_setting
+from tribo.accuracy.search import fine_level
+from tribo.accuracy.stop_times import StopTimes
+from tribo.kernels.status import Status
+from tribo.run.identity import settings_of, version
+from tribo.run.initial_state import InitialState, Start
+from tribo.run.integrate import Integration, Setting
+from tribo.run.layout import Layout
+from tribo.run.ledger import Ledger, assemble
+from tribo.run.loop_selection import Integrator
+from tribo.run.notes import calculator_notes, passage_notes, run_notes, stop_notes
+from tribo.run.result import Cost, Known, Result
+from tribo.run.state import digest_of, state_of
+from tribo.run.streamed_ledger import StreamedLedger, exceeds_memory
+from tribo.validation import InputError, TriboWarning
+
+
+class Simulation:
+    """A scene with its plan, and with everything compiled; :func:`prepare` makes one.
+
+    Parameters
+    ----------
+    plan : Plan
+        The method and all settings.
+    integrator : Integrator
+        Runs the scene by that method.
+
+    Attributes
+    ----------
+    scene : Scene
+        What is run.
+    method : Method
+        How time advances.
+    accuracy : float, mapping or None
+        The relative error of everything, or of each observable named; None with a given step.
+    why : str
+        Why the method was chosen; empty where it was given.
+    compile_seconds : float
+        Time to compile the time loop, or to load it from disk [s].
+    """
+
+    def __init__(self, plan: Plan, integrator: Integrator) -> None:
+        self.plan = plan
+        self.layout = integrator.layout
+        self.scene = self.layout.scene
+        self.method = integrator.method
+        self.accuracy = plan.accuracy
+        self.why = plan.why
+        self.compile_seconds = integrator.compile_seconds
+        self._integrator = integrator
+        step = plan.setting if isinstance(plan.setting, float) and plan.accuracy is None else None
+        start = digest_of(integrator.origin)
+        self._settings = settings_of(plan.method, plan.accuracy, step, start)
+        self._notes = run_notes(self.layout, self.method, step)
+        self._streams = exceeds_memory(self.layout, plan.times.size)
+        self._initial_state = InitialState(self.layout)
+
+    def run(self, start: Start | None = None, estimate: bool = True) -> Result:
+        """Run from the scene's start, or with some initial values changed.
+
+        Parameters
+        ----------
+        start : mapping, optional
+            "surface.theta" (or swing, phi, omega, nu) -> a number, or one for each asperite
+            [rad, rad/time].
+        estimate : bool
+            False leaves out the two coarser runs that estimate the error.
+
+        Returns
+        -------
+        Result
+
+        Raises
+        ------
+        InputError
+            A name or a value in `start` cannot be used.
+
+        Warns
+        -----
+        TriboWarning
+            The run stops early, or its error estimates exceed the accuracy.
+        """
+        return with_warning(self.compute(start, estimate))
+
+    def first_result(self) -> Result:
+        """The result of the runs that found the settings, or of a run if none were needed.
+
+        Returns
+        -------
+        Result
+
+        Warns
+        -----
+        TriboWarning
+            The run stops early, or its error estimates exceed the accuracy.
+        """
+        return with_warning(self.compute_first())
+
+    def compute(self, start: Start | None = None, estimate: bool = True) -> Result:
+        """As :meth:`run`, without warnings: for callers that report what falls short."""
+        y = self._initial_state({} if start is None else start)
+        tuned = self.plan.tuned
+        if not estimate or tuned is None:
+            return self._single_run(y)
+        settings = (tuned.coarse, tuned.coarse, self.plan.setting)
+        runs: list[Integration] = []
+        for setting, times in zip(settings, StopTimes.split(self.plan.times), strict=True):
+            if not runs or runs[-1].status not in ABORTED:
+                runs.append(self._integrator(setting, times, y))
+        return self._estimated_result(runs)
+
+    def compute_first(self) -> Result:
+        """As :meth:`first_result`, without warnings: for callers that report what falls short."""
+        runs = self.plan.tuned.runs if self.plan.tuned is not None else ()
+        return self._estimated_result(runs) if runs else self.compute()
+
+    @property
+    def settings(self) -> Plan:
+        """The plan for other scenes of this kind, for :func:`from_settings`; it can be pickled."""
+        return self.plan.without_runs(self._single_setting)
+
+    @property
+    def finest(self) -> Integration:
+        """The run that found the settings.
+
+        Raises
+        ------
+        InputError
+            There was no search, as the step was given.
+        """
+        if self.plan.tuned is None or not self.plan.tuned.runs:
+            raise InputError("accuracy", "is missing; with a given step, no run finds the settings")
+        return self.plan.tuned.runs[-1]
+
+    @cached_property
+    def _single_setting(self) -> Setting | None:
+        """The plan's `single`, found when first needed."""
+        return single_setting(self.plan, self._integrator)
+
+    @cached_property
+    def _single(self) -> tuple[Setting, np.ndarray]:
+        """Setting and times of runs without an error estimate."""
+        if self._single_setting is None:
+            return self.plan.setting, self.plan.times
+        return self._single_setting, self.layout.times
+
+    def _single_run(self, y: np.ndarray) -> Result:
+        """A run without an error estimate."""
+        if self._streams:
+            return self._streamed_run(y)
+        layout, seconds, ratio = self.layout, self.compile_seconds, self._digit_ratio
+        setting, times = self._single
+        run = self._integrator(setting, times, y)
+        # The ledger and the cost are left for later: a run of a pair takes ten microseconds.
+        return self._result(
+            run.status,
+            None,
+            passage_notes(layout, run),
+            {},
+            lambda: _reported(layout, run),
+            lambda: _cost([run], seconds, ratio),
+            run,
+        )
+
+    def _streamed_run(self, y: np.ndarray) -> Result:
+        """A run without an error estimate, of which not all samples are kept."""
+        streamed = StreamedLedger(self.layout)
+        run = self._integrator(self.plan.setting, self.plan.times, y, streamed)
+        note = "of the asperites' series only the first and the last sample are kept"
+        notes = (*passage_notes(self.layout, run), note)
+        ledger = streamed.with_ends(run.samples)
+        cost = _cost([run], self.compile_seconds, self._digit_ratio)
+        return self._result(run.status, None, notes, {}, Known(ledger), Known(cost), run)
+
+    def _estimated_result(self, runs: Sequence[Integration]) -> Result:
+        """The last run as a result, its error estimated from the two before it."""
+        fine, met = runs[-1], False
+        notes: tuple[str, ...] = ()
+        bounds: dict[str, float] = {}
+        if fine.status == Status.COMPLETED and len(runs) > 1:
+            bounds, excess = self._errors(runs[-3:])
+            met = excess <= 1.0
+            notes = () if met else (self._missed(excess),)
+        ledger = _reported(self.layout, fine)
+        cost = _cost(runs, self.compile_seconds, self._digit_ratio)
+        known = met if len(runs) > 1 or fine.status != Status.COMPLETED else None
+        return self._result(fine.status, known, notes, bounds, Known(ledger), Known(cost), fine)
+
+    def _errors(self, runs: Sequence[Integration]) -> tuple[dict[str, float], float]:
+        """Bounds on the last run's errors, and the largest in units of the request."""
+        assert self.accuracy is not None and self.plan.tuned is not None
+        grown = self.plan.tuned.amplification
+        found, scales = error_bounds(self.layout, runs[-1], runs[:-1], grown, self.accuracy)
+        return found, excess_of_request(found, scales, self.accuracy)
+
+    def _missed(self, excess: float) -> str:
+        """By how much the request was missed, and why."""
+        tuned = self.plan.tuned
+        assert self.accuracy is not None and tuned is not None
+        if tuned.met:
+            why = "the settings were found from the scene's own start, which kept it"
+        elif tuned.amplification is None:
+            why = "the search for settings was interrupted"
+        else:
+            why = out_of_reach(strictest(self.accuracy), tuned.amplification)
+        return f"errors are estimated at {excess:.1e} of the request; {why}"
+
+    def _result(
+        self,
+        status: Status,
+        met: bool | None,
+        notes: tuple[str, ...],
+        bounds: Mapping[str, float],
+        assemble_ledger: Callable[[], Ledger],
+        add_up_cost: Callable[[], Cost],
+        run: Integration,
+    ) -> Result:
+        """A result, with what all results of the simulation share."""
+        layout, method = self.layout, self.method.name
+        notes = stop_notes(layout, run) + notes
+        if self.layout.calculator_calls:
+            notes = calculator_notes(self.layout) + notes
+        return Result(
+            self.scene,
+            status,
+            method,
+            self.why,
+            self.accuracy,
+            met,
+            self._notes + notes,
+            bounds,
+            assemble_ledger,
+            add_up_cost,
+            lambda: state_of(layout, method, run),
+            self._settings,
+            version(),
+        )
+
+    @cached_property
+    def _digit_ratio(self) -> float | None:
+        """What an accuracy ten times better costs, in units of the present cost; None if unknown.
+
+        Samples shorten the steps of one run more than those of the other, so the ratio of their
+        costs is bounded by what the order of the method lets a digit cost.
+        """
+        runs = () if self.plan.tuned is None else self.plan.tuned.runs
+        if len(runs) < 3 or runs[-2].evaluations <= 0:
+            return None
+        ratios_per_digit = -1.0 / np.log10(fine_level(self.method))
+        seen = (runs[-1].evaluations / runs[-2].evaluations) ** ratios_per_digit
+        return float(min(seen, 10.0 ** (2.0 / self.method.order)))
+
+
+def _reported(layout: Layout, run: Integration) -> Ledger:
+    """The ledger of a run at the scene's times and at its end."""
+    samples = run.samples
+    wanted = np.intersect1d(samples.t, layout.times)
+    ledger = assemble(layout, samples.at(np.union1d(wanted, samples.t[[0, -1]])))
+    return ledger.rows(slice(int(np.searchsorted(ledger.t, layout.beginning)), None))
+
+
+def _cost(runs: Sequence[Integration], compile_seconds: float, ratio: float | None) -> Cost:
+    """What the runs cost, and what a digit more or less would cost, by `ratio`."""
+    seconds = sum(run.seconds for run in runs)
+    return Cost(
+        steps=runs[-1].steps,
+        force_evaluations=sum(run.evaluations for run in runs),
+        wall_seconds=seconds,
+        compile_seconds=compile_seconds,
+        digit_more=None if ratio is None else seconds * ratio,
+        digit_fewer=None if ratio is None else seconds / ratio,
+    )
+
+
+def with_warning(result: Result) -> Result:
+    """The result; warns the caller of the caller if it falls short."""
+    if result.status != Status.COMPLETED or result.met is False:
+        warnings.warn(result.shortcoming, TriboWarning, stacklevel=3)
+    return result
