@@ -58,6 +58,9 @@ FINE_LEVEL_OF_EQUAL_STEPS = 0.3
 NEAR = 0.5
 # The same for a run that is compared with no other.
 NEAR_ALONE = 0.75
+# First level, in units of that which a method states for estimates of twice a difference: they are
+# three times the difference.
+FIRST = 2.0 / 3.0
 # Rounds of lower levels, after which a request counts as out of reach.
 ROUNDS = 6
 # A round stalls if its estimate exceeds this fraction of the one before.
@@ -177,7 +180,7 @@ def find_settings(
         many
     """
     names = observables(accuracy)
-    level = min(method.first_level * strictest(accuracy), 1.0)
+    level = min(FIRST * method.first_level * strictest(accuracy), 1.0)
     runs = _run_pilot(layout, method, accuracy, level, stops, attempt)
     before, amplification, stalls, excess = np.inf, None, 0, np.inf
     for _ in range(ROUNDS):
