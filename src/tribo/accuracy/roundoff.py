@@ -14,7 +14,7 @@ from tribo.kernels.samples import BATH, SPRINGS, TORSIONAL, WITHIN
 from tribo.run.accounts import Account
 from tribo.run.layout import Layout
 from tribo.run.ledger import entries
-from tribo.run.motion import Batch, Motion, internal_energy
+from tribo.run.motion import Batch, Motion, internal_energy, motions
 from tribo.run.samples import Samples
 
 # Roundings of a term: those of the rates in it, of their squares, of products and of the sum.
@@ -40,7 +40,8 @@ def rounding_of_terms(layout: Layout, samples: Samples, steps: int) -> dict[str,
     walk.
     """
     terms = _Terms()
-    whole = np.abs(samples.contact) + np.abs(samples.field)
+    contact = terms.put("contact_energy", _of_contact(layout, samples))
+    whole = contact + np.abs(samples.field)
     applied = np.zeros(samples.t.size)
     for k in range(len(layout.scene.surfaces)):
         energy, work = _of_surface(layout, samples, k, terms)
@@ -52,6 +53,25 @@ def rounding_of_terms(layout: Layout, samples: Samples, steps: int) -> dict[str,
     terms.put("applied_work", applied)
     count = EPSILON * (TERM_ROUNDINGS + steps**0.5)
     return {name: count * magnitude for name, magnitude in terms.items()}
+
+
+def _of_contact(layout: Layout, samples: Samples) -> np.ndarray:
+    """The contact energy, and its change if a bob moves by its distance from the origin (times,).
+
+    The rounding of a position is relative to that distance, and the energy of a contact changes
+    over the length of its potential.
+    """
+    lengths = [
+        c.potential.feature()[0] for c in (*layout.model.contacts, *(layout.model.within or ()))
+    ]
+    shortest = min((length for length in lengths if length > 0.0), default=np.inf)
+    place = np.zeros(samples.t.size)
+    for k in range(len(layout.scene.surfaces)):
+        for batch, m in motions(layout, samples, k):
+            a = batch.asperites
+            x, y = a.x + a.vx * m.t + m.x, a.y + a.vy * m.t + m.y
+            place = np.maximum(place, np.max(np.hypot(x, y), axis=1))
+    return np.asarray(np.abs(samples.contact) * (1.0 + place / shortest))
 
 
 def _of_surface(
