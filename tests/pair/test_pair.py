@@ -281,8 +281,8 @@ def test_in_pieces_as_in_one(samples):
         code = loop(*own._fixed, layout.start, scene.times, record, 3)
         calls += 1
     assert code == COMPLETED and calls > 3
-    assert np.array_equal(own.samples(scene.times, record).s, whole.samples.s)
-    assert np.array_equal(own.samples(scene.times, record).y, whole.samples.y)
+    assert np.array_equal(own.samples(scene.times, (record,)).s, whole.samples.s)
+    assert np.array_equal(own.samples(scene.times, (record,)).y, whole.samples.y)
 
 
 @pytest.mark.parametrize("method", [RADAU.name, "dop853"])

@@ -164,7 +164,9 @@ def tolerance_scales(layout: Layout, samples: Samples) -> ToleranceScales:
             twist = max(twist, largest(torsion))
     weights = _account_weights(layout)
     top = np.max(np.abs(samples.s), axis=0, initial=0.0)
-    work = max(float(np.max(top * weights)), _work_of_impulses(layout, samples.s))
+    # Works in the laboratory are reported at the scene's times; in between they may be far larger.
+    reported = samples.s[np.isin(samples.t, layout.times)]
+    work = max(float(np.max(top * weights)), _work_of_impulses(layout, reported))
     # Where nothing does work, the change of an energy is round-off.
     energy = max(work, change) if work > 0.0 else highest
     return ToleranceScales(

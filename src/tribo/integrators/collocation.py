@@ -69,7 +69,7 @@ class Collocation(NamedTuple):
         set_round_off(state, h, work.unit)
         copy(state.acceleration, work.accelerations[0])
         if not solve(self, model, neighbours, clock, h, state, work, 0.0, STALL_LIMIT):
-            return NOT_CONVERGED if all_finite(work.acceleration) else NOT_FINITE
+            return NOT_CONVERGED if computable(work.acceleration) else NOT_FINITE
         evaluate_powers(self, model, neighbours, clock, h, state, work)
         complete_step(self, model, neighbours, clock, h, end, state, work)
         return COMPLETED
@@ -211,6 +211,15 @@ def evaluate_powers(method, model, neighbours, clock, h, state, work):
             all_powers(model, t, work.y[:n], work.y[n:], work.powers[i])
             copy(work.acceleration, work.accelerations[i])
     clock.evaluations += unknown_nodes(method)
+
+
+@kernel
+def computable(x):
+    """Whether every component is a number, if large: an iteration that diverges ends with such."""
+    for m in range(x.size):
+        if not math.isfinite(x[m]):
+            return False
+    return True
 
 
 @kernel

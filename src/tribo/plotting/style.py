@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tribo.files import replace_file
-from tribo.validation import InputError, as_path, inside
+from tribo.validation import InputError, as_path
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -142,8 +142,7 @@ def save(drawing: Axes | Figure, path: str | Path) -> Path:
     content = io.BytesIO()
     with style():
         figure_of(drawing).savefig(content, format=kind[1:], metadata=undated.get(kind))
-    with inside("path"):
-        replace_file(place, content.getvalue())
+    replace_file(place, content.getvalue())
     return place
 
 
