@@ -60,7 +60,8 @@ CHECKS = {
 }
 
 
-LONG = {"commensurate_rows", "stick_slip"}  # about a minute each
+# Examples that take more than ten seconds, most of it to compile.
+LONG = {"commensurate_rows", "postcard", "rough_surface", "stick_slip"}
 
 
 @pytest.mark.parametrize(

@@ -78,7 +78,9 @@ SCENES = {
 }
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n == "equal steps")) for n in SCENES]
+)
 def test_same_bits_by_any_clock(monkeypatch, name):
     """Series, counts, estimates and notes do not change."""
     usual, slow, fast = outcomes(monkeypatch, *SCENES[name])

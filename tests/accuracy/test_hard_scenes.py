@@ -81,7 +81,9 @@ ABSURD = {
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning", "ignore::tribo.TriboWarning")
-@pytest.mark.parametrize("name", ABSURD)
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n == "huge")) for n in ABSURD]
+)
 def test_no_run_hangs(name):
     """A run ends after few steps: complete, with a named status, or refused."""
     scene = changed("A", 10.0, start=-1.0)

@@ -290,7 +290,9 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize("name", ["gauss-8", "gauss-radau-15"])
+@pytest.mark.parametrize(
+    "name", [pytest.param("gauss-8", marks=pytest.mark.slow), "gauss-radau-15"]
+)
 def test_collocation_follows_velocities(name):
     """Forces that depend on velocities are as good as any."""
     scene = with_effects("langevin", "own drive")

@@ -97,8 +97,13 @@ SETTINGS = {  # steps or tolerances, and the status of the run
     "gauss-radau-15": ((1e-3, "completed"), (1e-8, "completed")),
 }
 
+# Their loops have the same frame as those of rk4 and dop853.
+SLOW = {"gauss-8", "rkn8", "gauss-radau-15"}
 
-@pytest.mark.parametrize("name", SETTINGS)
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n in SLOW)) for n in SETTINGS]
+)
 def test_pauses_of_rows(monkeypatch, name):
     """Lists of neighbours, the rate of encounters and rejected steps survive a pause."""
     monkeypatch.setattr(tribo.run.contacts, "UNLISTED_PAIRS", 0)

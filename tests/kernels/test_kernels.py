@@ -58,6 +58,9 @@ HOW = {
     "verlet": {"method": "verlet", "step": 0.05},
 }
 
+# Of the same file as another method above.
+ALIKE = {"gauss-8"}
+
 UNCOMPILED = f"""
 import sys
 sys.path.insert(0, {os.path.dirname(__file__)!r})
@@ -96,7 +99,9 @@ def uncompiled(tmp_path_factory):
     return folder
 
 
-@pytest.mark.parametrize("how", HOW)
+@pytest.mark.parametrize(
+    "how", [pytest.param(how, marks=[pytest.mark.slow] * (how in ALIKE)) for how in HOW]
+)
 @pytest.mark.parametrize("scene", SCENES)
 def test_compiled_is_as_written(uncompiled, scene, how):
     """Every quantity at every sample."""

@@ -100,7 +100,10 @@ def place(tmp_path):
     return Workplace(tmp_path)
 
 
-@pytest.mark.parametrize("code", [RUN, FORCE], ids=["run", "force"])
+@pytest.mark.parametrize(
+    "code",
+    [pytest.param(RUN, marks=pytest.mark.slow, id="run"), pytest.param(FORCE, id="force")],
+)
 def test_edited_plugin_is_compiled_again(place, code):
     """An unchanged plug-in comes from the cache; one whose helper has changed does not."""
     place.write("one", PLUGIN)

@@ -72,10 +72,12 @@ def assert_alike(one: tribo.Scene, other: tribo.Scene) -> None:
             assert np.max(np.abs(values - second[name][quantity])) <= bound, (name, quantity)
 
 
+@pytest.mark.slow
 def test_a_forced_drive_of_ones_own():
     assert_alike(case(drive=Custom(force=Opposed(1.0))), case(drive=tribo.Forced()))
 
 
+@pytest.mark.slow
 def test_a_free_drive_of_ones_own():
     assert_alike(case(drive=Custom(force=Opposed(0.0))), case(drive=tribo.Free()))
 
