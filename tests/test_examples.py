@@ -60,8 +60,8 @@ CHECKS = {
 }
 
 
-# Examples that take more than ten seconds, most of it to compile.
-LONG = {"commensurate_rows", "postcard", "rough_surface", "stick_slip"}
+# Examples that take five seconds or more, most of it to compile.
+LONG = {"commensurate_rows", "postcard", "rough_surface", "stick_slip", "thermal_friction"}
 
 
 @pytest.mark.parametrize(

@@ -45,7 +45,9 @@ STOPS = {
 }
 
 
-@pytest.mark.parametrize("name", STOPS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n == "no value, own step")) for n in STOPS]
+)
 def test_run_that_stops(name):
     """A named status, all samples up to the last state, and no accuracy met."""
     scene, how, status = STOPS[name]

@@ -96,8 +96,7 @@ def test_lists_give_all_pairs_bit_for_bit(periodic, monkeypatch):
     "method",
     [
         "verlet",
-        "dop853",
-        *(pytest.param(m, marks=pytest.mark.slow) for m in ("rkn8", "gauss-radau-15")),
+        *(pytest.param(m, marks=pytest.mark.slow) for m in ("dop853", "rkn8", "gauss-radau-15")),
     ],
 )
 def test_a_list_that_outgrows_its_room(method, monkeypatch):

@@ -205,7 +205,7 @@ def test_a_class_that_is_typed_in(place):
     expected += place.run("one")
     compiled = place.compiled
     found = []
-    for power in (1, 2, 1):
+    for power in (1, 2):
         plugin = PLUGIN.replace("POWER = 1", f"POWER = {power}")
         told = subprocess.run(
             [sys.executable, "-"],
@@ -216,7 +216,7 @@ def test_a_class_that_is_typed_in(place):
             text=True,
         )
         found.append(float(told.stdout))
-    assert found == [*expected, expected[0]]
+    assert found == expected
     assert place.compiled == compiled
 
 

@@ -82,6 +82,7 @@ def test_a_free_drive_of_ones_own():
     assert_alike(case(drive=Custom(force=Opposed(0.0))), case(drive=tribo.Free()))
 
 
+@pytest.mark.slow
 def test_a_pulled_drive_of_ones_own():
     own = Custom(force=Spring(0.5, -4.0, 0.4))
     assert_alike(case(drive=own), case(drive=tribo.Pulled(stiffness=0.5, speed=0.4)))

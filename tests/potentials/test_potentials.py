@@ -362,6 +362,7 @@ def test_a_table_from_a_file(tmp_path):
         from_csv(path)
 
 
+@pytest.mark.slow
 def test_a_run_below_a_table_stops():
     """Below its first point a table is nan, which stops a run."""
     r = np.linspace(0.6, 4.0, 60)
