@@ -147,7 +147,7 @@ def test_field_and_reservoir_add_their_own(run):
 
 
 def test_own_step_has_no_error_estimate(run):
-    """A method and a step of one's own: the bounds are null."""
+    """With a given method and step, the bounds are null."""
     status, out, _ = run("numerics = { method = 'midpoint', step = 0.01 }\n" + SCENE, "--json")
     end = strictly(out)
     assert status == 0 and end["method"] == "midpoint" and end["steps"] == 400

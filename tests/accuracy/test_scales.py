@@ -102,6 +102,22 @@ def test_both_terms_of_a_difference_are_rounded():
     assert np.max(np.abs(block["delta_E_int"] - table.delta_e_int[:, 0])) <= bounds["delta_E_int"]
 
 
+def test_rounding_of_positions_moves_the_contact_energy():
+    """By the force times the rounding of the distance from the origin."""
+    case, steep = paper.scene("A"), tribo.Morse(1.0, 50.0, 0.5)
+    upper, lower = case.surfaces
+    far = replace(upper, bob=(-1e4, 0.0), velocity=(1e4, 0.0))
+    near = replace(lower, bob=(0.0, -0.45))
+    wanted = replace(case, surfaces=(far, near), interactions=steep, duration=1.0)
+    simulation = tribo.prepare(replace(wanted, output=tribo.Output(samples=2)), accuracy=1e-4)
+    result = simulation.first_result()
+    table = result["upper"], result["lower"]
+    apart = np.hypot(*(table[0][k][-1, 0] - table[1][k][-1, 0] for k in ("x_bob", "y_bob")))
+    moved = abs(steep.force(apart)) * 1e4 * 2.0**-52
+    samples = simulation.finest.samples
+    assert rounding_of_terms(simulation.layout, samples, 1)["contact_energy"] >= 0.1 * moved > 0.0
+
+
 def test_rounding_of_terms_in_a_fast_frame():
     """Where a surface is fast, works are sums of large terms, which cancel for a forced one."""
     fast = {"velocity": (1e6, 0.0), "bob": (-0.5, 0.5)}

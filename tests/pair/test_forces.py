@@ -11,7 +11,7 @@ from tribo.pair.forces import is_vectorized
 
 
 class WithAName(NamedTuple):
-    """A formula with an error that is not for lack of an operation on Lanes."""
+    """A formula that fails to compile for another reason than a missing operation on Lanes."""
 
     scale: float
 

@@ -96,7 +96,7 @@ FAULTS = {
             "    return self.s * u",
         ],
         "u = math.exp(-r)",
-        "for want of a force(self, ...) it is called with complex numbers",
+        "without a force(self, ...) it is called with complex numbers",
     ),
     "a force that does not compile": (
         [*ENERGY, "def force(self, r):", "    return helper(r)"],

@@ -14,7 +14,7 @@ from tribo.kernels.samples import BATH, SPRINGS, TORSIONAL, WITHIN
 from tribo.run.accounts import Account
 from tribo.run.layout import Layout
 from tribo.run.ledger import entries
-from tribo.run.motion import Batch, Motion, internal_energy, motions
+from tribo.run.motion import Batch, Motion, internal_energy
 from tribo.run.samples import Samples
 
 # Roundings of a term: those of the rates in it, of their squares, of products and of the sum.
@@ -40,12 +40,16 @@ def rounding_of_terms(layout: Layout, samples: Samples, steps: int) -> dict[str,
     walk.
     """
     terms = _Terms()
-    contact = terms.put("contact_energy", _of_contact(layout, samples))
-    whole = contact + np.abs(samples.field)
-    applied = np.zeros(samples.t.size)
+    whole = np.abs(samples.field)
+    applied, farthest = np.zeros(samples.t.size), np.zeros(samples.t.size)
     for k in range(len(layout.scene.surfaces)):
-        energy, work = _of_surface(layout, samples, k, terms)
+        energy, work, place = _of_surface(layout, samples, k, terms)
         whole, applied = whole + energy, applied + work
+        farthest = np.maximum(farthest, place)
+    # The rounding of a position is relative to its terms, and the energy of a contact changes over
+    # the length of its potential.
+    steepness = 1.0 + farthest / _shortest_length(layout)
+    whole = whole + terms.put("contact_energy", np.abs(samples.contact) * steepness)
     for field in layout.model.fields or ():
         if field.account >= 0:
             applied = applied + np.abs(samples.s[:, field.account])
@@ -55,35 +59,27 @@ def rounding_of_terms(layout: Layout, samples: Samples, steps: int) -> dict[str,
     return {name: count * magnitude for name, magnitude in terms.items()}
 
 
-def _of_contact(layout: Layout, samples: Samples) -> np.ndarray:
-    """The contact energy, and its change if a bob moves by its distance from the origin (times,).
-
-    The rounding of a position is relative to that distance, and the energy of a contact changes
-    over the length of its potential.
-    """
-    lengths = [
-        c.potential.feature()[0] for c in (*layout.model.contacts, *(layout.model.within or ()))
-    ]
-    shortest = min((length for length in lengths if length > 0.0), default=np.inf)
-    place = np.zeros(samples.t.size)
-    for k in range(len(layout.scene.surfaces)):
-        for batch, m in motions(layout, samples, k):
-            a = batch.asperites
-            x, y = a.x + a.vx * m.t + m.x, a.y + a.vy * m.t + m.y
-            place = np.maximum(place, np.max(np.hypot(x, y), axis=1))
-    return np.asarray(np.abs(samples.contact) * (1.0 + place / shortest))
+def _shortest_length(layout: Layout) -> float:
+    """The shortest length over which a contact's force changes; infinite without contacts."""
+    contacts = (*layout.model.contacts, *(layout.model.within or ()))
+    lengths = (contact.potential.feature()[0] for contact in contacts)
+    return min((length for length in lengths if length > 0.0), default=np.inf)
 
 
 def _of_surface(
     layout: Layout, samples: Samples, index: int, terms: _Terms
-) -> tuple[np.ndarray, np.ndarray]:
-    """The terms of a surface; those of its energy and of the applied work (times,)."""
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The terms of a surface: of its energy, of the applied work, and of places, each (times,)."""
     record, stored = layout.model.surfaces[index], samples.stored[:, index]
     energy = np.sum(np.abs(stored[:, [SPRINGS, BATH, TORSIONAL, WITHIN]]), axis=1)
-    momentum, work, applied = (np.zeros(samples.t.size) for _ in range(3))
+    momentum, work, applied, farthest = (np.zeros(samples.t.size) for _ in range(4))
     speed = 0.0
     for batch, motion, forces, _ in entries(layout, samples, index):
-        mass = batch.asperites.mass
+        a = batch.asperites
+        mass = a.mass
+        x = np.abs(a.x) + np.abs(a.vx * motion.t) + np.abs(motion.x)
+        y = np.abs(a.y) + np.abs(a.vy * motion.t) + np.abs(motion.y)
+        farthest = np.maximum(farthest, np.max(np.hypot(x, y), axis=1))
         internal, moving = _of_energies(batch, motion, terms)
         energy = energy + np.sum(internal, axis=1) + moving @ mass
         momentum = momentum + np.hypot(motion.vx, motion.vy) @ mass
@@ -93,7 +89,8 @@ def _of_surface(
     terms.put("W", work)
     terms.put("W_ps", work)
     terms.put("delta_E_int", energy)
-    return energy + terms.put("delta_K", momentum * (speed + momentum / record.mass)), applied
+    energy = energy + terms.put("delta_K", momentum * (speed + momentum / record.mass))
+    return energy, applied, farthest
 
 
 def _of_energies(batch: Batch, m: Motion, terms: _Terms) -> tuple[np.ndarray, np.ndarray]:

@@ -96,18 +96,23 @@ def ensemble(
     most = _most_members(n, wanted, variation)
     check_engine(engine)
     runner = Runner(_prepared(scene, method, step), variation, engine, progress)
-    first_stage, needed = None, 0.0
-    if wanted is None:
-        runner.add(most)
-    else:
-        _check_series(runner, wanted)
-        runner.add(min(FIRST_STAGE, most))
-        first_stage = runner.completed
-        if not runner.interrupted:
-            needed = _add_second_stage(runner, wanted, most)
+    first_stage, needed = _run_members(runner, wanted, most)
     check = SettingsCheck() if runner.interrupted else runner.check_settings()
     collected = Collected(runner, check, wanted, first_stage, needed)
     return dataset(collected, time.perf_counter() - began)
+
+
+def _run_members(
+    runner: Runner, half_width: Mapping[str, float] | None, most: int
+) -> tuple[int | None, float]:
+    """Run as many members as are wanted; members of the first stage, and the number needed."""
+    if half_width is None:
+        runner.add(most)
+        return None, 0.0
+    _check_series(runner, half_width)
+    runner.add(min(FIRST_STAGE, most))
+    first_stage = runner.completed
+    return first_stage, 0.0 if runner.interrupted else _add_second_stage(runner, half_width, most)
 
 
 def _check_half_width(scene: Scene, half_width: Mapping[str, float]) -> dict[str, float]:

@@ -119,7 +119,7 @@ def _try(plugin: Any, field: str, method: str) -> None:
         except InputError as error:
             raise InputError(
                 field,
-                f"{error.problem}; for want of a {derived}(self, ...) it is called with complex "
+                f"{error.problem}; without a {derived}(self, ...) it is called with complex "
                 "numbers, which numpy's functions take",
             ) from None
 
