@@ -23,6 +23,7 @@ from tribo.accuracy.comparison import Accuracy, strictest
 from tribo.accuracy.encounter_estimate import steps_towards
 from tribo.accuracy.scales import first_step, unit_step
 from tribo.integrators import methods
+from tribo.kernels.records import OSCILLATOR_FREQUENCY
 from tribo.model.scene import Scene
 from tribo.model.settings import check_accuracy
 from tribo.run.layout import Layout
@@ -281,7 +282,7 @@ def evaluations(name: str, rate: Rate, work: Workload, accuracy: float) -> float
 def _fast_radians(layout: Layout) -> float:
     """The phase of the fastest oscillator of any bath at the end of the run."""
     baths = (layout.model.bath, layout.model.torsional)
-    fastest = [float(np.max(bath.frequency)) for bath in baths if bath is not None]
+    fastest = [float(np.max(bath[OSCILLATOR_FREQUENCY])) for bath in baths if bath is not None]
     return layout.scene.duration * max(fastest, default=0.0)
 
 

@@ -131,7 +131,7 @@ def measure_amplification(
         the second run was ended from outside
     """
     start = layout.start.copy()
-    start[: layout.model.asperites.size] += PERTURBATION
+    start[: layout.asperites.size] += PERTURBATION
     other = attempt(setting, run.samples.t, start)
     if other.status in FROM_OUTSIDE:
         return None

@@ -11,7 +11,7 @@ import numpy as np
 
 from tribo.accuracy.search import NEAR
 from tribo.kernels.kinematics import bob_position, nearest_image
-from tribo.kernels.records import Box
+from tribo.kernels.records import Box, Z
 from tribo.run.layout import Layout
 from tribo.run.motion import swing_direction
 
@@ -28,9 +28,9 @@ def steps_towards(layout: Layout) -> float:
 
     Of each surface at most FOLLOWED bobs are followed.
     """
-    a = layout.model.asperites
+    a = layout.asperites
     tx, ty = swing_direction(a.facing, layout.start[: a.size])
-    place = np.array([*bob_position(a.x, a.y, a.l1, tx, ty), layout.model.bobs.z])
+    place = np.array([*bob_position(a.x, a.y, a.l1, tx, ty), layout.model.asperites[Z]])
     swinging = float(np.max(a.l1 * np.abs(layout.start[layout.coordinates :][: a.size])))
     rates = [0.0]
     for contact in layout.model.contacts:

@@ -8,6 +8,7 @@ import numpy as np
 
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.kinematics import bob_velocity
+from tribo.kernels.records import OSCILLATOR_FREQUENCY
 from tribo.run.layout import Layout
 from tribo.run.ledger import Ledger
 from tribo.run.motion import internal_energy, motions, swing_direction
@@ -76,7 +77,7 @@ def _internal_energy(layout: Layout, ledger: Ledger) -> float:
     highest = 0.0
     for surface in layout.scene.surfaces:
         table = ledger.surfaces[surface.name]
-        a = layout.model.asperites[layout.parts[surface.name]]
+        a = layout.asperites[layout.parts[surface.name]]
         twist = table["theta"] - surface.rest - table["phi"]
         energy = internal_energy(a, table["omega"], table["nu"], twist)
         highest = max(highest, largest(energy))
@@ -84,7 +85,7 @@ def _internal_energy(layout: Layout, ledger: Ledger) -> float:
 
 
 def _longest_rod(layout: Layout) -> float:
-    a = layout.model.asperites
+    a = layout.asperites
     return float(np.max(a.l1 + a.l2))
 
 
@@ -94,7 +95,7 @@ def _fastest_bob(layout: Layout, ledger: Ledger) -> float:
     fastest = 0.0
     for surface in layout.scene.surfaces:
         table = ledger.surfaces[surface.name]
-        a = layout.model.asperites[layout.parts[surface.name]]
+        a = layout.asperites[layout.parts[surface.name]]
         tx, ty = swing_direction(a.facing, table["theta"] - surface.rest)
         vx, vy = table["vx_cm"] - mean[0], table["vy_cm"] - mean[1]
         vx, vy = bob_velocity(vx, vy, table["omega"], a.l1, tx, ty)
@@ -129,7 +130,7 @@ class ToleranceScales:
 
 def first_guess(layout: Layout) -> ToleranceScales:
     """Scales for a first, coarse run, from the start of the scene."""
-    a = layout.model.asperites
+    a = layout.asperites
     relative = _relative_velocity(layout)
     frequency = np.sqrt(a.kappa / a.inertia)
     omega = np.max(np.abs(layout.start[layout.coordinates :][: a.size]))
@@ -200,26 +201,27 @@ WITHOUT_ARM = {"acc_contact": (2, 3), "acc_drive": (2,)}
 def _account_weights(layout: Layout) -> np.ndarray:
     """The factor that makes a work of each account; 0 for impulses. Shape (accounts,)."""
     weights = np.ones(layout.accounts)
-    a = layout.model.asperites
+    a = layout.asperites
     length = a.l1 + a.l2
     for name, offsets in IMPULSES.items():
         present = a[name] >= 0
         for k in offsets:
-            weights[a[name][present] + k] = 0.0
+            weights[(a[name] + k * a.stride)[present]] = 0.0
         for k in WITHOUT_ARM.get(name, ()):
-            weights[a[name][present] + k] = length[present]
+            weights[(a[name] + k * a.stride)[present]] = length[present]
     return weights
 
 
 def _work_of_impulses(layout: Layout, s: np.ndarray) -> float:
     """The largest V . J of an impulse J, where V is relative to the surfaces' mean velocity."""
-    a, velocity = layout.model.asperites, _relative_velocity(layout)
+    a, velocity = layout.asperites, _relative_velocity(layout)
     highest = 0.0
     for name, offsets in IMPULSES.items():
         present = a[name] >= 0
-        first, (vx, vy) = a[name][present], velocity[present].T
+        stride, (vx, vy) = a.stride[present], velocity[present].T
         for k in offsets[::2]:
-            highest = max(highest, largest(vx * s[:, first + k] + vy * s[:, first + k + 1]))
+            jx, jy = (s[:, a[name][present] + m * stride] for m in (k, k + 1))
+            highest = max(highest, largest(vx * jx + vy * jy))
     return highest
 
 
@@ -242,7 +244,7 @@ def tolerances(layout: Layout, scales: ToleranceScales, level: float, near: floa
         the largest step, as a fraction of the time to the next encounter
     """
     level = max(level, FLOOR)
-    a = layout.model.asperites
+    a = layout.asperites
     energy = level * scales.energy
     speed = level * scales.velocity
     q = np.full(layout.coordinates, level * _longest_rod(layout))
@@ -271,11 +273,11 @@ def _positive(values: np.ndarray) -> np.ndarray:
 
 def first_step(layout: Layout) -> float:
     """The first step: short against the run and the period of every pendulum and oscillator."""
-    a = layout.model.asperites
+    a = layout.asperites
     fastest = float(np.max(np.sqrt(a.kappa * np.maximum(1.0 / a.inertia, 1.0 / a.i2))))
     for oscillators in (layout.model.bath, layout.model.torsional):
         if oscillators is not None:
-            fastest = max(fastest, float(np.max(oscillators.frequency)))
+            fastest = max(fastest, float(np.max(oscillators[OSCILLATOR_FREQUENCY])))
     return min(0.05 / fastest if fastest > 0.0 else np.inf, 1e-3 * layout.scene.duration)
 
 

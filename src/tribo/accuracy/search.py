@@ -301,9 +301,7 @@ def _run_round(
 
 def _work(layout: Layout, run: Integration) -> float:
     """Force evaluations times asperites: a measure of cost that is the same on every machine."""
-    return run.evaluations * float(
-        layout.model.asperites.size + CALL * len(layout.calculator_calls)
-    )
+    return run.evaluations * float(layout.asperites.size + CALL * len(layout.calculator_calls))
 
 
 def cheapest_setting(

@@ -18,49 +18,57 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tribo.integrators.bath_substep import bath_substep, empty_rotations
+from tribo.integrators.bath_substep import bath_substep
+from tribo.integrators.rotations import (
+    empty_rotations,
+    rotated,
+    rotation,
+    rotation_of,
+    set_rotations,
+)
 from tribo.integrators.step_control import (
-    advance,
+    advance_equally,
     all_finite,
     current_encounter,
-    end_of_step,
     equal_step,
     equal_step_status,
     record_due,
     time_left,
     update_encounter,
 )
+from tribo.kernels.blocks import block_size, clear, coordinates
 from tribo.kernels.compiled import kernel
 from tribo.kernels.equations_of_motion import (
     accelerate,
-    custom_forces,
-    displacement,
-    drive_bar,
+    accelerate_block,
+    drive_forces,
     forces,
-    gather_contact,
-    place_bob,
+    place_block,
     update_neighbours,
 )
 from tribo.kernels.kinematics import end_force, rotational_power
-from tribo.kernels.langevin import clear_friction
 from tribo.kernels.neighbours import crowded, refresh
-from tribo.kernels.powers import (
-    CONTACT,
-    DRIVE,
-    POINT,
-    SLIDE,
-    USER_ENDS,
-    block_powers,
-    field_powers,
-    powers_of,
-    shared_accounts,
+from tribo.kernels.powers import block_powers, field_powers, powers_of_block
+from tribo.kernels.records import (
+    BAR_LENGTH,
+    FREQUENCY,
+    I2,
+    INERTIA,
+    KAPPA,
+    L2,
+    NU_START,
+    PHI_START,
 )
+from tribo.kernels.simd import LANES
+from tribo.kernels.simd_arrays import add_part, part, set_part
+from tribo.kernels.simd_functions import sine_cosine
 from tribo.kernels.status import (
     BOBS_COINCIDE,
     COMPLETED,
     NOT_FINITE,
     PAUSED,
 )
+from tribo.kernels.user_forces import custom_forces
 
 # Gauss-Legendre nodes and weights on (0, 1), for the ends of clamped bars that rotate.
 _ROOT = math.sqrt(0.6)
@@ -97,184 +105,191 @@ def alternating(drifts: tuple[float, ...], kicks: tuple[float, ...]) -> Splittin
 
 
 @kernel
-def rotated(x, rate, frequency, tau):
-    """A harmonic oscillator after tau; the rounding of cos^2 + sin^2 causes no drift of energy."""
-    if frequency == 0.0:
-        return x + rate * tau, rate
-    sin = math.sin(frequency * tau)
-    half = math.sin(0.5 * frequency * tau)
-    versine = 2.0 * half * half
-    return (
-        x - versine * x + sin / frequency * rate,
-        rate - versine * rate - sin * frequency * x,
-    )
+def add_end_impulses(model, s, i, n, impulse, vx, vy, accounts):
+    """Add the impulse on the ends of clamped bars at rest, and its pseudowork."""
+    a = model.asperites
+    sin, cos = sine_cosine(part(a[PHI_START], i, n))
+    x, y = end_force(impulse, part(a[BAR_LENGTH], i, n), sin, cos)
+    stride = s.stop - s.start
+    k = s.acc_ends + 2 * stride + i - s.start
+    add_part(accounts, k, n, x)
+    add_part(accounts, k + stride, n, y)
+    add_part(accounts, k + 2 * stride, n, x * vx + y * vy)
 
 
 @kernel
-def arc_work(twist):
-    """sin x - x cos x, the integral of x sin x."""
-    return math.sin(twist) - twist * math.cos(twist)
+def settle_end_works(model, q, accounts, arcs):
+    """Add the works of the ends of clamped bars at rest since they were last settled.
+
+    They are functions of the angles alone: the integral of x sin x is sin x - x cos x.
+    """
+    a = model.asperites
+    for k in range(model.surfaces.shape[0]):
+        s = model.surfaces[k]
+        if s.acc_ends >= 0 and s.turning == 0:
+            for i in range(s.start, s.stop, LANES):
+                n = block_size(s, i)
+                twist = part(q, i, n) - part(a[PHI_START], i, n)
+                sin, cos = sine_cosine(twist)
+                arc = sin - twist * cos
+                work = part(a[L2], i, n) * part(a[KAPPA], i, n) / part(a[BAR_LENGTH], i, n)
+                work = s.facing * work * (arc - part(arcs, i, n))
+                m = s.acc_ends + i - s.start
+                add_part(accounts, m, n, -work)
+                add_part(accounts, m + s.stop - s.start, n, work)
+                set_part(arcs, i, n, arc)
 
 
 @kernel
-def add_end_works(a, twist, rate, new, new_rate, vx, vy, s):
-    """Add the works of the ends of a clamped bar at rest while its pendulum goes to `new`."""
-    k = a.acc_ends
-    with_bar = arc_work(new) - arc_work(twist)
-    with_bar *= -a.l2 * a.kappa / a.bar_length * a.facing
-    impulse = a.inertia * (rate - new_rate)
-    end_x, end_y = end_force(impulse, a.bar_length, math.sin(a.phi), math.cos(a.phi))
-    s[k] += with_bar
-    s[k + 1] -= with_bar
-    s[k + 2] += end_x
-    s[k + 3] += end_y
-    s[k + 4] += end_x * vx + end_y * vy
-
-
-@kernel
-def add_rotating_end_works(a, twist, rate, frequency, t, tau, vx, vy, s):
-    """Add them where the bar itself rotates uniformly, by Gauss-Legendre quadrature."""
-    k = a.acc_ends
+def add_turning_end_works(model, s, i, n, twist, rate, impulse, t, tau, vx, vy, accounts):
+    """Add the works of the ends where clamped bars turn, by Gauss-Legendre quadrature."""
+    a = model.asperites
+    stiffness = part(a[KAPPA], i, n)
+    bar_length = part(a[BAR_LENGTH], i, n)
+    nu = part(a[NU_START], i, n)
+    stride = s.stop - s.start
+    k = s.acc_ends + i - s.start
+    turning = 0.5 * nu * impulse
+    add_part(accounts, k, n, -turning)
+    add_part(accounts, k + stride, n, -turning)
     for m in range(NODES.size):
         weight = WEIGHTS[m] * tau
-        now, now_rate = rotated(twist, rate, frequency, NODES[m] * tau)
-        phi = a.phi + a.nu * (t + NODES[m] * tau)
-        end_x, end_y = end_force(a.kappa * now, a.bar_length, math.sin(phi), math.cos(phi))
-        swing = now + phi
-        tx = a.facing * math.cos(swing)
-        ty = a.facing * math.sin(swing)
-        with_bar = rotational_power(-a.l2, now_rate + a.nu, tx, ty, end_x, end_y)
-        s[k] += weight * with_bar
-        s[k + 1] -= weight * with_bar
-        s[k + 2] += weight * end_x
-        s[k + 3] += weight * end_y
-        s[k + 4] += weight * (end_x * vx + end_y * vy)
+        turn = rotation(part(a[FREQUENCY], i, n), NODES[m] * tau)
+        now, now_rate = rotated(twist, rate, turn)
+        phi = part(a[PHI_START], i, n) + nu * (t + NODES[m] * tau)
+        sin, cos = sine_cosine(phi)
+        x, y = end_force(stiffness * now, bar_length, sin, cos)
+        sin, cos = sine_cosine(now + phi)
+        tx = s.facing * cos
+        ty = s.facing * sin
+        with_bar = rotational_power(-part(a[L2], i, n), now_rate + nu, tx, ty, x, y)
+        add_part(accounts, k, n, weight * with_bar)
+        add_part(accounts, k + stride, n, -weight * with_bar)
+        add_part(accounts, k + 2 * stride, n, weight * x)
+        add_part(accounts, k + 3 * stride, n, weight * y)
+        add_part(accounts, k + 4 * stride, n, weight * (x * vx + y * vy))
 
 
 @kernel
-def drift_clamped(a, i, t, tau, q, v, s):
-    """A pendulum on a bar that rotates uniformly."""
-    twist = q[i] - (a.phi + a.nu * t)
-    rate = v[i] - a.nu
-    frequency = math.sqrt(a.kappa / a.inertia)
-    new, new_rate = rotated(twist, rate, frequency, tau)
-    if a.acc_ends >= 0:
-        vx = displacement(a.dof_x, v)
-        vy = displacement(a.dof_y, v)
-        if a.nu == 0.0:
-            add_end_works(a, twist, rate, new, new_rate, vx, vy, s)
+def drift_clamped(model, s, i, n, t, tau, q, v, accounts, turn):
+    """Pendulums on bars that rotate uniformly or rest."""
+    a = model.asperites
+    nu = part(a[NU_START], i, n)
+    old = part(q, i, n)
+    omega = part(v, i, n)
+    twist = old - (part(a[PHI_START], i, n) + nu * t)
+    rate = omega - nu
+    new, new_rate = rotated(twist, rate, turn)
+    if s.acc_ends >= 0:
+        impulse = part(a[INERTIA], i, n) * (rate - new_rate)
+        vx = coordinates(s.dof_x, s, i, n, v)
+        vy = coordinates(s.dof_y, s, i, n, v)
+        if s.turning == 0:
+            add_end_impulses(model, s, i, n, impulse, vx, vy, accounts)
         else:
-            add_rotating_end_works(a, twist, rate, frequency, t, tau, vx, vy, s)
-            bar_work = 0.5 * a.nu * a.inertia * (rate - new_rate)
-            s[a.acc_ends] -= bar_work
-            s[a.acc_ends + 1] -= bar_work
-    q[i] += (new - twist) + a.nu * tau
-    v[i] += new_rate - rate
+            add_turning_end_works(model, s, i, n, twist, rate, impulse, t, tau, vx, vy, accounts)
+    set_part(q, i, n, old + ((new - twist) + nu * tau))
+    set_part(v, i, n, omega + (new_rate - rate))
 
 
 @kernel
-def drift_free(a, i, tau, q, v):
-    """Pendulum and bar rotate against each other about their uniform mean."""
-    j = a.dof_phi
-    twist = q[i] - q[j]
-    rate = v[i] - v[j]
-    frequency = math.sqrt(a.kappa * (1.0 / a.inertia + 1.0 / a.i2))
-    new, new_rate = rotated(twist, rate, frequency, tau)
-    share = a.i2 / (a.inertia + a.i2)
-    mean = (a.inertia * v[i] + a.i2 * v[j]) / (a.inertia + a.i2)
-    q[i] += mean * tau + share * (new - twist)
-    q[j] += mean * tau - (1.0 - share) * (new - twist)
-    v[i] += share * (new_rate - rate)
-    v[j] -= (1.0 - share) * (new_rate - rate)
+def drift_free(model, s, i, n, tau, q, v, turn):
+    """Pendulums and bars rotate against each other about their uniform mean."""
+    k = s.dof_phi + i - s.start
+    swing = part(q, i, n)
+    phi = part(q, k, n)
+    omega = part(v, i, n)
+    nu = part(v, k, n)
+    inertia = part(model.asperites[INERTIA], i, n)
+    i2 = part(model.asperites[I2], i, n)
+    new, new_rate = rotated(swing - phi, omega - nu, turn)
+    share = i2 / (inertia + i2)
+    mean = (inertia * omega + i2 * nu) / (inertia + i2)
+    change = new - (swing - phi)
+    change_of_rate = new_rate - (omega - nu)
+    set_part(q, i, n, swing + (mean * tau + share * change))
+    set_part(q, k, n, phi + (mean * tau - (1.0 - share) * change))
+    set_part(v, i, n, omega + share * change_of_rate)
+    set_part(v, k, n, nu - (1.0 - share) * change_of_rate)
 
 
 @kernel
-def drift(model, now, tau, q, v, s):
+def move(slot, s, i, n, tau, q, v):
+    """Move a block's coordinates from `slot` on at their velocities, if there are any."""
+    if slot >= 0:
+        k = slot + i - s.start
+        add_part(q, k, n, tau * part(v, k, n))
+
+
+@kernel
+def drift(model, now, tau, q, v, accounts, rotations):
     """Drift of all asperites for tau, which ends now, and the bobs' places then."""
-    for i in range(model.asperites.shape[0]):
-        a = model.asperites[i]
-        if a.dof_phi >= 0:
-            drift_free(a, i, tau, q, v)
-        else:
-            drift_clamped(a, i, now - tau, tau, q, v, s)
-        if a.dof_x >= 0:
-            q[a.dof_x] += tau * v[a.dof_x]
-        if a.dof_y >= 0:
-            q[a.dof_y] += tau * v[a.dof_y]
-        place_bob(model, i, now, q)
+    set_rotations(model.asperites[FREQUENCY], tau, rotations)
+    for k in range(model.surfaces.shape[0]):
+        s = model.surfaces[k]
+        for i in range(s.start, s.stop, LANES):
+            n = block_size(s, i)
+            turn = rotation_of(rotations, i, n)
+            if s.dof_phi >= 0:
+                drift_free(model, s, i, n, tau, q, v, turn)
+            else:
+                drift_clamped(model, s, i, n, now - tau, tau, q, v, accounts, turn)
+            move(s.dof_x, s, i, n, tau, q, v)
+            move(s.dof_y, s, i, n, tau, q, v)
+            place_block(model, s, i, n, now, q)
 
 
 @kernel
-def set_middle(slot, tau, acceleration, v, middle):
-    """Set the velocity in a slot, if there is one, in the middle of a kick."""
+def kick_slot(slot, s, i, n, tau, acceleration, v, middle):
+    """Set a block's velocities from `slot` on, if there are any, after and in the middle."""
     if slot >= 0:
-        middle[slot] = v[slot] + 0.5 * tau * acceleration[slot]
+        k = slot + i - s.start
+        change = tau * part(acceleration, k, n)
+        old = part(v, k, n)
+        set_part(middle, k, n, old + 0.5 * change)
+        set_part(v, k, n, old + change)
 
 
 @kernel
-def apply_kick(slot, tau, acceleration, v, middle):
-    """Set the velocity in a slot, if there is one, after a kick and in the middle of it."""
-    if slot >= 0:
-        set_middle(slot, tau, acceleration, v, middle)
-        v[slot] += tau * acceleration[slot]
-
-
-@kernel
-def settle_custom_forces(model, drives, ends, i, t, tau, q, v, acceleration, middle):
-    """Set the forces of plug-ins on bar i for its velocities in the middle of a kick.
+def settle_custom_forces(model, drives, ends, t, tau, q, v, acceleration, middle, core):
+    """Set the forces of plug-ins on the bars for their velocities in the middle of a kick.
 
     These are found by iteration from the velocities before the kick.
     """
     if drives is not None or ends is not None:
-        a = model.asperites[i]
-        custom_forces(model, i, t, q, v)
+        custom_forces(model, t, q, v)
         for _ in range(ITERATIONS):
-            accelerate(model, i, 0.0, t, q, acceleration)
-            set_middle(i, tau, acceleration, v, middle)
-            set_middle(a.dof_phi, tau, acceleration, v, middle)
-            set_middle(a.dof_x, tau, acceleration, v, middle)
-            set_middle(a.dof_y, tau, acceleration, v, middle)
-            custom_forces(model, i, t, q, middle)
+            accelerate(model, 0.0, t, q, acceleration)
+            for m in range(core):
+                middle[m] = v[m] + 0.5 * tau * acceleration[m]
+            custom_forces(model, t, q, middle)
 
 
 @kernel
-def accumulate(slot, width, tau, power, s):
-    """Add the gain in tau to a group of accounts, if there is such a group."""
-    if slot >= 0:
-        for m in range(slot, slot + width):
-            s[m] += tau * power[m]
-
-
-@kernel
-def kick(model, t, tau, q, v, s, acceleration, middle, power, core, common):
+def kick(model, t, tau, q, v, accounts, acceleration, middle, power, core):
     """The forces in place act for tau; their works are added at the mid-kick velocities.
 
-    The first `core` velocities are those of the asperites; the last `common` accounts belong to no
-    single asperite.  One loop does all, so that each of many asperites is read from memory once.
+    The first `core` velocities are those of the asperites.
     """
-    gather_contact(model)
-    for i in range(model.asperites.shape[0]):
-        a = model.asperites[i]
-        drive_bar(model, i, t, q)
-        drives, ends = model.drives, model.ends
-        settle_custom_forces(model, drives, ends, i, t, tau, q, v, acceleration, middle)
-        accelerate(model, i, 0.0, t, q, acceleration)
-        apply_kick(i, tau, acceleration, v, middle)
-        apply_kick(a.dof_phi, tau, acceleration, v, middle)
-        apply_kick(a.dof_x, tau, acceleration, v, middle)
-        apply_kick(a.dof_y, tau, acceleration, v, middle)
-        powers_of(model, i, 0.0, t, q, middle, power)
-        accumulate(a.acc_contact, CONTACT, tau, power, s)
-        accumulate(a.acc_slide, SLIDE, tau, power, s)
-        accumulate(a.acc_drive, DRIVE, tau, power, s)
-        accumulate(a.acc_internal, POINT, tau, power, s)
-        accumulate(a.acc_field, POINT, tau, power, s)
-        accumulate(a.acc_user_ends, USER_ENDS, tau, power, s)
+    drive_forces(model, t, q)
+    settle_custom_forces(model, model.drives, model.ends, t, tau, q, v, acceleration, middle, core)
+    for k in range(model.surfaces.shape[0]):
+        s = model.surfaces[k]
+        for i in range(s.start, s.stop, LANES):
+            n = block_size(s, i)
+            accelerate_block(model, s, i, n, 0.0, t, q, acceleration)
+            kick_slot(s.start, s, i, n, tau, acceleration, v, middle)
+            kick_slot(s.dof_phi, s, i, n, tau, acceleration, v, middle)
+            kick_slot(s.dof_x, s, i, n, tau, acceleration, v, middle)
+            kick_slot(s.dof_y, s, i, n, tau, acceleration, v, middle)
+            powers_of_block(model, s, i, n, 0.0, t, q, middle, power)
     for m in range(core, v.size):
         middle[m] = v[m]
     field_powers(model, model.fields, t, power)
     block_powers(model, middle, power)
-    accumulate(s.size - common, common, tau, power, s)
+    for m in range(0, power.size, LANES):
+        n = min(LANES, power.size - m)
+        add_part(accounts, m, n, tau * part(power, m, n))
 
 
 def splitting_steps(
@@ -294,12 +309,12 @@ def splitting_steps(
     acceleration = np.zeros(n)
     middle = np.empty(n)
     power = np.zeros(s.size)
-    speeds = np.empty((model.asperites.size, 3))
-    rotations = empty_rotations(model.bath)
+    speeds = np.empty((3, model.asperites.shape[1]))
+    rotations = empty_rotations(model.asperites)
+    bath_rotations = empty_rotations(model.bath)
     torsional_rotations = empty_rotations(model.torsional)
-    common = shared_accounts(model, model.fields)
-    split = model.bath is not None or model.torsional is not None or model.langevin is not None
-    clear_friction(model.bars)
+    split = model.bath is not None or model.torsional is not None or model.friction is not None
+    clear(model.friction)
     if clock.evaluations == 0:
         if not update_neighbours(model, neighbours, clock.t, q):
             return PAUSED
@@ -307,18 +322,22 @@ def splitting_steps(
         clock.encounter_rate, closest = encounter
         if closest == 0.0:
             return BOBS_COINCIDE
+        settle_end_works(model, q, s, state.memory[0])
+        for m in range(s.size):
+            s[m] = 0.0
     for _ in range(budget):
         if crowded(neighbours):
             return PAUSED
         if clock.sample < times.size and time_left(clock, times[clock.sample]) <= 0.0:
-            drift(model, clock.t, clock.drift_lag, q, v, s)
+            drift(model, clock.t, clock.drift_lag, q, v, s, rotations)
             clock.drift_lag = 0.0
+            settle_end_works(model, q, s, state.memory[0])
             refresh(model, neighbours)
         left = record_due(model, neighbours, clock, state, times, record)
         if left == 0.0:
             return COMPLETED if all_finite(state.y) else NOT_FINITE
         goal = times[clock.sample]
-        h = equal_step(left, step)
+        h, landing = equal_step(clock, left, step)
         status = equal_step_status(clock, h, times[-1])
         if status != COMPLETED:
             return status
@@ -327,18 +346,18 @@ def splitting_steps(
             tau = splitting.kicks[m] * h
             ahead = splitting.drifts[m] * h
             t += ahead
-            drift(model, t, clock.drift_lag + ahead, q, v, s)
+            drift(model, t, clock.drift_lag + ahead, q, v, s, rotations)
             clock.drift_lag = 0.0
-            forces(model, neighbours, t, q)
+            forces(model, neighbours, t)
             clock.evaluations += 1
             if split:
-                kick(model, t, 0.5 * tau, q, v, s, acceleration, middle, power, core, common)
-                bath_substep(model, tau, q, v, s, rotations, torsional_rotations, noise)
-                kick(model, t, 0.5 * tau, q, v, s, acceleration, middle, power, core, common)
+                kick(model, t, 0.5 * tau, q, v, s, acceleration, middle, power, core)
+                bath_substep(model, tau, q, v, s, bath_rotations, torsional_rotations, noise)
+                kick(model, t, 0.5 * tau, q, v, s, acceleration, middle, power, core)
             else:
-                kick(model, t, tau, q, v, s, acceleration, middle, power, core, common)
+                kick(model, t, tau, q, v, s, acceleration, middle, power, core)
         clock.drift_lag = splitting.drifts[-1] * h
-        advance(clock, end_of_step(clock, goal, h, h == left), h, h == left)
+        advance_equally(clock, goal, h, landing)
         updated = update_encounter(model, neighbours, clock, state.y, speeds, h)
         if updated and not all_finite(state.y):
             return NOT_FINITE

@@ -60,7 +60,7 @@ def current_encounter(model, neighbours, t, y, speeds):
 @kernel
 def update_interval(model):
     """Number of steps after which the encounter rate is computed again."""
-    return 1 if model.asperites.size <= FEW_ASPERITES else UPDATE_INTERVAL
+    return 1 if model.asperites.shape[1] <= FEW_ASPERITES else UPDATE_INTERVAL
 
 
 @kernel
@@ -141,9 +141,14 @@ def record_due(model, neighbours, clock, state, times, record):
 
 
 @kernel
-def equal_step(left, step):
-    """The largest step up to `step` that divides the time left until the next sample."""
-    return left / max(1.0, np.ceil(left / step - 1e-9))
+def equal_step(clock, left, step):
+    """The step, and whether it ends with the next sample, which is `left` ahead.
+
+    Between two samples all steps are the same: the largest up to `step` that divides the time.
+    """
+    if clock.h == 0.0:
+        clock.h = left / max(1.0, np.ceil(left / step - 1e-9))
+    return clock.h, left < 1.5 * clock.h
 
 
 @kernel
@@ -245,6 +250,14 @@ def advance(clock, t, h, landing):
     clock.t = t
     clock.last_step = h
     clock.steps += 1
+
+
+@kernel
+def advance_equally(clock, goal, h, landing):
+    """Take an equal step, the last before the next sample at `goal` if it is `landing`."""
+    advance(clock, end_of_step(clock, goal, h, landing), h, landing)
+    if landing:
+        clock.h = 0.0
 
 
 @kernel

@@ -22,7 +22,7 @@ import numpy as np
 
 from tribo.integrators.step_control import (
     accept_step,
-    advance,
+    advance_equally,
     all_finite,
     check_arrival,
     end_of_step,
@@ -73,7 +73,7 @@ def equal_steps(model, neighbours, method, step, clocks, state, times, record, b
     """
     clock = clocks[0]
     work = method.workspace(model, state)
-    speeds = np.empty((model.asperites.size, 3))
+    speeds = np.empty((3, model.asperites.shape[1]))
     status = initialize(model, neighbours, clock, state, speeds)
     if status != COMPLETED:
         return status
@@ -83,15 +83,16 @@ def equal_steps(model, neighbours, method, step, clocks, state, times, record, b
         left = record_due(model, neighbours, clock, state, times, record)
         if left == 0.0:
             return COMPLETED
-        h = equal_step(left, step)
+        h, landing = equal_step(clock, left, step)
         status = equal_step_status(clock, h, times[-1])
         if status != COMPLETED:
             return status
-        end = end_of_step(clock, times[clock.sample], h, h == left)
+        goal = times[clock.sample]
+        end = end_of_step(clock, goal, h, landing)
         status = method.step(model, neighbours, clock, h, end, state, work)
         if status != COMPLETED:
             return status
-        advance(clock, end, h, h == left)
+        advance_equally(clock, goal, h, landing)
         if not (all_finite(state.y) and all_finite(state.acceleration) and all_finite(state.s)):
             return NOT_FINITE
         update_encounter(model, neighbours, clock, state.y, speeds, h)
@@ -108,7 +109,7 @@ def adaptive_steps(model, neighbours, method, tolerance, clocks, state, times, r
     clock = clocks[0]
     work = method.workspace(model, state)
     new = empty_state(state)
-    speeds = np.empty((model.asperites.size, 3))
+    speeds = np.empty((3, model.asperites.shape[1]))
     status = initialize(model, neighbours, clock, state, speeds)
     if status != COMPLETED:
         return status

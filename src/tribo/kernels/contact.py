@@ -9,9 +9,26 @@ from typing import NamedTuple
 import numpy as np
 from numba import literal_unroll
 
+from tribo.kernels.blocks import clear
 from tribo.kernels.compiled import kernel
+from tribo.kernels.kinematics import nearest_image
 from tribo.kernels.neighbours import image, is_partner, partner_species
+from tribo.kernels.potential_in_lanes import force_in_lanes
 from tribo.kernels.python_callback import call_at
+from tribo.kernels.records import ALONG_X, ALONG_Y, CHARGE, FX, FY, X, Y, Z
+from tribo.kernels.simd import (
+    LANES,
+    absolute,
+    broadcast,
+    first_lanes,
+    lane,
+    maximum,
+    sqrt,
+    sum_of_lanes,
+    where_less,
+    with_lane,
+)
+from tribo.kernels.simd_arrays import gather, part, scatter, set_part
 
 # Square of a distance below which the squares of its components lose digits to underflow.
 SQUARE_IS_SAFE = 1e-280
@@ -29,6 +46,17 @@ def separation(dx, dy, dz):
     if square > SQUARE_IS_SAFE:
         return math.sqrt(square)
     return math.hypot(math.hypot(dx, dy), dz)
+
+
+@kernel
+def separations(dx, dy, dz, n):
+    """The same of eight pairs, of which the first n are wanted."""
+    square = dx * dx + dy * dy + dz * dz
+    r = sqrt(square)
+    if -maximum(first_lanes(n, -square, -1.0)) <= SQUARE_IS_SAFE:
+        for i in range(n):
+            r = with_lane(r, i, separation(lane(dx, i), lane(dy, i), lane(dz, i)))
+    return r
 
 
 @kernel
@@ -54,67 +82,103 @@ def candidate(neighbours, is_listed, m):
 
 
 @kernel
-def add_contact(model, contact, forces, neighbours):
-    """Add the forces of one interaction to `forces`, records with fx and fy, one a bob."""
-    bobs = model.bobs
-    box = model.box
+def candidates(row, neighbours, is_listed, m, n):
+    """Values of candidates m to m + n of a row of a table."""
+    if neighbours is not None:
+        if is_listed:
+            return gather(row, neighbours.index, m, n)
+    return part(row, m, n)
+
+
+@kernel
+def set_candidates(row, neighbours, is_listed, m, n, x):
+    """Set the values of candidates m to m + n of a row of a table."""
+    if neighbours is not None:
+        if is_listed:
+            scatter(row, neighbours.index, m, n, x)
+            return
+    set_part(row, m, n, x)
+
+
+@kernel
+def images(difference, box, axis):
+    """Separations from the nearest images along x (axis 0) or z (axis 1) of a scene's box."""
+    if box is None:
+        return difference
+    period = box.x if axis == 0 else box.z
+    return nearest_image(difference, period)
+
+
+@kernel
+def without_others(force, species, partners, neighbours, is_listed, m, n):
+    """Forces where the candidates are of a species by `partner_species`, 0 elsewhere."""
+    if species is None:
+        return force
+    if partners == -1:
+        return force
+    away = absolute(candidates(species, neighbours, is_listed, m, n) - float(partners))
+    return where_less(away, 0.5, force, 0.0)
+
+
+@kernel
+def add_row(model, contact, fx, fy, neighbours, i, start, stop, is_listed):
+    """Add the forces between bob i and its candidates to the rows fx and fy of a table."""
+    xs = model.bobs[X]
+    ys = model.bobs[Y]
+    zs = model.asperites[Z]
+    charges = model.asperites[CHARGE]
     potential = contact.potential
     end = potential.range()
+    partners = partner_species(model.species, contact.species, i)
+    sum_x = broadcast(0.0)
+    sum_y = broadcast(0.0)
+    for m in range(start, stop, LANES):
+        n = min(LANES, stop - m)
+        dx = images(xs[i] - candidates(xs, neighbours, is_listed, m, n), model.box, 0)
+        dy = ys[i] - candidates(ys, neighbours, is_listed, m, n)
+        dz = images(zs[i] - candidates(zs, neighbours, is_listed, m, n), model.box, 1)
+        r = separations(dx, dy, dz, n)
+        others = candidates(charges, neighbours, is_listed, m, n)
+        f = force_in_lanes(potential, r, charges[i], others, n) / r
+        f = first_lanes(n, where_less(r, end, f, 0.0), 0.0)
+        f = without_others(f, model.species, partners, neighbours, is_listed, m, n)
+        sum_x = sum_x + f * dx
+        sum_y = sum_y + f * dy
+        x = candidates(fx, neighbours, is_listed, m, n) - f * dx
+        y = candidates(fy, neighbours, is_listed, m, n) - f * dy
+        set_candidates(fx, neighbours, is_listed, m, n, x)
+        set_candidates(fy, neighbours, is_listed, m, n, y)
+    fx[i] += sum_of_lanes(sum_x)
+    fy[i] += sum_of_lanes(sum_y)
+
+
+@kernel
+def add_contact(model, contact, fx, fy, neighbours):
+    """Add the forces of one interaction to the rows fx and fy of a table, one column a bob."""
     for k in range(contact.pairs.shape[0]):
         one = model.surfaces[contact.pairs[k, 0]]
         other = model.surfaces[contact.pairs[k, 1]]
         for i in range(one.start, one.stop):
-            a = bobs[i]
-            fx = 0.0
-            fy = 0.0
-            partners = partner_species(model.species, contact.species, i)
             start, stop, is_listed = row_of(contact, k, one, other, i, neighbours)
-            for m in range(start, stop):
-                j = candidate(neighbours, is_listed, m)
-                if not is_partner(model.species, partners, j):
-                    continue
-                b = bobs[j]
-                dx = image(a.x - b.x, box, 0)
-                dy = a.y - b.y
-                r = separation(dx, dy, image(a.z - b.z, box, 1))
-                if r < end:
-                    f = potential.force_between(r, a.charge, b.charge) / r
-                    fx += f * dx
-                    fy += f * dy
-                    force = forces[j]
-                    force.fx -= f * dx
-                    force.fy -= f * dy
-            force = forces[i]
-            force.fx += fx
-            force.fy += fy
+            add_row(model, contact, fx, fy, neighbours, i, start, stop, is_listed)
 
 
 @kernel
 def contact_forces(model, neighbours):
     """Add the contact force f1 on newly placed bobs, and set the forces within surfaces."""
     for contact in literal_unroll(model.contacts):
-        add_contact(model, contact, model.bobs, neighbours)
+        add_contact(model, contact, model.bobs[FX], model.bobs[FY], neighbours)
     add_calculated(model, model.calculators)
     add_within(model, model.within, neighbours)
-
-
-@kernel
-def force_within(inner, i):
-    """Force on bob i from the other bobs of its surface."""
-    if inner is None:
-        return 0.0, 0.0
-    return inner[i].fx, inner[i].fy
 
 
 @kernel
 def add_within(model, within, neighbours):
     """Set the forces among the bobs of one surface."""
     if within is not None:
-        for i in range(model.inner.shape[0]):
-            model.inner[i].fx = 0.0
-            model.inner[i].fy = 0.0
+        clear(model.inner)
         for contact in literal_unroll(within):
-            add_contact(model, contact, model.inner, neighbours)
+            add_contact(model, contact, model.inner[ALONG_X], model.inner[ALONG_Y], neighbours)
 
 
 @kernel
@@ -124,8 +188,8 @@ def call_calculator(model, calculator):
     for k in range(calculator.surfaces.size):
         s = model.surfaces[calculator.surfaces[k]]
         for i in range(s.start, s.stop):
-            calculator.positions[row, 0] = model.bobs[i].x
-            calculator.positions[row, 1] = model.bobs[i].y
+            calculator.positions[row, 0] = model.bobs[X, i]
+            calculator.positions[row, 1] = model.bobs[Y, i]
             row += 1
     call_at(calculator.address)
 
@@ -140,9 +204,8 @@ def add_calculated(model, calculators):
             for k in range(calculator.surfaces.size):
                 s = model.surfaces[calculator.surfaces[k]]
                 for i in range(s.start, s.stop):
-                    b = model.bobs[i]
-                    b.fx += calculator.forces[row, 0]
-                    b.fy += calculator.forces[row, 1]
+                    model.bobs[FX, i] += calculator.forces[row, 0]
+                    model.bobs[FY, i] += calculator.forces[row, 1]
                     row += 1
 
 
@@ -158,27 +221,33 @@ def calculated_energy(model, calculators):
 
 
 @kernel
+def distance_of(model, i, j):
+    """Distance of bob i from the nearest image of bob j."""
+    b = model.bobs
+    z = model.asperites[Z]
+    dx = image(b[X, i] - b[X, j], model.box, 0)
+    return separation(dx, b[Y, i] - b[Y, j], image(z[i] - z[j], model.box, 1))
+
+
+@kernel
 def pair_energy(model, contact, k, neighbours):
     """Potential energy of one interaction between one pair of surfaces."""
-    bobs = model.bobs
+    charges = model.asperites[CHARGE]
     potential = contact.potential
     end = potential.range()
     one = model.surfaces[contact.pairs[k, 0]]
     other = model.surfaces[contact.pairs[k, 1]]
     energy = 0.0
     for i in range(one.start, one.stop):
-        a = bobs[i]
         partners = partner_species(model.species, contact.species, i)
         start, stop, is_listed = row_of(contact, k, one, other, i, neighbours)
         for m in range(start, stop):
             j = candidate(neighbours, is_listed, m)
             if not is_partner(model.species, partners, j):
                 continue
-            b = bobs[j]
-            dx = image(a.x - b.x, model.box, 0)
-            r = separation(dx, a.y - b.y, image(a.z - b.z, model.box, 1))
+            r = distance_of(model, i, j)
             if r < end:
-                energy += potential.energy_between(r, a.charge, b.charge)
+                energy += potential.energy_between(r, charges[i], charges[j])
     return energy
 
 
@@ -227,32 +296,27 @@ def can_matter(potential, r, charge, other_charge, thermal):
 @kernel
 def encounter_of_contact(model, contact, neighbours, speeds, thermal, found):
     """The encounters found before, or those of one interaction where they come sooner."""
-    bobs = model.bobs
+    charges = model.asperites[CHARGE]
     rate, closest, ignored, first, second = found
     potential = contact.potential
     for k in range(contact.pairs.shape[0]):
         one = model.surfaces[contact.pairs[k, 0]]
         other = model.surfaces[contact.pairs[k, 1]]
         for i in range(one.start, one.stop):
-            a = bobs[i]
             partners = partner_species(model.species, contact.species, i)
             start, stop, is_listed = row_of(contact, k, one, other, i, neighbours)
             for m in range(start, stop):
                 j = candidate(neighbours, is_listed, m)
                 if not is_partner(model.species, partners, j):
                     continue
-                b = bobs[j]
-                dx = image(a.x - b.x, model.box, 0)
-                r = separation(dx, a.y - b.y, image(a.z - b.z, model.box, 1))
-                speed = (
-                    math.hypot(speeds[i, 0] - speeds[j, 0], speeds[i, 1] - speeds[j, 1])
-                    + speeds[i, 2]
-                    + speeds[j, 2]
-                )
+                r = distance_of(model, i, j)
+                vx = speeds[0, i] - speeds[0, j]
+                vy = speeds[1, i] - speeds[1, j]
+                speed = math.sqrt(vx * vx + vy * vy) + speeds[2, i] + speeds[2, j]
                 closest = min(closest, r)
                 faster = speed / potential.clearance(r)
                 if faster > rate:
-                    if can_matter(potential, r, a.charge, b.charge, thermal):
+                    if can_matter(potential, r, charges[i], charges[j], thermal):
                         rate = faster
                     elif faster > ignored:
                         ignored, first, second = faster, i, j
@@ -275,7 +339,7 @@ def next_encounter(model, neighbours, speeds):
         The scene, bobs in place.
     neighbours : Neighbours or None
         The list of neighbours.
-    speeds : ndarray, (n, 3)
+    speeds : ndarray, (3, n)
         Velocity of each centre of mass, and the largest speed of the bob about it.
 
     Returns
@@ -323,16 +387,21 @@ def widest_rate(model, speeds):
 @kernel
 def closing_speed(one, other, speeds):
     """Largest speed at which any bob of one surface can approach any of another."""
-    low_x = math.inf
-    low_y = math.inf
-    high_x = -math.inf
-    high_y = -math.inf
-    swing = 0.0
+    low_x = broadcast(math.inf)
+    low_y = broadcast(math.inf)
+    high_x = broadcast(-math.inf)
+    high_y = broadcast(-math.inf)
+    swing = broadcast(0.0)
     for surface in (one, other):
-        for i in range(surface.start, surface.stop):
-            low_x = min(low_x, speeds[i, 0])
-            high_x = max(high_x, speeds[i, 0])
-            low_y = min(low_y, speeds[i, 1])
-            high_y = max(high_y, speeds[i, 1])
-            swing = max(swing, speeds[i, 2])
-    return math.hypot(high_x - low_x, high_y - low_y) + 2.0 * swing
+        for i in range(surface.start, surface.stop, LANES):
+            n = min(LANES, surface.stop - i)
+            x = part(speeds[0], i, n)
+            y = part(speeds[1], i, n)
+            low_x = min(low_x, first_lanes(n, x, math.inf))
+            high_x = max(high_x, first_lanes(n, x, -math.inf))
+            low_y = min(low_y, first_lanes(n, y, math.inf))
+            high_y = max(high_y, first_lanes(n, y, -math.inf))
+            swing = max(swing, first_lanes(n, part(speeds[2], i, n), 0.0))
+    x = maximum(high_x) + maximum(-low_x)
+    y = maximum(high_y) + maximum(-low_y)
+    return math.sqrt(x * x + y * y) + 2.0 * maximum(swing)

@@ -2,6 +2,7 @@
 
 from tribo.kernels.contact import contact_energy, contact_forces, separation
 from tribo.kernels.neighbours import image
+from tribo.kernels.records import CHARGE, FX, FY, X, Y, Z
 
 
 def contact_probe(model, positions, charges, energies, forces):
@@ -11,19 +12,18 @@ def contact_probe(model, positions, charges, energies, forces):
     """
     bobs = model.bobs
     for k in range(positions.shape[0]):
-        for i in range(bobs.shape[0]):
-            b = bobs[i]
-            b.x = positions[k, i, 0]
-            b.y = positions[k, i, 1]
-            b.z = positions[k, i, 2]
-            b.charge = charges[k, i]
-            b.fx = 0.0
-            b.fy = 0.0
+        for i in range(bobs.shape[1]):
+            bobs[X, i] = positions[k, i, 0]
+            bobs[Y, i] = positions[k, i, 1]
+            model.asperites[Z, i] = positions[k, i, 2]
+            model.asperites[CHARGE, i] = charges[k, i]
+            bobs[FX, i] = 0.0
+            bobs[FY, i] = 0.0
         contact_forces(model, None)
         energies[k] = contact_energy(model, None)
-        for i in range(bobs.shape[0]):
-            forces[k, i, 0] = bobs[i].fx
-            forces[k, i, 1] = bobs[i].fy
+        for i in range(bobs.shape[1]):
+            forces[k, i, 0] = bobs[FX, i]
+            forces[k, i, 1] = bobs[FY, i]
 
 
 def distance_probe(model, positions, i, distances):

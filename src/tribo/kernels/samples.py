@@ -5,11 +5,18 @@ from typing import NamedTuple
 import numpy as np
 from numba import literal_unroll
 
+from tribo.kernels.baths import (
+    bar_angle,
+    bath_momentum,
+    first_slot,
+    oscillator_energy,
+    torsional_slot,
+)
 from tribo.kernels.compiled import kernel, owning_kernel, shared_owning_kernel
 from tribo.kernels.contact import contact_energy, pair_energy
-from tribo.kernels.equations_of_motion import bar_angle, bar_displacement, stretch
 from tribo.kernels.fields import field_energy
-from tribo.kernels.powers import bath_momentum
+from tribo.kernels.records import ALONG_X, ALONG_Y
+from tribo.kernels.springs import spring_energies
 
 SPRINGS, BATH, TORSIONAL, WITHIN, MOMENTUM_X, MOMENTUM_Y, STORED = range(7)
 
@@ -97,33 +104,22 @@ def copy_state(source, target):
 
 
 @kernel
-def spring_energies(model, bonds, q, stored):
-    """Energy of each surface's lattice springs."""
-    if bonds is not None:
-        for m in range(bonds.shape[0]):
-            bond = bonds[m]
-            x, y = stretch(bond, model.asperites, q)
-            k = model.asperites[bond.i].surface
-            stored[k, SPRINGS] += 0.5 * bond.stiffness * (x * x + y * y)
-
-
-@kernel
 def bath_energies(model, bath, q, v, stored):
     """Energy and momentum of each surface's bath, in the frame of its initial velocity."""
     if bath is not None:
-        for i in range(model.asperites.shape[0]):
-            a = model.asperites[i]
-            s = model.surfaces[a.surface]
-            x, y = bar_displacement(a, q, q[i])
-            for n in range(s.oscillators):
-                o = bath[s.first_oscillator + n]
-                kx = a.dof_bath + n
-                ky = kx + s.oscillators
-                square = v[kx] ** 2 + v[ky] ** 2
-                square += o.frequency**2 * ((q[kx] - x) ** 2 + (q[ky] - y) ** 2)
-                stored[a.surface, BATH] += 0.5 * o.mass * square
         for k in range(model.surfaces.shape[0]):
-            px, py = bath_momentum(model, bath, model.surfaces[k], v)
+            s = model.surfaces[k]
+            first = s.first_oscillator
+            count = s.oscillators
+            if count > 0:
+                for i in range(s.start, s.stop):
+                    m = first_slot(s, i)
+                    x = model.displaced[ALONG_X, i]
+                    y = model.displaced[ALONG_Y, i]
+                    energy = oscillator_energy(bath, first, count, q, v, m, x)
+                    energy += oscillator_energy(bath, first, count, q, v, m + count, y)
+                    stored[k, BATH] += energy
+            px, py = bath_momentum(model, bath, s, v)
             stored[k, MOMENTUM_X] = px
             stored[k, MOMENTUM_Y] = py
 
@@ -142,16 +138,16 @@ def energies_within(model, within, neighbours, stored):
 def torsional_energies(model, torsional, t, q, v, stored):
     """Energy of each surface's torsional oscillators."""
     if torsional is not None:
-        for i in range(model.asperites.shape[0]):
-            a = model.asperites[i]
-            s = model.surfaces[a.surface]
-            for n in range(s.torsionals):
-                o = torsional[s.first_torsional + n]
-                k = a.dof_bath + 2 * s.oscillators + n
-                twist = q[k] - bar_angle(a, t, q)
-                stored[a.surface, TORSIONAL] += (
-                    0.5 * o.mass * (v[k] ** 2 + o.frequency**2 * twist**2)
-                )
+        for k in range(model.surfaces.shape[0]):
+            s = model.surfaces[k]
+            first = s.first_torsional
+            count = s.torsionals
+            if count > 0:
+                for i in range(s.start, s.stop):
+                    phi = bar_angle(model, s, i, t, q)
+                    m = torsional_slot(s, i)
+                    energy = oscillator_energy(torsional, first, count, q, v, m, phi)
+                    stored[k, TORSIONAL] += energy
 
 
 @shared_owning_kernel
@@ -171,7 +167,7 @@ def write_sample(model, neighbours, clock, state, record):
     for m in range(record.stored.shape[1]):
         for j in range(STORED):
             record.stored[k, m, j] = 0.0
-    spring_energies(model, model.bonds, q, record.stored[k])
+    spring_energies(model, model.springs, record.stored[k, :, SPRINGS])
     energies_within(model, model.within, neighbours, record.stored[k])
     bath_energies(model, model.bath, q, v, record.stored[k])
     torsional_energies(model, model.torsional, clock.t, q, v, record.stored[k])

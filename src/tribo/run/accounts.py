@@ -37,7 +37,7 @@ def accounts(batch: Batch, s: np.ndarray) -> dict[str, Account]:
     a = batch.asperites
 
     def column(slots: np.ndarray, k: int) -> np.ndarray:
-        return columns(np.where(slots >= 0, slots + k, -1), s)
+        return columns(np.where(slots >= 0, slots + k * a.stride, -1), s)
 
     def point(slots: np.ndarray) -> Account:
         jx, jy, about, pseudo = (column(slots, k) for k in range(4))

@@ -6,6 +6,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from tribo.kernels.kinematics import bob_position
+from tribo.kernels.records import Z
 from tribo.run.layout import Layout
 from tribo.run.motion import motions, swing_direction
 from tribo.run.samples import Samples
@@ -53,8 +54,8 @@ def closest_bobs(layout: Layout, sample: Samples) -> tuple[float, int, int] | No
 
 def _places(layout: Layout, sample: Samples) -> np.ndarray:
     """Positions of all bobs at the time of a sample, (n, 3), in the frame of the first surface."""
-    places = np.empty((layout.model.asperites.size, 3))
-    places[:, 2] = layout.model.bobs.z
+    places = np.empty((layout.asperites.size, 3))
+    places[:, 2] = layout.model.asperites[Z]
     for index in range(len(layout.scene.surfaces)):
         for batch, motion in motions(layout, sample, index):
             a = batch.asperites

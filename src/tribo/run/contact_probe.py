@@ -6,6 +6,7 @@ import numpy as np
 
 from tribo.kernels.compiled import time_loop
 from tribo.kernels.probe import contact_probe, distance_probe
+from tribo.kernels.records import CHARGE, Z
 from tribo.model.scene import Scene
 from tribo.plugins import sources
 from tribo.plugins.compile_errors import compiling
@@ -36,12 +37,12 @@ class ContactProbe:
     @property
     def charges(self) -> np.ndarray:
         """(n,) charges of the bobs in the scene."""
-        return self.layout.model.bobs.charge.copy()
+        return self.layout.model.asperites[CHARGE].copy()
 
     @property
     def depths(self) -> np.ndarray:
         """(n,) z of the bobs in the scene, from the first bob [length]."""
-        return self.layout.model.bobs.z.copy()
+        return self.layout.model.asperites[Z].copy()
 
     def __call__(self, positions: np.ndarray, charges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Evaluate every contact between surfaces.

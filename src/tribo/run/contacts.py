@@ -91,7 +91,7 @@ def neighbours(model: Model, rows: int, skin: float) -> Neighbours:
         reach=np.array([pair[3] for pair in listed]),
         start=np.zeros(rows + 1, np.int64),
         index=np.zeros(16 * rows, np.int64),
-        place=np.full((model.asperites.size, 2), np.nan),
+        place=np.full((model.asperites.shape[1], 2), np.nan),
         skin=skin,
         made=np.zeros(1, np.int64),
     )
@@ -152,7 +152,7 @@ def species(scene: Scene) -> np.ndarray | None:
     if all(interaction.species is None for interaction in scene.interactions):
         return None
     names = np.concatenate([surface.species_of_each for surface in scene.surfaces])
-    return np.searchsorted(scene.species, names)
+    return np.searchsorted(scene.species, names).astype(float)
 
 
 def _kinds(scene: Scene, interaction: Interaction) -> np.ndarray | None:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from tribo.kernels import records
-from tribo.kernels.records import Custom, FieldOn
+from tribo.kernels.records import Custom, FieldOn, Springs
 from tribo.model.fields import Corrugation, Field
 from tribo.model.scene import Scene
 
@@ -52,28 +52,51 @@ def _in_frame_of(field: Field, origin: np.ndarray) -> np.ndarray:
     return origin - np.array(field.origin)
 
 
-def bonds(scene: Scene, parts: dict[str, slice], asperites: np.ndarray) -> Records | None:
+def springs(scene: Scene, parts: dict[str, slice], asperites: np.ndarray) -> Springs | None:
     """All lattice springs; None without any."""
     periodic = (scene.periodic.x is not None, scene.periodic.z is not None)
-    tables = []
-    for surface in scene.surfaces:
-        first = parts[surface.name].start
+    tables, chains = [], []
+    first = 0
+    for k, surface in enumerate(scene.surfaces):
         ends, stiffness = surface.springs.bonds(surface.shape, surface.count, periodic)
-        table = np.zeros(len(ends), records.BOND)
-        table["i"], table["j"] = first + ends[:, 0], first + ends[:, 1]
-        table["stiffness"] = stiffness
+        i, j = (parts[surface.name].start + ends).T
+        table = np.zeros((3, len(ends)))
+        table[records.STIFFNESS] = stiffness
         turned = surface.springs.turned
         if turned != 0.0:
             # The distance of the resting bars, minus the same distance turned.
             bars = np.array(
                 [asperites["x"], asperites["y"] + asperites["facing"] * asperites["l2"]]
             )
-            x, y = bars[:, table["i"]] - bars[:, table["j"]]
+            x, y = bars[:, i] - bars[:, j]
             less, sin = 2.0 * np.sin(0.5 * turned) ** 2, np.sin(turned)
-            table["x"], table["y"] = less * x + sin * y, less * y - sin * x
+            table[records.REST_X], table[records.REST_Y] = less * x + sin * y, less * y - sin * x
         tables.append(table)
-    together = np.concatenate(tables)
-    return together.view(np.recarray) if together.size else None
+        chains.append(_chains(i, j, first, k))
+        first += len(ends)
+    if first == 0:
+        return None
+    return Springs(np.concatenate(chains).view(np.recarray), np.concatenate(tables, axis=1))
+
+
+def spring_ends(springs: Springs) -> tuple[np.ndarray, np.ndarray]:
+    """The bars that each spring joins."""
+    counts = springs.chains["count"]
+    place = np.arange(springs.table.shape[1]) - np.repeat(springs.chains.first, counts)
+    return (
+        np.repeat(springs.chains.i, counts) + place,
+        np.repeat(springs.chains.j, counts) + place,
+    )
+
+
+def _chains(i: np.ndarray, j: np.ndarray, first: int, surface: int) -> np.ndarray:
+    """Runs of springs, each of which joins the neighbours of the bars of the one before it."""
+    begins = np.flatnonzero((np.diff(i, prepend=-2) != 1) | (np.diff(j, prepend=-2) != 1))
+    chains = np.zeros(begins.size, records.CHAIN)
+    chains["i"], chains["j"], chains["first"] = i[begins], j[begins], first + begins
+    chains["count"] = np.diff(begins, append=i.size)
+    chains["surface"] = surface
+    return chains
 
 
 def user_forces(

@@ -64,7 +64,7 @@ class GeneralLoop:
         self.layout = layout
         self.adaptive = method.adaptive
         self.clocks = np.zeros(1, CLOCK).view(np.recarray)
-        self.clocks.h = first_step
+        self.clocks.h = first_step if method.adaptive else 0.0
         if isinstance(setting, Tolerance):
             self.clocks.encounter_fraction = setting.encounter_fraction
         self.state = initial_state(start, layout.accounts, method.remembers, method.splits)

@@ -241,9 +241,7 @@ def run_in_chunks(
     budget = FIRST_CHUNK
     code = PAUSED
     layout = loop.layout
-    guard = ProgressGuard(
-        loop.clocks, layout.beginning, float(times[-1]), layout.model.asperites.size
-    )
+    guard = ProgressGuard(loop.clocks, layout.beginning, float(times[-1]), layout.asperites.size)
     for item in calls:
         item.error, item.interrupted = None, False
     try:

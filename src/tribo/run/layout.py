@@ -10,6 +10,7 @@ import numpy as np
 from tribo.kernels import records
 from tribo.kernels.powers import CONTACT, DRIVE, ENDS, POINT, SLIDE, USER_ENDS
 from tribo.kernels.records import (
+    CHARGE,
     CUSTOM,
     FORCED,
     FREE,
@@ -18,6 +19,7 @@ from tribo.kernels.records import (
     Box,
     Model,
     Neighbours,
+    Z,
 )
 from tribo.model.bath import thermal_start, thermal_torsional_start
 from tribo.model.drives import Custom as CustomDrive
@@ -26,7 +28,7 @@ from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.potentials.from_ase import Call, Live
 from tribo.run import contacts
-from tribo.run.force_records import Records, bonds, fields_on_surfaces, user_forces
+from tribo.run.force_records import Records, fields_on_surfaces, springs, user_forces
 from tribo.run.identity import loaded
 
 
@@ -41,8 +43,10 @@ class Layout:
     ----------
     scene : Scene
         What is laid out.
+    asperites : recarray of ASPERITE
+        What each asperite is, and where its numbers stand in y and s.
     model : Model
-        The records that the kernels read.
+        The tables that the kernels read.
     start : ndarray, (2 coordinates,)
         y at the start of the run.
     core, coordinates, accounts : int
@@ -62,6 +66,7 @@ class Layout:
     """
 
     scene: Scene
+    asperites: Records
     model: Model
     start: np.ndarray
     core: int
@@ -151,40 +156,51 @@ def lay_out(scene: Scene) -> Layout:
         asperites["surface"][part] = k
         surfaces["start"][k], surfaces["stop"][k] = part.start, part.stop
         surfaces["mass"][k] = np.sum(asperites["mass"][part])
-        _fill_surface(surfaces[k : k + 1], surface)
-    oscillators, torsional = _baths(scene, surfaces)
-    core = _give_coordinates(asperites, scene)
-    coordinates = _give_bath(asperites, surfaces, core)
+        _fill_surface(surfaces[k : k + 1], surface, scene.surfaces[0])
+    bath, torsional = _baths(scene, surfaces)
+    core = _give_coordinates(surfaces, scene)
+    coordinates = _give_bath(surfaces, core)
     accounts = _give_accounts(asperites, surfaces, scene)
+    _give_slots(asperites, surfaces)
     origin = _origin(scene)
     fields, accounts = fields_on_surfaces(scene, origin, accounts)
     between, within, rows, skin = contacts.lay_out_contacts(scene)
-    bobs = _bobs(scene, parts)
-    calls = contacts.calculator_calls(scene, [bobs["z"][part] for part in parts.values()])
-    start = _start(asperites, scene, parts, core, coordinates)
+    start = _start(asperites, surfaces, scene, parts, core, coordinates)
+    table = _constants(asperites, scene, parts)
+    calls = contacts.calculator_calls(scene, [table[Z, part] for part in parts.values()])
+    lattice = springs(scene, parts, asperites)
     ends = user_forces(scene, origin, "bars", Ends)
+    reservoirs = any(surface.langevin for surface in scene.surfaces)
+
+    def forces_if(present: object, rows: int = 2) -> np.ndarray | None:
+        return np.zeros((rows, scene.count)) if present else None
+
     model = Model(
-        asperites=asperites.view(np.recarray),
+        asperites=table,
         surfaces=surfaces.view(np.recarray),
         contacts=between,
         within=within,
         calculators=contacts.calculators(scene, calls),
         species=contacts.species(scene),
-        bobs=bobs.view(np.recarray),
-        inner=np.zeros(scene.count, records.PUSH).view(np.recarray) if within else None,
-        bars=np.zeros(scene.count, records.BAR).view(np.recarray),
+        bobs=np.zeros((records.BOB_ROWS, scene.count)),
+        drive=np.zeros((2, scene.count)),
+        inner=forces_if(within),
+        external=forces_if(fields),
+        internal=forces_if(lattice or bath is not None),
+        displaced=forces_if(lattice or bath is not None),
+        friction=forces_if(reservoirs),
+        end_forces=forces_if(ends, rows=4),
         box=Box(scene.periodic.x or 0.0, scene.periodic.z or 0.0) if scene.periodic else None,
-        bonds=bonds(scene, parts, asperites),
-        bath=oscillators,
+        springs=lattice,
+        bath=bath,
         torsional=torsional,
         fields=fields,
-        langevin=True if any(surface.langevin for surface in scene.surfaces) else None,
         drives=user_forces(scene, origin, "drive", CustomDrive),
         ends=ends,
-        end_forces=np.zeros(scene.count, records.END_FORCES).view(np.recarray) if ends else None,
     )
     return Layout(
         scene=scene,
+        asperites=asperites.view(np.recarray),
         model=model,
         start=start,
         core=core,
@@ -209,14 +225,20 @@ def _resting_bobs(scene: Scene, index: int) -> np.ndarray:
     return scene.surfaces[index].resting_bobs(origin, seed=[scene.seed, index, 0])
 
 
-def _bobs(scene: Scene, parts: dict[str, slice]) -> np.ndarray:
-    """Depths and charges of all bobs."""
-    bobs = np.zeros(scene.count, records.BOB)
+def _constants(asperites: np.ndarray, scene: Scene, parts: dict[str, slice]) -> np.ndarray:
+    """The table of asperites that kernels read."""
+    table = np.empty((len(records.CONSTANTS), scene.count))
+    for row, name in enumerate(records.CONSTANTS):
+        if name in (asperites.dtype.names or ()):
+            table[row] = asperites[name]
+    turning = asperites["dof_phi"] >= 0
+    mobility = 1.0 / asperites["inertia"] + np.where(turning, 1.0 / asperites["i2"], 0.0)
+    table[records.FREQUENCY] = np.sqrt(asperites["kappa"] * mobility)
     for k, surface in enumerate(scene.surfaces):
         part = parts[surface.name]
-        bobs["z"][part] = _resting_bobs(scene, k)[:, 2]
-        bobs["charge"][part] = surface.asperite.for_each(surface.count)["charge"]
-    return bobs
+        table[Z, part] = _resting_bobs(scene, k)[:, 2]
+        table[CHARGE, part] = surface.asperite.for_each(surface.count)["charge"]
+    return table
 
 
 def _fill_asperites(asperites: np.ndarray, scene: Scene, index: int) -> None:
@@ -232,7 +254,10 @@ def _fill_asperites(asperites: np.ndarray, scene: Scene, index: int) -> None:
     asperites["vy"] = surface.velocity[1] - first.velocity[1]
 
 
-def _fill_surface(record: np.ndarray, surface: Surface) -> None:
+def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
+    record["facing"] = surface.facing_sign
+    record["vx"] = surface.velocity[0] - first.velocity[0]
+    record["vy"] = surface.velocity[1] - first.velocity[1]
     drive = surface.drive
     if isinstance(drive, Forced):
         record["drive"] = FORCED
@@ -256,9 +281,9 @@ def _fill_surface(record: np.ndarray, surface: Surface) -> None:
             record["reservoir_y"] = surface.langevin.velocity[1] - surface.velocity[1]
 
 
-def _baths(scene: Scene, surfaces: np.ndarray) -> tuple[Records | None, Records | None]:
+def _baths(scene: Scene, surfaces: np.ndarray) -> tuple[np.ndarray | None, np.ndarray | None]:
     """The oscillators and the torsional oscillators of all surfaces; None without any."""
-    tables: list[Records | None] = []
+    tables: list[np.ndarray | None] = []
     for masses, frequencies, count, first in (
         ("masses", "frequencies", "oscillators", "first_oscillator"),
         ("inertias", "torsional_frequencies", "torsionals", "first_torsional"),
@@ -266,80 +291,99 @@ def _baths(scene: Scene, surfaces: np.ndarray) -> tuple[Records | None, Records 
         sizes = np.array([getattr(surface.bath, masses).size for surface in scene.surfaces])
         surfaces[count] = sizes
         surfaces[first] = np.cumsum(sizes) - sizes
-        table = np.zeros(int(np.sum(sizes)), records.OSCILLATOR)
-        table["mass"] = np.concatenate([getattr(s.bath, masses) for s in scene.surfaces])
-        table["frequency"] = np.concatenate([getattr(s.bath, frequencies) for s in scene.surfaces])
-        tables.append(table.view(np.recarray) if table.size else None)
+        table = np.array(
+            [
+                np.concatenate([getattr(s.bath, name) for s in scene.surfaces])
+                for name in (masses, frequencies)
+            ]
+        )
+        tables.append(table if table.size else None)
     for k, surface in enumerate(scene.surfaces):
         hung = surface.count * float(np.sum(surface.bath.masses))
         surfaces["total_mass"][k] = surfaces["mass"][k] + hung
     return tables[0], tables[1]
 
 
-def _slots(wanted: np.ndarray, first: int, width: int = 1) -> tuple[np.ndarray, int]:
-    """Slots of `width`, -1 where none is wanted, and the first slot after them."""
-    slots = np.where(wanted, first + width * (np.cumsum(wanted) - 1), -1)
-    return slots, first + width * int(np.count_nonzero(wanted))
+def _slots(
+    wanted: np.ndarray, surfaces: np.ndarray, first: int, width: int = 1
+) -> tuple[np.ndarray, int]:
+    """First slot of each surface, -1 where none is wanted, and the first slot after them.
+
+    Every asperite of a surface has `width` slots.
+    """
+    sizes = np.where(wanted, width * (surfaces["stop"] - surfaces["start"]), 0)
+    stops = first + np.cumsum(sizes)
+    return np.where(wanted, stops - sizes, -1), int(stops[-1])
 
 
-def _of(asperites: np.ndarray, wanted: list[bool]) -> np.ndarray:
-    """A value of each surface, repeated for each of its asperites."""
-    return np.array(wanted)[asperites["surface"]]
-
-
-def _give_coordinates(asperites: np.ndarray, scene: Scene) -> int:
+def _give_coordinates(surfaces: np.ndarray, scene: Scene) -> int:
     """Assign the asperites' slots of q; returns their number."""
-    surfaces = scene.surfaces
-    turning = _of(asperites, [s.bars != "clamped" for s in surfaces])
-    along_x = _of(asperites, [scene.slides_along_x(s) for s in surfaces])
-    along_y = _of(asperites, [scene.slides_along_y(s) for s in surfaces])
-    asperites["dof_phi"], stop = _slots(turning, asperites.size)
-    asperites["dof_x"], stop = _slots(along_x, stop)
-    asperites["dof_y"], stop = _slots(along_y, stop)
+    own = scene.surfaces
+    stop = scene.count
+    for name, wanted in (
+        ("dof_phi", [s.bars != "clamped" for s in own]),
+        ("dof_x", [scene.slides_along_x(s) for s in own]),
+        ("dof_y", [scene.slides_along_y(s) for s in own]),
+    ):
+        surfaces[name], stop = _slots(np.array(wanted), surfaces, stop)
     return stop
 
 
-def _give_bath(asperites: np.ndarray, surfaces: np.ndarray, first: int) -> int:
+def _give_bath(surfaces: np.ndarray, first: int) -> int:
     """Assign the baths' slots of q; returns the number of all coordinates."""
-    width = (2 * surfaces["oscillators"] + surfaces["torsionals"])[asperites["surface"]]
-    stops = first + np.cumsum(width)
-    asperites["dof_bath"] = np.where(width > 0, stops - width, -1)
+    widths = 2 * surfaces["oscillators"] + surfaces["torsionals"]
+    sizes = widths * (surfaces["stop"] - surfaces["start"])
+    stops = first + np.cumsum(sizes)
+    surfaces["dof_bath"] = np.where(sizes > 0, stops - sizes, -1)
     return int(stops[-1])
 
 
 def _give_accounts(asperites: np.ndarray, surfaces: np.ndarray, scene: Scene) -> int:
     """Assign the slots of s; returns their number."""
     own = scene.surfaces
-    sliding = (asperites["dof_x"] >= 0) | (asperites["dof_y"] >= 0)
-    kind = surfaces[asperites["surface"]]
-    driven = np.isin(kind["drive"], (RIGID, PULLED, CUSTOM)) | (kind["loaded"] == 1)
-    held = (asperites["dof_phi"] < 0) & (asperites["kappa"] > 0.0)
+    sliding = (surfaces["dof_x"] >= 0) | (surfaces["dof_y"] >= 0)
+    driven = np.isin(surfaces["drive"], (RIGID, PULLED, CUSTOM)) | (surfaces["loaded"] == 1)
+    stiff = np.maximum.reduceat(asperites["kappa"], surfaces["start"]) > 0.0
     inside = [
         bool(s.springs)
         or s.bath.masses.size + s.bath.inertias.size > 0
         or scene.has_contact_within(s)
         for s in own
     ]
-    field = [any(s.name in item.on for item in scene.fields) for s in own]
     stop = 0
     for name, wanted, width in (
-        ("acc_contact", np.full(asperites.size, True), CONTACT),
+        ("acc_contact", np.full(surfaces.size, True), CONTACT),
         ("acc_slide", sliding, SLIDE),
         ("acc_drive", driven, DRIVE),
-        ("acc_ends", held, ENDS),
-        ("acc_user_ends", _of(asperites, [isinstance(s.bars, Ends) for s in own]), USER_ENDS),
-        ("acc_internal", _of(asperites, inside), POINT),
-        ("acc_field", _of(asperites, field), POINT),
-        ("acc_thermal", _of(asperites, [bool(s.langevin) for s in own]), POINT),
+        ("acc_ends", (surfaces["dof_phi"] < 0) & stiff, ENDS),
+        ("acc_user_ends", np.array([isinstance(s.bars, Ends) for s in own]), USER_ENDS),
+        ("acc_internal", np.array(inside), POINT),
+        ("acc_field", np.array([any(s.name in f.on for f in scene.fields) for s in own]), POINT),
+        ("acc_thermal", np.array([bool(s.langevin) for s in own]), POINT),
     ):
-        asperites[name], stop = _slots(wanted, stop, width)
-    moving = np.isin(np.arange(surfaces.size), asperites["surface"][sliding])
-    surfaces["acc_block"], stop = _slots(moving, stop)
-    return stop
+        surfaces[name], stop = _slots(wanted, surfaces, stop, width)
+    surfaces["acc_block"] = np.where(sliding, stop + np.cumsum(sliding) - 1, -1)
+    return stop + int(np.count_nonzero(sliding))
+
+
+def _give_slots(asperites: np.ndarray, surfaces: np.ndarray) -> None:
+    """Set every asperite's slots from its surface's."""
+    own = surfaces[asperites["surface"]]
+    place = np.arange(asperites.size) - own["start"]
+    asperites["stride"] = own["stop"] - own["start"]
+    for name in asperites.dtype.names or ():
+        if name.startswith(("dof_", "acc_")):
+            each = 2 * own["oscillators"] + own["torsionals"] if name == "dof_bath" else 1
+            asperites[name] = np.where(own[name] >= 0, own[name] + each * place, -1)
 
 
 def _start(
-    asperites: np.ndarray, scene: Scene, parts: dict[str, slice], core: int, coordinates: int
+    asperites: np.ndarray,
+    surfaces: np.ndarray,
+    scene: Scene,
+    parts: dict[str, slice],
+    core: int,
+    coordinates: int,
 ) -> np.ndarray:
     """y at t = 0; the angle and the rate of a clamped bar are in its record instead."""
     y = np.zeros(2 * coordinates)
@@ -350,6 +394,7 @@ def _start(
         phi = 0.0 if initial["phi"] is None else initial["phi"]
         nu = 0.0 if initial["nu"] is None else initial["nu"]
         asperites["phi"][part], asperites["nu"][part] = phi, nu
+        surfaces["turning"][index] = np.any(asperites["nu"][part] != 0.0)
         swing = surface.initial_swing
         q[part] = phi if swing is None else swing
         v[part] = 0.0 if initial["omega"] is None else initial["omega"]

@@ -59,7 +59,7 @@ def _batches(layout: Layout, index: int) -> Iterator[Batch]:
             index,
             place,
             layout.model.surfaces[index],
-            layout.model.asperites[place],
+            layout.asperites[place],
             np.array(layout.scene.surfaces[index].velocity),
         )
 

@@ -15,7 +15,7 @@ from tribo.integrators.collocation import Collocation
 from tribo.integrators.methods import Method
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.compiled import EntryPoint, time_loop
-from tribo.kernels.records import CLOCK, FORCED, FREE
+from tribo.kernels.records import CHARGE, CLOCK, FORCED, FREE, Z
 from tribo.kernels.samples import STORED
 from tribo.kernels.simd import LANES
 from tribo.kernels.status import COMPLETED, PAUSED, Status
@@ -80,8 +80,8 @@ def has_pair_loop(layout: Layout, method: Method) -> bool:
 def is_pair(layout: Layout) -> bool:
     """Whether a scene is one asperite on one, forced or free, with bars clamped at rest."""
     model = layout.model
-    extra = (*model[model._fields.index("box") :], model.within, model.calculators, model.species)
-    a, surfaces = model.asperites, model.surfaces
+    extra = (*model[model._fields.index("inner") :], model.within, model.calculators, model.species)
+    a, surfaces = layout.asperites, model.surfaces
     return (
         a.size == surfaces.size == 2
         and all(item is None for item in extra)
@@ -233,21 +233,21 @@ class Pair:
 def _mobility(layout: Layout) -> np.ndarray:
     """(2,) displacement of each centre of mass for k = 1."""
     free = layout.model.surfaces.drive == FREE
-    return np.array([1.0, -1.0]) * free / layout.model.asperites.mass
+    return np.array([1.0, -1.0]) * free / layout.asperites.mass
 
 
 def _record(layout: Layout, mobility: np.ndarray) -> np.ndarray:
     """The scene as the loop reads it."""
-    a, b = layout.model.asperites, layout.model.bobs
+    a, table = layout.asperites, layout.model.asperites
     record = np.zeros(1, PAIR)
     record["gap_x"], record["gap_y"] = a.x[0] - a.x[1], a.y[0] - a.y[1]
     record["velocity_x"], record["velocity_y"] = a.vx[0] - a.vx[1], a.vy[0] - a.vy[1]
-    record["z_squared"] = (b.z[0] - b.z[1]) ** 2
+    record["z_squared"] = (table[Z, 0] - table[Z, 1]) ** 2
     record["mobility"] = mobility[0] - mobility[1]
     for i, sign in enumerate((1.0, -1.0)):
         lever = sign * a.facing[i] / a.inertia[i]
         across = a.l1[i] + a.l2[i]
-        record[f"charge{i + 1}"] = b.charge[i]
+        record[f"charge{i + 1}"] = table[CHARGE, i]
         record[f"arm{i + 1}"] = a.facing[i] * a.l1[i]
         record[f"lever_x{i + 1}"] = lever * (across if mobility[i] == 0.0 else a.l1[i])
         record[f"lever_y{i + 1}"] = lever * across
@@ -261,7 +261,7 @@ def _matrices(layout: Layout, mobility: np.ndarray) -> tuple[np.ndarray, np.ndar
     to_state = np.zeros((2 * n, ENERGY + 2))
     to_accounts = np.zeros((layout.accounts, ENERGY + 2))
     columns = ((Q1, V1, X1, Y1, T1, ARC1), (Q2, V2, X2, Y2, T2, ARC2))
-    for i, (a, sign) in enumerate(zip(layout.model.asperites, (1.0, -1.0), strict=True)):
+    for i, (a, sign) in enumerate(zip(layout.asperites, (1.0, -1.0), strict=True)):
         q, v, about_x, about_y, twist, arc = columns[i]
         to_state[i, q] = to_state[n + i, v] = 1.0
         first = FIRST_ACCOUNT

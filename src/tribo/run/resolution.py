@@ -8,7 +8,8 @@ import numpy as np
 
 from tribo.integrators.methods import Method
 from tribo.integrators.splitting import Splitting
-from tribo.kernels.records import PULLED
+from tribo.kernels.records import FREQUENCY, PULLED, STIFFNESS
+from tribo.run.force_records import spring_ends
 from tribo.run.layout import Layout
 
 # Change of a place in units of a rod's length, of an angle in radians, and of a velocity in these
@@ -19,9 +20,7 @@ DIFFERENCE = 0.01
 
 def pendulum_frequency(layout: Layout) -> float:
     """The angular frequency of the fastest pendulum [rad / time]."""
-    a = layout.model.asperites
-    inverse = 1.0 / a.inertia + np.where(a.dof_phi >= 0, 1.0 / a.i2, 0.0)
-    return float(np.max(np.sqrt(a.kappa * inverse)))
+    return float(np.max(layout.model.asperites[FREQUENCY]))
 
 
 def spring_frequency(layout: Layout) -> float:
@@ -29,11 +28,11 @@ def spring_frequency(layout: Layout) -> float:
 
     By Gershgorin: the sum of a row of the matrix of stiffnesses, over mass and inertia of its bar.
     """
-    a, surfaces, bonds = layout.model.asperites, layout.model.surfaces, layout.model.bonds
+    a, surfaces, springs = layout.asperites, layout.model.surfaces, layout.model.springs
     stiffness = np.where(surfaces.drive == PULLED, surfaces.stiffness, 0.0)[a.surface]
-    if bonds is not None:
-        for ends in (bonds.i, bonds.j):
-            np.add.at(stiffness, ends, 2.0 * bonds.stiffness)
+    if springs is not None:
+        for ends in spring_ends(springs):
+            np.add.at(stiffness, ends, 2.0 * springs.table[STIFFNESS])
     return float(np.sqrt(np.max(stiffness * _mobility(layout))))
 
 
@@ -62,13 +61,13 @@ def longest_kick(method: Method) -> float:
 
 def _mobility(layout: Layout) -> np.ndarray:
     """Velocity of each bar for a unit of momentum, at most."""
-    a = layout.model.asperites
+    a = layout.asperites
     return 1.0 / a.mass + a.l2**2 / a.inertia
 
 
 def _user_rates(layout: Layout) -> Iterator[float]:
     """Rates at which a user's forces change places, angles, and velocities."""
-    a, mobility = layout.model.asperites, _mobility(layout)
+    a, mobility = layout.asperites, _mobility(layout)
     for drive in layout.model.drives or ():
         i = int(layout.model.surfaces.start[drive.surface])
         place = np.add(drive.origin, (a.x[i], a.y[i] + a.facing[i] * a.l2[i]))
