@@ -3,8 +3,8 @@
 import numpy as np
 
 from tribo.kernels.compiled import kernel, owning_kernel
-from tribo.kernels.simd import LANES, where_less
-from tribo.kernels.simd_arrays import part, set_part
+from tribo.kernels.simd import LANES, first_lanes, where_less
+from tribo.kernels.simd_arrays import empty_rows, part, set_part
 from tribo.kernels.simd_functions import sine_cosine
 
 
@@ -13,7 +13,9 @@ def empty_rotations(table):
     """Room for the rotations of the columns of a table, and for their time."""
     if table is None:
         return np.empty((3, 0))
-    return np.full((3, table.shape[1] + 1), np.nan)
+    rotations = empty_rows(3, table.shape[1] + 1)
+    rotations[:] = np.nan
+    return rotations
 
 
 @kernel
@@ -41,7 +43,7 @@ def set_rotations(frequencies, tau, rotations):
     rotations[0, last] = tau
     for i in range(0, last, LANES):
         n = min(LANES, last - i)
-        versine, over, times = rotation(part(frequencies, i, n), tau)
+        versine, over, times = rotation(first_lanes(n, part(frequencies, i, n), 0.0), tau)
         set_part(rotations[0], i, n, versine)
         set_part(rotations[1], i, n, over)
         set_part(rotations[2], i, n, times)

@@ -36,8 +36,8 @@ from tribo.integrators.step_control import (
     time_left,
     update_encounter,
 )
-from tribo.kernels.blocks import block_size, clear, coordinates
-from tribo.kernels.compiled import kernel
+from tribo.kernels.blocks import block_size, clear, coordinates, directions
+from tribo.kernels.compiled import kernel, owning_kernel
 from tribo.kernels.equations_of_motion import (
     accelerate,
     accelerate_block,
@@ -51,6 +51,7 @@ from tribo.kernels.neighbours import crowded, refresh
 from tribo.kernels.powers import block_powers, field_powers, powers_of_block
 from tribo.kernels.records import (
     BAR_LENGTH,
+    COS_PHI,
     FREQUENCY,
     I2,
     INERTIA,
@@ -58,10 +59,10 @@ from tribo.kernels.records import (
     L2,
     NU_START,
     PHI_START,
+    SIN_PHI,
 )
 from tribo.kernels.simd import LANES
-from tribo.kernels.simd_arrays import add_part, part, set_part
-from tribo.kernels.simd_functions import sine_cosine
+from tribo.kernels.simd_arrays import add_part, empty_row, empty_rows, part, set_part
 from tribo.kernels.status import (
     BOBS_COINCIDE,
     COMPLETED,
@@ -108,8 +109,8 @@ def alternating(drifts: tuple[float, ...], kicks: tuple[float, ...]) -> Splittin
 def add_end_impulses(model, s, i, n, impulse, vx, vy, accounts):
     """Add the impulse on the ends of clamped bars at rest, and its pseudowork."""
     a = model.asperites
-    sin, cos = sine_cosine(part(a[PHI_START], i, n))
-    x, y = end_force(impulse, part(a[BAR_LENGTH], i, n), sin, cos)
+    sin = part(a[SIN_PHI], i, n)
+    x, y = end_force(impulse, part(a[BAR_LENGTH], i, n), sin, part(a[COS_PHI], i, n))
     stride = s.stop - s.start
     k = s.acc_ends + 2 * stride + i - s.start
     add_part(accounts, k, n, x)
@@ -130,7 +131,7 @@ def settle_end_works(model, q, accounts, arcs):
             for i in range(s.start, s.stop, LANES):
                 n = block_size(s, i)
                 twist = part(q, i, n) - part(a[PHI_START], i, n)
-                sin, cos = sine_cosine(twist)
+                sin, cos = directions(n, twist)
                 arc = sin - twist * cos
                 work = part(a[L2], i, n) * part(a[KAPPA], i, n) / part(a[BAR_LENGTH], i, n)
                 work = s.facing * work * (arc - part(arcs, i, n))
@@ -157,9 +158,9 @@ def add_turning_end_works(model, s, i, n, twist, rate, impulse, t, tau, vx, vy, 
         turn = rotation(part(a[FREQUENCY], i, n), NODES[m] * tau)
         now, now_rate = rotated(twist, rate, turn)
         phi = part(a[PHI_START], i, n) + nu * (t + NODES[m] * tau)
-        sin, cos = sine_cosine(phi)
+        sin, cos = directions(n, phi)
         x, y = end_force(stiffness * now, bar_length, sin, cos)
-        sin, cos = sine_cosine(now + phi)
+        sin, cos = directions(n, now + phi)
         tx = s.facing * cos
         ty = s.facing * sin
         with_bar = rotational_power(-part(a[L2], i, n), now_rate + nu, tx, ty, x, y)
@@ -251,7 +252,7 @@ def kick_slot(slot, s, i, n, tau, acceleration, v, middle):
 
 
 @kernel
-def settle_custom_forces(model, drives, ends, t, tau, q, v, acceleration, middle, core):
+def settle_custom_forces(model, drives, ends, t, tau, q, v, core, work):
     """Set the forces of plug-ins on the bars for their velocities in the middle of a kick.
 
     These are found by iteration from the velocities before the kick.
@@ -259,20 +260,23 @@ def settle_custom_forces(model, drives, ends, t, tau, q, v, acceleration, middle
     if drives is not None or ends is not None:
         custom_forces(model, t, q, v)
         for _ in range(ITERATIONS):
-            accelerate(model, 0.0, t, q, acceleration)
+            accelerate(model, 0.0, t, q, work.acceleration)
             for m in range(core):
-                middle[m] = v[m] + 0.5 * tau * acceleration[m]
-            custom_forces(model, t, q, middle)
+                work.middle[m] = v[m] + 0.5 * tau * work.acceleration[m]
+            custom_forces(model, t, q, work.middle)
 
 
 @kernel
-def kick(model, t, tau, q, v, accounts, acceleration, middle, power, core):
+def kick(model, t, tau, q, v, accounts, core, work):
     """The forces in place act for tau; their works are added at the mid-kick velocities.
 
     The first `core` velocities are those of the asperites.
     """
+    acceleration = work.acceleration
+    middle = work.middle
+    power = work.power
     drive_forces(model, t, q)
-    settle_custom_forces(model, model.drives, model.ends, t, tau, q, v, acceleration, middle, core)
+    settle_custom_forces(model, model.drives, model.ends, t, tau, q, v, core, work)
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         for i in range(s.start, s.stop, LANES):
@@ -292,6 +296,115 @@ def kick(model, t, tau, q, v, accounts, acceleration, middle, power, core):
         add_part(accounts, m, n, tau * part(power, m, n))
 
 
+class Work(NamedTuple):
+    """Room for what a step computes."""
+
+    acceleration: np.ndarray  # (coordinates,)
+    middle: np.ndarray  # (coordinates,) velocities in the middle of a kick
+    power: np.ndarray  # (accounts,)
+    speeds: np.ndarray  # (3, asperites)
+    rotations: np.ndarray  # (3, asperites + 1), see `set_rotations`
+    bath: np.ndarray
+    torsional: np.ndarray
+
+
+@owning_kernel
+def empty_work(model, state):
+    """Room for a step."""
+    return Work(
+        empty_row(state.y.size // 2),
+        empty_row(state.y.size // 2),
+        np.zeros(state.s.size + LANES)[: state.s.size],
+        empty_rows(3, model.asperites.shape[1]),
+        empty_rotations(model.asperites),
+        empty_rotations(model.bath),
+        empty_rotations(model.torsional),
+    )
+
+
+@kernel
+def begin(model, neighbours, clock, state, work):
+    """The encounter rate and the works of the ends at the start of a run; a status."""
+    n = state.y.size // 2
+    if not update_neighbours(model, neighbours, clock.t, state.y[:n]):
+        return PAUSED
+    rate, closest = current_encounter(model, neighbours, clock.t, state.y, work.speeds)
+    if closest == 0.0:
+        return BOBS_COINCIDE
+    clock.encounter_rate = rate
+    settle_end_works(model, state.y[:n], state.s, state.memory[0])
+    for m in range(state.s.size):
+        state.s[m] = 0.0
+    return COMPLETED
+
+
+@kernel
+def arrive(model, neighbours, clock, state, work):
+    """Do the drift that the last step left, for a sample."""
+    n = state.y.size // 2
+    q = state.y[:n]
+    drift(model, clock.t, clock.drift_lag, q, state.y[n:], state.s, work.rotations)
+    clock.drift_lag = 0.0
+    settle_end_works(model, q, state.s, state.memory[0])
+    refresh(model, neighbours)
+
+
+@kernel
+def take_step(model, neighbours, splitting, clock, h, state, core, work, noise):
+    """The drifts and kicks of a step, but for its last drift, which is left."""
+    n = state.y.size // 2
+    q = state.y[:n]
+    v = state.y[n:]
+    s = state.s
+    t = clock.t
+    for m in range(splitting.kicks.size):
+        tau = splitting.kicks[m] * h
+        ahead = splitting.drifts[m] * h
+        t += ahead
+        drift(model, t, clock.drift_lag + ahead, q, v, s, work.rotations)
+        clock.drift_lag = 0.0
+        forces(model, neighbours, t)
+        clock.evaluations += 1
+        if model.bath is not None or model.torsional is not None or model.friction is not None:
+            kick(model, t, 0.5 * tau, q, v, s, core, work)
+            bath_substep(model, tau, q, v, s, work.bath, work.torsional, noise)
+            kick(model, t, 0.5 * tau, q, v, s, core, work)
+        else:
+            kick(model, t, tau, q, v, s, core, work)
+    clock.drift_lag = splitting.drifts[-1] * h
+
+
+@kernel
+def take_steps(
+    model, neighbours, splitting, step, clock, state, times, record, budget, noise, work
+):
+    """Integrate through the sample times; see :func:`splitting_steps`."""
+    core = record.y.shape[1] // 2
+    clear(model.friction)
+    if clock.evaluations == 0:
+        status = begin(model, neighbours, clock, state, work)
+        if status != COMPLETED:
+            return status
+    for _ in range(budget):
+        if crowded(neighbours):
+            return PAUSED
+        if clock.sample < times.size and time_left(clock, times[clock.sample]) <= 0.0:
+            arrive(model, neighbours, clock, state, work)
+        left = record_due(model, neighbours, clock, state, times, record)
+        if left == 0.0:
+            return COMPLETED if all_finite(state.y) else NOT_FINITE
+        h, landing = equal_step(clock, left, step)
+        status = equal_step_status(clock, h, times[-1])
+        if status != COMPLETED:
+            return status
+        take_step(model, neighbours, splitting, clock, h, state, core, work, noise)
+        advance_equally(clock, times[clock.sample], h, landing)
+        updated = update_encounter(model, neighbours, clock, state.y, work.speeds, h)
+        if updated and not all_finite(state.y):
+            return NOT_FINITE
+    return PAUSED
+
+
 def splitting_steps(
     model, neighbours, splitting, step, clocks, state, times, record, budget, noise
 ):
@@ -300,65 +413,7 @@ def splitting_steps(
     PAUSED after `budget` steps: call again to continue.  The drift that ends a step is done
     together with the one that begins the next.  `noise` is a random Generator.
     """
-    clock = clocks[0]
-    n = state.y.size // 2
-    core = record.y.shape[1] // 2
-    q = state.y[:n]
-    v = state.y[n:]
-    s = state.s
-    acceleration = np.zeros(n)
-    middle = np.empty(n)
-    power = np.zeros(s.size)
-    speeds = np.empty((3, model.asperites.shape[1]))
-    rotations = empty_rotations(model.asperites)
-    bath_rotations = empty_rotations(model.bath)
-    torsional_rotations = empty_rotations(model.torsional)
-    split = model.bath is not None or model.torsional is not None or model.friction is not None
-    clear(model.friction)
-    if clock.evaluations == 0:
-        if not update_neighbours(model, neighbours, clock.t, q):
-            return PAUSED
-        encounter = current_encounter(model, neighbours, clock.t, state.y, speeds)
-        clock.encounter_rate, closest = encounter
-        if closest == 0.0:
-            return BOBS_COINCIDE
-        settle_end_works(model, q, s, state.memory[0])
-        for m in range(s.size):
-            s[m] = 0.0
-    for _ in range(budget):
-        if crowded(neighbours):
-            return PAUSED
-        if clock.sample < times.size and time_left(clock, times[clock.sample]) <= 0.0:
-            drift(model, clock.t, clock.drift_lag, q, v, s, rotations)
-            clock.drift_lag = 0.0
-            settle_end_works(model, q, s, state.memory[0])
-            refresh(model, neighbours)
-        left = record_due(model, neighbours, clock, state, times, record)
-        if left == 0.0:
-            return COMPLETED if all_finite(state.y) else NOT_FINITE
-        goal = times[clock.sample]
-        h, landing = equal_step(clock, left, step)
-        status = equal_step_status(clock, h, times[-1])
-        if status != COMPLETED:
-            return status
-        t = clock.t
-        for m in range(splitting.kicks.size):
-            tau = splitting.kicks[m] * h
-            ahead = splitting.drifts[m] * h
-            t += ahead
-            drift(model, t, clock.drift_lag + ahead, q, v, s, rotations)
-            clock.drift_lag = 0.0
-            forces(model, neighbours, t)
-            clock.evaluations += 1
-            if split:
-                kick(model, t, 0.5 * tau, q, v, s, acceleration, middle, power, core)
-                bath_substep(model, tau, q, v, s, bath_rotations, torsional_rotations, noise)
-                kick(model, t, 0.5 * tau, q, v, s, acceleration, middle, power, core)
-            else:
-                kick(model, t, tau, q, v, s, acceleration, middle, power, core)
-        clock.drift_lag = splitting.drifts[-1] * h
-        advance_equally(clock, goal, h, landing)
-        updated = update_encounter(model, neighbours, clock, state.y, speeds, h)
-        if updated and not all_finite(state.y):
-            return NOT_FINITE
-    return PAUSED
+    work = empty_work(model, state)
+    return take_steps(
+        model, neighbours, splitting, step, clocks[0], state, times, record, budget, noise, work
+    )

@@ -30,9 +30,8 @@ SAFETY = 0.9
 # Fraction of the way to an encounter, after which equal steps compute the encounter rate again.
 ENCOUNTER_UPDATE = 0.25
 # Steps after which equal steps compute the encounter rate again, since bobs at rest may begin to
-# move; up to FEW_ASPERITES asperites after every step.
+# move.
 UPDATE_INTERVAL = 8
-FEW_ASPERITES = 64
 # Largest component of a state or of its rates of change, in any unit: energies have squares of it.
 LARGEST = 1e150
 # Smallest step, in units of the spacing of floating-point numbers at the end time.
@@ -55,12 +54,6 @@ def current_encounter(model, neighbours, t, y, speeds):
     top_speeds(model, t, y[:n], y[n:], speeds)
     found = next_encounter(model, neighbours, speeds)
     return found.rate, found.closest
-
-
-@kernel
-def update_interval(model):
-    """Number of steps after which the encounter rate is computed again."""
-    return 1 if model.asperites.shape[1] <= FEW_ASPERITES else UPDATE_INTERVAL
 
 
 @kernel
@@ -167,7 +160,7 @@ def update_encounter(model, neighbours, clock, y, speeds, h):
     """
     clock.encounter_age += h
     near = (clock.encounter_age + h) * clock.encounter_rate > ENCOUNTER_UPDATE
-    if clock.steps % update_interval(model) != 0 and not near:
+    if clock.steps % UPDATE_INTERVAL != 0 and not near:
         return False
     clock.encounter_age = 0.0
     clock.encounter_rate = encounter_bound(model, neighbours, clock, y, speeds, h)

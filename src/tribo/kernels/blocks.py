@@ -3,10 +3,11 @@
 A block is (s, i, n): the surface's record, the first asperite, and their number.
 """
 
-from tribo.kernels.compiled import kernel
+from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.records import ALONG_X, ALONG_Y
 from tribo.kernels.simd import LANES, broadcast, first_lanes, sum_of_lanes
 from tribo.kernels.simd_arrays import part, set_part
+from tribo.kernels.simd_functions import sine_cosine
 
 
 @kernel
@@ -54,6 +55,12 @@ def clear(table):
             row = table[k]
             for m in range(row.size):
                 row[m] = 0.0
+
+
+@inlined
+def directions(n, angles):
+    """Sines and cosines of a block's angles; what stands beyond it could be slow to reduce."""
+    return sine_cosine(first_lanes(n, angles, 0.0))
 
 
 @kernel

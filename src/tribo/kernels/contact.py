@@ -139,13 +139,15 @@ def add_row(model, contact, fx, fy, neighbours, i, start, stop, is_listed):
         dz = images(zs[i] - candidates(zs, neighbours, is_listed, m, n), model.box, 1)
         r = separations(dx, dy, dz, n)
         others = candidates(charges, neighbours, is_listed, m, n)
-        f = force_in_lanes(potential, r, charges[i], others, n) / r
-        f = first_lanes(n, where_less(r, end, f, 0.0), 0.0)
+        f = force_in_lanes(potential, r, charges[i], others, n) * (1.0 / r)
+        f = where_less(r, end, f, 0.0)
         f = without_others(f, model.species, partners, neighbours, is_listed, m, n)
-        sum_x = sum_x + f * dx
-        sum_y = sum_y + f * dy
-        x = candidates(fx, neighbours, is_listed, m, n) - f * dx
-        y = candidates(fy, neighbours, is_listed, m, n) - f * dy
+        x = first_lanes(n, f * dx, 0.0)
+        y = first_lanes(n, f * dy, 0.0)
+        sum_x = sum_x + x
+        sum_y = sum_y + y
+        x = candidates(fx, neighbours, is_listed, m, n) - x
+        y = candidates(fy, neighbours, is_listed, m, n) - y
         set_candidates(fx, neighbours, is_listed, m, n, x)
         set_candidates(fy, neighbours, is_listed, m, n, y)
     fx[i] += sum_of_lanes(sum_x)

@@ -7,7 +7,15 @@ oscillator's coordinates are its displacement from the resting bar in the same u
 """
 
 from tribo.kernels.baths import bath_accelerations, bath_forces, torsional_accelerations
-from tribo.kernels.blocks import block_size, clear, coordinates, set_vectors, sum_of_block, vectors
+from tribo.kernels.blocks import (
+    block_size,
+    clear,
+    coordinates,
+    directions,
+    set_vectors,
+    sum_of_block,
+    vectors,
+)
 from tribo.kernels.compiled import kernel, shared_kernel
 from tribo.kernels.contact import contact_forces
 from tribo.kernels.fields import field_forces
@@ -42,7 +50,7 @@ from tribo.kernels.records import (
 )
 from tribo.kernels.simd import LANES, broadcast, sqrt
 from tribo.kernels.simd_arrays import part, set_part
-from tribo.kernels.simd_functions import sine_cosine, versine
+from tribo.kernels.simd_functions import versine
 from tribo.kernels.springs import spring_forces
 from tribo.kernels.user_forces import custom_forces
 
@@ -72,7 +80,7 @@ def place_block(model, s, i, n, t, q):
     """Set positions and directions of a block of bobs, and clear their contact forces."""
     a = model.asperites
     b = model.bobs
-    sin, cos = sine_cosine(part(q, i, n))
+    sin, cos = directions(n, part(q, i, n))
     tx = s.facing * cos
     ty = s.facing * sin
     x = coordinates(s.dof_x, s, i, n, q)
@@ -200,7 +208,7 @@ def add_end_torques(model, end_forces, s, i, n, t, q, acceleration):
     """Add the torques of a plug-in's forces on the ends of bars to phi''."""
     if end_forces is not None:
         if s.acc_user_ends >= 0:
-            sin, cos = sine_cosine(bar_angles(model, s, i, n, t, q))
+            sin, cos = directions(n, bar_angles(model, s, i, n, t, q))
             half = 0.5 * part(model.asperites[BAR_LENGTH], i, n)
             x = part(end_forces[RIGHT_X], i, n) - part(end_forces[LEFT_X], i, n)
             y = part(end_forces[RIGHT_Y], i, n) - part(end_forces[LEFT_Y], i, n)

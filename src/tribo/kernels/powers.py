@@ -24,7 +24,7 @@ The accounts of a group stand one after another, each with a slot for every aspe
 from numba import literal_unroll
 
 from tribo.kernels.baths import bath_momentum, torsional_torque
-from tribo.kernels.blocks import block_size, coordinates, sum_of_block, vectors
+from tribo.kernels.blocks import block_size, coordinates, directions, sum_of_block, vectors
 from tribo.kernels.compiled import kernel
 from tribo.kernels.equations_of_motion import bar_angles, end_force_sums
 from tribo.kernels.fields import field_shift
@@ -51,7 +51,6 @@ from tribo.kernels.records import (
 )
 from tribo.kernels.simd import LANES, broadcast
 from tribo.kernels.simd_arrays import part, set_part
-from tribo.kernels.simd_functions import sine_cosine
 
 # Number of accounts in each group; POINT is that of internal, field and thermal.
 CONTACT, SLIDE, DRIVE, ENDS, USER_ENDS, POINT = 4, 2, 4, 5, 8, 4
@@ -75,7 +74,7 @@ def clamped_ends(model, s, i, n, t, q, omega, vx, vy, power):
     phi = bar_angles(model, s, i, n, t, q)
     torque = part(a[KAPPA], i, n) * (part(q, i, n) - phi)
     bar_length = part(a[BAR_LENGTH], i, n)
-    sin, cos = sine_cosine(phi)
+    sin, cos = directions(n, phi)
     x, y = end_force(torque, bar_length, sin, cos)
     tx = part(model.bobs[TX], i, n)
     ty = part(model.bobs[TY], i, n)
@@ -96,7 +95,7 @@ def custom_end_powers(model, end_forces, s, i, n, t, q, v, power):
             left_y = part(end_forces[LEFT_Y], i, n)
             right_x = part(end_forces[RIGHT_X], i, n)
             right_y = part(end_forces[RIGHT_Y], i, n)
-            sin, cos = sine_cosine(bar_angles(model, s, i, n, t, q))
+            sin, cos = directions(n, bar_angles(model, s, i, n, t, q))
             tip = 0.5 * part(a[BAR_LENGTH], i, n) * coordinates(s.dof_phi, s, i, n, v)
             tip_x = -tip * sin
             tip_y = tip * cos

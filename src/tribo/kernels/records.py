@@ -45,8 +45,9 @@ ASPERITE = np.dtype(
     align=True,
 )
 
-# Rows of the table of asperites that kernels read, one column an asperite.  The frequency is that
-# of the torsion spring's rotation, of the pendulum and, if that can turn, of the bar.
+# Rows of the table of asperites that kernels read, one column an asperite.  phi, with its sine and
+# cosine, and nu are those at the start.  The frequency is that of the torsion spring's rotation, of
+# the pendulum and, if that can turn, of the bar.
 CONSTANTS = (
     "mass",
     "inertia",
@@ -59,6 +60,8 @@ CONSTANTS = (
     "y",
     "phi",
     "nu",
+    "sin_phi",
+    "cos_phi",
     "frequency",
     "z",
     "charge",
@@ -75,6 +78,8 @@ CONSTANTS = (
     Y_START,
     PHI_START,
     NU_START,
+    SIN_PHI,
+    COS_PHI,
     FREQUENCY,
     Z,
     CHARGE,

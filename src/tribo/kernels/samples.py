@@ -16,6 +16,7 @@ from tribo.kernels.compiled import kernel, owning_kernel, shared_owning_kernel
 from tribo.kernels.contact import contact_energy, pair_energy
 from tribo.kernels.fields import field_energy
 from tribo.kernels.records import ALONG_X, ALONG_Y
+from tribo.kernels.simd_arrays import empty_row, empty_rows, room, with_spare_lanes
 from tribo.kernels.springs import spring_energies
 
 SPRINGS, BATH, TORSIONAL, WITHIN, MOMENTUM_X, MOMENTUM_Y, STORED = range(7)
@@ -40,13 +41,13 @@ def initial_state(y: np.ndarray, accounts: int, remembers: int, splits: bool) ->
     """The state at the start of a run, for a method that keeps `remembers` rows of memory."""
     n = y.size // 2
     return State(
-        y=y.copy(),
-        y_low=np.zeros(0 if splits else y.size),
-        s=np.zeros(accounts),
-        s_low=np.zeros(0 if splits else accounts),
-        acceleration=np.zeros(0 if splits else n),
-        power=np.zeros(0 if splits else accounts),
-        memory=np.zeros((remembers, n)),
+        y=with_spare_lanes(y),
+        y_low=room((0 if splits else y.size,)),
+        s=room((accounts,)),
+        s_low=room((0 if splits else accounts,)),
+        acceleration=room((0 if splits else n,)),
+        power=room((0 if splits else accounts,)),
+        memory=room((remembers, n)),
     )
 
 
@@ -81,13 +82,13 @@ def copy_rows(source, target):
 def empty_state(state):
     """Room for another state like this one."""
     return State(
-        np.empty_like(state.y),
-        np.empty_like(state.y_low),
-        np.empty_like(state.s),
-        np.empty_like(state.s_low),
-        np.empty_like(state.acceleration),
-        np.empty_like(state.power),
-        np.empty_like(state.memory),
+        empty_row(state.y.size),
+        empty_row(state.y_low.size),
+        empty_row(state.s.size),
+        empty_row(state.s_low.size),
+        empty_row(state.acceleration.size),
+        empty_row(state.power.size),
+        empty_rows(state.memory.shape[0], state.memory.shape[1]),
     )
 
 

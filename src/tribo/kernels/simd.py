@@ -246,13 +246,13 @@ def with_lane(typing_context, x, i, value):
 
 @intrinsic
 def first_lanes(typing_context, n, x, other):
-    """`x` in the first n lanes, the float `other` elsewhere."""
+    """`x` in the first n lanes, `other`, Lanes or a float, elsewhere."""
 
     def build(context, builder, sig, args):
         n, x, other = args
         return builder.select(first(builder, n), x, _spread(builder, other))
 
-    return lanes(types.intp, lanes, types.float64), build
+    return lanes(types.intp, lanes, other), build
 
 
 def first(builder, n):

@@ -1,20 +1,45 @@
 """Lanes in memory: eight neighbours of an array, or elements that a list names.
 
-A block at the end of an array has fewer than eight; the others are neither read nor written.
+The last block of an array has fewer than eight elements of its own.  It is read with whatever
+follows in memory, so arrays need room for eight more elements: :func:`room` makes such arrays.
 """
 
+import math
 import operator
 
+import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic, models, overload, register_model
 
-from tribo.kernels.compiled import inlined
-from tribo.kernels.simd import _FLOAT, _INDEX, _VECTOR, LANES, first, lanes
+from tribo.kernels.compiled import inlined, owning_kernel
+from tribo.kernels.simd import _FLOAT, _INDEX, _VECTOR, LANES, first, first_lanes, lanes
 
-# What lanes beyond the end of a block have, so that nothing they compute is zero or infinite.
-IDLE = 0.5
+
+def room(shape: tuple[int, ...]) -> np.ndarray:
+    """A C-contiguous array of zeros whose last block may be read and written as a whole."""
+    size = math.prod(shape)
+    return np.zeros(size + LANES)[:size].reshape(shape)
+
+
+@owning_kernel
+def empty_row(n):
+    """The same of one row, for kernels; not set."""
+    return np.empty(n + LANES)[:n]
+
+
+@owning_kernel
+def empty_rows(count, n):
+    """The same of several rows, for kernels; not set."""
+    return np.empty(count * n + LANES)[: count * n].reshape(count, n)
+
+
+def with_spare_lanes(values: np.ndarray) -> np.ndarray:
+    """A copy of an array, with room."""
+    copy = room(values.shape)
+    copy[...] = values
+    return copy
 
 
 class RowsType(types.Type):
@@ -122,34 +147,44 @@ def _address(context, builder, kind, array, i):
 
 
 _ALIGNED = ir.Constant(_INDEX, 8)
-_IDLE = ir.Constant(_VECTOR, [IDLE] * LANES)
+_NOTHING = ir.Constant(_VECTOR, [0.0] * LANES)
 _INTEGERS = ir.VectorType(ir.IntType(64), LANES)
 
 
 @intrinsic
-def part(typing_context, array, i, n):
-    """The first n elements from place i of a contiguous array on, at most eight."""
+def load_at(typing_context, array, i):
+    """Eight elements from place i of a contiguous array on."""
 
     def build(context, builder, sig, args):
-        place = _address(context, builder, sig.args[0], args[0], args[1])
-        mask = first(builder, args[2])
-        return _masked(builder, f"load.v{LANES}f64.p0", _VECTOR, [place, _ALIGNED, mask, _IDLE])
+        return builder.load(_address(context, builder, sig.args[0], *args), align=8)
 
-    return (lanes(array, types.intp, types.intp), build) if _is_row(array) else None
+    return (lanes(array, types.intp), build) if _is_row(array) else None
 
 
 @intrinsic
-def set_part(typing_context, array, i, n, x):
-    """Set the first n elements from place i of a contiguous array on, at most eight."""
+def store_at(typing_context, array, i, x):
+    """Set eight elements from place i of a contiguous array on."""
 
     def build(context, builder, sig, args):
-        place = _address(context, builder, sig.args[0], args[0], args[1])
-        mask = first(builder, args[2])
-        nothing = ir.VoidType()
-        _masked(builder, f"store.v{LANES}f64.p0", nothing, [args[3], place, _ALIGNED, mask])
+        builder.store(args[2], _address(context, builder, sig.args[0], *args[:2]), align=8)
         return context.get_dummy_value()
 
-    return (types.void(array, types.intp, types.intp, lanes), build) if _is_row(array) else None
+    return (types.void(array, types.intp, lanes), build) if _is_row(array) else None
+
+
+@inlined
+def part(array, i, n):
+    """The first n elements from place i of an array of :func:`room` on; others are arbitrary."""
+    return load_at(array, i)
+
+
+@inlined
+def set_part(array, i, n, x):
+    """Set the first n elements from place i of an array of :func:`room` on.
+
+    A store with a mask would delay the loads of the same elements that follow.
+    """
+    store_at(array, i, first_lanes(n, x, load_at(array, i)))
 
 
 def _elements(context, builder, kind, array, index_kind, index, i, n):
@@ -181,7 +216,7 @@ def gather(typing_context, array, index, i, n):
             builder,
             f"gather.v{LANES}f64.v{LANES}p0",
             _VECTOR,
-            [places, _ALIGNED, mask, _IDLE],
+            [places, _ALIGNED, mask, _NOTHING],
         )
 
     good = _is_row(array) and _is_row(index, types.int64)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from tribo.kernels.records import Calculator, Contact, Model, Neighbours
+from tribo.kernels.simd_arrays import with_spare_lanes
 from tribo.model.interaction import Interaction
 from tribo.model.scene import Scene
 from tribo.potentials import Coulomb, as_potential
@@ -152,7 +153,7 @@ def species(scene: Scene) -> np.ndarray | None:
     if all(interaction.species is None for interaction in scene.interactions):
         return None
     names = np.concatenate([surface.species_of_each for surface in scene.surfaces])
-    return np.searchsorted(scene.species, names).astype(float)
+    return with_spare_lanes(np.searchsorted(scene.species, names).astype(float))
 
 
 def _kinds(scene: Scene, interaction: Interaction) -> np.ndarray | None:

@@ -9,6 +9,7 @@ import numpy as np
 
 from tribo.kernels import records
 from tribo.kernels.records import Custom, FieldOn, Springs
+from tribo.kernels.simd_arrays import with_spare_lanes
 from tribo.model.fields import Corrugation, Field
 from tribo.model.scene import Scene
 
@@ -76,7 +77,8 @@ def springs(scene: Scene, parts: dict[str, slice], asperites: np.ndarray) -> Spr
         first += len(ends)
     if first == 0:
         return None
-    return Springs(np.concatenate(chains).view(np.recarray), np.concatenate(tables, axis=1))
+    table = with_spare_lanes(np.concatenate(tables, axis=1))
+    return Springs(np.concatenate(chains).view(np.recarray), table)
 
 
 def spring_ends(springs: Springs) -> tuple[np.ndarray, np.ndarray]:

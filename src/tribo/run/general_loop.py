@@ -12,6 +12,7 @@ from tribo.integrators.step_control import Tolerance
 from tribo.kernels.compiled import collector_paused, time_loop
 from tribo.kernels.records import CLOCK, Neighbours
 from tribo.kernels.samples import STORED, Record, State, initial_state
+from tribo.kernels.simd_arrays import with_spare_lanes
 from tribo.plugins.compile_errors import compiling
 from tribo.plugins.sources import source_stamp
 from tribo.run.integrate import Columns, Memory, Setting
@@ -122,7 +123,7 @@ class GeneralLoop:
     def restore(self, memory: Memory) -> None:
         """Continue where another loop of this kind was."""
         set_numbers(self.clocks, memory["clock"])
-        self.state = State(**{name: memory[name].copy() for name in State._fields})
+        self.state = State(**{name: with_spare_lanes(memory[name]) for name in State._fields})
         if self._neighbours is not None:
             self._neighbours = self._neighbours._replace(
                 start=memory["neighbours_start"].copy(),

@@ -21,6 +21,7 @@ from tribo.kernels.records import (
     Neighbours,
     Z,
 )
+from tribo.kernels.simd_arrays import room, with_spare_lanes
 from tribo.model.bath import thermal_start, thermal_torsional_start
 from tribo.model.drives import Custom as CustomDrive
 from tribo.model.drives import Ends, Forced, Free, Pulled
@@ -173,7 +174,7 @@ def lay_out(scene: Scene) -> Layout:
     reservoirs = any(surface.langevin for surface in scene.surfaces)
 
     def forces_if(present: object, rows: int = 2) -> np.ndarray | None:
-        return np.zeros((rows, scene.count)) if present else None
+        return room((rows, scene.count)) if present else None
 
     model = Model(
         asperites=table,
@@ -182,8 +183,8 @@ def lay_out(scene: Scene) -> Layout:
         within=within,
         calculators=contacts.calculators(scene, calls),
         species=contacts.species(scene),
-        bobs=np.zeros((records.BOB_ROWS, scene.count)),
-        drive=np.zeros((2, scene.count)),
+        bobs=room((records.BOB_ROWS, scene.count)),
+        drive=room((2, scene.count)),
         inner=forces_if(within),
         external=forces_if(fields),
         internal=forces_if(lattice or bath is not None),
@@ -227,12 +228,16 @@ def _resting_bobs(scene: Scene, index: int) -> np.ndarray:
 
 def _constants(asperites: np.ndarray, scene: Scene, parts: dict[str, slice]) -> np.ndarray:
     """The table of asperites that kernels read."""
-    table = np.empty((len(records.CONSTANTS), scene.count))
+    table = room((len(records.CONSTANTS), scene.count))
     for row, name in enumerate(records.CONSTANTS):
         if name in (asperites.dtype.names or ()):
             table[row] = asperites[name]
     turning = asperites["dof_phi"] >= 0
     mobility = 1.0 / asperites["inertia"] + np.where(turning, 1.0 / asperites["i2"], 0.0)
+    table[records.SIN_PHI], table[records.COS_PHI] = (
+        np.sin(asperites["phi"]),
+        np.cos(asperites["phi"]),
+    )
     table[records.FREQUENCY] = np.sqrt(asperites["kappa"] * mobility)
     for k, surface in enumerate(scene.surfaces):
         part = parts[surface.name]
@@ -297,7 +302,7 @@ def _baths(scene: Scene, surfaces: np.ndarray) -> tuple[np.ndarray | None, np.nd
                 for name in (masses, frequencies)
             ]
         )
-        tables.append(table if table.size else None)
+        tables.append(with_spare_lanes(table) if table.size else None)
     for k, surface in enumerate(scene.surfaces):
         hung = surface.count * float(np.sum(surface.bath.masses))
         surfaces["total_mass"][k] = surfaces["mass"][k] + hung
