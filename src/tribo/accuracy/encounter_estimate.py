@@ -11,7 +11,7 @@ import numpy as np
 
 from tribo.accuracy.search import NEAR
 from tribo.kernels.kinematics import bob_position, nearest_image
-from tribo.kernels.records import Box, Z
+from tribo.kernels.records import Box
 from tribo.run.layout import Layout
 from tribo.run.motion import swing_direction
 
@@ -30,12 +30,12 @@ def steps_towards(layout: Layout) -> float:
     """
     a = layout.asperites
     tx, ty = swing_direction(a.facing, layout.start[: a.size])
-    place = np.array([*bob_position(a.x, a.y, a.l1, tx, ty), layout.model.asperites[Z]])
+    place = np.array([*bob_position(a.x, a.y, a.l1, tx, ty), layout.depths])
     swinging = float(np.max(a.l1 * np.abs(layout.start[layout.coordinates :][: a.size])))
     rates = [0.0]
     for contact in layout.model.contacts:
         for one, other in contact.pairs:
-            mine, theirs = (layout.model.surfaces[k] for k in (one, other))
+            mine, theirs = (layout.surfaces[k] for k in (one, other))
             first = np.linspace(mine.start, mine.stop - 1, min(FOLLOWED, mine.stop - mine.start))
             followed = place[:, first.astype(int)]
             others = place[:, theirs.start : theirs.stop]

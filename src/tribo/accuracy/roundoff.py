@@ -70,7 +70,7 @@ def _of_surface(
     layout: Layout, samples: Samples, index: int, terms: _Terms
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The terms of a surface: of its energy, of the applied work, and of places, each (times,)."""
-    record, stored = layout.model.surfaces[index], samples.stored[:, index]
+    record, stored = layout.surfaces[index], samples.stored[:, index]
     energy = np.sum(np.abs(stored[:, [SPRINGS, BATH, TORSIONAL, WITHIN]]), axis=1)
     momentum, work, applied, farthest = (np.zeros(samples.t.size) for _ in range(4))
     speed = 0.0

@@ -10,7 +10,6 @@ B. Leimkuhler, C. Matthews, Appl. Math. Res. Express 2013 (2013) 34, for the noi
 
 from tribo.integrators.rotations import rotated, rotation_of, set_rotations
 from tribo.kernels.baths import first_slot, torsional_slot
-from tribo.kernels.blocks import sum_of_block
 from tribo.kernels.compiled import kernel
 from tribo.kernels.langevin import thermal_kick
 from tribo.kernels.powers import momentum
@@ -26,8 +25,8 @@ from tribo.kernels.records import (
     TX,
     TY,
 )
-from tribo.kernels.simd import LANES
-from tribo.kernels.simd_arrays import part, set_part
+from tribo.kernels.simd import LANES, sum_of_lanes
+from tribo.kernels.simd_arrays import block, set_block
 from tribo.kernels.user_forces import velocity_of_bar
 
 
@@ -58,14 +57,13 @@ def rotate_oscillators(q, v, start, count, centre, table, first, rotations):
     """Rotate `count` oscillators about a place; returns the momentum that they gained."""
     gained = 0.0
     for m in range(0, count, LANES):
-        n = min(LANES, count - m)
-        x = part(q, start + m, n) - centre
-        rate = part(v, start + m, n)
-        new, new_rate = rotated(x, rate, rotation_of(rotations, first + m, n))
-        set_part(q, start + m, n, centre + new)
-        set_part(v, start + m, n, new_rate)
-        mass = part(table[OSCILLATOR_MASS], first + m, n)
-        gained += sum_of_block(n, mass * (new_rate - rate))
+        x = block(q, start + m) - centre
+        rate = block(v, start + m)
+        new, new_rate = rotated(x, rate, rotation_of(rotations, first + m))
+        set_block(q, start + m, centre + new)
+        set_block(v, start + m, new_rate)
+        mass = block(table[OSCILLATOR_MASS], first + m)
+        gained += sum_of_lanes(mass * (new_rate - rate))
     return gained
 
 
@@ -79,7 +77,7 @@ def rotate_bath(model, bath, tau, q, v, accounts, rotations):
             first = s.first_oscillator
             count = s.oscillators
             if count > 0:
-                for i in range(s.start, s.stop):
+                for i in range(s.start, s.end):
                     slot = first_slot(s, i)
                     x = model.displaced[ALONG_X, i]
                     y = model.displaced[ALONG_Y, i]
@@ -99,7 +97,7 @@ def rotate_torsional(model, torsional, tau, q, v, accounts, rotations):
             count = s.torsionals
             if count > 0:
                 account = s.acc_internal + 2 * (s.stop - s.start)
-                for i in range(s.start, s.stop):
+                for i in range(s.start, s.end):
                     slot = torsional_slot(s, i)
                     j = s.dof_phi + i - s.start
                     gained = rotate_oscillators(
@@ -120,7 +118,7 @@ def thermalise(model, friction, tau, v, accounts, noise):
             if s.gamma == 0.0:
                 continue
             before_x, before_y = momentum(model, s, v)
-            for i in range(s.start, s.stop):
+            for i in range(s.start, s.end):
                 tx = model.bobs[TX, i]
                 ty = model.bobs[TY, i]
                 vx, vy = velocity_of_bar(model, s, i, v)

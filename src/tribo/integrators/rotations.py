@@ -3,8 +3,8 @@
 import numpy as np
 
 from tribo.kernels.compiled import kernel, owning_kernel
-from tribo.kernels.simd import LANES, first_lanes, where_less
-from tribo.kernels.simd_arrays import empty_rows, part, set_part
+from tribo.kernels.simd import LANES, where_less
+from tribo.kernels.simd_arrays import block, empty_rows, set_block
 from tribo.kernels.simd_functions import sine_cosine
 
 
@@ -13,7 +13,7 @@ def empty_rotations(table):
     """Room for the rotations of the columns of a table, and for their time."""
     if table is None:
         return np.empty((3, 0))
-    rotations = empty_rows(3, table.shape[1] + 1)
+    rotations = empty_rows(3, table.shape[1] + LANES)
     rotations[:] = np.nan
     return rotations
 
@@ -37,19 +37,18 @@ def rotated(x, rate, turn):
 @kernel
 def set_rotations(frequencies, tau, rotations):
     """Set every oscillator's rotation in tau, which is kept in the last column."""
-    last = rotations.shape[1] - 1
+    last = frequencies.size
     if rotations[0, last] == tau:
         return
     rotations[0, last] = tau
     for i in range(0, last, LANES):
-        n = min(LANES, last - i)
-        versine, over, times = rotation(first_lanes(n, part(frequencies, i, n), 0.0), tau)
-        set_part(rotations[0], i, n, versine)
-        set_part(rotations[1], i, n, over)
-        set_part(rotations[2], i, n, times)
+        versine, over, times = rotation(block(frequencies, i), tau)
+        set_block(rotations[0], i, versine)
+        set_block(rotations[1], i, over)
+        set_block(rotations[2], i, times)
 
 
 @kernel
-def rotation_of(rotations, i, n):
+def rotation_of(rotations, i):
     """The rotations of oscillators from i on."""
-    return part(rotations[0], i, n), part(rotations[1], i, n), part(rotations[2], i, n)
+    return block(rotations[0], i), block(rotations[1], i), block(rotations[2], i)

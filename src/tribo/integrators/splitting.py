@@ -36,7 +36,7 @@ from tribo.integrators.step_control import (
     time_left,
     update_encounter,
 )
-from tribo.kernels.blocks import block_size, clear, coordinates, directions
+from tribo.kernels.blocks import clear, coordinates
 from tribo.kernels.compiled import kernel, owning_kernel
 from tribo.kernels.equations_of_motion import (
     accelerate,
@@ -62,7 +62,8 @@ from tribo.kernels.records import (
     SIN_PHI,
 )
 from tribo.kernels.simd import LANES
-from tribo.kernels.simd_arrays import add_part, empty_row, empty_rows, part, set_part
+from tribo.kernels.simd_arrays import add_block, block, empty_row, empty_rows, set_block
+from tribo.kernels.simd_functions import sine_cosine
 from tribo.kernels.status import (
     BOBS_COINCIDE,
     COMPLETED,
@@ -106,16 +107,16 @@ def alternating(drifts: tuple[float, ...], kicks: tuple[float, ...]) -> Splittin
 
 
 @kernel
-def add_end_impulses(model, s, i, n, impulse, vx, vy, accounts):
+def add_end_impulses(model, s, i, impulse, vx, vy, accounts):
     """Add the impulse on the ends of clamped bars at rest, and its pseudowork."""
     a = model.asperites
-    sin = part(a[SIN_PHI], i, n)
-    x, y = end_force(impulse, part(a[BAR_LENGTH], i, n), sin, part(a[COS_PHI], i, n))
+    sin = block(a[SIN_PHI], i)
+    x, y = end_force(impulse, block(a[BAR_LENGTH], i), sin, block(a[COS_PHI], i))
     stride = s.stop - s.start
     k = s.acc_ends + 2 * stride + i - s.start
-    add_part(accounts, k, n, x)
-    add_part(accounts, k + stride, n, y)
-    add_part(accounts, k + 2 * stride, n, x * vx + y * vy)
+    add_block(accounts, k, x)
+    add_block(accounts, k + stride, y)
+    add_block(accounts, k + 2 * stride, x * vx + y * vy)
 
 
 @kernel
@@ -129,97 +130,96 @@ def settle_end_works(model, q, accounts, arcs):
         s = model.surfaces[k]
         if s.acc_ends >= 0 and s.turning == 0:
             for i in range(s.start, s.stop, LANES):
-                n = block_size(s, i)
-                twist = part(q, i, n) - part(a[PHI_START], i, n)
-                sin, cos = directions(n, twist)
+                twist = block(q, i) - block(a[PHI_START], i)
+                sin, cos = sine_cosine(twist)
                 arc = sin - twist * cos
-                work = part(a[L2], i, n) * part(a[KAPPA], i, n) / part(a[BAR_LENGTH], i, n)
-                work = s.facing * work * (arc - part(arcs, i, n))
+                work = block(a[L2], i) * block(a[KAPPA], i) / block(a[BAR_LENGTH], i)
+                work = s.facing * work * (arc - block(arcs, i))
                 m = s.acc_ends + i - s.start
-                add_part(accounts, m, n, -work)
-                add_part(accounts, m + s.stop - s.start, n, work)
-                set_part(arcs, i, n, arc)
+                add_block(accounts, m, -work)
+                add_block(accounts, m + s.stop - s.start, work)
+                set_block(arcs, i, arc)
 
 
 @kernel
-def add_turning_end_works(model, s, i, n, twist, rate, impulse, t, tau, vx, vy, accounts):
+def add_turning_end_works(model, s, i, twist, rate, impulse, t, tau, vx, vy, accounts):
     """Add the works of the ends where clamped bars turn, by Gauss-Legendre quadrature."""
     a = model.asperites
-    stiffness = part(a[KAPPA], i, n)
-    bar_length = part(a[BAR_LENGTH], i, n)
-    nu = part(a[NU_START], i, n)
+    stiffness = block(a[KAPPA], i)
+    bar_length = block(a[BAR_LENGTH], i)
+    nu = block(a[NU_START], i)
     stride = s.stop - s.start
     k = s.acc_ends + i - s.start
     turning = 0.5 * nu * impulse
-    add_part(accounts, k, n, -turning)
-    add_part(accounts, k + stride, n, -turning)
+    add_block(accounts, k, -turning)
+    add_block(accounts, k + stride, -turning)
     for m in range(NODES.size):
         weight = WEIGHTS[m] * tau
-        turn = rotation(part(a[FREQUENCY], i, n), NODES[m] * tau)
+        turn = rotation(block(a[FREQUENCY], i), NODES[m] * tau)
         now, now_rate = rotated(twist, rate, turn)
-        phi = part(a[PHI_START], i, n) + nu * (t + NODES[m] * tau)
-        sin, cos = directions(n, phi)
+        phi = block(a[PHI_START], i) + nu * (t + NODES[m] * tau)
+        sin, cos = sine_cosine(phi)
         x, y = end_force(stiffness * now, bar_length, sin, cos)
-        sin, cos = directions(n, now + phi)
+        sin, cos = sine_cosine(now + phi)
         tx = s.facing * cos
         ty = s.facing * sin
-        with_bar = rotational_power(-part(a[L2], i, n), now_rate + nu, tx, ty, x, y)
-        add_part(accounts, k, n, weight * with_bar)
-        add_part(accounts, k + stride, n, -weight * with_bar)
-        add_part(accounts, k + 2 * stride, n, weight * x)
-        add_part(accounts, k + 3 * stride, n, weight * y)
-        add_part(accounts, k + 4 * stride, n, weight * (x * vx + y * vy))
+        with_bar = rotational_power(-block(a[L2], i), now_rate + nu, tx, ty, x, y)
+        add_block(accounts, k, weight * with_bar)
+        add_block(accounts, k + stride, -weight * with_bar)
+        add_block(accounts, k + 2 * stride, weight * x)
+        add_block(accounts, k + 3 * stride, weight * y)
+        add_block(accounts, k + 4 * stride, weight * (x * vx + y * vy))
 
 
 @kernel
-def drift_clamped(model, s, i, n, t, tau, q, v, accounts, turn):
+def drift_clamped(model, s, i, t, tau, q, v, accounts, turn):
     """Pendulums on bars that rotate uniformly or rest."""
     a = model.asperites
-    nu = part(a[NU_START], i, n)
-    old = part(q, i, n)
-    omega = part(v, i, n)
-    twist = old - (part(a[PHI_START], i, n) + nu * t)
+    nu = block(a[NU_START], i)
+    old = block(q, i)
+    omega = block(v, i)
+    twist = old - (block(a[PHI_START], i) + nu * t)
     rate = omega - nu
     new, new_rate = rotated(twist, rate, turn)
     if s.acc_ends >= 0:
-        impulse = part(a[INERTIA], i, n) * (rate - new_rate)
-        vx = coordinates(s.dof_x, s, i, n, v)
-        vy = coordinates(s.dof_y, s, i, n, v)
+        impulse = block(a[INERTIA], i) * (rate - new_rate)
+        vx = coordinates(s.dof_x, s, i, v)
+        vy = coordinates(s.dof_y, s, i, v)
         if s.turning == 0:
-            add_end_impulses(model, s, i, n, impulse, vx, vy, accounts)
+            add_end_impulses(model, s, i, impulse, vx, vy, accounts)
         else:
-            add_turning_end_works(model, s, i, n, twist, rate, impulse, t, tau, vx, vy, accounts)
-    set_part(q, i, n, old + ((new - twist) + nu * tau))
-    set_part(v, i, n, omega + (new_rate - rate))
+            add_turning_end_works(model, s, i, twist, rate, impulse, t, tau, vx, vy, accounts)
+    set_block(q, i, old + ((new - twist) + nu * tau))
+    set_block(v, i, omega + (new_rate - rate))
 
 
 @kernel
-def drift_free(model, s, i, n, tau, q, v, turn):
+def drift_free(model, s, i, tau, q, v, turn):
     """Pendulums and bars rotate against each other about their uniform mean."""
     k = s.dof_phi + i - s.start
-    swing = part(q, i, n)
-    phi = part(q, k, n)
-    omega = part(v, i, n)
-    nu = part(v, k, n)
-    inertia = part(model.asperites[INERTIA], i, n)
-    i2 = part(model.asperites[I2], i, n)
+    swing = block(q, i)
+    phi = block(q, k)
+    omega = block(v, i)
+    nu = block(v, k)
+    inertia = block(model.asperites[INERTIA], i)
+    i2 = block(model.asperites[I2], i)
     new, new_rate = rotated(swing - phi, omega - nu, turn)
     share = i2 / (inertia + i2)
     mean = (inertia * omega + i2 * nu) / (inertia + i2)
     change = new - (swing - phi)
     change_of_rate = new_rate - (omega - nu)
-    set_part(q, i, n, swing + (mean * tau + share * change))
-    set_part(q, k, n, phi + (mean * tau - (1.0 - share) * change))
-    set_part(v, i, n, omega + share * change_of_rate)
-    set_part(v, k, n, nu - (1.0 - share) * change_of_rate)
+    set_block(q, i, swing + (mean * tau + share * change))
+    set_block(q, k, phi + (mean * tau - (1.0 - share) * change))
+    set_block(v, i, omega + share * change_of_rate)
+    set_block(v, k, nu - (1.0 - share) * change_of_rate)
 
 
 @kernel
-def move(slot, s, i, n, tau, q, v):
+def move(slot, s, i, tau, q, v):
     """Move a block's coordinates from `slot` on at their velocities, if there are any."""
     if slot >= 0:
         k = slot + i - s.start
-        add_part(q, k, n, tau * part(v, k, n))
+        add_block(q, k, tau * block(v, k))
 
 
 @kernel
@@ -229,30 +229,29 @@ def drift(model, now, tau, q, v, accounts, rotations):
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         for i in range(s.start, s.stop, LANES):
-            n = block_size(s, i)
-            turn = rotation_of(rotations, i, n)
+            turn = rotation_of(rotations, i)
             if s.dof_phi >= 0:
-                drift_free(model, s, i, n, tau, q, v, turn)
+                drift_free(model, s, i, tau, q, v, turn)
             else:
-                drift_clamped(model, s, i, n, now - tau, tau, q, v, accounts, turn)
-            move(s.dof_x, s, i, n, tau, q, v)
-            move(s.dof_y, s, i, n, tau, q, v)
-            place_block(model, s, i, n, now, q)
+                drift_clamped(model, s, i, now - tau, tau, q, v, accounts, turn)
+            move(s.dof_x, s, i, tau, q, v)
+            move(s.dof_y, s, i, tau, q, v)
+            place_block(model, s, i, now, q)
 
 
 @kernel
-def kick_slot(slot, s, i, n, tau, acceleration, v, middle):
+def kick_slot(slot, s, i, tau, acceleration, v, middle):
     """Set a block's velocities from `slot` on, if there are any, after and in the middle."""
     if slot >= 0:
         k = slot + i - s.start
-        change = tau * part(acceleration, k, n)
-        old = part(v, k, n)
-        set_part(middle, k, n, old + 0.5 * change)
-        set_part(v, k, n, old + change)
+        change = tau * block(acceleration, k)
+        old = block(v, k)
+        set_block(middle, k, old + 0.5 * change)
+        set_block(v, k, old + change)
 
 
 @kernel
-def settle_custom_forces(model, drives, ends, t, tau, q, v, core, work):
+def settle_custom_forces(model, drives, ends, t, tau, q, v, work):
     """Set the forces of plug-ins on the bars for their velocities in the middle of a kick.
 
     These are found by iteration from the velocities before the kick.
@@ -261,39 +260,34 @@ def settle_custom_forces(model, drives, ends, t, tau, q, v, core, work):
         custom_forces(model, t, q, v)
         for _ in range(ITERATIONS):
             accelerate(model, 0.0, t, q, work.acceleration)
-            for m in range(core):
+            for m in range(model.core):
                 work.middle[m] = v[m] + 0.5 * tau * work.acceleration[m]
             custom_forces(model, t, q, work.middle)
 
 
 @kernel
-def kick(model, t, tau, q, v, accounts, core, work):
-    """The forces in place act for tau; their works are added at the mid-kick velocities.
-
-    The first `core` velocities are those of the asperites.
-    """
+def kick(model, t, tau, q, v, accounts, work):
+    """The forces in place act for tau; their works are added at the mid-kick velocities."""
     acceleration = work.acceleration
     middle = work.middle
     power = work.power
     drive_forces(model, t, q)
-    settle_custom_forces(model, model.drives, model.ends, t, tau, q, v, core, work)
+    settle_custom_forces(model, model.drives, model.ends, t, tau, q, v, work)
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         for i in range(s.start, s.stop, LANES):
-            n = block_size(s, i)
-            accelerate_block(model, s, i, n, 0.0, t, q, acceleration)
-            kick_slot(s.start, s, i, n, tau, acceleration, v, middle)
-            kick_slot(s.dof_phi, s, i, n, tau, acceleration, v, middle)
-            kick_slot(s.dof_x, s, i, n, tau, acceleration, v, middle)
-            kick_slot(s.dof_y, s, i, n, tau, acceleration, v, middle)
-            powers_of_block(model, s, i, n, 0.0, t, q, middle, power)
-    for m in range(core, v.size):
+            accelerate_block(model, s, i, 0.0, t, q, acceleration)
+            kick_slot(s.start, s, i, tau, acceleration, v, middle)
+            kick_slot(s.dof_phi, s, i, tau, acceleration, v, middle)
+            kick_slot(s.dof_x, s, i, tau, acceleration, v, middle)
+            kick_slot(s.dof_y, s, i, tau, acceleration, v, middle)
+            powers_of_block(model, s, i, 0.0, t, q, middle, power)
+    for m in range(model.core, v.size):
         middle[m] = v[m]
     field_powers(model, model.fields, t, power)
     block_powers(model, middle, power)
     for m in range(0, power.size, LANES):
-        n = min(LANES, power.size - m)
-        add_part(accounts, m, n, tau * part(power, m, n))
+        add_block(accounts, m, tau * block(power, m))
 
 
 class Work(NamedTuple):
@@ -350,7 +344,7 @@ def arrive(model, neighbours, clock, state, work):
 
 
 @kernel
-def take_step(model, neighbours, splitting, clock, h, state, core, work, noise):
+def take_step(model, neighbours, splitting, clock, h, state, work, noise):
     """The drifts and kicks of a step, but for its last drift, which is left."""
     n = state.y.size // 2
     q = state.y[:n]
@@ -366,11 +360,11 @@ def take_step(model, neighbours, splitting, clock, h, state, core, work, noise):
         forces(model, neighbours, t)
         clock.evaluations += 1
         if model.bath is not None or model.torsional is not None or model.friction is not None:
-            kick(model, t, 0.5 * tau, q, v, s, core, work)
+            kick(model, t, 0.5 * tau, q, v, s, work)
             bath_substep(model, tau, q, v, s, work.bath, work.torsional, noise)
-            kick(model, t, 0.5 * tau, q, v, s, core, work)
+            kick(model, t, 0.5 * tau, q, v, s, work)
         else:
-            kick(model, t, tau, q, v, s, core, work)
+            kick(model, t, tau, q, v, s, work)
     clock.drift_lag = splitting.drifts[-1] * h
 
 
@@ -379,7 +373,6 @@ def take_steps(
     model, neighbours, splitting, step, clock, state, times, record, budget, noise, work
 ):
     """Integrate through the sample times; see :func:`splitting_steps`."""
-    core = record.y.shape[1] // 2
     clear(model.friction)
     if clock.evaluations == 0:
         status = begin(model, neighbours, clock, state, work)
@@ -397,7 +390,7 @@ def take_steps(
         status = equal_step_status(clock, h, times[-1])
         if status != COMPLETED:
             return status
-        take_step(model, neighbours, splitting, clock, h, state, core, work, noise)
+        take_step(model, neighbours, splitting, clock, h, state, work, noise)
         advance_equally(clock, times[clock.sample], h, landing)
         updated = update_encounter(model, neighbours, clock, state.y, work.speeds, h)
         if updated and not all_finite(state.y):

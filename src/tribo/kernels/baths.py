@@ -3,7 +3,6 @@
 Those of one bar stand side by side: all x, all y, then the torsional.  Eight are computed at once.
 """
 
-from tribo.kernels.blocks import sum_of_block
 from tribo.kernels.compiled import kernel
 from tribo.kernels.records import (
     ALONG_X,
@@ -14,8 +13,8 @@ from tribo.kernels.records import (
     OSCILLATOR_MASS,
     PHI_START,
 )
-from tribo.kernels.simd import LANES
-from tribo.kernels.simd_arrays import part, set_part
+from tribo.kernels.simd import LANES, sum_of_lanes
+from tribo.kernels.simd_arrays import block, set_block
 
 
 @kernel
@@ -43,10 +42,9 @@ def pull(table, first, count, q, start, centre):
     """Force of oscillators `first` on of a table, from slot `start` on, on what is at `centre`."""
     force = 0.0
     for m in range(0, count, LANES):
-        n = min(LANES, count - m)
-        w = part(table[OSCILLATOR_FREQUENCY], first + m, n)
-        stiffness = part(table[OSCILLATOR_MASS], first + m, n) * w * w
-        force += sum_of_block(n, stiffness * (part(q, start + m, n) - centre))
+        w = block(table[OSCILLATOR_FREQUENCY], first + m)
+        stiffness = block(table[OSCILLATOR_MASS], first + m) * w * w
+        force += sum_of_lanes(stiffness * (block(q, start + m) - centre))
     return force
 
 
@@ -54,9 +52,8 @@ def pull(table, first, count, q, start, centre):
 def oscillate(table, first, count, q, start, centre, acceleration):
     """Set q'' of oscillators about a place."""
     for m in range(0, count, LANES):
-        n = min(LANES, count - m)
-        w = part(table[OSCILLATOR_FREQUENCY], first + m, n)
-        set_part(acceleration, start + m, n, -w * w * (part(q, start + m, n) - centre))
+        w = block(table[OSCILLATOR_FREQUENCY], first + m)
+        set_block(acceleration, start + m, -w * w * (block(q, start + m) - centre))
 
 
 @kernel
@@ -64,11 +61,10 @@ def oscillator_energy(table, first, count, q, v, start, centre):
     """Energy of oscillators about a place."""
     energy = 0.0
     for m in range(0, count, LANES):
-        n = min(LANES, count - m)
-        away = part(table[OSCILLATOR_FREQUENCY], first + m, n) * (part(q, start + m, n) - centre)
-        rate = part(v, start + m, n)
-        mass = part(table[OSCILLATOR_MASS], first + m, n)
-        energy += sum_of_block(n, 0.5 * mass * (rate * rate + away * away))
+        away = block(table[OSCILLATOR_FREQUENCY], first + m) * (block(q, start + m) - centre)
+        rate = block(v, start + m)
+        mass = block(table[OSCILLATOR_MASS], first + m)
+        energy += sum_of_lanes(0.5 * mass * (rate * rate + away * away))
     return energy
 
 
@@ -77,9 +73,8 @@ def oscillator_momentum(table, first, count, v, start):
     """Momentum of oscillators."""
     momentum = 0.0
     for m in range(0, count, LANES):
-        n = min(LANES, count - m)
-        mass = part(table[OSCILLATOR_MASS], first + m, n)
-        momentum += sum_of_block(n, mass * part(v, start + m, n))
+        mass = block(table[OSCILLATOR_MASS], first + m)
+        momentum += sum_of_lanes(mass * block(v, start + m))
     return momentum
 
 
@@ -92,7 +87,7 @@ def bath_forces(model, bath, q):
             first = s.first_oscillator
             count = s.oscillators
             if count > 0:
-                for i in range(s.start, s.stop):
+                for i in range(s.start, s.end):
                     slot = first_slot(s, i)
                     x = model.displaced[ALONG_X, i]
                     y = model.displaced[ALONG_Y, i]
@@ -109,7 +104,7 @@ def bath_accelerations(model, bath, q, acceleration):
             first = s.first_oscillator
             count = s.oscillators
             if count > 0:
-                for i in range(s.start, s.stop):
+                for i in range(s.start, s.end):
                     slot = first_slot(s, i)
                     x = model.displaced[ALONG_X, i]
                     y = model.displaced[ALONG_Y, i]
@@ -133,7 +128,7 @@ def torsional_accelerations(model, torsional, t, q, acceleration):
             first = s.first_torsional
             count = s.torsionals
             if count > 0:
-                for i in range(s.start, s.stop):
+                for i in range(s.start, s.end):
                     phi = bar_angle(model, s, i, t, q)
                     oscillate(torsional, first, count, q, torsional_slot(s, i), phi, acceleration)
                     torque = torsional_torque(model, torsional, s, i, t, q)
@@ -149,7 +144,7 @@ def bath_momentum(model, bath, s, v):
         first = s.first_oscillator
         count = s.oscillators
         if count > 0:
-            for i in range(s.start, s.stop):
+            for i in range(s.start, s.end):
                 slot = first_slot(s, i)
                 px += oscillator_momentum(bath, first, count, v, slot)
                 py += oscillator_momentum(bath, first, count, v, slot + count)

@@ -19,8 +19,8 @@ from tribo.kernels.records import ALONG_X, ALONG_Y, CHARGE, FX, FY, X, Y, Z
 from tribo.kernels.simd import (
     LANES,
     absolute,
+    between_lanes,
     broadcast,
-    first_lanes,
     lane,
     maximum,
     sqrt,
@@ -28,7 +28,7 @@ from tribo.kernels.simd import (
     where_less,
     with_lane,
 )
-from tribo.kernels.simd_arrays import gather, part, scatter, set_part
+from tribo.kernels.simd_arrays import block, gather, scatter, set_block
 
 # Square of a distance below which the squares of its components lose digits to underflow.
 SQUARE_IS_SAFE = 1e-280
@@ -49,12 +49,12 @@ def separation(dx, dy, dz):
 
 
 @kernel
-def separations(dx, dy, dz, n):
-    """The same of eight pairs, of which the first n are wanted."""
+def separations(dx, dy, dz, low, high):
+    """The same of eight pairs, of which those from `low` to `high` are wanted."""
     square = dx * dx + dy * dy + dz * dz
     r = sqrt(square)
-    if -maximum(first_lanes(n, -square, -1.0)) <= SQUARE_IS_SAFE:
-        for i in range(n):
+    if maximum(between_lanes(low, high, -square, -1.0)) >= -SQUARE_IS_SAFE:
+        for i in range(low, high):
             r = with_lane(r, i, separation(lane(dx, i), lane(dy, i), lane(dz, i)))
     return r
 
@@ -70,7 +70,7 @@ def row_of(contact, k, one, other, i, neighbours):
             row = contact.rows[k] + i - one.start
             if neighbours.start[row + 1] <= neighbours.index.size:
                 return neighbours.start[row], neighbours.start[row + 1], True
-    return max(other.start, i + 1), other.stop, False
+    return max(other.start, i + 1), other.end, False
 
 
 @kernel
@@ -82,22 +82,22 @@ def candidate(neighbours, is_listed, m):
 
 
 @kernel
-def candidates(row, neighbours, is_listed, m, n):
-    """Values of candidates m to m + n of a row of a table."""
+def candidates(row, neighbours, is_listed, m, high):
+    """Values of a row of a table for a block of candidates."""
     if neighbours is not None:
         if is_listed:
-            return gather(row, neighbours.index, m, n)
-    return part(row, m, n)
+            return gather(row, neighbours.index, m, high)
+    return block(row, m)
 
 
 @kernel
-def set_candidates(row, neighbours, is_listed, m, n, x):
-    """Set the values of candidates m to m + n of a row of a table."""
+def set_candidates(row, neighbours, is_listed, m, high, x):
+    """Set the values of a row of a table for a block of candidates."""
     if neighbours is not None:
         if is_listed:
-            scatter(row, neighbours.index, m, n, x)
+            scatter(row, neighbours.index, m, high, x)
             return
-    set_part(row, m, n, x)
+    set_block(row, m, x)
 
 
 @kernel
@@ -110,19 +110,22 @@ def images(difference, box, axis):
 
 
 @kernel
-def without_others(force, species, partners, neighbours, is_listed, m, n):
+def without_others(force, species, partners, neighbours, is_listed, m, high):
     """Forces where the candidates are of a species by `partner_species`, 0 elsewhere."""
     if species is None:
         return force
     if partners == -1:
         return force
-    away = absolute(candidates(species, neighbours, is_listed, m, n) - float(partners))
+    away = absolute(candidates(species, neighbours, is_listed, m, high) - float(partners))
     return where_less(away, 0.5, force, 0.0)
 
 
 @kernel
 def add_row(model, contact, fx, fy, neighbours, i, start, stop, is_listed):
-    """Add the forces between bob i and its candidates to the rows fx and fy of a table."""
+    """Add the forces between bob i and its candidates to the rows fx and fy of a table.
+
+    Blocks of bobs begin at a multiple of eight, blocks of a list anywhere.
+    """
     xs = model.bobs[X]
     ys = model.bobs[Y]
     zs = model.asperites[Z]
@@ -132,24 +135,23 @@ def add_row(model, contact, fx, fy, neighbours, i, start, stop, is_listed):
     partners = partner_species(model.species, contact.species, i)
     sum_x = broadcast(0.0)
     sum_y = broadcast(0.0)
-    for m in range(start, stop, LANES):
-        n = min(LANES, stop - m)
-        dx = images(xs[i] - candidates(xs, neighbours, is_listed, m, n), model.box, 0)
-        dy = ys[i] - candidates(ys, neighbours, is_listed, m, n)
-        dz = images(zs[i] - candidates(zs, neighbours, is_listed, m, n), model.box, 1)
-        r = separations(dx, dy, dz, n)
-        others = candidates(charges, neighbours, is_listed, m, n)
-        f = force_in_lanes(potential, r, charges[i], others, n) * (1.0 / r)
-        f = where_less(r, end, f, 0.0)
-        f = without_others(f, model.species, partners, neighbours, is_listed, m, n)
-        x = first_lanes(n, f * dx, 0.0)
-        y = first_lanes(n, f * dy, 0.0)
-        sum_x = sum_x + x
-        sum_y = sum_y + y
-        x = candidates(fx, neighbours, is_listed, m, n) - x
-        y = candidates(fy, neighbours, is_listed, m, n) - y
-        set_candidates(fx, neighbours, is_listed, m, n, x)
-        set_candidates(fy, neighbours, is_listed, m, n, y)
+    for m in range(start if is_listed else start - start % LANES, stop, LANES):
+        low = max(0, start - m)
+        high = min(LANES, stop - m)
+        dx = images(xs[i] - candidates(xs, neighbours, is_listed, m, high), model.box, 0)
+        dy = ys[i] - candidates(ys, neighbours, is_listed, m, high)
+        dz = images(zs[i] - candidates(zs, neighbours, is_listed, m, high), model.box, 1)
+        r = separations(dx, dy, dz, low, high)
+        others = candidates(charges, neighbours, is_listed, m, high)
+        f = force_in_lanes(potential, r, end, charges[i], others, low, high) * (1.0 / r)
+        f = between_lanes(low, high, where_less(r, end, f, 0.0), 0.0)
+        f = without_others(f, model.species, partners, neighbours, is_listed, m, high)
+        sum_x = sum_x + f * dx
+        sum_y = sum_y + f * dy
+        x = candidates(fx, neighbours, is_listed, m, high) - f * dx
+        y = candidates(fy, neighbours, is_listed, m, high) - f * dy
+        set_candidates(fx, neighbours, is_listed, m, high, x)
+        set_candidates(fy, neighbours, is_listed, m, high, y)
     fx[i] += sum_of_lanes(sum_x)
     fy[i] += sum_of_lanes(sum_y)
 
@@ -160,7 +162,7 @@ def add_contact(model, contact, fx, fy, neighbours):
     for k in range(contact.pairs.shape[0]):
         one = model.surfaces[contact.pairs[k, 0]]
         other = model.surfaces[contact.pairs[k, 1]]
-        for i in range(one.start, one.stop):
+        for i in range(one.start, one.end):
             start, stop, is_listed = row_of(contact, k, one, other, i, neighbours)
             add_row(model, contact, fx, fy, neighbours, i, start, stop, is_listed)
 
@@ -189,7 +191,7 @@ def call_calculator(model, calculator):
     row = 0
     for k in range(calculator.surfaces.size):
         s = model.surfaces[calculator.surfaces[k]]
-        for i in range(s.start, s.stop):
+        for i in range(s.start, s.end):
             calculator.positions[row, 0] = model.bobs[X, i]
             calculator.positions[row, 1] = model.bobs[Y, i]
             row += 1
@@ -205,7 +207,7 @@ def add_calculated(model, calculators):
             row = 0
             for k in range(calculator.surfaces.size):
                 s = model.surfaces[calculator.surfaces[k]]
-                for i in range(s.start, s.stop):
+                for i in range(s.start, s.end):
                     model.bobs[FX, i] += calculator.forces[row, 0]
                     model.bobs[FY, i] += calculator.forces[row, 1]
                     row += 1
@@ -240,7 +242,7 @@ def pair_energy(model, contact, k, neighbours):
     one = model.surfaces[contact.pairs[k, 0]]
     other = model.surfaces[contact.pairs[k, 1]]
     energy = 0.0
-    for i in range(one.start, one.stop):
+    for i in range(one.start, one.end):
         partners = partner_species(model.species, contact.species, i)
         start, stop, is_listed = row_of(contact, k, one, other, i, neighbours)
         for m in range(start, stop):
@@ -304,7 +306,7 @@ def encounter_of_contact(model, contact, neighbours, speeds, thermal, found):
     for k in range(contact.pairs.shape[0]):
         one = model.surfaces[contact.pairs[k, 0]]
         other = model.surfaces[contact.pairs[k, 1]]
-        for i in range(one.start, one.stop):
+        for i in range(one.start, one.end):
             partners = partner_species(model.species, contact.species, i)
             start, stop, is_listed = row_of(contact, k, one, other, i, neighbours)
             for m in range(start, stop):
@@ -395,15 +397,15 @@ def closing_speed(one, other, speeds):
     high_y = broadcast(-math.inf)
     swing = broadcast(0.0)
     for surface in (one, other):
-        for i in range(surface.start, surface.stop, LANES):
-            n = min(LANES, surface.stop - i)
-            x = part(speeds[0], i, n)
-            y = part(speeds[1], i, n)
-            low_x = min(low_x, first_lanes(n, x, math.inf))
-            high_x = max(high_x, first_lanes(n, x, -math.inf))
-            low_y = min(low_y, first_lanes(n, y, math.inf))
-            high_y = max(high_y, first_lanes(n, y, -math.inf))
-            swing = max(swing, first_lanes(n, part(speeds[2], i, n), 0.0))
+        for i in range(surface.start, surface.end, LANES):
+            n = surface.end - i
+            x = block(speeds[0], i)
+            y = block(speeds[1], i)
+            low_x = min(low_x, between_lanes(0, n, x, math.inf))
+            high_x = max(high_x, between_lanes(0, n, x, -math.inf))
+            low_y = min(low_y, between_lanes(0, n, y, math.inf))
+            high_y = max(high_y, between_lanes(0, n, y, -math.inf))
+            swing = max(swing, between_lanes(0, n, block(speeds[2], i), 0.0))
     x = maximum(high_x) + maximum(-low_x)
     y = maximum(high_y) + maximum(-low_y)
     return math.sqrt(x * x + y * y) + 2.0 * maximum(swing)

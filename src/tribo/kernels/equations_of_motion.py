@@ -7,15 +7,7 @@ oscillator's coordinates are its displacement from the resting bar in the same u
 """
 
 from tribo.kernels.baths import bath_accelerations, bath_forces, torsional_accelerations
-from tribo.kernels.blocks import (
-    block_size,
-    clear,
-    coordinates,
-    directions,
-    set_vectors,
-    sum_of_block,
-    vectors,
-)
+from tribo.kernels.blocks import clear, coordinates, set_vectors, vectors
 from tribo.kernels.compiled import kernel, shared_kernel
 from tribo.kernels.contact import contact_forces
 from tribo.kernels.fields import field_forces
@@ -37,6 +29,7 @@ from tribo.kernels.records import (
     MASS,
     NU_START,
     PHI_START,
+    PRESENT,
     PULLED,
     RIGHT_X,
     RIGHT_Y,
@@ -48,23 +41,23 @@ from tribo.kernels.records import (
     X,
     Y,
 )
-from tribo.kernels.simd import LANES, broadcast, sqrt
-from tribo.kernels.simd_arrays import part, set_part
-from tribo.kernels.simd_functions import versine
+from tribo.kernels.simd import LANES, broadcast, sqrt, sum_of_lanes
+from tribo.kernels.simd_arrays import block, set_block
+from tribo.kernels.simd_functions import sine_cosine, versine
 from tribo.kernels.springs import spring_forces
 from tribo.kernels.user_forces import custom_forces
 
 
 @kernel
-def bar_angles(model, s, i, n, t, q):
+def bar_angles(model, s, i, t, q):
     """phi of a block: coordinates where bars are free, uniform where they are clamped."""
     if s.dof_phi >= 0:
-        return coordinates(s.dof_phi, s, i, n, q)
-    return part(model.asperites[PHI_START], i, n) + part(model.asperites[NU_START], i, n) * t
+        return coordinates(s.dof_phi, s, i, q)
+    return block(model.asperites[PHI_START], i) + block(model.asperites[NU_START], i) * t
 
 
 @kernel
-def place_bars(displaced, s, i, n, x, y, l2, sin, cos):
+def place_bars(displaced, s, i, x, y, l2, sin, cos):
     """Set the bars' displacements from rest in the initial uniform motion, where they are needed.
 
     The position is r2 = r_cm + l2 (-sin theta, cos theta).
@@ -72,29 +65,29 @@ def place_bars(displaced, s, i, n, x, y, l2, sin, cos):
     if displaced is not None:
         x = x - l2 * s.facing * sin
         y = y - l2 * s.facing * versine(sin, cos)
-        set_vectors(displaced, i, n, x, y)
+        set_vectors(displaced, i, x, y)
 
 
 @kernel
-def place_block(model, s, i, n, t, q):
+def place_block(model, s, i, t, q):
     """Set positions and directions of a block of bobs, and clear their contact forces."""
     a = model.asperites
     b = model.bobs
-    sin, cos = directions(n, part(q, i, n))
+    sin, cos = sine_cosine(block(q, i))
     tx = s.facing * cos
     ty = s.facing * sin
-    x = coordinates(s.dof_x, s, i, n, q)
-    y = coordinates(s.dof_y, s, i, n, q)
-    place_bars(model.displaced, s, i, n, x, y, part(a[L2], i, n), sin, cos)
-    x = part(a[X_START], i, n) + s.vx * t + x
-    y = part(a[Y_START], i, n) + s.vy * t + y
-    x, y = bob_position(x, y, part(a[L1], i, n), tx, ty)
-    set_part(b[X], i, n, x)
-    set_part(b[Y], i, n, y)
-    set_part(b[TX], i, n, tx)
-    set_part(b[TY], i, n, ty)
-    set_part(b[FX], i, n, broadcast(0.0))
-    set_part(b[FY], i, n, broadcast(0.0))
+    x = coordinates(s.dof_x, s, i, q)
+    y = coordinates(s.dof_y, s, i, q)
+    place_bars(model.displaced, s, i, x, y, block(a[L2], i), sin, cos)
+    x = block(a[X_START], i) + s.vx * t + x
+    y = block(a[Y_START], i) + s.vy * t + y
+    x, y = bob_position(x, y, block(a[L1], i), tx, ty)
+    set_block(b[X], i, x)
+    set_block(b[Y], i, y)
+    set_block(b[TX], i, tx)
+    set_block(b[TY], i, ty)
+    set_block(b[FX], i, broadcast(0.0))
+    set_block(b[FY], i, broadcast(0.0))
 
 
 @shared_kernel
@@ -103,17 +96,17 @@ def place_bobs(model, t, q):
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         for i in range(s.start, s.stop, LANES):
-            place_block(model, s, i, block_size(s, i), t, q)
+            place_block(model, s, i, t, q)
 
 
 @kernel
-def velocities_of_bars(model, s, i, n, v):
+def velocities_of_bars(model, s, i, v):
     """Velocities of the centres of a block of bars in the surface's first frame, bobs in place."""
-    vx = coordinates(s.dof_x, s, i, n, v)
-    vy = coordinates(s.dof_y, s, i, n, v)
-    tx = part(model.bobs[TX], i, n)
-    ty = part(model.bobs[TY], i, n)
-    return bar_velocity(vx, vy, part(v, i, n), part(model.asperites[L2], i, n), tx, ty)
+    vx = coordinates(s.dof_x, s, i, v)
+    vy = coordinates(s.dof_y, s, i, v)
+    tx = block(model.bobs[TX], i)
+    ty = block(model.bobs[TY], i)
+    return bar_velocity(vx, vy, block(v, i), block(model.asperites[L2], i), tx, ty)
 
 
 @kernel
@@ -126,10 +119,10 @@ def friction_forces(model, friction, v):
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
             for i in range(s.start, s.stop, LANES):
-                n = block_size(s, i)
-                vx, vy = velocities_of_bars(model, s, i, n, v)
+                vx, vy = velocities_of_bars(model, s, i, v)
                 fx, fy = friction_force(s.gamma, vx, vy, s.reservoir_x, s.reservoir_y)
-                set_vectors(friction, i, n, fx, fy)
+                present = block(model.asperites[PRESENT], i)
+                set_vectors(friction, i, present * fx, present * fy)
 
 
 @kernel
@@ -140,27 +133,27 @@ def gather_contact(model):
         if s.drive == RIGID:
             s.fx = 0.0
             for i in range(s.start, s.stop, LANES):
-                n = block_size(s, i)
-                s.fx += sum_of_block(n, part(model.bobs[FX], i, n))
+                s.fx += sum_of_lanes(block(model.bobs[FX], i))
 
 
 @kernel
-def drive_block(model, s, i, n, t, q):
+def drive_block(model, s, i, t, q):
     """Set f2 on a block of bars, contact forces in place."""
     b = model.bobs
-    fx = part(b[FX], i, n)
-    fy = part(b[FY], i, n)
+    fx = block(b[FX], i)
+    fy = block(b[FY], i)
     if s.drive == FORCED:
         gx = -fx
     elif s.drive == RIGID:
-        gx = part(model.asperites[MASS], i, n) * (s.fx / s.mass) - fx
+        gx = block(model.asperites[MASS], i) * (s.fx / s.mass) - fx
     elif s.drive == PULLED:
-        bar = coordinates(s.dof_x, s, i, n, q) - part(model.asperites[L2], i, n) * part(b[TY], i, n)
+        bar = coordinates(s.dof_x, s, i, q) - block(model.asperites[L2], i) * block(b[TY], i)
         gx = s.stiffness * ((s.anchor + s.speed * t) - bar)
     else:
         gx = broadcast(0.0)
     gy = broadcast(s.load) if s.loaded else -fy
-    set_vectors(model.drive, i, n, gx, gy)
+    present = block(model.asperites[PRESENT], i)
+    set_vectors(model.drive, i, present * gx, present * gy)
 
 
 @kernel
@@ -170,7 +163,7 @@ def drive_forces(model, t, q):
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         for i in range(s.start, s.stop, LANES):
-            drive_block(model, s, i, block_size(s, i), t, q)
+            drive_block(model, s, i, t, q)
 
 
 @kernel
@@ -195,80 +188,80 @@ def forces(model, neighbours, t):
 
 
 @kernel
-def end_force_sums(end_forces, i, n):
+def end_force_sums(end_forces, i):
     """f_L + f_R of a plug-in on a block of bars."""
     if end_forces is None:
         return broadcast(-0.0), broadcast(-0.0)
-    x = part(end_forces[LEFT_X], i, n) + part(end_forces[RIGHT_X], i, n)
-    return x, part(end_forces[LEFT_Y], i, n) + part(end_forces[RIGHT_Y], i, n)
+    x = block(end_forces[LEFT_X], i) + block(end_forces[RIGHT_X], i)
+    return x, block(end_forces[LEFT_Y], i) + block(end_forces[RIGHT_Y], i)
 
 
 @kernel
-def add_end_torques(model, end_forces, s, i, n, t, q, acceleration):
+def add_end_torques(model, end_forces, s, i, t, q, acceleration):
     """Add the torques of a plug-in's forces on the ends of bars to phi''."""
     if end_forces is not None:
         if s.acc_user_ends >= 0:
-            sin, cos = directions(n, bar_angles(model, s, i, n, t, q))
-            half = 0.5 * part(model.asperites[BAR_LENGTH], i, n)
-            x = part(end_forces[RIGHT_X], i, n) - part(end_forces[LEFT_X], i, n)
-            y = part(end_forces[RIGHT_Y], i, n) - part(end_forces[LEFT_Y], i, n)
+            sin, cos = sine_cosine(bar_angles(model, s, i, t, q))
+            half = 0.5 * block(model.asperites[BAR_LENGTH], i)
+            x = block(end_forces[RIGHT_X], i) - block(end_forces[LEFT_X], i)
+            y = block(end_forces[RIGHT_Y], i) - block(end_forces[LEFT_Y], i)
             torque = half * (cos * y - sin * x)
             k = s.dof_phi + i - s.start
-            old = part(acceleration, k, n)
-            set_part(acceleration, k, n, old + torque / part(model.asperites[I2], i, n))
+            old = block(acceleration, k)
+            set_block(acceleration, k, old + torque / block(model.asperites[I2], i))
 
 
 @kernel
-def bar_forces(model, i, n):
+def bar_forces(model, i):
     """Force on a block of bars: f2 + f_int + f_T, and f_L + f_R of a plug-in."""
-    x, y = vectors(model.drive, i, n)
-    fx, fy = vectors(model.internal, i, n)
+    x, y = vectors(model.drive, i)
+    fx, fy = vectors(model.internal, i)
     x, y = x + fx, y + fy
-    fx, fy = vectors(model.friction, i, n)
+    fx, fy = vectors(model.friction, i)
     x, y = x + fx, y + fy
-    fx, fy = end_force_sums(model.end_forces, i, n)
+    fx, fy = end_force_sums(model.end_forces, i)
     return x + fx, y + fy
 
 
 @kernel
-def bob_forces(model, i, n):
+def bob_forces(model, i):
     """Force on a block of bobs: f1, contact within the surface, and external fields."""
-    x = part(model.bobs[FX], i, n)
-    y = part(model.bobs[FY], i, n)
-    fx, fy = vectors(model.inner, i, n)
+    x = block(model.bobs[FX], i)
+    y = block(model.bobs[FY], i)
+    fx, fy = vectors(model.inner, i)
     x, y = x + fx, y + fy
-    fx, fy = vectors(model.external, i, n)
+    fx, fy = vectors(model.external, i)
     return x + fx, y + fy
 
 
 @kernel
-def accelerate_block(model, s, i, n, torsion, t, q, acceleration):
+def accelerate_block(model, s, i, torsion, t, q, acceleration):
     """Set q'' of a block of asperites from the forces in place.
 
     `torsion` is 0 where the torsion springs are integrated separately, and 1 elsewhere.  Clamped
     ends have f_L + f_R = 0, and act on the bar's angle only.
     """
     a = model.asperites
-    tx = part(model.bobs[TX], i, n)
-    ty = part(model.bobs[TY], i, n)
-    bob_x, bob_y = bob_forces(model, i, n)
-    bar_x, bar_y = bar_forces(model, i, n)
-    torque = part(a[L1], i, n) * (tx * bob_x + ty * bob_y)
-    torque = torque - part(a[L2], i, n) * (tx * bar_x + ty * bar_y)
+    tx = block(model.bobs[TX], i)
+    ty = block(model.bobs[TY], i)
+    bob_x, bob_y = bob_forces(model, i)
+    bar_x, bar_y = bar_forces(model, i)
+    torque = block(a[L1], i) * (tx * bob_x + ty * bob_y)
+    torque = torque - block(a[L2], i) * (tx * bar_x + ty * bar_y)
     if torsion != 0.0 or s.dof_phi >= 0:
-        twist = part(q, i, n) - bar_angles(model, s, i, n, t, q)
-        spring = torsion * part(a[KAPPA], i, n) * twist
+        twist = block(q, i) - bar_angles(model, s, i, t, q)
+        spring = torsion * block(a[KAPPA], i) * twist
         torque = torque - spring
         if s.dof_phi >= 0:
-            set_part(acceleration, s.dof_phi + i - s.start, n, spring / part(a[I2], i, n))
-    set_part(acceleration, i, n, torque / part(a[INERTIA], i, n))
+            set_block(acceleration, s.dof_phi + i - s.start, spring / block(a[I2], i))
+    set_block(acceleration, i, torque / block(a[INERTIA], i))
     if s.dof_x >= 0:
-        ax = (bob_x + bar_x) / part(a[MASS], i, n)
-        set_part(acceleration, s.dof_x + i - s.start, n, ax)
+        ax = (bob_x + bar_x) / block(a[MASS], i)
+        set_block(acceleration, s.dof_x + i - s.start, ax)
     if s.dof_y >= 0:
-        ay = (bob_y + bar_y) / part(a[MASS], i, n)
-        set_part(acceleration, s.dof_y + i - s.start, n, ay)
-    add_end_torques(model, model.end_forces, s, i, n, t, q, acceleration)
+        ay = (bob_y + bar_y) / block(a[MASS], i)
+        set_block(acceleration, s.dof_y + i - s.start, ay)
+    add_end_torques(model, model.end_forces, s, i, t, q, acceleration)
 
 
 @kernel
@@ -277,7 +270,7 @@ def accelerate(model, torsion, t, q, acceleration):
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         for i in range(s.start, s.stop, LANES):
-            accelerate_block(model, s, i, block_size(s, i), torsion, t, q, acceleration)
+            accelerate_block(model, s, i, torsion, t, q, acceleration)
 
 
 @kernel
@@ -305,10 +298,9 @@ def top_speeds(model, t, q, v, speeds):
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         for i in range(s.start, s.stop, LANES):
-            n = block_size(s, i)
-            twist = part(q, i, n) - bar_angles(model, s, i, n, t, q)
-            omega = part(v, i, n)
-            rate = part(a[KAPPA], i, n) / part(a[INERTIA], i, n) * twist * twist + omega * omega
-            set_part(speeds[0], i, n, s.vx + coordinates(s.dof_x, s, i, n, v))
-            set_part(speeds[1], i, n, s.vy + coordinates(s.dof_y, s, i, n, v))
-            set_part(speeds[2], i, n, part(a[L1], i, n) * sqrt(rate))
+            twist = block(q, i) - bar_angles(model, s, i, t, q)
+            omega = block(v, i)
+            rate = block(a[KAPPA], i) / block(a[INERTIA], i) * twist * twist + omega * omega
+            set_block(speeds[0], i, s.vx + coordinates(s.dof_x, s, i, v))
+            set_block(speeds[1], i, s.vy + coordinates(s.dof_y, s, i, v))
+            set_block(speeds[2], i, block(a[L1], i) * sqrt(rate))

@@ -25,7 +25,7 @@ def field_forces(model, fields, t):
             shift_x, shift_y = field_shift(field, t)
             for k in range(field.surfaces.shape[0]):
                 s = model.surfaces[field.surfaces[k]]
-                for i in range(s.start, s.stop):
+                for i in range(s.start, s.end):
                     x = model.bobs[X, i] + shift_x
                     y = model.bobs[Y, i] + shift_y
                     fx, fy = field.potential.force_at(x, y)
@@ -42,7 +42,7 @@ def field_energy(model, fields, t):
             shift_x, shift_y = field_shift(field, t)
             for k in range(field.surfaces.shape[0]):
                 s = model.surfaces[field.surfaces[k]]
-                for i in range(s.start, s.stop):
+                for i in range(s.start, s.end):
                     x = model.bobs[X, i] + shift_x
                     y = model.bobs[Y, i] + shift_y
                     energy += field.potential.energy_at(x, y)

@@ -23,14 +23,15 @@ def image(difference, box, axis):
 
 
 @kernel
-def outdated(bobs, neighbours):
+def outdated(surfaces, bobs, neighbours):
     """Whether any two bobs can have crossed the skin since the list was built."""
     limit = 0.25 * neighbours.skin * neighbours.skin
-    for i in range(bobs.shape[1]):
-        dx = bobs[X, i] - neighbours.place[i, 0]
-        dy = bobs[Y, i] - neighbours.place[i, 1]
-        if not dx * dx + dy * dy < limit:
-            return True
+    for k in range(surfaces.shape[0]):
+        for i in range(surfaces[k].start, surfaces[k].end):
+            dx = bobs[X, i] - neighbours.place[i, 0]
+            dy = bobs[Y, i] - neighbours.place[i, 1]
+            if not dx * dx + dy * dy < limit:
+                return True
     return False
 
 
@@ -153,9 +154,9 @@ def list_pair(model, box, neighbours, one, other, k, used):
     if box is not None:
         box_x = box.x
         box_z = box.z
-    cells, first, order = sort_into_cells(xs, zs, other.start, other.stop, reach, box_x, box_z)
+    cells, first, order = sort_into_cells(xs, zs, other.start, other.end, reach, box_x, box_z)
     low_x, low_z, width_x, width_z, nx, nz = cells
-    for i in range(one.start, one.stop):
+    for i in range(one.start, one.end):
         start[row] = used
         partners = partner_species(species, kinds, i)
         cx = cell_of(xs[i], low_x, width_x, nx, box_x)
@@ -200,7 +201,7 @@ def refresh(model, neighbours):
     """
     if neighbours is not None:
         bobs = model.bobs
-        if not outdated(bobs, neighbours):
+        if not outdated(model.surfaces, bobs, neighbours):
             return
         start = neighbours.start
         used = 0

@@ -36,20 +36,22 @@ def is_vectorized(potential_type: Any) -> bool:
     return True
 
 
-def force_in_lanes(potential, r, charge, others, n):
-    """Force of a potential at the first n of eight distances.
+def force_in_lanes(potential, r, end, charge, others, low, high):
+    """Force of a potential at some of eight distances.
 
     Parameters
     ----------
     potential : NamedTuple
     r : Lanes
         Distances.
+    end : float
+        Distance from which the force is zero [length].
     charge : float
         Charge of one bob.
     others : Lanes or float
         Charges of the other bobs, or of the other bob.
-    n : int
-        Number of distances that are wanted; elsewhere the result has no meaning.
+    low, high : int
+        The lanes that are wanted; elsewhere, and beyond `end`, the result has no meaning.
 
     Returns
     -------
@@ -59,15 +61,16 @@ def force_in_lanes(potential, r, charge, others, n):
 
 
 @overload(force_in_lanes, strict=False)
-def _force_in_lanes(potential, r, charge, others, n):
+def _force_in_lanes(potential, r, end, charge, others, low, high):
     return force_in_lanes if is_vectorized(potential) else _one_by_one
 
 
-def _one_by_one(potential, r, charge, others, n):
+def _one_by_one(potential, r, end, charge, others, low, high):
     force = r
-    for i in range(n):
-        value = potential.force_between(lane(r, i), charge, _lane_of(others, i))
-        force = with_lane(force, i, value)
+    for i in range(low, high):
+        if lane(r, i) < end:
+            value = potential.force_between(lane(r, i), charge, _lane_of(others, i))
+            force = with_lane(force, i, value)
     return force
 
 

@@ -24,7 +24,7 @@ The accounts of a group stand one after another, each with a slot for every aspe
 from numba import literal_unroll
 
 from tribo.kernels.baths import bath_momentum, torsional_torque
-from tribo.kernels.blocks import block_size, coordinates, directions, sum_of_block, vectors
+from tribo.kernels.blocks import coordinates, vectors
 from tribo.kernels.compiled import kernel
 from tribo.kernels.equations_of_motion import bar_angles, end_force_sums
 from tribo.kernels.fields import field_shift
@@ -49,142 +49,143 @@ from tribo.kernels.records import (
     X,
     Y,
 )
-from tribo.kernels.simd import LANES, broadcast
-from tribo.kernels.simd_arrays import part, set_part
+from tribo.kernels.simd import LANES, broadcast, sum_of_lanes
+from tribo.kernels.simd_arrays import block, set_block
+from tribo.kernels.simd_functions import sine_cosine
 
 # Number of accounts in each group; POINT is that of internal, field and thermal.
 CONTACT, SLIDE, DRIVE, ENDS, USER_ENDS, POINT = 4, 2, 4, 5, 8, 4
 
 
 @kernel
-def set_four(power, s, slot, i, n, first, second, third, fourth):
+def set_four(power, s, slot, i, first, second, third, fourth):
     """Set the powers of a block's four accounts of a group."""
     stride = s.stop - s.start
     k = slot + i - s.start
-    set_part(power, k, n, first)
-    set_part(power, k + stride, n, second)
-    set_part(power, k + 2 * stride, n, third)
-    set_part(power, k + 3 * stride, n, fourth)
+    set_block(power, k, first)
+    set_block(power, k + stride, second)
+    set_block(power, k + 2 * stride, third)
+    set_block(power, k + 3 * stride, fourth)
 
 
 @kernel
-def clamped_ends(model, s, i, n, t, q, omega, vx, vy, power):
+def clamped_ends(model, s, i, t, q, omega, vx, vy, power):
     """Set the powers of f_L, and of f_R = -f_L about the centre of mass."""
     a = model.asperites
-    phi = bar_angles(model, s, i, n, t, q)
-    torque = part(a[KAPPA], i, n) * (part(q, i, n) - phi)
-    bar_length = part(a[BAR_LENGTH], i, n)
-    sin, cos = directions(n, phi)
+    phi = bar_angles(model, s, i, t, q)
+    torque = block(a[KAPPA], i) * (block(q, i) - phi)
+    bar_length = block(a[BAR_LENGTH], i)
+    sin, cos = sine_cosine(phi)
     x, y = end_force(torque, bar_length, sin, cos)
-    tx = part(model.bobs[TX], i, n)
-    ty = part(model.bobs[TY], i, n)
-    with_bar = rotational_power(-part(a[L2], i, n), omega, tx, ty, x, y)
-    turning = -0.5 * torque * part(a[NU_START], i, n)
+    tx = block(model.bobs[TX], i)
+    ty = block(model.bobs[TY], i)
+    with_bar = rotational_power(-block(a[L2], i), omega, tx, ty, x, y)
+    turning = -0.5 * torque * block(a[NU_START], i)
     stride = s.stop - s.start
-    set_four(power, s, s.acc_ends, i, n, turning + with_bar, turning - with_bar, x, y)
-    set_part(power, s.acc_ends + i - s.start + 4 * stride, n, x * vx + y * vy)
+    set_four(power, s, s.acc_ends, i, turning + with_bar, turning - with_bar, x, y)
+    set_block(power, s.acc_ends + i - s.start + 4 * stride, x * vx + y * vy)
 
 
 @kernel
-def custom_end_powers(model, end_forces, s, i, n, t, q, v, power):
+def custom_end_powers(model, end_forces, s, i, t, q, v, power):
     """Set the powers of a plug-in's forces on the ends of bars, at r2 + r_L and r2 + r_R."""
     if end_forces is not None:
         if s.acc_user_ends >= 0:
             a = model.asperites
-            left_x = part(end_forces[LEFT_X], i, n)
-            left_y = part(end_forces[LEFT_Y], i, n)
-            right_x = part(end_forces[RIGHT_X], i, n)
-            right_y = part(end_forces[RIGHT_Y], i, n)
-            sin, cos = directions(n, bar_angles(model, s, i, n, t, q))
-            tip = 0.5 * part(a[BAR_LENGTH], i, n) * coordinates(s.dof_phi, s, i, n, v)
+            left_x = block(end_forces[LEFT_X], i)
+            left_y = block(end_forces[LEFT_Y], i)
+            right_x = block(end_forces[RIGHT_X], i)
+            right_y = block(end_forces[RIGHT_Y], i)
+            sin, cos = sine_cosine(bar_angles(model, s, i, t, q))
+            tip = 0.5 * block(a[BAR_LENGTH], i) * coordinates(s.dof_phi, s, i, v)
             tip_x = -tip * sin
             tip_y = tip * cos
             zero = broadcast(0.0)
-            tx = part(model.bobs[TX], i, n)
-            ty = part(model.bobs[TY], i, n)
-            x, y = bar_velocity(zero, zero, part(v, i, n), part(a[L2], i, n), tx, ty)
-            vx = coordinates(s.dof_x, s, i, n, v)
-            vy = coordinates(s.dof_y, s, i, n, v)
+            tx = block(model.bobs[TX], i)
+            ty = block(model.bobs[TY], i)
+            x, y = bar_velocity(zero, zero, block(v, i), block(a[L2], i), tx, ty)
+            vx = coordinates(s.dof_x, s, i, v)
+            vy = coordinates(s.dof_y, s, i, v)
             left = left_x * (x - tip_x) + left_y * (y - tip_y)
             right = right_x * (x + tip_x) + right_y * (y + tip_y)
             k = s.acc_user_ends
-            set_four(power, s, k, i, n, left, right, left_x, left_y)
+            set_four(power, s, k, i, left, right, left_x, left_y)
             left = left_x * vx + left_y * vy
             right = right_x * vx + right_y * vy
             k += 4 * (s.stop - s.start)
-            set_four(power, s, k, i, n, right_x, right_y, left, right)
+            set_four(power, s, k, i, right_x, right_y, left, right)
 
 
 @kernel
-def set_bob_powers(model, table, slot, s, i, n, omega, vx, vy, power):
+def set_bob_powers(model, table, slot, s, i, omega, vx, vy, power):
     """Set the powers of Jx, Jy, work about r_cm and pseudowork of forces on the bobs."""
     if table is not None:
         if slot >= 0:
-            x, y = vectors(table, i, n)
-            tx = part(model.bobs[TX], i, n)
-            ty = part(model.bobs[TY], i, n)
-            about = rotational_power(part(model.asperites[L1], i, n), omega, tx, ty, x, y)
-            set_four(power, s, slot, i, n, x, y, about, x * vx + y * vy)
+            x, y = vectors(table, i)
+            tx = block(model.bobs[TX], i)
+            ty = block(model.bobs[TY], i)
+            about = rotational_power(block(model.asperites[L1], i), omega, tx, ty, x, y)
+            set_four(power, s, slot, i, x, y, about, x * vx + y * vy)
 
 
 @kernel
-def set_bar_powers(model, table, slot, s, i, n, omega, vx, vy, power):
+def set_bar_powers(model, table, slot, s, i, omega, vx, vy, power):
     """Set the same of forces at the bars' centres."""
     if table is not None:
         if slot >= 0:
-            x, y = vectors(table, i, n)
-            tx = part(model.bobs[TX], i, n)
-            ty = part(model.bobs[TY], i, n)
-            about = rotational_power(-part(model.asperites[L2], i, n), omega, tx, ty, x, y)
-            set_four(power, s, slot, i, n, x, y, about, x * vx + y * vy)
+            x, y = vectors(table, i)
+            tx = block(model.bobs[TX], i)
+            ty = block(model.bobs[TY], i)
+            about = rotational_power(-block(model.asperites[L2], i), omega, tx, ty, x, y)
+            set_four(power, s, slot, i, x, y, about, x * vx + y * vy)
 
 
 @kernel
-def set_internal_powers(model, s, i, n, omega, vx, vy, power):
+def set_internal_powers(model, s, i, omega, vx, vy, power):
     """Set the same of the internal forces: springs and bath on the bars, contact on the bobs."""
     if s.acc_internal >= 0:
         a = model.asperites
-        tx = part(model.bobs[TX], i, n)
-        ty = part(model.bobs[TY], i, n)
-        x, y = vectors(model.internal, i, n)
-        about = rotational_power(-part(a[L2], i, n), omega, tx, ty, x, y)
-        bob_x, bob_y = vectors(model.inner, i, n)
-        about = about + rotational_power(part(a[L1], i, n), omega, tx, ty, bob_x, bob_y)
+        tx = block(model.bobs[TX], i)
+        ty = block(model.bobs[TY], i)
+        x, y = vectors(model.internal, i)
+        about = rotational_power(-block(a[L2], i), omega, tx, ty, x, y)
+        bob_x, bob_y = vectors(model.inner, i)
+        about = about + rotational_power(block(a[L1], i), omega, tx, ty, bob_x, bob_y)
         x = x + bob_x
         y = y + bob_y
-        set_four(power, s, s.acc_internal, i, n, x, y, about, x * vx + y * vy)
+        set_four(power, s, s.acc_internal, i, x, y, about, x * vx + y * vy)
 
 
 @kernel
-def powers_of_block(model, s, i, n, torsion, t, q, v, power):
+def powers_of_block(model, s, i, torsion, t, q, v, power):
     """Set the powers of a block's accounts, forces in place.
 
     `torsion` is 0 where the torsion springs, and the ends that hold them, are integrated
     separately.
     """
     b = model.bobs
-    omega = part(v, i, n)
-    vx = coordinates(s.dof_x, s, i, n, v)
-    vy = coordinates(s.dof_y, s, i, n, v)
-    tx = part(b[TX], i, n)
-    ty = part(b[TY], i, n)
-    x = part(b[FX], i, n)
-    y = part(b[FY], i, n)
-    set_four(power, s, s.acc_contact, i, n, x, y, x * omega * tx, y * omega * ty)
+    omega = block(v, i)
+    vx = coordinates(s.dof_x, s, i, v)
+    vy = coordinates(s.dof_y, s, i, v)
+    tx = block(b[TX], i)
+    ty = block(b[TY], i)
+    x = block(b[FX], i)
+    y = block(b[FY], i)
+    set_four(power, s, s.acc_contact, i, x, y, x * omega * tx, y * omega * ty)
     if s.acc_slide >= 0:
         k = s.acc_slide + i - s.start
-        set_part(power, k, n, x * vx)
-        set_part(power, k + s.stop - s.start, n, y * vy)
+        set_block(power, k, x * vx)
+        set_block(power, k + s.stop - s.start, y * vy)
     if s.acc_drive >= 0:
-        x, y = vectors(model.drive, i, n)
+        x, y = vectors(model.drive, i)
         about = omega * (tx * x + ty * y)
-        set_four(power, s, s.acc_drive, i, n, x, y, about, x * vx + y * vy)
+        set_four(power, s, s.acc_drive, i, x, y, about, x * vx + y * vy)
     if s.acc_ends >= 0 and torsion != 0.0:
-        clamped_ends(model, s, i, n, t, q, omega, vx, vy, power)
-    set_bob_powers(model, model.external, s.acc_field, s, i, n, omega, vx, vy, power)
-    set_internal_powers(model, s, i, n, omega, vx, vy, power)
-    set_bar_powers(model, model.friction, s.acc_thermal, s, i, n, omega, vx, vy, power)
-    custom_end_powers(model, model.end_forces, s, i, n, t, q, v, power)
+        clamped_ends(model, s, i, t, q, omega, vx, vy, power)
+    set_bob_powers(model, model.external, s.acc_field, s, i, omega, vx, vy, power)
+    set_internal_powers(model, s, i, omega, vx, vy, power)
+    set_bar_powers(model, model.friction, s.acc_thermal, s, i, omega, vx, vy, power)
+    custom_end_powers(model, model.end_forces, s, i, t, q, v, power)
 
 
 @kernel
@@ -197,7 +198,7 @@ def field_powers(model, fields, t, power):
                 shift_x, shift_y = field_shift(field, t)
                 for k in range(field.surfaces.shape[0]):
                     s = model.surfaces[field.surfaces[k]]
-                    for i in range(s.start, s.stop):
+                    for i in range(s.start, s.end):
                         x = model.bobs[X, i] + shift_x
                         y = model.bobs[Y, i] + shift_y
                         fx, fy = field.potential.force_at(x, y)
@@ -212,7 +213,7 @@ def torsional_powers(model, torsional, t, q, v, power):
             s = model.surfaces[k]
             if s.torsionals > 0:
                 slot = s.acc_internal + 2 * (s.stop - s.start)
-                for i in range(s.start, s.stop):
+                for i in range(s.start, s.end):
                     torque = torsional_torque(model, torsional, s, i, t, q)
                     power[slot + i - s.start] += torque * v[s.dof_phi + i - s.start]
 
@@ -222,12 +223,11 @@ def momentum(model, s, v):
     """Momentum of a surface and its bath in the surface's first frame."""
     px, py = bath_momentum(model, model.bath, s, v)
     for i in range(s.start, s.stop, LANES):
-        n = block_size(s, i)
-        mass = part(model.asperites[MASS], i, n)
+        mass = block(model.asperites[MASS], i)
         if s.dof_x >= 0:
-            px += sum_of_block(n, mass * coordinates(s.dof_x, s, i, n, v))
+            px += sum_of_lanes(mass * coordinates(s.dof_x, s, i, v))
         if s.dof_y >= 0:
-            py += sum_of_block(n, mass * coordinates(s.dof_y, s, i, n, v))
+            py += sum_of_lanes(mass * coordinates(s.dof_y, s, i, v))
     return px, py
 
 
@@ -237,14 +237,13 @@ def external_force(model, s):
     fx = 0.0
     fy = 0.0
     for i in range(s.start, s.stop, LANES):
-        n = block_size(s, i)
-        x = part(model.bobs[FX], i, n) + part(model.drive[ALONG_X], i, n)
-        y = part(model.bobs[FY], i, n) + part(model.drive[ALONG_Y], i, n)
-        field_x, field_y = vectors(model.external, i, n)
-        friction_x, friction_y = vectors(model.friction, i, n)
-        end_x, end_y = end_force_sums(model.end_forces, i, n)
-        fx += sum_of_block(n, x + field_x + friction_x + end_x)
-        fy += sum_of_block(n, y + field_y + friction_y + end_y)
+        x = block(model.bobs[FX], i) + block(model.drive[ALONG_X], i)
+        y = block(model.bobs[FY], i) + block(model.drive[ALONG_Y], i)
+        field_x, field_y = vectors(model.external, i)
+        friction_x, friction_y = vectors(model.friction, i)
+        end_x, end_y = end_force_sums(model.end_forces, i)
+        fx += sum_of_lanes(x + field_x + friction_x + end_x)
+        fy += sum_of_lanes(y + field_y + friction_y + end_y)
     return fx, fy
 
 
@@ -265,7 +264,7 @@ def all_powers(model, t, q, v, power):
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         for i in range(s.start, s.stop, LANES):
-            powers_of_block(model, s, i, block_size(s, i), 1.0, t, q, v, power)
+            powers_of_block(model, s, i, 1.0, t, q, v, power)
     field_powers(model, model.fields, t, power)
     torsional_powers(model, model.torsional, t, q, v, power)
     block_powers(model, v, power)

@@ -5,25 +5,26 @@ from tribo.kernels.neighbours import image
 from tribo.kernels.records import CHARGE, FX, FY, X, Y, Z
 
 
-def contact_probe(model, positions, charges, energies, forces):
+def contact_probe(model, columns, positions, charges, energies, forces):
     """Compute the contact energy, and the force on every bob, for one arrangement after another.
 
-    positions (k, n, 3), charges (k, n), energies (k,), forces (k, n, 2).
+    columns (n,) of the bobs, positions (k, n, 3), charges (k, n), energies (k,), forces (k, n, 2).
     """
     bobs = model.bobs
     for k in range(positions.shape[0]):
-        for i in range(bobs.shape[1]):
-            bobs[X, i] = positions[k, i, 0]
-            bobs[Y, i] = positions[k, i, 1]
-            model.asperites[Z, i] = positions[k, i, 2]
-            model.asperites[CHARGE, i] = charges[k, i]
+        for m in range(columns.size):
+            i = columns[m]
+            bobs[X, i] = positions[k, m, 0]
+            bobs[Y, i] = positions[k, m, 1]
+            model.asperites[Z, i] = positions[k, m, 2]
+            model.asperites[CHARGE, i] = charges[k, m]
             bobs[FX, i] = 0.0
             bobs[FY, i] = 0.0
         contact_forces(model, None)
         energies[k] = contact_energy(model, None)
-        for i in range(bobs.shape[1]):
-            forces[k, i, 0] = bobs[FX, i]
-            forces[k, i, 1] = bobs[FY, i]
+        for m in range(columns.size):
+            forces[k, m, 0] = bobs[FX, columns[m]]
+            forces[k, m, 1] = bobs[FY, columns[m]]
 
 
 def distance_probe(model, positions, i, distances):

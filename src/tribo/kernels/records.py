@@ -47,7 +47,8 @@ ASPERITE = np.dtype(
 
 # Rows of the table of asperites that kernels read, one column an asperite.  phi, with its sine and
 # cosine, and nu are those at the start.  The frequency is that of the torsion spring's rotation, of
-# the pendulum and, if that can turn, of the bar.
+# the pendulum and, if that can turn, of the bar.  Those that fill the last block of a surface are
+# not present, 0 instead of 1: no drive or friction acts on them.
 CONSTANTS = (
     "mass",
     "inertia",
@@ -65,6 +66,7 @@ CONSTANTS = (
     "frequency",
     "z",
     "charge",
+    "present",
 )
 (
     MASS,
@@ -83,14 +85,16 @@ CONSTANTS = (
     FREQUENCY,
     Z,
     CHARGE,
+    PRESENT,
 ) = range(len(CONSTANTS))
 
 FORCED, FREE, RIGID, PULLED, CUSTOM = range(5)
 
 SURFACE = np.dtype(
     [
-        ("start", "i8"),  # asperites start <= i < stop
+        ("start", "i8"),  # columns start <= i < stop
         ("stop", "i8"),
+        ("end", "i8"),  # columns from here to `stop` fill its last block
         ("facing", "f8"),  # +1 hangs down, -1 stands up
         ("vx", "f8"),  # its initial velocity, relative to the first surface's
         ("vy", "f8"),
@@ -268,6 +272,7 @@ class Model(NamedTuple):
 
     asperites: np.ndarray  # (rows, n), see CONSTANTS
     surfaces: Any  # recarray of SURFACE
+    core: int  # number of the asperites' coordinates, before those of baths
     contacts: tuple  # of Contact between different surfaces
     within: Any  # tuple of Contact among the bobs of one surface, or None
     calculators: Any  # tuple of Calculator, or None

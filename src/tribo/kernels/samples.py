@@ -59,6 +59,8 @@ class Record(NamedTuple):
     contact: np.ndarray  # (times,) energy of all contacts
     field: np.ndarray  # (times,) energy in all external fields
     stored: np.ndarray  # (times, surfaces, STORED) energies within, and the baths' momentum
+    y_places: np.ndarray  # (2 coordinates,) where the kernels have them
+    s_places: np.ndarray  # (accounts,) the same
 
 
 @kernel
@@ -113,7 +115,7 @@ def bath_energies(model, bath, q, v, stored):
             first = s.first_oscillator
             count = s.oscillators
             if count > 0:
-                for i in range(s.start, s.stop):
+                for i in range(s.start, s.end):
                     m = first_slot(s, i)
                     x = model.displaced[ALONG_X, i]
                     y = model.displaced[ALONG_Y, i]
@@ -144,7 +146,7 @@ def torsional_energies(model, torsional, t, q, v, stored):
             first = s.first_torsional
             count = s.torsionals
             if count > 0:
-                for i in range(s.start, s.stop):
+                for i in range(s.start, s.end):
                     phi = bar_angle(model, s, i, t, q)
                     m = torsional_slot(s, i)
                     energy = oscillator_energy(torsional, first, count, q, v, m, phi)
@@ -158,11 +160,10 @@ def write_sample(model, neighbours, clock, state, record):
     n = state.y.size // 2
     q = state.y[:n]
     v = state.y[n:]
-    core = record.y.shape[1] // 2
-    for m in range(core):
-        record.y[k, m] = q[m]
-        record.y[k, core + m] = v[m]
-    copy(state.s, record.s[k])
+    for m in range(record.y_places.size):
+        record.y[k, m] = state.y[record.y_places[m]]
+    for m in range(record.s_places.size):
+        record.s[k, m] = state.s[record.s_places[m]]
     record.contact[k] = contact_energy(model, neighbours)
     record.field[k] = field_energy(model, model.fields, clock.t)
     for m in range(record.stored.shape[1]):

@@ -245,14 +245,15 @@ def with_lane(typing_context, x, i, value):
 
 
 @intrinsic
-def first_lanes(typing_context, n, x, other):
-    """`x` in the first n lanes, `other`, Lanes or a float, elsewhere."""
+def between_lanes(typing_context, low, high, x, other):
+    """`x` in the lanes from `low` to `high`, that excluded; `other`, a float, elsewhere."""
 
     def build(context, builder, sig, args):
-        n, x, other = args
-        return builder.select(first(builder, n), x, _spread(builder, other))
+        low, high, x, other = args
+        wanted = builder.and_(builder.not_(first(builder, low)), first(builder, high))
+        return builder.select(wanted, x, _spread(builder, other))
 
-    return lanes(types.intp, lanes, other), build
+    return lanes(types.intp, types.intp, lanes, types.float64), build
 
 
 def first(builder, n):

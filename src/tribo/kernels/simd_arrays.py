@@ -1,7 +1,8 @@
 """Lanes in memory: eight neighbours of an array, or elements that a list names.
 
-The last block of an array has fewer than eight elements of its own.  It is read with whatever
-follows in memory, so arrays need room for eight more elements: :func:`room` makes such arrays.
+Blocks begin at multiples of eight in arrays that begin at a multiple of their size, so that no
+block lies in two cache lines.  A few, of springs, do not, and reach beyond the end of an array:
+:func:`room` makes arrays for both.
 """
 
 import math
@@ -14,25 +15,29 @@ from numba.core import cgutils
 from numba.extending import intrinsic, models, overload, register_model
 
 from tribo.kernels.compiled import inlined, owning_kernel
-from tribo.kernels.simd import _FLOAT, _INDEX, _VECTOR, LANES, first, first_lanes, lanes
+from tribo.kernels.simd import _FLOAT, _INDEX, _VECTOR, LANES, first, lanes
 
 
 def room(shape: tuple[int, ...]) -> np.ndarray:
-    """A C-contiguous array of zeros whose last block may be read and written as a whole."""
+    """A C-contiguous array of zeros that begins with a cache line, with room for a block after."""
     size = math.prod(shape)
-    return np.zeros(size + LANES)[:size].reshape(shape)
+    array = np.zeros(size + 2 * LANES)
+    first = -(array.ctypes.data // 8) % LANES
+    return array[first : first + size].reshape(shape)
 
 
 @owning_kernel
 def empty_row(n):
-    """The same of one row, for kernels; not set."""
-    return np.empty(n + LANES)[:n]
+    """The same with one row, for kernels; not set."""
+    array = np.empty(n + 2 * LANES)
+    first = -(array.ctypes.data // 8) % LANES
+    return array[first : first + n]
 
 
 @owning_kernel
 def empty_rows(count, n):
-    """The same of several rows, for kernels; not set."""
-    return np.empty(count * n + LANES)[: count * n].reshape(count, n)
+    """The same with several rows, for kernels; not set."""
+    return empty_row(count * n).reshape(count, n)
 
 
 def with_spare_lanes(values: np.ndarray) -> np.ndarray:
@@ -152,7 +157,7 @@ _INTEGERS = ir.VectorType(ir.IntType(64), LANES)
 
 
 @intrinsic
-def load_at(typing_context, array, i):
+def block(typing_context, array, i):
     """Eight elements from place i of a contiguous array on."""
 
     def build(context, builder, sig, args):
@@ -162,7 +167,7 @@ def load_at(typing_context, array, i):
 
 
 @intrinsic
-def store_at(typing_context, array, i, x):
+def set_block(typing_context, array, i, x):
     """Set eight elements from place i of a contiguous array on."""
 
     def build(context, builder, sig, args):
@@ -173,18 +178,9 @@ def store_at(typing_context, array, i, x):
 
 
 @inlined
-def part(array, i, n):
-    """The first n elements from place i of an array of :func:`room` on; others are arbitrary."""
-    return load_at(array, i)
-
-
-@inlined
-def set_part(array, i, n, x):
-    """Set the first n elements from place i of an array of :func:`room` on.
-
-    A store with a mask would delay the loads of the same elements that follow.
-    """
-    store_at(array, i, first_lanes(n, x, load_at(array, i)))
+def add_block(array, i, x):
+    """Add to eight elements from place i of a contiguous array on."""
+    set_block(array, i, block(array, i) + x)
 
 
 def _elements(context, builder, kind, array, index_kind, index, i, n):
@@ -240,9 +236,3 @@ def scatter(typing_context, array, index, i, n, x):
 
     good = _is_row(array) and _is_row(index, types.int64)
     return (types.void(array, index, types.intp, types.intp, lanes), build) if good else None
-
-
-@inlined
-def add_part(array, i, n, x):
-    """Add to the first n elements from place i of a contiguous array on, at most eight."""
-    set_part(array, i, n, part(array, i, n) + x)

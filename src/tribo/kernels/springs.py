@@ -1,44 +1,47 @@
 """Lattice springs: f = -k (stretch) on the bars, and their energy.
 
 The stretch is (r2_i - r2_j) - (r2_i - r2_j)_rest.  Springs stand in chains, each between bars
-i + n and j + n, of which eight are computed at once.
+i + n and j + n, of which eight are computed at once; columns that fill the last block of a chain
+have springs without stiffness.
 """
 
-from tribo.kernels.blocks import sum_of_block
 from tribo.kernels.compiled import kernel
 from tribo.kernels.records import ALONG_X, ALONG_Y, REST_X, REST_Y, STIFFNESS
-from tribo.kernels.simd import LANES
-from tribo.kernels.simd_arrays import part, set_part
+from tribo.kernels.simd import LANES, sum_of_lanes
+from tribo.kernels.simd_arrays import add_block, block
 
 
 @kernel
-def stretches(displaced, axis, rest, i, j, n):
+def stretches(displaced, axis, rest, i, j):
     """One component of the stretches of springs between bars from i and from j on."""
-    return part(displaced[axis], i, n) - part(displaced[axis], j, n) + rest
+    return block(displaced[axis], i) - block(displaced[axis], j) + rest
 
 
 @kernel
-def add_along(model, axis, i, j, n, stiffness, rest):
-    """Add one component of the forces of springs between bars from i and from j on."""
-    force = stiffness * stretches(model.displaced, axis, rest, i, j, n)
-    row = model.internal[axis]
-    set_part(row, i, n, part(row, i, n) - force)
-    set_part(row, j, n, part(row, j, n) + force)
+def add_to_bars(model, springs, chain, axis, row_of_rest, first, sign):
+    """Add one component of a chain's forces, times `sign`, to the bars from `first` on."""
+    forces = model.internal[axis]
+    for m in range(0, chain.count, LANES):
+        stiffness = sign * block(springs.table[STIFFNESS], chain.first + m)
+        rest = block(springs.table[row_of_rest], chain.first + m)
+        stretch = stretches(model.displaced, axis, rest, chain.i + m, chain.j + m)
+        add_block(forces, first + m, stiffness * stretch)
 
 
 @kernel
 def spring_forces(model, springs):
-    """Add the forces of all springs on the bars."""
+    """Add the forces of all springs on the bars.
+
+    Those on the first bars of all springs of a chain come before those on the second, so that no
+    element is read just after it was written as part of another block.
+    """
     if springs is not None:
         for k in range(springs.chains.shape[0]):
             chain = springs.chains[k]
-            for m in range(0, chain.count, LANES):
-                n = min(LANES, chain.count - m)
-                stiffness = part(springs.table[STIFFNESS], chain.first + m, n)
-                x = part(springs.table[REST_X], chain.first + m, n)
-                y = part(springs.table[REST_Y], chain.first + m, n)
-                add_along(model, ALONG_X, chain.i + m, chain.j + m, n, stiffness, x)
-                add_along(model, ALONG_Y, chain.i + m, chain.j + m, n, stiffness, y)
+            add_to_bars(model, springs, chain, ALONG_X, REST_X, chain.i, -1.0)
+            add_to_bars(model, springs, chain, ALONG_Y, REST_Y, chain.i, -1.0)
+            add_to_bars(model, springs, chain, ALONG_X, REST_X, chain.j, 1.0)
+            add_to_bars(model, springs, chain, ALONG_Y, REST_Y, chain.j, 1.0)
 
 
 @kernel
@@ -48,12 +51,11 @@ def spring_energies(model, springs, stored):
         for k in range(springs.chains.shape[0]):
             chain = springs.chains[k]
             for m in range(0, chain.count, LANES):
-                n = min(LANES, chain.count - m)
                 i = chain.i + m
                 j = chain.j + m
-                rest_x = part(springs.table[REST_X], chain.first + m, n)
-                rest_y = part(springs.table[REST_Y], chain.first + m, n)
-                x = stretches(model.displaced, ALONG_X, rest_x, i, j, n)
-                y = stretches(model.displaced, ALONG_Y, rest_y, i, j, n)
-                stiffness = part(springs.table[STIFFNESS], chain.first + m, n)
-                stored[chain.surface] += sum_of_block(n, 0.5 * stiffness * (x * x + y * y))
+                rest_x = block(springs.table[REST_X], chain.first + m)
+                rest_y = block(springs.table[REST_Y], chain.first + m)
+                x = stretches(model.displaced, ALONG_X, rest_x, i, j)
+                y = stretches(model.displaced, ALONG_Y, rest_y, i, j)
+                stiffness = block(springs.table[STIFFNESS], chain.first + m)
+                stored[chain.surface] += sum_of_lanes(0.5 * stiffness * (x * x + y * y))

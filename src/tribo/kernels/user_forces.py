@@ -47,7 +47,7 @@ def custom_drives(model, drives, t, q, v):
         b = model.bobs
         for drive in literal_unroll(drives):
             s = model.surfaces[drive.surface]
-            for i in range(s.start, s.stop):
+            for i in range(s.start, s.end):
                 x, y = bar_position(b[X, i], b[Y, i], a[L1, i] + a[L2, i], b[TX, i], b[TY, i])
                 x = x + drive.origin[0] + drive.velocity[0] * t
                 y = y + drive.origin[1] + drive.velocity[1] * t
@@ -65,7 +65,7 @@ def custom_ends(model, ends, t, q, v):
     if ends is not None:
         for end in literal_unroll(ends):
             s = model.surfaces[end.surface]
-            for i in range(s.start, s.stop):
+            for i in range(s.start, s.end):
                 phi = bar_angle(model, s, i, t, q)
                 nu = coordinate(s.dof_phi, s, i, v)
                 left_x, left_y, right_x, right_y = end.plugin.end_forces(t, phi, nu, q[i] - phi)

@@ -56,7 +56,7 @@ class PairContact(NamedTuple):
 def force_over_distance(pair, potential, r, inverse):
     """Contact force over distance; `inverse` is 1 / r."""
     cutoff = potential.range()
-    force = force_in_lanes(potential, r, pair.charge1, pair.charge2, LANES) * inverse
+    force = force_in_lanes(potential, r, cutoff, pair.charge1, pair.charge2, 0, LANES) * inverse
     return where_less(r, cutoff, force, 0.0)
 
 

@@ -8,27 +8,16 @@ from typing import Any
 import numpy as np
 
 from tribo.kernels import records
-from tribo.kernels.powers import CONTACT, DRIVE, ENDS, POINT, SLIDE, USER_ENDS
-from tribo.kernels.records import (
-    CHARGE,
-    CUSTOM,
-    FORCED,
-    FREE,
-    PULLED,
-    RIGID,
-    Box,
-    Model,
-    Neighbours,
-    Z,
-)
-from tribo.kernels.simd_arrays import room, with_spare_lanes
+from tribo.kernels.records import CUSTOM, FORCED, FREE, PULLED, RIGID, Box, Model, Neighbours
+from tribo.kernels.simd import LANES
+from tribo.kernels.simd_arrays import room
 from tribo.model.bath import thermal_start, thermal_torsional_start
 from tribo.model.drives import Custom as CustomDrive
 from tribo.model.drives import Ends, Forced, Free, Pulled
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.potentials.from_ase import Call, Live
-from tribo.run import contacts
+from tribo.run import contacts, slots
 from tribo.run.force_records import Records, fields_on_surfaces, springs, user_forces
 from tribo.run.identity import loaded
 
@@ -46,12 +35,18 @@ class Layout:
         What is laid out.
     asperites : recarray of ASPERITE
         What each asperite is, and where its numbers stand in y and s.
+    surfaces : recarray of SURFACE
+        The same of the surfaces.
     model : Model
         The tables that the kernels read.
     start : ndarray, (2 coordinates,)
         y at the start of the run.
     core, coordinates, accounts : int
         Coordinates of the asperites; all coordinates, including the baths'; size of s.
+    places : Places
+        Where the kernels have what y and s have.
+    room : (int, int)
+        Coordinates and accounts of the kernels.
     velocity : ndarray, (n, 2)
         Initial velocity of each asperite's surface, in the laboratory.
     origin : ndarray, (2,)
@@ -68,11 +63,14 @@ class Layout:
 
     scene: Scene
     asperites: Records
+    surfaces: Records
     model: Model
     start: np.ndarray
     core: int
     coordinates: int
     accounts: int
+    places: slots.Places
+    room: tuple[int, int]
     velocity: np.ndarray
     origin: np.ndarray
     parts: dict[str, slice]
@@ -113,6 +111,12 @@ class Layout:
         return replace(self, model=model)
 
     @property
+    def depths(self) -> np.ndarray:
+        """z of every bob [length], (n,)."""
+        depths: np.ndarray = self.model.asperites[records.Z, self.places.columns]
+        return depths
+
+    @property
     def plugins(self) -> list[Any]:
         """All plug-ins that the kernels are compiled with."""
         model = self.model
@@ -149,70 +153,101 @@ def lay_out(scene: Scene) -> Layout:
         surface.name: slice(stop - surface.count, stop)
         for surface, stop in zip(scene.surfaces, stops, strict=True)
     }
-    asperites = np.zeros(scene.count, records.ASPERITE)
-    surfaces = np.zeros(len(scene.surfaces), records.SURFACE)
-    for k, surface in enumerate(scene.surfaces):
-        part = parts[surface.name]
-        _fill_asperites(asperites[part], scene, k)
-        asperites["surface"][part] = k
-        surfaces["start"][k], surfaces["stop"][k] = part.start, part.stop
-        surfaces["mass"][k] = np.sum(asperites["mass"][part])
-        _fill_surface(surfaces[k : k + 1], surface, scene.surfaces[0])
-    bath, torsional = _baths(scene, surfaces)
-    core = _give_coordinates(surfaces, scene)
-    coordinates = _give_bath(surfaces, core)
-    accounts = _give_accounts(asperites, surfaces, scene)
-    _give_slots(asperites, surfaces)
+    asperites, physics = _records(scene, parts)
     origin = _origin(scene)
-    fields, accounts = fields_on_surfaces(scene, origin, accounts)
+    sliding = np.array(slots.slide(scene))
+    fields, shared = fields_on_surfaces(scene, origin, int(np.sum(sliding)))
+    physics["acc_block"] = np.where(sliding, np.cumsum(sliding) - 1, -1)
+    mine = slots.number(scene, physics, shared, width=1)
+    theirs = slots.number(scene, physics, shared, LANES)
+    slots.give_slots(asperites, mine.surfaces)
+    start = _start(asperites, scene, parts, mine)
+    places = slots.places(mine, theirs, shared)
+    depths = [_resting_bobs(scene, k)[:, 2] for k in range(len(scene.surfaces))]
+    calls = contacts.calculator_calls(scene, depths)
     between, within, rows, skin = contacts.lay_out_contacts(scene)
-    start = _start(asperites, surfaces, scene, parts, core, coordinates)
-    table = _constants(asperites, scene, parts)
-    calls = contacts.calculator_calls(scene, [table[Z, part] for part in parts.values()])
-    lattice = springs(scene, parts, asperites)
-    ends = user_forces(scene, origin, "bars", Ends)
-    reservoirs = any(surface.langevin for surface in scene.surfaces)
-
-    def forces_if(present: object, rows: int = 2) -> np.ndarray | None:
-        return room((rows, scene.count)) if present else None
-
-    model = Model(
-        asperites=table,
-        surfaces=surfaces.view(np.recarray),
+    model = _model(scene, asperites, theirs, places)._replace(
         contacts=between,
         within=within,
+        inner=room((2, theirs.columns)) if within else None,
         calculators=contacts.calculators(scene, calls),
-        species=contacts.species(scene),
-        bobs=room((records.BOB_ROWS, scene.count)),
-        drive=room((2, scene.count)),
-        inner=forces_if(within),
-        external=forces_if(fields),
-        internal=forces_if(lattice or bath is not None),
-        displaced=forces_if(lattice or bath is not None),
-        friction=forces_if(reservoirs),
-        end_forces=forces_if(ends, rows=4),
-        box=Box(scene.periodic.x or 0.0, scene.periodic.z or 0.0) if scene.periodic else None,
-        springs=lattice,
-        bath=bath,
-        torsional=torsional,
         fields=fields,
+        external=room((2, theirs.columns)) if fields else None,
         drives=user_forces(scene, origin, "drive", CustomDrive),
-        ends=ends,
+        ends=(ends := user_forces(scene, origin, "bars", Ends)),
+        end_forces=room((4, theirs.columns)) if ends else None,
     )
     return Layout(
         scene=scene,
         asperites=asperites.view(np.recarray),
+        surfaces=mine.surfaces.view(np.recarray),
         model=model,
         start=start,
-        core=core,
-        coordinates=coordinates,
-        accounts=accounts,
+        core=mine.core,
+        coordinates=mine.coordinates,
+        accounts=mine.accounts,
+        places=places,
+        room=(theirs.coordinates, theirs.accounts),
         velocity=np.repeat([surface.velocity for surface in scene.surfaces], counts, axis=0),
         origin=origin,
         parts=parts,
         calculator_calls=calls,
         rows=rows,
         skin=skin,
+    )
+
+
+def _records(scene: Scene, parts: dict[str, slice]) -> tuple[np.ndarray, np.ndarray]:
+    """The asperites and the surfaces, but for their slots."""
+    asperites = np.zeros(scene.count, records.ASPERITE)
+    surfaces = np.zeros(len(scene.surfaces), records.SURFACE)
+    for k, surface in enumerate(scene.surfaces):
+        part = parts[surface.name]
+        _fill_asperites(asperites[part], scene, k)
+        asperites["surface"][part] = k
+        surfaces["mass"][k] = np.sum(asperites["mass"][part])
+        hung = surface.count * float(np.sum(surface.bath.masses))
+        surfaces["total_mass"][k] = surfaces["mass"][k] + hung
+        surfaces["turning"][k] = np.any(asperites["nu"][part] != 0.0)
+        _fill_surface(surfaces[k : k + 1], surface, scene.surfaces[0])
+    return asperites, surfaces
+
+
+def _model(
+    scene: Scene, asperites: np.ndarray, numbering: slots.Numbering, places: slots.Places
+) -> Model:
+    """The tables of the kernels; contacts, fields and forces of plug-ins are still absent."""
+    n = numbering.columns
+    bath = _oscillators(numbering, [(s.bath.masses, s.bath.frequencies) for s in scene.surfaces])
+    torsional = _oscillators(
+        numbering, [(s.bath.inertias, s.bath.torsional_frequencies) for s in scene.surfaces]
+    )
+    lattice = springs(scene, asperites, places.columns)
+    pulls = lattice is not None or bath is not None
+    reservoirs = any(surface.langevin for surface in scene.surfaces)
+    return Model(
+        asperites=_constants(scene, asperites, places.columns, n),
+        surfaces=numbering.surfaces.view(np.recarray),
+        core=numbering.core,
+        contacts=(),
+        within=None,
+        calculators=None,
+        species=contacts.species(scene, places.columns, n),
+        bobs=room((records.BOB_ROWS, n)),
+        drive=room((2, n)),
+        inner=None,
+        external=None,
+        internal=room((2, n)) if pulls else None,
+        displaced=room((2, n)) if pulls else None,
+        friction=room((2, n)) if reservoirs else None,
+        end_forces=None,
+        box=Box(scene.periodic.x or 0.0, scene.periodic.z or 0.0) if scene.periodic else None,
+        springs=lattice,
+        bath=bath,
+        torsional=torsional,
+        fields=None,
+        drives=None,
+        ends=None,
     )
 
 
@@ -226,23 +261,23 @@ def _resting_bobs(scene: Scene, index: int) -> np.ndarray:
     return scene.surfaces[index].resting_bobs(origin, seed=[scene.seed, index, 0])
 
 
-def _constants(asperites: np.ndarray, scene: Scene, parts: dict[str, slice]) -> np.ndarray:
-    """The table of asperites that kernels read."""
-    table = room((len(records.CONSTANTS), scene.count))
+def _constants(scene: Scene, asperites: np.ndarray, columns: np.ndarray, count: int) -> np.ndarray:
+    """The table of asperites that kernels read; others fill it up, which feel no force."""
+    table = room((len(records.CONSTANTS), count))
+    table[[records.MASS, records.INERTIA, records.I2, records.BAR_LENGTH, records.COS_PHI]] = 1.0
     for row, name in enumerate(records.CONSTANTS):
-        if name in (asperites.dtype.names or ()):
-            table[row] = asperites[name]
+        if name in (records.ASPERITE.names or ()):
+            table[row, columns] = asperites[name]
+    table[records.PRESENT, columns] = 1.0
+    phi = asperites["phi"]
+    table[records.SIN_PHI, columns], table[records.COS_PHI, columns] = np.sin(phi), np.cos(phi)
     turning = asperites["dof_phi"] >= 0
     mobility = 1.0 / asperites["inertia"] + np.where(turning, 1.0 / asperites["i2"], 0.0)
-    table[records.SIN_PHI], table[records.COS_PHI] = (
-        np.sin(asperites["phi"]),
-        np.cos(asperites["phi"]),
-    )
-    table[records.FREQUENCY] = np.sqrt(asperites["kappa"] * mobility)
-    for k, surface in enumerate(scene.surfaces):
-        part = parts[surface.name]
-        table[Z, part] = _resting_bobs(scene, k)[:, 2]
-        table[CHARGE, part] = surface.asperite.for_each(surface.count)["charge"]
+    table[records.FREQUENCY, columns] = np.sqrt(asperites["kappa"] * mobility)
+    every = [s.asperite.for_each(s.count)["charge"] for s in scene.surfaces]
+    table[records.CHARGE, columns] = np.concatenate(every)
+    depths = [_resting_bobs(scene, k)[:, 2] for k in range(len(scene.surfaces))]
+    table[records.Z, columns] = np.concatenate(depths)
     return table
 
 
@@ -257,9 +292,14 @@ def _fill_asperites(asperites: np.ndarray, scene: Scene, index: int) -> None:
     asperites["y"] = bobs[:, 1] + surface.facing_sign * each["l1"]
     asperites["vx"] = surface.velocity[0] - first.velocity[0]
     asperites["vy"] = surface.velocity[1] - first.velocity[1]
+    initial = surface.initial.for_each(surface.count)
+    for name in ("phi", "nu"):
+        asperites[name] = 0.0 if initial[name] is None else initial[name]
 
 
 def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
+    record["oscillators"] = surface.bath.masses.size
+    record["torsionals"] = surface.bath.inertias.size
     record["facing"] = surface.facing_sign
     record["vx"] = surface.velocity[0] - first.velocity[0]
     record["vy"] = surface.velocity[1] - first.velocity[1]
@@ -286,120 +326,29 @@ def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
             record["reservoir_y"] = surface.langevin.velocity[1] - surface.velocity[1]
 
 
-def _baths(scene: Scene, surfaces: np.ndarray) -> tuple[np.ndarray | None, np.ndarray | None]:
-    """The oscillators and the torsional oscillators of all surfaces; None without any."""
-    tables: list[np.ndarray | None] = []
-    for masses, frequencies, count, first in (
-        ("masses", "frequencies", "oscillators", "first_oscillator"),
-        ("inertias", "torsional_frequencies", "torsionals", "first_torsional"),
-    ):
-        sizes = np.array([getattr(surface.bath, masses).size for surface in scene.surfaces])
-        surfaces[count] = sizes
-        surfaces[first] = np.cumsum(sizes) - sizes
-        table = np.array(
-            [
-                np.concatenate([getattr(s.bath, name) for s in scene.surfaces])
-                for name in (masses, frequencies)
-            ]
-        )
-        tables.append(with_spare_lanes(table) if table.size else None)
-    for k, surface in enumerate(scene.surfaces):
-        hung = surface.count * float(np.sum(surface.bath.masses))
-        surfaces["total_mass"][k] = surfaces["mass"][k] + hung
-    return tables[0], tables[1]
-
-
-def _slots(
-    wanted: np.ndarray, surfaces: np.ndarray, first: int, width: int = 1
-) -> tuple[np.ndarray, int]:
-    """First slot of each surface, -1 where none is wanted, and the first slot after them.
-
-    Every asperite of a surface has `width` slots.
-    """
-    sizes = np.where(wanted, width * (surfaces["stop"] - surfaces["start"]), 0)
-    stops = first + np.cumsum(sizes)
-    return np.where(wanted, stops - sizes, -1), int(stops[-1])
-
-
-def _give_coordinates(surfaces: np.ndarray, scene: Scene) -> int:
-    """Assign the asperites' slots of q; returns their number."""
-    own = scene.surfaces
-    stop = scene.count
-    for name, wanted in (
-        ("dof_phi", [s.bars != "clamped" for s in own]),
-        ("dof_x", [scene.slides_along_x(s) for s in own]),
-        ("dof_y", [scene.slides_along_y(s) for s in own]),
-    ):
-        surfaces[name], stop = _slots(np.array(wanted), surfaces, stop)
-    return stop
-
-
-def _give_bath(surfaces: np.ndarray, first: int) -> int:
-    """Assign the baths' slots of q; returns the number of all coordinates."""
-    widths = 2 * surfaces["oscillators"] + surfaces["torsionals"]
-    sizes = widths * (surfaces["stop"] - surfaces["start"])
-    stops = first + np.cumsum(sizes)
-    surfaces["dof_bath"] = np.where(sizes > 0, stops - sizes, -1)
-    return int(stops[-1])
-
-
-def _give_accounts(asperites: np.ndarray, surfaces: np.ndarray, scene: Scene) -> int:
-    """Assign the slots of s; returns their number."""
-    own = scene.surfaces
-    sliding = (surfaces["dof_x"] >= 0) | (surfaces["dof_y"] >= 0)
-    driven = np.isin(surfaces["drive"], (RIGID, PULLED, CUSTOM)) | (surfaces["loaded"] == 1)
-    stiff = np.maximum.reduceat(asperites["kappa"], surfaces["start"]) > 0.0
-    inside = [
-        bool(s.springs)
-        or s.bath.masses.size + s.bath.inertias.size > 0
-        or scene.has_contact_within(s)
-        for s in own
-    ]
-    stop = 0
-    for name, wanted, width in (
-        ("acc_contact", np.full(surfaces.size, True), CONTACT),
-        ("acc_slide", sliding, SLIDE),
-        ("acc_drive", driven, DRIVE),
-        ("acc_ends", (surfaces["dof_phi"] < 0) & stiff, ENDS),
-        ("acc_user_ends", np.array([isinstance(s.bars, Ends) for s in own]), USER_ENDS),
-        ("acc_internal", np.array(inside), POINT),
-        ("acc_field", np.array([any(s.name in f.on for f in scene.fields) for s in own]), POINT),
-        ("acc_thermal", np.array([bool(s.langevin) for s in own]), POINT),
-    ):
-        surfaces[name], stop = _slots(wanted, surfaces, stop, width)
-    surfaces["acc_block"] = np.where(sliding, stop + np.cumsum(sliding) - 1, -1)
-    return stop + int(np.count_nonzero(sliding))
-
-
-def _give_slots(asperites: np.ndarray, surfaces: np.ndarray) -> None:
-    """Set every asperite's slots from its surface's."""
-    own = surfaces[asperites["surface"]]
-    place = np.arange(asperites.size) - own["start"]
-    asperites["stride"] = own["stop"] - own["start"]
-    for name in asperites.dtype.names or ():
-        if name.startswith(("dof_", "acc_")):
-            each = 2 * own["oscillators"] + own["torsionals"] if name == "dof_bath" else 1
-            asperites[name] = np.where(own[name] >= 0, own[name] + each * place, -1)
+def _oscillators(
+    numbering: slots.Numbering, baths: list[tuple[np.ndarray, np.ndarray]]
+) -> np.ndarray | None:
+    """Masses and frequencies of all oscillators; those that fill the last block have none."""
+    whole = [-(-masses.size // LANES) * LANES for masses, _ in baths]
+    if sum(whole) == 0:
+        return None
+    table, first = room((2, sum(whole))), np.cumsum(whole) - whole
+    for k, (masses, frequencies) in enumerate(baths):
+        table[:, first[k] : first[k] + masses.size] = masses, frequencies
+    return table
 
 
 def _start(
-    asperites: np.ndarray,
-    surfaces: np.ndarray,
-    scene: Scene,
-    parts: dict[str, slice],
-    core: int,
-    coordinates: int,
+    asperites: np.ndarray, scene: Scene, parts: dict[str, slice], numbering: slots.Numbering
 ) -> np.ndarray:
     """y at t = 0; the angle and the rate of a clamped bar are in its record instead."""
-    y = np.zeros(2 * coordinates)
-    q, v = y[:coordinates], y[coordinates:]
+    y = np.zeros(2 * numbering.coordinates)
+    q, v = y[: numbering.coordinates], y[numbering.coordinates :]
     for index, surface in enumerate(scene.surfaces):
         part = parts[surface.name]
         initial = surface.initial.for_each(surface.count)
-        phi = 0.0 if initial["phi"] is None else initial["phi"]
-        nu = 0.0 if initial["nu"] is None else initial["nu"]
-        asperites["phi"][part], asperites["nu"][part] = phi, nu
-        surfaces["turning"][index] = np.any(asperites["nu"][part] != 0.0)
+        phi, nu = asperites["phi"][part], asperites["nu"][part]
         swing = surface.initial_swing
         q[part] = phi if swing is None else swing
         v[part] = 0.0 if initial["omega"] is None else initial["omega"]

@@ -58,7 +58,7 @@ def _batches(layout: Layout, index: int) -> Iterator[Batch]:
         yield Batch(
             index,
             place,
-            layout.model.surfaces[index],
+            layout.surfaces[index],
             layout.asperites[place],
             np.array(layout.scene.surfaces[index].velocity),
         )

@@ -81,7 +81,7 @@ def is_pair(layout: Layout) -> bool:
     """Whether a scene is one asperite on one, forced or free, with bars clamped at rest."""
     model = layout.model
     extra = (*model[model._fields.index("inner") :], model.within, model.calculators, model.species)
-    a, surfaces = layout.asperites, model.surfaces
+    a, surfaces = layout.asperites, layout.surfaces
     return (
         a.size == surfaces.size == 2
         and all(item is None for item in extra)
@@ -232,22 +232,23 @@ class Pair:
 
 def _mobility(layout: Layout) -> np.ndarray:
     """(2,) displacement of each centre of mass for k = 1."""
-    free = layout.model.surfaces.drive == FREE
+    free = layout.surfaces.drive == FREE
     return np.array([1.0, -1.0]) * free / layout.asperites.mass
 
 
 def _record(layout: Layout, mobility: np.ndarray) -> np.ndarray:
     """The scene as the loop reads it."""
-    a, table = layout.asperites, layout.model.asperites
+    a = layout.asperites
+    z, charge = layout.model.asperites[[Z, CHARGE]][:, layout.places.columns]
     record = np.zeros(1, PAIR)
     record["gap_x"], record["gap_y"] = a.x[0] - a.x[1], a.y[0] - a.y[1]
     record["velocity_x"], record["velocity_y"] = a.vx[0] - a.vx[1], a.vy[0] - a.vy[1]
-    record["z_squared"] = (table[Z, 0] - table[Z, 1]) ** 2
+    record["z_squared"] = (z[0] - z[1]) ** 2
     record["mobility"] = mobility[0] - mobility[1]
     for i, sign in enumerate((1.0, -1.0)):
         lever = sign * a.facing[i] / a.inertia[i]
         across = a.l1[i] + a.l2[i]
-        record[f"charge{i + 1}"] = table[CHARGE, i]
+        record[f"charge{i + 1}"] = charge[i]
         record[f"arm{i + 1}"] = a.facing[i] * a.l1[i]
         record[f"lever_x{i + 1}"] = lever * (across if mobility[i] == 0.0 else a.l1[i])
         record[f"lever_y{i + 1}"] = lever * across
@@ -271,7 +272,7 @@ def _matrices(layout: Layout, mobility: np.ndarray) -> tuple[np.ndarray, np.ndar
         to_accounts[contact + 3, first + about_y] = sign * a.facing
         if a.dof_x >= 0:
             to_state[a.dof_x, K] = to_state[n + a.dof_x, J] = mobility[i]
-            block = layout.model.surfaces[i].acc_block
+            block = layout.surfaces[i].acc_block
             to_accounts[a.acc_slide, first + S] = to_accounts[block, first + S] = sign * mobility[i]
         if a.acc_ends >= 0:
             end = a.kappa / a.bar_length

@@ -8,8 +8,8 @@ import numpy as np
 
 from tribo.integrators.methods import Method
 from tribo.integrators.splitting import Splitting
-from tribo.kernels.records import FREQUENCY, PULLED, STIFFNESS
-from tribo.run.force_records import spring_ends
+from tribo.kernels.records import FREQUENCY, PULLED
+from tribo.run.force_records import stiffness_at_bars
 from tribo.run.layout import Layout
 
 # Change of a place in units of a rod's length, of an angle in radians, and of a velocity in these
@@ -28,11 +28,11 @@ def spring_frequency(layout: Layout) -> float:
 
     By Gershgorin: the sum of a row of the matrix of stiffnesses, over mass and inertia of its bar.
     """
-    a, surfaces, springs = layout.asperites, layout.model.surfaces, layout.model.springs
+    a, surfaces, springs = layout.asperites, layout.surfaces, layout.model.springs
     stiffness = np.where(surfaces.drive == PULLED, surfaces.stiffness, 0.0)[a.surface]
     if springs is not None:
-        for ends in spring_ends(springs):
-            np.add.at(stiffness, ends, 2.0 * springs.table[STIFFNESS])
+        columns = layout.places.columns
+        stiffness += 2.0 * stiffness_at_bars(springs, layout.model.drive.shape[1])[columns]
     return float(np.sqrt(np.max(stiffness * _mobility(layout))))
 
 
@@ -69,7 +69,7 @@ def _user_rates(layout: Layout) -> Iterator[float]:
     """Rates at which a user's forces change places, angles, and velocities."""
     a, mobility = layout.asperites, _mobility(layout)
     for drive in layout.model.drives or ():
-        i = int(layout.model.surfaces.start[drive.surface])
+        i = int(layout.surfaces.start[drive.surface])
         place = np.add(drive.origin, (a.x[i], a.y[i] + a.facing[i] * a.l2[i]))
         velocity = np.add(drive.velocity, (a.vx[i], a.vy[i]))
         state, size = (0.0, *place, *velocity, 0.0, 0.0), float(a.l1[i] + a.l2[i])
@@ -77,7 +77,7 @@ def _user_rates(layout: Layout) -> Iterator[float]:
         yield np.sqrt(_slope(force, state, (1, 2), size) * mobility[i])
         yield _slope(force, state, (3, 4), size) * mobility[i]
     for end in layout.model.ends or ():
-        i = int(layout.model.surfaces.start[end.surface])
+        i = int(layout.surfaces.start[end.surface])
         angles, arm = (0.0, float(a.phi[i]), float(a.nu[i]), 0.0), a.bar_length[i] / a.i2[i]
         force = end.plugin.end_forces
         yield np.sqrt(_slope(force, angles, (1, 3), 1.0) * arm)

@@ -55,7 +55,7 @@ def batch_sums(batch: Batch, m: Motion, forces: dict[str, Account], energies: Ta
 
 def block_table(layout: Layout, k: int, sums: Sums, samples: Samples) -> Table:
     """The ledger of surface k as a whole; V is the velocity of the centre of all its masses."""
-    record = layout.model.surfaces[k]
+    record = layout.surfaces[k]
     velocity = layout.scene.surfaces[k].velocity
     stored = samples.stored[:, k]
     lag_x = (sums.px + stored[:, MOMENTUM_X]) / record.total_mass
