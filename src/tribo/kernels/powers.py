@@ -25,7 +25,7 @@ from numba import literal_unroll
 
 from tribo.kernels.baths import bath_momentum, torsional_torque
 from tribo.kernels.blocks import coordinates, vectors
-from tribo.kernels.compiled import kernel
+from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.equations_of_motion import bar_angles, end_force_sums
 from tribo.kernels.fields import field_shift
 from tribo.kernels.kinematics import bar_velocity, end_force, rotational_power
@@ -57,7 +57,7 @@ from tribo.kernels.simd_functions import sine_cosine
 CONTACT, SLIDE, DRIVE, ENDS, USER_ENDS, POINT = 4, 2, 4, 5, 8, 4
 
 
-@kernel
+@inlined
 def set_four(power, s, slot, i, first, second, third, fourth):
     """Set the powers of a block's four accounts of a group."""
     stride = s.stop - s.start
@@ -68,7 +68,7 @@ def set_four(power, s, slot, i, first, second, third, fourth):
     set_block(power, k + 3 * stride, fourth)
 
 
-@kernel
+@inlined
 def clamped_ends(model, s, i, t, q, omega, vx, vy, power):
     """Set the powers of f_L, and of f_R = -f_L about the centre of mass."""
     a = model.asperites
@@ -116,7 +116,7 @@ def custom_end_powers(model, end_forces, s, i, t, q, v, power):
             set_four(power, s, k, i, right_x, right_y, left, right)
 
 
-@kernel
+@inlined
 def set_bob_powers(model, table, slot, s, i, omega, vx, vy, power):
     """Set the powers of Jx, Jy, work about r_cm and pseudowork of forces on the bobs."""
     if table is not None:
@@ -128,7 +128,7 @@ def set_bob_powers(model, table, slot, s, i, omega, vx, vy, power):
             set_four(power, s, slot, i, x, y, about, x * vx + y * vy)
 
 
-@kernel
+@inlined
 def set_bar_powers(model, table, slot, s, i, omega, vx, vy, power):
     """Set the same of forces at the bars' centres."""
     if table is not None:
@@ -140,7 +140,7 @@ def set_bar_powers(model, table, slot, s, i, omega, vx, vy, power):
             set_four(power, s, slot, i, x, y, about, x * vx + y * vy)
 
 
-@kernel
+@inlined
 def set_internal_powers(model, s, i, omega, vx, vy, power):
     """Set the same of the internal forces: springs and bath on the bars, contact on the bobs."""
     if s.acc_internal >= 0:
@@ -156,7 +156,7 @@ def set_internal_powers(model, s, i, omega, vx, vy, power):
         set_four(power, s, s.acc_internal, i, x, y, about, x * vx + y * vy)
 
 
-@kernel
+@inlined
 def powers_of_block(model, s, i, torsion, t, q, v, power):
     """Set the powers of a block's accounts, forces in place.
 
@@ -231,7 +231,7 @@ def momentum(model, s, v):
     return px, py
 
 
-@kernel
+@inlined
 def external_force(model, s):
     """Sum of f1, f2, field, f_T and a plug-in's forces on ends over a surface."""
     fx = 0.0
@@ -247,7 +247,7 @@ def external_force(model, s):
     return fx, fy
 
 
-@kernel
+@inlined
 def block_powers(model, v, power):
     """Set the power of each surface's external force at the velocity of its centre of mass."""
     for k in range(model.surfaces.shape[0]):
@@ -258,7 +258,7 @@ def block_powers(model, v, power):
             power[s.acc_block] = (fx * px + fy * py) / s.total_mass
 
 
-@kernel
+@inlined
 def all_powers(model, t, q, v, power):
     """Set the powers of all accounts."""
     for k in range(model.surfaces.shape[0]):
