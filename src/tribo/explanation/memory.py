@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from tribo.accuracy.stop_times import StopTimes
 from tribo.integrators.methods import Method
 from tribo.kernels.samples import STORED
 from tribo.run.layout import Layout
@@ -18,11 +17,15 @@ NUMBER = 8
 # Vectors of coordinates, velocities and accounts that a step keeps, beside one for each of its
 # evaluations: the state, its rounding errors and rates of change, and a copy.
 VECTORS = 6
-# Ledgers of the fine run that are held at once: its own, and a part of it beside the run compared.
-LEDGERS = 2.5
+# Ledgers that are held at once, in units of that of the run: with its terms, and where runs are
+# compared with that of the other run too.  Measured by benchmarks/predictions.py on rows and grids.
+LEDGERS = 1.9
+LEDGERS_COMPARED = 3.2
+# Bytes of all that does not grow with the scene, measured there on pairs.
+LEAST = 200_000
 
 
-def memory_of_run(layout: Layout, method: Method, evaluations_of_step: int, step: bool) -> int:
+def memory_of_run(layout: Layout, method: Method, stages: int, kept: int) -> int:
     """Bytes of all arrays that a run holds at once, at most.
 
     Parameters
@@ -31,27 +34,26 @@ def memory_of_run(layout: Layout, method: Method, evaluations_of_step: int, step
         The scene.
     method : Method
         How time advances.
-    evaluations_of_step : int
+    stages : int
         Evaluations of all forces in a step.
-    step : bool
-        Whether the step is given; runs with an accuracy are compared with coarser ones.
+    kept : int
+        Samples of all runs of a search for settings, which are kept; 0 without one.
 
     Returns
     -------
     int
     """
-    kept = VECTORS if method.splits else VECTORS + min(evaluations_of_step, 2 + 2 * method.order)
-    state = NUMBER * kept * (2 * layout.coordinates + layout.accounts)
-    samples = layout.times.size
-    if exceeds_memory(layout, samples):
+    vectors = VECTORS if method.splits else VECTORS + stages
+    state = NUMBER * vectors * (2 * layout.coordinates + layout.accounts)
+    samples, raw, row = layout.times.size, _raw_sample(layout), _ledger_row(layout)
+    if kept:
+        series = kept * raw + samples * LEDGERS_COMPARED * row
+    elif exceeds_memory(layout, samples):
         series = float(PORTION_BYTES)
-    elif step:
-        series = samples * (_raw_sample(layout) + LEDGERS * _ledger_row(layout))
     else:
-        few, many, fine = (times.size for times in StopTimes.for_samples(layout.times))
-        series = (2 * few + many + fine) * _raw_sample(layout)
-        series += fine * LEDGERS * _ledger_row(layout)
-    return round(_bytes_of(layout.model) + _bytes_of(layout.neighbours()) + state + series)
+        series = samples * (raw + LEDGERS * row)
+    arrays = _bytes_of(layout.model) + _bytes_of(layout.neighbours())
+    return round(LEAST + arrays + state + series)
 
 
 def _raw_sample(layout: Layout) -> int:

@@ -34,7 +34,7 @@ from tribo.run.runaway import up_to_runaway
 from tribo.run.streamed_ledger import StreamedLedger
 
 # Time of all runs of a search, by the model of costs [s].
-BUDGET = 1.0
+BUDGET = 2.0
 # Parts of the budget after which a run is looked at.
 PARTS = 16
 # Time of a pair of bobs, and of a call of an ASE calculator [ns]: Coulomb takes 5, EMT a million.
@@ -71,12 +71,15 @@ class Prediction:
         The settings that were found; None where the search is not complete.
     tried : tuple of Taken
         The runs that were made to predict it.
+    samples : int
+        Samples of all runs of the search, which are kept until its end; 0 with a given step.
     """
 
     evaluations: float
     basis: str
     plan: Plan | None
     tried: tuple[Taken, ...]
+    samples: int
 
 
 def pairs_of_bobs(layout: Layout) -> tuple[int, bool]:
@@ -139,13 +142,13 @@ class Search(Integrator):
     finished : list of Taken
         The runs from the scene's own start.
     reached : float
-        Part of the duration that the run reached which the budget ended.
+        Part of the duration that the last of these reached.
     """
 
     def __init__(self, layout: Layout, method: Method) -> None:
         super().__init__(layout, method, first_step(layout))
         self.finished: list[Taken] = []
-        self.reached = 0.0
+        self.reached = 1.0
         self._left = 1e9 * BUDGET / evaluation_time(layout, method)
         self._portion = max(1, int(self._left / (PARTS * RATES[method.name].step)))
 
@@ -157,7 +160,7 @@ class Search(Integrator):
         streamed: StreamedLedger | None = None,
     ) -> Integration:
         """Integrate through `times`.  Raises OverBudgetError."""
-        own = start is None
+        self._own = start is None
         start = self.layout.start if start is None else start
         self._times, self._began = times, time.perf_counter()
         if self._pair is not None:
@@ -167,9 +170,17 @@ class Search(Integrator):
             loop = GeneralLoop(self.layout, self.method, setting, start, self._first_step)
             run = self._integrated(loop, times)
         self._left -= run.evaluations
-        if own:
-            self.finished.append(Taken(times, run.evaluations, run.seconds))
+        if run.status == Status.INTERRUPTED:
+            raise KeyboardInterrupt
+        if self._own:
+            seconds = time.perf_counter() - self._began
+            self.finished.append(Taken(times, run.evaluations, seconds))
         return run
+
+    def speed(self, setting: Setting, times: np.ndarray) -> float:
+        """Nanoseconds of an evaluation in a whole run with a setting."""
+        run = super().__call__(setting, times)
+        return 1e9 * run.seconds / max(1, run.evaluations)
 
     def _integrated(self, loop: GeneralLoop, times: np.ndarray) -> Integration:
         columns = loop.room(times.size + 1)
@@ -183,10 +194,11 @@ class Search(Integrator):
         clock = loop.clocks[0]
         if clock["evaluations"] < self._left:
             return
-        begin, end = self.layout.times[[0, -1]]
-        self.reached = float((clock["t"] - begin) / (end - begin))
-        seconds = time.perf_counter() - self._began
-        self.finished.append(Taken(self._times, float(clock["evaluations"]), seconds))
+        if self._own:
+            begin, end = self.layout.times[[0, -1]]
+            self.reached = float((clock["t"] - begin) / (end - begin))
+            seconds = time.perf_counter() - self._began
+            self.finished.append(Taken(self._times, float(clock["evaluations"]), seconds))
         raise OverBudgetError
 
 
@@ -232,15 +244,18 @@ def predict(choice: Choice, search: Search) -> Prediction:
     """
     if choice.step is not None:
         count = counted(search.layout, choice.method, choice.step)
-        return Prediction(count, "counted", make_plan(choice, search), ())
+        return Prediction(count, "counted", make_plan(choice, search), (), 0)
     try:
         plan = make_plan(choice, search)
     except OverBudgetError:
-        tried = tuple(search.finished)
-        return Prediction(extrapolated(choice, search), "extrapolated", None, tried)
+        tried, stops = tuple(search.finished), StopTimes.for_samples(search.layout.times)
+        samples = max(sum(run.times.size for run in tried), 2 * sum(t.size for t in stops))
+        return Prediction(extrapolated(choice, search), "extrapolated", None, tried, samples)
     assert plan.tuned is not None
     total = float(sum(run.evaluations for run in plan.tuned.runs))
-    return Prediction(total, "searched", plan, tuple(search.finished))
+    tried = tuple(search.finished)
+    samples = sum(run.times.size for run in tried)
+    return Prediction(total, "searched", plan, tried, samples)
 
 
 def extrapolated(choice: Choice, search: Search) -> float:

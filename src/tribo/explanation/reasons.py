@@ -84,11 +84,12 @@ def potential_name(item: Interaction) -> str:
     """The name of a potential in a scene file."""
     if isinstance(item.potential, Live):
         return type(item.potential.calculator).__name__
-    return short_repr(as_table(item.potential)["potential"])
+    name = as_table(item.potential)["potential"]
+    return f'"{name}"' if isinstance(name, str) else short_repr(name)
 
 
 def _swings(scene: Scene) -> Named:
-    yield "every asperite is a pendulum on a torsion spring"
+    yield "every asperite"
 
 
 def _slides(scene: Scene) -> Named:
@@ -113,6 +114,10 @@ def _turning(surface: Surface) -> str | None:
 def _spelled(value: object) -> str:
     """A name, or the class of a plug-in."""
     return f'"{value}"' if isinstance(value, str) else type(value).__name__
+
+
+def _count(number: int, thing: str) -> str | None:
+    return f"{number} {thing}{'s' if number > 1 else ''}" if number else None
 
 
 def _fields(scene: Scene) -> Named:
@@ -156,12 +161,10 @@ PRESENT: dict[Effect, Callable[[Scene], Named]] = {
     Effect.SPRINGS: _surfaces(
         "springs.stiffness", lambda s: s.springs.stiffness if s.springs else None
     ),
-    Effect.BATH: _surfaces(
-        "bath", lambda s: f"{s.bath.masses.size} oscillators" if s.bath.masses.size else None
-    ),
+    Effect.BATH: _surfaces("bath", lambda s: _count(s.bath.masses.size, "point oscillator")),
     Effect.TORSIONAL_BATH: _surfaces(
         "bath",
-        lambda s: f"{s.bath.inertias.size} torsional" if s.bath.inertias.size else None,
+        lambda s: _count(s.bath.inertias.size, "torsional oscillator"),
     ),
     Effect.LANGEVIN: _surfaces(
         "langevin.gamma", lambda s: s.langevin.gamma if s.langevin else None

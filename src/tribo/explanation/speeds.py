@@ -45,7 +45,7 @@ def compilations(loop: Any) -> int:
 
 def kept_speed(layout: Layout, method: Method, measure: Callable[[], float]) -> float:
     """Nanoseconds of an evaluation of a scene of this kind; measured if none are kept."""
-    path = _path(layout, method)
+    path = path_of(layout, method)
     kept = _read(path)
     key = _kind(layout, method)
     if key not in kept:
@@ -68,7 +68,7 @@ def measured(search: Search, step: float) -> float:
     return 1e9 * seconds / max(1, int(loop.clocks["evaluations"][0]) - before)
 
 
-def _path(layout: Layout, method: Method) -> Path | None:
+def path_of(layout: Layout, method: Method) -> Path | None:
     """The file beside the machine code; None where that is not kept."""
     if config.DISABLE_JIT:  # type: ignore[attr-defined]
         return None

@@ -139,7 +139,9 @@ class Explanation:
         title = f"{scene.title}: " if scene.title else ""
         count = f"{scene.count} asperites on {len(scene.surfaces)} surfaces"
         lines = [f"{title}{count}, until t = {scene.duration:g}.", "", "Simulated:"]
-        lines += [_wrapped(f"  {name:<15} {why}", 18) for name, why in self.effects.items()]
+        for name, why in self.effects.items():
+            what = Effect(name).description
+            lines.append(_wrapped(f"  {name:<15} {what}: {why}", 18))
         lines += ["", "Absent, at no cost:"]
         lines += [_wrapped(f"  {name:<15} {why}", 18) for name, why in self.absent.items()]
         return "\n".join([*lines, *self._plan()])
@@ -151,7 +153,7 @@ class Explanation:
         sentences = [
             f"Degrees of freedom: {self.degrees_of_freedom} ({', '.join(made_of)}).",
             f"Contact: {self._contact()}.",
-            f"Method: {self.method}, {self._request()}. {self._reason()}",
+            f"Method: {self.method}, {self._request()}, {self._reason()}.",
             f"Cost: about {_rounded(cost.force_evaluations)} force evaluations, "
             f"{_time(cost.seconds)} on this machine, {_bytes(cost.memory_bytes)} of memory. "
             f"{self._basis()}",
@@ -163,9 +165,13 @@ class Explanation:
     def _contact(self) -> str:
         if self.contact.pairs == 0:
             return "none"
-        how = {"lanes": "eight at once, in lanes", "scalar": "one after another (scalar)"}
-        place = "from neighbour lists, about" if self.contact.by_list else "all pairs of bobs,"
-        return f"{place} {self.contact.pairs:,} an evaluation, {how[self.contact.arithmetic]}"
+        how = {"lanes": "eight at once (lanes)", "scalar": "one after another (scalar)"}
+        place = (
+            "neighbour lists, with about"
+            if self.contact.by_list
+            else "all pairs of bobs, which are"
+        )
+        return f"{place} {self.contact.pairs:,}; forces are computed {how[self.contact.arithmetic]}"
 
     def _request(self) -> str:
         step = "steps of its own" if self.step is None else f"steps of {self.step:.3g}"
@@ -175,7 +181,7 @@ class Explanation:
         return f"accuracy {wanted}, {step}"
 
     def _reason(self) -> str:
-        return f"{self.why[:1].upper()}{self.why[1:]}." if self.why else "The scene names it."
+        return f"chosen because {self.why}" if self.why else "which the scene names"
 
     def _basis(self) -> str:
         used = f"{self.evaluations_used:,} evaluations"
@@ -190,7 +196,7 @@ def explain(scene: Scene) -> Explanation:
     """What a run of a scene will do and cost, by its own numerics.
 
     The time loop is compiled.  With an accuracy, the search for settings with which every run
-    begins is made too, for at most a second by the model of costs; see
+    begins is made too, for at most two seconds by the model of costs; see
     :mod:`tribo.explanation.prediction`.
 
     Parameters
@@ -273,6 +279,8 @@ def _predicted(layout: Layout, choice: Choice, search: Search, found: Prediction
     def speed() -> float:
         if choice.step is not None:
             return measured(search, choice.step)
+        if found.plan is not None:
+            return search.speed(found.plan.setting, found.plan.times)
         seconds = sum(run.seconds for run in found.tried)
         return 1e9 * seconds / max(1.0, sum(run.evaluations for run in found.tried))
 
@@ -281,7 +289,7 @@ def _predicted(layout: Layout, choice: Choice, search: Search, found: Prediction
     return Predicted(
         force_evaluations=round(found.evaluations),
         seconds=1e-9 * nanoseconds * found.evaluations,
-        memory_bytes=memory_of_run(layout, choice.method, each, choice.step is not None),
+        memory_bytes=memory_of_run(layout, choice.method, each, found.samples),
         basis=found.basis,
     )
 
@@ -291,19 +299,23 @@ def _wrapped(text: str, indent: int) -> str:
 
 
 def _rounded(count: int) -> str:
-    """A number with three digits."""
+    """A count to three digits."""
     return f"{float(f'{count:.3g}'):,.0f}"
 
 
 def _time(seconds: float) -> str:
     for unit, size in (("hours", 3600.0), ("minutes", 60.0), ("s", 1.0), ("ms", 1e-3)):
         if seconds >= size:
-            return f"{seconds / size:.2g} {unit}"
-    return f"{1e6 * seconds:.2g} us"
+            return f"{_two_digits(seconds / size)} {unit}"
+    return f"{_two_digits(1e6 * seconds)} us"
 
 
 def _bytes(count: int) -> str:
     for unit, size in (("GB", 1e9), ("MB", 1e6)):
         if count >= size:
-            return f"{count / size:.2g} {unit}"
-    return f"{count / 1e3:.2g} kB"
+            return f"{_two_digits(count / size)} {unit}"
+    return f"{_two_digits(count / 1e3)} kB"
+
+
+def _two_digits(number: float) -> str:
+    return f"{float(f'{number:.2g}'):g}"
