@@ -140,7 +140,7 @@ class Explanation:
         count = f"{scene.count} asperites on {len(scene.surfaces)} surfaces"
         lines = [f"{title}{count}, until t = {scene.duration:g}.", "", "Simulated:"]
         for name, why in self.effects.items():
-            what = Effect(name).description
+            what = next(effect.description for effect in Effect if effect == name)
             lines.append(_wrapped(f"  {name:<15} {what}: {why}", 18))
         lines += ["", "Absent, at no cost:"]
         lines += [_wrapped(f"  {name:<15} {why}", 18) for name, why in self.absent.items()]
@@ -166,11 +166,7 @@ class Explanation:
         if self.contact.pairs == 0:
             return "none"
         how = {"lanes": "eight at once (lanes)", "scalar": "one after another (scalar)"}
-        place = (
-            "neighbour lists, with about"
-            if self.contact.by_list
-            else "all pairs of bobs, which are"
-        )
+        place = "neighbour lists, about" if self.contact.by_list else "all pairs of bobs,"
         return f"{place} {self.contact.pairs:,}; forces are computed {how[self.contact.arithmetic]}"
 
     def _request(self) -> str:
