@@ -43,8 +43,6 @@ def memory_of_run(layout: Layout, method: Method, stages: int, kept: int) -> int
     -------
     int
     """
-    vectors = VECTORS if method.splits else VECTORS + stages
-    state = NUMBER * vectors * (2 * layout.coordinates + layout.accounts)
     samples, raw, row = layout.times.size, _raw_sample(layout), _ledger_row(layout)
     if kept:
         series = kept * raw + samples * LEDGERS_COMPARED * row
@@ -52,8 +50,14 @@ def memory_of_run(layout: Layout, method: Method, stages: int, kept: int) -> int
         series = float(PORTION_BYTES)
     else:
         series = samples * (raw + LEDGERS * row)
-    arrays = _bytes_of(layout.model) + _bytes_of(layout.neighbours())
-    return round(LEAST + arrays + state + series)
+    return round(LEAST + scene_bytes(layout, method, stages) + series)
+
+
+def scene_bytes(layout: Layout, method: Method, stages: int) -> int:
+    """Bytes of the arrays of a scene and of its state, without samples."""
+    vectors = VECTORS if method.splits else VECTORS + stages
+    state = NUMBER * vectors * (2 * layout.coordinates + layout.accounts)
+    return state + _bytes_of(layout.model) + _bytes_of(layout.neighbours())
 
 
 def _raw_sample(layout: Layout) -> int:
