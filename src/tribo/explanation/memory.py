@@ -21,8 +21,10 @@ VECTORS = 6
 # compared with that of the other run too.  Measured by benchmarks/predictions.py on rows and grids.
 LEDGERS = 1.9
 LEDGERS_COMPARED = 3.2
-# Bytes of all that does not grow with the scene, measured there on pairs.
-LEAST = 200_000
+# Bytes of all that does not grow with the scene, without and with runs compared; measured there on
+# pairs.
+LEAST = 50_000
+LEAST_COMPARED = 200_000
 
 
 def memory_of_run(layout: Layout, method: Method, stages: int, kept: int) -> int:
@@ -45,12 +47,12 @@ def memory_of_run(layout: Layout, method: Method, stages: int, kept: int) -> int
     """
     samples, raw, row = layout.times.size, _raw_sample(layout), _ledger_row(layout)
     if kept:
-        series = kept * raw + samples * LEDGERS_COMPARED * row
+        series = LEAST_COMPARED + kept * raw + samples * LEDGERS_COMPARED * row
     elif exceeds_memory(layout, samples):
         series = float(PORTION_BYTES)
     else:
-        series = samples * (raw + LEDGERS * row)
-    return round(LEAST + scene_bytes(layout, method, stages) + series)
+        series = LEAST + samples * (raw + LEDGERS * row)
+    return round(scene_bytes(layout, method, stages) + series)
 
 
 def scene_bytes(layout: Layout, method: Method, stages: int) -> int:
