@@ -265,6 +265,17 @@ def test_command(tmp_path, capsys):
     assert "Degrees of freedom: 6 (6 swings)." in lines
 
 
+def test_reason_of_the_method():
+    """A method is chosen, named, or what its scene needs."""
+    noisy = two_rows({"langevin": {"gamma": 0.1, "temperature": 1.0}})
+    stepped = replace(two_rows(), numerics=tribo.Numerics(step=0.01))
+    named = replace(two_rows(), numerics=STEPPED)
+    assert summary.reason_of_method(two_rows(), "it is fast") == "chosen because it is fast"
+    assert summary.reason_of_method(named, "") == "which the scene names"
+    assert summary.reason_of_method(noisy, "") == "which integrates thermal noise"
+    assert summary.reason_of_method(stepped, "") == "the default with a given step"
+
+
 def test_wrong_input():
     """What cannot be run cannot be explained, and the message is that of a run."""
     with pytest.raises(tribo.InputError, match=r"scene: must be a tribo\.Scene"):

@@ -14,6 +14,7 @@ from tribo.explanation.memory import memory_of_run
 from tribo.explanation.prediction import Prediction, Search, pairs_of_bobs, predict
 from tribo.explanation.reasons import why_absent, why_present
 from tribo.explanation.speeds import compilations, kept_speed, loop_of, measured
+from tribo.integrators.methods import noisy
 from tribo.model.scene import Effect, Scene
 from tribo.run.layout import Layout, lay_out
 from tribo.run.pair_adapter import has_pair_loop
@@ -153,7 +154,7 @@ class Explanation:
         sentences = [
             f"Degrees of freedom: {self.degrees_of_freedom} ({', '.join(made_of)}).",
             f"Contact: {self._contact()}.",
-            f"Method: {self.method}, {self._request()}, {self._reason()}.",
+            f"Method: {self.method}, {self._request()}, {reason_of_method(self.scene, self.why)}.",
             f"Cost: about {_rounded(cost.force_evaluations)} force evaluations, "
             f"{_time(cost.seconds)} on this machine, {_bytes(cost.memory_bytes)} of memory. "
             f"{self._basis()}",
@@ -175,9 +176,6 @@ class Explanation:
             return step
         wanted = f"{self.accuracy:.0e}" if isinstance(self.accuracy, float) else "of observables"
         return f"accuracy {wanted}, {step}"
-
-    def _reason(self) -> str:
-        return f"chosen because {self.why}" if self.why else "which the scene names"
 
     def _basis(self) -> str:
         used = f"{self.evaluations_used:,} evaluations"
@@ -288,6 +286,15 @@ def _predicted(layout: Layout, choice: Choice, search: Search, found: Prediction
         memory_bytes=memory_of_run(layout, choice.method, each, found.samples),
         basis=found.basis,
     )
+
+
+def reason_of_method(scene: Scene, why: str) -> str:
+    """Why a run has its method, as the end of a sentence."""
+    if why:
+        return f"chosen because {why}"
+    if scene.numerics.method is not None:
+        return "which the scene names"
+    return "which integrates thermal noise" if noisy(scene) else "the default with a given step"
 
 
 def _wrapped(text: str, indent: int) -> str:
