@@ -176,6 +176,7 @@ def test_predicted_evaluations(name, accuracy):
         explained.predicted.force_evaluations, result.cost.force_evaluations
     )
     assert explained.predicted.basis == "searched" and explained.step is None
+    assert explained.predicted.met is result.met
 
 
 @pytest.mark.parametrize("method", ["verlet", "midpoint", "kahan-li-6"])

@@ -39,12 +39,16 @@ class Predicted:
     basis : str
         How the evaluations are known: "counted" from a given step, "searched" by the runs that find
         the settings, or "extrapolated" from the first of these.
+    met : bool or None
+        Whether the run will meet its accuracy, as far as the search shows; None where it was not
+        completed, or with a given step.
     """
 
     force_evaluations: int
     seconds: float
     memory_bytes: int
     basis: str
+    met: bool | None
 
 
 @dataclass(frozen=True)
@@ -157,7 +161,7 @@ class Explanation:
             f"Method: {self.method}, {self._request()}, {reason_of_method(self.scene, self.why)}.",
             f"Cost: about {_rounded(cost.force_evaluations)} force evaluations, "
             f"{_time(cost.seconds)} on this machine, {_bytes(cost.memory_bytes)} of memory. "
-            f"{self._basis()}",
+            f"{self._basis()}{self._shortcoming()}",
             f"The time loop {'was' if self.compiled else 'had not been'} compiled before"
             f"{'' if self.compiled else '; it is now, and is kept on disk'}.",
         ]
@@ -176,6 +180,9 @@ class Explanation:
             return step
         wanted = f"{self.accuracy:.0e}" if isinstance(self.accuracy, float) else "of observables"
         return f"accuracy {wanted}, {step}"
+
+    def _shortcoming(self) -> str:
+        return " The run will fall short of its accuracy." if self.predicted.met is False else ""
 
     def _basis(self) -> str:
         used = f"{self.evaluations_used:,} evaluations"
@@ -285,6 +292,7 @@ def _predicted(layout: Layout, choice: Choice, search: Search, found: Prediction
         seconds=1e-9 * nanoseconds * found.evaluations,
         memory_bytes=memory_of_run(layout, choice.method, each, found.samples),
         basis=found.basis,
+        met=None if found.plan is None or found.plan.tuned is None else found.plan.tuned.met,
     )
 
 
