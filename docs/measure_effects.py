@@ -75,7 +75,7 @@ def figure(path: Path) -> None:
 
     rows = [row for row in kept()["effects"] if "alone_ns" in row][::-1]
     with style():
-        _, ax = plt.subplots(figsize=(WIDE, 0.19 * len(rows) + 0.7))
+        _, ax = plt.subplots(figsize=(WIDE, 0.19 * len(rows) + 0.7), layout="constrained")
         for shift, key, colour in (
             (0.2, "alone", ALONE_COLOUR),
             (-0.2, "together", TOGETHER_COLOUR),
