@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from tribo import paper, plotting, potentials
     from tribo.ensembles import ensemble
+    from tribo.explanation import Explanation, explain
     from tribo.model.asperite import Asperite
     from tribo.model.bath import Bath
     from tribo.model.drives import Custom, Ends, Forced, Free, Pulled
@@ -54,6 +55,8 @@ _HOME = {
     "Custom": "tribo.model.drives",
     "Ends": "tribo.model.drives",
     "ensemble": "tribo.ensembles",
+    "explain": "tribo.explanation",
+    "Explanation": "tribo.explanation",
     "Field": "tribo.model.fields",
     "Forced": "tribo.model.drives",
     "Free": "tribo.model.drives",

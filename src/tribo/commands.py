@@ -1,4 +1,4 @@
-"""The commands: `run`, `paper`, `accuracy`, `check` and `atlas`."""
+"""The commands: `run`, `paper`, `explain`, `accuracy`, `check` and `atlas`."""
 
 from __future__ import annotations
 
@@ -41,6 +41,7 @@ def _parser() -> argparse.ArgumentParser:
 
     _add_run(commands.add_parser("run", help="simulate a scene file and print its end state"))
     _add_paper(commands.add_parser("paper", help="compare the paper's cases with its numbers"))
+    _add_explain(commands.add_parser("explain", help="say what a run will do and cost"))
     _add_accuracy(commands.add_parser("accuracy", help="measure error against time per method"))
     _add_check(commands.add_parser("check", help="test a potential and print a report card"))
     _add_atlas(commands.add_parser("atlas", help="run hard scenes and compare with references"))
@@ -83,6 +84,12 @@ def _add_paper(paper: argparse.ArgumentParser) -> None:
     paper.add_argument("--json", action="store_true", help="print the comparison as JSON")
     paper.add_argument("--figures", type=Path, metavar="DIR", help="draw the paper's figures")
     paper.set_defaults(command=_paper)
+
+
+def _add_explain(explain: argparse.ArgumentParser) -> None:
+    _add_scene(explain)
+    explain.add_argument("--json", action="store_true", help="print the explanation as JSON")
+    explain.set_defaults(command=_explain)
 
 
 def _add_accuracy(accuracy: argparse.ArgumentParser) -> None:
@@ -173,6 +180,14 @@ def _paper(options: argparse.Namespace) -> int:
         )
     else:
         print(paper.report(tables))
+    return COMPLETED
+
+
+def _explain(options: argparse.Namespace) -> int:
+    from tribo.explanation import explain
+
+    explanation = explain(_scene(options))
+    print(explanation.to_json() if options.json else explanation)
     return COMPLETED
 
 
