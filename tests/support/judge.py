@@ -26,6 +26,7 @@ from scipy.linalg import expm
 from support import reference
 from support.formulas import FORMULAS
 from support.laws import identities, kind, tables
+from support.loops import LOOPS
 from support.mutation_scenes import COULOMB, LOWER, PAIRS, SCENES
 from support.package import SOURCE
 from support.registers import registers_as_arrays
@@ -469,10 +470,14 @@ def without_reservoirs(table):
     return table | {"surface": surfaces}
 
 
-CHECKS: dict[str, Callable[[], str]] = FORMULAS | {
-    "named plug-ins": named_plugins,
-    "equal steps": equal_steps,
-}
+CHECKS: dict[str, Callable[[], str]] = (
+    FORMULAS
+    | LOOPS
+    | {
+        "named plug-ins": named_plugins,
+        "equal steps": equal_steps,
+    }
+)
 for _scene in ("slid", "pulled", "lattice", "open", "twisting"):
     CHECKS[f"midpoint, {_scene}"] = Steps(_scene, "midpoint", 0.05, 2, 1e-3)
 for _scene in ("slid", "pulled", "lattice", "twisting"):
