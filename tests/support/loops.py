@@ -1,6 +1,7 @@
-"""Checks of time loops that no completed run shows: the rounding of the time, and why a run stops.
+"""Checks of what completed runs of a time loop do not show: the rounding of time, and stops.
 
-Each returns what is wrong, or nothing.  They import the package when they run: see support/judge.py.
+Each returns what is wrong, or nothing. They import the package when they run:
+see support/judge.py.
 """
 
 import math
