@@ -11,7 +11,6 @@ from types import SimpleNamespace
 import pytest
 
 import tribo
-from support.forked import Server
 from tribo.kernels import compiled
 from tribo.kernels.compiled import is_compiled, package_stamp, time_loop
 from tribo.kernels.disk_cache import CodeFiles
@@ -76,20 +75,13 @@ class Workplace:
     def run(self, *names, code=FORCE):
         """The contact force in each scene, or what `code` prints of it, by one new process."""
         scenes = [self.root / name / "scene.toml" for name in names]
-        words = self.server.run(code, *scenes, folders=[self.root], NUMBA_CACHE_DIR=self.cache)
-        return [float(word) for word in words]
+        told = self.server.run(code, *scenes, folders=[self.root], NUMBA_CACHE_DIR=self.cache)
+        return [float(word) for word in told.split()]
 
     @property
     def compiled(self):
         """The files of compiled code, with their ages."""
         return {path.name: path.stat().st_mtime_ns for path in self.cache.rglob("*.nbc")}
-
-
-@pytest.fixture(scope="module")
-def server():
-    """New processes."""
-    with Server() as started:
-        yield started
 
 
 @pytest.fixture
@@ -237,7 +229,7 @@ def test_an_energy_of_ones_own_has_the_works_of_case_a(tmp_path, server):
 
     def works(potential, *strengths):
         """All works of case A of the paper, by a new process."""
-        return [float(word) for word in server.run(CASE_A, potential, *strengths)]
+        return [float(word) for word in server.run(CASE_A, potential, *strengths).split()]
 
     path = tmp_path / "own.py"
     text = (

@@ -285,7 +285,7 @@ print(Path(sys.argv[1]).with_name("loaded").exists())
 """
 
 
-def test_opening_a_result_loads_no_code(tmp_path, capsys):
+def test_opening_a_result_loads_no_code(tmp_path, capsys, server):
     """Running its scene does, if the plug-in is what it was; `--no-plugins` refuses it."""
     scene, own = tmp_path / "scene.toml", tmp_path / "own.py"
     scene.write_text(TABLE)
@@ -298,8 +298,7 @@ def test_opening_a_result_loads_no_code(tmp_path, capsys):
     for plugin, refused in ((PLUGIN, False), (PLUGIN.replace("/ r", "/ r**2"), True)):
         own.write_text(plugin)
         (tmp_path / "loaded").unlink()
-        command = [sys.executable, "-c", OPENED, str(out), str(tmp_path / "figure.png")]
-        printed = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+        printed = server.run(OPENED, out, tmp_path / "figure.png")
         assert printed.startswith("completed") and printed.endswith("True\n")
         assert ("refused: interaction[0].potential: " in printed) == refused
     with pytest.raises(InputError, match=r"plugin.interaction\[0\].potential was '\w+', is '\w+'"):

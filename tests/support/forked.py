@@ -27,7 +27,7 @@ class Server:
         self._process.communicate()
 
     def run(self, program, *arguments, folders=(), **environment):
-        """The words that a program prints in a new process.
+        """What a program prints in a new process.
 
         `folders` come first in the search for modules.
         """
@@ -40,7 +40,7 @@ class Server:
         print(json.dumps(task), file=self._process.stdin, flush=True)
         answer = json.loads(self._process.stdout.readline())
         assert "printed" in answer, answer["error"]
-        return answer["printed"].split()
+        return answer["printed"]
 
 
 def answer_to(task):
