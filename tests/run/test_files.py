@@ -14,7 +14,7 @@ import tribo
 from support.continued import chain, pair, same_end
 from tribo import Coulomb, InputError, Output, Scene, Surface
 from tribo.cli import main
-from tribo.run import integrate, journal
+from tribo.run import contacts, integrate, journal
 
 SLOWLY = 3  # steps of a chunk: small enough for many checkpoints
 
@@ -25,7 +25,8 @@ class Killed(BaseException):
 
 @pytest.fixture
 def often(monkeypatch):
-    """A checkpoint after every chunk of a few steps."""
+    """A checkpoint after every chunk of a few steps; neighbour lists for few bobs too."""
+    monkeypatch.setattr(contacts, "UNLISTED_PAIRS", 0)
     monkeypatch.setattr(os, "fsync", lambda descriptor: None)
     monkeypatch.setattr(journal, "INTERVAL", -1.0)
     monkeypatch.setattr(journal, "RELATIVE_INTERVAL", 0.0)
