@@ -254,7 +254,7 @@ def _check_figure(path: Path | None) -> None:
         checked_target("--figure", figure_path("--figure", path))
 
 
-def _parameter(text: str) -> tuple[str, Any]:
+def _parameter(text: str) -> tuple[str, object]:
     """A name and its value: a number, else a value of TOML, else a word."""
     name, sign, value = text.partition("=")
     if not sign:
