@@ -179,48 +179,137 @@ def find_settings(
         if the accuracy is out of reach and its runs would be long, or if equal steps would be too
         many
     """
-    names = observables(accuracy)
+    search = _Search(layout, method, accuracy, stops, attempt)
     level = min(FIRST * method.first_level * strictest(accuracy), 1.0)
-    runs = _run_pilot(layout, method, accuracy, level, stops, attempt)
-    before, amplification, stalls, excess = np.inf, None, 0, np.inf
+    search.run_pilot(level)
     for _ in range(ROUNDS):
-        if _equal_steps(layout, method, fine_level(method) * level) > MOST_EVALUATIONS:
-            if runs:
-                break
+        if not search.allows(level):
+            break
+        search.run_round(level)
+        lower = search.next_level(level)
+        if lower is None:
+            break
+        level = lower
+    return search.found()
+
+
+class _Search:
+    """The runs of a search, in order, and what they show."""
+
+    def __init__(
+        self,
+        layout: Layout,
+        method: Method,
+        accuracy: Accuracy,
+        stops: StopTimes,
+        attempt: Attempt,
+    ) -> None:
+        self.layout, self.method, self.stops, self.attempt = layout, method, stops, attempt
+        self.accuracy, self.wanted = accuracy, strictest(accuracy)
+        self.runs: list[Integration] = []
+        self.amplification: float | None = None
+        self.excess = np.inf  # of the last round
+        self.stalls = 0
+
+    def run_pilot(self, level: float) -> None:
+        """Run the pilot of an adaptive method; none with equal steps.
+
+        Refuses an accuracy out of reach if the fine run of the first round, at `level`, would be
+        long.
+        """
+        if not self.method.adaptive:
+            return
+        setting, pilot = _resolved(self.layout, self.method, self.stops.few, self.attempt)
+        self.runs.append(pilot)
+        longer = (PILOT_LEVEL / (fine_level(self.method) * level)) ** (1.0 / self.method.order)
+        if pilot.status != Status.COMPLETED or longer * _work(self.layout, pilot) < LONG_RUN:
+            return
+        amplification = self._amplification(setting, pilot)
+        if amplification is not None and amplification * EPSILON > self.wanted:
             raise InputError(
                 "accuracy",
-                f"would take {method.name} more than {MOST_EVALUATIONS:.0e} steps; give a larger "
-                "one, or a method that chooses its steps",
+                out_of_reach(self.wanted, amplification).removeprefix("accuracy ")
+                + "; name the observables that matter, or give a method and a step; tribo.ensemble "
+                "averages over many starts",
             )
-        coarse, fine = _run_round(layout, method, level, stops, attempt, runs)
-        if runs[-1].status in ABORTED:
-            break
-        can_be_too_long = not method.adaptive and _work(layout, runs[-1]) < SHORTER * LONG_RUN
-        if can_be_too_long and any(run.status in TOO_LONG for run in runs[-3:]):
-            level *= SHORTER**method.order
-            continue
-        aborted = False
-        if amplification is None and strictest(accuracy) < TIGHT:
-            amplification = measure_amplification(layout, attempt, coarse, runs[-3], names)
-            aborted = amplification is None
-        bounds, scales = error_bounds(layout, runs[-1], runs[-3:-1], amplification, accuracy)
-        excess = excess_of_request(bounds, scales, accuracy)
-        if can_be_too_long and len(runs) == 3 and excess * strictest(accuracy) > 1.0:
-            level, amplification = level * SHORTER**method.order, None
-            continue
-        stalls = stalls + 1 if excess > STALLED * before else 0
-        if excess <= 1.0 or level <= FLOOR or stalls == MOST_STALLS or aborted:
-            break
-        if amplification is None:
-            amplification = measure_amplification(layout, attempt, coarse, runs[-3], names)
-        if amplification is None or amplification * EPSILON > strictest(accuracy):
-            break
-        before = excess
-        lower = AIM / excess if np.isfinite(excess) else LOWER**2
-        level = max(level * min(LOWER, lower), FLOOR)
-    return FoundSettings(
-        coarse, fine, fine_level(method) * level, tuple(runs), amplification, excess <= 1.0
-    )
+
+    def allows(self, level: float) -> bool:
+        """Whether a round has few enough equal steps; refuses the accuracy if the first has not."""
+        few = _equal_steps(self.layout, self.method, fine_level(self.method) * level)
+        if few <= MOST_EVALUATIONS:
+            return True
+        if self.runs:
+            return False
+        raise InputError(
+            "accuracy",
+            f"would take {self.method.name} more than {MOST_EVALUATIONS:.0e} steps; give a larger "
+            "one, or a method that chooses its steps",
+        )
+
+    def run_round(self, level: float) -> None:
+        """Two coarse runs at `level`, and a fine one."""
+        layout, method = self.layout, self.method
+        scales = (
+            tolerance_scales(layout, self.runs[-1].samples) if self.runs else first_guess(layout)
+        )
+        self.fine_level = fine_level(method) * level
+        near = NEAR * fine_level(method) ** (1.0 / method.order)
+        self.coarse = setting_at(layout, method, scales, level)
+        self.fine = setting_at(layout, method, scales, self.fine_level, near)
+        for setting, times in zip((self.coarse, self.coarse, self.fine), self.stops, strict=True):
+            if not self.runs or self.runs[-1].status not in ABORTED:
+                self.runs.append(self.attempt(setting, times))
+
+    def next_level(self, level: float) -> float | None:
+        """The level of the round after one at `level`; None if the search ends."""
+        fine = self.runs[-1]
+        if fine.status in ABORTED:
+            return None
+        shorter = level * SHORTER**self.method.order
+        can_be_too_long = not self.method.adaptive and _work(self.layout, fine) < SHORTER * LONG_RUN
+        if can_be_too_long and any(run.status in TOO_LONG for run in self.runs[-3:]):
+            return shorter
+        known = self.wanted >= TIGHT or self._measure() is not None
+        before, self.excess = self.excess, self._excess()
+        if can_be_too_long and len(self.runs) == 3 and self.excess * self.wanted > 1.0:
+            self.amplification, self.excess = None, np.inf
+            return shorter
+        self.stalls = self.stalls + 1 if self.excess > STALLED * before else 0
+        if self.excess <= 1.0 or level <= FLOOR or self.stalls == MOST_STALLS or not known:
+            return None
+        amplification = self._measure()
+        if amplification is None or amplification * EPSILON > self.wanted:
+            return None
+        lower = AIM / self.excess if np.isfinite(self.excess) else LOWER**2
+        return max(level * min(LOWER, lower), FLOOR)
+
+    def found(self) -> FoundSettings:
+        """What the search found."""
+        return FoundSettings(
+            self.coarse,
+            self.fine,
+            self.fine_level,
+            tuple(self.runs),
+            self.amplification,
+            self.excess <= 1.0,
+        )
+
+    def _amplification(self, setting: Setting, run: Integration) -> float | None:
+        names = observables(self.accuracy)
+        return measure_amplification(self.layout, self.attempt, setting, run, names)
+
+    def _measure(self) -> float | None:
+        """The amplification, measured by a coarse run unless it is known."""
+        if self.amplification is None:
+            self.amplification = self._amplification(self.coarse, self.runs[-3])
+        return self.amplification
+
+    def _excess(self) -> float:
+        """The largest estimate of the fine run relative to the request."""
+        bounds, scales = error_bounds(
+            self.layout, self.runs[-1], self.runs[-3:-1], self.amplification, self.accuracy
+        )
+        return excess_of_request(bounds, scales, self.accuracy)
 
 
 def _equal_steps(layout: Layout, method: Method, level: float) -> float:
@@ -228,35 +317,6 @@ def _equal_steps(layout: Layout, method: Method, level: float) -> float:
     if method.adaptive:
         return 0.0
     return layout.scene.duration / (unit_step(layout) * level ** (1.0 / method.order))
-
-
-def _run_pilot(
-    layout: Layout,
-    method: Method,
-    accuracy: Accuracy,
-    level: float,
-    stops: StopTimes,
-    attempt: Attempt,
-) -> list[Integration]:
-    """The pilot run of an adaptive method; none with equal steps.
-
-    Refuses an accuracy out of reach if the fine run of the first round, at `level`, would be long.
-    """
-    if not method.adaptive:
-        return []
-    setting, pilot = _resolved(layout, method, stops.few, attempt)
-    longer = (PILOT_LEVEL / (fine_level(method) * level)) ** (1.0 / method.order)
-    if pilot.status != Status.COMPLETED or longer * _work(layout, pilot) < LONG_RUN:
-        return [pilot]
-    amplification = measure_amplification(layout, attempt, setting, pilot, observables(accuracy))
-    if amplification is not None and amplification * EPSILON > strictest(accuracy):
-        raise InputError(
-            "accuracy",
-            out_of_reach(strictest(accuracy), amplification).removeprefix("accuracy ")
-            + "; name the observables that matter, or give a method and a step; tribo.ensemble "
-            "averages over many starts",
-        )
-    return [pilot]
 
 
 def _resolved(
@@ -277,26 +337,6 @@ def _resolved(
             break
         scales = found
     return setting, run
-
-
-def _run_round(
-    layout: Layout,
-    method: Method,
-    level: float,
-    stops: StopTimes,
-    attempt: Attempt,
-    runs: list[Integration],
-) -> tuple[Setting, Setting]:
-    """Append two coarse runs at `level` and a fine one to `runs`; their settings."""
-    scales = tolerance_scales(layout, runs[-1].samples) if runs else first_guess(layout)
-    coarse = setting_at(layout, method, scales, level)
-    ratio = fine_level(method)
-    near = NEAR * ratio ** (1.0 / method.order)
-    fine = setting_at(layout, method, scales, ratio * level, near)
-    for setting, times in zip((coarse, coarse, fine), stops, strict=True):
-        if not runs or runs[-1].status not in ABORTED:
-            runs.append(attempt(setting, times))
-    return coarse, fine
 
 
 def _work(layout: Layout, run: Integration) -> float:
