@@ -15,8 +15,8 @@ from tribo.accuracy.comparison import (
     strictest,
 )
 from tribo.accuracy.estimate import excess_of_request
+from tribo.accuracy.levels import fine_level
 from tribo.accuracy.plan import Plan, single_setting
-from tribo.accuracy.search import fine_level
 from tribo.accuracy.stop_times import StopTimes
 from tribo.kernels.status import Status
 from tribo.run.identity import settings_of, version
@@ -216,6 +216,8 @@ class Simulation:
         assert self.accuracy is not None and tuned is not None
         if tuned.met:
             why = "the settings were found from the scene's own start, which kept it"
+        elif tuned.stopped is not None:
+            why = f"with tolerances that could keep it, runs stop as {tuned.stopped}"
         elif tuned.amplification is None:
             why = "the search for settings was interrupted"
         else:

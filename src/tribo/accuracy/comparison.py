@@ -36,9 +36,17 @@ class Attempt(Protocol):
     """Runs the scene with a setting."""
 
     def __call__(
-        self, setting: Setting, times: np.ndarray, start: np.ndarray | None = None
+        self,
+        setting: Setting,
+        times: np.ndarray,
+        start: np.ndarray | None = None,
+        *,
+        most: float | None = None,
     ) -> Integration:
-        """Record at `times`, from the state `start` or else the scene's own start."""
+        """Record at `times`, from the state `start` or else the scene's own start.
+
+        With `most` force evaluations, or those of the scene without it.
+        """
 
 
 def strictest(accuracy: Accuracy) -> float:

@@ -15,7 +15,7 @@ from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import PAUSED, STATUS_OF_CODE, Status
 from tribo.potentials.from_ase import Call
 from tribo.run.layout import Layout
-from tribo.run.progress_guard import ProgressGuard
+from tribo.run.progress_guard import ProgressGuard, most_evaluations
 from tribo.run.samples import Samples
 from tribo.run.streamed_ledger import StreamedLedger, portion_size
 
@@ -132,6 +132,7 @@ def integrate(
     checkpoints: Checkpoints | None = None,
     columns: Columns | None = None,
     before: Samples | None = None,
+    most: float | None = None,
 ) -> Integration:
     """Integrate through `times`.
 
@@ -155,6 +156,8 @@ def integrate(
         The samples of a loop that has begun.
     before : Samples, optional
         The first sample of the run that is continued; it comes before all others.
+    most : float, optional
+        Force evaluations that adaptive steps may take; those of the scene without it.
     """
     began = time.perf_counter()
     rows = times.size if streamed is None else portion_size(loop.layout)
@@ -165,7 +168,7 @@ def integrate(
         portion = times[first : first + rows]
         if first > 0:
             loop.clocks["sample"] = 0
-        status = _run_through(loop, portion, columns, calls, progress, checkpoints)
+        status = _run_through(loop, portion, columns, calls, progress, checkpoints, most)
         memory = loop.memory()
         if status != Status.COMPLETED:  # the loop goes on, to record where it stopped
             memory = {name: array.copy() for name, array in memory.items()}
@@ -192,10 +195,11 @@ def _run_through(
     calls: tuple[Call, ...],
     progress: Progress | None,
     checkpoints: Checkpoints | None,
+    most: float | None,
 ) -> Status:
     """Run through the times, from the last checkpoint if there is one; how it ended."""
     if checkpoints is None:
-        return run_in_chunks(loop, times, columns, calls, progress)
+        return run_in_chunks(loop, times, columns, calls, progress, most)
     status = checkpoints.restore(loop, columns)
     if status is not None:
         return status
@@ -206,7 +210,7 @@ def _run_through(
         if progress is not None:
             progress(t)
 
-    status = run_in_chunks(loop, times, columns, calls, between)
+    status = run_in_chunks(loop, times, columns, calls, between, most)
     # An interrupt ends the program, not the integration, which can be continued.
     checkpoints.keep(loop, columns, None if status == Status.INTERRUPTED else status)
     return status
@@ -233,6 +237,7 @@ def run_in_chunks(
     columns: Columns,
     calls: tuple[Call, ...] = (),
     progress: Progress | None = None,
+    most: float | None = None,
 ) -> Status:
     """Run through the times in chunks, and check for an interrupt and for progress between them.
 
@@ -241,9 +246,8 @@ def run_in_chunks(
     budget = FIRST_CHUNK
     code = PAUSED
     layout = loop.layout
-    guard = ProgressGuard(
-        loop.clocks, layout.beginning, float(times[-1]), layout.model.asperites.size
-    )
+    most = most_evaluations(layout.scene) if most is None else most
+    guard = ProgressGuard(loop.clocks, layout.beginning, float(times[-1]), layout.scene.count, most)
     for item in calls:
         item.error, item.interrupted = None, False
     try:

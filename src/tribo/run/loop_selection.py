@@ -75,6 +75,7 @@ class Integrator:
         times: np.ndarray,
         start: np.ndarray | None = None,
         streamed: StreamedLedger | None = None,
+        most: float | None = None,
     ) -> Integration:
         """Integrate through `times`.
 
@@ -88,6 +89,8 @@ class Integrator:
             y at t = 0; the scene's without it.
         streamed : StreamedLedger, optional
             Takes the samples in, of which only the first and the last are kept then.
+        most : float, optional
+            Force evaluations that adaptive steps may take; those of the scene without it.
 
         Returns
         -------
@@ -99,7 +102,7 @@ class Integrator:
             checkpoints = self._journal.integration(key_of(setting, times, start))
         if self._pair is not None:
             assert isinstance(setting, Tolerance)
-            return self._pair.integrate(setting, start, times, self._progress, checkpoints)
+            return self._pair.integrate(setting, start, times, self._progress, checkpoints, most)
         loop = GeneralLoop(self.layout, self.method, setting, start, self._first_step)
         before = None
         if self.origin is not None:
@@ -107,7 +110,9 @@ class Integrator:
             self.origin.place(loop, self.method.name, exactly)
             before, times = self.origin.first, times[times >= self.layout.beginning]
         calls = self.layout.calculator_calls
-        run = integrate(loop, times, calls, self._progress, streamed, checkpoints, before=before)
+        run = integrate(
+            loop, times, calls, self._progress, streamed, checkpoints, before=before, most=most
+        )
         # Of a streamed run there are no samples, and adaptive steps keep the energy.
         if streamed is not None or self.method.adaptive:
             return run

@@ -153,8 +153,12 @@ class Pair:
         times: np.ndarray,
         progress: Progress | None = None,
         checkpoints: Checkpoints | None = None,
+        most: float | None = None,
     ) -> Integration:
-        """Integrate from `start`, y of the scene's layout, through `times`."""
+        """Integrate from `start`, y of the scene's layout, through `times`.
+
+        With `most` force evaluations, or those of the scene without it.
+        """
         began = time.perf_counter()
         if self._tolerance is not tolerance:
             self._tolerance = tolerance
@@ -163,13 +167,13 @@ class Pair:
         self._evaluations[0] = 0
         self._start = start
         if progress is not None or checkpoints is not None:
-            return integrate(self, times, (), progress, None, checkpoints)
+            return integrate(self, times, (), progress, None, checkpoints, most=most)
         record = np.empty((times.size + 1, COLUMNS))
         code = self._loop(start, times, record, UNINTERRUPTED_STEPS)
         if code != COMPLETED:
             if code != PAUSED:
                 self._evaluations[0] = 0  # from the start again, to the same end
-            return integrate(self, times, columns=(record,))
+            return integrate(self, times, columns=(record,), most=most)
         seconds, memory = time.perf_counter() - began, self.memory()
         return Integration(
             lambda: self.samples(times, (record,)), Status.COMPLETED, record[-1], seconds, memory
