@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tribo.accuracy.scales import ToleranceScales, tolerances, unit_step
+from tribo.accuracy.scales import FLOOR, ToleranceScales, tolerances, unit_step
 from tribo.integrators.methods import Method
 from tribo.run.integrate import Integration, Setting
 from tribo.run.layout import Layout
@@ -26,6 +26,11 @@ CALL = 8000
 def fine_level(method: Method) -> float:
     """Level of a fine run relative to that of the coarse runs that it is compared with."""
     return FINE_LEVEL if method.adaptive else FINE_LEVEL_OF_EQUAL_STEPS
+
+
+def finest_level(method: Method) -> float:
+    """The finest level of coarse runs, with which a fine run is still finer."""
+    return FLOOR / fine_level(method)
 
 
 def setting_at(

@@ -24,10 +24,9 @@ from tribo.accuracy.comparison import (
     strictest,
 )
 from tribo.accuracy.estimate import excess_of_request
-from tribo.accuracy.levels import NEAR, equal_steps, fine_level, setting_at, work
+from tribo.accuracy.levels import NEAR, equal_steps, fine_level, finest_level, setting_at, work
 from tribo.accuracy.scales import (
     EPSILON,
-    FLOOR,
     first_guess,
     tolerance_scales,
 )
@@ -140,7 +139,8 @@ def find_settings(
         many
     """
     search = _Search(layout, method, accuracy, stops, attempt)
-    level = min(FIRST * method.first_level * strictest(accuracy), 1.0)
+    level = FIRST * method.first_level * strictest(accuracy)
+    level = min(max(level, finest_level(method)), 1.0)
     if not search.run_pilot(level):
         return search.found()
     for _ in range(ROUNDS):
@@ -265,6 +265,7 @@ class _Search:
         if self.method.adaptive and last.stopped is not None:
             self.too_fine = max(self.too_fine, level)
             return self._looser()
+        finest = finest_level(self.method)
         shorter = level * SHORTER**self.method.order
         can_be_too_long = not self.method.adaptive and work(self.layout, fine) < SHORTER * LONG_RUN
         if can_be_too_long and any(run.status in TOO_LONG for run in last.runs):
@@ -276,13 +277,13 @@ class _Search:
             self.amplification, last.excess = None, np.inf
             return shorter
         self.stalls = self.stalls + 1 if last.excess > STALLED * before else 0
-        if last.excess <= 1.0 or level <= FLOOR or self.stalls == MOST_STALLS or not known:
+        if last.excess <= 1.0 or level <= finest or self.stalls == MOST_STALLS or not known:
             return None
         amplification = self._measure()
         if amplification is None or amplification * EPSILON > self.wanted:
             return None
         lower = AIM / last.excess if np.isfinite(last.excess) else LOWER**2
-        lower = max(level * min(LOWER, lower), FLOOR)
+        lower = max(level * min(LOWER, lower), finest)
         return lower if lower > self.too_fine else self._looser()
 
     def found(self) -> FoundSettings:

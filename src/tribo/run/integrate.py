@@ -123,6 +123,14 @@ class Integration:
         return int(self.counts[1])
 
 
+def first_step_at(tolerance: Tolerance, longest: float, order: int) -> float:
+    """The first step of a run: shorter with finer tolerances.
+
+    Two runs that began with the same step would share its error, which no step control has seen.
+    """
+    return longest * tolerance.level ** (1.0 / order)
+
+
 def integrate(
     loop: TimeLoop,
     times: np.ndarray,

@@ -7,7 +7,7 @@ import numpy as np
 from tribo.integrators.methods import Method
 from tribo.integrators.step_control import Tolerance
 from tribo.run.general_loop import GeneralLoop, compile_loop
-from tribo.run.integrate import Integration, Progress, Setting, integrate
+from tribo.run.integrate import Integration, Progress, Setting, first_step_at, integrate
 from tribo.run.journal import Journal, key_of
 from tribo.run.layout import Layout
 from tribo.run.pair_adapter import Pair, has_pair_loop
@@ -28,7 +28,7 @@ class Integrator:
     method : Method
         How time advances.
     first_step : float
-        The first step of an adaptive method [time].
+        The longest first step of an adaptive method [time].
     progress : callable, optional
         Called with the time reached, a few times a second.
     origin : Origin, optional
@@ -103,7 +103,10 @@ class Integrator:
         if self._pair is not None:
             assert isinstance(setting, Tolerance)
             return self._pair.integrate(setting, start, times, self._progress, checkpoints, most)
-        loop = GeneralLoop(self.layout, self.method, setting, start, self._first_step)
+        first = self._first_step
+        if isinstance(setting, Tolerance):
+            first = first_step_at(setting, first, self.method.order)
+        loop = GeneralLoop(self.layout, self.method, setting, start, first)
         before = None
         if self.origin is not None:
             exactly = np.array_equal(start, self.layout.start)

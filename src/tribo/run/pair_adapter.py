@@ -55,6 +55,7 @@ from tribo.run.integrate import (
     Integration,
     Memory,
     Progress,
+    first_step_at,
     integrate,
 )
 from tribo.run.layout import Layout
@@ -128,7 +129,7 @@ class Pair:
         self.adaptive = True
         mobility = _mobility(layout)
         potential = layout.model.contacts[0].potential
-        self._first_step = FIRST_STEP_FACTOR * first_step
+        self._first_step, self._order = FIRST_STEP_FACTOR * first_step, method.order
         self.clocks, self._rows = np.zeros(1, CLOCK), np.zeros((ROWS, LANES))
         assert isinstance(method.coefficients, Collocation)
         self._rows[:LIMITS] = table(method.coefficients)
@@ -208,7 +209,8 @@ class Pair:
             own = np.min(everything[:, None] / factors, axis=0)
         both = np.zeros((2, LANES))
         rates = {OF_V1: own[V1], OF_V2: own[V2], OF_J: own[J]}
-        for place, value in (rates | {LEVEL: tolerance.level, FIRST: self._first_step}).items():
+        first = first_step_at(tolerance, self._first_step, self._order)
+        for place, value in (rates | {LEVEL: tolerance.level, FIRST: first}).items():
             both[0, place] = value
         both[1] = 1.0 / own[FIRST_ACCOUNT : FIRST_ACCOUNT + LANES]
         return both
