@@ -66,7 +66,7 @@ LONG_RUN = 1.5e8
 SHORTER = 0.25
 # Statuses of runs whose equal steps are too long.
 TOO_LONG = (Status.ENCOUNTER_JUMPED, Status.NOT_FINITE, Status.NOT_CONVERGED)
-# A run stops after this times the evaluations expected by the order of the method from the last run,
+# A run stops after this times the evaluations expected from the last by the order of the method,
 # since errors of rounding, which do not fall with the step, then control its steps.  With rods of
 # 1e5 and longer, a tenth of the level took eight times the evaluations instead of 1.3 times.
 UNEXPECTED = 4.0
