@@ -222,6 +222,8 @@ class Simulation:
             why = "the search for settings was interrupted"
         else:
             why = out_of_reach(strictest(self.accuracy), tuned.amplification)
+        if excess * strictest(self.accuracy) > 1.0:
+            return f"errors may exceed the scales of their quantities; {why}"
         return f"errors are estimated at {excess:.1e} of the request; {why}"
 
     def _result(

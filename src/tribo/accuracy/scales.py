@@ -38,7 +38,7 @@ class Scales:
         velocities [length / time]
     energy
         the largest work, pseudowork, delta_e_int or delta_k_trans [energy]; where all works are
-        zero, so that the others are round-off, the largest internal energy
+        below the round-off of the largest internal energy, that energy
     angle
         1 radian
     """
@@ -63,11 +63,12 @@ def reported_scales(layout: Layout, ledger: Ledger) -> Scales:
     asperite = ASPERITE_QUANTITIES | OPTIONAL_QUANTITIES
     energies = [name for name in asperite if KINDS[name] == "energy" and ledger.series(name)]
     works = [name for name in energies if name.startswith("w")]
+    internal = _internal_energy(layout, ledger)
     return Scales(
         rate=top("omega", "nu"),
         length=_longest_rod(layout),
         velocity=_fastest_bob(layout, ledger),
-        energy=top(*energies) if top(*works) > 0.0 else _internal_energy(layout, ledger),
+        energy=top(*energies) if top(*works) > EPSILON * internal else internal,
     )
 
 
