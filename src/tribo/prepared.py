@@ -25,7 +25,7 @@ from tribo.run.integrate import Integration, Setting
 from tribo.run.layout import Layout
 from tribo.run.ledger import Ledger, assemble
 from tribo.run.loop_selection import Integrator
-from tribo.run.notes import calculator_notes, passage_notes, run_notes, stop_notes
+from tribo.run.notes import approach_notes, calculator_notes, passage_notes, run_notes, stop_notes
 from tribo.run.result import Cost, Known, Result
 from tribo.run.state import digest_of, state_of
 from tribo.run.streamed_ledger import StreamedLedger, exceeds_memory
@@ -197,7 +197,7 @@ class Simulation:
         if fine.status == Status.COMPLETED and len(runs) > 1:
             bounds, excess = self._errors(runs[-3:])
             met = excess <= 1.0
-            notes = () if met else (self._missed(excess),)
+            notes = () if met else (*approach_notes(self.layout, fine), self._missed(excess))
         ledger = _reported(self.layout, fine)
         cost = _cost(runs, self.compile_seconds, self._digit_ratio)
         known = met if len(runs) > 1 or fine.status != Status.COMPLETED else None

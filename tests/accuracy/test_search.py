@@ -1,5 +1,6 @@
 """Accuracies of everything and of observables, by any method; and their refusal."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -206,6 +207,8 @@ def test_note_on_an_accuracy_out_of_reach():
     assert result.status == "completed" and result.met is False
     (note,) = (note for note in result.notes if "out of reach" in note)
     assert "a change of 1e-11 in the start grows to" in note and "round-off of 2.2e-16" in note
+    (near,) = (note for note in result.notes if "bobs were closest" in note)
+    assert re.search(r'closest at t = \S+: .* of "\w+" and .* of "\w+" were \S+ apart', near)
 
 
 def test_out_of_reach_is_refused_early(monkeypatch):
