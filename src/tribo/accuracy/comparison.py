@@ -20,8 +20,9 @@ from tribo.run.ledger import Ledger, assemble
 # chance: without this, of 600 random pairs of asperites three had errors beyond their bars, of
 # 1e-8, 3e-5 and 2e-4 of the request.
 LEAST = 1e-3
-# Change of every initial theta that measures the amplification [radian]: small enough to
-# grow linearly, large against round-off.
+# Change of every initial theta [radian], and of every omega in units of the largest rate, that
+# measures the amplification: small enough to grow linearly, large against round-off.  Rates are
+# rounded most where they are large, as in a close pass.
 PERTURBATION = 1e-11
 # Statuses of runs that were ended from outside, which other settings would not change.
 FROM_OUTSIDE = (Status.INTERRUPTED, Status.CALCULATOR_FAILED)
@@ -138,13 +139,14 @@ def measure_amplification(
         the largest difference of the two runs relative to the scales, over PERTURBATION; None if
         the second run was ended from outside
     """
-    start = layout.start.copy()
-    start[: layout.model.asperites.size] += PERTURBATION
+    own = assemble(layout, run.samples)
+    scales = reported_scales(layout, own)
+    start, asperites = layout.start.copy(), layout.model.asperites.size
+    start[:asperites] += PERTURBATION
+    start[layout.coordinates :][:asperites] += PERTURBATION * scales.rate
     other = attempt(setting, run.samples.t, start)
     if other.status in FROM_OUTSIDE:
         return None
-    own = assemble(layout, run.samples)
-    scales = reported_scales(layout, own)
     # The energy of contact, which may be far larger than all works, changes with any angle.
     chosen = names or [name for name in KINDS if name != "contact_energy"]
     scaled = [name for name in chosen if scales.of(kind_of(name)) > 0.0]
