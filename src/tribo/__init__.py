@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import importlib
-from typing import TYPE_CHECKING, Any
+
+# As in `typing`, whose import takes as long as all else before the program can be interrupted.
+TYPE_CHECKING = False
 
 if TYPE_CHECKING:
+    from typing import Any
+
     from tribo import paper, plotting, potentials
     from tribo.ensembles import ensemble
     from tribo.explanation import Explanation, explain
