@@ -67,6 +67,4 @@ def equal_steps(layout: Layout, method: Method, level: float) -> float:
 
 def work(layout: Layout, run: Integration) -> float:
     """Force evaluations times asperites: a measure of cost that is the same on every machine."""
-    return run.evaluations * float(
-        layout.asperites.size + CALL * len(layout.calculator_calls)
-    )
+    return run.evaluations * float(layout.asperites.size + CALL * len(layout.calculator_calls))
