@@ -7,6 +7,7 @@ import textwrap
 from dataclasses import dataclass
 
 import numpy as np
+from numba import typeof
 
 from tribo.accuracy.choose_method import RATES, Choice, choose
 from tribo.accuracy.comparison import Accuracy
@@ -15,9 +16,9 @@ from tribo.explanation.prediction import Prediction, Search, pairs_of_bobs, pred
 from tribo.explanation.reasons import why_absent, why_present
 from tribo.explanation.speeds import compilations, kept_speed, loop_of, measured
 from tribo.integrators.methods import noisy
+from tribo.kernels.potential_in_lanes import is_vectorized
 from tribo.model.scene import Effect, Scene
 from tribo.run.layout import Layout, lay_out
-from tribo.run.pair_adapter import has_pair_loop
 from tribo.validation import InputError, inside
 
 # Width of the text [columns].
@@ -262,12 +263,14 @@ def coordinates(scene: Scene) -> dict[str, int]:
 def contact(layout: Layout, choice: Choice) -> Contact:
     """How contact is computed."""
     pairs, by_list = pairs_of_bobs(layout)
-    return Contact(pairs, by_list, arithmetic(layout, choice))
+    return Contact(pairs, by_list, arithmetic(layout))
 
 
-def arithmetic(layout: Layout, choice: Choice) -> str:
-    """Whether contact is computed in lanes: so far in the loop for pairs only."""
-    return "lanes" if has_pair_loop(layout, choice.method) else "scalar"
+def arithmetic(layout: Layout) -> str:
+    """Whether every potential's formula is computed at eight distances at once, or one by one."""
+    contacts = (*layout.model.contacts, *(layout.model.within or ()))
+    every = all(is_vectorized(typeof(item.potential)) for item in contacts)
+    return "lanes" if every else "scalar"
 
 
 def _step(found: Prediction) -> float | None:
