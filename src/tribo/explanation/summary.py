@@ -269,7 +269,7 @@ def contact(layout: Layout, choice: Choice) -> Contact:
 def arithmetic(layout: Layout) -> str:
     """Whether every potential's formula is computed at eight distances at once, or one by one."""
     contacts = (*layout.model.contacts, *(layout.model.within or ()))
-    every = all(is_vectorized(typeof(item.potential)) for item in contacts)
+    every = all(is_vectorized(typeof(item.potential)) for item in contacts)  # type: ignore[no-untyped-call]
     return "lanes" if every else "scalar"
 
 
