@@ -11,12 +11,16 @@ from pathlib import Path
 
 import pytest
 
+import tribo
+
 LONG = """
 duration = 1e6
 numerics = { method = "verlet", step = 1e-3 }
 interaction = { potential = "coulomb", strength = 0.2 }
 surface = [ { name = "upper", bob = [-1.0, 0.0] }, { name = "lower", facing = "up" } ]
 """
+# The folder of the package.
+SOURCE = str(Path(tribo.__file__).parents[1])
 PROGRAM = "import sys; from tribo.cli import main; sys.exit(main())"
 # Processor time of an answer [s].
 ANSWER = 1.0
@@ -104,3 +108,16 @@ def test_a_run_keeps_what_it_reached(interrupted, tmp_path):
         reached.append(end["t"])
         assert out.read_bytes() == b"an earlier file"
     assert 0.0 < reached[0] < reached[1]
+
+
+def test_little_is_imported_before_the_program_can_be_interrupted():
+    """Python's own start apart; `typing` alone takes as long."""
+    code = "import sys; import tribo.cli; from tribo import interrupts; print(*sys.modules)"
+    found = subprocess.run(
+        [sys.executable, "-S", "-c", f"import sys; sys.path.insert(0, {SOURCE!r}); {code}"],
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout.split()
+    assert "tribo.interrupts" in found
+    assert not {"typing", "re", "argparse", "numpy"} & set(found)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import importlib
-from typing import TYPE_CHECKING, Any
+
+# As in `typing`, whose import takes as long as all else before the program can be interrupted.
+TYPE_CHECKING = False
 
 if TYPE_CHECKING:
     from tribo import paper, plotting, potentials

@@ -11,10 +11,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tribo.files import checked_target
-from tribo.interrupts import STOPPED, answer
+from tribo.interrupts import STOPPED, answer, report_by
 from tribo.validation import InputError, TriboWarning, must_be
 
 if TYPE_CHECKING:
+    from tribo.atlas import Row
     from tribo.model.scene import Scene
 
 # The exit status of a run that completed, or of a check that passed.
@@ -203,6 +204,9 @@ def _accuracy(options: argparse.Namespace) -> int:
     if options.figure is not None:
         diagram.save_figure(options.figure)
     print(diagram.to_json() if options.json else diagram)
+    if not diagram.rows:
+        print("tribo: no run ended in time; give more --seconds", file=sys.stderr)
+        return STOPPED
     return COMPLETED
 
 
@@ -221,13 +225,19 @@ def _check(options: argparse.Namespace) -> int:
 
 def _atlas(options: argparse.Namespace) -> int:
     from tribo import atlas
-    from tribo.run.result import without_nan
 
     entries = atlas.chosen(options.names)
     # With --json, the lines show the progress on a terminal.
     lines = sys.stderr if options.json else sys.stdout
     shown = not options.json or lines.isatty()
     rows: list[atlas.Row] = []
+
+    def report() -> None:
+        """Print what was reached where an interrupt ends the program."""
+        print(f"tribo: interrupted after {len(rows)} of {len(entries)} scenes", file=sys.stderr)
+        _print_atlas(options, rows, len(entries))
+
+    report_by(report)
     if shown:
         print(atlas.HEAD, file=lines, flush=True)
     try:
@@ -237,13 +247,22 @@ def _atlas(options: argparse.Namespace) -> int:
                 print(row, file=lines, flush=True)
     except KeyboardInterrupt:
         answer()
-        print(f"tribo: interrupted after {len(rows)} of {len(entries)} scenes", file=sys.stderr)
+        report()
+        return STOPPED
+    return _print_atlas(options, rows, len(entries))
+
+
+def _print_atlas(options: argparse.Namespace, rows: list[Row], count: int) -> int:
+    """Print the rows of `count` scenes, or how many ended as declared; the exit status."""
+    from tribo import atlas
+    from tribo.run.result import without_nan
+
     declared = sum(row.as_declared for row in rows)
     if options.json:
-        print(json.dumps(without_nan(atlas.table(rows)), indent=1, allow_nan=False))
+        print(json.dumps(without_nan(atlas.table(rows)), indent=1, allow_nan=False), flush=True)
     else:
-        print(f"{declared} of {len(entries)} scenes as declared")
-    return COMPLETED if declared == len(entries) else STOPPED
+        print(f"{declared} of {count} scenes as declared", flush=True)
+    return COMPLETED if declared == count else STOPPED
 
 
 def _check_figure(path: Path | None) -> None:

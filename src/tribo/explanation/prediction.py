@@ -16,9 +16,10 @@ import numpy as np
 
 from tribo.accuracy.choose_method import PAIR, RATES, Choice, Rate
 from tribo.accuracy.comparison import strictest
+from tribo.accuracy.levels import fine_level
 from tribo.accuracy.plan import Plan, make_plan
 from tribo.accuracy.scales import first_step
-from tribo.accuracy.search import FIRST, PILOT_LEVEL, fine_level
+from tribo.accuracy.search import FIRST, PILOT_LEVEL
 from tribo.accuracy.stop_times import StopTimes
 from tribo.integrators.methods import Method
 from tribo.integrators.splitting import Splitting
@@ -158,6 +159,7 @@ class Search(Integrator):
         times: np.ndarray,
         start: np.ndarray | None = None,
         streamed: StreamedLedger | None = None,
+        most: float | None = None,
     ) -> Integration:
         """Integrate through `times`.  Raises OverBudgetError."""
         self._own = start is None
