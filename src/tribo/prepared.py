@@ -271,9 +271,12 @@ class Simulation:
 def _reported(layout: Layout, run: Integration) -> Ledger:
     """The ledger of a run at the scene's times and at its end."""
     samples = run.samples
-    wanted = np.intersect1d(samples.t, layout.times)
-    ledger = assemble(layout, samples.at(np.union1d(wanted, samples.t[[0, -1]])))
-    return ledger.rows(slice(int(np.searchsorted(ledger.t, layout.beginning)), None))
+    if samples.t is not layout.times:
+        wanted = np.intersect1d(samples.t, layout.times)
+        samples = samples.at(np.union1d(wanted, samples.t[[0, -1]]))
+    ledger = assemble(layout, samples)
+    before = int(np.searchsorted(samples.t, layout.beginning))
+    return ledger.rows(slice(before, None)) if before else ledger
 
 
 def _cost(runs: Sequence[Integration], compile_seconds: float, ratio: float | None) -> Cost:

@@ -11,16 +11,13 @@ import numpy as np
 
 from tribo.accuracy.scales import EPSILON, largest
 from tribo.kernels.samples import BATH, SPRINGS, TORSIONAL, WITHIN
-from tribo.run.accounts import Account
+from tribo.run.accounts import APPLIED, Account, accounts
 from tribo.run.layout import Layout
-from tribo.run.ledger import entries
-from tribo.run.motion import Batch, Motion, internal_energy
+from tribo.run.motion import Batch, Motion, internal_energy, motions
 from tribo.run.samples import Samples
 
 # Roundings of a term: those of the rates in it, of their squares, of products and of the sum.
 TERM_ROUNDINGS = 4.0
-# Names of the works that outside agents do on a surface.
-APPLIED = ("w2", "wL", "wR", "w_T")
 
 
 class _Terms(dict[str, float]):
@@ -74,8 +71,8 @@ def _of_surface(
     energy = np.sum(np.abs(stored[:, [SPRINGS, BATH, TORSIONAL, WITHIN]]), axis=1)
     momentum, work, applied, farthest = (np.zeros(samples.t.size) for _ in range(4))
     speed = 0.0
-    for batch, motion, forces, _ in entries(layout, samples, index):
-        a = batch.asperites
+    for batch, motion in motions(layout, samples, index):
+        a, forces = batch.asperites, accounts(batch, samples.s)
         mass = a.mass
         x = np.abs(a.x) + np.abs(a.vx * motion.t) + np.abs(motion.x)
         y = np.abs(a.y) + np.abs(a.vy * motion.t) + np.abs(motion.y)

@@ -6,6 +6,7 @@ work = (about the centre of mass) + V . J + (pseudowork in that frame).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,7 +26,11 @@ class Account:
 
     def pseudowork(self, velocity: np.ndarray) -> np.ndarray:
         """In the laboratory, where the surface's first velocity is `velocity` (2,)."""
-        return self.pseudo + velocity[0] * self.jx + velocity[1] * self.jy
+        return self.pseudo + self.boost(velocity)
+
+    def boost(self, velocity: np.ndarray) -> np.ndarray:
+        """The work of the impulse at a velocity (2,)."""
+        return np.asarray(velocity[0] * self.jx + velocity[1] * self.jy)
 
     def work(self, velocity: np.ndarray) -> np.ndarray:
         """In the laboratory."""
@@ -34,38 +39,90 @@ class Account:
 
 def accounts(batch: Batch, s: np.ndarray) -> dict[str, Account]:
     """The account of every force, by the name of its work."""
+    return {name: account(batch, s) for name, account in FORCES.items()}
+
+
+def _column(slots: np.ndarray, k: int, s: np.ndarray) -> np.ndarray:
+    """Column `k` of a group of accounts; zeros where the group is absent."""
+    return columns(np.where(slots >= 0, slots + k, -1), s)
+
+
+def _contact(batch: Batch, s: np.ndarray) -> Account:
+    """The contact with bobs of other surfaces."""
     a = batch.asperites
+    jx, jy, about_x, about_y = (_column(a.acc_contact, k, s) for k in range(4))
+    slide_x, slide_y = (_column(a.acc_slide, k, s) for k in range(2))
+    return Account(a.l1 * (about_x + about_y), jx, jy, slide_x + slide_y)
 
-    def column(slots: np.ndarray, k: int) -> np.ndarray:
-        return columns(np.where(slots >= 0, slots + k, -1), s)
 
-    def point(slots: np.ndarray) -> Account:
-        jx, jy, about, pseudo = (column(slots, k) for k in range(4))
-        return Account(about, jx, jy, pseudo)
+def _drive(batch: Batch, s: np.ndarray) -> Account:
+    """The drive: f2 = -(held f1_x, f1_y), unless it has an account of its own.
 
-    jx, jy, about_x, about_y = (column(a.acc_contact, k) for k in range(4))
-    slide_x, slide_y = (column(a.acc_slide, k) for k in range(2))
-    contact = Account(a.l1 * (about_x + about_y), jx, jy, slide_x + slide_y)
-
-    # f2 = -(held f1_x, f1_y), with held = 1 for a forced drive and 0 for a free one, unless the
-    # drive has an account of its own.
+    `held` is 1 for a forced drive and 0 for a free one.
+    """
+    a = batch.asperites
     held = 1.0 if batch.surface.drive == FORCED else 0.0
+    jx, jy, about_x, about_y = (_column(a.acc_contact, k, s) for k in range(4))
+    slide_x, slide_y = (_column(a.acc_slide, k, s) for k in range(2))
+    own_jx, own_jy, own_about, own_pseudo = (_column(a.acc_drive, k, s) for k in range(4))
     own = a.acc_drive >= 0
-    drive = Account(
-        np.where(own, -a.l2 * column(a.acc_drive, 2), a.l2 * (held * about_x + about_y)),
-        np.where(own, column(a.acc_drive, 0), -held * jx),
-        np.where(own, column(a.acc_drive, 1), -jy),
-        np.where(own, column(a.acc_drive, 3), -(held * slide_x + slide_y)),
+    return Account(
+        np.where(own, -a.l2 * own_about, a.l2 * (held * about_x + about_y)),
+        np.where(own, own_jx, -held * jx),
+        np.where(own, own_jy, -jy),
+        np.where(own, own_pseudo, -(held * slide_x + slide_y)),
     )
 
-    left, right, end_x, end_y, end_pseudo = (column(a.acc_ends, k) for k in range(5))
-    user = [column(a.acc_user_ends, k) for k in range(8)]
-    return {
-        "w1": contact,
-        "w2": drive,
-        "wL": Account(left + user[0], end_x + user[2], end_y + user[3], end_pseudo + user[6]),
-        "wR": Account(right + user[1], user[4] - end_x, user[5] - end_y, user[7] - end_pseudo),
-        "w_int": point(a.acc_internal),
-        "w_field": point(a.acc_field),
-        "w_T": point(a.acc_thermal),
-    }
+
+def _left_end(batch: Batch, s: np.ndarray) -> Account:
+    """The left end of the bar."""
+    a = batch.asperites
+    about, jx, jy, pseudo = (_column(a.acc_ends, k, s) for k in (0, 2, 3, 4))
+    user = [_column(a.acc_user_ends, k, s) for k in (0, 2, 3, 6)]
+    return Account(about + user[0], jx + user[1], jy + user[2], pseudo + user[3])
+
+
+def _right_end(batch: Batch, s: np.ndarray) -> Account:
+    """The right end of the bar, on which a clamp exerts the opposite of its force on the left."""
+    a = batch.asperites
+    about, jx, jy, pseudo = (_column(a.acc_ends, k, s) for k in range(1, 5))
+    user = [_column(a.acc_user_ends, k, s) for k in (1, 4, 5, 7)]
+    return Account(about + user[0], user[1] - jx, user[2] - jy, user[3] - pseudo)
+
+
+def _point(group: str) -> Callable[[Batch, np.ndarray], Account]:
+    """A force with accounts of its own."""
+
+    def account(batch: Batch, s: np.ndarray) -> Account:
+        slots = batch.asperites[group]
+        jx, jy, about, pseudo = (_column(slots, k, s) for k in range(4))
+        return Account(about, jx, jy, pseudo)
+
+    return account
+
+
+# The account of every force on an asperite, by the name of its work.
+FORCES: dict[str, Callable[[Batch, np.ndarray], Account]] = {
+    "w1": _contact,
+    "w2": _drive,
+    "wL": _left_end,
+    "wR": _right_end,
+    "w_int": _point("acc_internal"),
+    "w_field": _point("acc_field"),
+    "w_T": _point("acc_thermal"),
+}
+# The names of the external ones, and of those by which outside agents do work on a surface.
+EXTERNAL = tuple(name for name in FORCES if name != "w_int")
+APPLIED = ("w2", "wL", "wR", "w_T")
+
+
+def accounted(batch: Batch, s: np.ndarray, name: str) -> np.ndarray:
+    """What is linear in the accounts: "w1", "w1_ps", ..., "w", "w_ps" of all forces, or "heat"."""
+    if name == "heat":
+        record, thermal = batch.surface, FORCES["w_T"](batch, s)
+        reservoir = record.reservoir_x * thermal.jx + record.reservoir_y * thermal.jy
+        return np.asarray(reservoir - thermal.about - thermal.pseudo)
+    force = name.removesuffix("_ps")
+    kind = Account.pseudowork if name.endswith("_ps") else Account.work
+    forces = FORCES.values() if force == "w" else [FORCES[force]]
+    return np.asarray(sum(kind(account(batch, s), batch.velocity) for account in forces))

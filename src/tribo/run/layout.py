@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -75,7 +76,7 @@ class Layout:
     skin: float
     beginning: float = 0.0
 
-    @property
+    @cached_property
     def times(self) -> np.ndarray:
         """The times to record, from the start of the run on."""
         times = self.scene.times

@@ -9,21 +9,69 @@ The identities that must hold, and by which the accounts are audited:
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
-from tribo.kernels.kinematics import bar_position, bob_position
-from tribo.run.accounts import Account, accounts
+from tribo.run.entry import Entry
 from tribo.run.layout import Layout
-from tribo.run.motion import Batch, Motion, internal_energy, motions, swing_direction
-from tribo.run.quantities import Table
+from tribo.run.quantities import (
+    ASPERITE_QUANTITIES,
+    BLOCK_QUANTITIES,
+    FIELD_QUANTITIES,
+    QUANTITIES,
+    RESERVOIR_QUANTITIES,
+    SYSTEM_QUANTITIES,
+    Quantity,
+    Table,
+)
 from tribo.run.samples import Samples
-from tribo.run.totals import Sums, batch_sums, block_table, system_table
+from tribo.run.totals import System, Whole
 
 
-@dataclass(frozen=True, eq=False)
+class Computed(Mapping[str, np.ndarray]):
+    """Series by name, each computed when it is first asked for.
+
+    Parameters
+    ----------
+    names : iterable of str
+        Of the quantities.
+    compute : callable
+        Computes the series of a name.
+    """
+
+    def __init__(self, names: Iterable[str], compute: Callable[[str], np.ndarray]) -> None:
+        self._names = names if isinstance(names, dict) else dict.fromkeys(names)
+        self._compute = compute
+        self._known: dict[str, np.ndarray] = {}
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        known = self._known.get(name)
+        if known is None:
+            if name not in self._names:
+                raise KeyError(name)
+            # In a run that stopped because values were not finite, the last are infinite or NaN.
+            with np.errstate(over="ignore", invalid="ignore"):
+                known = self._known[name] = self._compute(name)
+        return known
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._names
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return dict, (dict(self),)
+
+
+@dataclass(eq=False)
 class Ledger:
     """All quantities that a run reports, in the laboratory.
 
@@ -31,17 +79,17 @@ class Ledger:
     ----------
     t : ndarray, (times,)
         The recorded times.
-    surfaces : dict
+    surfaces : mapping
         Surface -> quantity -> (times, asperites).
-    blocks : dict
+    blocks : mapping
         Surface -> quantity of the surface as a whole -> (times,).
-    system : dict
+    system : mapping
         Quantity of the system -> (times,).
     """
 
     t: np.ndarray  # (times,)
-    surfaces: dict[str, Table]  # surface -> quantity -> (times, asperites)
-    blocks: dict[str, Table]  # surface -> quantity -> (times,)
+    surfaces: Mapping[str, Table]  # surface -> quantity -> (times, asperites)
+    blocks: Mapping[str, Table]  # surface -> quantity -> (times,)
     system: Table  # quantity -> (times,)
 
     def series(self, name: str) -> list[np.ndarray]:
@@ -52,137 +100,94 @@ class Ledger:
             tables = [self.surfaces.get(surface, {}), self.blocks.get(surface, {})]
         return [table[name] for table in tables if name in table]
 
+    @property
+    def names(self) -> list[str]:
+        """The quantities of which there are series."""
+        tables = [*self.surfaces.values(), *self.blocks.values(), self.system]
+        return [name for name in QUANTITIES if any(name in table for table in tables)]
+
     def rows(self, selected: slice | np.ndarray) -> Ledger:
         """The ledger at some of its times: a slice, indices or a mask."""
+
+        def rows_of(table: Table) -> Table:
+            return Computed(table, lambda name: table[name][selected])
+
         return Ledger(
             self.t[selected],
-            {name: _rows(table, selected) for name, table in self.surfaces.items()},
-            {name: _rows(table, selected) for name, table in self.blocks.items()},
-            _rows(self.system, selected),
+            {name: rows_of(table) for name, table in self.surfaces.items()},
+            {name: rows_of(table) for name, table in self.blocks.items()},
+            rows_of(self.system),
         )
 
+    def at_end(self) -> Ledger:
+        """The ledger at the last time alone."""
+        return self.rows(slice(-1, None))
 
-def _rows(table: Table, selected: slice | np.ndarray) -> Table:
-    return {name: values[selected] for name, values in table.items()}
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Ledger, (self.t, dict(self.surfaces), dict(self.blocks), self.system)
 
 
-# In a run that stopped because values were not finite, the last are infinite or NaN here too.
-_with_infinities = np.errstate(over="ignore", invalid="ignore")
+class Assembled(Ledger):
+    """The ledger of raw samples; each series is computed when it is first asked for.
+
+    Parameters
+    ----------
+    layout : Layout
+        The scene.
+    samples : Samples
+        The raw samples of a run, the first of which is the start of the run.
+    """
+
+    def __init__(self, layout: Layout, samples: Samples) -> None:
+        surfaces = layout.scene.surfaces
+        super().__init__(
+            samples.t,
+            {s.name: self._of_asperites(k, asperite_quantities(layout, k)) for k, s in enumerate(surfaces)},
+            {s.name: self._of_surface(k) for k, s in enumerate(surfaces)},
+            Computed(SYSTEM_QUANTITIES, lambda name: SYSTEM_QUANTITIES[name].of(self._system)),
+        )
+        self._layout = layout
+        self._samples = samples
+
+    def at_end(self) -> Ledger:
+        """The ledger at the last time alone, from the first and the last sample."""
+        return Assembled(self._layout, self._samples.ends()).rows(slice(-1, None))
+
+    def _of_asperites(self, index: int, quantities: Mapping[str, Quantity[Entry]]) -> Table:
+        """The series of a surface's asperites."""
+
+        def compute(name: str) -> np.ndarray:
+            series = [quantities[name].of(entry) for entry in self._wholes[index].entries]
+            return series[0] if len(series) == 1 else np.concatenate(series, axis=1)
+
+        return Computed(quantities, compute)
+
+    def _of_surface(self, index: int) -> Table:
+        """The series of a surface as a whole."""
+        return Computed(
+            BLOCK_QUANTITIES, lambda name: BLOCK_QUANTITIES[name].of(self._wholes[index])
+        )
+
+    @cached_property
+    def _wholes(self) -> tuple[Whole, ...]:
+        layout, samples = self._layout, self._samples
+        return tuple(Whole(layout, samples, k) for k in range(len(layout.scene.surfaces)))
+
+    @cached_property
+    def _system(self) -> System:
+        return System(self._layout, self._samples, self._wholes)
 
 
-@_with_infinities
+def asperite_quantities(layout: Layout, index: int) -> Mapping[str, Quantity[Entry]]:
+    """The quantities that are reported of a surface's asperites."""
+    surface, reported = layout.scene.surfaces[index], ASPERITE_QUANTITIES
+    if any(surface.name in item.on for item in layout.scene.fields):
+        reported = reported | FIELD_QUANTITIES
+    if surface.langevin:
+        reported = reported | RESERVOIR_QUANTITIES
+    return reported
+
+
 def assemble(layout: Layout, samples: Samples) -> Ledger:
     """The ledger of raw samples, the first of which is the start of the run."""
-    surfaces: dict[str, Table] = {}
-    sums = []
-    for k, surface in enumerate(layout.scene.surfaces):
-        tables, terms = [], []
-        for batch, motion, forces, energies in entries(layout, samples, k):
-            terms.append(batch_sums(batch, motion, forces, energies))
-            works = _works(batch, forces) | _optional(layout, batch, forces)
-            tables.append(_positions(layout, batch, motion) | works | energies)
-        surfaces[surface.name] = _side_by_side(tables)
-        sums.append(sum(terms[1:], start=terms[0]))
-    return _with_totals(layout, samples, surfaces, sums)
-
-
-@_with_infinities
-def assemble_totals(layout: Layout, samples: Samples) -> Ledger:
-    """The ledger of surfaces as wholes and of the system, without the series of asperites."""
-    sums = []
-    for k in range(len(layout.scene.surfaces)):
-        terms = [batch_sums(*entry) for entry in entries(layout, samples, k)]
-        sums.append(sum(terms[1:], start=terms[0]))
-    return _with_totals(layout, samples, {}, sums)
-
-
-def entries(
-    layout: Layout, samples: Samples, index: int
-) -> Iterator[tuple[Batch, Motion, dict[str, Account], Table]]:
-    """Motion, accounts and changes of energy of each batch of surface `index`."""
-    for batch, motion in motions(layout, samples, index):
-        yield batch, motion, accounts(batch, samples.s), _energies(batch, motion)
-
-
-def _with_totals(
-    layout: Layout, samples: Samples, surfaces: dict[str, Table], sums: list[Sums]
-) -> Ledger:
-    """The ledger of the asperites' series, completed by the sums over each surface."""
-    blocks = {
-        surface.name: block_table(layout, k, sums[k], samples)
-        for k, surface in enumerate(layout.scene.surfaces)
-    }
-    return Ledger(samples.t, surfaces, blocks, system_table(layout, sums, blocks, samples))
-
-
-def _side_by_side(tables: list[Table]) -> Table:
-    """One table from those of the batches, whose arrays are released one by one."""
-    if len(tables) == 1:
-        return tables[0]
-    return {
-        name: np.concatenate([table.pop(name) for table in tables], axis=1)
-        for name in list(tables[0])
-    }
-
-
-def _positions(layout: Layout, batch: Batch, m: Motion) -> Table:
-    """Angles, angular rates, positions and velocities."""
-    a = batch.asperites
-    rest = np.where(a.facing > 0.0, 0.0, np.pi)
-    x = layout.origin[0] + (a.x + batch.velocity[0] * m.t + m.x)
-    y = layout.origin[1] + (a.y + batch.velocity[1] * m.t + m.y)
-    tx, ty = swing_direction(a.facing, m.swing)
-    x_bob, y_bob = bob_position(x, y, a.l1, tx, ty)
-    x_bar, y_bar = bar_position(x, y, a.l2, tx, ty)
-    return {
-        "theta": m.swing + rest,
-        "phi": m.phi,
-        "omega": m.omega,
-        "nu": m.nu,
-        "x_cm": x,
-        "y_cm": y,
-        "vx_cm": batch.velocity[0] + m.vx,
-        "vy_cm": batch.velocity[1] + m.vy,
-        "x_bob": x_bob,
-        "y_bob": y_bob,
-        "x_bar": x_bar,
-        "y_bar": y_bar,
-    }
-
-
-def _works(batch: Batch, forces: dict[str, Account]) -> Table:
-    """Works and pseudoworks of each asperite, in the laboratory."""
-    works = {name: account.work(batch.velocity) for name, account in forces.items()}
-    pseudo = {f"{name}_ps": account.pseudowork(batch.velocity) for name, account in forces.items()}
-    return (
-        {name: works[name] for name in ("w1", "w2", "wL", "wR", "w_int")}
-        | {"w": np.sum(list(works.values()), axis=0)}
-        | {name: pseudo[name] for name in ("w1_ps", "w2_ps", "w_int_ps")}
-        | {"w_ps": np.sum(list(pseudo.values()), axis=0)}
-    )
-
-
-def _optional(layout: Layout, batch: Batch, forces: dict[str, Account]) -> Table:
-    """Works and heat that only surfaces with a field or a reservoir report."""
-    surface = layout.scene.surfaces[batch.index]
-    table = {}
-    if any(surface.name in item.on for item in layout.scene.fields):
-        table["w_field"] = forces["w_field"].work(batch.velocity)
-        table["w_field_ps"] = forces["w_field"].pseudowork(batch.velocity)
-    if surface.langevin:
-        account, record = forces["w_T"], batch.surface
-        table["w_T"] = account.work(batch.velocity)
-        table["w_T_ps"] = account.pseudowork(batch.velocity)
-        reservoir = record.reservoir_x * account.jx + record.reservoir_y * account.jy
-        table["heat"] = reservoir - account.about - account.pseudo
-    return table
-
-
-def _energies(batch: Batch, m: Motion) -> Table:
-    """Changes of the translational kinetic and of the internal energy of each asperite."""
-    internal = internal_energy(batch.asperites, m.omega, m.nu, m.swing - m.phi)
-    lag = batch.velocity[0] * m.vx + batch.velocity[1] * m.vy + 0.5 * (m.vx**2 + m.vy**2)
-    return {
-        "delta_k_trans": batch.asperites.mass * lag,
-        "delta_e_int": internal - internal[0],
-    }
+    return Assembled(layout, samples)

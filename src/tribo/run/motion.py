@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -26,31 +27,80 @@ class Batch:
     velocity: np.ndarray  # (2,) initial velocity of the surface, in the laboratory
 
 
-@dataclass(frozen=True, eq=False)
 class Motion:
     """The motion of a batch relative to its surface's initial velocity.
 
-    Every array is (times, asperites).
+    Every array is (times, asperites), and computed when it is first needed.
     """
 
-    t: np.ndarray  # (times, 1)
-    swing: np.ndarray  # theta - rest
-    phi: np.ndarray
-    omega: np.ndarray
-    nu: np.ndarray
-    x: np.ndarray  # displacement of the centre of mass from its uniform motion
-    y: np.ndarray
-    vx: np.ndarray
-    vy: np.ndarray
+    def __init__(self, layout: Layout, batch: Batch, samples: Samples) -> None:
+        self._core = layout.core
+        self._asperites = batch.asperites
+        self._place = batch.place
+        self._samples = samples
+
+    @cached_property
+    def t(self) -> np.ndarray:
+        """The times, (times, 1)."""
+        return self._samples.t[:, None]
+
+    @cached_property
+    def swing(self) -> np.ndarray:
+        """Angle theta from rest."""
+        return self._q[:, self._place]
+
+    @cached_property
+    def phi(self) -> np.ndarray:
+        """Angle of the bar."""
+        a = self._asperites
+        return columns(a.dof_phi, self._q, a.phi + a.nu * self.t)
+
+    @cached_property
+    def omega(self) -> np.ndarray:
+        """Rate of theta."""
+        return self._v[:, self._place]
+
+    @cached_property
+    def nu(self) -> np.ndarray:
+        """Rate of phi."""
+        return columns(self._asperites.dof_phi, self._v, self._asperites.nu)
+
+    @cached_property
+    def x(self) -> np.ndarray:
+        """Displacement of the centre of mass from its uniform motion."""
+        return columns(self._asperites.dof_x, self._q)
+
+    @cached_property
+    def y(self) -> np.ndarray:
+        """The same along y."""
+        return columns(self._asperites.dof_y, self._q)
+
+    @cached_property
+    def vx(self) -> np.ndarray:
+        """Rate of `x`."""
+        return columns(self._asperites.dof_x, self._v)
+
+    @cached_property
+    def vy(self) -> np.ndarray:
+        """Rate of `y`."""
+        return columns(self._asperites.dof_y, self._v)
+
+    @property
+    def _q(self) -> np.ndarray:
+        return self._samples.y[:, : self._core]
+
+    @property
+    def _v(self) -> np.ndarray:
+        return self._samples.y[:, self._core :]
 
 
 def motions(layout: Layout, samples: Samples, index: int) -> Iterator[tuple[Batch, Motion]]:
     """The motion of surface `index`, batch by batch."""
-    for batch in _batches(layout, index):
-        yield batch, _motion(layout, batch, samples)
+    for batch in batches(layout, index):
+        yield batch, Motion(layout, batch, samples)
 
 
-def _batches(layout: Layout, index: int) -> Iterator[Batch]:
+def batches(layout: Layout, index: int) -> Iterator[Batch]:
     """The asperites of a surface, at most BATCH_SIZE at a time."""
     whole = layout.parts[layout.scene.surfaces[index].name]
     for start in range(whole.start, whole.stop, BATCH_SIZE):
@@ -64,31 +114,14 @@ def _batches(layout: Layout, index: int) -> Iterator[Batch]:
         )
 
 
-def _motion(layout: Layout, batch: Batch, samples: Samples) -> Motion:
-    a = batch.asperites
-    q, v = samples.y[:, : layout.core], samples.y[:, layout.core :]
-    time = samples.t[:, None]
-    return Motion(
-        t=time,
-        swing=q[:, batch.place],
-        phi=columns(a.dof_phi, q, a.phi + a.nu * time),
-        omega=v[:, batch.place],
-        nu=columns(a.dof_phi, v, a.nu),
-        x=columns(a.dof_x, q),
-        y=columns(a.dof_y, q),
-        vx=columns(a.dof_x, v),
-        vy=columns(a.dof_y, v),
-    )
-
-
 def columns(slots: np.ndarray, table: np.ndarray, absent: np.ndarray | float = 0.0) -> np.ndarray:
     """Columns of a table by slot; `absent` where the slot is -1."""
     shape = (table.shape[0], slots.size)
     present = slots >= 0
-    if not np.any(present):
-        return np.broadcast_to(np.asarray(absent), shape)
-    if np.all(present):
+    if present.all():
         return table[:, slots]
+    if not present.any():
+        return np.broadcast_to(np.asarray(absent), shape)
     values = np.empty(shape)
     values[:] = absent
     values[:, present] = table[:, slots[present]]

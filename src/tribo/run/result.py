@@ -35,32 +35,38 @@ class Series(Mapping[str, np.ndarray]):
 
     Parameters
     ----------
-    asperites : dict
+    asperites : mapping
         Quantity -> (times, asperites).
-    block : dict
+    block : mapping
         Quantity of the surface as a whole -> (times,).
     """
 
     def __init__(self, asperites: Table, block: Table) -> None:
-        self._tables = asperites | block
+        self._asperites = asperites
+        self._block = block
 
     def __getitem__(self, name: str) -> np.ndarray:
-        return self._tables[name]
+        return (self._asperites if name in self._asperites else self._block)[name]
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._tables)
+        yield from self._asperites
+        yield from self._block
 
     def __len__(self) -> int:
-        return len(self._tables)
+        return len(self._asperites) + len(self._block)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._asperites or name in self._block
 
     def __getattr__(self, name: str) -> np.ndarray:
-        tables: Table = self.__dict__.get("_tables", {})
-        if name not in tables:
-            raise AttributeError(f"no quantity {name!r}; there are {', '.join(tables)}")
-        return tables[name]
+        if name.startswith("_"):  # a copy asks before it has tables
+            raise AttributeError(name)
+        if name not in self:
+            raise AttributeError(f"no quantity {name!r}; there are {', '.join(self)}")
+        return self[name]
 
     def __dir__(self) -> list[str]:
-        return [*super().__dir__(), *self._tables]
+        return [*super().__dir__(), *self]
 
 
 @dataclass(frozen=True)
@@ -179,14 +185,14 @@ class Result:
     @cached_property
     def error_estimate(self) -> dict[str, float | None]:
         """Quantity -> bound on its error over all surfaces, asperites and times, or None."""
-        reported = [name for name in QUANTITIES if self.ledger.series(name)]
-        return dict.fromkeys(reported) | dict(self.bounds)
+        return dict.fromkeys(self.ledger.names) | dict(self.bounds)
 
     def __getitem__(self, surface: str) -> Series:
-        if surface not in self.ledger.surfaces:
-            names = ", ".join(self.ledger.surfaces)
+        ledger = self.ledger
+        if surface not in ledger.surfaces:
+            names = ", ".join(ledger.surfaces)
             raise KeyError(f"there is no surface {surface!r}; there are {names}")
-        return Series(self.ledger.surfaces[surface], self.ledger.blocks[surface])
+        return Series(ledger.surfaces[surface], ledger.blocks[surface])
 
     def __getstate__(self) -> dict[str, Any]:
         """What is pickled or copied: the ledger, the cost and the state, without the runs."""
@@ -209,10 +215,10 @@ class Result:
     @property
     def end(self) -> dict[str, Any]:
         """The end state and the cost, as ``tribo run --json`` prints them."""
-        ledger = self.ledger
+        ledger = self.ledger.at_end()
         return {
             "status": self.status,
-            "t": float(self.t[-1]),
+            "t": float(ledger.t[-1]),
             "method": self.method,
             "steps": self.cost.steps,
             "force_evaluations": self.cost.force_evaluations,
@@ -258,7 +264,7 @@ class Result:
         ]
         if self.status != Status.COMPLETED:
             lines.append(f"  {MEANINGS[self.status]}")
-        for name, block in self.ledger.blocks.items():
+        for name, block in self.ledger.at_end().blocks.items():
             lines.append(
                 f"  {name:>10}: work {block['W'][-1]: .6g}, pseudowork {block['W_ps'][-1]: .6g}, "
                 f"internal energy {block['delta_E_int'][-1]:+.6g}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from tribo.kernels.samples import STORED
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Samples:
     """The raw samples of a run, one row for each time.
 
@@ -50,6 +51,10 @@ class Samples:
         """These samples, followed by `later` ones."""
         pairs = ((getattr(self, f.name), getattr(later, f.name)) for f in fields(self))
         return Samples(*(np.concatenate(pair) for pair in pairs))
+
+    def linear(self, key: Hashable, function: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+        """The value of a linear function of `s`, which `key` tells from others of the layout."""
+        return function(self.s)
 
     def _rows(self, selected: np.ndarray) -> Samples:
         return Samples(*(getattr(self, f.name)[selected] for f in fields(self)))

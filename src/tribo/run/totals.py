@@ -1,94 +1,146 @@
-"""The ledger of surfaces as wholes and of the system, from sums over asperites."""
+"""Surfaces as wholes and the system, from sums over asperites.  Every array is (times,)."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from collections.abc import Callable, Iterable, Iterator
+from functools import cached_property
 
 import numpy as np
 
 from tribo.kernels.samples import BATH, MOMENTUM_X, MOMENTUM_Y, SPRINGS, TORSIONAL, WITHIN
-from tribo.run.accounts import Account
+from tribo.run.accounts import APPLIED, EXTERNAL, FORCES, Account
+from tribo.run.entry import Entry
 from tribo.run.layout import Layout
-from tribo.run.motion import Batch, Motion
-from tribo.run.quantities import Table
+from tribo.run.motion import batches
 from tribo.run.samples import Samples
 
 
-@dataclass(frozen=True, eq=False)
-class Sums:
-    """Sums over the asperites of a surface; arrays (times,)."""
+class Whole:
+    """A surface as a whole; V is the velocity of the centre of all its masses.
 
-    px: np.ndarray  # momentum in the surface's first frame, without its bath's
-    py: np.ndarray
-    moving: np.ndarray  # kinetic energy of the centres of mass in that frame
-    internal: np.ndarray  # change of the asperites' internal energy
-    work: np.ndarray  # of the external forces, in the surface's first frame
-    jx: np.ndarray  # impulse of the external forces
-    jy: np.ndarray
-    outside: np.ndarray  # work of f2, f_L, f_R and f_T in the laboratory
+    Parameters
+    ----------
+    layout : Layout
+        The scene.
+    samples : Samples
+        The raw samples of a run, the first of which is the start of the run.
+    index : int
+        Of the surface.
 
-    def __add__(self, other: Sums) -> Sums:
-        return Sums(*(getattr(self, f.name) + getattr(other, f.name) for f in fields(self)))
+    Attributes
+    ----------
+    entries : tuple of Entry
+        Its asperites, batch by batch.
+    """
+
+    def __init__(self, layout: Layout, samples: Samples, index: int) -> None:
+        self._record = layout.model.surfaces[index]
+        self._samples = samples
+        self._index = index
+        self.entries = tuple(Entry(layout, b, samples) for b in batches(layout, index))
+        self._velocity = self.entries[0].batch.velocity
+
+    def work(self) -> np.ndarray:
+        """The work of external forces."""
+        return self._linear("W", lambda s: _sum(f.work(self._velocity) for f in self._forces(s, EXTERNAL)))
+
+    def pseudowork(self) -> np.ndarray:
+        """The pseudowork of external forces."""
+        slot = self._record.acc_block
+
+        def value(s: np.ndarray) -> np.ndarray:
+            boost = _sum(force.boost(self._velocity) for force in self._forces(s, EXTERNAL))
+            return boost + s[:, slot] if slot >= 0 else boost
+
+        return self._linear("W_ps", value)
+
+    def change_of_kinetic(self) -> np.ndarray:
+        """The change of the bulk kinetic energy."""
+        vx, vy = self._velocity
+        lag_x, lag_y = self._lag
+        moving = self._record.total_mass * (vx * lag_x + vy * lag_y) + self._bulk
+        return np.asarray(moving - moving[0])
+
+    def change_of_internal(self) -> np.ndarray:
+        """The change of the internal energy: of all energy that is not bulk kinetic."""
+        within = self._total(lambda e: e.moving + e.internal) - self._bulk
+        for store in (SPRINGS, BATH, TORSIONAL, WITHIN):
+            within = within + self._stored[:, store]
+        return np.asarray(within - within[0])
+
+    def applied(self) -> np.ndarray:
+        """The work of outside agents."""
+        return self._linear(
+            "applied",
+            lambda s: _sum(f.work(self._velocity) for f in self._forces(s, APPLIED)),
+        )
+
+    @property
+    def _stored(self) -> np.ndarray:
+        return self._samples.stored[:, self._index]
+
+    @cached_property
+    def _lag(self) -> tuple[np.ndarray, np.ndarray]:
+        """The velocity V in the surface's first frame."""
+        mass, stored = self._record.total_mass, self._stored
+        px = self._total(lambda e: e.vx * e.batch.asperites.mass) + stored[:, MOMENTUM_X]
+        py = self._total(lambda e: e.vy * e.batch.asperites.mass) + stored[:, MOMENTUM_Y]
+        return px / mass, py / mass
+
+    @cached_property
+    def _bulk(self) -> np.ndarray:
+        """The kinetic energy of the motion with V, in the surface's first frame."""
+        lag_x, lag_y = self._lag
+        return np.asarray(0.5 * self._record.total_mass * (lag_x**2 + lag_y**2))
+
+    def _forces(self, s: np.ndarray, names: tuple[str, ...]) -> Iterator[Account]:
+        return (FORCES[name](entry.batch, s) for entry in self.entries for name in names)
+
+    def _total(self, value: Callable[[Entry], np.ndarray]) -> np.ndarray:
+        return _sum(map(value, self.entries))
+
+    def _linear(self, name: str, function: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+        return self._samples.linear((self._index, name), function)
 
 
-def batch_sums(batch: Batch, m: Motion, forces: dict[str, Account], energies: Table) -> Sums:
-    """The sums over one batch."""
-    mass = batch.asperites.mass
+class System:
+    """The whole system.
 
-    # Sums, unlike products of matrices, have the same bits for any number of times.
-    def total(*values: np.ndarray) -> np.ndarray:
-        return np.sum(sum(values), axis=1)
+    Parameters
+    ----------
+    layout : Layout
+        The scene.
+    samples : Samples
+        The raw samples of a run, the first of which is the start of the run.
+    wholes : tuple of Whole
+        Its surfaces.
+    """
 
-    external = [account for name, account in forces.items() if name != "w_int"]
-    outside = [forces[name].work(batch.velocity) for name in ("w2", "wL", "wR", "w_T")]
-    return Sums(
-        px=total(m.vx * mass),
-        py=total(m.vy * mass),
-        moving=total(0.5 * (m.vx**2 + m.vy**2) * mass),
-        internal=total(energies["delta_e_int"]),
-        work=total(*(e.about + e.pseudo for e in external)),
-        jx=total(*(e.jx for e in external)),
-        jy=total(*(e.jy for e in external)),
-        outside=total(*outside),
-    )
+    def __init__(self, layout: Layout, samples: Samples, wholes: tuple[Whole, ...]) -> None:
+        self._layout = layout
+        self._samples = samples
+        self._wholes = wholes
 
+    def contact_energy(self) -> np.ndarray:
+        """The potential energy of contacts between surfaces."""
+        return self._samples.contact
 
-def block_table(layout: Layout, k: int, sums: Sums, samples: Samples) -> Table:
-    """The ledger of surface k as a whole; V is the velocity of the centre of all its masses."""
-    record = layout.model.surfaces[k]
-    velocity = layout.scene.surfaces[k].velocity
-    stored = samples.stored[:, k]
-    lag_x = (sums.px + stored[:, MOMENTUM_X]) / record.total_mass
-    lag_y = (sums.py + stored[:, MOMENTUM_Y]) / record.total_mass
-    bulk = 0.5 * record.total_mass * (lag_x**2 + lag_y**2)
-    moving = record.total_mass * (velocity[0] * lag_x + velocity[1] * lag_y) + bulk
-    within = sums.moving + sums.internal - bulk
-    for store in (SPRINGS, BATH, TORSIONAL, WITHIN):
-        within = within + stored[:, store]
-    boost = velocity[0] * sums.jx + velocity[1] * sums.jy
-    pseudowork = samples.s[:, record.acc_block] if record.acc_block >= 0 else 0.0
-    return {
-        "W": sums.work + boost,
-        "W_ps": pseudowork + boost,
-        "delta_K": moving - moving[0],
-        "delta_E_int": within - within[0],
-    }
+    def change_of_energy(self) -> np.ndarray:
+        """The change of the total energy; that of bobs at one place is infinite."""
+        potential = self._samples.contact + self._samples.field
+        changes = (w.change_of_kinetic() + w.change_of_internal() for w in self._wholes)
+        return np.asarray(sum(changes) + (potential - potential[0]))
+
+    def applied(self) -> np.ndarray:
+        """The work of drives, ends, reservoirs and moving fields."""
+        slots = [f.account for f in self._layout.model.fields or () if f.account >= 0]
+        moving = (self._samples.s[:, slot] for slot in slots)
+        return np.asarray(sum(moving, start=sum(whole.applied() for whole in self._wholes)))
 
 
-def system_table(
-    layout: Layout, sums: list[Sums], blocks: dict[str, Table], samples: Samples
-) -> Table:
-    """The energy of the whole system, and the work done on it from outside."""
-    stored = sum(block["delta_K"] + block["delta_E_int"] for block in blocks.values())
-    potential = samples.contact + samples.field
-    applied = sum((item.outside for item in sums[1:]), start=sums[0].outside)
-    for field in layout.model.fields or ():
-        if field.account >= 0:
-            applied = applied + samples.s[:, field.account]
-    with np.errstate(invalid="ignore"):  # the energy of bobs at one place is infinite
-        change = potential - potential[0]
-    return {
-        "contact_energy": samples.contact,
-        "total_energy_change": stored + change,
-        "applied_work": applied,
-    }
+def _sum(values: Iterable[np.ndarray]) -> np.ndarray:
+    """The sum of all, over their asperites.
+
+    Sums, unlike products of matrices, have the same bits for any number of times.
+    """
+    return np.asarray(sum(np.sum(value, axis=1) for value in values))

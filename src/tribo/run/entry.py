@@ -1,0 +1,91 @@
+"""What the reported quantities of asperites are computed from: raw samples, asperite by asperite."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from tribo.kernels.kinematics import bar_position, bob_position
+from tribo.run.accounts import accounted
+from tribo.run.layout import Layout
+from tribo.run.motion import Batch, Motion, internal_energy, swing_direction
+from tribo.run.samples import Samples
+
+Position = tuple[np.ndarray, np.ndarray]  # x and y
+
+
+class Entry(Motion):
+    """The motion and the accounts of a batch, in the laboratory.
+
+    Every array is (times, asperites), and computed when it is first needed.
+
+    Parameters
+    ----------
+    layout : Layout
+        The scene.
+    batch : Batch
+        Some asperites of one surface.
+    samples : Samples
+        The raw samples of a run, the first of which is the start of the run.
+    """
+
+    def __init__(self, layout: Layout, batch: Batch, samples: Samples) -> None:
+        super().__init__(layout, batch, samples)
+        self.batch = batch
+        self._origin = layout.origin
+
+    @cached_property
+    def theta(self) -> np.ndarray:
+        """The angle of the pendulum."""
+        return self.swing + np.where(self.batch.asperites.facing > 0.0, 0.0, np.pi)
+
+    @cached_property
+    def centre(self) -> Position:
+        """The centre of mass."""
+        a, velocity = self.batch.asperites, self.batch.velocity
+        x = self._origin[0] + (a.x + velocity[0] * self.t + self.x)
+        y = self._origin[1] + (a.y + velocity[1] * self.t + self.y)
+        return x, y
+
+    @cached_property
+    def velocity(self) -> Position:
+        """The velocity of the centre of mass."""
+        return self.batch.velocity[0] + self.vx, self.batch.velocity[1] + self.vy
+
+    @cached_property
+    def bob(self) -> Position:
+        """The bob."""
+        return bob_position(*self.centre, self.batch.asperites.l1, *self._direction)
+
+    @cached_property
+    def bar(self) -> Position:
+        """The centre of the bar."""
+        return bar_position(*self.centre, self.batch.asperites.l2, *self._direction)
+
+    @cached_property
+    def _direction(self) -> Position:
+        return swing_direction(self.batch.asperites.facing, self.swing)
+
+    @cached_property
+    def moving(self) -> np.ndarray:
+        """Kinetic energy of the centre of mass, relative to its uniform motion."""
+        return np.asarray(0.5 * (self.vx**2 + self.vy**2) * self.batch.asperites.mass)
+
+    @cached_property
+    def kinetic(self) -> np.ndarray:
+        """Change of the translational kinetic energy."""
+        velocity, mass = self.batch.velocity, self.batch.asperites.mass
+        return mass * (velocity[0] * self.vx + velocity[1] * self.vy) + self.moving
+
+    @cached_property
+    def internal(self) -> np.ndarray:
+        """Change of the internal energy."""
+        twist = self.swing - self.phi
+        energy = internal_energy(self.batch.asperites, self.omega, self.nu, twist)
+        return energy - energy[0]
+
+    def accounted(self, name: str) -> np.ndarray:
+        """A work, a pseudowork, or the heat: "w1", "w1_ps", "w", "w_ps", "heat"."""
+        key = self.batch.place.start, name
+        return self._samples.linear(key, lambda s: accounted(self.batch, s, name))
