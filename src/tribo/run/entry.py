@@ -1,4 +1,4 @@
-"""What the reported quantities of asperites are computed from: raw samples, asperite by asperite."""
+"""The motion of asperites in the laboratory and their energies, from raw samples."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from functools import cached_property
 import numpy as np
 
 from tribo.kernels.kinematics import bar_position, bob_position
-from tribo.run.accounts import accounted
 from tribo.run.layout import Layout
 from tribo.run.motion import Batch, Motion, internal_energy, swing_direction
 from tribo.run.samples import Samples
@@ -16,7 +15,7 @@ Position = tuple[np.ndarray, np.ndarray]  # x and y
 
 
 class Entry(Motion):
-    """The motion and the accounts of a batch, in the laboratory.
+    """The motion of a batch in the laboratory, and its energies.
 
     Every array is (times, asperites), and computed when it is first needed.
 
@@ -84,8 +83,3 @@ class Entry(Motion):
         twist = self.swing - self.phi
         energy = internal_energy(self.batch.asperites, self.omega, self.nu, twist)
         return energy - energy[0]
-
-    def accounted(self, name: str) -> np.ndarray:
-        """A work, a pseudowork, or the heat: "w1", "w1_ps", "w", "w_ps", "heat"."""
-        key = self.batch.place.start, name
-        return self._samples.linear(key, lambda s: accounted(self.batch, s, name))

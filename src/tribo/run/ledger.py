@@ -16,7 +16,6 @@ from typing import Any
 
 import numpy as np
 
-from tribo.run.entry import Entry
 from tribo.run.layout import Layout
 from tribo.run.quantities import (
     ASPERITE_QUANTITIES,
@@ -142,8 +141,8 @@ class Assembled(Ledger):
         surfaces = layout.scene.surfaces
         super().__init__(
             samples.t,
-            {s.name: self._of_asperites(k, asperite_quantities(layout, k)) for k, s in enumerate(surfaces)},
-            {s.name: self._of_surface(k) for k, s in enumerate(surfaces)},
+            {s.name: self._of(k, asperite_quantities(layout, k)) for k, s in enumerate(surfaces)},
+            {s.name: self._of(k, BLOCK_QUANTITIES) for k, s in enumerate(surfaces)},
             Computed(SYSTEM_QUANTITIES, lambda name: SYSTEM_QUANTITIES[name].of(self._system)),
         )
         self._layout = layout
@@ -153,20 +152,9 @@ class Assembled(Ledger):
         """The ledger at the last time alone, from the first and the last sample."""
         return Assembled(self._layout, self._samples.ends()).rows(slice(-1, None))
 
-    def _of_asperites(self, index: int, quantities: Mapping[str, Quantity[Entry]]) -> Table:
-        """The series of a surface's asperites."""
-
-        def compute(name: str) -> np.ndarray:
-            series = [quantities[name].of(entry) for entry in self._wholes[index].entries]
-            return series[0] if len(series) == 1 else np.concatenate(series, axis=1)
-
-        return Computed(quantities, compute)
-
-    def _of_surface(self, index: int) -> Table:
-        """The series of a surface as a whole."""
-        return Computed(
-            BLOCK_QUANTITIES, lambda name: BLOCK_QUANTITIES[name].of(self._wholes[index])
-        )
+    def _of(self, index: int, quantities: Mapping[str, Quantity[Whole]]) -> Table:
+        """The series of a surface or of its asperites."""
+        return Computed(quantities, lambda name: quantities[name].of(self._wholes[index]))
 
     @cached_property
     def _wholes(self) -> tuple[Whole, ...]:
@@ -178,7 +166,7 @@ class Assembled(Ledger):
         return System(self._layout, self._samples, self._wholes)
 
 
-def asperite_quantities(layout: Layout, index: int) -> Mapping[str, Quantity[Entry]]:
+def asperite_quantities(layout: Layout, index: int) -> Mapping[str, Quantity[Whole]]:
     """The quantities that are reported of a surface's asperites."""
     surface, reported = layout.scene.surfaces[index], ASPERITE_QUANTITIES
     if any(surface.name in item.on for item in layout.scene.fields):

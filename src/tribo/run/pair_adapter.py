@@ -173,9 +173,8 @@ class PairSamples(Samples):
             known = list(zip(used.tolist(), units[used].ravel().tolist(), strict=True)), units.ndim
             self._factors.linear[key] = known
         terms, dimensions = known
-        value = np.zeros(self.t.size)
-        for column, factor in terms:
-            value += factor * self._column(column)
+        parts = [factor * self._column(column) for column, factor in terms]
+        value = sum(parts[1:], start=parts[0]) if parts else np.zeros(self.t.size)
         return value if dimensions == 1 else value[:, None]
 
     def _rows(self, selected: np.ndarray) -> PairSamples:

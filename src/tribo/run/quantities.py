@@ -35,7 +35,7 @@ class Quantity(Generic[Source]):
     long_name : str
         Its meaning in a few words.
     of : callable
-        Its series, from the raw samples of a batch of asperites, a surface or the system.
+        Its series, from a surface or the system.
     """
 
     kind: str
@@ -48,24 +48,28 @@ class Quantity(Generic[Source]):
         return UNITS[self.kind]
 
 
-def _accounted(name: str) -> Callable[[Entry], np.ndarray]:
-    return lambda entry: entry.accounted(name)
+def _each(value: Callable[[Entry], np.ndarray]) -> Callable[[Whole], np.ndarray]:
+    return lambda whole: whole.each(value)
+
+
+def _accounted(name: str) -> Callable[[Whole], np.ndarray]:
+    return lambda whole: whole.accounted(name)
 
 
 # Of each asperite, in the order in which they are reported.
 ASPERITE_QUANTITIES = {
-    "theta": Quantity("angle", "pendulum angle", lambda e: e.theta),
-    "phi": Quantity("angle", "bar angle", lambda e: e.phi),
-    "omega": Quantity("rate", "angular velocity of the pendulum", lambda e: e.omega),
-    "nu": Quantity("rate", "angular velocity of the bar", lambda e: e.nu),
-    "x_cm": Quantity("length", "x of the centre of mass", lambda e: e.centre[0]),
-    "y_cm": Quantity("length", "y of the centre of mass", lambda e: e.centre[1]),
-    "vx_cm": Quantity("velocity", "x velocity of the centre of mass", lambda e: e.velocity[0]),
-    "vy_cm": Quantity("velocity", "y velocity of the centre of mass", lambda e: e.velocity[1]),
-    "x_bob": Quantity("length", "x of the bob", lambda e: e.bob[0]),
-    "y_bob": Quantity("length", "y of the bob", lambda e: e.bob[1]),
-    "x_bar": Quantity("length", "x of the bar's centre", lambda e: e.bar[0]),
-    "y_bar": Quantity("length", "y of the bar's centre", lambda e: e.bar[1]),
+    "theta": Quantity("angle", "pendulum angle", _each(lambda e: e.theta)),
+    "phi": Quantity("angle", "bar angle", _each(lambda e: e.phi)),
+    "omega": Quantity("rate", "angular velocity of the pendulum", _each(lambda e: e.omega)),
+    "nu": Quantity("rate", "angular velocity of the bar", _each(lambda e: e.nu)),
+    "x_cm": Quantity("length", "x of the centre of mass", _each(lambda e: e.centre[0])),
+    "y_cm": Quantity("length", "y of the centre of mass", _each(lambda e: e.centre[1])),
+    "vx_cm": Quantity("velocity", "x velocity of the centre of mass", _each(lambda e: e.velocity[0])),
+    "vy_cm": Quantity("velocity", "y velocity of the centre of mass", _each(lambda e: e.velocity[1])),
+    "x_bob": Quantity("length", "x of the bob", _each(lambda e: e.bob[0])),
+    "y_bob": Quantity("length", "y of the bob", _each(lambda e: e.bob[1])),
+    "x_bar": Quantity("length", "x of the bar's centre", _each(lambda e: e.bar[0])),
+    "y_bar": Quantity("length", "y of the bar's centre", _each(lambda e: e.bar[1])),
     "w1": Quantity("energy", "work of the contact force", _accounted("w1")),
     "w2": Quantity("energy", "work of the drive", _accounted("w2")),
     "wL": Quantity("energy", "work of the force on the bar's left end", _accounted("wL")),
@@ -76,8 +80,8 @@ ASPERITE_QUANTITIES = {
     "w2_ps": Quantity("energy", "pseudowork of the drive", _accounted("w2_ps")),
     "w_int_ps": Quantity("energy", "pseudowork of internal forces of the surface", _accounted("w_int_ps")),
     "w_ps": Quantity("energy", "pseudowork of all forces", _accounted("w_ps")),
-    "delta_k_trans": Quantity("energy", "change of translational kinetic energy", lambda e: e.kinetic),
-    "delta_e_int": Quantity("energy", "change of internal energy", lambda e: e.internal),
+    "delta_k_trans": Quantity("energy", "change of translational kinetic energy", _each(lambda e: e.kinetic)),
+    "delta_e_int": Quantity("energy", "change of internal energy", _each(lambda e: e.internal)),
 }
 # Of each asperite of a surface with a field.
 FIELD_QUANTITIES = {

@@ -1,4 +1,4 @@
-"""Surfaces as wholes and the system, from sums over asperites.  Every array is (times,)."""
+"""Surfaces and the system, from sums over asperites.  Every array is (times,) unless it is said."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from tribo.kernels.samples import BATH, MOMENTUM_X, MOMENTUM_Y, SPRINGS, TORSIONAL, WITHIN
-from tribo.run.accounts import APPLIED, EXTERNAL, FORCES, Account
+from tribo.run.accounts import APPLIED, EXTERNAL, FORCES, Account, accounted
 from tribo.run.entry import Entry
 from tribo.run.layout import Layout
 from tribo.run.motion import batches
@@ -16,7 +16,7 @@ from tribo.run.samples import Samples
 
 
 class Whole:
-    """A surface as a whole; V is the velocity of the centre of all its masses.
+    """A surface: its asperites, and sums over them; V is the velocity of its centre of all masses.
 
     Parameters
     ----------
@@ -27,18 +27,23 @@ class Whole:
     index : int
         Of the surface.
 
-    Attributes
-    ----------
-    entries : tuple of Entry
-        Its asperites, batch by batch.
     """
 
     def __init__(self, layout: Layout, samples: Samples, index: int) -> None:
-        self._record = layout.model.surfaces[index]
+        self._layout = layout
         self._samples = samples
         self._index = index
-        self.entries = tuple(Entry(layout, b, samples) for b in batches(layout, index))
-        self._velocity = self.entries[0].batch.velocity
+
+    def each(self, value: Callable[[Entry], np.ndarray]) -> np.ndarray:
+        """A quantity of all asperites, (times, asperites)."""
+        return _side_by_side([value(entry) for entry in self._entries])
+
+    def accounted(self, name: str) -> np.ndarray:
+        """A work, a pseudowork or the heat of all asperites, (times, asperites)."""
+        return self._linear(
+            name,
+            lambda s: _side_by_side([accounted(e.batch, s, name) for e in self._entries]),
+        )
 
     def work(self) -> np.ndarray:
         """The work of external forces."""
@@ -46,9 +51,9 @@ class Whole:
 
     def pseudowork(self) -> np.ndarray:
         """The pseudowork of external forces."""
-        slot = self._record.acc_block
 
         def value(s: np.ndarray) -> np.ndarray:
+            slot = self._record.acc_block
             boost = _sum(force.boost(self._velocity) for force in self._forces(s, EXTERNAL))
             return boost + s[:, slot] if slot >= 0 else boost
 
@@ -75,6 +80,19 @@ class Whole:
             lambda s: _sum(f.work(self._velocity) for f in self._forces(s, APPLIED)),
         )
 
+    @cached_property
+    def _entries(self) -> tuple[Entry, ...]:
+        layout = self._layout
+        return tuple(Entry(layout, b, self._samples) for b in batches(layout, self._index))
+
+    @cached_property
+    def _record(self) -> np.record:
+        return self._layout.model.surfaces[self._index]
+
+    @property
+    def _velocity(self) -> np.ndarray:
+        return self._entries[0].batch.velocity
+
     @property
     def _stored(self) -> np.ndarray:
         return self._samples.stored[:, self._index]
@@ -94,10 +112,10 @@ class Whole:
         return np.asarray(0.5 * self._record.total_mass * (lag_x**2 + lag_y**2))
 
     def _forces(self, s: np.ndarray, names: tuple[str, ...]) -> Iterator[Account]:
-        return (FORCES[name](entry.batch, s) for entry in self.entries for name in names)
+        return (FORCES[name](entry.batch, s) for entry in self._entries for name in names)
 
     def _total(self, value: Callable[[Entry], np.ndarray]) -> np.ndarray:
-        return _sum(map(value, self.entries))
+        return _sum(map(value, self._entries))
 
     def _linear(self, name: str, function: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
         return self._samples.linear((self._index, name), function)
@@ -136,6 +154,11 @@ class System:
         slots = [f.account for f in self._layout.model.fields or () if f.account >= 0]
         moving = (self._samples.s[:, slot] for slot in slots)
         return np.asarray(sum(moving, start=sum(whole.applied() for whole in self._wholes)))
+
+
+def _side_by_side(series: list[np.ndarray]) -> np.ndarray:
+    """The series of all asperites, from those of the batches."""
+    return series[0] if len(series) == 1 else np.concatenate(series, axis=1)
 
 
 def _sum(values: Iterable[np.ndarray]) -> np.ndarray:
