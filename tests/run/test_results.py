@@ -4,6 +4,7 @@ import copy
 import json
 import pickle
 import warnings
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -49,7 +50,7 @@ def same_series(one, other):
     for a, b in zip(*ledgers, strict=True):
         assert set(a) == set(b)
         for key in a:
-            tables = [a[key], b[key]] if isinstance(a[key], dict) else [{"": a[key]}, {"": b[key]}]
+            tables = [a[key], b[key]] if isinstance(a[key], Mapping) else [{"": a[key]}, {"": b[key]}]
             assert list(tables[0]) == list(tables[1])
             pairs += [(tables[0][name], tables[1][name]) for name in tables[0]]
     return all(np.array_equal(x, y, equal_nan=True) and x.dtype == y.dtype for x, y in pairs)

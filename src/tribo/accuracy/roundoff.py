@@ -11,7 +11,7 @@ import numpy as np
 
 from tribo.accuracy.scales import EPSILON, largest
 from tribo.kernels.samples import BATH, SPRINGS, TORSIONAL, WITHIN
-from tribo.run.accounts import APPLIED, Account, accounts
+from tribo.run.accounts import APPLIED, FORCES, Accounts
 from tribo.run.layout import Layout
 from tribo.run.motion import Batch, Motion, internal_energy, motions
 from tribo.run.samples import Samples
@@ -72,7 +72,7 @@ def _of_surface(
     momentum, work, applied, farthest = (np.zeros(samples.t.size) for _ in range(4))
     speed = 0.0
     for batch, motion in motions(layout, samples, index):
-        a, forces = batch.asperites, accounts(batch, samples.s)
+        a, forces = batch.asperites, Accounts(batch, samples.s)
         mass = a.mass
         x = np.abs(a.x) + np.abs(a.vx * motion.t) + np.abs(motion.x)
         y = np.abs(a.y) + np.abs(a.vy * motion.t) + np.abs(motion.y)
@@ -100,12 +100,11 @@ def _of_energies(batch: Batch, m: Motion, terms: _Terms) -> tuple[np.ndarray, np
     return internal, moving
 
 
-def _of_works(
-    batch: Batch, forces: dict[str, Account], terms: _Terms
-) -> tuple[np.ndarray, np.ndarray]:
+def _of_works(batch: Batch, forces: Accounts, terms: _Terms) -> tuple[np.ndarray, np.ndarray]:
     """The terms of asperites' works; their sums of external forces and of outside agents."""
     pseudo, whole = {}, {}
-    for name, account in forces.items():
+    for name in FORCES:
+        account = forces[name]
         jx, jy = batch.velocity[0] * account.jx, batch.velocity[1] * account.jy
         pseudo[name] = terms.put(f"{name}_ps", *map(np.abs, (account.pseudo, jx, jy)))
         whole[name] = terms.put(name, np.abs(account.about), pseudo[name])

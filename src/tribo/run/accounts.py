@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from tribo.kernels.records import FORCED
-from tribo.run.motion import Batch, columns
+from tribo.run.layout import Layout
+from tribo.run.motion import Batch, batches, columns
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,9 +38,48 @@ class Account:
         return self.about + self.pseudowork(velocity)
 
 
-def accounts(batch: Batch, s: np.ndarray) -> dict[str, Account]:
-    """The account of every force, by the name of its work."""
-    return {name: account(batch, s) for name, account in FORCES.items()}
+class Accounts(dict[str, Account]):
+    """The accounts of the forces on a batch, by the names of their works, each made when needed.
+
+    Parameters
+    ----------
+    batch : Batch
+        Some asperites of one surface.
+    s : ndarray, (times, accounts)
+        The integrals that the kernels record.
+    """
+
+    def __init__(self, batch: Batch, s: np.ndarray) -> None:
+        super().__init__()
+        self.batch = batch
+        self._s = s
+
+    def __missing__(self, name: str) -> Account:
+        account = self[name] = FORCES[name](self.batch, self._s)
+        return account
+
+
+class Integrals:
+    """The integrals that the kernels record, by surface and force.
+
+    Parameters
+    ----------
+    layout : Layout
+        The scene.
+    s : ndarray, (times, accounts)
+        The integrals.
+    """
+
+    def __init__(self, layout: Layout, s: np.ndarray) -> None:
+        self.s = s
+        self._layout = layout
+        self._known: dict[int, list[Accounts]] = {}
+
+    def of(self, index: int) -> list[Accounts]:
+        """The accounts of a surface, batch by batch."""
+        if index not in self._known:
+            self._known[index] = [Accounts(b, self.s) for b in batches(self._layout, index)]
+        return self._known[index]
 
 
 def _column(slots: np.ndarray, k: int, s: np.ndarray) -> np.ndarray:
@@ -116,13 +156,14 @@ EXTERNAL = tuple(name for name in FORCES if name != "w_int")
 APPLIED = ("w2", "wL", "wR", "w_T")
 
 
-def accounted(batch: Batch, s: np.ndarray, name: str) -> np.ndarray:
+def accounted(forces: Accounts, name: str) -> np.ndarray:
     """What is linear in the accounts: "w1", "w1_ps", ..., "w", "w_ps" of all forces, or "heat"."""
+    batch = forces.batch
     if name == "heat":
-        record, thermal = batch.surface, FORCES["w_T"](batch, s)
+        record, thermal = batch.surface, forces["w_T"]
         reservoir = record.reservoir_x * thermal.jx + record.reservoir_y * thermal.jy
         return np.asarray(reservoir - thermal.about - thermal.pseudo)
     force = name.removesuffix("_ps")
     kind = Account.pseudowork if name.endswith("_ps") else Account.work
-    forces = FORCES.values() if force == "w" else [FORCES[force]]
-    return np.asarray(sum(kind(account(batch, s), batch.velocity) for account in forces))
+    names = FORCES if force == "w" else [force]
+    return np.asarray(sum(kind(forces[name], batch.velocity) for name in names))

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Generic, TypeVar
+from typing import Generic
 
 import numpy as np
 
 from tribo.run.entry import Entry
-from tribo.run.totals import System, Whole
+from tribo.run.totals import Linear, Source, System, Whole
 
-Source = TypeVar("Source")
 Table = Mapping[str, np.ndarray]  # quantity -> its series
 
 # The units of each kind, in the scene's own units of length, time and energy.
@@ -52,8 +51,8 @@ def _each(value: Callable[[Entry], np.ndarray]) -> Callable[[Whole], np.ndarray]
     return lambda whole: whole.each(value)
 
 
-def _accounted(name: str) -> Callable[[Whole], np.ndarray]:
-    return lambda whole: whole.accounted(name)
+def _accounted(name: str) -> Linear[Whole]:
+    return Linear(lambda whole, integrals: whole.accounted(integrals, name))
 
 
 # Of each asperite, in the order in which they are reported.
@@ -64,8 +63,12 @@ ASPERITE_QUANTITIES = {
     "nu": Quantity("rate", "angular velocity of the bar", _each(lambda e: e.nu)),
     "x_cm": Quantity("length", "x of the centre of mass", _each(lambda e: e.centre[0])),
     "y_cm": Quantity("length", "y of the centre of mass", _each(lambda e: e.centre[1])),
-    "vx_cm": Quantity("velocity", "x velocity of the centre of mass", _each(lambda e: e.velocity[0])),
-    "vy_cm": Quantity("velocity", "y velocity of the centre of mass", _each(lambda e: e.velocity[1])),
+    "vx_cm": Quantity(
+        "velocity", "x velocity of the centre of mass", _each(lambda e: e.velocity[0])
+    ),
+    "vy_cm": Quantity(
+        "velocity", "y velocity of the centre of mass", _each(lambda e: e.velocity[1])
+    ),
     "x_bob": Quantity("length", "x of the bob", _each(lambda e: e.bob[0])),
     "y_bob": Quantity("length", "y of the bob", _each(lambda e: e.bob[1])),
     "x_bar": Quantity("length", "x of the bar's centre", _each(lambda e: e.bar[0])),
@@ -78,9 +81,13 @@ ASPERITE_QUANTITIES = {
     "w": Quantity("energy", "work of all forces", _accounted("w")),
     "w1_ps": Quantity("energy", "pseudowork of the contact force", _accounted("w1_ps")),
     "w2_ps": Quantity("energy", "pseudowork of the drive", _accounted("w2_ps")),
-    "w_int_ps": Quantity("energy", "pseudowork of internal forces of the surface", _accounted("w_int_ps")),
+    "w_int_ps": Quantity(
+        "energy", "pseudowork of internal forces of the surface", _accounted("w_int_ps")
+    ),
     "w_ps": Quantity("energy", "pseudowork of all forces", _accounted("w_ps")),
-    "delta_k_trans": Quantity("energy", "change of translational kinetic energy", _each(lambda e: e.kinetic)),
+    "delta_k_trans": Quantity(
+        "energy", "change of translational kinetic energy", _each(lambda e: e.kinetic)
+    ),
     "delta_e_int": Quantity("energy", "change of internal energy", _each(lambda e: e.internal)),
 }
 # Of each asperite of a surface with a field.
@@ -97,15 +104,27 @@ RESERVOIR_QUANTITIES = {
 OPTIONAL_QUANTITIES = FIELD_QUANTITIES | RESERVOIR_QUANTITIES
 # Of each surface as a whole.
 BLOCK_QUANTITIES = {
-    "W": Quantity("energy", "work of external forces on the surface", Whole.work),
-    "W_ps": Quantity("energy", "pseudowork of external forces on the surface", Whole.pseudowork),
-    "delta_K": Quantity("energy", "change of the surface's bulk kinetic energy", Whole.change_of_kinetic),
-    "delta_E_int": Quantity("energy", "change of the surface's internal energy", Whole.change_of_internal),
+    "W": Quantity("energy", "work of external forces on the surface", Linear(Whole.work)),
+    "W_ps": Quantity(
+        "energy", "pseudowork of external forces on the surface", Linear(Whole.pseudowork)
+    ),
+    "delta_K": Quantity(
+        "energy", "change of the surface's bulk kinetic energy", Whole.change_of_kinetic
+    ),
+    "delta_E_int": Quantity(
+        "energy", "change of the surface's internal energy", Whole.change_of_internal
+    ),
 }
 # Of the whole system.
 SYSTEM_QUANTITIES = {
-    "contact_energy": Quantity("energy", "potential energy of contacts between surfaces", System.contact_energy),
-    "total_energy_change": Quantity("energy", "change of the total energy", System.change_of_energy),
-    "applied_work": Quantity("energy", "work of drives, ends, reservoirs and moving fields", System.applied),
+    "contact_energy": Quantity(
+        "energy", "potential energy of contacts between surfaces", System.contact_energy
+    ),
+    "total_energy_change": Quantity(
+        "energy", "change of the total energy", System.change_of_energy
+    ),
+    "applied_work": Quantity(
+        "energy", "work of drives, ends, reservoirs and moving fields", Linear(System.applied)
+    ),
 }
 QUANTITIES = ASPERITE_QUANTITIES | OPTIONAL_QUANTITIES | BLOCK_QUANTITIES | SYSTEM_QUANTITIES

@@ -18,7 +18,7 @@ from tribo.model.scene import Scene
 from tribo.run import dataset
 from tribo.run.identity import Identity, opened
 from tribo.run.ledger import Ledger
-from tribo.run.quantities import QUANTITIES, Table
+from tribo.run.quantities import Table
 from tribo.run.state import State
 from tribo.validation import as_path
 

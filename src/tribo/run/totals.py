@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from functools import cached_property
+from typing import Generic, TypeVar
 
 import numpy as np
 
 from tribo.kernels.samples import BATH, MOMENTUM_X, MOMENTUM_Y, SPRINGS, TORSIONAL, WITHIN
-from tribo.run.accounts import APPLIED, EXTERNAL, FORCES, Account, accounted
+from tribo.run.accounts import APPLIED, EXTERNAL, Account, Integrals, accounted
 from tribo.run.entry import Entry
 from tribo.run.layout import Layout
 from tribo.run.motion import batches
 from tribo.run.samples import Samples
+
+Source = TypeVar("Source", "Whole", "System")
 
 
 class Whole:
@@ -27,37 +30,38 @@ class Whole:
     index : int
         Of the surface.
 
+    Attributes
+    ----------
+    layout, samples, index
+        As given.
     """
 
     def __init__(self, layout: Layout, samples: Samples, index: int) -> None:
-        self._layout = layout
-        self._samples = samples
-        self._index = index
+        self.layout = layout
+        self.samples = samples
+        self.index = index
 
     def each(self, value: Callable[[Entry], np.ndarray]) -> np.ndarray:
         """A quantity of all asperites, (times, asperites)."""
         return _side_by_side([value(entry) for entry in self._entries])
 
-    def accounted(self, name: str) -> np.ndarray:
+    def accounted(self, integrals: Integrals, name: str) -> np.ndarray:
         """A work, a pseudowork or the heat of all asperites, (times, asperites)."""
-        return self._linear(
-            name,
-            lambda s: _side_by_side([accounted(e.batch, s, name) for e in self._entries]),
-        )
+        return _side_by_side([accounted(forces, name) for forces in integrals.of(self.index)])
 
-    def work(self) -> np.ndarray:
+    def work(self, integrals: Integrals) -> np.ndarray:
         """The work of external forces."""
-        return self._linear("W", lambda s: _sum(f.work(self._velocity) for f in self._forces(s, EXTERNAL)))
+        return _sum(force.work(self._velocity) for force in self._forces(integrals, EXTERNAL))
 
-    def pseudowork(self) -> np.ndarray:
+    def pseudowork(self, integrals: Integrals) -> np.ndarray:
         """The pseudowork of external forces."""
+        slot = self._record.acc_block
+        boost = _sum(force.boost(self._velocity) for force in self._forces(integrals, EXTERNAL))
+        return boost + integrals.s[:, slot] if slot >= 0 else boost
 
-        def value(s: np.ndarray) -> np.ndarray:
-            slot = self._record.acc_block
-            boost = _sum(force.boost(self._velocity) for force in self._forces(s, EXTERNAL))
-            return boost + s[:, slot] if slot >= 0 else boost
-
-        return self._linear("W_ps", value)
+    def applied(self, integrals: Integrals) -> np.ndarray:
+        """The work of outside agents."""
+        return _sum(force.work(self._velocity) for force in self._forces(integrals, APPLIED))
 
     def change_of_kinetic(self) -> np.ndarray:
         """The change of the bulk kinetic energy."""
@@ -73,21 +77,14 @@ class Whole:
             within = within + self._stored[:, store]
         return np.asarray(within - within[0])
 
-    def applied(self) -> np.ndarray:
-        """The work of outside agents."""
-        return self._linear(
-            "applied",
-            lambda s: _sum(f.work(self._velocity) for f in self._forces(s, APPLIED)),
-        )
-
     @cached_property
     def _entries(self) -> tuple[Entry, ...]:
-        layout = self._layout
-        return tuple(Entry(layout, b, self._samples) for b in batches(layout, self._index))
+        layout = self.layout
+        return tuple(Entry(layout, b, self.samples) for b in batches(layout, self.index))
 
     @cached_property
     def _record(self) -> np.record:
-        return self._layout.model.surfaces[self._index]
+        return self.layout.model.surfaces[self.index]
 
     @property
     def _velocity(self) -> np.ndarray:
@@ -95,7 +92,7 @@ class Whole:
 
     @property
     def _stored(self) -> np.ndarray:
-        return self._samples.stored[:, self._index]
+        return self.samples.stored[:, self.index]
 
     @cached_property
     def _lag(self) -> tuple[np.ndarray, np.ndarray]:
@@ -111,14 +108,11 @@ class Whole:
         lag_x, lag_y = self._lag
         return np.asarray(0.5 * self._record.total_mass * (lag_x**2 + lag_y**2))
 
-    def _forces(self, s: np.ndarray, names: tuple[str, ...]) -> Iterator[Account]:
-        return (FORCES[name](entry.batch, s) for entry in self._entries for name in names)
+    def _forces(self, integrals: Integrals, names: tuple[str, ...]) -> Iterator[Account]:
+        return (forces[name] for forces in integrals.of(self.index) for name in names)
 
     def _total(self, value: Callable[[Entry], np.ndarray]) -> np.ndarray:
         return _sum(map(value, self._entries))
-
-    def _linear(self, name: str, function: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-        return self._samples.linear((self._index, name), function)
 
 
 class System:
@@ -132,28 +126,54 @@ class System:
         The raw samples of a run, the first of which is the start of the run.
     wholes : tuple of Whole
         Its surfaces.
+
+    Attributes
+    ----------
+    layout, samples
+        As given.
+    index : int
+        -1, as the system is no surface.
     """
 
     def __init__(self, layout: Layout, samples: Samples, wholes: tuple[Whole, ...]) -> None:
-        self._layout = layout
-        self._samples = samples
+        self.layout = layout
+        self.samples = samples
+        self.index = -1
         self._wholes = wholes
 
     def contact_energy(self) -> np.ndarray:
         """The potential energy of contacts between surfaces."""
-        return self._samples.contact
+        return self.samples.contact
 
     def change_of_energy(self) -> np.ndarray:
         """The change of the total energy; that of bobs at one place is infinite."""
-        potential = self._samples.contact + self._samples.field
+        potential = self.samples.contact + self.samples.field
         changes = (w.change_of_kinetic() + w.change_of_internal() for w in self._wholes)
         return np.asarray(sum(changes) + (potential - potential[0]))
 
-    def applied(self) -> np.ndarray:
+    def applied(self, integrals: Integrals) -> np.ndarray:
         """The work of drives, ends, reservoirs and moving fields."""
-        slots = [f.account for f in self._layout.model.fields or () if f.account >= 0]
-        moving = (self._samples.s[:, slot] for slot in slots)
-        return np.asarray(sum(moving, start=sum(whole.applied() for whole in self._wholes)))
+        slots = [f.account for f in self.layout.model.fields or () if f.account >= 0]
+        works = sum(whole.applied(integrals) for whole in self._wholes)
+        return np.asarray(sum((integrals.s[:, slot] for slot in slots), start=works))
+
+
+class Linear(Generic[Source]):
+    """A quantity that is linear in the integrals of the kernels.
+
+    Parameters
+    ----------
+    value : callable
+        Its series, from its surface or the system, and the integrals.
+    """
+
+    def __init__(self, value: Callable[[Source, Integrals], np.ndarray]) -> None:
+        self.value = value
+
+    def __call__(self, source: Source) -> np.ndarray:
+        """Its series, from the samples of its surface or of the system."""
+        layout, key = source.layout, (source.index, self)
+        return source.samples.linear(key, lambda s: self.value(source, Integrals(layout, s)))
 
 
 def _side_by_side(series: list[np.ndarray]) -> np.ndarray:
