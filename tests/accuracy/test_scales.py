@@ -11,7 +11,7 @@ import pytest
 import tribo
 from support.hard_scenes import simulate
 from tribo import paper
-from tribo.accuracy.estimate import estimate
+from tribo.accuracy.estimate import Columns, estimate
 from tribo.accuracy.roundoff import rounding_of_terms
 from tribo.accuracy.scales import Scales, first_guess, reported_scales, tolerance_scales
 from tribo.run.layout import lay_out
@@ -137,10 +137,12 @@ def test_diverged_runs_know_nothing():
     def bounds(apart):
         """Estimates of two energies, the first of which differs from the coarser run."""
         fine, coarse = (
-            Ledger(t, {}, {}, {"contact_energy": t + value, "applied_work": t + 1e-6 * value})
+            Columns.of(
+                Ledger(t, {}, {}, {"contact_energy": t + value, "applied_work": t + 1e-6 * value})
+            )
             for value in (1.0, 1.0 + apart)
         )
-        return estimate(fine, [(fine, coarse)], scales, False, 0.0, {}, ())
+        return estimate(fine, fine, coarse, scales, False, 0.0, {})
 
     assert bounds(1.0)["applied_work"] == pytest.approx(3.0)
     assert bounds(1e-3)["applied_work"] == pytest.approx(6e-5, rel=1e-3)

@@ -7,13 +7,13 @@ from typing import Protocol
 
 import numpy as np
 
-from tribo.accuracy.estimate import distance, estimate, rounding
+from tribo.accuracy.estimate import Columns, distance, estimate, rounding
 from tribo.accuracy.roundoff import rounding_of_terms
 from tribo.accuracy.scales import EPSILON, KINDS, Scales, kind_of, reported_scales
 from tribo.kernels.status import Status
 from tribo.run.integrate import Integration, Setting
 from tribo.run.layout import Layout
-from tribo.run.ledger import Ledger, assemble
+from tribo.run.ledger import assemble
 
 # Smallest estimate, in units of the request.  Where a run happens to be far more accurate than its
 # tolerances, because encounters or samples limit its steps, it differs from the coarser runs by
@@ -84,24 +84,20 @@ def error_bounds(
     wanted = 0.0
     if accuracy is not None:
         names, wanted = observables(accuracy), strictest(accuracy)
-    own = assemble(layout, fine.samples)
-    compared = (_at_shared_times(layout, own, fine, coarse) for coarse in coarser)
-    scales = reported_scales(layout, own)
+    count, shared = fine.samples.t.size, [run.samples.at(fine.samples.t) for run in coarser]
+    ledger = assemble(layout, fine.samples.then(*shared))
+    ledger.compute_linear()
+    columns = Columns.of(ledger, names)
+    run, coarse = columns.rows(slice(count)), columns.rows(slice(count, None))
+    at_shared = run.rows(np.searchsorted(fine.samples.t, ledger.t[count:]))
+    scales = reported_scales(layout, ledger.rows(slice(count)))
     rough, rounded = np.isfinite(layout.scene.smoothness), rounding(amplification, fine.steps)
     terms = rounding_of_terms(layout, fine.samples, fine.steps)
     least = rounded + LEAST * wanted
-    bounds = estimate(own, compared, scales, bool(rough), least, terms, names)
-    if any(run.status != Status.COMPLETED for run in coarser):
+    bounds = estimate(run, at_shared, coarse, scales, bool(rough), least, terms)
+    if any(other.status != Status.COMPLETED for other in coarser):
         bounds = dict.fromkeys(bounds, np.inf)
     return bounds, scales
-
-
-def _at_shared_times(
-    layout: Layout, own: Ledger, one: Integration, other: Integration
-) -> tuple[Ledger, Ledger]:
-    """The ledgers of two runs at the times that both recorded; `own` is that of the first."""
-    shared = other.samples.at(one.samples.t)
-    return own.rows(np.isin(one.samples.t, shared.t)), assemble(layout, shared)
 
 
 def measure_amplification(
@@ -135,10 +131,11 @@ def measure_amplification(
     other = attempt(setting, run.samples.t, start)
     if other.status in FROM_OUTSIDE:
         return None
-    own = assemble(layout, run.samples)
+    own, shared = assemble(layout, run.samples), other.samples.at(run.samples.t)
     scales = reported_scales(layout, own)
     scaled = [name for name in names or KINDS if scales.of(kind_of(name)) > 0.0]
-    return distance(*_at_shared_times(layout, own, run, other), scales, scaled) / PERTURBATION
+    own = own.rows(np.searchsorted(run.samples.t, shared.t))
+    return distance(own, assemble(layout, shared), scales, scaled) / PERTURBATION
 
 
 def out_of_reach(accuracy: float, amplification: float) -> str:

@@ -9,6 +9,7 @@ closure of the ledger serves as an estimate: each of these can be wrong by order
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from typing import NamedTuple
 
 import numpy as np
 
@@ -77,23 +78,57 @@ def rounding(amplification: float | None, steps: int) -> float:
     return ROUNDED + WALK * EPSILON * (amplification or 0.0) * steps**0.5
 
 
+class Columns(NamedTuple):
+    """Series of a run side by side.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Of the quantities, "w1", or "upper.w1" for that of one surface.
+    starts : ndarray, (names,)
+        The first column of each.
+    values : ndarray, (times, columns)
+        All series.
+    """
+
+    names: tuple[str, ...]
+    starts: np.ndarray
+    values: np.ndarray
+
+    @classmethod
+    def of(cls, ledger: Ledger, names: Iterable[str] = ()) -> Columns:
+        """All quantities of a ledger, and further `names`, as "upper.W"."""
+        series = {name: ledger.series(name) for name in dict.fromkeys([*ledger.names, *names])}
+        arrays = [a.reshape(len(a), -1) for found in series.values() for a in found]
+        widths = [sum(a[0].size for a in found) for found in series.values()]
+        return cls(tuple(series), np.cumsum([0, *widths[:-1]]), np.concatenate(arrays, axis=1))
+
+    def rows(self, selected: slice | np.ndarray) -> Columns:
+        """The same series at some of the times."""
+        return self._replace(values=self.values[selected])
+
+    def largest(self, values: np.ndarray) -> np.ndarray:
+        """The largest magnitudes of values of these columns, by name (names,)."""
+        return np.maximum.reduceat(np.abs(values).max(axis=0, initial=0.0), self.starts)
+
+
 def estimate(
-    ledger: Ledger,
-    compared: Iterable[tuple[Ledger, Ledger]],
+    run: Columns,
+    fine: Columns,
+    coarse: Columns,
     scales: Scales,
     rough: bool,
     least: float,
     own: Mapping[str, float],
-    names: Iterable[str],
 ) -> dict[str, float]:
     """A bound on the error of each reported quantity, over asperites and recorded times.
 
     Parameters
     ----------
-    ledger
-        of the run, at all of its times
-    compared
-        pairs of ledgers, of the run and of a coarser one, at the times that both recorded
+    run
+        the run at all of its times
+    fine, coarse
+        the run and coarser ones, at the times that both recorded
     scales
         which errors are relative to
     rough
@@ -104,49 +139,27 @@ def estimate(
     own
         the rounding of the terms of each quantity, in its own unit: see
         :func:`tribo.accuracy.roundoff.rounding_of_terms`
-    names
-        of further quantities, as "upper.W"
 
     Returns
     -------
     dict
         bounds by quantity, in its own unit
     """
-    reported = [name for name in dict.fromkeys([*KINDS, *names]) if ledger.series(name)]
-    times = safety(rough)
-    apart = dict.fromkeys(reported, 0.0)
-    for fine, coarse in compared:
-        for name in reported:
-            pairs = zip(fine.series(name), coarse.series(name), strict=True)
-            with np.errstate(invalid="ignore"):  # an infinite energy has no known error
-                gaps = [times * largest(one - other) for one, other in pairs]
-            apart[name] = float(np.max([apart[name], *gaps]))
-    relative = (
-        _beyond(gap, times * _of(own, name)) / scales.of(kind_of(name))
-        for name, gap in apart.items()
-        if scales.of(kind_of(name)) > 0.0
-    )
-    largest_of_all = max(relative, default=0.0)
-    pooled = largest_of_all * (1.0 if largest_of_all > DIVERGED else POOLED)
-    bounds = {}
-    for name, gap in apart.items():
-        top, scale = max(map(largest, ledger.series(name))), scales.of(kind_of(name))
-        bounds[name] = gap + 4.0 * EPSILON * top + _of(own, name)
-        if gap > 0.0:
-            bounds[name] += (pooled + least) * scale
-        elif top > 0.0:  # equal bits in all runs, as of the energy of a first contact
-            bounds[name] += EPSILON * scale
-    return bounds
-
-
-def _of(own: Mapping[str, float], name: str) -> float:
-    """The entry of a quantity, "w1" or "upper.w1"; 0 where there is none."""
-    return own.get(name.rpartition(".")[2], 0.0)
-
-
-def _beyond(gap: float, rounded: float) -> float:
-    """The part of a difference that is no rounding; 0 if unknown."""
-    return max(gap - rounded, 0.0) if np.isfinite(gap) else 0.0
+    times, names = safety(rough), run.names
+    with np.errstate(invalid="ignore"):  # an infinite energy has no known error
+        gaps = times * run.largest(fine.values - coarse.values)
+    tops = run.largest(run.values)
+    scale = np.array([scales.of(kind_of(name)) for name in names])
+    rounded = np.array([own.get(name.rpartition(".")[2], 0.0) for name in names])
+    # The part of a difference that is no rounding; 0 if unknown.
+    beyond = np.where(np.isfinite(gaps), np.maximum(gaps - times * rounded, 0.0), 0.0)
+    relative = float(np.max(beyond[scale > 0.0] / scale[scale > 0.0], initial=0.0))
+    pooled = relative * (1.0 if relative > DIVERGED else POOLED)
+    bounds = gaps + 4.0 * EPSILON * tops + rounded
+    bounds += np.where(gaps > 0.0, (pooled + least) * scale, 0.0)
+    # Equal bits in all runs, as of the energy of a first contact.
+    bounds += np.where((gaps == 0.0) & (tops > 0.0), EPSILON * scale, 0.0)
+    return dict(zip(names, bounds.tolist(), strict=True))
 
 
 def excess_of_request(

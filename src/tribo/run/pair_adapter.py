@@ -107,13 +107,12 @@ class Factors:
     accounts : ndarray, (accounts, columns)
         Those of s.
     linear : dict
-        Those of linear functions of s by their keys: each with its column, and the number of
-        dimensions of the values, (times,) or (times, 1).
+        Those of linear functions of s by their keys, (columns, ...).
     """
 
     state: np.ndarray
     accounts: np.ndarray
-    linear: dict[Hashable, tuple[list[tuple[int, float]], int]]
+    linear: dict[Hashable, np.ndarray]
 
 
 class PairSamples(Samples):
@@ -166,16 +165,24 @@ class PairSamples(Samples):
 
     def linear(self, key: Hashable, function: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
         """The value of a linear function of `s`, from the record's columns that it depends on."""
-        known = self._factors.linear.get(key)
-        if known is None:
-            units = function(self._factors.accounts.T)
-            used = np.flatnonzero(units)
-            known = list(zip(used.tolist(), units[used].ravel().tolist(), strict=True)), units.ndim
-            self._factors.linear[key] = known
-        terms, dimensions = known
-        parts = [factor * self._column(column) for column, factor in terms]
+        factors = self._factors.linear.get(key)
+        if factors is None:
+            factors = self._factors.linear[key] = function(self._factors.accounts.T)
+        if factors.size > factors.shape[0]:
+            return self._columns @ factors
+        # A sum, unlike a product of matrices, has the same bits for any number of times.
+        parts = [factors[k] * self._column(k) for k in factors.nonzero()[0].tolist()]
         value = sum(parts[1:], start=parts[0]) if parts else np.zeros(self.t.size)
-        return value if dimensions == 1 else value[:, None]
+        return value.reshape(-1, *factors.shape[1:])
+
+    def then(self, *later: Samples) -> Samples:
+        """These samples, followed by `later` ones of runs with the same start."""
+        parts = [each for each in (self, *later) if isinstance(each, PairSamples)]
+        if len(parts) <= len(later):
+            return super().then(*later)
+        t = np.concatenate([each.t for each in parts])
+        record = np.concatenate([each._record for each in parts])
+        return PairSamples(t, record, self._first, self._factors)
 
     def _rows(self, selected: np.ndarray) -> PairSamples:
         return PairSamples(self.t[selected], self._record[selected], self._first, self._factors)

@@ -41,6 +41,11 @@ class Whole:
         self.samples = samples
         self.index = index
 
+    @property
+    def count(self) -> int:
+        """The number of its asperites."""
+        return self.layout.scene.surfaces[self.index].count
+
     def each(self, value: Callable[[Entry], np.ndarray]) -> np.ndarray:
         """A quantity of all asperites, (times, asperites)."""
         return _side_by_side([value(entry) for entry in self._entries])
