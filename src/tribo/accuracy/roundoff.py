@@ -12,8 +12,9 @@ import numpy as np
 from tribo.accuracy.scales import EPSILON, largest
 from tribo.kernels.samples import BATH, SPRINGS, TORSIONAL, WITHIN
 from tribo.run.accounts import APPLIED, FORCES, Accounts
+from tribo.run.batch import Batch
 from tribo.run.layout import Layout
-from tribo.run.motion import Batch, Motion, internal_energy, motions
+from tribo.run.motion import Motion, internal_energy, motions
 from tribo.run.samples import Samples
 
 # Roundings of a term: those of the rates in it, of their squares, of products and of the sum.
@@ -110,8 +111,8 @@ def _of_works(batch: Batch, forces: Accounts, terms: _Terms) -> tuple[np.ndarray
         whole[name] = terms.put(name, np.abs(account.about), pseudo[name])
     terms.put("w", *whole.values())
     terms.put("w_ps", *pseudo.values())
-    thermal, record = forces["w_T"], batch.surface
-    reservoir = np.abs(record.reservoir_x * thermal.jx) + np.abs(record.reservoir_y * thermal.jy)
+    thermal, (vx, vy) = forces["w_T"], batch.reservoir
+    reservoir = np.abs(vx * thermal.jx) + np.abs(vy * thermal.jy)
     terms.put("heat", reservoir, np.abs(thermal.about), np.abs(thermal.pseudo))
     external = sum(whole[name] for name in whole if name != "w_int")
     agents = sum(whole[name] for name in APPLIED)

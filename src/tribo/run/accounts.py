@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tribo.kernels.records import FORCED
+from tribo.run.batch import Batch
 from tribo.run.layout import Layout
-from tribo.run.motion import Batch, batches, columns
+from tribo.run.motion import columns
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +78,7 @@ class Integrals:
     def of(self, index: int) -> list[Accounts]:
         """The accounts of a surface, batch by batch."""
         if index not in self._known:
-            self._known[index] = [Accounts(b, self.s) for b in batches(self._layout, index)]
+            self._known[index] = [Accounts(b, self.s) for b in self._layout.batches[index]]
         return self._known[index]
 
 
@@ -98,10 +98,9 @@ def _contact(batch: Batch, s: np.ndarray) -> Account:
 def _drive(batch: Batch, s: np.ndarray) -> Account:
     """The drive: f2 = -(held f1_x, f1_y), unless it has an account of its own.
 
-    `held` is 1 for a forced drive and 0 for a free one.
     """
     a = batch.asperites
-    held = 1.0 if batch.surface.drive == FORCED else 0.0
+    held = batch.held
     jx, jy, about_x, about_y = (_column(a.acc_contact, k, s) for k in range(4))
     slide_x, slide_y = (_column(a.acc_slide, k, s) for k in range(2))
     own_jx, own_jy, own_about, own_pseudo = (_column(a.acc_drive, k, s) for k in range(4))
@@ -134,7 +133,7 @@ def _point(group: str) -> Callable[[Batch, np.ndarray], Account]:
     """A force with accounts of its own."""
 
     def account(batch: Batch, s: np.ndarray) -> Account:
-        slots = batch.asperites[group]
+        slots = getattr(batch.asperites, group)
         jx, jy, about, pseudo = (_column(slots, k, s) for k in range(4))
         return Account(about, jx, jy, pseudo)
 
@@ -160,8 +159,8 @@ def accounted(forces: Accounts, name: str) -> np.ndarray:
     """What is linear in the accounts: "w1", "w1_ps", ..., "w", "w_ps" of all forces, or "heat"."""
     batch = forces.batch
     if name == "heat":
-        record, thermal = batch.surface, forces["w_T"]
-        reservoir = record.reservoir_x * thermal.jx + record.reservoir_y * thermal.jy
+        (vx, vy), thermal = batch.reservoir, forces["w_T"]
+        reservoir = vx * thermal.jx + vy * thermal.jy
         return np.asarray(reservoir - thermal.about - thermal.pseudo)
     force = name.removesuffix("_ps")
     kind = Account.pseudowork if name.endswith("_ps") else Account.work

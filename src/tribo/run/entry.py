@@ -7,8 +7,9 @@ from functools import cached_property
 import numpy as np
 
 from tribo.kernels.kinematics import bar_position, bob_position
+from tribo.run.batch import Batch
 from tribo.run.layout import Layout
-from tribo.run.motion import Batch, Motion, internal_energy, swing_direction
+from tribo.run.motion import Motion, internal_energy, swing_direction
 from tribo.run.samples import Samples
 
 Position = tuple[np.ndarray, np.ndarray]  # x and y

@@ -27,6 +27,7 @@ from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.potentials.from_ase import Call, Live
 from tribo.run import contacts
+from tribo.run.batch import Batch, batches_of
 from tribo.run.force_records import Records, bonds, fields_on_surfaces, user_forces
 from tribo.run.identity import loaded
 
@@ -81,6 +82,12 @@ class Layout:
         """The times to record, from the start of the run on."""
         times = self.scene.times
         return np.union1d(times[times > self.beginning], [self.beginning])
+
+    @cached_property
+    def batches(self) -> tuple[tuple[Batch, ...], ...]:
+        """The asperites of each surface, as the ledger reads them."""
+        surfaces = enumerate(self.scene.surfaces)
+        return tuple(batches_of(self.model, index, surface) for index, surface in surfaces)
 
     @property
     def anchors(self) -> np.ndarray:

@@ -3,28 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from tribo.run.force_records import Records
+from tribo.run.batch import Asperites, Batch
 from tribo.run.layout import Layout
 from tribo.run.samples import Samples
-
-# Asperites of a batch: more of them would make the temporary arrays of a ledger large.
-BATCH_SIZE = 50_000
-
-
-@dataclass(frozen=True, eq=False)
-class Batch:
-    """Some consecutive asperites of one surface."""
-
-    index: int  # of the surface
-    place: slice  # of the asperites among all
-    surface: np.record  # of kernels.records.SURFACE
-    asperites: Records  # of kernels.records.ASPERITE
-    velocity: np.ndarray  # (2,) initial velocity of the surface, in the laboratory
 
 
 class Motion:
@@ -96,22 +81,8 @@ class Motion:
 
 def motions(layout: Layout, samples: Samples, index: int) -> Iterator[tuple[Batch, Motion]]:
     """The motion of surface `index`, batch by batch."""
-    for batch in batches(layout, index):
+    for batch in layout.batches[index]:
         yield batch, Motion(layout, batch, samples)
-
-
-def batches(layout: Layout, index: int) -> Iterator[Batch]:
-    """The asperites of a surface, at most BATCH_SIZE at a time."""
-    whole = layout.parts[layout.scene.surfaces[index].name]
-    for start in range(whole.start, whole.stop, BATCH_SIZE):
-        place = slice(start, min(start + BATCH_SIZE, whole.stop))
-        yield Batch(
-            index,
-            place,
-            layout.model.surfaces[index],
-            layout.model.asperites[place],
-            np.array(layout.scene.surfaces[index].velocity),
-        )
 
 
 def columns(slots: np.ndarray, table: np.ndarray, absent: np.ndarray | float = 0.0) -> np.ndarray:
@@ -134,7 +105,7 @@ def swing_direction(facing: np.ndarray, swing: np.ndarray) -> tuple[np.ndarray, 
 
 
 def internal_energy(
-    asperites: Records, omega: np.ndarray, nu: np.ndarray, torsion: np.ndarray
+    asperites: Asperites, omega: np.ndarray, nu: np.ndarray, torsion: np.ndarray
 ) -> np.ndarray:
     """1/2 I omega^2 + 1/2 i2 nu^2 + 1/2 kappa (theta - rest - phi)^2, (times, asperites)."""
     a = asperites

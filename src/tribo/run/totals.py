@@ -10,9 +10,9 @@ import numpy as np
 
 from tribo.kernels.samples import BATH, MOMENTUM_X, MOMENTUM_Y, SPRINGS, TORSIONAL, WITHIN
 from tribo.run.accounts import APPLIED, EXTERNAL, Account, Integrals, accounted
+from tribo.run.batch import Batch
 from tribo.run.entry import Entry
 from tribo.run.layout import Layout
-from tribo.run.motion import batches
 from tribo.run.samples import Samples
 
 Source = TypeVar("Source", "Whole", "System")
@@ -60,7 +60,7 @@ class Whole:
 
     def pseudowork(self, integrals: Integrals) -> np.ndarray:
         """The pseudowork of external forces."""
-        slot = self._record.acc_block
+        slot = self._first.block
         boost = _sum(force.boost(self._velocity) for force in self._forces(integrals, EXTERNAL))
         return boost + integrals.s[:, slot] if slot >= 0 else boost
 
@@ -72,7 +72,7 @@ class Whole:
         """The change of the bulk kinetic energy."""
         vx, vy = self._velocity
         lag_x, lag_y = self._lag
-        moving = self._record.total_mass * (vx * lag_x + vy * lag_y) + self._bulk
+        moving = self._first.total_mass * (vx * lag_x + vy * lag_y) + self._bulk
         return np.asarray(moving - moving[0])
 
     def change_of_internal(self) -> np.ndarray:
@@ -84,16 +84,16 @@ class Whole:
 
     @cached_property
     def _entries(self) -> tuple[Entry, ...]:
-        layout = self.layout
-        return tuple(Entry(layout, b, self.samples) for b in batches(layout, self.index))
+        batches = self.layout.batches[self.index]
+        return tuple(Entry(self.layout, batch, self.samples) for batch in batches)
 
-    @cached_property
-    def _record(self) -> np.record:
-        return self.layout.model.surfaces[self.index]
+    @property
+    def _first(self) -> Batch:
+        return self.layout.batches[self.index][0]
 
     @property
     def _velocity(self) -> np.ndarray:
-        return self._entries[0].batch.velocity
+        return self._first.velocity
 
     @property
     def _stored(self) -> np.ndarray:
@@ -102,7 +102,7 @@ class Whole:
     @cached_property
     def _lag(self) -> tuple[np.ndarray, np.ndarray]:
         """The velocity V in the surface's first frame."""
-        mass, stored = self._record.total_mass, self._stored
+        mass, stored = self._first.total_mass, self._stored
         px = self._total(lambda e: e.vx * e.batch.asperites.mass) + stored[:, MOMENTUM_X]
         py = self._total(lambda e: e.vy * e.batch.asperites.mass) + stored[:, MOMENTUM_Y]
         return px / mass, py / mass
@@ -111,7 +111,7 @@ class Whole:
     def _bulk(self) -> np.ndarray:
         """The kinetic energy of the motion with V, in the surface's first frame."""
         lag_x, lag_y = self._lag
-        return np.asarray(0.5 * self._record.total_mass * (lag_x**2 + lag_y**2))
+        return np.asarray(0.5 * self._first.total_mass * (lag_x**2 + lag_y**2))
 
     def _forces(self, integrals: Integrals, names: tuple[str, ...]) -> Iterator[Account]:
         return (forces[name] for forces in integrals.of(self.index) for name in names)
