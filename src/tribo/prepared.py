@@ -198,15 +198,24 @@ class Simulation:
             bounds, excess = self._errors(runs[-3:])
             met = excess <= 1.0
             notes = () if met else (self._missed(excess),)
-        ledger = _reported(self.layout, fine)
-        cost = _cost(runs, self.compile_seconds, self._digit_ratio)
         known = met if len(runs) > 1 or fine.status != Status.COMPLETED else None
-        return self._result(fine.status, known, notes, bounds, Known(ledger), Known(cost), fine)
+        layout, seconds, ratio = self.layout, self.compile_seconds, self._digit_ratio
+        return self._result(
+            fine.status,
+            known,
+            notes,
+            bounds,
+            lambda: _reported(layout, fine),
+            lambda: _cost(runs, seconds, ratio),
+            fine,
+        )
 
     def _errors(self, runs: Sequence[Integration]) -> tuple[dict[str, float], float]:
         """Bounds on the last run's errors, and the largest in units of the request."""
         assert self.accuracy is not None and self.plan.tuned is not None
-        grown = self.plan.tuned.amplification
+        grown, known = self.plan.tuned.amplification, self.plan.tuned.errors
+        if known is not None and known.run is runs[-1] and known.amplification == grown:
+            return known.bounds, known.excess
         found, scales = error_bounds(self.layout, runs[-1], runs[:-1], grown, self.accuracy)
         return found, excess_of_request(found, scales, self.accuracy)
 

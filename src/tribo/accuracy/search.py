@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -94,6 +95,27 @@ LOOSE_EXCESS = 1.875
 MORE = 1.05
 
 
+class Errors(NamedTuple):
+    """Error estimates of a run.
+
+    Attributes
+    ----------
+    run
+        whose errors they are
+    amplification
+        that was known when they were made
+    bounds
+        on the errors, by quantity
+    excess
+        the largest bound in units of the accuracy
+    """
+
+    run: Integration
+    amplification: float | None
+    bounds: dict[str, float]
+    excess: float
+
+
 @dataclass(frozen=True)
 class FoundSettings:
     """Settings that a search found.
@@ -110,6 +132,8 @@ class FoundSettings:
         of a small change of the start; None where it was not measured
     met
         whether the fine run kept the accuracy
+    errors
+        the last ones that were estimated; None if no run was compared
     """
 
     coarse: Setting
@@ -118,6 +142,7 @@ class FoundSettings:
     runs: tuple[Integration, ...]
     amplification: float | None
     met: bool
+    errors: Errors | None = None
 
 
 def fine_level(method: Method) -> float:
@@ -183,6 +208,7 @@ def find_settings(
     level = min(FIRST * method.first_level * strictest(accuracy), 1.0)
     runs = _run_pilot(layout, method, accuracy, level, stops, attempt)
     before, amplification, stalls, excess = np.inf, None, 0, np.inf
+    errors: Errors | None = None
     for _ in range(ROUNDS):
         if _equal_steps(layout, method, fine_level(method) * level) > MOST_EVALUATIONS:
             if runs:
@@ -205,6 +231,7 @@ def find_settings(
             aborted = amplification is None
         bounds, scales = error_bounds(layout, runs[-1], runs[-3:-1], amplification, accuracy)
         excess = excess_of_request(bounds, scales, accuracy)
+        errors = Errors(runs[-1], amplification, bounds, excess)
         if can_be_too_long and len(runs) == 3 and excess * strictest(accuracy) > 1.0:
             level, amplification = level * SHORTER**method.order, None
             continue
@@ -218,9 +245,8 @@ def find_settings(
         before = excess
         lower = AIM / excess if np.isfinite(excess) else LOWER**2
         level = max(level * min(LOWER, lower), FLOOR)
-    return FoundSettings(
-        coarse, fine, fine_level(method) * level, tuple(runs), amplification, excess <= 1.0
-    )
+    found, met = fine_level(method) * level, excess <= 1.0
+    return FoundSettings(coarse, fine, found, tuple(runs), amplification, met, errors)
 
 
 def _equal_steps(layout: Layout, method: Method, level: float) -> float:
