@@ -284,8 +284,9 @@ def _reported(layout: Layout, run: Integration) -> Ledger:
         wanted = np.intersect1d(samples.t, layout.times)
         samples = samples.at(np.union1d(wanted, samples.t[[0, -1]]))
     ledger = assemble(layout, samples)
-    before = int(np.searchsorted(samples.t, layout.beginning))
-    return ledger.rows(slice(before, None)) if before else ledger
+    if samples.t[0] == layout.beginning:
+        return ledger
+    return ledger.rows(slice(int(np.searchsorted(samples.t, layout.beginning)), None))
 
 
 def _cost(runs: Sequence[Integration], compile_seconds: float, ratio: float | None) -> Cost:

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -29,7 +28,7 @@ from tribo.run.quantities import (
     Table,
 )
 from tribo.run.samples import Samples
-from tribo.run.totals import Linear, System, Whole
+from tribo.run.totals import Linear, Source, System, Whole
 
 
 class Computed(Mapping[str, np.ndarray]):
@@ -143,15 +142,17 @@ class Assembled(Ledger):
     """
 
     def __init__(self, layout: Layout, samples: Samples) -> None:
-        surfaces = layout.scene.surfaces
-        super().__init__(
-            samples.t,
-            {s.name: self._of(k, asperite_quantities(layout, k)) for k, s in enumerate(surfaces)},
-            {s.name: self._of(k, BLOCK_QUANTITIES) for k, s in enumerate(surfaces)},
-            Computed(SYSTEM_QUANTITIES, lambda name: SYSTEM_QUANTITIES[name].of(self._system)),
-        )
         self._layout = layout
         self._samples = samples
+        # The tables do not refer to the ledger, so that it is released without a collection.
+        names = [surface.name for surface in layout.scene.surfaces]
+        wholes = tuple(Whole(layout, samples, k) for k in range(len(names)))
+        system = System(layout, samples, wholes)
+        asperites = [_table(asperite_quantities(layout, w.index), w) for w in wholes]
+        blocks = [_table(BLOCK_QUANTITIES, whole) for whole in wholes]
+        total = _table(SYSTEM_QUANTITIES, system)
+        super().__init__(samples.t, dict(zip(names, asperites)), dict(zip(names, blocks)), total)
+        self._sources = (*zip(asperites, wholes), *zip(blocks, wholes), (total, system))
 
     def compute_linear(self) -> None:
         """Compute all that is linear in the integrals of the kernels together, which is faster.
@@ -160,7 +161,7 @@ class Assembled(Ledger):
         """
         wanted = [
             (table, name, linear, source)
-            for table, source in self._sources()
+            for table, source in self._sources
             for name in table
             if isinstance(linear := QUANTITIES[name].of, Linear)
         ]
@@ -179,34 +180,21 @@ class Assembled(Ledger):
                 start, stop = stop, stop + source.count
                 table.put(name, values[:, start:stop])
 
-    def _sources(self) -> Iterator[tuple[Computed, Whole | System]]:
-        for index, name in enumerate(self.surfaces):
-            yield self.surfaces[name], self._wholes[index]
-            yield self.blocks[name], self._wholes[index]
-        yield self.system, self._system
-
     def at_end(self) -> Ledger:
         """The ledger at the last time alone, from the first and the last sample."""
         return Assembled(self._layout, self._samples.ends()).rows(slice(-1, None))
 
-    def _of(self, index: int, quantities: Mapping[str, Quantity[Whole]]) -> Table:
-        """The series of a surface or of its asperites."""
-        return Computed(quantities, lambda name: quantities[name].of(self._wholes[index]))
 
-    @cached_property
-    def _wholes(self) -> tuple[Whole, ...]:
-        layout, samples = self._layout, self._samples
-        return tuple(Whole(layout, samples, k) for k in range(len(layout.scene.surfaces)))
-
-    @cached_property
-    def _system(self) -> System:
-        return System(self._layout, self._samples, self._wholes)
+def _table(quantities: Mapping[str, Quantity[Source]], source: Source) -> Computed:
+    """The series of a surface or of the system."""
+    return Computed(quantities, lambda name: quantities[name].of(source))
 
 
 def asperite_quantities(layout: Layout, index: int) -> Mapping[str, Quantity[Whole]]:
     """The quantities that are reported of a surface's asperites."""
-    surface, reported = layout.scene.surfaces[index], ASPERITE_QUANTITIES
-    if any(surface.name in item.on for item in layout.scene.fields):
+    scene, reported = layout.scene, ASPERITE_QUANTITIES
+    surface = scene.surfaces[index]
+    if scene.fields and any(surface.name in item.on for item in scene.fields):
         reported = reported | FIELD_QUANTITIES
     if surface.langevin:
         reported = reported | RESERVOIR_QUANTITIES

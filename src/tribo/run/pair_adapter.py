@@ -107,12 +107,13 @@ class Factors:
     accounts : ndarray, (accounts, columns)
         Those of s.
     linear : dict
-        Those of linear functions of s by their keys, (columns, ...).
+        Those of linear functions of s by their keys: (columns, ...), and each that is not zero with
+        its column.
     """
 
     state: np.ndarray
     accounts: np.ndarray
-    linear: dict[Hashable, np.ndarray]
+    linear: dict[Hashable, tuple[np.ndarray, list[tuple[int, float]]]]
 
 
 class PairSamples(Samples):
@@ -165,15 +166,16 @@ class PairSamples(Samples):
 
     def linear(self, key: Hashable, function: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
         """The value of a linear function of `s`, from the record's columns that it depends on."""
-        factors = self._factors.linear.get(key)
-        if factors is None:
-            factors = self._factors.linear[key] = function(self._factors.accounts.T)
+        known = self._factors.linear.get(key)
+        if known is None:
+            known = self._factors.linear[key] = _terms(function(self._factors.accounts.T))
+        factors, terms = known
         if factors.size > factors.shape[0]:
             return self._columns @ factors
         # A sum, unlike a product of matrices, has the same bits for any number of times.
-        parts = [factors[k] * self._column(k) for k in factors.nonzero()[0].tolist()]
-        value = sum(parts[1:], start=parts[0]) if parts else np.zeros(self.t.size)
-        return value.reshape(-1, *factors.shape[1:])
+        parts = [factor * self._column(k) for k, factor in terms]
+        value = sum(parts[1:], parts[0]) if parts else np.zeros(self.t.size)
+        return value if factors.ndim == 1 else value[:, None]
 
     def then(self, *later: Samples) -> Samples:
         """These samples, followed by `later` ones of runs with the same start."""
@@ -283,9 +285,14 @@ class Pair:
             if code != PAUSED:
                 self._evaluations[0] = 0  # from the start again, to the same end
             return integrate(self, times, columns=(record,))
-        seconds, memory = time.perf_counter() - began, self.memory()
+        seconds, clock = time.perf_counter() - began, self.clocks.tobytes()
+        rows = self._rows[STATE:].copy()
         return Integration(
-            lambda: self.samples(times, (record,)), Status.COMPLETED, record[-1], seconds, memory
+            lambda: self.samples(times, (record,)),
+            Status.COMPLETED,
+            record[-1],
+            seconds,
+            lambda: _memory(np.frombuffer(clock, CLOCK), rows),
         )
 
     def room(self, samples: int) -> Columns:
@@ -302,7 +309,7 @@ class Pair:
 
     def memory(self) -> Memory:
         """All that another loop of this kind needs to continue."""
-        return {"clock": numbers_of(self.clocks), "pair": self._rows[STATE:].copy()}
+        return _memory(self.clocks, self._rows[STATE:].copy())
 
     def restore(self, memory: Memory) -> None:
         """Continue where another loop of this kind was."""
@@ -326,6 +333,15 @@ class Pair:
         """The first samples in `columns`, of the scene's layout, which were recorded at `times`."""
         record = columns[0][: times.size]
         return PairSamples(times, record, record[0], self.factors)
+
+
+def _terms(factors: np.ndarray) -> tuple[np.ndarray, list[tuple[int, float]]]:
+    rows = factors.reshape(len(factors), -1)
+    return factors, [(k, float(rows[k, 0])) for k in np.flatnonzero(rows[:, 0]).tolist()]
+
+
+def _memory(clocks: np.ndarray, rows: np.ndarray) -> Memory:
+    return {"clock": numbers_of(clocks), "pair": rows}
 
 
 def _mobility(layout: Layout) -> np.ndarray:
