@@ -89,6 +89,18 @@ class Layout:
         surfaces = enumerate(self.scene.surfaces)
         return tuple(batches_of(self.model, index, surface) for index, surface in surfaces)
 
+    @cached_property
+    def effects(self) -> dict[str, tuple[int, bool, bool]]:
+        """Surface -> its index, whether a field acts on it, whether it has a reservoir."""
+        return {
+            surface.name: (
+                index,
+                any(surface.name in item.on for item in self.scene.fields),
+                bool(surface.langevin),
+            )
+            for index, surface in enumerate(self.scene.surfaces)
+        }
+
     @property
     def anchors(self) -> np.ndarray:
         """Displacement of each pulling stage and each field at t = 0, (surfaces + fields, 2)."""

@@ -9,8 +9,9 @@ The identities that must hold, and by which the accounts are audited:
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -21,29 +22,44 @@ from tribo.run.quantities import (
     ASPERITE_QUANTITIES,
     BLOCK_QUANTITIES,
     FIELD_QUANTITIES,
+    OPTIONAL_QUANTITIES,
     QUANTITIES,
     RESERVOIR_QUANTITIES,
     SYSTEM_QUANTITIES,
-    Quantity,
     Table,
 )
 from tribo.run.samples import Samples
-from tribo.run.totals import Linear, Source, System, Whole
+from tribo.run.totals import Linear, System, Whole
 
 
-class Computed(Mapping[str, np.ndarray]):
-    """Series by name, each computed when it is first asked for.
+# The quantities of a surface and of its asperites, by whether it has a field and a reservoir.
+OF_SURFACE = {
+    (field, reservoir): ASPERITE_QUANTITIES
+    | (FIELD_QUANTITIES if field else {})
+    | (RESERVOIR_QUANTITIES if reservoir else {})
+    | BLOCK_QUANTITIES
+    for field in (False, True)
+    for reservoir in (False, True)
+}
+
+
+class Series(Mapping[str, np.ndarray]):
+    """Series by name, as ``series["theta"]`` or ``series.theta``, each computed when first needed.
+
+    Quantities of asperites are (times, asperites), those of a surface as a whole (times,).
 
     Parameters
     ----------
-    names : iterable of str
+    names : collection of str
         Of the quantities.
     compute : callable
         Computes the series of a name.
     """
 
-    def __init__(self, names: Iterable[str], compute: Callable[[str], np.ndarray]) -> None:
-        self._names = names if isinstance(names, dict) else dict.fromkeys(names)
+    def __init__(
+        self, names: Collection[str], compute: Callable[[str], np.ndarray]
+    ) -> None:
+        self._names = names
         self._compute = compute
         self._known: dict[str, np.ndarray] = {}
 
@@ -52,10 +68,20 @@ class Computed(Mapping[str, np.ndarray]):
         if known is None:
             if name not in self._names:
                 raise KeyError(name)
-            # In a run that stopped because values were not finite, the last are infinite or NaN.
-            with np.errstate(over="ignore", invalid="ignore"):
-                known = self._known[name] = self._compute(name)
+            known = self._known[name] = self._compute(name)
         return known
+
+    def __getattr__(self, name: str) -> np.ndarray:
+        if name.startswith("_"):  # a copy asks for methods before it has names
+            raise AttributeError(name)
+        try:
+            return self[name]
+        except KeyError:
+            names = ", ".join(self._names)
+            raise AttributeError(f"no quantity {name!r}; there are {names}") from None
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self._names]
 
     def put(self, name: str, series: np.ndarray) -> None:
         """Set a series that has been computed with others."""
@@ -71,7 +97,12 @@ class Computed(Mapping[str, np.ndarray]):
         return name in self._names
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return dict, (dict(self),)
+        return _known, (dict(self),)
+
+
+def _known(table: Table) -> Series:
+    """Series that are known already."""
+    return Series(table, table.__getitem__)
 
 
 @dataclass(eq=False)
@@ -109,11 +140,15 @@ class Ledger:
         tables = [*self.surfaces.values(), *self.blocks.values(), self.system]
         return [name for name in QUANTITIES if any(name in table for table in tables)]
 
+    def of(self, surface: str) -> Series:
+        """All series of a surface.  Raises KeyError if there is no such surface."""
+        return _known({**self.surfaces[surface], **self.blocks[surface]})
+
     def rows(self, selected: slice | np.ndarray) -> Ledger:
         """The ledger at some of its times: a slice, indices or a mask."""
 
-        def rows_of(table: Table) -> Table:
-            return Computed(table, lambda name: table[name][selected])
+        def rows_of(table: Table) -> Series:
+            return Series(table, lambda name: table[name][selected])
 
         return Ledger(
             self.t[selected],
@@ -142,27 +177,58 @@ class Assembled(Ledger):
     """
 
     def __init__(self, layout: Layout, samples: Samples) -> None:
+        self.t = samples.t
         self._layout = layout
         self._samples = samples
-        # The tables do not refer to the ledger, so that it is released without a collection.
-        names = [surface.name for surface in layout.scene.surfaces]
-        wholes = tuple(Whole(layout, samples, k) for k in range(len(names)))
-        system = System(layout, samples, wholes)
-        asperites = [_table(asperite_quantities(layout, w.index), w) for w in wholes]
-        blocks = [_table(BLOCK_QUANTITIES, whole) for whole in wholes]
-        total = _table(SYSTEM_QUANTITIES, system)
-        super().__init__(samples.t, dict(zip(names, asperites)), dict(zip(names, blocks)), total)
-        self._sources = (*zip(asperites, wholes), *zip(blocks, wholes), (total, system))
+        # Neither wholes nor series refer to the ledger: all is released without a collection.
+        self._wholes: dict[str, Whole] = {}
+        self._series: dict[str, Series] = {}
+
+    def of(self, surface: str) -> Series:
+        """All series of a surface.  Raises KeyError if there is no such surface."""
+        if surface not in self._series:
+            index, field, reservoir = self._layout.effects[surface]
+            whole = self._wholes[surface] = Whole(self._layout, self._samples, index)
+            compute = partial(series_of, whole)
+            self._series[surface] = Series(OF_SURFACE[field, reservoir], compute)
+        return self._series[surface]
+
+    @cached_property
+    def surfaces(self) -> dict[str, Series]:  # type: ignore[override]
+        """Surface -> quantity -> (times, asperites)."""
+        return {
+            name: Series([k for k in self.of(name) if k not in BLOCK_QUANTITIES], self.of(name).__getitem__)
+            for name in self._layout.parts
+        }
+
+    @cached_property
+    def blocks(self) -> dict[str, Series]:  # type: ignore[override]
+        """Surface -> quantity of the surface as a whole -> (times,)."""
+        parts = self._layout.parts
+        return {name: Series(BLOCK_QUANTITIES, self.of(name).__getitem__) for name in parts}
+
+    @cached_property
+    def system(self) -> Series:  # type: ignore[override]
+        """Quantity of the system -> (times,)."""
+        return Series(SYSTEM_QUANTITIES, partial(series_of, self._system))
+
+    @cached_property
+    def _system(self) -> System:
+        for name in self._layout.parts:
+            self.of(name)
+        return System(self._layout, self._samples, tuple(self._wholes.values()))
 
     def compute_linear(self) -> None:
         """Compute all that is linear in the integrals of the kernels together, which is faster.
 
         The last bits may differ from those of a series that is computed alone.
         """
+        sources = [(self.system, self._system)]
+        sources += [(self.of(name), whole) for name, whole in self._wholes.items()]
         wanted = [
-            (table, name, linear, source)
-            for table, source in self._sources
-            for name in table
+            (series, name, linear, source)
+            for series, source in sources
+            for name in series
             if isinstance(linear := QUANTITIES[name].of, Linear)
         ]
 
@@ -172,33 +238,22 @@ class Assembled(Ledger):
             return np.concatenate([value.reshape(len(s), -1) for value in values], axis=1)
 
         values, stop = self._samples.linear("all", together), 0
-        for table, name, _, source in wanted:
-            if name in BLOCK_QUANTITIES or name in SYSTEM_QUANTITIES:
-                table.put(name, values[:, stop])
-                stop += 1
-            else:
+        for series, name, _, source in wanted:
+            if name in ASPERITE_QUANTITIES or name in OPTIONAL_QUANTITIES:
                 start, stop = stop, stop + source.count
-                table.put(name, values[:, start:stop])
+                series.put(name, values[:, start:stop])
+            else:
+                series.put(name, values[:, stop])
+                stop += 1
 
     def at_end(self) -> Ledger:
         """The ledger at the last time alone, from the first and the last sample."""
         return Assembled(self._layout, self._samples.ends()).rows(slice(-1, None))
 
 
-def _table(quantities: Mapping[str, Quantity[Source]], source: Source) -> Computed:
-    """The series of a surface or of the system."""
-    return Computed(quantities, lambda name: quantities[name].of(source))
-
-
-def asperite_quantities(layout: Layout, index: int) -> Mapping[str, Quantity[Whole]]:
-    """The quantities that are reported of a surface's asperites."""
-    scene, reported = layout.scene, ASPERITE_QUANTITIES
-    surface = scene.surfaces[index]
-    if scene.fields and any(surface.name in item.on for item in scene.fields):
-        reported = reported | FIELD_QUANTITIES
-    if surface.langevin:
-        reported = reported | RESERVOIR_QUANTITIES
-    return reported
+def series_of(source: Whole | System, name: str) -> np.ndarray:
+    """The series of a quantity of a surface or of the system."""
+    return QUANTITIES[name].of(source)
 
 
 def assemble(layout: Layout, samples: Samples) -> Assembled:

@@ -107,13 +107,12 @@ class Factors:
     accounts : ndarray, (accounts, columns)
         Those of s.
     linear : dict
-        Those of linear functions of s by their keys: (columns, ...), and each that is not zero with
-        its column.
+        Those of linear functions of s by their keys, (columns, ...).
     """
 
     state: np.ndarray
     accounts: np.ndarray
-    linear: dict[Hashable, tuple[np.ndarray, list[tuple[int, float]]]]
+    linear: dict[Hashable, np.ndarray]
 
 
 class PairSamples(Samples):
@@ -166,15 +165,17 @@ class PairSamples(Samples):
 
     def linear(self, key: Hashable, function: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
         """The value of a linear function of `s`, from the record's columns that it depends on."""
-        known = self._factors.linear.get(key)
-        if known is None:
-            known = self._factors.linear[key] = _terms(function(self._factors.accounts.T))
-        factors, terms = known
+        factors = self._factors.linear.get(key)
+        if factors is None:
+            factors = self._factors.linear[key] = function(self._factors.accounts.T)
         if factors.size > factors.shape[0]:
             return self._columns @ factors
-        # A sum, unlike a product of matrices, has the same bits for any number of times.
-        parts = [factor * self._column(k) for k, factor in terms]
-        value = sum(parts[1:], parts[0]) if parts else np.zeros(self.t.size)
+        # Sums row by row, unlike products of matrices, have the same bits for any number of times.
+        each = factors.reshape(-1)
+        if each[ENERGY:].any():
+            value = np.vecdot(self._columns, each)
+        else:
+            value = np.vecdot(self._record[:, :ENERGY], each[:ENERGY])
         return value if factors.ndim == 1 else value[:, None]
 
     def then(self, *later: Samples) -> Samples:
@@ -203,10 +204,6 @@ class PairSamples(Samples):
     def _columns(self) -> np.ndarray:
         """The record's columns before the energy, and the arcs."""
         return np.concatenate([self._record[:, :ENERGY], self._arcs], axis=1)
-
-    def _column(self, index: int) -> np.ndarray:
-        """One of them."""
-        return self._record[:, index] if index < ENERGY else self._arcs[:, index - ENERGY]
 
 
 class Pair:
@@ -333,11 +330,6 @@ class Pair:
         """The first samples in `columns`, of the scene's layout, which were recorded at `times`."""
         record = columns[0][: times.size]
         return PairSamples(times, record, record[0], self.factors)
-
-
-def _terms(factors: np.ndarray) -> tuple[np.ndarray, list[tuple[int, float]]]:
-    rows = factors.reshape(len(factors), -1)
-    return factors, [(k, float(rows[k, 0])) for k in np.flatnonzero(rows[:, 0]).tolist()]
 
 
 def _memory(clocks: np.ndarray, rows: np.ndarray) -> Memory:

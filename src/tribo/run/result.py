@@ -17,7 +17,7 @@ from tribo.kernels.status import MEANINGS, Status
 from tribo.model.scene import Scene
 from tribo.run import dataset
 from tribo.run.identity import Identity, opened
-from tribo.run.ledger import Ledger
+from tribo.run.ledger import Ledger, Series
 from tribo.run.quantities import Table
 from tribo.run.state import State
 from tribo.validation import as_path
@@ -26,47 +26,6 @@ if TYPE_CHECKING:
     import xarray
 
 T = TypeVar("T")
-
-
-class Series(Mapping[str, np.ndarray]):
-    """The series of one surface, by name: ``series["theta"]`` or ``series.theta``.
-
-    Quantities of asperites are (times, asperites), those of the surface as a whole (times,).
-
-    Parameters
-    ----------
-    asperites : mapping
-        Quantity -> (times, asperites).
-    block : mapping
-        Quantity of the surface as a whole -> (times,).
-    """
-
-    def __init__(self, asperites: Table, block: Table) -> None:
-        self._asperites = asperites
-        self._block = block
-
-    def __getitem__(self, name: str) -> np.ndarray:
-        return (self._asperites if name in self._asperites else self._block)[name]
-
-    def __iter__(self) -> Iterator[str]:
-        yield from self._asperites
-        yield from self._block
-
-    def __len__(self) -> int:
-        return len(self._asperites) + len(self._block)
-
-    def __contains__(self, name: object) -> bool:
-        return name in self._asperites or name in self._block
-
-    def __getattr__(self, name: str) -> np.ndarray:
-        if name.startswith("_"):  # a copy asks before it has tables
-            raise AttributeError(name)
-        if name not in self:
-            raise AttributeError(f"no quantity {name!r}; there are {', '.join(self)}")
-        return self[name]
-
-    def __dir__(self) -> list[str]:
-        return [*super().__dir__(), *self]
 
 
 @dataclass(frozen=True)
@@ -189,10 +148,11 @@ class Result:
 
     def __getitem__(self, surface: str) -> Series:
         ledger = self.ledger
-        if surface not in ledger.surfaces:
+        try:
+            return ledger.of(surface)
+        except KeyError:
             names = ", ".join(ledger.surfaces)
-            raise KeyError(f"there is no surface {surface!r}; there are {names}")
-        return Series(ledger.surfaces[surface], ledger.blocks[surface])
+            raise KeyError(f"there is no surface {surface!r}; there are {names}") from None
 
     def __getstate__(self) -> dict[str, Any]:
         """What is pickled or copied: the ledger, the cost and the state, without the runs."""

@@ -55,7 +55,9 @@ class Samples:
 
     def linear(self, key: Hashable, function: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
         """The value of a linear function of `s`, which `key` tells from others of the layout."""
-        return function(self.s)
+        # In a run that stopped because values were not finite, the last are infinite or NaN.
+        with np.errstate(over="ignore", invalid="ignore"):
+            return function(self.s)
 
     def _rows(self, selected: np.ndarray) -> Samples:
         return Samples(*(getattr(self, f.name)[selected] for f in fields(Samples)))

@@ -17,6 +17,9 @@ from tribo.run.samples import Samples
 
 Source = TypeVar("Source", "Whole", "System")
 
+# In a run that stopped because values were not finite, the last are infinite or NaN here too.
+_with_infinities = np.errstate(over="ignore", invalid="ignore")
+
 
 class Whole:
     """A surface: its asperites, and sums over them; V is the velocity of its centre of all masses.
@@ -46,6 +49,7 @@ class Whole:
         """The number of its asperites."""
         return self.layout.scene.surfaces[self.index].count
 
+    @_with_infinities
     def each(self, value: Callable[[Entry], np.ndarray]) -> np.ndarray:
         """A quantity of all asperites, (times, asperites)."""
         return _side_by_side([value(entry) for entry in self._entries])
@@ -68,6 +72,7 @@ class Whole:
         """The work of outside agents."""
         return _sum(force.work(self._velocity) for force in self._forces(integrals, APPLIED))
 
+    @_with_infinities
     def change_of_kinetic(self) -> np.ndarray:
         """The change of the bulk kinetic energy."""
         vx, vy = self._velocity
@@ -75,6 +80,7 @@ class Whole:
         moving = self._first.total_mass * (vx * lag_x + vy * lag_y) + self._bulk
         return np.asarray(moving - moving[0])
 
+    @_with_infinities
     def change_of_internal(self) -> np.ndarray:
         """The change of the internal energy: of all energy that is not bulk kinetic."""
         within = self._total(lambda e: e.moving + e.internal) - self._bulk
@@ -150,6 +156,7 @@ class System:
         """The potential energy of contacts between surfaces."""
         return self.samples.contact
 
+    @_with_infinities
     def change_of_energy(self) -> np.ndarray:
         """The change of the total energy; that of bobs at one place is infinite."""
         potential = self.samples.contact + self.samples.field
