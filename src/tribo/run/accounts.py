@@ -96,9 +96,7 @@ def _contact(batch: Batch, s: np.ndarray) -> Account:
 
 
 def _drive(batch: Batch, s: np.ndarray) -> Account:
-    """The drive: f2 = -(held f1_x, f1_y), unless it has an account of its own.
-
-    """
+    """The drive: f2 = -(held f1_x, f1_y), unless it has an account of its own."""
     a = batch.asperites
     held = batch.held
     jx, jy, about_x, about_y = (_column(a.acc_contact, k, s) for k in range(4))

@@ -56,9 +56,7 @@ class Series(Mapping[str, np.ndarray]):
         Computes the series of a name.
     """
 
-    def __init__(
-        self, names: Collection[str], compute: Callable[[str], np.ndarray]
-    ) -> None:
+    def __init__(self, names: Collection[str], compute: Callable[[str], np.ndarray]) -> None:
         self._names = names
         self._compute = compute
         self._known: dict[str, np.ndarray] = {}
@@ -197,7 +195,9 @@ class Assembled(Ledger):
     def surfaces(self) -> dict[str, Series]:  # type: ignore[override]
         """Surface -> quantity -> (times, asperites)."""
         return {
-            name: Series([k for k in self.of(name) if k not in BLOCK_QUANTITIES], self.of(name).__getitem__)
+            name: Series(
+                [k for k in self.of(name) if k not in BLOCK_QUANTITIES], self.of(name).__getitem__
+            )
             for name in self._layout.parts
         }
 

@@ -107,7 +107,8 @@ class Factors:
     accounts : ndarray, (accounts, columns)
         Those of s.
     linear : dict
-        Those of linear functions of s by their keys, (columns, ...).
+        Those of linear functions of s by their keys, (columns, ...); without the arcs where these
+        have no part.
     """
 
     state: np.ndarray
@@ -167,15 +168,15 @@ class PairSamples(Samples):
         """The value of a linear function of `s`, from the record's columns that it depends on."""
         factors = self._factors.linear.get(key)
         if factors is None:
-            factors = self._factors.linear[key] = function(self._factors.accounts.T)
-        if factors.size > factors.shape[0]:
-            return self._columns @ factors
+            factors = function(self._factors.accounts.T)
+            if not factors[ENERGY:].any():  # the arcs, which take longer, have no part
+                factors = factors[:ENERGY]
+            self._factors.linear[key] = factors
+        columns = self._record[:, :ENERGY] if len(factors) == ENERGY else self._columns
+        if factors.ndim == 2 and factors.shape[1] > 1:
+            return columns @ factors
         # Sums row by row, unlike products of matrices, have the same bits for any number of times.
-        each = factors.reshape(-1)
-        if each[ENERGY:].any():
-            value = np.vecdot(self._columns, each)
-        else:
-            value = np.vecdot(self._record[:, :ENERGY], each[:ENERGY])
+        value = np.vecdot(columns, factors if factors.ndim == 1 else factors[:, 0])
         return value if factors.ndim == 1 else value[:, None]
 
     def then(self, *later: Samples) -> Samples:
