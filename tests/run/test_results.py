@@ -50,7 +50,8 @@ def same_series(one, other):
     for a, b in zip(*ledgers, strict=True):
         assert set(a) == set(b)
         for key in a:
-            tables = [a[key], b[key]] if isinstance(a[key], Mapping) else [{"": a[key]}, {"": b[key]}]
+            single = not isinstance(a[key], Mapping)
+            tables = [{"": a[key]}, {"": b[key]}] if single else [a[key], b[key]]
             assert list(tables[0]) == list(tables[1])
             pairs += [(tables[0][name], tables[1][name]) for name in tables[0]]
     return all(np.array_equal(x, y, equal_nan=True) and x.dtype == y.dtype for x, y in pairs)

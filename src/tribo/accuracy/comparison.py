@@ -7,13 +7,24 @@ from typing import Protocol
 
 import numpy as np
 
-from tribo.accuracy.estimate import Columns, distance, estimate, rounding
+from tribo.accuracy.estimate import distance, estimate, rounding
 from tribo.accuracy.roundoff import rounding_of_terms
-from tribo.accuracy.scales import EPSILON, KINDS, Scales, kind_of, reported_scales
+from tribo.accuracy.scales import (
+    EPSILON,
+    KINDS,
+    Scales,
+    kind_of,
+    largest,
+    mean_velocity,
+    reported_scales,
+    scales_of,
+)
 from tribo.kernels.status import Status
+from tribo.run.columns import columns_of
 from tribo.run.integrate import Integration, Setting
 from tribo.run.layout import Layout
 from tribo.run.ledger import assemble
+from tribo.run.totals import Group
 
 # Smallest estimate, in units of the request.  Where a run happens to be far more accurate than its
 # tolerances, because encounters or samples limit its steps, it differs from the coarser runs by
@@ -85,16 +96,20 @@ def error_bounds(
     if accuracy is not None:
         names, wanted = observables(accuracy), strictest(accuracy)
     count, shared = fine.samples.t.size, [run.samples.at(fine.samples.t) for run in coarser]
-    ledger = assemble(layout, fine.samples.then(*shared))
-    ledger.compute_linear()
-    columns = Columns.of(ledger, names)
+    samples = fine.samples.then(*shared)
+    group = Group(layout, samples, (layout.together,))
+    columns, (entry,) = columns_of(layout, group, names), group.entries
     run, coarse = columns.rows(slice(count)), columns.rows(slice(count, None))
-    at_shared = run.rows(np.searchsorted(fine.samples.t, ledger.t[count:]))
-    scales = reported_scales(layout, ledger.rows(slice(count)))
+    at_shared = run.rows(np.searchsorted(fine.samples.t, samples.t[count:]))
+    speed = largest(entry.bob_speed(mean_velocity(layout))[:count])
+    internal = largest(entry.energy[:count])
+    tops = run.largest()
+    scales = scales_of(layout, dict(zip(run.names, tops.tolist(), strict=True)), speed, internal)
     rough, rounded = np.isfinite(layout.scene.smoothness), rounding(amplification, fine.steps)
-    terms = rounding_of_terms(layout, fine.samples, fine.steps)
+    terms = rounding_of_terms(layout, entry, fine.steps)
     least = rounded + LEAST * wanted
-    bounds = estimate(run, at_shared, coarse, scales, bool(rough), least, terms)
+    gaps = at_shared.minus(coarse).largest()
+    bounds = estimate(run.names, tops, gaps, scales, bool(rough), least, terms)
     if any(other.status != Status.COMPLETED for other in coarser):
         bounds = dict.fromkeys(bounds, np.inf)
     return bounds, scales

@@ -8,8 +8,7 @@ closure of the ledger serves as an estimate: each of these can be wrong by order
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from typing import NamedTuple
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
@@ -78,44 +77,10 @@ def rounding(amplification: float | None, steps: int) -> float:
     return ROUNDED + WALK * EPSILON * (amplification or 0.0) * steps**0.5
 
 
-class Columns(NamedTuple):
-    """Series of a run side by side.
-
-    Attributes
-    ----------
-    names : tuple of str
-        Of the quantities, "w1", or "upper.w1" for that of one surface.
-    starts : ndarray, (names,)
-        The first column of each.
-    values : ndarray, (times, columns)
-        All series.
-    """
-
-    names: tuple[str, ...]
-    starts: np.ndarray
-    values: np.ndarray
-
-    @classmethod
-    def of(cls, ledger: Ledger, names: Iterable[str] = ()) -> Columns:
-        """All quantities of a ledger, and further `names`, as "upper.W"."""
-        series = {name: ledger.series(name) for name in dict.fromkeys([*ledger.names, *names])}
-        arrays = [a.reshape(len(a), -1) for found in series.values() for a in found]
-        widths = [sum(a[0].size for a in found) for found in series.values()]
-        return cls(tuple(series), np.cumsum([0, *widths[:-1]]), np.concatenate(arrays, axis=1))
-
-    def rows(self, selected: slice | np.ndarray) -> Columns:
-        """The same series at some of the times."""
-        return self._replace(values=self.values[selected])
-
-    def largest(self, values: np.ndarray) -> np.ndarray:
-        """The largest magnitudes of values of these columns, by name (names,)."""
-        return np.maximum.reduceat(np.abs(values).max(axis=0, initial=0.0), self.starts)
-
-
 def estimate(
-    run: Columns,
-    fine: Columns,
-    coarse: Columns,
+    names: Sequence[str],
+    tops: np.ndarray,
+    gaps: np.ndarray,
     scales: Scales,
     rough: bool,
     least: float,
@@ -125,10 +90,12 @@ def estimate(
 
     Parameters
     ----------
-    run
-        the run at all of its times
-    fine, coarse
-        the run and coarser ones, at the times that both recorded
+    names
+        of the quantities, "w1", or "upper.w1" for that of one surface
+    tops
+        the largest magnitude of each in the run, (names,)
+    gaps
+        the largest difference of each from the coarser runs, (names,)
     scales
         which errors are relative to
     rough
@@ -145,20 +112,20 @@ def estimate(
     dict
         bounds by quantity, in its own unit
     """
-    times, names = safety(rough), run.names
+    times, short = safety(rough), [name.rpartition(".")[2] for name in names]
+    gaps = times * gaps
+    scale = np.array([scales.of(KINDS[name]) for name in short])
+    rounded = np.array([own.get(name, 0.0) for name in short])
     with np.errstate(invalid="ignore"):  # an infinite energy has no known error
-        gaps = times * run.largest(fine.values - coarse.values)
-    tops = run.largest(run.values)
-    scale = np.array([scales.of(kind_of(name)) for name in names])
-    rounded = np.array([own.get(name.rpartition(".")[2], 0.0) for name in names])
-    # The part of a difference that is no rounding; 0 if unknown.
-    beyond = np.where(np.isfinite(gaps), np.maximum(gaps - times * rounded, 0.0), 0.0)
-    relative = float(np.max(beyond[scale > 0.0] / scale[scale > 0.0], initial=0.0))
+        # The part of a difference that is no rounding; 0 if unknown.
+        beyond = np.where(np.isfinite(gaps), np.maximum(gaps - times * rounded, 0.0), 0.0)
+    has_scale = scale > 0.0
+    relative = float((beyond[has_scale] / scale[has_scale]).max(initial=0.0))
     pooled = relative * (1.0 if relative > DIVERGED else POOLED)
     bounds = gaps + 4.0 * EPSILON * tops + rounded
-    bounds += np.where(gaps > 0.0, (pooled + least) * scale, 0.0)
-    # Equal bits in all runs, as of the energy of a first contact.
-    bounds += np.where((gaps == 0.0) & (tops > 0.0), EPSILON * scale, 0.0)
+    # Equal bits in all runs, as of the energy of a first contact, are known to one rounding.
+    same = np.where((gaps == 0.0) & (tops > 0.0), EPSILON, 0.0)
+    bounds += np.where(gaps > 0.0, pooled + least, same) * scale
     return dict(zip(names, bounds.tolist(), strict=True))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +20,13 @@ from tribo.run.samples import Samples
 EPSILON = float(np.finfo(float).eps)
 # The kind of every reported quantity, which selects its scale.
 KINDS = {name: quantity.kind for name, quantity in QUANTITIES.items()}
+# The quantities of asperites by which rates and energies are measured.
+ENERGIES = tuple(
+    name
+    for name, quantity in (ASPERITE_QUANTITIES | OPTIONAL_QUANTITIES).items()
+    if quantity.kind == "energy"
+)
+MEASURED = ("omega", "nu", *ENERGIES)
 # The smallest relative tolerance: nine roundings.  Step control cannot resolve less.
 FLOOR = 2e-15
 
@@ -56,19 +64,39 @@ class Scales:
 
 def reported_scales(layout: Layout, ledger: Ledger) -> Scales:
     """The scales of a run's errors: maxima over asperites and samples, in the laboratory."""
+    tops = {
+        name: max(map(largest, ledger.series(name))) for name in MEASURED if ledger.series(name)
+    }
+    return scales_of(layout, tops, _fastest_bob(layout, ledger), _internal_energy(layout, ledger))
 
-    def top(*names: str) -> float:
-        return max(largest(series) for name in names for series in ledger.series(name))
 
-    asperite = ASPERITE_QUANTITIES | OPTIONAL_QUANTITIES
-    energies = [name for name in asperite if KINDS[name] == "energy" and ledger.series(name)]
-    works = [name for name in energies if name.startswith("w")]
+def scales_of(layout: Layout, tops: Mapping[str, float], speed: float, internal: float) -> Scales:
+    """The scales of a run's errors.
+
+    Parameters
+    ----------
+    layout
+        the scene
+    tops
+        the largest magnitude of each quantity of asperites
+    speed
+        the largest of a bob relative to the mean of the surfaces' initial velocities
+    internal
+        the largest internal energy
+    """
+    energies = {name: tops[name] for name in ENERGIES if name in tops}
+    works = max(top for name, top in energies.items() if name.startswith("w"))
     return Scales(
-        rate=top("omega", "nu"),
+        rate=max(tops["omega"], tops["nu"]),
         length=_longest_rod(layout),
-        velocity=_fastest_bob(layout, ledger),
-        energy=top(*energies) if top(*works) > 0.0 else _internal_energy(layout, ledger),
+        velocity=speed,
+        energy=max(energies.values()) if works > 0.0 else internal,
     )
+
+
+def mean_velocity(layout: Layout) -> np.ndarray:
+    """The mean of the surfaces' initial velocities, (2,)."""
+    return np.asarray(np.mean([surface.velocity for surface in layout.scene.surfaces], axis=0))
 
 
 def _internal_energy(layout: Layout, ledger: Ledger) -> float:
@@ -90,7 +118,7 @@ def _longest_rod(layout: Layout) -> float:
 
 def _fastest_bob(layout: Layout, ledger: Ledger) -> float:
     """The largest |v_cm + l1 omega (cos theta, sin theta)|, less the surfaces' mean velocity."""
-    mean = np.mean([surface.velocity for surface in layout.scene.surfaces], axis=0)
+    mean = mean_velocity(layout)
     fastest = 0.0
     for surface in layout.scene.surfaces:
         table = ledger.surfaces[surface.name]

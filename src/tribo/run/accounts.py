@@ -12,7 +12,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from tribo.run.batch import Batch
-from tribo.run.layout import Layout
 from tribo.run.motion import columns
 
 
@@ -60,26 +59,23 @@ class Accounts(dict[str, Account]):
 
 
 class Integrals:
-    """The integrals that the kernels record, by surface and force.
+    """The integrals that the kernels record, by batch and force.
 
     Parameters
     ----------
-    layout : Layout
-        The scene.
     s : ndarray, (times, accounts)
         The integrals.
     """
 
-    def __init__(self, layout: Layout, s: np.ndarray) -> None:
+    def __init__(self, s: np.ndarray) -> None:
         self.s = s
-        self._layout = layout
-        self._known: dict[int, list[Accounts]] = {}
+        self._known: dict[Batch, Accounts] = {}
 
-    def of(self, index: int) -> list[Accounts]:
-        """The accounts of a surface, batch by batch."""
-        if index not in self._known:
-            self._known[index] = [Accounts(b, self.s) for b in self._layout.batches[index]]
-        return self._known[index]
+    def of(self, batch: Batch) -> Accounts:
+        """The accounts of a batch."""
+        if batch not in self._known:
+            self._known[batch] = Accounts(batch, self.s)
+        return self._known[batch]
 
 
 def _column(slots: np.ndarray, k: int, s: np.ndarray) -> np.ndarray:

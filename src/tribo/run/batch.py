@@ -8,7 +8,6 @@ from types import SimpleNamespace
 import numpy as np
 
 from tribo.kernels.records import FORCED, Model
-from tribo.model.surface import Surface
 
 # Asperites of a batch: more of them would make the temporary arrays of a ledger large.
 BATCH_SIZE = 50_000
@@ -18,53 +17,48 @@ Asperites = SimpleNamespace  # the fields of kernels.records.ASPERITE, each an a
 
 @dataclass(frozen=True, eq=False)
 class Batch:
-    """Some consecutive asperites of one surface.
+    """Some consecutive asperites.
 
     Attributes
     ----------
-    index : int
-        Of the surface.
     place : slice
         Of the asperites among all.
     asperites : Asperites
         Their parameters and slots.
-    velocity : ndarray, (2,)
-        Initial velocity of the surface, in the laboratory.
-    held : float
+    velocity : ndarray, (2, asperites)
+        Initial velocity of their surface, in the laboratory.
+    held : ndarray, (asperites,)
         1 if the drive opposes all of f1_x, 0 if it leaves the surface free to slide.
-    reservoir : tuple of float
+    reservoir : ndarray, (2, asperites)
         Velocity of the reservoir in the surface's first frame.
-    total_mass : float
-        Of the surface and its bath.
-    block : int
-        Slot of the pseudowork of the surface as a whole; -1 if it is absent.
     """
 
-    index: int
     place: slice
     asperites: Asperites
     velocity: np.ndarray
-    held: float
-    reservoir: tuple[float, float]
-    total_mass: float
-    block: int
+    held: np.ndarray
+    reservoir: np.ndarray
 
 
-def batches_of(model: Model, index: int, surface: Surface) -> tuple[Batch, ...]:
-    """The asperites of a surface, at most BATCH_SIZE at a time."""
-    record, fields = model.surfaces[index], model.asperites.dtype.names
-    places = range(int(record.start), int(record.stop), BATCH_SIZE)
+def batches_of(model: Model, velocity: np.ndarray, whole: slice) -> tuple[Batch, ...]:
+    """Consecutive asperites, at most BATCH_SIZE at a time; `velocity` is that of all (n, 2)."""
+    starts = range(whole.start, whole.stop, BATCH_SIZE)
     return tuple(
-        Batch(
-            index=index,
-            place=(place := slice(start, min(start + BATCH_SIZE, int(record.stop)))),
-            # Attributes of records take microseconds.
-            asperites=Asperites(**{name: model.asperites[name][place] for name in fields}),
-            velocity=np.array(surface.velocity),
-            held=1.0 if record.drive == FORCED else 0.0,
-            reservoir=(float(record.reservoir_x), float(record.reservoir_y)),
-            total_mass=float(record.total_mass),
-            block=int(record.acc_block),
-        )
-        for start in places
+        batch_of(model, velocity, slice(start, min(start + BATCH_SIZE, whole.stop)))
+        for start in starts
+    )
+
+
+def batch_of(model: Model, velocity: np.ndarray, place: slice) -> Batch:
+    """The asperites at one place."""
+    records = model.asperites
+    names = records.dtype.names
+    surfaces = model.surfaces[records["surface"][place]]
+    return Batch(
+        place=place,
+        # Attributes of records take microseconds.
+        asperites=Asperites(**{name: records[name][place] for name in names}),
+        velocity=velocity[place].T.copy(),
+        held=(surfaces["drive"] == FORCED).astype(float),
+        reservoir=np.array([surfaces["reservoir_x"], surfaces["reservoir_y"]]),
     )

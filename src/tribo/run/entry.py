@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from tribo.kernels.kinematics import bar_position, bob_position
+from tribo.kernels.kinematics import bar_position, bob_position, bob_velocity
 from tribo.run.batch import Batch
 from tribo.run.layout import Layout
 from tribo.run.motion import Motion, internal_energy, swing_direction
@@ -33,6 +33,7 @@ class Entry(Motion):
     def __init__(self, layout: Layout, batch: Batch, samples: Samples) -> None:
         super().__init__(layout, batch, samples)
         self.batch = batch
+        self.samples = samples
         self._origin = layout.origin
 
     @cached_property
@@ -56,15 +57,16 @@ class Entry(Motion):
     @cached_property
     def bob(self) -> Position:
         """The bob."""
-        return bob_position(*self.centre, self.batch.asperites.l1, *self._direction)
+        return bob_position(*self.centre, self.batch.asperites.l1, *self.direction)
 
     @cached_property
     def bar(self) -> Position:
         """The centre of the bar."""
-        return bar_position(*self.centre, self.batch.asperites.l2, *self._direction)
+        return bar_position(*self.centre, self.batch.asperites.l2, *self.direction)
 
     @cached_property
-    def _direction(self) -> Position:
+    def direction(self) -> Position:
+        """The unit vector along which a growing theta moves the bob."""
         return swing_direction(self.batch.asperites.facing, self.swing)
 
     @cached_property
@@ -79,8 +81,18 @@ class Entry(Motion):
         return mass * (velocity[0] * self.vx + velocity[1] * self.vy) + self.moving
 
     @cached_property
+    def energy(self) -> np.ndarray:
+        """The internal energy."""
+        a = self.batch.asperites
+        return internal_energy(a, self.omega, self.nu, self.swing - self.phi)
+
+    @cached_property
     def internal(self) -> np.ndarray:
         """Change of the internal energy."""
-        twist = self.swing - self.phi
-        energy = internal_energy(self.batch.asperites, self.omega, self.nu, twist)
-        return energy - energy[0]
+        return self.energy - self.energy[0]
+
+    def bob_speed(self, frame: np.ndarray) -> np.ndarray:
+        """The speed of the bob in a frame that moves with a velocity (2,)."""
+        vx, vy = self.velocity
+        moving = vx - frame[0], vy - frame[1], self.omega, self.batch.asperites.l1
+        return np.asarray(np.hypot(*bob_velocity(*moving, *self.direction)))

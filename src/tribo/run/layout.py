@@ -27,7 +27,7 @@ from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.potentials.from_ase import Call, Live
 from tribo.run import contacts
-from tribo.run.batch import Batch, batches_of
+from tribo.run.batch import Batch, batch_of, batches_of
 from tribo.run.force_records import Records, bonds, fields_on_surfaces, user_forces
 from tribo.run.identity import loaded
 
@@ -86,8 +86,13 @@ class Layout:
     @cached_property
     def batches(self) -> tuple[tuple[Batch, ...], ...]:
         """The asperites of each surface, as the ledger reads them."""
-        surfaces = enumerate(self.scene.surfaces)
-        return tuple(batches_of(self.model, index, surface) for index, surface in surfaces)
+        parts = self.parts.values()
+        return tuple(batches_of(self.model, self.velocity, part) for part in parts)
+
+    @cached_property
+    def together(self) -> Batch:
+        """The asperites of all surfaces."""
+        return batch_of(self.model, self.velocity, slice(0, self.scene.count))
 
     @cached_property
     def effects(self) -> dict[str, tuple[int, bool, bool]]:

@@ -16,21 +16,18 @@ from typing import Any
 
 import numpy as np
 
-from tribo.run.accounts import Integrals
 from tribo.run.layout import Layout
 from tribo.run.quantities import (
     ASPERITE_QUANTITIES,
     BLOCK_QUANTITIES,
     FIELD_QUANTITIES,
-    OPTIONAL_QUANTITIES,
     QUANTITIES,
     RESERVOIR_QUANTITIES,
     SYSTEM_QUANTITIES,
     Table,
 )
 from tribo.run.samples import Samples
-from tribo.run.totals import Linear, System, Whole
-
+from tribo.run.totals import System, Whole
 
 # The quantities of a surface and of its asperites, by whether it has a field and a reservoir.
 OF_SURFACE = {
@@ -80,10 +77,6 @@ class Series(Mapping[str, np.ndarray]):
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *self._names]
-
-    def put(self, name: str, series: np.ndarray) -> None:
-        """Set a series that has been computed with others."""
-        self._known[name] = series
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._names)
@@ -217,34 +210,6 @@ class Assembled(Ledger):
         for name in self._layout.parts:
             self.of(name)
         return System(self._layout, self._samples, tuple(self._wholes.values()))
-
-    def compute_linear(self) -> None:
-        """Compute all that is linear in the integrals of the kernels together, which is faster.
-
-        The last bits may differ from those of a series that is computed alone.
-        """
-        sources = [(self.system, self._system)]
-        sources += [(self.of(name), whole) for name, whole in self._wholes.items()]
-        wanted = [
-            (series, name, linear, source)
-            for series, source in sources
-            for name in series
-            if isinstance(linear := QUANTITIES[name].of, Linear)
-        ]
-
-        def together(s: np.ndarray) -> np.ndarray:
-            integrals = Integrals(self._layout, s)
-            values = [linear.value(source, integrals) for _, _, linear, source in wanted]
-            return np.concatenate([value.reshape(len(s), -1) for value in values], axis=1)
-
-        values, stop = self._samples.linear("all", together), 0
-        for series, name, _, source in wanted:
-            if name in ASPERITE_QUANTITIES or name in OPTIONAL_QUANTITIES:
-                start, stop = stop, stop + source.count
-                series.put(name, values[:, start:stop])
-            else:
-                series.put(name, values[:, stop])
-                stop += 1
 
     def at_end(self) -> Ledger:
         """The ledger at the last time alone, from the first and the last sample."""

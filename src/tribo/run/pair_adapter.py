@@ -173,8 +173,9 @@ class PairSamples(Samples):
                 factors = factors[:ENERGY]
             self._factors.linear[key] = factors
         columns = self._record[:, :ENERGY] if len(factors) == ENERGY else self._columns
-        if factors.ndim == 2 and factors.shape[1] > 1:
-            return columns @ factors
+        if factors.size > len(factors):
+            values = columns @ factors.reshape(len(factors), -1)
+            return values.reshape(len(values), *factors.shape[1:])
         # Sums row by row, unlike products of matrices, have the same bits for any number of times.
         value = np.vecdot(columns, factors if factors.ndim == 1 else factors[:, 0])
         return value if factors.ndim == 1 else value[:, None]

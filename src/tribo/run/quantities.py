@@ -9,7 +9,7 @@ from typing import Generic
 import numpy as np
 
 from tribo.run.entry import Entry
-from tribo.run.totals import Linear, Source, System, Whole
+from tribo.run.totals import Group, Linear, Source, System, Whole
 
 Table = Mapping[str, np.ndarray]  # quantity -> its series
 
@@ -34,7 +34,7 @@ class Quantity(Generic[Source]):
     long_name : str
         Its meaning in a few words.
     of : callable
-        Its series, from a surface or the system.
+        Its series, from some asperites, a surface or the system.
     """
 
     kind: str
@@ -47,12 +47,12 @@ class Quantity(Generic[Source]):
         return UNITS[self.kind]
 
 
-def _each(value: Callable[[Entry], np.ndarray]) -> Callable[[Whole], np.ndarray]:
-    return lambda whole: whole.each(value)
+def _each(value: Callable[[Entry], np.ndarray]) -> Callable[[Group], np.ndarray]:
+    return lambda group: group.each(value)
 
 
-def _accounted(name: str) -> Linear[Whole]:
-    return Linear(lambda whole, integrals: whole.accounted(integrals, name))
+def _accounted(name: str) -> Linear[Group]:
+    return Linear(lambda group, integrals: group.accounted(integrals, name))
 
 
 # Of each asperite, in the order in which they are reported.

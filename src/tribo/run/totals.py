@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from functools import cached_property
 from typing import Generic, TypeVar
 
@@ -15,13 +15,51 @@ from tribo.run.entry import Entry
 from tribo.run.layout import Layout
 from tribo.run.samples import Samples
 
-Source = TypeVar("Source", "Whole", "System")
+Source = TypeVar("Source", "Group", "Whole", "System")
 
 # In a run that stopped because values were not finite, the last are infinite or NaN here too.
 _with_infinities = np.errstate(over="ignore", invalid="ignore")
 
 
-class Whole:
+class Group:
+    """Some asperites.
+
+    Parameters
+    ----------
+    layout : Layout
+        The scene.
+    samples : Samples
+        The raw samples of a run, the first of which is the start of the run.
+    batches : tuple of Batch
+        The asperites.
+
+    Attributes
+    ----------
+    samples, batches
+        As given.
+    """
+
+    def __init__(self, layout: Layout, samples: Samples, batches: tuple[Batch, ...]) -> None:
+        self._layout = layout
+        self.samples = samples
+        self.batches = batches
+
+    @cached_property
+    def entries(self) -> tuple[Entry, ...]:
+        """The motion of the asperites, batch by batch."""
+        return tuple(Entry(self._layout, batch, self.samples) for batch in self.batches)
+
+    @_with_infinities
+    def each(self, value: Callable[[Entry], np.ndarray]) -> np.ndarray:
+        """A quantity of all asperites, (times, asperites)."""
+        return _side_by_side([value(entry) for entry in self.entries])
+
+    def accounted(self, integrals: Integrals, name: str) -> np.ndarray:
+        """A work, a pseudowork or the heat of all asperites, (times, asperites)."""
+        return _side_by_side([accounted(integrals.of(batch), name) for batch in self.batches])
+
+
+class Whole(Group):
     """A surface: its asperites, and sums over them; V is the velocity of its centre of all masses.
 
     Parameters
@@ -32,52 +70,32 @@ class Whole:
         The raw samples of a run, the first of which is the start of the run.
     index : int
         Of the surface.
-
-    Attributes
-    ----------
-    layout, samples, index
-        As given.
     """
 
     def __init__(self, layout: Layout, samples: Samples, index: int) -> None:
-        self.layout = layout
-        self.samples = samples
-        self.index = index
-
-    @property
-    def count(self) -> int:
-        """The number of its asperites."""
-        return self.layout.scene.surfaces[self.index].count
-
-    @_with_infinities
-    def each(self, value: Callable[[Entry], np.ndarray]) -> np.ndarray:
-        """A quantity of all asperites, (times, asperites)."""
-        return _side_by_side([value(entry) for entry in self._entries])
-
-    def accounted(self, integrals: Integrals, name: str) -> np.ndarray:
-        """A work, a pseudowork or the heat of all asperites, (times, asperites)."""
-        return _side_by_side([accounted(forces, name) for forces in integrals.of(self.index)])
+        super().__init__(layout, samples, layout.batches[index])
+        self._index = index
 
     def work(self, integrals: Integrals) -> np.ndarray:
         """The work of external forces."""
-        return _sum(force.work(self._velocity) for force in self._forces(integrals, EXTERNAL))
+        return self._sum_over(integrals, EXTERNAL, Account.work)
 
     def pseudowork(self, integrals: Integrals) -> np.ndarray:
         """The pseudowork of external forces."""
-        slot = self._first.block
-        boost = _sum(force.boost(self._velocity) for force in self._forces(integrals, EXTERNAL))
+        slot = self._record.acc_block
+        boost = self._sum_over(integrals, EXTERNAL, Account.boost)
         return boost + integrals.s[:, slot] if slot >= 0 else boost
 
     def applied(self, integrals: Integrals) -> np.ndarray:
         """The work of outside agents."""
-        return _sum(force.work(self._velocity) for force in self._forces(integrals, APPLIED))
+        return self._sum_over(integrals, APPLIED, Account.work)
 
     @_with_infinities
     def change_of_kinetic(self) -> np.ndarray:
         """The change of the bulk kinetic energy."""
-        vx, vy = self._velocity
+        vx, vy = self._layout.scene.surfaces[self._index].velocity
         lag_x, lag_y = self._lag
-        moving = self._first.total_mass * (vx * lag_x + vy * lag_y) + self._bulk
+        moving = self._record.total_mass * (vx * lag_x + vy * lag_y) + self._bulk
         return np.asarray(moving - moving[0])
 
     @_with_infinities
@@ -89,26 +107,17 @@ class Whole:
         return np.asarray(within - within[0])
 
     @cached_property
-    def _entries(self) -> tuple[Entry, ...]:
-        batches = self.layout.batches[self.index]
-        return tuple(Entry(self.layout, batch, self.samples) for batch in batches)
-
-    @property
-    def _first(self) -> Batch:
-        return self.layout.batches[self.index][0]
-
-    @property
-    def _velocity(self) -> np.ndarray:
-        return self._first.velocity
+    def _record(self) -> np.record:
+        return self._layout.model.surfaces[self._index]
 
     @property
     def _stored(self) -> np.ndarray:
-        return self.samples.stored[:, self.index]
+        return self.samples.stored[:, self._index]
 
     @cached_property
     def _lag(self) -> tuple[np.ndarray, np.ndarray]:
         """The velocity V in the surface's first frame."""
-        mass, stored = self._first.total_mass, self._stored
+        mass, stored = self._record.total_mass, self._stored
         px = self._total(lambda e: e.vx * e.batch.asperites.mass) + stored[:, MOMENTUM_X]
         py = self._total(lambda e: e.vy * e.batch.asperites.mass) + stored[:, MOMENTUM_Y]
         return px / mass, py / mass
@@ -117,13 +126,20 @@ class Whole:
     def _bulk(self) -> np.ndarray:
         """The kinetic energy of the motion with V, in the surface's first frame."""
         lag_x, lag_y = self._lag
-        return np.asarray(0.5 * self._first.total_mass * (lag_x**2 + lag_y**2))
+        return np.asarray(0.5 * self._record.total_mass * (lag_x**2 + lag_y**2))
 
-    def _forces(self, integrals: Integrals, names: tuple[str, ...]) -> Iterator[Account]:
-        return (forces[name] for forces in integrals.of(self.index) for name in names)
+    def _sum_over(
+        self,
+        integrals: Integrals,
+        names: tuple[str, ...],
+        part: Callable[[Account, np.ndarray], np.ndarray],
+    ) -> np.ndarray:
+        """A part of the accounts of some forces."""
+        forces = ((batch.velocity, integrals.of(batch)) for batch in self.batches)
+        return _sum(part(each[name], velocity) for velocity, each in forces for name in names)
 
     def _total(self, value: Callable[[Entry], np.ndarray]) -> np.ndarray:
-        return _sum(map(value, self._entries))
+        return _sum(map(value, self.entries))
 
 
 class System:
@@ -140,16 +156,16 @@ class System:
 
     Attributes
     ----------
-    layout, samples
+    samples
         As given.
-    index : int
-        -1, as the system is no surface.
+    batches : tuple
+        Empty: the system is no batch of asperites.
     """
 
     def __init__(self, layout: Layout, samples: Samples, wholes: tuple[Whole, ...]) -> None:
-        self.layout = layout
+        self._layout = layout
         self.samples = samples
-        self.index = -1
+        self.batches = ()
         self._wholes = wholes
 
     def contact_energy(self) -> np.ndarray:
@@ -165,7 +181,7 @@ class System:
 
     def applied(self, integrals: Integrals) -> np.ndarray:
         """The work of drives, ends, reservoirs and moving fields."""
-        slots = [f.account for f in self.layout.model.fields or () if f.account >= 0]
+        slots = [f.account for f in self._layout.model.fields or () if f.account >= 0]
         works = sum(whole.applied(integrals) for whole in self._wholes)
         return np.asarray(sum((integrals.s[:, slot] for slot in slots), start=works))
 
@@ -184,8 +200,8 @@ class Linear(Generic[Source]):
 
     def __call__(self, source: Source) -> np.ndarray:
         """Its series, from the samples of its surface or of the system."""
-        layout, key = source.layout, (source.index, self)
-        return source.samples.linear(key, lambda s: self.value(source, Integrals(layout, s)))
+        key = source.batches, self
+        return source.samples.linear(key, lambda s: self.value(source, Integrals(s)))
 
 
 def _side_by_side(series: list[np.ndarray]) -> np.ndarray:
