@@ -96,7 +96,8 @@ def scales_of(layout: Layout, tops: Mapping[str, float], speed: float, internal:
 
 def mean_velocity(layout: Layout) -> np.ndarray:
     """The mean of the surfaces' initial velocities, (2,)."""
-    return np.asarray(np.mean([surface.velocity for surface in layout.scene.surfaces], axis=0))
+    velocities = np.array([surface.velocity for surface in layout.scene.surfaces])
+    return np.asarray(velocities.sum(axis=0) / len(velocities))
 
 
 def _internal_energy(layout: Layout, ledger: Ledger) -> float:

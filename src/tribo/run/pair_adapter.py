@@ -154,12 +154,12 @@ class PairSamples(Samples):
         """Energy of the contact, (times,)."""
         return self._record[:, ENERGY]
 
-    @property
+    @cached_property
     def field(self) -> np.ndarray:  # type: ignore[override]
         """Zeros, (times,)."""
         return np.zeros(self.t.size)
 
-    @property
+    @cached_property
     def stored(self) -> np.ndarray:  # type: ignore[override]
         """Zeros, (times, 2, STORED)."""
         return np.zeros((self.t.size, 2, STORED))
@@ -202,7 +202,7 @@ class PairSamples(Samples):
         first = self._first[[Q1, Q2]]
         return (np.sin(q) - q * np.cos(q)) - (np.sin(first) - first * np.cos(first))
 
-    @property
+    @cached_property
     def _columns(self) -> np.ndarray:
         """The record's columns before the energy, and the arcs."""
         return np.concatenate([self._record[:, :ENERGY], self._arcs], axis=1)
