@@ -48,7 +48,7 @@ def _energy(layout: Layout, samples: Samples) -> np.ndarray:
     energy = np.sum(np.abs(stores), axis=(1, 2)) + np.abs(samples.contact) + np.abs(samples.field)
     for index in range(len(layout.scene.surfaces)):
         for batch, m in motions(layout, samples, index):
-            vx, vy = batch.velocity - mean
+            vx, vy = batch.velocity - mean[:, None]
             moving = 0.5 * ((m.vx + vx) ** 2 + (m.vy + vy) ** 2)
             internal = internal_energy(batch.asperites, m.omega, m.nu, m.swing - m.phi)
             energy = energy + moving @ batch.asperites.mass + np.sum(internal, axis=1)
