@@ -149,8 +149,8 @@ def measure_amplification(
     own, shared = assemble(layout, run.samples), other.samples.at(run.samples.t)
     scales = reported_scales(layout, own)
     scaled = [name for name in names or KINDS if scales.of(kind_of(name)) > 0.0]
-    own = own.rows(np.searchsorted(run.samples.t, shared.t))
-    return distance(own, assemble(layout, shared), scales, scaled) / PERTURBATION
+    mine = own.rows(np.searchsorted(run.samples.t, shared.t))
+    return distance(mine, assemble(layout, shared), scales, scaled) / PERTURBATION
 
 
 def out_of_reach(accuracy: float, amplification: float) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from tribo.run.accounts import Integrals
 from tribo.run.layout import Layout
 from tribo.run.ledger import OF_SURFACE
-from tribo.run.quantities import BLOCK_QUANTITIES, QUANTITIES, SYSTEM_QUANTITIES
+from tribo.run.quantities import BLOCK_QUANTITIES, SYSTEM_QUANTITIES
 from tribo.run.totals import Group, Linear, System, Whole
 
 
@@ -59,34 +59,49 @@ def columns_of(layout: Layout, group: Group, names: Iterable[str] = ()) -> Colum
     names
         of further quantities
     """
-    samples = group.samples
-    wholes = tuple(Whole(layout, samples, k) for k in range(len(layout.parts)))
-    system = (System(layout, samples, wholes),)
-    _, fields, reservoirs = zip(*layout.effects.values(), strict=True)
-    linear, other = [], []
-    for name in [*OF_SURFACE[any(fields), any(reservoirs)], *SYSTEM_QUANTITIES]:
-        sources = wholes if name in BLOCK_QUANTITIES else (group,)
-        sources = system if name in SYSTEM_QUANTITIES else sources
-        quantity = QUANTITIES[name].of
-        (linear if isinstance(quantity, Linear) else other).append((name, quantity, sources))
+    items = _items(layout, group)
+    linear = [(item, item.of) for item in items if isinstance(item.of, Linear)]
+    rest = [item for item in items if not isinstance(item.of, Linear)]
 
     def together(s: np.ndarray) -> np.ndarray:
         integrals = Integrals(s)
-        series = [of.value(source, integrals) for _, of, sources in linear for source in sources]
-        return np.concatenate([each.reshape(len(s), -1) for each in series], axis=1)
+        values = [of.value(each, integrals) for item, of in linear for each in item.sources]
+        return np.concatenate([value.reshape(len(s), -1) for value in values], axis=1)
 
-    with np.errstate(over="ignore", invalid="ignore"):
-        first = samples.linear("columns", together)
-        rest = [
-            of(source).reshape(len(first), -1) for _, of, sources in other for source in sources
-        ]
-    values = np.concatenate([first, *rest], axis=1)
-    widths = [
-        len(sources) if sources[0] is not group else layout.scene.count
-        for _, _, sources in [*linear, *other]
-    ]
-    found = tuple(name for name, _, _ in [*linear, *other])
-    return _with(layout, Columns(found, np.cumsum([0, *widths[:-1]]), values), names)
+    values = [group.samples.linear("columns", together)]
+    series = (item.of(each) for item in rest for each in item.sources)
+    values += [each.reshape(len(values[0]), -1) for each in series]
+    ordered = [*(item for item, _ in linear), *rest]
+    starts = np.cumsum([0, *(item.width for item in ordered[:-1])])
+    columns = Columns(tuple(i.name for i in ordered), starts, np.concatenate(values, axis=1))
+    return _with(layout, columns, names)
+
+
+class Item(NamedTuple):
+    """A reported quantity, and what it is computed from."""
+
+    name: str
+    of: Callable[..., np.ndarray]
+    sources: Sequence[Group | System]
+    width: int
+
+
+def _items(layout: Layout, group: Group) -> list[Item]:
+    """All quantities that are reported."""
+    samples, effects = group.samples, layout.effects.values()
+    wholes = tuple(Whole(layout, samples, k) for k in range(len(layout.parts)))
+    system = System(layout, samples, wholes)
+    reported = OF_SURFACE[any(field for _, field, _ in effects), any(bath for *_, bath in effects)]
+    items = []
+    for name, quantity in (reported | SYSTEM_QUANTITIES).items():
+        sources: Sequence[Group | System] = (group,)
+        if name in BLOCK_QUANTITIES:
+            sources = wholes
+        elif name in SYSTEM_QUANTITIES:
+            sources = (system,)
+        width = layout.scene.count if sources[0] is group else len(sources)
+        items.append(Item(name, quantity.of, sources, width))
+    return items
 
 
 def _with(layout: Layout, columns: Columns, names: Iterable[str]) -> Columns:

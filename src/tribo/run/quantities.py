@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Generic
 
 import numpy as np
 
 from tribo.run.entry import Entry
-from tribo.run.totals import Group, Linear, Source, System, Whole
+from tribo.run.totals import Group, Linear, System, Whole
 
 Table = Mapping[str, np.ndarray]  # quantity -> its series
 
@@ -24,7 +23,7 @@ UNITS = {
 
 
 @dataclass(frozen=True)
-class Quantity(Generic[Source]):
+class Quantity:
     """What a reported quantity is.
 
     Attributes
@@ -39,7 +38,7 @@ class Quantity(Generic[Source]):
 
     kind: str
     long_name: str
-    of: Callable[[Source], np.ndarray]
+    of: Callable[..., np.ndarray]
 
     @property
     def units(self) -> str:
@@ -51,7 +50,7 @@ def _each(value: Callable[[Entry], np.ndarray]) -> Callable[[Group], np.ndarray]
     return lambda group: group.each(value)
 
 
-def _accounted(name: str) -> Linear[Group]:
+def _accounted(name: str) -> Linear:
     return Linear(lambda group, integrals: group.accounted(integrals, name))
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from functools import cached_property
-from typing import Generic, TypeVar
 
 import numpy as np
 
@@ -14,8 +13,6 @@ from tribo.run.batch import Batch
 from tribo.run.entry import Entry
 from tribo.run.layout import Layout
 from tribo.run.samples import Samples
-
-Source = TypeVar("Source", "Group", "Whole", "System")
 
 # In a run that stopped because values were not finite, the last are infinite or NaN here too.
 _with_infinities = np.errstate(over="ignore", invalid="ignore")
@@ -165,7 +162,7 @@ class System:
     def __init__(self, layout: Layout, samples: Samples, wholes: tuple[Whole, ...]) -> None:
         self._layout = layout
         self.samples = samples
-        self.batches = ()
+        self.batches: tuple[Batch, ...] = ()
         self._wholes = wholes
 
     def contact_energy(self) -> np.ndarray:
@@ -186,7 +183,7 @@ class System:
         return np.asarray(sum((integrals.s[:, slot] for slot in slots), start=works))
 
 
-class Linear(Generic[Source]):
+class Linear:
     """A quantity that is linear in the integrals of the kernels.
 
     Parameters
@@ -195,10 +192,10 @@ class Linear(Generic[Source]):
         Its series, from its surface or the system, and the integrals.
     """
 
-    def __init__(self, value: Callable[[Source, Integrals], np.ndarray]) -> None:
+    def __init__(self, value: Callable[..., np.ndarray]) -> None:
         self.value = value
 
-    def __call__(self, source: Source) -> np.ndarray:
+    def __call__(self, source: Group | System) -> np.ndarray:
         """Its series, from the samples of its surface or of the system."""
         key = source.batches, self
         return source.samples.linear(key, lambda s: self.value(source, Integrals(s)))
