@@ -89,7 +89,8 @@ class Item(NamedTuple):
 def _items(layout: Layout, group: Group) -> list[Item]:
     """All quantities that are reported."""
     samples, effects = group.samples, layout.effects.values()
-    wholes = tuple(Whole(layout, samples, k) for k in range(len(layout.parts)))
+    (entry,) = group.entries
+    wholes = tuple(Whole(layout, samples, k, entry) for k in range(len(layout.parts)))
     system = System(layout, samples, wholes)
     reported = OF_SURFACE[any(field for _, field, _ in effects), any(bath for *_, bath in effects)]
     items = []

@@ -34,7 +34,14 @@ class Entry(Motion):
         super().__init__(layout, batch, samples)
         self.batch = batch
         self.samples = samples
-        self._origin = layout.origin
+        self._layout = layout
+
+    def part(self, batch: Batch) -> Entry:
+        """The same of some of the asperites, with the arrays from which totals are summed."""
+        part = Entry(self._layout, batch, self.samples)
+        for name in ("vx", "vy", "moving", "internal"):
+            part.__dict__[name] = getattr(self, name)[:, batch.place]
+        return part
 
     @cached_property
     def theta(self) -> np.ndarray:
@@ -45,8 +52,8 @@ class Entry(Motion):
     def centre(self) -> Position:
         """The centre of mass."""
         a, velocity = self.batch.asperites, self.batch.velocity
-        x = self._origin[0] + (a.x + velocity[0] * self.t + self.x)
-        y = self._origin[1] + (a.y + velocity[1] * self.t + self.y)
+        x = self._layout.origin[0] + (a.x + velocity[0] * self.t + self.x)
+        y = self._layout.origin[1] + (a.y + velocity[1] * self.t + self.y)
         return x, y
 
     @cached_property

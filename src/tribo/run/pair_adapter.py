@@ -142,7 +142,7 @@ class PairSamples(Samples):
     @cached_property
     def y(self) -> np.ndarray:  # type: ignore[override]
         """Coordinates and their rates, (times, 2 coordinates)."""
-        return self._columns @ self._factors.state.T
+        return self._record[:, :ENERGY] @ self._factors.state[:, :ENERGY].T
 
     @cached_property
     def s(self) -> np.ndarray:  # type: ignore[override]

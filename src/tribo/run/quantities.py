@@ -108,10 +108,12 @@ BLOCK_QUANTITIES = {
         "energy", "pseudowork of external forces on the surface", Linear(Whole.pseudowork)
     ),
     "delta_K": Quantity(
-        "energy", "change of the surface's bulk kinetic energy", Whole.change_of_kinetic
+        "energy",
+        "change of the surface's bulk kinetic energy",
+        lambda whole: whole.change_of_kinetic,
     ),
     "delta_E_int": Quantity(
-        "energy", "change of the surface's internal energy", Whole.change_of_internal
+        "energy", "change of the surface's internal energy", lambda whole: whole.change_of_internal
     ),
 }
 # Of the whole system.

@@ -67,11 +67,23 @@ class Whole(Group):
         The raw samples of a run, the first of which is the start of the run.
     index : int
         Of the surface.
+    among : Entry, optional
+        The motion of all asperites, if it is known.
     """
 
-    def __init__(self, layout: Layout, samples: Samples, index: int) -> None:
+    def __init__(
+        self, layout: Layout, samples: Samples, index: int, among: Entry | None = None
+    ) -> None:
         super().__init__(layout, samples, layout.batches[index])
         self._index = index
+        self._among = among
+
+    @cached_property
+    def entries(self) -> tuple[Entry, ...]:
+        """The motion of the asperites, batch by batch."""
+        if self._among is None:
+            return super().entries
+        return tuple(self._among.part(batch) for batch in self.batches)
 
     def work(self, integrals: Integrals) -> np.ndarray:
         """The work of external forces."""
@@ -87,25 +99,31 @@ class Whole(Group):
         """The work of outside agents."""
         return self._sum_over(integrals, APPLIED, Account.work)
 
+    @cached_property
     @_with_infinities
     def change_of_kinetic(self) -> np.ndarray:
         """The change of the bulk kinetic energy."""
         vx, vy = self._layout.scene.surfaces[self._index].velocity
         lag_x, lag_y = self._lag
-        moving = self._record.total_mass * (vx * lag_x + vy * lag_y) + self._bulk
+        moving = self._mass * (vx * lag_x + vy * lag_y) + self._bulk
         return np.asarray(moving - moving[0])
 
+    @cached_property
     @_with_infinities
     def change_of_internal(self) -> np.ndarray:
         """The change of the internal energy: of all energy that is not bulk kinetic."""
         within = self._total(lambda e: e.moving + e.internal) - self._bulk
-        for store in (SPRINGS, BATH, TORSIONAL, WITHIN):
-            within = within + self._stored[:, store]
+        within = within + self._stored[:, [SPRINGS, BATH, TORSIONAL, WITHIN]].sum(axis=1)
         return np.asarray(within - within[0])
 
-    @cached_property
+    @property
     def _record(self) -> np.record:
         return self._layout.model.surfaces[self._index]
+
+    @cached_property
+    def _mass(self) -> float:
+        """The mass of the surface and its bath."""
+        return float(self._record.total_mass)
 
     @property
     def _stored(self) -> np.ndarray:
@@ -114,7 +132,7 @@ class Whole(Group):
     @cached_property
     def _lag(self) -> tuple[np.ndarray, np.ndarray]:
         """The velocity V in the surface's first frame."""
-        mass, stored = self._record.total_mass, self._stored
+        mass, stored = self._mass, self._stored
         px = self._total(lambda e: e.vx * e.batch.asperites.mass) + stored[:, MOMENTUM_X]
         py = self._total(lambda e: e.vy * e.batch.asperites.mass) + stored[:, MOMENTUM_Y]
         return px / mass, py / mass
@@ -123,7 +141,7 @@ class Whole(Group):
     def _bulk(self) -> np.ndarray:
         """The kinetic energy of the motion with V, in the surface's first frame."""
         lag_x, lag_y = self._lag
-        return np.asarray(0.5 * self._record.total_mass * (lag_x**2 + lag_y**2))
+        return np.asarray(0.5 * self._mass * (lag_x**2 + lag_y**2))
 
     def _sum_over(
         self,
@@ -173,7 +191,7 @@ class System:
     def change_of_energy(self) -> np.ndarray:
         """The change of the total energy; that of bobs at one place is infinite."""
         potential = self.samples.contact + self.samples.field
-        changes = (w.change_of_kinetic() + w.change_of_internal() for w in self._wholes)
+        changes = (w.change_of_kinetic + w.change_of_internal for w in self._wholes)
         return np.asarray(sum(changes) + (potential - potential[0]))
 
     def applied(self, integrals: Integrals) -> np.ndarray:
