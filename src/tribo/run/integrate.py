@@ -106,11 +106,15 @@ class Integration:
     seconds: float
     remembered: Callable[[], Memory]
     passages: tuple[int, ...] = (0, 0, 0)
+    # Not a cached_property, whose lock takes a part of the time of a short run.
+    _samples: Samples | None = None
 
-    @cached_property
+    @property
     def samples(self) -> Samples:
         """The raw samples, built when they are first needed."""
-        return self.recorded()
+        if self._samples is None:
+            self._samples = self.recorded()
+        return self._samples
 
     @cached_property
     def memory(self) -> Memory:

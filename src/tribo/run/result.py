@@ -120,11 +120,15 @@ class Result:
     take_state: Callable[[], State] = field(repr=False)  # computes the state at the end
     settings: Identity = field(repr=False)  # see tribo.run.identity
     version: str  # of the package that ran it
+    # Not a cached_property, whose lock takes a part of the time of a short run.
+    _ledger: Ledger | None = field(default=None, init=False, repr=False)
 
-    @cached_property
+    @property
     def ledger(self) -> Ledger:
-        """All series, assembled from the raw samples when first needed."""
-        return self.assemble()
+        """All series, each computed from the raw samples when it is first asked for."""
+        if self._ledger is None:
+            self._ledger = self.assemble()
+        return self._ledger
 
     @cached_property
     def cost(self) -> Cost:
