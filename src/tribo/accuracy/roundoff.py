@@ -7,8 +7,6 @@ the same in all runs that are compared.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 
 from tribo.accuracy.scales import EPSILON, largest
@@ -79,21 +77,20 @@ def rounding_of_terms(layout: Layout, entry: Entry, steps: int) -> dict[str, flo
 
 def _sums_of_works(entry: Entry) -> np.ndarray:
     """The magnitudes of the terms of all accounts, summed: (times, asperites, sums)."""
-    batch = entry.batch
-    terms = np.abs(
-        entry.samples.linear("terms", lambda s: np.stack([*_terms(Accounts(batch, s))], axis=2))
-    )
+    terms = np.abs(entry.samples.linear("terms", lambda s: _terms(Accounts(entry.batch, s))))
     return (terms.reshape(-1, TERMS) @ MEMBERS).reshape(*terms.shape[:2], -1)
 
 
-def _terms(forces: Accounts) -> Iterator[np.ndarray]:
-    """The terms of all accounts, each (times, asperites)."""
+def _terms(forces: Accounts) -> np.ndarray:
+    """The terms of all accounts, (times, asperites, terms)."""
     (vx, vy), (x, y) = forces.batch.velocity, forces.batch.reservoir
+    terms = []
     for name in FORCES:
         account = forces[name]
-        yield from (account.about, account.pseudo, vx * account.jx, vy * account.jy)
+        terms += [account.about, account.pseudo, vx * account.jx, vy * account.jy]
     thermal = forces["w_T"]
-    yield from (x * thermal.jx, y * thermal.jy)
+    terms += [x * thermal.jx, y * thermal.jy]
+    return np.stack([forces.whole(term) for term in terms], axis=2)
 
 
 def _of_energies(layout: Layout, entry: Entry) -> dict[str, float]:

@@ -6,7 +6,7 @@ work = (about the centre of mass) + V . J + (pseudowork in that frame).
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,25 +14,27 @@ import numpy as np
 from tribo.run.batch import Batch
 from tribo.run.motion import columns
 
+Part = np.ndarray | float  # of an account
+
 
 @dataclass(frozen=True, eq=False)
 class Account:
-    """One force's entries; arrays (times, asperites)."""
+    """One force's entries; arrays (times, asperites), or 0.0 where no asperite has the force."""
 
-    about: np.ndarray  # work about the centre of mass: the same in every frame
-    jx: np.ndarray  # impulse
-    jy: np.ndarray
-    pseudo: np.ndarray  # pseudowork in the surface's first frame
+    about: Part  # work about the centre of mass: the same in every frame
+    jx: Part  # impulse
+    jy: Part
+    pseudo: Part  # pseudowork in the surface's first frame
 
-    def pseudowork(self, velocity: np.ndarray) -> np.ndarray:
-        """In the laboratory, where the surface's first velocity is `velocity` (2,)."""
+    def pseudowork(self, velocity: np.ndarray) -> Part:
+        """In the laboratory, where the surface's first velocity is `velocity` (2, asperites)."""
         return self.pseudo + self.boost(velocity)
 
-    def boost(self, velocity: np.ndarray) -> np.ndarray:
-        """The work of the impulse at a velocity (2,)."""
-        return np.asarray(velocity[0] * self.jx + velocity[1] * self.jy)
+    def boost(self, velocity: np.ndarray) -> Part:
+        """The work of the impulse at the velocities of the asperites (2, asperites)."""
+        return velocity[0] * self.jx + velocity[1] * self.jy
 
-    def work(self, velocity: np.ndarray) -> np.ndarray:
+    def work(self, velocity: np.ndarray) -> Part:
         """In the laboratory."""
         return self.about + self.pseudowork(velocity)
 
@@ -57,6 +59,13 @@ class Accounts(dict[str, Account]):
         account = self[name] = FORCES[name](self.batch, self._s)
         return account
 
+    def whole(self, part: Part) -> np.ndarray:
+        """A part, or a sum of parts, of all asperites, (times, asperites)."""
+        shape = len(self._s), self.batch.held.size
+        if isinstance(part, np.ndarray) and part.shape == shape:
+            return part
+        return np.full(shape, part)
+
 
 class Integrals:
     """The integrals that the kernels record, by batch and force.
@@ -78,26 +87,27 @@ class Integrals:
         return self._known[batch]
 
 
-def _column(slots: np.ndarray, k: int, s: np.ndarray) -> np.ndarray:
-    """Column `k` of a group of accounts; zeros where the group is absent."""
-    return columns(np.where(slots >= 0, slots + k, -1), s)
+def _columns(batch: Batch, group: str, places: Iterable[int], s: np.ndarray) -> list[Part]:
+    """Columns of a group of accounts; zeros where the group is absent."""
+    if group not in batch.present:
+        return [0.0 for _ in places]
+    slots = getattr(batch.asperites, group)
+    return [columns(np.where(slots >= 0, slots + k, -1), s) for k in places]
 
 
 def _contact(batch: Batch, s: np.ndarray) -> Account:
     """The contact with bobs of other surfaces."""
-    a = batch.asperites
-    jx, jy, about_x, about_y = (_column(a.acc_contact, k, s) for k in range(4))
-    slide_x, slide_y = (_column(a.acc_slide, k, s) for k in range(2))
-    return Account(a.l1 * (about_x + about_y), jx, jy, slide_x + slide_y)
+    jx, jy, about_x, about_y = _columns(batch, "acc_contact", range(4), s)
+    slide_x, slide_y = _columns(batch, "acc_slide", range(2), s)
+    return Account(batch.asperites.l1 * (about_x + about_y), jx, jy, slide_x + slide_y)
 
 
 def _drive(batch: Batch, s: np.ndarray) -> Account:
     """The drive: f2 = -(held f1_x, f1_y), unless it has an account of its own."""
-    a = batch.asperites
-    held = batch.held
-    jx, jy, about_x, about_y = (_column(a.acc_contact, k, s) for k in range(4))
-    slide_x, slide_y = (_column(a.acc_slide, k, s) for k in range(2))
-    own_jx, own_jy, own_about, own_pseudo = (_column(a.acc_drive, k, s) for k in range(4))
+    a, held = batch.asperites, batch.held
+    jx, jy, about_x, about_y = _columns(batch, "acc_contact", range(4), s)
+    slide_x, slide_y = _columns(batch, "acc_slide", range(2), s)
+    own_jx, own_jy, own_about, own_pseudo = _columns(batch, "acc_drive", range(4), s)
     own = a.acc_drive >= 0
     return Account(
         np.where(own, -a.l2 * own_about, a.l2 * (held * about_x + about_y)),
@@ -109,17 +119,15 @@ def _drive(batch: Batch, s: np.ndarray) -> Account:
 
 def _left_end(batch: Batch, s: np.ndarray) -> Account:
     """The left end of the bar."""
-    a = batch.asperites
-    about, jx, jy, pseudo = (_column(a.acc_ends, k, s) for k in (0, 2, 3, 4))
-    user = [_column(a.acc_user_ends, k, s) for k in (0, 2, 3, 6)]
+    about, jx, jy, pseudo = _columns(batch, "acc_ends", (0, 2, 3, 4), s)
+    user = _columns(batch, "acc_user_ends", (0, 2, 3, 6), s)
     return Account(about + user[0], jx + user[1], jy + user[2], pseudo + user[3])
 
 
 def _right_end(batch: Batch, s: np.ndarray) -> Account:
     """The right end of the bar, on which a clamp exerts the opposite of its force on the left."""
-    a = batch.asperites
-    about, jx, jy, pseudo = (_column(a.acc_ends, k, s) for k in range(1, 5))
-    user = [_column(a.acc_user_ends, k, s) for k in (1, 4, 5, 7)]
+    about, jx, jy, pseudo = _columns(batch, "acc_ends", range(1, 5), s)
+    user = _columns(batch, "acc_user_ends", (1, 4, 5, 7), s)
     return Account(about + user[0], user[1] - jx, user[2] - jy, user[3] - pseudo)
 
 
@@ -127,8 +135,7 @@ def _point(group: str) -> Callable[[Batch, np.ndarray], Account]:
     """A force with accounts of its own."""
 
     def account(batch: Batch, s: np.ndarray) -> Account:
-        slots = getattr(batch.asperites, group)
-        jx, jy, about, pseudo = (_column(slots, k, s) for k in range(4))
+        jx, jy, about, pseudo = _columns(batch, group, range(4), s)
         return Account(about, jx, jy, pseudo)
 
     return account
@@ -154,9 +161,8 @@ def accounted(forces: Accounts, name: str) -> np.ndarray:
     batch = forces.batch
     if name == "heat":
         (vx, vy), thermal = batch.reservoir, forces["w_T"]
-        reservoir = vx * thermal.jx + vy * thermal.jy
-        return np.asarray(reservoir - thermal.about - thermal.pseudo)
+        return forces.whole(vx * thermal.jx + vy * thermal.jy - thermal.about - thermal.pseudo)
     force = name.removesuffix("_ps")
     kind = Account.pseudowork if name.endswith("_ps") else Account.work
     names = FORCES if force == "w" else [force]
-    return np.asarray(sum(kind(forces[name], batch.velocity) for name in names))
+    return forces.whole(sum(kind(forces[name], batch.velocity) for name in names))

@@ -31,6 +31,8 @@ class Batch:
         1 if the drive opposes all of f1_x, 0 if it leaves the surface free to slide.
     reservoir : ndarray, (2, asperites)
         Velocity of the reservoir in the surface's first frame.
+    present : frozenset of str
+        Groups of accounts that any of the asperites has.
     """
 
     place: slice
@@ -38,6 +40,7 @@ class Batch:
     velocity: np.ndarray
     held: np.ndarray
     reservoir: np.ndarray
+    present: frozenset[str]
 
 
 def batches_of(model: Model, velocity: np.ndarray, whole: slice) -> tuple[Batch, ...]:
@@ -61,4 +64,7 @@ def batch_of(model: Model, velocity: np.ndarray, place: slice) -> Batch:
         velocity=velocity[place].T.copy(),
         held=(surfaces["drive"] == FORCED).astype(float),
         reservoir=np.array([surfaces["reservoir_x"], surfaces["reservoir_y"]]),
+        present=frozenset(
+            name for name in names if name.startswith("acc_") and (records[name][place] >= 0).any()
+        ),
     )

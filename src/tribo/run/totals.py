@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from tribo.kernels.samples import BATH, MOMENTUM_X, MOMENTUM_Y, SPRINGS, TORSIONAL, WITHIN
-from tribo.run.accounts import APPLIED, EXTERNAL, Account, Integrals, accounted
+from tribo.run.accounts import APPLIED, EXTERNAL, Account, Integrals, Part, accounted
 from tribo.run.batch import Batch
 from tribo.run.entry import Entry
 from tribo.run.layout import Layout
@@ -147,11 +147,14 @@ class Whole(Group):
         self,
         integrals: Integrals,
         names: tuple[str, ...],
-        part: Callable[[Account, np.ndarray], np.ndarray],
+        part: Callable[[Account, np.ndarray], Part],
     ) -> np.ndarray:
         """A part of the accounts of some forces."""
-        forces = ((batch.velocity, integrals.of(batch)) for batch in self.batches)
-        return _sum(part(each[name], velocity) for velocity, each in forces for name in names)
+        every = [integrals.of(batch) for batch in self.batches]
+        return _sum(
+            each.whole(sum(part(each[name], each.batch.velocity) for name in names))
+            for each in every
+        )
 
     def _total(self, value: Callable[[Entry], np.ndarray]) -> np.ndarray:
         return _sum(map(value, self.entries))
