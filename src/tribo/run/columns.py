@@ -41,7 +41,8 @@ class Columns(NamedTuple):
 
     def minus(self, other: Columns) -> Columns:
         """The differences of the series from those of another run at the same times."""
-        return self._replace(values=self.values - other.values)
+        with np.errstate(invalid="ignore"):  # of two infinite energies
+            return self._replace(values=self.values - other.values)
 
 
 def columns_of(layout: Layout, group: Group, names: Iterable[str] = ()) -> Columns:
