@@ -121,7 +121,7 @@ class Simulation:
             return self._single_run(y)
         settings = (tuned.coarse, tuned.coarse, self.plan.setting)
         runs: list[Integration] = []
-        for setting, times in zip(settings, StopTimes.split(self.plan.times), strict=True):
+        for setting, times in zip(settings, self._stops, strict=True):
             if not runs or runs[-1].status not in ABORTED:
                 runs.append(self._integrator(setting, times, y))
         return self._estimated_result(runs)
@@ -148,6 +148,11 @@ class Simulation:
         if self.plan.tuned is None or not self.plan.tuned.runs:
             raise InputError("accuracy", "is missing; with a given step, no run finds the settings")
         return self.plan.tuned.runs[-1]
+
+    @cached_property
+    def _stops(self) -> StopTimes:
+        """When the runs stop whose difference estimates the error."""
+        return StopTimes.split(self.plan.times)
 
     @cached_property
     def _single_setting(self) -> Setting | None:

@@ -67,8 +67,10 @@ def rounding_of_terms(layout: Layout, entry: Entry, steps: int) -> dict[str, flo
     external, agents = sums[:, :, -2], sums[:, :, -1]
     terms["W"] = max(largest(external[:, part].sum(axis=1)) for part in layout.parts.values())
     terms["W_ps"] = terms["W"]
-    slots = [field.account for field in layout.model.fields or () if field.account >= 0]
-    applied = agents.sum(axis=1) + np.abs(samples.s[:, slots]).sum(axis=1)
+    applied = agents.sum(axis=1)
+    for field in layout.model.fields or ():
+        if field.account >= 0:
+            applied += np.abs(samples.s[:, field.account])
     terms["applied_work"] = largest(applied)
     terms |= _of_energies(layout, entry)
     count = EPSILON * (TERM_ROUNDINGS + steps**0.5)
