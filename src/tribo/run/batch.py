@@ -7,7 +7,8 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from tribo.kernels.records import FORCED, Model
+from tribo.kernels.records import FORCED
+from tribo.run.force_records import Records
 
 # Asperites of a batch: more of them would make the temporary arrays of a ledger large.
 BATCH_SIZE = 50_000
@@ -43,28 +44,40 @@ class Batch:
     present: frozenset[str]
 
 
-def batches_of(model: Model, velocity: np.ndarray, whole: slice) -> tuple[Batch, ...]:
-    """Consecutive asperites, at most BATCH_SIZE at a time; `velocity` is that of all (n, 2)."""
-    starts = range(whole.start, whole.stop, BATCH_SIZE)
-    return tuple(
-        batch_of(model, velocity, slice(start, min(start + BATCH_SIZE, whole.stop)))
-        for start in starts
-    )
+def batches_of(whole: Batch, part: slice) -> tuple[Batch, ...]:
+    """Consecutive asperites among all, at most BATCH_SIZE at a time."""
+    starts = range(part.start, part.stop, BATCH_SIZE)
+    return tuple(_some(whole, slice(k, min(k + BATCH_SIZE, part.stop))) for k in starts)
 
 
-def batch_of(model: Model, velocity: np.ndarray, place: slice) -> Batch:
-    """The asperites at one place."""
-    records = model.asperites
-    names = records.dtype.names
-    surfaces = model.surfaces[records["surface"][place]]
+def batch_of(records: Records, surfaces: Records, velocity: np.ndarray) -> Batch:
+    """All asperites, whose initial velocities are `velocity` (asperites, 2)."""
+    mine, names = surfaces[records["surface"]], records.dtype.names or ()
+    # Attributes of records take microseconds.
+    asperites = Asperites(**{name: np.asarray(records[name]) for name in names})
     return Batch(
-        place=place,
-        # Attributes of records take microseconds.
-        asperites=Asperites(**{name: records[name][place] for name in names}),
-        velocity=velocity[place].T.copy(),
-        held=(surfaces["drive"] == FORCED).astype(float),
-        reservoir=np.array([surfaces["reservoir_x"], surfaces["reservoir_y"]]),
-        present=frozenset(
-            name for name in names if name.startswith("acc_") and (records[name][place] >= 0).any()
-        ),
+        place=slice(0, records.size),
+        asperites=asperites,
+        velocity=velocity.T.copy(),
+        held=(mine["drive"] == FORCED).astype(float),
+        reservoir=np.array([mine["reservoir_x"], mine["reservoir_y"]]),
+        present=_present(asperites),
     )
+
+
+def _some(whole: Batch, place: slice) -> Batch:
+    asperites = Asperites(**{name: each[place] for name, each in vars(whole.asperites).items()})
+    return Batch(
+        place,
+        asperites,
+        whole.velocity[:, place],
+        whole.held[place],
+        whole.reservoir[:, place],
+        _present(asperites),
+    )
+
+
+def _present(asperites: Asperites) -> frozenset[str]:
+    """The groups of accounts that any of the asperites has."""
+    groups = (item for item in vars(asperites).items() if item[0].startswith("acc_"))
+    return frozenset(name for name, slots in groups if slots.max() >= 0)

@@ -86,13 +86,12 @@ class Layout:
     @cached_property
     def batches(self) -> tuple[tuple[Batch, ...], ...]:
         """The asperites of each surface, as the ledger reads them."""
-        parts = self.parts.values()
-        return tuple(batches_of(self.model, self.velocity, part) for part in parts)
+        return tuple(batches_of(self.together, part) for part in self.parts.values())
 
     @cached_property
     def together(self) -> Batch:
         """The asperites of all surfaces."""
-        return batch_of(self.model, self.velocity, slice(0, self.scene.count))
+        return batch_of(self.model.asperites, self.model.surfaces, self.velocity)
 
     @cached_property
     def effects(self) -> dict[str, tuple[int, bool, bool]]:
