@@ -33,7 +33,7 @@ class Batch:
     reservoir : ndarray, (2, asperites)
         Velocity of the reservoir in the surface's first frame.
     present : frozenset of str
-        Groups of accounts that any of the asperites has.
+        Groups of slots, as "dof_x" and "acc_slide", that any of the asperites has.
     """
 
     place: slice
@@ -78,6 +78,6 @@ def _some(whole: Batch, place: slice) -> Batch:
 
 
 def _present(asperites: Asperites) -> frozenset[str]:
-    """The groups of accounts that any of the asperites has."""
-    groups = (item for item in vars(asperites).items() if item[0].startswith("acc_"))
+    """The groups of slots that any of the asperites has."""
+    groups = (item for item in vars(asperites).items() if item[0].startswith(("acc_", "dof_")))
     return frozenset(name for name, slots in groups if slots.max() >= 0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cached_property
 
 import numpy as np
@@ -21,6 +21,7 @@ class Motion:
     def __init__(self, layout: Layout, batch: Batch, samples: Samples) -> None:
         self._core = layout.core
         self._asperites = batch.asperites
+        self._present = batch.present
         self._place = batch.place
         self._samples = samples
 
@@ -38,7 +39,7 @@ class Motion:
     def phi(self) -> np.ndarray:
         """Angle of the bar."""
         a = self._asperites
-        return columns(a.dof_phi, self._q, a.phi + a.nu * self.t)
+        return self._column("dof_phi", self._q, lambda: a.phi + a.nu * self.t)
 
     @cached_property
     def omega(self) -> np.ndarray:
@@ -48,27 +49,35 @@ class Motion:
     @cached_property
     def nu(self) -> np.ndarray:
         """Rate of phi."""
-        return columns(self._asperites.dof_phi, self._v, self._asperites.nu)
+        return self._column("dof_phi", self._v, lambda: self._asperites.nu)
 
     @cached_property
     def x(self) -> np.ndarray:
         """Displacement of the centre of mass from its uniform motion."""
-        return columns(self._asperites.dof_x, self._q)
+        return self._column("dof_x", self._q)
 
     @cached_property
     def y(self) -> np.ndarray:
         """The same along y."""
-        return columns(self._asperites.dof_y, self._q)
+        return self._column("dof_y", self._q)
 
     @cached_property
     def vx(self) -> np.ndarray:
         """Rate of `x`."""
-        return columns(self._asperites.dof_x, self._v)
+        return self._column("dof_x", self._v)
 
     @cached_property
     def vy(self) -> np.ndarray:
         """Rate of `y`."""
-        return columns(self._asperites.dof_y, self._v)
+        return self._column("dof_y", self._v)
+
+    def _column(
+        self, group: str, table: np.ndarray, absent: Callable[[], np.ndarray | float] = float
+    ) -> np.ndarray:
+        """The columns of a group of slots; the value of `absent` where there is none."""
+        if group in self._present:
+            return columns(getattr(self._asperites, group), table, absent())
+        return np.full((len(table), self._asperites.mass.size), absent())
 
     @property
     def _q(self) -> np.ndarray:
