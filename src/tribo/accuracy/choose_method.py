@@ -23,6 +23,7 @@ from tribo.accuracy.comparison import Accuracy, strictest
 from tribo.accuracy.encounter_estimate import steps_towards
 from tribo.accuracy.scales import first_step, unit_step
 from tribo.integrators import methods
+from tribo.kernels.records import OSCILLATOR_FREQUENCY
 from tribo.model.scene import Scene
 from tribo.model.settings import check_accuracy
 from tribo.run.layout import Layout
@@ -165,9 +166,12 @@ def choose(
 
 
 def _checked_step(layout: Layout, method: methods.Method, step: float) -> float:
-    """A given step.  Raises InputError where a splitting method would not resolve the scene."""
+    """A given step.
+
+    Raises InputError where a splitting method would not resolve the scene, unless that is allowed.
+    """
     step = number("step", step, POSITIVE)
-    if not method.splits:
+    if not method.splits or layout.scene.numerics.allow_unresolved:
         return step
     for what, frequency in (
         ("the fastest pendulum", pendulum_frequency(layout)),
@@ -178,7 +182,7 @@ def _checked_step(layout: Layout, method: methods.Method, step: float) -> float:
             raise InputError(
                 "step",
                 f"must be at most {most:.3g} for {method.name}, got {step:g}: a longer one does "
-                f"not resolve {what}, {frequency:.3g} rad/time",
+                f"not resolve {what}, {frequency:.3g} rad/time; allow_unresolved permits it",
             )
     return step
 
@@ -281,7 +285,7 @@ def evaluations(name: str, rate: Rate, work: Workload, accuracy: float) -> float
 def _fast_radians(layout: Layout) -> float:
     """The phase of the fastest oscillator of any bath at the end of the run."""
     baths = (layout.model.bath, layout.model.torsional)
-    fastest = [float(np.max(bath.frequency)) for bath in baths if bath is not None]
+    fastest = [float(np.max(bath[OSCILLATOR_FREQUENCY])) for bath in baths if bath is not None]
     return layout.scene.duration * max(fastest, default=0.0)
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tribo.accuracy.search import NEAR
+from tribo.accuracy.levels import NEAR
 from tribo.kernels.kinematics import bob_position, nearest_image
 from tribo.kernels.records import Box
 from tribo.run.layout import Layout
@@ -30,14 +30,14 @@ def steps_towards(layout: Layout) -> float:
 
     Of each surface at most FOLLOWED bobs are followed.
     """
-    a = layout.model.asperites
+    a = layout.asperites
     tx, ty = swing_direction(a.facing, layout.start[: a.size])
-    place = np.array([*bob_position(a.x, a.y, a.l1, tx, ty), layout.model.bobs.z])
+    place = np.array([*bob_position(a.x, a.y, a.l1, tx, ty), layout.depths])
     swinging = float(np.max(a.l1 * np.abs(layout.start[layout.coordinates :][: a.size])))
     rates = [0.0]
     for contact in layout.model.contacts:
         for one, other in contact.pairs:
-            mine, theirs = (layout.model.surfaces[k] for k in (one, other))
+            mine, theirs = (layout.surfaces[k] for k in (one, other))
             first = np.linspace(mine.start, mine.stop - 1, min(FOLLOWED, mine.stop - mine.start))
             followed = place[:, first.astype(int)]
             others = place[:, theirs.start : theirs.stop]

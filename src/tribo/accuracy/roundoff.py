@@ -103,7 +103,7 @@ def _of_energies(layout: Layout, entry: Entry) -> dict[str, float]:
     momentum = a.mass * np.hypot(entry.vx, entry.vy)
     whole, within, bulk = np.abs(samples.field), 0.0, 0.0
     for index, part in enumerate(layout.parts.values()):
-        record, stored = layout.model.surfaces[index], samples.stored[:, index]
+        record, stored = layout.surfaces[index], samples.stored[:, index]
         energy = (internal + moving)[:, part].sum(axis=1)
         energy += np.abs(stored[:, [SPRINGS, BATH, TORSIONAL, WITHIN]]).sum(axis=1)
         p = momentum[:, part].sum(axis=1)
@@ -116,7 +116,12 @@ def _of_energies(layout: Layout, entry: Entry) -> dict[str, float]:
     y = np.abs(a.y) + np.abs(a.vy * entry.t) + np.abs(entry.y)
     steepness = 1.0 + np.hypot(x, y).max(axis=1) / _shortest_length(layout)
     contact = np.abs(samples.contact) * steepness
-    return {
+    places = {
+        f"{axis}_{end}": largest(magnitude + arm)
+        for end, arm in (("bob", a.l1), ("bar", a.l2))
+        for axis, magnitude in (("x", x), ("y", y))
+    }
+    return places | {
         "delta_e_int": largest(internal),
         "delta_k_trans": largest(moving + boost),
         "delta_E_int": within,

@@ -9,9 +9,11 @@ import numpy as np
 
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.kinematics import bob_velocity
+from tribo.kernels.records import OSCILLATOR_FREQUENCY
+from tribo.run.batch import Batch
 from tribo.run.layout import Layout
 from tribo.run.ledger import Ledger
-from tribo.run.motion import internal_energy, motions, swing_direction
+from tribo.run.motion import Motion, internal_energy, swing_direction
 from tribo.run.quantities import ASPERITE_QUANTITIES, OPTIONAL_QUANTITIES, QUANTITIES
 from tribo.run.resolution import pendulum_frequency
 from tribo.run.samples import Samples
@@ -46,7 +48,7 @@ class Scales:
         velocities [length / time]
     energy
         the largest work, pseudowork, delta_e_int or delta_k_trans [energy]; where all works are
-        zero, so that the others are round-off, the largest internal energy
+        below the round-off of the largest internal energy, that energy
     angle
         1 radian
     """
@@ -90,7 +92,7 @@ def scales_of(layout: Layout, tops: Mapping[str, float], speed: float, internal:
         rate=max(tops["omega"], tops["nu"]),
         length=_longest_rod(layout),
         velocity=speed,
-        energy=max(energies.values()) if works > 0.0 else internal,
+        energy=max(energies.values()) if works > EPSILON * internal else internal,
     )
 
 
@@ -105,7 +107,7 @@ def _internal_energy(layout: Layout, ledger: Ledger) -> float:
     highest = 0.0
     for surface in layout.scene.surfaces:
         table = ledger.surfaces[surface.name]
-        a = layout.model.asperites[layout.parts[surface.name]]
+        a = layout.asperites[layout.parts[surface.name]]
         twist = table["theta"] - surface.rest - table["phi"]
         energy = internal_energy(a, table["omega"], table["nu"], twist)
         highest = max(highest, largest(energy))
@@ -113,7 +115,7 @@ def _internal_energy(layout: Layout, ledger: Ledger) -> float:
 
 
 def _longest_rod(layout: Layout) -> float:
-    a = layout.model.asperites
+    a = layout.asperites
     return float(np.max(a.l1 + a.l2))
 
 
@@ -123,12 +125,20 @@ def _fastest_bob(layout: Layout, ledger: Ledger) -> float:
     fastest = 0.0
     for surface in layout.scene.surfaces:
         table = ledger.surfaces[surface.name]
-        a = layout.model.asperites[layout.parts[surface.name]]
+        a = layout.asperites[layout.parts[surface.name]]
         tx, ty = swing_direction(a.facing, table["theta"] - surface.rest)
         vx, vy = table["vx_cm"] - mean[0], table["vy_cm"] - mean[1]
         vx, vy = bob_velocity(vx, vy, table["omega"], a.l1, tx, ty)
         fastest = max(fastest, float(np.max(np.hypot(vx, vy))))
     return fastest
+
+
+def _fastest_of(batch: Batch, m: Motion, velocity: np.ndarray) -> float:
+    """The largest speed of a bob, where `velocity` are those of the surfaces (2, asperites)."""
+    a = batch.asperites
+    direction = swing_direction(a.facing, m.swing)
+    vx, vy = bob_velocity(m.vx + velocity[0], m.vy + velocity[1], m.omega, a.l1, *direction)
+    return float(np.max(np.hypot(vx, vy)))
 
 
 @dataclass(frozen=True)
@@ -145,6 +155,8 @@ class ToleranceScales:
         the largest impulse of a force [mass length / time]
     rate
         the largest ``|omega|`` or ``|nu|`` [1 / time]
+    spin
+        the largest ``|omega|`` [1 / time]
     twist
         the largest ``|theta - rest - phi|`` [radian]
     """
@@ -153,12 +165,13 @@ class ToleranceScales:
     energy: float
     impulse: float
     rate: float
+    spin: float
     twist: float
 
 
 def first_guess(layout: Layout) -> ToleranceScales:
     """Scales for a first, coarse run, from the start of the scene."""
-    a = layout.model.asperites
+    a = layout.asperites
     relative = _relative_velocity(layout)
     frequency = np.sqrt(a.kappa / a.inertia)
     omega = np.max(np.abs(layout.start[layout.coordinates :][: a.size]))
@@ -166,7 +179,7 @@ def first_guess(layout: Layout) -> ToleranceScales:
     velocity = velocity or float(np.max(frequency * a.l1)) or 1.0
     rate = float(max(omega, largest(a.nu), np.max(frequency), velocity / np.max(a.l1)))
     energy = float(np.max(a.mass)) * velocity**2
-    return ToleranceScales(velocity, energy, energy / velocity, rate, 1.0)
+    return ToleranceScales(velocity, energy, energy / velocity, rate, rate, 1.0)
 
 
 def _relative_velocity(layout: Layout) -> np.ndarray:
@@ -182,15 +195,12 @@ def tolerance_scales(layout: Layout, samples: Samples) -> ToleranceScales:
     The works are those in the frame of the surfaces' mean velocity.
     """
     guess = first_guess(layout)
-    change = rate = twist = highest = 0.0
-    for index in range(len(layout.scene.surfaces)):
-        for batch, motion in motions(layout, samples, index):
-            torsion = motion.swing - motion.phi
-            internal = internal_energy(batch.asperites, motion.omega, motion.nu, torsion)
-            highest = max(highest, largest(internal))
-            change = max(change, largest(internal - internal[0]))
-            rate = max(rate, largest(motion.omega), largest(motion.nu))
-            twist = max(twist, largest(torsion))
+    batch, motion = layout.together, Motion(layout, layout.together, samples)
+    velocity = max(guess.velocity, _fastest_of(batch, motion, _relative_velocity(layout).T))
+    torsion = motion.swing - motion.phi
+    internal = internal_energy(batch.asperites, motion.omega, motion.nu, torsion)
+    highest, change = largest(internal), largest(internal - internal[0])
+    spin, turn, twist = largest(motion.omega), largest(motion.nu), largest(torsion)
     weights = _account_weights(layout)
     top = np.max(np.abs(samples.s), axis=0, initial=0.0)
     # Works in the laboratory are reported at the scene's times; in between they may be far larger.
@@ -199,10 +209,11 @@ def tolerance_scales(layout: Layout, samples: Samples) -> ToleranceScales:
     # Where nothing does work, the change of an energy is round-off.
     energy = max(work, change) if work > 0.0 else highest
     return ToleranceScales(
-        velocity=guess.velocity,
+        velocity=velocity,
         energy=energy or guess.energy,
         impulse=float(np.max(top[weights == 0.0])) or guess.impulse,
-        rate=rate or guess.rate,
+        rate=max(spin, turn) or guess.rate,
+        spin=spin or guess.spin,
         twist=twist or guess.twist,
     )
 
@@ -229,26 +240,27 @@ WITHOUT_ARM = {"acc_contact": (2, 3), "acc_drive": (2,)}
 def _account_weights(layout: Layout) -> np.ndarray:
     """The factor that makes a work of each account; 0 for impulses. Shape (accounts,)."""
     weights = np.ones(layout.accounts)
-    a = layout.model.asperites
+    a = layout.asperites
     length = a.l1 + a.l2
     for name, offsets in IMPULSES.items():
         present = a[name] >= 0
         for k in offsets:
-            weights[a[name][present] + k] = 0.0
+            weights[(a[name] + k * a.stride)[present]] = 0.0
         for k in WITHOUT_ARM.get(name, ()):
-            weights[a[name][present] + k] = length[present]
+            weights[(a[name] + k * a.stride)[present]] = length[present]
     return weights
 
 
 def _work_of_impulses(layout: Layout, s: np.ndarray) -> float:
     """The largest V . J of an impulse J, where V is relative to the surfaces' mean velocity."""
-    a, velocity = layout.model.asperites, _relative_velocity(layout)
+    a, velocity = layout.asperites, _relative_velocity(layout)
     highest = 0.0
     for name, offsets in IMPULSES.items():
         present = a[name] >= 0
-        first, (vx, vy) = a[name][present], velocity[present].T
+        stride, (vx, vy) = a.stride[present], velocity[present].T
         for k in offsets[::2]:
-            highest = max(highest, largest(vx * s[:, first + k] + vy * s[:, first + k + 1]))
+            jx, jy = (s[:, a[name][present] + m * stride] for m in (k, k + 1))
+            highest = max(highest, largest(vx * jx + vy * jy))
     return highest
 
 
@@ -271,15 +283,17 @@ def tolerances(layout: Layout, scales: ToleranceScales, level: float, near: floa
         the largest step, as a fraction of the time to the next encounter
     """
     level = max(level, FLOOR)
-    a = layout.model.asperites
+    a = layout.asperites
     energy = level * scales.energy
     speed = level * scales.velocity
     q = np.full(layout.coordinates, level * _longest_rod(layout))
     v = np.full(layout.coordinates, speed)
     swing = slice(0, a.size)
+    # An error of a rate matters to the energy by the rate itself, or else by its own square.
+    spin = np.maximum(scales.spin, np.sqrt(energy / a.inertia))
     with np.errstate(over="ignore"):  # infinite where a torsion or a rate is tiny
         q[swing] = np.minimum(level, energy / _positive(a.kappa * scales.twist))
-        v[swing] = np.minimum(level * scales.rate, energy / _positive(a.inertia * scales.rate))
+        v[swing] = np.minimum(level * scales.rate, energy / _positive(a.inertia * spin))
     turning = a.dof_phi >= 0
     q[a.dof_phi[turning]] = q[swing][turning]
     v[a.dof_phi[turning]] = np.minimum(level * scales.rate, energy / (a.i2[turning] * scales.rate))
@@ -300,11 +314,11 @@ def _positive(values: np.ndarray) -> np.ndarray:
 
 def first_step(layout: Layout) -> float:
     """The first step: short against the run and the period of every pendulum and oscillator."""
-    a = layout.model.asperites
+    a = layout.asperites
     fastest = float(np.max(np.sqrt(a.kappa * np.maximum(1.0 / a.inertia, 1.0 / a.i2))))
     for oscillators in (layout.model.bath, layout.model.torsional):
         if oscillators is not None:
-            fastest = max(fastest, float(np.max(oscillators.frequency)))
+            fastest = max(fastest, float(np.max(oscillators[OSCILLATOR_FREQUENCY])))
     return min(0.05 / fastest if fastest > 0.0 else np.inf, 1e-3 * layout.scene.duration)
 
 

@@ -8,146 +8,147 @@ Each adds its own work, by the mean of the velocities before and after.
 B. Leimkuhler, C. Matthews, Appl. Math. Res. Express 2013 (2013) 34, for the noise.
 """
 
-import math
-
-import numpy as np
-
-from tribo.kernels.compiled import kernel, owning_kernel
-from tribo.kernels.equations_of_motion import bar_displacement, velocity_of_bar
+from tribo.integrators.rotations import rotated, rotation_of, set_rotations
+from tribo.kernels.baths import first_slot, torsional_slot
+from tribo.kernels.compiled import kernel
 from tribo.kernels.langevin import thermal_kick
 from tribo.kernels.powers import momentum
+from tribo.kernels.records import (
+    ALONG_X,
+    ALONG_Y,
+    I2,
+    INERTIA,
+    L2,
+    MASS,
+    OSCILLATOR_FREQUENCY,
+    OSCILLATOR_MASS,
+    TX,
+    TY,
+)
+from tribo.kernels.simd import LANES, sum_of_lanes
+from tribo.kernels.simd_arrays import block, set_block
+from tribo.kernels.user_forces import velocity_of_bar
 
 
 @kernel
-def push_bar(a, b, px, py, i, v, s, k):
-    """Give momentum (px, py) to bar i, frozen in place, and add to the accounts from k on."""
-    along = b.tx * px + b.ty * py
+def push_bar(model, s, i, px, py, v, accounts, slot):
+    """Give momentum (px, py) to bar i, frozen in place, and add to the accounts from `slot` on."""
+    a = model.asperites
+    along = model.bobs[TX, i] * px + model.bobs[TY, i] * py
+    local = i - s.start
+    x = s.dof_x + local
+    y = s.dof_y + local
     omega = v[i]
-    vx = v[a.dof_x]
-    vy = v[a.dof_y]
-    v[i] -= a.l2 * along / a.inertia
-    v[a.dof_x] += px / a.mass
-    v[a.dof_y] += py / a.mass
-    s[k] += px
-    s[k + 1] += py
-    s[k + 2] -= a.l2 * along * 0.5 * (omega + v[i])
-    s[k + 3] += px * 0.5 * (vx + v[a.dof_x]) + py * 0.5 * (vy + v[a.dof_y])
+    vx = v[x]
+    vy = v[y]
+    v[i] -= a[L2, i] * along / a[INERTIA, i]
+    v[x] += px / a[MASS, i]
+    v[y] += py / a[MASS, i]
+    stride = s.stop - s.start
+    k = slot + local
+    accounts[k] += px
+    accounts[k + stride] += py
+    accounts[k + 2 * stride] -= a[L2, i] * along * 0.5 * (omega + v[i])
+    accounts[k + 3 * stride] += px * 0.5 * (vx + v[x]) + py * 0.5 * (vy + v[y])
 
 
 @kernel
-def rotate_oscillators(q, v, start, count, centre, bath, first, rotations):
+def rotate_oscillators(q, v, start, count, centre, table, first, rotations):
     """Rotate `count` oscillators about a place; returns the momentum that they gained."""
     gained = 0.0
-    for n in range(count):
-        k = start + n
-        o = bath[first + n]
-        x = q[k] - centre
-        rate = v[k]
-        versine = rotations[first + n, 0]
-        sin = rotations[first + n, 1]
-        change = -versine * rate - sin * o.frequency * x
-        q[k] += sin / o.frequency * rate - versine * x
-        v[k] += change
-        gained += o.mass * change
+    for m in range(0, count, LANES):
+        x = block(q, start + m) - centre
+        rate = block(v, start + m)
+        new, new_rate = rotated(x, rate, rotation_of(rotations, first + m))
+        set_block(q, start + m, centre + new)
+        set_block(v, start + m, new_rate)
+        mass = block(table[OSCILLATOR_MASS], first + m)
+        gained += sum_of_lanes(mass * (new_rate - rate))
     return gained
 
 
-@owning_kernel
-def empty_rotations(bath):
-    """Room for `set_rotations`: (oscillators + 1, 2)."""
-    if bath is None:
-        return np.empty((0, 2))
-    return np.full((bath.size + 1, 2), np.nan)
-
-
 @kernel
-def set_rotations(bath, tau, rotations):
-    """1 - cos and sin of every oscillator's rotation in tau, which stands in the last row."""
-    if rotations[-1, 0] == tau:
-        return
-    rotations[-1, 0] = tau
-    for n in range(bath.shape[0]):
-        half = math.sin(0.5 * bath[n].frequency * tau)
-        rotations[n, 0] = 2.0 * half * half
-        rotations[n, 1] = math.sin(bath[n].frequency * tau)
-
-
-@kernel
-def rotate_bath(model, bath, tau, q, v, s, rotations):
+def rotate_bath(model, bath, tau, q, v, accounts, rotations):
     """Rotate all oscillators exactly, bars frozen; the bars take up the opposite momentum."""
     if bath is not None:
-        set_rotations(bath, tau, rotations)
-        for i in range(model.asperites.shape[0]):
-            a = model.asperites[i]
-            count = model.surfaces[a.surface].oscillators
+        set_rotations(bath[OSCILLATOR_FREQUENCY], tau, rotations)
+        for k in range(model.surfaces.shape[0]):
+            s = model.surfaces[k]
+            first = s.first_oscillator
+            count = s.oscillators
             if count > 0:
-                first = model.surfaces[a.surface].first_oscillator
-                x, y = bar_displacement(a, q, q[i])
-                px = rotate_oscillators(q, v, a.dof_bath, count, x, bath, first, rotations)
-                py = rotate_oscillators(q, v, a.dof_bath + count, count, y, bath, first, rotations)
-                push_bar(a, model.bobs[i], -px, -py, i, v, s, a.acc_internal)
+                for i in range(s.start, s.end):
+                    slot = first_slot(s, i)
+                    x = model.displaced[ALONG_X, i]
+                    y = model.displaced[ALONG_Y, i]
+                    px = rotate_oscillators(q, v, slot, count, x, bath, first, rotations)
+                    py = rotate_oscillators(q, v, slot + count, count, y, bath, first, rotations)
+                    push_bar(model, s, i, -px, -py, v, accounts, s.acc_internal)
 
 
 @kernel
-def rotate_torsional(model, torsional, tau, q, v, s, rotations):
+def rotate_torsional(model, torsional, tau, q, v, accounts, rotations):
     """Rotate all torsional oscillators exactly; the bars take up the opposite angular momentum."""
     if torsional is not None:
-        set_rotations(torsional, tau, rotations)
-        for i in range(model.asperites.shape[0]):
-            a = model.asperites[i]
-            surface = model.surfaces[a.surface]
-            if surface.torsionals > 0:
-                start = a.dof_bath + 2 * surface.oscillators
-                first = surface.first_torsional
-                gained = rotate_oscillators(
-                    q, v, start, surface.torsionals, q[a.dof_phi], torsional, first, rotations
-                )
-                nu = v[a.dof_phi]
-                v[a.dof_phi] -= gained / a.i2
-                s[a.acc_internal + 2] -= gained * 0.5 * (nu + v[a.dof_phi])
+        set_rotations(torsional[OSCILLATOR_FREQUENCY], tau, rotations)
+        for k in range(model.surfaces.shape[0]):
+            s = model.surfaces[k]
+            first = s.first_torsional
+            count = s.torsionals
+            if count > 0:
+                account = s.acc_internal + 2 * (s.stop - s.start)
+                for i in range(s.start, s.end):
+                    slot = torsional_slot(s, i)
+                    j = s.dof_phi + i - s.start
+                    gained = rotate_oscillators(
+                        q, v, slot, count, q[j], torsional, first, rotations
+                    )
+                    nu = v[j]
+                    v[j] -= gained / model.asperites[I2, i]
+                    accounts[account + i - s.start] -= gained * 0.5 * (nu + v[j])
 
 
 @kernel
-def thermalise(model, langevin, tau, v, s, noise):
+def thermalise(model, friction, tau, v, accounts, noise):
     """Langevin friction and noise on the frozen bars, exactly: along the bar's arc and across."""
-    if langevin is not None:
+    if friction is not None:
+        a = model.asperites
         for k in range(model.surfaces.shape[0]):
-            surface = model.surfaces[k]
-            if surface.gamma == 0.0:
+            s = model.surfaces[k]
+            if s.gamma == 0.0:
                 continue
-            before_x, before_y = momentum(model, surface, v)
-            for i in range(surface.start, surface.stop):
-                a = model.asperites[i]
-                b = model.bobs[i]
-                vx, vy = velocity_of_bar(a, b, i, v)
-                x = vx - surface.reservoir_x
-                y = vy - surface.reservoir_y
-                arc = 1.0 / a.mass + a.l2 * a.l2 / a.inertia
-                across = 1.0 / a.mass
-                gamma = surface.gamma
-                heat = surface.temperature
-                along = thermal_kick(gamma, heat, arc, b.tx * x + b.ty * y, tau, noise)
-                side = thermal_kick(gamma, heat, across, b.tx * y - b.ty * x, tau, noise)
-                px = along * b.tx - side * b.ty
-                py = along * b.ty + side * b.tx
-                push_bar(a, b, px, py, i, v, s, a.acc_thermal)
-            after_x, after_y = momentum(model, surface, v)
+            before_x, before_y = momentum(model, s, v)
+            for i in range(s.start, s.end):
+                tx = model.bobs[TX, i]
+                ty = model.bobs[TY, i]
+                vx, vy = velocity_of_bar(model, s, i, v)
+                x = vx - s.reservoir_x
+                y = vy - s.reservoir_y
+                across = 1.0 / a[MASS, i]
+                arc = across + a[L2, i] * a[L2, i] / a[INERTIA, i]
+                heat = s.temperature
+                along = thermal_kick(s.gamma, heat, arc, tx * x + ty * y, tau, noise)
+                side = thermal_kick(s.gamma, heat, across, tx * y - ty * x, tau, noise)
+                px = along * tx - side * ty
+                py = along * ty + side * tx
+                push_bar(model, s, i, px, py, v, accounts, s.acc_thermal)
+            after_x, after_y = momentum(model, s, v)
             px = after_x - before_x
             py = after_y - before_y
-            s[surface.acc_block] += (
-                0.5 * (px * (before_x + after_x) + py * (before_y + after_y)) / surface.total_mass
+            accounts[s.acc_block] += (
+                0.5 * (px * (before_x + after_x) + py * (before_y + after_y)) / s.total_mass
             )
 
 
 @kernel
-def bath_substep(model, tau, q, v, s, rotations, torsional_rotations, noise):
+def bath_substep(model, tau, q, v, accounts, rotations, torsional_rotations, noise):
     """Baths and reservoirs for tau, bars and bobs frozen: symmetric in time."""
-    if model.langevin is None:
-        rotate_bath(model, model.bath, tau, q, v, s, rotations)
-        rotate_torsional(model, model.torsional, tau, q, v, s, torsional_rotations)
+    if model.friction is None:
+        rotate_bath(model, model.bath, tau, q, v, accounts, rotations)
+        rotate_torsional(model, model.torsional, tau, q, v, accounts, torsional_rotations)
     else:
-        rotate_bath(model, model.bath, 0.5 * tau, q, v, s, rotations)
-        rotate_torsional(model, model.torsional, 0.5 * tau, q, v, s, torsional_rotations)
-        thermalise(model, model.langevin, tau, v, s, noise)
-        rotate_torsional(model, model.torsional, 0.5 * tau, q, v, s, torsional_rotations)
-        rotate_bath(model, model.bath, 0.5 * tau, q, v, s, rotations)
+        rotate_bath(model, model.bath, 0.5 * tau, q, v, accounts, rotations)
+        rotate_torsional(model, model.torsional, 0.5 * tau, q, v, accounts, torsional_rotations)
+        thermalise(model, model.friction, tau, v, accounts, noise)
+        rotate_torsional(model, model.torsional, 0.5 * tau, q, v, accounts, torsional_rotations)
+        rotate_bath(model, model.bath, 0.5 * tau, q, v, accounts, rotations)

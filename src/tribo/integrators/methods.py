@@ -59,7 +59,7 @@ class Method:
     first_level
         Ratio of the level that is tried first to the wanted accuracy.
     remembers
-        Number of accelerations that it keeps of a step, to begin the next.
+        Number of rows, one number a coordinate, that it keeps of a step for the next.
     refuses
         Effects that it cannot integrate, and why.
     smoothness
@@ -169,6 +169,7 @@ METHODS = {
             "many asperites, long runs, thousands of bath oscillators, Langevin reservoirs",
             "L. Verlet, Phys. Rev. 159 (1967) 98, with the torsion springs rotated exactly",
             splits=True,
+            remembers=1,
             first_level=_SECOND_ORDER,
         ),
         Method(
@@ -186,6 +187,7 @@ METHODS = {
             "long runs without reservoirs at accuracies from 1e-5 to 1e-10",
             "W. Kahan, R.-C. Li, Math. Comput. 66 (1997) 1089",
             splits=True,
+            remembers=1,
             refuses=_CUSTOM_FORCES | _NEGATIVE_SUBSTEPS,
             smoothness=2,
             first_level=_HIGHER_ORDER,
@@ -209,6 +211,7 @@ METHODS = {
             "long runs without reservoirs at accuracies beyond 1e-9",
             "W. Kahan, R.-C. Li, Math. Comput. 66 (1997) 1089",
             splits=True,
+            remembers=1,
             refuses=_CUSTOM_FORCES | _NEGATIVE_SUBSTEPS,
             smoothness=2,
             first_level=_HIGHER_ORDER,
@@ -236,6 +239,7 @@ METHODS = {
             "long runs without baths or reservoirs at accuracies from 1e-3 to 1e-10",
             "S. Blanes, P. C. Moan, J. Comput. Appl. Math. 142 (2002) 313",
             splits=True,
+            remembers=1,
             refuses=_CUSTOM_FORCES | _NEGATIVE_SUBSTEPS | _BATH_IN_KICKS,
             smoothness=2,
             first_level=_HIGHER_ORDER,

@@ -20,8 +20,8 @@ from tribo.integrators.step_control import evaluate_rates, growth_factor
 from tribo.kernels.compiled import expanded, kernel, owning_kernel
 from tribo.kernels.equations_of_motion import equations_of_motion
 from tribo.kernels.powers import all_powers
-from tribo.kernels.records import BAR, BOB, PUSH
-from tribo.kernels.samples import copy, copy_state
+from tribo.kernels.samples import copy, copy_rows, copy_state
+from tribo.kernels.simd_arrays import zero_row, zero_rows
 
 
 class Stages(NamedTuple):
@@ -30,9 +30,8 @@ class Stages(NamedTuple):
     q: np.ndarray  # (stages, coordinates)
     accelerations: np.ndarray  # (stages + 1, coordinates)
     powers: np.ndarray  # (stages + 1, accounts)
-    bobs: np.ndarray  # (stages, asperites) of BOB; row 0 is that of the end
-    bars: np.ndarray  # (stages, asperites) of BAR; row 0 is that of the end
-    inner: np.ndarray  # (stages, asperites) of PUSH, or (stages, 0) without contact within
+    bobs: np.ndarray  # (stages, rows, asperites), positions and forces; [0] is those of the end
+    tables: np.ndarray  # (stages, rows, asperites), the forces of all other tables
     v: np.ndarray  # (coordinates,) at the present stage
 
 
@@ -72,50 +71,75 @@ class Nystrom(NamedTuple):
 def empty_stages(count, model, state):
     """Room for that many stages."""
     n = state.acceleration.size
-    asperites = model.bobs.size
+    asperites = model.bobs.shape[1]
     return Stages(
-        np.empty((count, n)),
-        np.empty((count + 1, n)),
-        np.zeros((count + 1, state.s.size)),
-        np.empty((count, asperites), BOB),
-        np.empty((count, asperites), BAR),
-        np.empty((count, 0 if model.inner is None else asperites), PUSH),
-        np.empty(n),
+        zero_rows(count, n),
+        zero_rows(count + 1, n),
+        zero_rows(count + 1, state.s.size),
+        np.empty((count, model.bobs.shape[0], asperites)),
+        np.empty((count, stored_rows(model), asperites)),
+        zero_row(n),
     )
 
 
 @kernel
-def store_within(inner, stored, i):
-    """Store the forces within surfaces, if there are any, as those of stage i."""
-    if inner is not None:
-        for m in range(inner.size):
-            stored[i, m] = inner[m]
+def rows_of_table(table):
+    """Number of rows of a table; 0 without one."""
+    return 0 if table is None else table.shape[0]
 
 
 @kernel
-def restore_within(inner, stored, i):
-    """Put the forces within surfaces of stage i in place, if there are any."""
-    if inner is not None:
-        for m in range(inner.size):
-            inner[m] = stored[i, m]
+def stored_rows(model):
+    """Number of rows of all tables of forces but that of the bobs."""
+    rows = rows_of_table(model.drive) + rows_of_table(model.inner) + rows_of_table(model.external)
+    rows += rows_of_table(model.internal) + rows_of_table(model.friction)
+    return rows + rows_of_table(model.end_forces)
+
+
+@kernel
+def store_table(table, stored, row):
+    """Store a table, if there is one, from a row on; returns the row after it."""
+    if table is None:
+        return row
+    for k in range(table.shape[0]):
+        copy(table[k], stored[row + k])
+    return row + table.shape[0]
+
+
+@kernel
+def restore_table(table, stored, row):
+    """Set a table, if there is one, to what is stored from a row on; returns the row after it."""
+    if table is None:
+        return row
+    for k in range(table.shape[0]):
+        copy(stored[row + k], table[k])
+    return row + table.shape[0]
 
 
 @kernel
 def store_forces(model, work, i):
     """Store the forces that are in place as those of stage i."""
-    for m in range(model.bobs.size):
-        work.bobs[i, m] = model.bobs[m]
-        work.bars[i, m] = model.bars[m]
-    store_within(model.inner, work.inner, i)
+    copy_rows(model.bobs, work.bobs[i])
+    stored = work.tables[i]
+    row = store_table(model.drive, stored, 0)
+    row = store_table(model.inner, stored, row)
+    row = store_table(model.external, stored, row)
+    row = store_table(model.internal, stored, row)
+    row = store_table(model.friction, stored, row)
+    store_table(model.end_forces, stored, row)
 
 
 @kernel
 def restore_forces(model, work, i):
     """Put the forces of stage i in place."""
-    for m in range(model.bobs.size):
-        model.bobs[m] = work.bobs[i, m]
-        model.bars[m] = work.bars[i, m]
-    restore_within(model.inner, work.inner, i)
+    copy_rows(work.bobs[i], model.bobs)
+    stored = work.tables[i]
+    row = restore_table(model.drive, stored, 0)
+    row = restore_table(model.inner, stored, row)
+    row = restore_table(model.external, stored, row)
+    row = restore_table(model.internal, stored, row)
+    row = restore_table(model.friction, stored, row)
+    restore_table(model.end_forces, stored, row)
 
 
 @expanded

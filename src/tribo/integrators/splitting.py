@@ -18,49 +18,59 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tribo.integrators.bath_substep import bath_substep, empty_rotations
+from tribo.integrators.bath_substep import bath_substep
+from tribo.integrators.rotations import (
+    empty_rotations,
+    rotated,
+    rotation,
+    rotation_of,
+    set_rotations,
+)
 from tribo.integrators.step_control import (
-    advance,
+    advance_equally,
     all_finite,
     current_encounter,
-    end_of_step,
     equal_step,
     equal_step_status,
     record_due,
     time_left,
     update_encounter,
 )
-from tribo.kernels.compiled import kernel
+from tribo.kernels.blocks import clear, coordinates
+from tribo.kernels.compiled import inlined, kernel, owning_kernel
 from tribo.kernels.equations_of_motion import (
     accelerate,
-    custom_forces,
-    displacement,
-    drive_bar,
+    accelerate_block,
+    drive_forces,
     forces,
-    gather_contact,
-    place_bob,
+    place_block,
     update_neighbours,
 )
 from tribo.kernels.kinematics import end_force, rotational_power
-from tribo.kernels.langevin import clear_friction
 from tribo.kernels.neighbours import crowded, refresh
-from tribo.kernels.powers import (
-    CONTACT,
-    DRIVE,
-    POINT,
-    SLIDE,
-    USER_ENDS,
-    block_powers,
-    field_powers,
-    powers_of,
-    shared_accounts,
+from tribo.kernels.powers import block_powers, field_powers, powers_of_block
+from tribo.kernels.records import (
+    BAR_LENGTH,
+    COS_PHI,
+    FREQUENCY,
+    I2,
+    INERTIA,
+    KAPPA,
+    L2,
+    NU_START,
+    PHI_START,
+    SIN_PHI,
 )
+from tribo.kernels.simd import LANES
+from tribo.kernels.simd_arrays import add_block, block, set_block, zero_row, zero_rows
+from tribo.kernels.simd_functions import sine_cosine
 from tribo.kernels.status import (
     BOBS_COINCIDE,
     COMPLETED,
     NOT_FINITE,
     PAUSED,
 )
+from tribo.kernels.user_forces import custom_forces
 
 # Gauss-Legendre nodes and weights on (0, 1), for the ends of clamped bars that rotate.
 _ROOT = math.sqrt(0.6)
@@ -96,185 +106,296 @@ def alternating(drifts: tuple[float, ...], kicks: tuple[float, ...]) -> Splittin
     )
 
 
-@kernel
-def rotated(x, rate, frequency, tau):
-    """A harmonic oscillator after tau; the rounding of cos^2 + sin^2 causes no drift of energy."""
-    if frequency == 0.0:
-        return x + rate * tau, rate
-    sin = math.sin(frequency * tau)
-    half = math.sin(0.5 * frequency * tau)
-    versine = 2.0 * half * half
-    return (
-        x - versine * x + sin / frequency * rate,
-        rate - versine * rate - sin * frequency * x,
-    )
+@inlined
+def add_end_impulses(model, s, i, impulse, vx, vy, accounts):
+    """Add the impulse on the ends of clamped bars at rest, and its pseudowork."""
+    a = model.asperites
+    sin = block(a[SIN_PHI], i)
+    x, y = end_force(impulse, block(a[BAR_LENGTH], i), sin, block(a[COS_PHI], i))
+    stride = s.stop - s.start
+    k = s.acc_ends + 2 * stride + i - s.start
+    add_block(accounts, k, x)
+    add_block(accounts, k + stride, y)
+    add_block(accounts, k + 2 * stride, x * vx + y * vy)
 
 
 @kernel
-def arc_work(twist):
-    """sin x - x cos x, the integral of x sin x."""
-    return math.sin(twist) - twist * math.cos(twist)
+def settle_end_works(model, q, accounts, arcs):
+    """Add the works of the ends of clamped bars at rest since they were last settled.
+
+    They are functions of the angles alone: the integral of x sin x is sin x - x cos x.
+    """
+    a = model.asperites
+    for k in range(model.surfaces.shape[0]):
+        s = model.surfaces[k]
+        if s.acc_ends >= 0 and s.turning == 0:
+            for i in range(s.start, s.stop, LANES):
+                twist = block(q, i) - block(a[PHI_START], i)
+                sin, cos = sine_cosine(twist)
+                arc = sin - twist * cos
+                work = block(a[L2], i) * block(a[KAPPA], i) / block(a[BAR_LENGTH], i)
+                work = s.facing * work * (arc - block(arcs, i))
+                m = s.acc_ends + i - s.start
+                add_block(accounts, m, -work)
+                add_block(accounts, m + s.stop - s.start, work)
+                set_block(arcs, i, arc)
 
 
 @kernel
-def add_end_works(a, twist, rate, new, new_rate, vx, vy, s):
-    """Add the works of the ends of a clamped bar at rest while its pendulum goes to `new`."""
-    k = a.acc_ends
-    with_bar = arc_work(new) - arc_work(twist)
-    with_bar *= -a.l2 * a.kappa / a.bar_length * a.facing
-    impulse = a.inertia * (rate - new_rate)
-    end_x, end_y = end_force(impulse, a.bar_length, math.sin(a.phi), math.cos(a.phi))
-    s[k] += with_bar
-    s[k + 1] -= with_bar
-    s[k + 2] += end_x
-    s[k + 3] += end_y
-    s[k + 4] += end_x * vx + end_y * vy
-
-
-@kernel
-def add_rotating_end_works(a, twist, rate, frequency, t, tau, vx, vy, s):
-    """Add them where the bar itself rotates uniformly, by Gauss-Legendre quadrature."""
-    k = a.acc_ends
+def add_turning_end_works(model, s, i, twist, rate, impulse, t, tau, vx, vy, accounts):
+    """Add the works of the ends where clamped bars turn, by Gauss-Legendre quadrature."""
+    a = model.asperites
+    stiffness = block(a[KAPPA], i)
+    bar_length = block(a[BAR_LENGTH], i)
+    nu = block(a[NU_START], i)
+    stride = s.stop - s.start
+    k = s.acc_ends + i - s.start
+    turning = 0.5 * nu * impulse
+    add_block(accounts, k, -turning)
+    add_block(accounts, k + stride, -turning)
     for m in range(NODES.size):
         weight = WEIGHTS[m] * tau
-        now, now_rate = rotated(twist, rate, frequency, NODES[m] * tau)
-        phi = a.phi + a.nu * (t + NODES[m] * tau)
-        end_x, end_y = end_force(a.kappa * now, a.bar_length, math.sin(phi), math.cos(phi))
-        swing = now + phi
-        tx = a.facing * math.cos(swing)
-        ty = a.facing * math.sin(swing)
-        with_bar = rotational_power(-a.l2, now_rate + a.nu, tx, ty, end_x, end_y)
-        s[k] += weight * with_bar
-        s[k + 1] -= weight * with_bar
-        s[k + 2] += weight * end_x
-        s[k + 3] += weight * end_y
-        s[k + 4] += weight * (end_x * vx + end_y * vy)
+        turn = rotation(block(a[FREQUENCY], i), NODES[m] * tau)
+        now, now_rate = rotated(twist, rate, turn)
+        phi = block(a[PHI_START], i) + nu * (t + NODES[m] * tau)
+        sin, cos = sine_cosine(phi)
+        x, y = end_force(stiffness * now, bar_length, sin, cos)
+        sin, cos = sine_cosine(now + phi)
+        tx = s.facing * cos
+        ty = s.facing * sin
+        with_bar = rotational_power(-block(a[L2], i), now_rate + nu, tx, ty, x, y)
+        add_block(accounts, k, weight * with_bar)
+        add_block(accounts, k + stride, -weight * with_bar)
+        add_block(accounts, k + 2 * stride, weight * x)
+        add_block(accounts, k + 3 * stride, weight * y)
+        add_block(accounts, k + 4 * stride, weight * (x * vx + y * vy))
 
 
-@kernel
-def drift_clamped(a, i, t, tau, q, v, s):
-    """A pendulum on a bar that rotates uniformly."""
-    twist = q[i] - (a.phi + a.nu * t)
-    rate = v[i] - a.nu
-    frequency = math.sqrt(a.kappa / a.inertia)
-    new, new_rate = rotated(twist, rate, frequency, tau)
-    if a.acc_ends >= 0:
-        vx = displacement(a.dof_x, v)
-        vy = displacement(a.dof_y, v)
-        if a.nu == 0.0:
-            add_end_works(a, twist, rate, new, new_rate, vx, vy, s)
+@inlined
+def drift_clamped(model, s, i, t, tau, q, v, accounts, turn):
+    """Pendulums on bars that rotate uniformly or rest."""
+    a = model.asperites
+    nu = block(a[NU_START], i)
+    old = block(q, i)
+    omega = block(v, i)
+    twist = old - (block(a[PHI_START], i) + nu * t)
+    rate = omega - nu
+    new, new_rate = rotated(twist, rate, turn)
+    if s.acc_ends >= 0:
+        impulse = block(a[INERTIA], i) * (rate - new_rate)
+        vx = coordinates(s.dof_x, s, i, v)
+        vy = coordinates(s.dof_y, s, i, v)
+        if s.turning == 0:
+            add_end_impulses(model, s, i, impulse, vx, vy, accounts)
         else:
-            add_rotating_end_works(a, twist, rate, frequency, t, tau, vx, vy, s)
-            bar_work = 0.5 * a.nu * a.inertia * (rate - new_rate)
-            s[a.acc_ends] -= bar_work
-            s[a.acc_ends + 1] -= bar_work
-    q[i] += (new - twist) + a.nu * tau
-    v[i] += new_rate - rate
+            add_turning_end_works(model, s, i, twist, rate, impulse, t, tau, vx, vy, accounts)
+    set_block(q, i, old + ((new - twist) + nu * tau))
+    set_block(v, i, omega + (new_rate - rate))
 
 
-@kernel
-def drift_free(a, i, tau, q, v):
-    """Pendulum and bar rotate against each other about their uniform mean."""
-    j = a.dof_phi
-    twist = q[i] - q[j]
-    rate = v[i] - v[j]
-    frequency = math.sqrt(a.kappa * (1.0 / a.inertia + 1.0 / a.i2))
-    new, new_rate = rotated(twist, rate, frequency, tau)
-    share = a.i2 / (a.inertia + a.i2)
-    mean = (a.inertia * v[i] + a.i2 * v[j]) / (a.inertia + a.i2)
-    q[i] += mean * tau + share * (new - twist)
-    q[j] += mean * tau - (1.0 - share) * (new - twist)
-    v[i] += share * (new_rate - rate)
-    v[j] -= (1.0 - share) * (new_rate - rate)
+@inlined
+def drift_free(model, s, i, tau, q, v, turn):
+    """Pendulums and bars rotate against each other about their uniform mean."""
+    k = s.dof_phi + i - s.start
+    swing = block(q, i)
+    phi = block(q, k)
+    omega = block(v, i)
+    nu = block(v, k)
+    inertia = block(model.asperites[INERTIA], i)
+    i2 = block(model.asperites[I2], i)
+    new, new_rate = rotated(swing - phi, omega - nu, turn)
+    share = i2 / (inertia + i2)
+    mean = (inertia * omega + i2 * nu) / (inertia + i2)
+    change = new - (swing - phi)
+    change_of_rate = new_rate - (omega - nu)
+    set_block(q, i, swing + (mean * tau + share * change))
+    set_block(q, k, phi + (mean * tau - (1.0 - share) * change))
+    set_block(v, i, omega + share * change_of_rate)
+    set_block(v, k, nu - (1.0 - share) * change_of_rate)
 
 
-@kernel
-def drift(model, now, tau, q, v, s):
+@inlined
+def move(slot, s, i, tau, q, v):
+    """Move a block's coordinates from `slot` on at their velocities, if there are any."""
+    if slot >= 0:
+        k = slot + i - s.start
+        add_block(q, k, tau * block(v, k))
+
+
+@inlined
+def drift(model, now, tau, q, v, accounts, rotations):
     """Drift of all asperites for tau, which ends now, and the bobs' places then."""
-    for i in range(model.asperites.shape[0]):
-        a = model.asperites[i]
-        if a.dof_phi >= 0:
-            drift_free(a, i, tau, q, v)
-        else:
-            drift_clamped(a, i, now - tau, tau, q, v, s)
-        if a.dof_x >= 0:
-            q[a.dof_x] += tau * v[a.dof_x]
-        if a.dof_y >= 0:
-            q[a.dof_y] += tau * v[a.dof_y]
-        place_bob(model, i, now, q)
+    set_rotations(model.asperites[FREQUENCY], tau, rotations)
+    for k in range(model.surfaces.shape[0]):
+        s = model.surfaces[k]
+        for i in range(s.start, s.stop, LANES):
+            turn = rotation_of(rotations, i)
+            if s.dof_phi >= 0:
+                drift_free(model, s, i, tau, q, v, turn)
+            else:
+                drift_clamped(model, s, i, now - tau, tau, q, v, accounts, turn)
+            move(s.dof_x, s, i, tau, q, v)
+            move(s.dof_y, s, i, tau, q, v)
+            place_block(model, s, i, now, q)
 
 
-@kernel
-def set_middle(slot, tau, acceleration, v, middle):
-    """Set the velocity in a slot, if there is one, in the middle of a kick."""
+@inlined
+def kick_slot(slot, s, i, tau, acceleration, v, middle):
+    """Set a block's velocities from `slot` on, if there are any, after and in the middle."""
     if slot >= 0:
-        middle[slot] = v[slot] + 0.5 * tau * acceleration[slot]
+        k = slot + i - s.start
+        change = tau * block(acceleration, k)
+        old = block(v, k)
+        set_block(middle, k, old + 0.5 * change)
+        set_block(v, k, old + change)
 
 
 @kernel
-def apply_kick(slot, tau, acceleration, v, middle):
-    """Set the velocity in a slot, if there is one, after a kick and in the middle of it."""
-    if slot >= 0:
-        set_middle(slot, tau, acceleration, v, middle)
-        v[slot] += tau * acceleration[slot]
-
-
-@kernel
-def settle_custom_forces(model, drives, ends, i, t, tau, q, v, acceleration, middle):
-    """Set the forces of plug-ins on bar i for its velocities in the middle of a kick.
+def settle_custom_forces(model, drives, ends, t, tau, q, v, work):
+    """Set the forces of plug-ins on the bars for their velocities in the middle of a kick.
 
     These are found by iteration from the velocities before the kick.
     """
     if drives is not None or ends is not None:
-        a = model.asperites[i]
-        custom_forces(model, i, t, q, v)
+        custom_forces(model, t, q, v)
         for _ in range(ITERATIONS):
-            accelerate(model, i, 0.0, t, q, acceleration)
-            set_middle(i, tau, acceleration, v, middle)
-            set_middle(a.dof_phi, tau, acceleration, v, middle)
-            set_middle(a.dof_x, tau, acceleration, v, middle)
-            set_middle(a.dof_y, tau, acceleration, v, middle)
-            custom_forces(model, i, t, q, middle)
+            accelerate(model, 0.0, t, q, work.acceleration)
+            for m in range(model.core):
+                work.middle[m] = v[m] + 0.5 * tau * work.acceleration[m]
+            custom_forces(model, t, q, work.middle)
 
 
-@kernel
-def accumulate(slot, width, tau, power, s):
-    """Add the gain in tau to a group of accounts, if there is such a group."""
-    if slot >= 0:
-        for m in range(slot, slot + width):
-            s[m] += tau * power[m]
-
-
-@kernel
-def kick(model, t, tau, q, v, s, acceleration, middle, power, core, common):
-    """The forces in place act for tau; their works are added at the mid-kick velocities.
-
-    The first `core` velocities are those of the asperites; the last `common` accounts belong to no
-    single asperite.  One loop does all, so that each of many asperites is read from memory once.
-    """
-    gather_contact(model)
-    for i in range(model.asperites.shape[0]):
-        a = model.asperites[i]
-        drive_bar(model, i, t, q)
-        drives, ends = model.drives, model.ends
-        settle_custom_forces(model, drives, ends, i, t, tau, q, v, acceleration, middle)
-        accelerate(model, i, 0.0, t, q, acceleration)
-        apply_kick(i, tau, acceleration, v, middle)
-        apply_kick(a.dof_phi, tau, acceleration, v, middle)
-        apply_kick(a.dof_x, tau, acceleration, v, middle)
-        apply_kick(a.dof_y, tau, acceleration, v, middle)
-        powers_of(model, i, 0.0, t, q, middle, power)
-        accumulate(a.acc_contact, CONTACT, tau, power, s)
-        accumulate(a.acc_slide, SLIDE, tau, power, s)
-        accumulate(a.acc_drive, DRIVE, tau, power, s)
-        accumulate(a.acc_internal, POINT, tau, power, s)
-        accumulate(a.acc_field, POINT, tau, power, s)
-        accumulate(a.acc_user_ends, USER_ENDS, tau, power, s)
-    for m in range(core, v.size):
+@inlined
+def kick(model, t, tau, q, v, accounts, work):
+    """The forces in place act for tau; their works are added at the mid-kick velocities."""
+    acceleration = work.acceleration
+    middle = work.middle
+    power = work.power
+    drive_forces(model, t, q)
+    settle_custom_forces(model, model.drives, model.ends, t, tau, q, v, work)
+    for k in range(model.surfaces.shape[0]):
+        s = model.surfaces[k]
+        for i in range(s.start, s.stop, LANES):
+            accelerate_block(model, s, i, 0.0, t, q, acceleration)
+            kick_slot(s.start, s, i, tau, acceleration, v, middle)
+            kick_slot(s.dof_phi, s, i, tau, acceleration, v, middle)
+            kick_slot(s.dof_x, s, i, tau, acceleration, v, middle)
+            kick_slot(s.dof_y, s, i, tau, acceleration, v, middle)
+            powers_of_block(model, s, i, 0.0, t, q, middle, power)
+    for m in range(model.core, v.size):
         middle[m] = v[m]
     field_powers(model, model.fields, t, power)
     block_powers(model, middle, power)
-    accumulate(s.size - common, common, tau, power, s)
+    for m in range(0, power.size, LANES):
+        add_block(accounts, m, tau * block(power, m))
+
+
+class Work(NamedTuple):
+    """Room for what a step computes."""
+
+    acceleration: np.ndarray  # (coordinates,)
+    middle: np.ndarray  # (coordinates,) velocities in the middle of a kick
+    power: np.ndarray  # (accounts,)
+    speeds: np.ndarray  # (3, asperites)
+    rotations: np.ndarray  # (3, asperites + 1), see `set_rotations`
+    bath: np.ndarray
+    torsional: np.ndarray
+
+
+@owning_kernel
+def empty_work(model, state):
+    """Room for a step."""
+    return Work(
+        zero_row(state.y.size // 2),
+        zero_row(state.y.size // 2),
+        zero_row(state.s.size),
+        zero_rows(3, model.asperites.shape[1]),
+        empty_rotations(model.asperites),
+        empty_rotations(model.bath),
+        empty_rotations(model.torsional),
+    )
+
+
+@kernel
+def begin(model, neighbours, clock, state, work):
+    """The encounter rate and the works of the ends at the start of a run; a status."""
+    n = state.y.size // 2
+    if not update_neighbours(model, neighbours, clock.t, state.y[:n]):
+        return PAUSED
+    rate, closest = current_encounter(model, neighbours, clock.t, state.y, work.speeds)
+    if closest == 0.0:
+        return BOBS_COINCIDE
+    clock.encounter_rate = rate
+    settle_end_works(model, state.y[:n], state.s, state.memory[0])
+    for m in range(state.s.size):
+        state.s[m] = 0.0
+    return COMPLETED
+
+
+@kernel
+def arrive(model, neighbours, clock, state, work):
+    """Do the drift that the last step left, for a sample."""
+    n = state.y.size // 2
+    q = state.y[:n]
+    drift(model, clock.t, clock.drift_lag, q, state.y[n:], state.s, work.rotations)
+    clock.drift_lag = 0.0
+    settle_end_works(model, q, state.s, state.memory[0])
+    refresh(model, neighbours)
+
+
+@inlined
+def take_step(model, neighbours, splitting, clock, h, state, work, noise):
+    """The drifts and kicks of a step, but for its last drift, which is left."""
+    n = state.y.size // 2
+    q = state.y[:n]
+    v = state.y[n:]
+    s = state.s
+    t = clock.t
+    for m in range(splitting.kicks.size):
+        tau = splitting.kicks[m] * h
+        ahead = splitting.drifts[m] * h
+        t += ahead
+        drift(model, t, clock.drift_lag + ahead, q, v, s, work.rotations)
+        clock.drift_lag = 0.0
+        forces(model, neighbours, t)
+        clock.evaluations += 1
+        if model.bath is not None or model.torsional is not None or model.friction is not None:
+            kick(model, t, 0.5 * tau, q, v, s, work)
+            bath_substep(model, tau, q, v, s, work.bath, work.torsional, noise)
+            kick(model, t, 0.5 * tau, q, v, s, work)
+        else:
+            kick(model, t, tau, q, v, s, work)
+    clock.drift_lag = splitting.drifts[-1] * h
+
+
+@kernel
+def take_steps(
+    model, neighbours, splitting, step, clock, state, times, record, budget, noise, work
+):
+    """Integrate through the sample times; see :func:`splitting_steps`."""
+    clear(model.friction)
+    if clock.evaluations == 0:
+        status = begin(model, neighbours, clock, state, work)
+        if status != COMPLETED:
+            return status
+    for _ in range(budget):
+        if crowded(neighbours):
+            return PAUSED
+        if clock.sample < times.size and time_left(clock, times[clock.sample]) <= 0.0:
+            arrive(model, neighbours, clock, state, work)
+        left = record_due(model, neighbours, clock, state, times, record)
+        if left == 0.0:
+            return COMPLETED if all_finite(state.y) else NOT_FINITE
+        h, landing = equal_step(clock, left, step)
+        status = equal_step_status(clock, h, times[-1])
+        if status != COMPLETED:
+            return status
+        take_step(model, neighbours, splitting, clock, h, state, work, noise)
+        advance_equally(clock, times[clock.sample], h, landing)
+        updated = update_encounter(model, neighbours, clock, state.y, work.speeds, h)
+        if updated and not all_finite(state.y):
+            return NOT_FINITE
+    return PAUSED
 
 
 def splitting_steps(
@@ -285,61 +406,7 @@ def splitting_steps(
     PAUSED after `budget` steps: call again to continue.  The drift that ends a step is done
     together with the one that begins the next.  `noise` is a random Generator.
     """
-    clock = clocks[0]
-    n = state.y.size // 2
-    core = record.y.shape[1] // 2
-    q = state.y[:n]
-    v = state.y[n:]
-    s = state.s
-    acceleration = np.zeros(n)
-    middle = np.empty(n)
-    power = np.zeros(s.size)
-    speeds = np.empty((model.asperites.size, 3))
-    rotations = empty_rotations(model.bath)
-    torsional_rotations = empty_rotations(model.torsional)
-    common = shared_accounts(model, model.fields)
-    split = model.bath is not None or model.torsional is not None or model.langevin is not None
-    clear_friction(model.bars)
-    if clock.evaluations == 0:
-        if not update_neighbours(model, neighbours, clock.t, q):
-            return PAUSED
-        encounter = current_encounter(model, neighbours, clock.t, state.y, speeds)
-        clock.encounter_rate, closest = encounter
-        if closest == 0.0:
-            return BOBS_COINCIDE
-    for _ in range(budget):
-        if crowded(neighbours):
-            return PAUSED
-        if clock.sample < times.size and time_left(clock, times[clock.sample]) <= 0.0:
-            drift(model, clock.t, clock.drift_lag, q, v, s)
-            clock.drift_lag = 0.0
-            refresh(model, neighbours)
-        left = record_due(model, neighbours, clock, state, times, record)
-        if left == 0.0:
-            return COMPLETED if all_finite(state.y) else NOT_FINITE
-        goal = times[clock.sample]
-        h = equal_step(left, step)
-        status = equal_step_status(clock, h, times[-1])
-        if status != COMPLETED:
-            return status
-        t = clock.t
-        for m in range(splitting.kicks.size):
-            tau = splitting.kicks[m] * h
-            ahead = splitting.drifts[m] * h
-            t += ahead
-            drift(model, t, clock.drift_lag + ahead, q, v, s)
-            clock.drift_lag = 0.0
-            forces(model, neighbours, t, q)
-            clock.evaluations += 1
-            if split:
-                kick(model, t, 0.5 * tau, q, v, s, acceleration, middle, power, core, common)
-                bath_substep(model, tau, q, v, s, rotations, torsional_rotations, noise)
-                kick(model, t, 0.5 * tau, q, v, s, acceleration, middle, power, core, common)
-            else:
-                kick(model, t, tau, q, v, s, acceleration, middle, power, core, common)
-        clock.drift_lag = splitting.drifts[-1] * h
-        advance(clock, end_of_step(clock, goal, h, h == left), h, h == left)
-        updated = update_encounter(model, neighbours, clock, state.y, speeds, h)
-        if updated and not all_finite(state.y):
-            return NOT_FINITE
-    return PAUSED
+    work = empty_work(model, state)
+    return take_steps(
+        model, neighbours, splitting, step, clocks[0], state, times, record, budget, noise, work
+    )

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo.kernels.compiled import expanded, kernel
-from tribo.kernels.contact import next_encounter, widest_rate
+from tribo.kernels.contact import fastest_approach, least_clearance, next_encounter
 from tribo.kernels.equations_of_motion import equations_of_motion, place_bobs, top_speeds
 from tribo.kernels.neighbours import crowded, is_empty, refresh
 from tribo.kernels.powers import all_powers
@@ -30,9 +30,8 @@ SAFETY = 0.9
 # Fraction of the way to an encounter, after which equal steps compute the encounter rate again.
 ENCOUNTER_UPDATE = 0.25
 # Steps after which equal steps compute the encounter rate again, since bobs at rest may begin to
-# move; up to FEW_ASPERITES asperites after every step.
+# move.
 UPDATE_INTERVAL = 8
-FEW_ASPERITES = 64
 # Largest component of a state or of its rates of change, in any unit: energies have squares of it.
 LARGEST = 1e150
 # Smallest step, in units of the spacing of floating-point numbers at the end time.
@@ -58,23 +57,20 @@ def current_encounter(model, neighbours, t, y, speeds):
 
 
 @kernel
-def update_interval(model):
-    """Number of steps after which the encounter rate is computed again."""
-    return 1 if model.asperites.size <= FEW_ASPERITES else UPDATE_INTERVAL
-
-
-@kernel
 def encounter_bound(model, neighbours, clock, y, speeds, h):
     """An upper bound on the encounter rate, pair by pair only where it matters for a step h.
 
-    If the fastest bobs cannot cross a potential's length in a quarter of the step, no pair matters.
+    No pair can have moved farther towards its next encounter than the fastest bobs of all have.
     """
     n = y.size // 2
     top_speeds(model, clock.t, y[:n], y[n:], speeds)
-    bound = widest_rate(model, speeds)
-    if h * bound <= ENCOUNTER_UPDATE:
-        return bound
+    speed = fastest_approach(model, speeds)
+    clock.clearance -= speed * clock.encounter_age
+    clearance = least_clearance(model, clock.clearance)
+    if clearance > 0.0 and h * speed <= ENCOUNTER_UPDATE * clearance:
+        return speed / clearance
     found = next_encounter(model, neighbours, speeds)
+    clock.clearance = found.clearance
     if h * found.ignored > 1.0:
         clock.passages += 1
         clock.passing = found.one
@@ -141,9 +137,14 @@ def record_due(model, neighbours, clock, state, times, record):
 
 
 @kernel
-def equal_step(left, step):
-    """The largest step up to `step` that divides the time left until the next sample."""
-    return left / max(1.0, np.ceil(left / step - 1e-9))
+def equal_step(clock, left, step):
+    """The step, and whether it ends with the next sample, which is `left` ahead.
+
+    Between two samples all steps are the same: the largest up to `step` that divides the time.
+    """
+    if clock.h == 0.0:
+        clock.h = left / max(1.0, np.ceil(left / step - 1e-9))
+    return clock.h, left < 1.5 * clock.h
 
 
 @kernel
@@ -162,10 +163,10 @@ def update_encounter(model, neighbours, clock, y, speeds, h):
     """
     clock.encounter_age += h
     near = (clock.encounter_age + h) * clock.encounter_rate > ENCOUNTER_UPDATE
-    if clock.steps % update_interval(model) != 0 and not near:
+    if clock.steps % UPDATE_INTERVAL != 0 and not near:
         return False
-    clock.encounter_age = 0.0
     clock.encounter_rate = encounter_bound(model, neighbours, clock, y, speeds, h)
+    clock.encounter_age = 0.0
     return True
 
 
@@ -245,6 +246,14 @@ def advance(clock, t, h, landing):
     clock.t = t
     clock.last_step = h
     clock.steps += 1
+
+
+@kernel
+def advance_equally(clock, goal, h, landing):
+    """Take an equal step, the last before the next sample at `goal` if it is `landing`."""
+    advance(clock, end_of_step(clock, goal, h, landing), h, landing)
+    if landing:
+        clock.h = 0.0
 
 
 @kernel

@@ -18,11 +18,9 @@ the method keeps for the next step.
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-
 from tribo.integrators.step_control import (
     accept_step,
-    advance,
+    advance_equally,
     all_finite,
     check_arrival,
     end_of_step,
@@ -36,10 +34,12 @@ from tribo.integrators.step_control import (
     underflow_status,
     update_encounter,
 )
+from tribo.kernels.compiled import kernel
 from tribo.kernels.neighbours import crowded
 from tribo.kernels.numba_passes import LINKED
 from tribo.kernels.plugin_methods import method_of_named_tuples
 from tribo.kernels.samples import copy_state, empty_state
+from tribo.kernels.simd_arrays import zero_rows
 from tribo.kernels.status import COMPLETED, NOT_FINITE, PAUSED
 
 
@@ -71,9 +71,26 @@ def equal_steps(model, neighbours, method, step, clocks, state, times, record, b
     Between two samples the steps are equal, and as few as `step` allows.  The run stops where a
     step would jump an encounter.  PAUSED after `budget` steps: call again to continue.
     """
-    clock = clocks[0]
-    work = method.workspace(model, state)
-    speeds = np.empty((model.asperites.size, 3))
+    return take_equal_steps(
+        model,
+        neighbours,
+        method,
+        step,
+        clocks[0],
+        state,
+        times,
+        record,
+        budget,
+        method.workspace(model, state),
+        zero_rows(3, model.asperites.shape[1]),
+    )
+
+
+@kernel
+def take_equal_steps(
+    model, neighbours, method, step, clock, state, times, record, budget, work, speeds
+):
+    """Integrate through the sample times; see :func:`equal_steps`."""
     status = initialize(model, neighbours, clock, state, speeds)
     if status != COMPLETED:
         return status
@@ -83,15 +100,16 @@ def equal_steps(model, neighbours, method, step, clocks, state, times, record, b
         left = record_due(model, neighbours, clock, state, times, record)
         if left == 0.0:
             return COMPLETED
-        h = equal_step(left, step)
+        h, landing = equal_step(clock, left, step)
         status = equal_step_status(clock, h, times[-1])
         if status != COMPLETED:
             return status
-        end = end_of_step(clock, times[clock.sample], h, h == left)
+        goal = times[clock.sample]
+        end = end_of_step(clock, goal, h, landing)
         status = method.step(model, neighbours, clock, h, end, state, work)
         if status != COMPLETED:
             return status
-        advance(clock, end, h, h == left)
+        advance_equally(clock, goal, h, landing)
         if not (all_finite(state.y) and all_finite(state.acceleration) and all_finite(state.s)):
             return NOT_FINITE
         update_encounter(model, neighbours, clock, state.y, speeds, h)
@@ -105,10 +123,27 @@ def adaptive_steps(model, neighbours, method, tolerance, clocks, state, times, r
     the speeds at its start, nor past it by the speeds at its end.  PAUSED after `budget` trials:
     call again to continue.
     """
-    clock = clocks[0]
-    work = method.workspace(model, state)
-    new = empty_state(state)
-    speeds = np.empty((model.asperites.size, 3))
+    return take_adaptive_steps(
+        model,
+        neighbours,
+        method,
+        tolerance,
+        clocks[0],
+        state,
+        times,
+        record,
+        budget,
+        method.workspace(model, state),
+        zero_rows(3, model.asperites.shape[1]),
+        empty_state(state),
+    )
+
+
+@kernel
+def take_adaptive_steps(
+    model, neighbours, method, tolerance, clock, state, times, record, budget, work, speeds, new
+):
+    """Integrate through the sample times; see :func:`adaptive_steps`."""
     status = initialize(model, neighbours, clock, state, speeds)
     if status != COMPLETED:
         return status

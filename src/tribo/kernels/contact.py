@@ -9,9 +9,27 @@ from typing import NamedTuple
 import numpy as np
 from numba import literal_unroll
 
-from tribo.kernels.compiled import kernel
+from tribo.kernels.blocks import clear
+from tribo.kernels.compiled import inlined, kernel
+from tribo.kernels.kinematics import nearest_image
 from tribo.kernels.neighbours import image, is_partner, partner_species
+from tribo.kernels.potential_in_lanes import force_in_lanes
 from tribo.kernels.python_callback import call_at
+from tribo.kernels.records import ALONG_X, ALONG_Y, CHARGE, FX, FY, X, Y, Z
+from tribo.kernels.simd import (
+    LANES,
+    absolute,
+    any_below,
+    between_lanes,
+    broadcast,
+    lane,
+    maximum,
+    sqrt,
+    sum_of_lanes,
+    where_less,
+    with_lane,
+)
+from tribo.kernels.simd_arrays import block, gather, scatter, set_block
 
 # Square of a distance below which the squares of its components lose digits to underflow.
 SQUARE_IS_SAFE = 1e-280
@@ -31,6 +49,17 @@ def separation(dx, dy, dz):
     return math.hypot(math.hypot(dx, dy), dz)
 
 
+@inlined
+def separations(dx, dy, dz, low, high):
+    """The same of eight pairs, of which those from `low` to `high` are wanted."""
+    square = dx * dx + dy * dy + dz * dz
+    r = sqrt(square)
+    if any_below(low, high, square, SQUARE_IS_SAFE):
+        for i in range(low, high):
+            r = with_lane(r, i, separation(lane(dx, i), lane(dy, i), lane(dz, i)))
+    return r
+
+
 @kernel
 def row_of(contact, k, one, other, i, neighbours):
     """First and last + 1 of the candidates for bob i, and whether they are places in the list.
@@ -42,7 +71,7 @@ def row_of(contact, k, one, other, i, neighbours):
             row = contact.rows[k] + i - one.start
             if neighbours.start[row + 1] <= neighbours.index.size:
                 return neighbours.start[row], neighbours.start[row + 1], True
-    return max(other.start, i + 1), other.stop, False
+    return max(other.start, i + 1), other.end, False
 
 
 @kernel
@@ -53,68 +82,108 @@ def candidate(neighbours, is_listed, m):
     return neighbours.index[m] if is_listed else m
 
 
-@kernel
-def add_contact(model, contact, forces, neighbours):
-    """Add the forces of one interaction to `forces`, records with fx and fy, one a bob."""
-    bobs = model.bobs
-    box = model.box
+@inlined
+def candidates(row, neighbours, is_listed, m, high):
+    """Values of a row of a table for a block of candidates."""
+    if neighbours is not None:
+        if is_listed:
+            return gather(row, neighbours.index, m, high)
+    return block(row, m)
+
+
+@inlined
+def set_candidates(row, neighbours, is_listed, m, high, x):
+    """Set the values of a row of a table for a block of candidates."""
+    if neighbours is not None:
+        if is_listed:
+            scatter(row, neighbours.index, m, high, x)
+            return
+    set_block(row, m, x)
+
+
+@inlined
+def images(difference, box, axis):
+    """Separations from the nearest images along x (axis 0) or z (axis 1) of a scene's box."""
+    if box is None:
+        return difference
+    period = box.x if axis == 0 else box.z
+    return nearest_image(difference, period)
+
+
+@inlined
+def without_others(force, species, partners, neighbours, is_listed, m, high):
+    """Forces where the candidates are of a species by `partner_species`, 0 elsewhere."""
+    if species is None:
+        return force
+    if partners == -1:
+        return force
+    away = absolute(candidates(species, neighbours, is_listed, m, high) - float(partners))
+    return where_less(away, 0.5, force, 0.0)
+
+
+@inlined
+def add_row(model, contact, fx, fy, neighbours, i, start, stop, is_listed):
+    """Add the forces between bob i and its candidates to the rows fx and fy of a table.
+
+    Blocks of bobs begin at a multiple of eight, blocks of a list anywhere.
+    """
+    xs = model.bobs[X]
+    ys = model.bobs[Y]
+    zs = model.asperites[Z]
+    charges = model.asperites[CHARGE]
     potential = contact.potential
     end = potential.range()
+    partners = partner_species(model.species, contact.species, i)
+    sum_x = broadcast(0.0)
+    sum_y = broadcast(0.0)
+    for m in range(start if is_listed else start - start % LANES, stop, LANES):
+        low = max(0, start - m)
+        high = min(LANES, stop - m)
+        dx = images(xs[i] - candidates(xs, neighbours, is_listed, m, high), model.box, 0)
+        dy = ys[i] - candidates(ys, neighbours, is_listed, m, high)
+        dz = images(zs[i] - candidates(zs, neighbours, is_listed, m, high), model.box, 1)
+        r = separations(dx, dy, dz, low, high)
+        others = candidates(charges, neighbours, is_listed, m, high)
+        f = force_in_lanes(potential, r, end, charges[i], others, low, high) * (1.0 / r)
+        f = between_lanes(low, high, where_less(r, end, f, 0.0), 0.0)
+        f = without_others(f, model.species, partners, neighbours, is_listed, m, high)
+        sum_x = sum_x + f * dx
+        sum_y = sum_y + f * dy
+        x = candidates(fx, neighbours, is_listed, m, high) - f * dx
+        y = candidates(fy, neighbours, is_listed, m, high) - f * dy
+        set_candidates(fx, neighbours, is_listed, m, high, x)
+        set_candidates(fy, neighbours, is_listed, m, high, y)
+    fx[i] += sum_of_lanes(sum_x)
+    fy[i] += sum_of_lanes(sum_y)
+
+
+@inlined
+def add_contact(model, contact, fx, fy, neighbours):
+    """Add the forces of one interaction to the rows fx and fy of a table, one column a bob."""
     for k in range(contact.pairs.shape[0]):
         one = model.surfaces[contact.pairs[k, 0]]
         other = model.surfaces[contact.pairs[k, 1]]
-        for i in range(one.start, one.stop):
-            a = bobs[i]
-            fx = 0.0
-            fy = 0.0
-            partners = partner_species(model.species, contact.species, i)
+        for i in range(one.start, one.end):
             start, stop, is_listed = row_of(contact, k, one, other, i, neighbours)
-            for m in range(start, stop):
-                j = candidate(neighbours, is_listed, m)
-                if not is_partner(model.species, partners, j):
-                    continue
-                b = bobs[j]
-                dx = image(a.x - b.x, box, 0)
-                dy = a.y - b.y
-                r = separation(dx, dy, image(a.z - b.z, box, 1))
-                if r < end:
-                    f = potential.force_between(r, a.charge, b.charge) / r
-                    fx += f * dx
-                    fy += f * dy
-                    force = forces[j]
-                    force.fx -= f * dx
-                    force.fy -= f * dy
-            force = forces[i]
-            force.fx += fx
-            force.fy += fy
+            add_row(model, contact, fx, fy, neighbours, i, start, stop, is_listed)
 
 
-@kernel
+@inlined
 def contact_forces(model, neighbours):
     """Add the contact force f1 on newly placed bobs, and set the forces within surfaces."""
     for contact in literal_unroll(model.contacts):
-        add_contact(model, contact, model.bobs, neighbours)
+        add_contact(model, contact, model.bobs[FX], model.bobs[FY], neighbours)
     add_calculated(model, model.calculators)
     add_within(model, model.within, neighbours)
-
-
-@kernel
-def force_within(inner, i):
-    """Force on bob i from the other bobs of its surface."""
-    if inner is None:
-        return 0.0, 0.0
-    return inner[i].fx, inner[i].fy
 
 
 @kernel
 def add_within(model, within, neighbours):
     """Set the forces among the bobs of one surface."""
     if within is not None:
-        for i in range(model.inner.shape[0]):
-            model.inner[i].fx = 0.0
-            model.inner[i].fy = 0.0
+        clear(model.inner)
         for contact in literal_unroll(within):
-            add_contact(model, contact, model.inner, neighbours)
+            add_contact(model, contact, model.inner[ALONG_X], model.inner[ALONG_Y], neighbours)
 
 
 @kernel
@@ -123,9 +192,9 @@ def call_calculator(model, calculator):
     row = 0
     for k in range(calculator.surfaces.size):
         s = model.surfaces[calculator.surfaces[k]]
-        for i in range(s.start, s.stop):
-            calculator.positions[row, 0] = model.bobs[i].x
-            calculator.positions[row, 1] = model.bobs[i].y
+        for i in range(s.start, s.end):
+            calculator.positions[row, 0] = model.bobs[X, i]
+            calculator.positions[row, 1] = model.bobs[Y, i]
             row += 1
     call_at(calculator.address)
 
@@ -139,10 +208,9 @@ def add_calculated(model, calculators):
             row = 0
             for k in range(calculator.surfaces.size):
                 s = model.surfaces[calculator.surfaces[k]]
-                for i in range(s.start, s.stop):
-                    b = model.bobs[i]
-                    b.fx += calculator.forces[row, 0]
-                    b.fy += calculator.forces[row, 1]
+                for i in range(s.start, s.end):
+                    model.bobs[FX, i] += calculator.forces[row, 0]
+                    model.bobs[FY, i] += calculator.forces[row, 1]
                     row += 1
 
 
@@ -158,27 +226,33 @@ def calculated_energy(model, calculators):
 
 
 @kernel
+def distance_of(model, i, j):
+    """Distance of bob i from the nearest image of bob j."""
+    b = model.bobs
+    z = model.asperites[Z]
+    dx = image(b[X, i] - b[X, j], model.box, 0)
+    return separation(dx, b[Y, i] - b[Y, j], image(z[i] - z[j], model.box, 1))
+
+
+@kernel
 def pair_energy(model, contact, k, neighbours):
     """Potential energy of one interaction between one pair of surfaces."""
-    bobs = model.bobs
+    charges = model.asperites[CHARGE]
     potential = contact.potential
     end = potential.range()
     one = model.surfaces[contact.pairs[k, 0]]
     other = model.surfaces[contact.pairs[k, 1]]
     energy = 0.0
-    for i in range(one.start, one.stop):
-        a = bobs[i]
+    for i in range(one.start, one.end):
         partners = partner_species(model.species, contact.species, i)
         start, stop, is_listed = row_of(contact, k, one, other, i, neighbours)
         for m in range(start, stop):
             j = candidate(neighbours, is_listed, m)
             if not is_partner(model.species, partners, j):
                 continue
-            b = bobs[j]
-            dx = image(a.x - b.x, model.box, 0)
-            r = separation(dx, a.y - b.y, image(a.z - b.z, model.box, 1))
+            r = distance_of(model, i, j)
             if r < end:
-                energy += potential.energy_between(r, a.charge, b.charge)
+                energy += potential.energy_between(r, charges[i], charges[j])
     return energy
 
 
@@ -197,6 +271,7 @@ class Encounter(NamedTuple):
 
     rate: float  # largest (relative speed) / (distance to the next change of force) [1 / time]
     closest: float  # smallest distance of a pair [length]
+    clearance: float  # smallest distance that a pair may move before its force changes [length]
     ignored: float  # largest rate of pairs whose potential cannot matter [1 / time]
     one: int  # the bobs of the fastest of these
     other: int
@@ -227,38 +302,36 @@ def can_matter(potential, r, charge, other_charge, thermal):
 @kernel
 def encounter_of_contact(model, contact, neighbours, speeds, thermal, found):
     """The encounters found before, or those of one interaction where they come sooner."""
-    bobs = model.bobs
-    rate, closest, ignored, first, second = found
+    charges = model.asperites[CHARGE]
+    rate, closest, clearance, ignored, first, second = found
     potential = contact.potential
     for k in range(contact.pairs.shape[0]):
         one = model.surfaces[contact.pairs[k, 0]]
         other = model.surfaces[contact.pairs[k, 1]]
-        for i in range(one.start, one.stop):
-            a = bobs[i]
+        for i in range(one.start, one.end):
             partners = partner_species(model.species, contact.species, i)
             start, stop, is_listed = row_of(contact, k, one, other, i, neighbours)
             for m in range(start, stop):
                 j = candidate(neighbours, is_listed, m)
                 if not is_partner(model.species, partners, j):
                     continue
-                b = bobs[j]
-                dx = image(a.x - b.x, model.box, 0)
-                r = separation(dx, a.y - b.y, image(a.z - b.z, model.box, 1))
-                speed = (
-                    math.hypot(speeds[i, 0] - speeds[j, 0], speeds[i, 1] - speeds[j, 1])
-                    + speeds[i, 2]
-                    + speeds[j, 2]
-                )
+                r = distance_of(model, i, j)
+                vx = speeds[0, i] - speeds[0, j]
+                vy = speeds[1, i] - speeds[1, j]
+                speed = math.sqrt(vx * vx + vy * vy) + speeds[2, i] + speeds[2, j]
                 closest = min(closest, r)
-                faster = speed / potential.clearance(r)
+                own = potential.clearance(r)
+                clearance = min(clearance, own)
+                faster = speed / own
                 if faster > rate:
-                    if can_matter(potential, r, a.charge, b.charge, thermal):
+                    if can_matter(potential, r, charges[i], charges[j], thermal):
                         rate = faster
                     elif faster > ignored:
                         ignored, first, second = faster, i, j
         if neighbours is not None and contact.rows[k] >= 0:
             rate = max(rate, closing_speed(one, other, speeds) / neighbours.skin)
-    return Encounter(rate, closest, ignored, first, second)
+            clearance = min(clearance, neighbours.skin)
+    return Encounter(rate, closest, clearance, ignored, first, second)
 
 
 @kernel
@@ -275,14 +348,14 @@ def next_encounter(model, neighbours, speeds):
         The scene, bobs in place.
     neighbours : Neighbours or None
         The list of neighbours.
-    speeds : ndarray, (n, 3)
+    speeds : ndarray, (3, n)
         Velocity of each centre of mass, and the largest speed of the bob about it.
 
     Returns
     -------
     Encounter
     """
-    found = Encounter(0.0, np.inf, 0.0, -1, -1)
+    found = Encounter(0.0, np.inf, np.inf, 0.0, -1, -1)
     thermal = thermal_energy(model)
     for contact in literal_unroll(model.contacts):
         found = encounter_of_contact(model, contact, neighbours, speeds, thermal, found)
@@ -310,29 +383,39 @@ def shortest_feature(contacts):
 
 
 @kernel
-def widest_rate(model, speeds):
-    """An upper bound on the encounter rate that needs no loop over pairs; may be infinite."""
-    shortest = min(shortest_feature(model.contacts), shortest_feature(model.within))
+def fastest_approach(model, speeds):
+    """Largest speed at which two bobs that have a contact can approach each other."""
     fastest = 0.0
     for k in range(model.surfaces.shape[0]):
         for m in range(k if model.within is None else k + 1):
             fastest = max(fastest, closing_speed(model.surfaces[k], model.surfaces[m], speeds))
-    return fastest / shortest if shortest > 0.0 else math.inf
+    return fastest
+
+
+@kernel
+def least_clearance(model, clearance):
+    """The smallest clearance of any pair, from a lower bound; no less than the shortest feature."""
+    return max(clearance, min(shortest_feature(model.contacts), shortest_feature(model.within)))
 
 
 @kernel
 def closing_speed(one, other, speeds):
     """Largest speed at which any bob of one surface can approach any of another."""
-    low_x = math.inf
-    low_y = math.inf
-    high_x = -math.inf
-    high_y = -math.inf
-    swing = 0.0
+    low_x = broadcast(math.inf)
+    low_y = broadcast(math.inf)
+    high_x = broadcast(-math.inf)
+    high_y = broadcast(-math.inf)
+    swing = broadcast(0.0)
     for surface in (one, other):
-        for i in range(surface.start, surface.stop):
-            low_x = min(low_x, speeds[i, 0])
-            high_x = max(high_x, speeds[i, 0])
-            low_y = min(low_y, speeds[i, 1])
-            high_y = max(high_y, speeds[i, 1])
-            swing = max(swing, speeds[i, 2])
-    return math.hypot(high_x - low_x, high_y - low_y) + 2.0 * swing
+        for i in range(surface.start, surface.end, LANES):
+            n = surface.end - i
+            x = block(speeds[0], i)
+            y = block(speeds[1], i)
+            low_x = np.minimum(low_x, between_lanes(0, n, x, math.inf))
+            high_x = np.maximum(high_x, between_lanes(0, n, x, -math.inf))
+            low_y = np.minimum(low_y, between_lanes(0, n, y, math.inf))
+            high_y = np.maximum(high_y, between_lanes(0, n, y, -math.inf))
+            swing = np.maximum(swing, between_lanes(0, n, block(speeds[2], i), 0.0))
+    x = maximum(high_x) + maximum(-low_x)
+    y = maximum(high_y) + maximum(-low_y)
+    return math.sqrt(x * x + y * y) + 2.0 * maximum(swing)

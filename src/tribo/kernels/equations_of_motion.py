@@ -1,4 +1,4 @@
-"""The equations of motion: M q'' = F(q, q', t), asperite by asperite.
+"""The equations of motion: M q'' = F(q, q', t), block by block of asperites.
 
 The coordinates q are the swing theta - rest of every asperite, then phi, x and y of those that
 have them free, then the baths.  x and y are displacements from the initial uniform motion of the
@@ -6,135 +6,123 @@ centre of mass; where no net force can arise they stay zero and are no coordinat
 oscillator's coordinates are its displacement from the resting bar in the same uniform motion.
 """
 
-import math
-
-from numba import literal_unroll
-
-from tribo.kernels.compiled import kernel, shared_kernel
-from tribo.kernels.contact import contact_forces, force_within
+from tribo.kernels.baths import bath_accelerations, bath_forces, torsional_accelerations
+from tribo.kernels.blocks import clear, coordinates, set_vectors, vectors
+from tribo.kernels.compiled import inlined, kernel, shared_kernel
+from tribo.kernels.contact import contact_forces
 from tribo.kernels.fields import field_forces
-from tribo.kernels.kinematics import bar_position, bar_velocity, bob_position
+from tribo.kernels.kinematics import bar_velocity, bob_position
 from tribo.kernels.langevin import friction_force
 from tribo.kernels.neighbours import crowded, refresh
-from tribo.kernels.records import FORCED, PULLED, RIGID
+from tribo.kernels.records import (
+    BAR_LENGTH,
+    FORCED,
+    FX,
+    FY,
+    I2,
+    INERTIA,
+    KAPPA,
+    L1,
+    L2,
+    LEFT_X,
+    LEFT_Y,
+    MASS,
+    NU_START,
+    PHI_START,
+    PRESENT,
+    PULLED,
+    RIGHT_X,
+    RIGHT_Y,
+    RIGID,
+    TX,
+    TY,
+    X_START,
+    Y_START,
+    X,
+    Y,
+)
+from tribo.kernels.simd import LANES, broadcast, sqrt, sum_of_lanes
+from tribo.kernels.simd_arrays import block, set_block
+from tribo.kernels.simd_functions import sine_cosine, versine
+from tribo.kernels.springs import spring_forces
+from tribo.kernels.user_forces import custom_forces
 
 
-@kernel
-def bar_angle(asperite, t, q):
-    """phi: a coordinate where the bar is free, uniform where it is clamped."""
-    if asperite.dof_phi >= 0:
-        return q[asperite.dof_phi]
-    return asperite.phi + asperite.nu * t
+@inlined
+def bar_angles(model, s, i, t, q):
+    """phi of a block: coordinates where bars are free, uniform where they are clamped."""
+    if s.dof_phi >= 0:
+        return coordinates(s.dof_phi, s, i, q)
+    return block(model.asperites[PHI_START], i) + block(model.asperites[NU_START], i) * t
 
 
-@kernel
-def displacement(slot, q):
-    """The coordinate or velocity in a slot; 0 where there is none."""
-    return q[slot] if slot >= 0 else 0.0
-
-
-@kernel
-def bar_displacement(asperite, q, swing):
-    """Displacement of the bar from its rest, in the initial uniform motion.
+@inlined
+def place_bars(displaced, s, i, x, y, l2, sin, cos):
+    """Set the bars' displacements from rest in the initial uniform motion, where they are needed.
 
     The position is r2 = r_cm + l2 (-sin theta, cos theta).
     """
-    x = displacement(asperite.dof_x, q) - asperite.l2 * asperite.facing * math.sin(swing)
-    half = math.sin(0.5 * swing)
-    y = displacement(asperite.dof_y, q) - asperite.l2 * asperite.facing * 2.0 * half * half
-    return x, y
+    if displaced is not None:
+        x = x - l2 * s.facing * sin
+        y = y - l2 * s.facing * versine(sin, cos)
+        set_vectors(displaced, i, x, y)
 
 
-@kernel
-def place_bob(model, i, t, q):
-    """Set position and direction of bob i, and clear its contact force."""
-    a = model.asperites[i]
-    b = model.bobs[i]
-    b.tx = a.facing * math.cos(q[i])
-    b.ty = a.facing * math.sin(q[i])
-    x = a.x + a.vx * t + displacement(a.dof_x, q)
-    y = a.y + a.vy * t + displacement(a.dof_y, q)
-    b.x, b.y = bob_position(x, y, a.l1, b.tx, b.ty)
-    b.fx = 0.0
-    b.fy = 0.0
+@inlined
+def place_block(model, s, i, t, q):
+    """Set positions and directions of a block of bobs, and clear their contact forces."""
+    a = model.asperites
+    b = model.bobs
+    sin, cos = sine_cosine(block(q, i))
+    tx = s.facing * cos
+    ty = s.facing * sin
+    x = coordinates(s.dof_x, s, i, q)
+    y = coordinates(s.dof_y, s, i, q)
+    place_bars(model.displaced, s, i, x, y, block(a[L2], i), sin, cos)
+    x = block(a[X_START], i) + s.vx * t + x
+    y = block(a[Y_START], i) + s.vy * t + y
+    x, y = bob_position(x, y, block(a[L1], i), tx, ty)
+    set_block(b[X], i, x)
+    set_block(b[Y], i, y)
+    set_block(b[TX], i, tx)
+    set_block(b[TY], i, ty)
+    set_block(b[FX], i, broadcast(0.0))
+    set_block(b[FY], i, broadcast(0.0))
 
 
 @shared_kernel
 def place_bobs(model, t, q):
     """Set position and direction of every bob."""
-    for i in range(model.asperites.shape[0]):
-        place_bob(model, i, t, q)
+    for k in range(model.surfaces.shape[0]):
+        s = model.surfaces[k]
+        for i in range(s.start, s.stop, LANES):
+            place_block(model, s, i, t, q)
+
+
+@inlined
+def velocities_of_bars(model, s, i, v):
+    """Velocities of the centres of a block of bars in the surface's first frame, bobs in place."""
+    vx = coordinates(s.dof_x, s, i, v)
+    vy = coordinates(s.dof_y, s, i, v)
+    tx = block(model.bobs[TX], i)
+    ty = block(model.bobs[TY], i)
+    return bar_velocity(vx, vy, block(v, i), block(model.asperites[L2], i), tx, ty)
 
 
 @kernel
-def velocity_of_bar(a, b, i, v):
-    """Velocity of bar i's centre in the surface's first frame, bobs in place."""
-    vx = displacement(a.dof_x, v)
-    vy = displacement(a.dof_y, v)
-    return bar_velocity(vx, vy, v[i], a.l2, b.tx, b.ty)
-
-
-@kernel
-def clear_internal(bars):
-    """Clear the internal forces on the bars."""
-    for i in range(bars.shape[0]):
-        bars[i].hx = 0.0
-        bars[i].hy = 0.0
-
-
-@kernel
-def stretch(bond, asperites, q):
-    """(r2_i - r2_j) - (r2_i - r2_j)_rest of a lattice spring."""
-    xi, yi = bar_displacement(asperites[bond.i], q, q[bond.i])
-    xj, yj = bar_displacement(asperites[bond.j], q, q[bond.j])
-    return xi - xj + bond.x, yi - yj + bond.y
-
-
-@kernel
-def spring_forces(model, bonds, q):
-    """Add the forces of lattice springs on the bars, f = -k (stretch)."""
-    if bonds is not None:
-        for m in range(bonds.shape[0]):
-            bond = bonds[m]
-            x, y = stretch(bond, model.asperites, q)
-            one = model.bars[bond.i]
-            other = model.bars[bond.j]
-            one.hx -= bond.stiffness * x
-            one.hy -= bond.stiffness * y
-            other.hx += bond.stiffness * x
-            other.hy += bond.stiffness * y
-
-
-@kernel
-def bath_forces(model, bath, q):
-    """Add the forces of bath oscillators on the bars, f = m w^2 (displacement from the bar)."""
-    if bath is not None:
-        for i in range(model.asperites.shape[0]):
-            a = model.asperites[i]
-            s = model.surfaces[a.surface]
-            x, y = bar_displacement(a, q, q[i])
-            d = model.bars[i]
-            for n in range(s.oscillators):
-                o = bath[s.first_oscillator + n]
-                stiffness = o.mass * o.frequency * o.frequency
-                d.hx += stiffness * (q[a.dof_bath + n] - x)
-                d.hy += stiffness * (q[a.dof_bath + s.oscillators + n] - y)
-
-
-@kernel
-def friction_forces(model, langevin, v):
+def friction_forces(model, friction, v):
     """Set the Langevin friction on the bars, f_T = -gamma (v_bar - u).
 
     The integrator adds the noise.
     """
-    if langevin is not None:
-        for i in range(model.asperites.shape[0]):
-            a = model.asperites[i]
-            b = model.bobs[i]
-            s = model.surfaces[a.surface]
-            vx, vy = velocity_of_bar(a, b, i, v)
-            d = model.bars[i]
-            d.lx, d.ly = friction_force(s.gamma, vx, vy, s.reservoir_x, s.reservoir_y)
+    if friction is not None:
+        for k in range(model.surfaces.shape[0]):
+            s = model.surfaces[k]
+            for i in range(s.start, s.stop, LANES):
+                vx, vy = velocities_of_bars(model, s, i, v)
+                fx, fy = friction_force(s.gamma, vx, vy, s.reservoir_x, s.reservoir_y)
+                present = block(model.asperites[PRESENT], i)
+                set_vectors(friction, i, present * fx, present * fy)
 
 
 @kernel
@@ -144,80 +132,38 @@ def gather_contact(model):
         s = model.surfaces[k]
         if s.drive == RIGID:
             s.fx = 0.0
-            for i in range(s.start, s.stop):
-                s.fx += model.bobs[i].fx
+            for i in range(s.start, s.stop, LANES):
+                s.fx += sum_of_lanes(block(model.bobs[FX], i))
 
 
-@kernel
-def drive_bar(model, i, t, q):
-    """Set f2 on bar i, contact forces in place."""
-    a = model.asperites[i]
-    b = model.bobs[i]
-    d = model.bars[i]
-    s = model.surfaces[a.surface]
+@inlined
+def drive_block(model, s, i, t, q):
+    """Set f2 on a block of bars, contact forces in place."""
+    b = model.bobs
+    fx = block(b[FX], i)
+    fy = block(b[FY], i)
     if s.drive == FORCED:
-        d.gx = -b.fx
+        gx = -fx
     elif s.drive == RIGID:
-        d.gx = a.mass / s.mass * s.fx - b.fx
+        gx = block(model.asperites[MASS], i) * (s.fx / s.mass) - fx
     elif s.drive == PULLED:
-        reach = s.anchor + s.speed * t - displacement(a.dof_x, q) + a.l2 * b.ty
-        d.gx = s.stiffness * reach
+        bar = coordinates(s.dof_x, s, i, q) - block(model.asperites[L2], i) * block(b[TY], i)
+        gx = s.stiffness * ((s.anchor + s.speed * t) - bar)
     else:
-        d.gx = 0.0
-    d.gy = s.load if s.loaded else -b.fy
+        gx = broadcast(0.0)
+    gy = broadcast(s.load) if s.loaded else -fy
+    present = block(model.asperites[PRESENT], i)
+    set_vectors(model.drive, i, present * gx, present * gy)
 
 
-@kernel
+@inlined
 def drive_forces(model, t, q):
     """Set f2 on every bar."""
     gather_contact(model)
-    for i in range(model.asperites.shape[0]):
-        drive_bar(model, i, t, q)
-
-
-@kernel
-def custom_drive(model, drives, i, t, q, v):
-    """Set f2 by a plug-in: a function of time, of the bar's motion, and of the contact force."""
-    if drives is not None:
-        a = model.asperites[i]
-        for drive in literal_unroll(drives):
-            if drive.surface == a.surface:
-                b = model.bobs[i]
-                s = model.surfaces[a.surface]
-                x, y = bar_position(b.x, b.y, a.l1 + a.l2, b.tx, b.ty)
-                x = x + drive.origin[0] + drive.velocity[0] * t
-                y = y + drive.origin[1] + drive.velocity[1] * t
-                vx, vy = velocity_of_bar(a, b, i, v)
-                vx += a.vx + drive.velocity[0]
-                vy += a.vy + drive.velocity[1]
-                gx, gy = drive.plugin.force_on_bar(t, x, y, vx, vy, b.fx, b.fy)
-                d = model.bars[i]
-                d.gx = gx
-                d.gy = s.load if s.loaded else gy
-
-
-@kernel
-def custom_ends(model, ends, i, t, q, v):
-    """Set the forces of a plug-in on the ends of bar i: a function of time and of its rotation."""
-    if ends is not None:
-        a = model.asperites[i]
-        for end in literal_unroll(ends):
-            if end.surface == a.surface:
-                phi = bar_angle(a, t, q)
-                nu = displacement(a.dof_phi, v)
-                left_x, left_y, right_x, right_y = end.plugin.end_forces(t, phi, nu, q[i] - phi)
-                f = model.end_forces[i]
-                f.left_x = left_x
-                f.left_y = left_y
-                f.right_x = right_x
-                f.right_y = right_y
-
-
-@kernel
-def custom_forces(model, i, t, q, v):
-    """Set all forces of plug-ins on bar i, contact forces in place."""
-    custom_drive(model, model.drives, i, t, q, v)
-    custom_ends(model, model.ends, i, t, q, v)
+    for k in range(model.surfaces.shape[0]):
+        s = model.surfaces[k]
+        for i in range(s.start, s.stop, LANES):
+            drive_block(model, s, i, t, q)
 
 
 @kernel
@@ -228,8 +174,8 @@ def update_neighbours(model, neighbours, t, q):
     return not crowded(neighbours)
 
 
-@kernel
-def forces(model, neighbours, t, q):
+@inlined
+def forces(model, neighbours, t):
     """Set the forces that depend on positions alone: contact, fields, springs.
 
     The bobs are newly placed.
@@ -237,136 +183,106 @@ def forces(model, neighbours, t, q):
     refresh(model, neighbours)
     contact_forces(model, neighbours)
     field_forces(model, model.fields, t)
-    if model.bonds is not None or model.bath is not None:
-        clear_internal(model.bars)
-    spring_forces(model, model.bonds, q)
+    clear(model.internal)
+    spring_forces(model, model.springs)
 
 
-@kernel
-def end_force_sum(end_forces, i):
-    """f_L + f_R of a plug-in on bar i."""
+@inlined
+def end_force_sums(end_forces, i):
+    """f_L + f_R of a plug-in on a block of bars."""
     if end_forces is None:
-        return 0.0, 0.0
-    f = end_forces[i]
-    return f.left_x + f.right_x, f.left_y + f.right_y
+        return broadcast(-0.0), broadcast(-0.0)
+    x = block(end_forces[LEFT_X], i) + block(end_forces[RIGHT_X], i)
+    return x, block(end_forces[LEFT_Y], i) + block(end_forces[RIGHT_Y], i)
 
 
 @kernel
-def add_end_forces(model, end_forces, i, t, q, acceleration):
-    """Add the forces of a plug-in on the ends of bar i, f_L and f_R, to q''."""
+def add_end_torques(model, end_forces, s, i, t, q, acceleration):
+    """Add the torques of a plug-in's forces on the ends of bars to phi''."""
     if end_forces is not None:
-        a = model.asperites[i]
-        if a.acc_user_ends >= 0:
-            b = model.bobs[i]
-            f = end_forces[i]
-            fx, fy = end_force_sum(end_forces, i)
-            half = 0.5 * a.bar_length
-            phi = bar_angle(a, t, q)
-            cos = half * math.cos(phi)
-            sin = half * math.sin(phi)
-            torque = cos * (f.right_y - f.left_y) - sin * (f.right_x - f.left_x)
-            acceleration[i] -= a.l2 * (b.tx * fx + b.ty * fy) / a.inertia
-            acceleration[a.dof_phi] += torque / a.i2
-            acceleration[a.dof_x] += fx / a.mass
-            acceleration[a.dof_y] += fy / a.mass
+        if s.acc_user_ends >= 0:
+            sin, cos = sine_cosine(bar_angles(model, s, i, t, q))
+            half = 0.5 * block(model.asperites[BAR_LENGTH], i)
+            x = block(end_forces[RIGHT_X], i) - block(end_forces[LEFT_X], i)
+            y = block(end_forces[RIGHT_Y], i) - block(end_forces[LEFT_Y], i)
+            torque = half * (cos * y - sin * x)
+            k = s.dof_phi + i - s.start
+            old = block(acceleration, k)
+            set_block(acceleration, k, old + torque / block(model.asperites[I2], i))
 
 
-@kernel
+@inlined
 def bar_forces(model, i):
-    """Force on bar i except at its ends: f2 + f_int + f_T, where the scene has them."""
-    d = model.bars[i]
-    x = d.gx
-    y = d.gy
-    if model.bonds is not None or model.bath is not None:
-        x += d.hx
-        y += d.hy
-    if model.langevin is not None:
-        x += d.lx
-        y += d.ly
-    return x, y
+    """Force on a block of bars: f2 + f_int + f_T, and f_L + f_R of a plug-in."""
+    x, y = vectors(model.drive, i)
+    fx, fy = vectors(model.internal, i)
+    x, y = x + fx, y + fy
+    fx, fy = vectors(model.friction, i)
+    x, y = x + fx, y + fy
+    fx, fy = end_force_sums(model.end_forces, i)
+    return x + fx, y + fy
 
 
-@kernel
+@inlined
 def bob_forces(model, i):
-    """Force on bob i: f1, contact within the surface, and external fields."""
-    b = model.bobs[i]
-    x, y = force_within(model.inner, i)
-    x += b.fx
-    y += b.fy
-    if model.fields is not None:
-        x += model.bars[i].ex
-        y += model.bars[i].ey
-    return x, y
+    """Force on a block of bobs: f1, contact within the surface, and external fields."""
+    x = block(model.bobs[FX], i)
+    y = block(model.bobs[FY], i)
+    fx, fy = vectors(model.inner, i)
+    x, y = x + fx, y + fy
+    fx, fy = vectors(model.external, i)
+    return x + fx, y + fy
 
 
-@kernel
-def accelerate(model, i, torsion, t, q, acceleration):
-    """Set q'' of asperite i from the forces in place.
+@inlined
+def accelerate_block(model, s, i, torsion, t, q, acceleration):
+    """Set q'' of a block of asperites from the forces in place.
 
     `torsion` is 0 where the torsion springs are integrated separately, and 1 elsewhere.  Clamped
     ends have f_L + f_R = 0, and act on the bar's angle only.
     """
-    a = model.asperites[i]
-    b = model.bobs[i]
+    a = model.asperites
+    tx = block(model.bobs[TX], i)
+    ty = block(model.bobs[TY], i)
     bob_x, bob_y = bob_forces(model, i)
     bar_x, bar_y = bar_forces(model, i)
-    spring = torsion * a.kappa * (q[i] - bar_angle(a, t, q))
-    torque = a.l1 * (b.tx * bob_x + b.ty * bob_y) - a.l2 * (b.tx * bar_x + b.ty * bar_y)
-    acceleration[i] = (torque - spring) / a.inertia
-    if a.dof_phi >= 0:
-        acceleration[a.dof_phi] = spring / a.i2
-    if a.dof_x >= 0:
-        acceleration[a.dof_x] = (bob_x + bar_x) / a.mass
-    if a.dof_y >= 0:
-        acceleration[a.dof_y] = (bob_y + bar_y) / a.mass
-    add_end_forces(model, model.end_forces, i, t, q, acceleration)
+    torque = block(a[L1], i) * (tx * bob_x + ty * bob_y)
+    torque = torque - block(a[L2], i) * (tx * bar_x + ty * bar_y)
+    if torsion != 0.0 or s.dof_phi >= 0:
+        twist = block(q, i) - bar_angles(model, s, i, t, q)
+        spring = torsion * block(a[KAPPA], i) * twist
+        torque = torque - spring
+        if s.dof_phi >= 0:
+            set_block(acceleration, s.dof_phi + i - s.start, spring / block(a[I2], i))
+    set_block(acceleration, i, torque / block(a[INERTIA], i))
+    if s.dof_x >= 0:
+        ax = (bob_x + bar_x) / block(a[MASS], i)
+        set_block(acceleration, s.dof_x + i - s.start, ax)
+    if s.dof_y >= 0:
+        ay = (bob_y + bar_y) / block(a[MASS], i)
+        set_block(acceleration, s.dof_y + i - s.start, ay)
+    add_end_torques(model, model.end_forces, s, i, t, q, acceleration)
 
 
-@kernel
-def bath_accelerations(model, bath, q, acceleration):
-    """Set q'' of the bath oscillators, which springs hold to their bars."""
-    if bath is not None:
-        for i in range(model.asperites.shape[0]):
-            a = model.asperites[i]
-            s = model.surfaces[a.surface]
-            x, y = bar_displacement(a, q, q[i])
-            for n in range(s.oscillators):
-                kx = a.dof_bath + n
-                ky = kx + s.oscillators
-                square = bath[s.first_oscillator + n].frequency ** 2
-                acceleration[kx] = -square * (q[kx] - x)
-                acceleration[ky] = -square * (q[ky] - y)
+@inlined
+def accelerate(model, torsion, t, q, acceleration):
+    """Set q'' of all asperites from the forces in place; see :func:`accelerate_block`."""
+    for k in range(model.surfaces.shape[0]):
+        s = model.surfaces[k]
+        for i in range(s.start, s.stop, LANES):
+            accelerate_block(model, s, i, torsion, t, q, acceleration)
 
 
-@kernel
-def torsional_accelerations(model, torsional, t, q, acceleration):
-    """Set q'' of the torsional oscillators, and add their torque on the bars."""
-    if torsional is not None:
-        for i in range(model.asperites.shape[0]):
-            a = model.asperites[i]
-            s = model.surfaces[a.surface]
-            torque = 0.0
-            for n in range(s.torsionals):
-                k = a.dof_bath + 2 * s.oscillators + n
-                o = torsional[s.first_torsional + n]
-                twist = q[k] - bar_angle(a, t, q)
-                acceleration[k] = -o.frequency * o.frequency * twist
-                torque += o.mass * o.frequency * o.frequency * twist
-            if s.torsionals > 0:
-                acceleration[a.dof_phi] += torque / a.i2
-
-
-@kernel
+@inlined
 def equations_of_motion(model, neighbours, t, q, v, acceleration):
     """Set q'' of all coordinates."""
     place_bobs(model, t, q)
-    forces(model, neighbours, t, q)
+    forces(model, neighbours, t)
     drive_forces(model, t, q)
     bath_forces(model, model.bath, q)
-    friction_forces(model, model.langevin, v)
-    for i in range(model.asperites.shape[0]):
-        custom_forces(model, i, t, q, v)
-        accelerate(model, i, 1.0, t, q, acceleration)
+    friction_forces(model, model.friction, v)
+    custom_forces(model, t, q, v)
+    accelerate(model, 1.0, t, q, acceleration)
     bath_accelerations(model, model.bath, q, acceleration)
     torsional_accelerations(model, model.torsional, t, q, acceleration)
 
@@ -376,13 +292,15 @@ def top_speeds(model, t, q, v, speeds):
     """Set the velocity of each centre of mass, and the largest speed of its bob about it.
 
     The second follows from the energy of the swing, so a pendulum at its turning point counts with
-    the speed that it will have at its rest angle.
+    the speed that it will have at its rest angle.  `speeds` is (3, n).
     """
-    asperites = model.asperites
-    for i in range(asperites.shape[0]):
-        a = asperites[i]
-        twist = q[i] - bar_angle(a, t, q)
-        rate = math.sqrt(v[i] * v[i] + a.kappa / a.inertia * twist * twist)
-        speeds[i, 0] = a.vx + displacement(a.dof_x, v)
-        speeds[i, 1] = a.vy + displacement(a.dof_y, v)
-        speeds[i, 2] = a.l1 * rate
+    a = model.asperites
+    for k in range(model.surfaces.shape[0]):
+        s = model.surfaces[k]
+        for i in range(s.start, s.stop, LANES):
+            twist = block(q, i) - bar_angles(model, s, i, t, q)
+            omega = block(v, i)
+            rate = block(a[KAPPA], i) / block(a[INERTIA], i) * twist * twist + omega * omega
+            set_block(speeds[0], i, s.vx + coordinates(s.dof_x, s, i, v))
+            set_block(speeds[1], i, s.vy + coordinates(s.dof_y, s, i, v))
+            set_block(speeds[2], i, block(a[L1], i) * sqrt(rate))

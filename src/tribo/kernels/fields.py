@@ -2,7 +2,9 @@
 
 from numba import literal_unroll
 
+from tribo.kernels.blocks import clear
 from tribo.kernels.compiled import kernel
+from tribo.kernels.records import ALONG_X, ALONG_Y, X, Y
 
 
 @kernel
@@ -18,20 +20,17 @@ def field_shift(field, t):
 def field_forces(model, fields, t):
     """Set the force of the external fields on the bobs."""
     if fields is not None:
-        bars = model.bars
-        for i in range(bars.shape[0]):
-            bars[i].ex = 0.0
-            bars[i].ey = 0.0
+        clear(model.external)
         for field in literal_unroll(fields):
             shift_x, shift_y = field_shift(field, t)
             for k in range(field.surfaces.shape[0]):
                 s = model.surfaces[field.surfaces[k]]
-                for i in range(s.start, s.stop):
-                    b = model.bobs[i]
-                    fx, fy = field.potential.force_at(b.x + shift_x, b.y + shift_y)
-                    d = model.bars[i]
-                    d.ex += fx
-                    d.ey += fy
+                for i in range(s.start, s.end):
+                    x = model.bobs[X, i] + shift_x
+                    y = model.bobs[Y, i] + shift_y
+                    fx, fy = field.potential.force_at(x, y)
+                    model.external[ALONG_X, i] += fx
+                    model.external[ALONG_Y, i] += fy
 
 
 @kernel
@@ -43,7 +42,8 @@ def field_energy(model, fields, t):
             shift_x, shift_y = field_shift(field, t)
             for k in range(field.surfaces.shape[0]):
                 s = model.surfaces[field.surfaces[k]]
-                for i in range(s.start, s.stop):
-                    b = model.bobs[i]
-                    energy += field.potential.energy_at(b.x + shift_x, b.y + shift_y)
+                for i in range(s.start, s.end):
+                    x = model.bobs[X, i] + shift_x
+                    y = model.bobs[Y, i] + shift_y
+                    energy += field.potential.energy_at(x, y)
     return energy

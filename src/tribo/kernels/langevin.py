@@ -16,14 +16,6 @@ def friction_force(gamma, vx, vy, reservoir_x, reservoir_y):
 
 
 @kernel
-def clear_friction(bars):
-    """Clear the friction on the bars, for methods that do not integrate it as a force."""
-    for i in range(bars.shape[0]):
-        bars[i].lx = 0.0
-        bars[i].ly = 0.0
-
-
-@kernel
 def thermal_kick(gamma, temperature, mobility, relative, tau, noise):
     """Momentum that friction and noise give in tau to a degree of freedom of mass 1 / mobility."""
     kept = math.exp(-gamma * mobility * tau)

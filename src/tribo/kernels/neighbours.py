@@ -11,6 +11,7 @@ import numpy as np
 
 from tribo.kernels.compiled import kernel, owning_kernel, shared_owning_kernel
 from tribo.kernels.kinematics import nearest_image
+from tribo.kernels.records import X, Y, Z
 
 
 @kernel
@@ -22,14 +23,15 @@ def image(difference, box, axis):
 
 
 @kernel
-def outdated(bobs, neighbours):
+def outdated(surfaces, bobs, neighbours):
     """Whether any two bobs can have crossed the skin since the list was built."""
     limit = 0.25 * neighbours.skin * neighbours.skin
-    for i in range(bobs.shape[0]):
-        dx = bobs[i].x - neighbours.place[i, 0]
-        dy = bobs[i].y - neighbours.place[i, 1]
-        if not dx * dx + dy * dy < limit:
-            return True
+    for k in range(surfaces.shape[0]):
+        for i in range(surfaces[k].start, surfaces[k].end):
+            dx = bobs[X, i] - neighbours.place[i, 0]
+            dy = bobs[Y, i] - neighbours.place[i, 1]
+            if not dx * dx + dy * dy < limit:
+                return True
     return False
 
 
@@ -58,7 +60,7 @@ def cell_of(place, low, width, count, period):
 
 
 @owning_kernel
-def sort_into_cells(bobs, start, stop, reach, box_x, box_z):
+def sort_into_cells(xs, zs, start, stop, reach, box_x, box_z):
     """Sort bobs start <= j < stop into cells.
 
     Returns the cells' geometry (low x, low z, widths, numbers), the first place of each cell in the
@@ -70,10 +72,10 @@ def sort_into_cells(bobs, start, stop, reach, box_x, box_z):
     high_x = -math.inf
     high_z = -math.inf
     for j in range(start, stop):
-        low_x = min(low_x, bobs[j].x)
-        high_x = max(high_x, bobs[j].x)
-        low_z = min(low_z, bobs[j].z)
-        high_z = max(high_z, bobs[j].z)
+        low_x = min(low_x, xs[j])
+        high_x = max(high_x, xs[j])
+        low_z = min(low_z, zs[j])
+        high_z = max(high_z, zs[j])
     extent_x = box_x if box_x > 0.0 else high_x - low_x
     extent_z = box_z if box_z > 0.0 else high_z - low_z
     most = 2.0 * n + 16.0
@@ -84,9 +86,8 @@ def sort_into_cells(bobs, start, stop, reach, box_x, box_z):
     first = np.zeros(nx * nz + 1, np.int64)
     cell = np.empty(n, np.int64)
     for j in range(n):
-        b = bobs[start + j]
-        cx = min(max(cell_of(b.x, low_x, width_x, nx, box_x), 0), nx - 1)
-        cz = min(max(cell_of(b.z, low_z, width_z, nz, box_z), 0), nz - 1)
+        cx = min(max(cell_of(xs[start + j], low_x, width_x, nx, box_x), 0), nx - 1)
+        cz = min(max(cell_of(zs[start + j], low_z, width_z, nz, box_z), 0), nz - 1)
         cell[j] = cz * nx + cx
         first[cell[j] + 1] += 1
     for c in range(nx * nz):
@@ -139,7 +140,9 @@ def list_pair(model, box, neighbours, one, other, k, used):
 
     Within one surface every pair of bobs is listed once, in the row of the first.
     """
-    bobs = model.bobs
+    xs = model.bobs[X]
+    ys = model.bobs[Y]
+    zs = model.asperites[Z]
     species = model.species
     kinds = neighbours.species[k]
     reach = neighbours.reach[k]
@@ -151,14 +154,13 @@ def list_pair(model, box, neighbours, one, other, k, used):
     if box is not None:
         box_x = box.x
         box_z = box.z
-    cells, first, order = sort_into_cells(bobs, other.start, other.stop, reach, box_x, box_z)
+    cells, first, order = sort_into_cells(xs, zs, other.start, other.end, reach, box_x, box_z)
     low_x, low_z, width_x, width_z, nx, nz = cells
-    for i in range(one.start, one.stop):
-        a = bobs[i]
+    for i in range(one.start, one.end):
         start[row] = used
         partners = partner_species(species, kinds, i)
-        cx = cell_of(a.x, low_x, width_x, nx, box_x)
-        cz = cell_of(a.z, low_z, width_z, nz, box_z)
+        cx = cell_of(xs[i], low_x, width_x, nx, box_x)
+        cz = cell_of(zs[i], low_z, width_z, nz, box_z)
         for kz in range(cz - 1, cz + 2):
             if box_z > 0.0:
                 if nz == 1 and kz != cz:
@@ -178,10 +180,9 @@ def list_pair(model, box, neighbours, one, other, k, used):
                     j = order[m]
                     if j <= i or not is_partner(species, partners, j):
                         continue
-                    b = bobs[j]
-                    dx = nearest_image(a.x - b.x, box_x)
-                    dy = a.y - b.y
-                    dz = nearest_image(a.z - b.z, box_z)
+                    dx = nearest_image(xs[i] - xs[j], box_x)
+                    dy = ys[i] - ys[j]
+                    dz = nearest_image(zs[i] - zs[j], box_z)
                     if dx * dx + dy * dy + dz * dz < reach * reach:
                         if used < index.size:
                             index[used] = j
@@ -200,7 +201,7 @@ def refresh(model, neighbours):
     """
     if neighbours is not None:
         bobs = model.bobs
-        if not outdated(bobs, neighbours):
+        if not outdated(model.surfaces, bobs, neighbours):
             return
         start = neighbours.start
         used = 0
@@ -209,9 +210,9 @@ def refresh(model, neighbours):
             other = model.surfaces[neighbours.pairs[k, 1]]
             used = list_pair(model, model.box, neighbours, one, other, k, used)
         start[-1] = used
-        for i in range(bobs.shape[0]):
-            neighbours.place[i, 0] = bobs[i].x
-            neighbours.place[i, 1] = bobs[i].y
+        for i in range(bobs.shape[1]):
+            neighbours.place[i, 0] = bobs[X, i]
+            neighbours.place[i, 1] = bobs[Y, i]
         neighbours.made[0] += 1
 
 

@@ -17,133 +17,175 @@ laboratory, work = (about) + V . J + (pseudowork); no digits are lost where V is
     thermal    Langevin at the bar: Jx, Jy, about, pseudowork
     moving     of a field: work of the agent that moves it through the laboratory
     block      of a surface: pseudowork of all external forces at the centre of all its masses
-"""
 
-import math
+The accounts of a group stand one after another, each with a slot for every asperite of the surface.
+"""
 
 from numba import literal_unroll
 
-from tribo.kernels.compiled import kernel
-from tribo.kernels.contact import force_within
-from tribo.kernels.equations_of_motion import bar_angle, displacement, end_force_sum
+from tribo.kernels.baths import bath_momentum, torsional_torque
+from tribo.kernels.blocks import coordinates, vectors
+from tribo.kernels.compiled import inlined, kernel
+from tribo.kernels.equations_of_motion import bar_angles, end_force_sums
 from tribo.kernels.fields import field_shift
 from tribo.kernels.kinematics import bar_velocity, end_force, rotational_power
+from tribo.kernels.records import (
+    ALONG_X,
+    ALONG_Y,
+    BAR_LENGTH,
+    FX,
+    FY,
+    KAPPA,
+    L1,
+    L2,
+    LEFT_X,
+    LEFT_Y,
+    MASS,
+    NU_START,
+    RIGHT_X,
+    RIGHT_Y,
+    TX,
+    TY,
+    X,
+    Y,
+)
+from tribo.kernels.simd import LANES, broadcast, sum_of_lanes
+from tribo.kernels.simd_arrays import block, set_block
+from tribo.kernels.simd_functions import sine_cosine
 
 # Number of accounts in each group; POINT is that of internal, field and thermal.
 CONTACT, SLIDE, DRIVE, ENDS, USER_ENDS, POINT = 4, 2, 4, 5, 8, 4
 
 
-@kernel
-def at_bar(power, k, fx, fy, a, b, omega, vx, vy):
-    """Set the powers of Jx, Jy, work about r_cm and pseudowork of a force at the bar's centre."""
-    power[k] = fx
-    power[k + 1] = fy
-    power[k + 2] = rotational_power(-a.l2, omega, b.tx, b.ty, fx, fy)
-    power[k + 3] = fx * vx + fy * vy
+@inlined
+def set_four(power, s, slot, i, first, second, third, fourth):
+    """Set the powers of a block's four accounts of a group."""
+    stride = s.stop - s.start
+    k = slot + i - s.start
+    set_block(power, k, first)
+    set_block(power, k + stride, second)
+    set_block(power, k + 2 * stride, third)
+    set_block(power, k + 3 * stride, fourth)
 
 
-@kernel
-def at_bob(power, k, fx, fy, a, b, omega, vx, vy):
-    """Add the powers of a force on the bob to the same four."""
-    power[k] += fx
-    power[k + 1] += fy
-    power[k + 2] += rotational_power(a.l1, omega, b.tx, b.ty, fx, fy)
-    power[k + 3] += fx * vx + fy * vy
-
-
-@kernel
-def clear(power, k):
-    """Clear the powers of a group of POINT accounts."""
-    for m in range(POINT):
-        power[k + m] = 0.0
-
-
-@kernel
-def clamped_ends(power, k, a, b, t, q, i, omega, vx, vy):
+@inlined
+def clamped_ends(model, s, i, t, q, omega, vx, vy, power):
     """Set the powers of f_L, and of f_R = -f_L about the centre of mass."""
-    phi = bar_angle(a, t, q)
-    torque = a.kappa * (q[i] - phi)
-    end_x, end_y = end_force(torque, a.bar_length, math.sin(phi), math.cos(phi))
-    with_bar = rotational_power(-a.l2, omega, b.tx, b.ty, end_x, end_y)
-    turning = -0.5 * a.bar_length * (torque / a.bar_length) * a.nu
-    power[k] = with_bar + turning
-    power[k + 1] = -with_bar + turning
-    power[k + 2] = end_x
-    power[k + 3] = end_y
-    power[k + 4] = end_x * vx + end_y * vy
+    a = model.asperites
+    phi = bar_angles(model, s, i, t, q)
+    torque = block(a[KAPPA], i) * (block(q, i) - phi)
+    bar_length = block(a[BAR_LENGTH], i)
+    sin, cos = sine_cosine(phi)
+    x, y = end_force(torque, bar_length, sin, cos)
+    tx = block(model.bobs[TX], i)
+    ty = block(model.bobs[TY], i)
+    with_bar = rotational_power(-block(a[L2], i), omega, tx, ty, x, y)
+    turning = -0.5 * torque * block(a[NU_START], i)
+    stride = s.stop - s.start
+    set_four(power, s, s.acc_ends, i, turning + with_bar, turning - with_bar, x, y)
+    set_block(power, s.acc_ends + i - s.start + 4 * stride, x * vx + y * vy)
 
 
 @kernel
-def custom_end_powers(model, end_forces, i, t, q, v, power):
-    """Set the powers of a plug-in's forces on the ends of bar i, at r2 + r_L and r2 + r_R."""
+def custom_end_powers(model, end_forces, s, i, t, q, v, power):
+    """Set the powers of a plug-in's forces on the ends of bars, at r2 + r_L and r2 + r_R."""
     if end_forces is not None:
-        a = model.asperites[i]
-        if a.acc_user_ends >= 0:
-            b = model.bobs[i]
-            f = end_forces[i]
-            phi = bar_angle(a, t, q)
-            nu = displacement(a.dof_phi, v)
-            vx = displacement(a.dof_x, v)
-            vy = displacement(a.dof_y, v)
-            tip_x = -0.5 * a.bar_length * math.sin(phi) * nu
-            tip_y = 0.5 * a.bar_length * math.cos(phi) * nu
-            bar_x, bar_y = bar_velocity(0.0, 0.0, v[i], a.l2, b.tx, b.ty)
-            k = a.acc_user_ends
-            power[k] = f.left_x * (bar_x - tip_x) + f.left_y * (bar_y - tip_y)
-            power[k + 1] = f.right_x * (bar_x + tip_x) + f.right_y * (bar_y + tip_y)
-            power[k + 2] = f.left_x
-            power[k + 3] = f.left_y
-            power[k + 4] = f.right_x
-            power[k + 5] = f.right_y
-            power[k + 6] = f.left_x * vx + f.left_y * vy
-            power[k + 7] = f.right_x * vx + f.right_y * vy
+        if s.acc_user_ends >= 0:
+            a = model.asperites
+            left_x = block(end_forces[LEFT_X], i)
+            left_y = block(end_forces[LEFT_Y], i)
+            right_x = block(end_forces[RIGHT_X], i)
+            right_y = block(end_forces[RIGHT_Y], i)
+            sin, cos = sine_cosine(bar_angles(model, s, i, t, q))
+            tip = 0.5 * block(a[BAR_LENGTH], i) * coordinates(s.dof_phi, s, i, v)
+            tip_x = -tip * sin
+            tip_y = tip * cos
+            zero = broadcast(0.0)
+            tx = block(model.bobs[TX], i)
+            ty = block(model.bobs[TY], i)
+            x, y = bar_velocity(zero, zero, block(v, i), block(a[L2], i), tx, ty)
+            vx = coordinates(s.dof_x, s, i, v)
+            vy = coordinates(s.dof_y, s, i, v)
+            left = left_x * (x - tip_x) + left_y * (y - tip_y)
+            right = right_x * (x + tip_x) + right_y * (y + tip_y)
+            k = s.acc_user_ends
+            set_four(power, s, k, i, left, right, left_x, left_y)
+            left = left_x * vx + left_y * vy
+            right = right_x * vx + right_y * vy
+            k += 4 * (s.stop - s.start)
+            set_four(power, s, k, i, right_x, right_y, left, right)
 
 
-@kernel
-def powers_of(model, i, torsion, t, q, v, power):
-    """Set the powers of asperite i's accounts.
+@inlined
+def set_bob_powers(model, table, slot, s, i, omega, vx, vy, power):
+    """Set the powers of Jx, Jy, work about r_cm and pseudowork of forces on the bobs."""
+    if table is not None:
+        if slot >= 0:
+            x, y = vectors(table, i)
+            tx = block(model.bobs[TX], i)
+            ty = block(model.bobs[TY], i)
+            about = rotational_power(block(model.asperites[L1], i), omega, tx, ty, x, y)
+            set_four(power, s, slot, i, x, y, about, x * vx + y * vy)
 
-    The forces are in place.  `torsion` is 0 where the torsion springs, and the ends that hold them,
-    are integrated separately.
+
+@inlined
+def set_bar_powers(model, table, slot, s, i, omega, vx, vy, power):
+    """Set the same of forces at the bars' centres."""
+    if table is not None:
+        if slot >= 0:
+            x, y = vectors(table, i)
+            tx = block(model.bobs[TX], i)
+            ty = block(model.bobs[TY], i)
+            about = rotational_power(-block(model.asperites[L2], i), omega, tx, ty, x, y)
+            set_four(power, s, slot, i, x, y, about, x * vx + y * vy)
+
+
+@inlined
+def set_internal_powers(model, s, i, omega, vx, vy, power):
+    """Set the same of the internal forces: springs and bath on the bars, contact on the bobs."""
+    if s.acc_internal >= 0:
+        a = model.asperites
+        tx = block(model.bobs[TX], i)
+        ty = block(model.bobs[TY], i)
+        x, y = vectors(model.internal, i)
+        about = rotational_power(-block(a[L2], i), omega, tx, ty, x, y)
+        bob_x, bob_y = vectors(model.inner, i)
+        about = about + rotational_power(block(a[L1], i), omega, tx, ty, bob_x, bob_y)
+        x = x + bob_x
+        y = y + bob_y
+        set_four(power, s, s.acc_internal, i, x, y, about, x * vx + y * vy)
+
+
+@inlined
+def powers_of_block(model, s, i, torsion, t, q, v, power):
+    """Set the powers of a block's accounts, forces in place.
+
+    `torsion` is 0 where the torsion springs, and the ends that hold them, are integrated
+    separately.
     """
-    a = model.asperites[i]
-    b = model.bobs[i]
-    d = model.bars[i]
-    omega = v[i]
-    vx = displacement(a.dof_x, v)
-    vy = displacement(a.dof_y, v)
-
-    k = a.acc_contact
-    power[k] = b.fx
-    power[k + 1] = b.fy
-    power[k + 2] = b.fx * omega * b.tx
-    power[k + 3] = b.fy * omega * b.ty
-    if a.acc_slide >= 0:
-        power[a.acc_slide] = b.fx * vx
-        power[a.acc_slide + 1] = b.fy * vy
-    if a.acc_drive >= 0:
-        k = a.acc_drive
-        power[k] = d.gx
-        power[k + 1] = d.gy
-        power[k + 2] = omega * (b.tx * d.gx + b.ty * d.gy)
-        power[k + 3] = d.gx * vx + d.gy * vy
-    if a.acc_ends >= 0 and torsion != 0.0:
-        clamped_ends(power, a.acc_ends, a, b, t, q, i, omega, vx, vy)
-    if model.fields is not None:
-        if a.acc_field >= 0:
-            clear(power, a.acc_field)
-            at_bob(power, a.acc_field, d.ex, d.ey, a, b, omega, vx, vy)
-    if a.acc_internal >= 0:
-        if model.bonds is not None or model.bath is not None or model.torsional is not None:
-            at_bar(power, a.acc_internal, d.hx, d.hy, a, b, omega, vx, vy)
-        else:
-            clear(power, a.acc_internal)
-        fx, fy = force_within(model.inner, i)
-        at_bob(power, a.acc_internal, fx, fy, a, b, omega, vx, vy)
-    if model.langevin is not None:
-        if a.acc_thermal >= 0:
-            at_bar(power, a.acc_thermal, d.lx, d.ly, a, b, omega, vx, vy)
-    custom_end_powers(model, model.end_forces, i, t, q, v, power)
+    b = model.bobs
+    omega = block(v, i)
+    vx = coordinates(s.dof_x, s, i, v)
+    vy = coordinates(s.dof_y, s, i, v)
+    tx = block(b[TX], i)
+    ty = block(b[TY], i)
+    x = block(b[FX], i)
+    y = block(b[FY], i)
+    set_four(power, s, s.acc_contact, i, x, y, x * omega * tx, y * omega * ty)
+    if s.acc_slide >= 0:
+        k = s.acc_slide + i - s.start
+        set_block(power, k, x * vx)
+        set_block(power, k + s.stop - s.start, y * vy)
+    if s.acc_drive >= 0:
+        x, y = vectors(model.drive, i)
+        about = omega * (tx * x + ty * y)
+        set_four(power, s, s.acc_drive, i, x, y, about, x * vx + y * vy)
+    if s.acc_ends >= 0 and torsion != 0.0:
+        clamped_ends(model, s, i, t, q, omega, vx, vy, power)
+    set_bob_powers(model, model.external, s.acc_field, s, i, omega, vx, vy, power)
+    set_internal_powers(model, s, i, omega, vx, vy, power)
+    set_bar_powers(model, model.friction, s.acc_thermal, s, i, omega, vx, vy, power)
+    custom_end_powers(model, model.end_forces, s, i, t, q, v, power)
 
 
 @kernel
@@ -156,89 +198,56 @@ def field_powers(model, fields, t, power):
                 shift_x, shift_y = field_shift(field, t)
                 for k in range(field.surfaces.shape[0]):
                     s = model.surfaces[field.surfaces[k]]
-                    for i in range(s.start, s.stop):
-                        b = model.bobs[i]
-                        fx, fy = field.potential.force_at(b.x + shift_x, b.y + shift_y)
+                    for i in range(s.start, s.end):
+                        x = model.bobs[X, i] + shift_x
+                        y = model.bobs[Y, i] + shift_y
+                        fx, fy = field.potential.force_at(x, y)
                         power[field.account] += fx * field.drift[0] + fy * field.drift[1]
-
-
-@kernel
-def shared_accounts(model, fields):
-    """Number of accounts of surfaces and of moving fields, which are the last ones."""
-    count = 0
-    for k in range(model.surfaces.shape[0]):
-        if model.surfaces[k].acc_block >= 0:
-            count += 1
-    if fields is not None:
-        for field in literal_unroll(fields):
-            if field.account >= 0:
-                count += 1
-    return count
 
 
 @kernel
 def torsional_powers(model, torsional, t, q, v, power):
     """Add the power of the torsional oscillators on the bars."""
     if torsional is not None:
-        for i in range(model.asperites.shape[0]):
-            a = model.asperites[i]
-            s = model.surfaces[a.surface]
-            for n in range(s.torsionals):
-                o = torsional[s.first_torsional + n]
-                twist = q[a.dof_bath + 2 * s.oscillators + n] - bar_angle(a, t, q)
-                torque = o.mass * o.frequency * o.frequency * twist
-                power[a.acc_internal + 2] += torque * v[a.dof_phi]
-
-
-@kernel
-def bath_momentum(model, bath, s, v):
-    """Momentum of a surface's bath in the surface's first frame."""
-    px = 0.0
-    py = 0.0
-    if bath is not None:
-        for i in range(s.start, s.stop):
-            k = model.asperites[i].dof_bath
-            for n in range(s.oscillators):
-                mass = bath[s.first_oscillator + n].mass
-                px += mass * v[k + n]
-                py += mass * v[k + s.oscillators + n]
-    return px, py
+        for k in range(model.surfaces.shape[0]):
+            s = model.surfaces[k]
+            if s.torsionals > 0:
+                slot = s.acc_internal + 2 * (s.stop - s.start)
+                for i in range(s.start, s.end):
+                    torque = torsional_torque(model, torsional, s, i, t, q)
+                    power[slot + i - s.start] += torque * v[s.dof_phi + i - s.start]
 
 
 @kernel
 def momentum(model, s, v):
     """Momentum of a surface and its bath in the surface's first frame."""
     px, py = bath_momentum(model, model.bath, s, v)
-    for i in range(s.start, s.stop):
-        a = model.asperites[i]
-        px += a.mass * displacement(a.dof_x, v)
-        py += a.mass * displacement(a.dof_y, v)
+    for i in range(s.start, s.stop, LANES):
+        mass = block(model.asperites[MASS], i)
+        if s.dof_x >= 0:
+            px += sum_of_lanes(mass * coordinates(s.dof_x, s, i, v))
+        if s.dof_y >= 0:
+            py += sum_of_lanes(mass * coordinates(s.dof_y, s, i, v))
     return px, py
 
 
-@kernel
+@inlined
 def external_force(model, s):
     """Sum of f1, f2, field, f_T and a plug-in's forces on ends over a surface."""
     fx = 0.0
     fy = 0.0
-    for i in range(s.start, s.stop):
-        b = model.bobs[i]
-        d = model.bars[i]
-        fx += b.fx + d.gx
-        fy += b.fy + d.gy
-        if model.fields is not None:
-            fx += d.ex
-            fy += d.ey
-        if model.langevin is not None:
-            fx += d.lx
-            fy += d.ly
-        end_x, end_y = end_force_sum(model.end_forces, i)
-        fx += end_x
-        fy += end_y
+    for i in range(s.start, s.stop, LANES):
+        x = block(model.bobs[FX], i) + block(model.drive[ALONG_X], i)
+        y = block(model.bobs[FY], i) + block(model.drive[ALONG_Y], i)
+        field_x, field_y = vectors(model.external, i)
+        friction_x, friction_y = vectors(model.friction, i)
+        end_x, end_y = end_force_sums(model.end_forces, i)
+        fx += sum_of_lanes(x + field_x + friction_x + end_x)
+        fy += sum_of_lanes(y + field_y + friction_y + end_y)
     return fx, fy
 
 
-@kernel
+@inlined
 def block_powers(model, v, power):
     """Set the power of each surface's external force at the velocity of its centre of mass."""
     for k in range(model.surfaces.shape[0]):
@@ -249,11 +258,13 @@ def block_powers(model, v, power):
             power[s.acc_block] = (fx * px + fy * py) / s.total_mass
 
 
-@kernel
+@inlined
 def all_powers(model, t, q, v, power):
     """Set the powers of all accounts."""
-    for i in range(model.asperites.shape[0]):
-        powers_of(model, i, 1.0, t, q, v, power)
+    for k in range(model.surfaces.shape[0]):
+        s = model.surfaces[k]
+        for i in range(s.start, s.stop, LANES):
+            powers_of_block(model, s, i, 1.0, t, q, v, power)
     field_powers(model, model.fields, t, power)
     torsional_powers(model, model.torsional, t, q, v, power)
     block_powers(model, v, power)

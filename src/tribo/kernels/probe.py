@@ -2,28 +2,29 @@
 
 from tribo.kernels.contact import contact_energy, contact_forces, separation
 from tribo.kernels.neighbours import image
+from tribo.kernels.records import CHARGE, FX, FY, X, Y, Z
 
 
-def contact_probe(model, positions, charges, energies, forces):
+def contact_probe(model, columns, positions, charges, energies, forces):
     """Compute the contact energy, and the force on every bob, for one arrangement after another.
 
-    positions (k, n, 3), charges (k, n), energies (k,), forces (k, n, 2).
+    columns (n,) of the bobs, positions (k, n, 3), charges (k, n), energies (k,), forces (k, n, 2).
     """
     bobs = model.bobs
     for k in range(positions.shape[0]):
-        for i in range(bobs.shape[0]):
-            b = bobs[i]
-            b.x = positions[k, i, 0]
-            b.y = positions[k, i, 1]
-            b.z = positions[k, i, 2]
-            b.charge = charges[k, i]
-            b.fx = 0.0
-            b.fy = 0.0
+        for m in range(columns.size):
+            i = columns[m]
+            bobs[X, i] = positions[k, m, 0]
+            bobs[Y, i] = positions[k, m, 1]
+            model.asperites[Z, i] = positions[k, m, 2]
+            model.asperites[CHARGE, i] = charges[k, m]
+            bobs[FX, i] = 0.0
+            bobs[FY, i] = 0.0
         contact_forces(model, None)
         energies[k] = contact_energy(model, None)
-        for i in range(bobs.shape[0]):
-            forces[k, i, 0] = bobs[i].fx
-            forces[k, i, 1] = bobs[i].fy
+        for m in range(columns.size):
+            forces[k, m, 0] = bobs[FX, columns[m]]
+            forces[k, m, 1] = bobs[FY, columns[m]]
 
 
 def distance_probe(model, positions, i, distances):

@@ -1,4 +1,4 @@
-"""The flat data that compiled code reads: one record for each asperite, surface, bob and bar.
+"""The flat data that compiled code reads: tables with one column an asperite.
 
 Lengths, times and masses are plain floats.  Positions are relative to the scene's origin and
 velocities to the first surface's, so no digits are lost in a distant scene or a fast frame.
@@ -9,7 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-# A slot of -1 means that the asperite has no such degree of freedom, or no such account.
+# What each asperite is and where its numbers stand, for code outside of the kernels.  A slot of -1
+# means that the asperite has no such degree of freedom, or no such account.
 ASPERITE = np.dtype(
     [
         ("mass", "f8"),  # m1 + m2
@@ -27,6 +28,7 @@ ASPERITE = np.dtype(
         ("phi", "f8"),  # the bar's angle at t = 0; with nu, the motion of a clamped bar
         ("nu", "f8"),
         ("surface", "i4"),
+        ("stride", "i4"),  # from one account of a group to the next: asperites of the surface
         ("dof_x", "i4"),  # slots in the vector of coordinates; the swing's slot is the index
         ("dof_y", "i4"),
         ("dof_phi", "i4"),
@@ -43,12 +45,60 @@ ASPERITE = np.dtype(
     align=True,
 )
 
+# Rows of the table of asperites that kernels read, one column an asperite.  phi, with its sine and
+# cosine, and nu are those at the start.  The frequency is that of the torsion spring's rotation, of
+# the pendulum and, if that can turn, of the bar.  Those that fill the last block of a surface are
+# not present, 0 instead of 1: no drive or friction acts on them.
+CONSTANTS = (
+    "mass",
+    "inertia",
+    "kappa",
+    "l1",
+    "l2",
+    "i2",
+    "bar_length",
+    "x",
+    "y",
+    "phi",
+    "nu",
+    "sin_phi",
+    "cos_phi",
+    "frequency",
+    "z",
+    "charge",
+    "present",
+)
+(
+    MASS,
+    INERTIA,
+    KAPPA,
+    L1,
+    L2,
+    I2,
+    BAR_LENGTH,
+    X_START,
+    Y_START,
+    PHI_START,
+    NU_START,
+    SIN_PHI,
+    COS_PHI,
+    FREQUENCY,
+    Z,
+    CHARGE,
+    PRESENT,
+) = range(len(CONSTANTS))
+
 FORCED, FREE, RIGID, PULLED, CUSTOM = range(5)
 
 SURFACE = np.dtype(
     [
-        ("start", "i8"),  # asperites start <= i < stop
+        ("start", "i8"),  # columns start <= i < stop
         ("stop", "i8"),
+        ("end", "i8"),  # columns from here to `stop` fill its last block
+        ("facing", "f8"),  # +1 hangs down, -1 stands up
+        ("vx", "f8"),  # its initial velocity, relative to the first surface's
+        ("vy", "f8"),
+        ("turning", "i8"),  # 1 where clamped bars turn
         ("drive", "i8"),  # FORCED, FREE, RIGID, PULLED, CUSTOM
         ("mass", "f8"),  # of all its asperites
         ("total_mass", "f8"),  # of all its asperites and their baths
@@ -66,39 +116,36 @@ SURFACE = np.dtype(
         ("temperature", "f8"),  # of the Langevin reservoir
         ("reservoir_x", "f8"),  # its velocity, relative to the surface's initial one
         ("reservoir_y", "f8"),
+        ("dof_x", "i8"),  # slots of its first asperite, as in ASPERITE; -1 if absent
+        ("dof_y", "i8"),
+        ("dof_phi", "i8"),
+        ("dof_bath", "i8"),
+        ("acc_contact", "i8"),
+        ("acc_slide", "i8"),
+        ("acc_drive", "i8"),
+        ("acc_ends", "i8"),
+        ("acc_user_ends", "i8"),
+        ("acc_internal", "i8"),
+        ("acc_field", "i8"),
+        ("acc_thermal", "i8"),
         ("acc_block", "i8"),  # account of the surface's own pseudowork, -1 if absent
     ],
     align=True,
 )
 
-# One cache line for each bob, with all that the loop over pairs reads.
-BOB = np.dtype(
-    [
-        ("x", "f8"),
-        ("y", "f8"),
-        ("z", "f8"),
-        ("charge", "f8"),
-        ("fx", "f8"),  # contact force f1
-        ("fy", "f8"),
-        ("tx", "f8"),  # unit vector along which a growing theta moves the bob
-        ("ty", "f8"),
-    ],
-    align=True,
-)
+# Rows of the table of bobs, one column a bob.  (TX, TY) is the unit vector along which a growing
+# theta moves the bob, and (FX, FY) the contact force f1.
+X, Y, TX, TY, FX, FY = range(6)
+BOB_ROWS = 6
 
-BAR = np.dtype(
-    [
-        ("gx", "f8"),  # drive f2
-        ("gy", "f8"),
-        ("hx", "f8"),  # f_int: springs and bath
-        ("hy", "f8"),
-        ("lx", "f8"),  # Langevin friction f_T, without its noise
-        ("ly", "f8"),
-        ("ex", "f8"),  # external field on the bob below
-        ("ey", "f8"),
-    ],
-    align=True,
-)
+# Rows of a table of forces, or of displacements, in the plane.
+ALONG_X, ALONG_Y = range(2)
+
+# Rows of the table of a plug-in's forces on the ends of bars, f_L and f_R.
+LEFT_X, LEFT_Y, RIGHT_X, RIGHT_Y = range(4)
+
+# Rows of a table of bath oscillators, whose masses are inertias if they are torsional.
+OSCILLATOR_MASS, OSCILLATOR_FREQUENCY = range(2)
 
 # How far a run has come; kept in an array of one, so that a kernel can go on where it stopped.
 CLOCK = np.dtype(
@@ -109,6 +156,7 @@ CLOCK = np.dtype(
         ("encounter_fraction", "f8"),  # of the way to the next encounter that a step may go
         ("encounter_rate", "f8"),  # [1 / time], as it was last computed
         ("encounter_age", "f8"),  # time since equal steps computed it
+        ("clearance", "f8"),  # no pair can move less before its force changes considerably
         ("h", "f8"),  # the step the controller wants next; 0: not chosen yet
         ("last_step", "f8"),  # 0: none yet
         ("sample", "i8"),  # next sample to be recorded
@@ -125,26 +173,21 @@ CLOCK = np.dtype(
 )
 
 
-BOND = np.dtype(
+# Lattice springs between bars i + n and j + n, n < count, of one surface.
+CHAIN = np.dtype(
     [
         ("i", "i8"),
         ("j", "i8"),
-        ("stiffness", "f8"),
-        ("x", "f8"),  # r2_i - r2_j of the bars at rest, less the rest vector of the spring
-        ("y", "f8"),
+        ("count", "i8"),
+        ("first", "i8"),  # column of the table of springs
+        ("surface", "i8"),
     ],
     align=True,
 )
 
-OSCILLATOR = np.dtype([("mass", "f8"), ("frequency", "f8")], align=True)
-
-
-PUSH = np.dtype([("fx", "f8"), ("fy", "f8")], align=True)
-
-# Forces of a plug-in on the ends of a bar, f_L and f_R.
-END_FORCES = np.dtype(
-    [("left_x", "f8"), ("left_y", "f8"), ("right_x", "f8"), ("right_y", "f8")], align=True
-)
+# Rows of the table of springs, one column a spring: the vector is r2_i - r2_j of the bars at rest,
+# less the rest vector of the spring.
+STIFFNESS, REST_X, REST_Y = range(3)
 
 
 class Contact(NamedTuple):
@@ -214,27 +257,39 @@ class Neighbours(NamedTuple):
     made: np.ndarray  # (1,) number of times that the list was built
 
 
-class Model(NamedTuple):
-    """A scene for kernels.
+class Springs(NamedTuple):
+    """The lattice springs."""
 
-    An effect that is absent is None, which has a type of its own, so its code is not compiled.
+    chains: Any  # recarray of CHAIN
+    table: np.ndarray  # (3, springs), see STIFFNESS
+
+
+class Model(NamedTuple):
+    """A scene for kernels: a structure of arrays, whose rows are contiguous.
+
+    An effect that is absent is None, which has a type of its own, so its code is not compiled and
+    its arrays are not allocated.
     """
 
-    asperites: Any  # recarray of ASPERITE, (n,)
+    asperites: np.ndarray  # (rows, n), see CONSTANTS
     surfaces: Any  # recarray of SURFACE
+    core: int  # number of the asperites' coordinates, before those of baths
     contacts: tuple  # of Contact between different surfaces
     within: Any  # tuple of Contact among the bobs of one surface, or None
     calculators: Any  # tuple of Calculator, or None
-    species: Any  # (n,) of each bob, or None
-    bobs: Any  # recarray of BOB, (n,), scratch but for z and charge
-    inner: Any  # recarray of PUSH, (n,), scratch: contact within on each bob; or None
-    bars: Any  # recarray of BAR, (n,), scratch
+    species: Any  # (n,) of each bob, floats, or None
+    bobs: np.ndarray  # (BOB_ROWS, n), scratch
+    drive: np.ndarray  # (2, n), scratch: f2 on each bar
+    inner: Any  # (2, n), scratch: contact within on each bob; or None
+    external: Any  # (2, n), scratch: external fields on each bob; or None
+    internal: Any  # (2, n), scratch: springs and bath on each bar; or None
+    displaced: Any  # (2, n), scratch: displacement of each bar from its rest; or None
+    friction: Any  # (2, n), scratch: Langevin friction on each bar, without its noise; or None
+    end_forces: Any  # (4, n), scratch: a plug-in's forces on the ends of each bar; or None
     box: Any  # Box, or None
-    bonds: Any  # recarray of BOND, or None
-    bath: Any  # recarray of OSCILLATOR, or None
-    torsional: Any  # recarray of OSCILLATOR whose masses are inertias, or None
+    springs: Any  # Springs, or None
+    bath: Any  # (2, oscillators), see OSCILLATOR_MASS; or None
+    torsional: Any  # (2, oscillators) whose masses are inertias; or None
     fields: Any  # tuple of FieldOn, or None
-    langevin: Any  # True, or None
     drives: Any  # tuple of Custom, or None
     ends: Any  # tuple of Custom, or None
-    end_forces: Any  # recarray of END_FORCES, (n,), scratch; None without `ends`

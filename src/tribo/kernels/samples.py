@@ -5,11 +5,19 @@ from typing import NamedTuple
 import numpy as np
 from numba import literal_unroll
 
+from tribo.kernels.baths import (
+    bar_angle,
+    bath_momentum,
+    first_slot,
+    oscillator_energy,
+    torsional_slot,
+)
 from tribo.kernels.compiled import kernel, owning_kernel, shared_owning_kernel
 from tribo.kernels.contact import contact_energy, pair_energy
-from tribo.kernels.equations_of_motion import bar_angle, bar_displacement, stretch
 from tribo.kernels.fields import field_energy
-from tribo.kernels.powers import bath_momentum
+from tribo.kernels.records import ALONG_X, ALONG_Y
+from tribo.kernels.simd_arrays import room, with_spare_lanes, zero_row, zero_rows
+from tribo.kernels.springs import spring_energies
 
 SPRINGS, BATH, TORSIONAL, WITHIN, MOMENTUM_X, MOMENTUM_Y, STORED = range(7)
 
@@ -33,13 +41,13 @@ def initial_state(y: np.ndarray, accounts: int, remembers: int, splits: bool) ->
     """The state at the start of a run, for a method that keeps `remembers` rows of memory."""
     n = y.size // 2
     return State(
-        y=y.copy(),
-        y_low=np.zeros(0 if splits else y.size),
-        s=np.zeros(accounts),
-        s_low=np.zeros(0 if splits else accounts),
-        acceleration=np.zeros(0 if splits else n),
-        power=np.zeros(0 if splits else accounts),
-        memory=np.zeros((remembers, n)),
+        y=with_spare_lanes(y),
+        y_low=room((0 if splits else y.size,)),
+        s=room((accounts,)),
+        s_low=room((0 if splits else accounts,)),
+        acceleration=room((0 if splits else n,)),
+        power=room((0 if splits else accounts,)),
+        memory=room((remembers, n)),
     )
 
 
@@ -51,6 +59,8 @@ class Record(NamedTuple):
     contact: np.ndarray  # (times,) energy of all contacts
     field: np.ndarray  # (times,) energy in all external fields
     stored: np.ndarray  # (times, surfaces, STORED) energies within, and the baths' momentum
+    y_places: np.ndarray  # (2 coordinates,) where the kernels have them
+    s_places: np.ndarray  # (accounts,) the same
 
 
 @kernel
@@ -74,13 +84,13 @@ def copy_rows(source, target):
 def empty_state(state):
     """Room for another state like this one."""
     return State(
-        np.empty_like(state.y),
-        np.empty_like(state.y_low),
-        np.empty_like(state.s),
-        np.empty_like(state.s_low),
-        np.empty_like(state.acceleration),
-        np.empty_like(state.power),
-        np.empty_like(state.memory),
+        zero_row(state.y.size),
+        zero_row(state.y_low.size),
+        zero_row(state.s.size),
+        zero_row(state.s_low.size),
+        zero_row(state.acceleration.size),
+        zero_row(state.power.size),
+        zero_rows(state.memory.shape[0], state.memory.shape[1]),
     )
 
 
@@ -97,33 +107,22 @@ def copy_state(source, target):
 
 
 @kernel
-def spring_energies(model, bonds, q, stored):
-    """Energy of each surface's lattice springs."""
-    if bonds is not None:
-        for m in range(bonds.shape[0]):
-            bond = bonds[m]
-            x, y = stretch(bond, model.asperites, q)
-            k = model.asperites[bond.i].surface
-            stored[k, SPRINGS] += 0.5 * bond.stiffness * (x * x + y * y)
-
-
-@kernel
 def bath_energies(model, bath, q, v, stored):
     """Energy and momentum of each surface's bath, in the frame of its initial velocity."""
     if bath is not None:
-        for i in range(model.asperites.shape[0]):
-            a = model.asperites[i]
-            s = model.surfaces[a.surface]
-            x, y = bar_displacement(a, q, q[i])
-            for n in range(s.oscillators):
-                o = bath[s.first_oscillator + n]
-                kx = a.dof_bath + n
-                ky = kx + s.oscillators
-                square = v[kx] ** 2 + v[ky] ** 2
-                square += o.frequency**2 * ((q[kx] - x) ** 2 + (q[ky] - y) ** 2)
-                stored[a.surface, BATH] += 0.5 * o.mass * square
         for k in range(model.surfaces.shape[0]):
-            px, py = bath_momentum(model, bath, model.surfaces[k], v)
+            s = model.surfaces[k]
+            first = s.first_oscillator
+            count = s.oscillators
+            if count > 0:
+                for i in range(s.start, s.end):
+                    m = first_slot(s, i)
+                    x = model.displaced[ALONG_X, i]
+                    y = model.displaced[ALONG_Y, i]
+                    energy = oscillator_energy(bath, first, count, q, v, m, x)
+                    energy += oscillator_energy(bath, first, count, q, v, m + count, y)
+                    stored[k, BATH] += energy
+            px, py = bath_momentum(model, bath, s, v)
             stored[k, MOMENTUM_X] = px
             stored[k, MOMENTUM_Y] = py
 
@@ -142,16 +141,16 @@ def energies_within(model, within, neighbours, stored):
 def torsional_energies(model, torsional, t, q, v, stored):
     """Energy of each surface's torsional oscillators."""
     if torsional is not None:
-        for i in range(model.asperites.shape[0]):
-            a = model.asperites[i]
-            s = model.surfaces[a.surface]
-            for n in range(s.torsionals):
-                o = torsional[s.first_torsional + n]
-                k = a.dof_bath + 2 * s.oscillators + n
-                twist = q[k] - bar_angle(a, t, q)
-                stored[a.surface, TORSIONAL] += (
-                    0.5 * o.mass * (v[k] ** 2 + o.frequency**2 * twist**2)
-                )
+        for k in range(model.surfaces.shape[0]):
+            s = model.surfaces[k]
+            first = s.first_torsional
+            count = s.torsionals
+            if count > 0:
+                for i in range(s.start, s.end):
+                    phi = bar_angle(model, s, i, t, q)
+                    m = torsional_slot(s, i)
+                    energy = oscillator_energy(torsional, first, count, q, v, m, phi)
+                    stored[k, TORSIONAL] += energy
 
 
 @shared_owning_kernel
@@ -161,17 +160,16 @@ def write_sample(model, neighbours, clock, state, record):
     n = state.y.size // 2
     q = state.y[:n]
     v = state.y[n:]
-    core = record.y.shape[1] // 2
-    for m in range(core):
-        record.y[k, m] = q[m]
-        record.y[k, core + m] = v[m]
-    copy(state.s, record.s[k])
+    for m in range(record.y_places.size):
+        record.y[k, m] = state.y[record.y_places[m]]
+    for m in range(record.s_places.size):
+        record.s[k, m] = state.s[record.s_places[m]]
     record.contact[k] = contact_energy(model, neighbours)
     record.field[k] = field_energy(model, model.fields, clock.t)
     for m in range(record.stored.shape[1]):
         for j in range(STORED):
             record.stored[k, m, j] = 0.0
-    spring_energies(model, model.bonds, q, record.stored[k])
+    spring_energies(model, model.springs, record.stored[k, :, SPRINGS])
     energies_within(model, model.within, neighbours, record.stored[k])
     bath_energies(model, model.bath, q, v, record.stored[k])
     torsional_energies(model, model.torsional, clock.t, q, v, record.stored[k])

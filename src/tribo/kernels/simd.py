@@ -1,20 +1,18 @@
-"""Eight numbers in one vector register: the nodes of a step side by side.
+"""Eight numbers in one vector register: nodes of a step, or asperites, side by side.
 
-`Lanes` is a type for kernels.  It has +, -, *, / with itself and with floats, and the functions
-below; each acts on all eight numbers.
+`Lanes` is a type for kernels.  It has +, -, *, / with itself and with floats, comparisons, whose
+result is 1 where they hold and 0 elsewhere, and the functions below; each acts on all eight
+numbers.  Formulas of potentials may use sqrt, exp, abs, whole powers, minimum and maximum too.
 """
 
-import math
 import operator
 from typing import Any
 
 from llvmlite import ir
-from numba import types
+from numba import config, types
 from numba.core import cgutils
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
-from numba.extending import intrinsic, lower_builtin, models, overload, register_model
-
-from tribo.kernels.compiled import inlined, kernel
+from numba.extending import intrinsic, lower_builtin, models, register_model
 
 LANES = 8
 _FLOAT, _INDEX = ir.DoubleType(), ir.IntType(32)
@@ -38,28 +36,48 @@ class _LanesModel(models.PrimitiveModel):
 
 
 def _spread(builder, x):
-    """A float in all eight lanes; lanes as they are."""
+    """A number in all eight lanes; lanes as they are."""
     if x.type == _VECTOR:
         return x
+    if isinstance(x.type, ir.IntType):
+        x = builder.sitofp(x, _FLOAT)
     nothing = ir.Constant(_VECTOR, ir.Undefined)
     first = builder.insert_element(nothing, x, ir.Constant(_INDEX, 0))
     zeros = ir.Constant(ir.VectorType(_INDEX, LANES), [0] * LANES)
     return builder.shuffle_vector(first, nothing, zeros)
 
 
-def _arithmetic(operation, instruction: str) -> None:
+def _binary(operation, compute) -> None:
+    """Give Lanes an operation with Lanes and with numbers."""
+
     @infer_global(operation)
     class Typing(AbstractTemplate):
         def generic(self, args, kws):
-            known = all(isinstance(arg, (LanesType, types.Float)) for arg in args)
+            known = all(isinstance(arg, (LanesType, types.Float, types.Integer)) for arg in args)
             return signature(lanes, *args) if known and lanes in args else None
 
     def build(context, builder, sig, args):
-        one, other = (_spread(builder, arg) for arg in args)
+        return compute(builder, *(_spread(builder, arg) for arg in args))
+
+    numbers = (types.Float, types.Integer)
+    pairs = [(LanesType, LanesType)]
+    pairs += [(LanesType, kind) for kind in numbers] + [(kind, LanesType) for kind in numbers]
+    for pair in pairs:
+        lower_builtin(operation, *pair)(build)
+
+
+def _arithmetic(operation, instruction: str) -> None:
+    def compute(builder, one, other):
         return getattr(builder, instruction)(one, other, flags=("contract",))
 
-    for pair in ((LanesType, LanesType), (LanesType, types.Float), (types.Float, LanesType)):
-        lower_builtin(operation, *pair)(build)
+    _binary(operation, compute)
+
+
+def _comparison(operation, symbol: str) -> None:
+    def compute(builder, one, other):
+        return builder.uitofp(builder.fcmp_ordered(symbol, one, other), _VECTOR)
+
+    _binary(operation, compute)
 
 
 for _operation, _instruction in (
@@ -69,6 +87,26 @@ for _operation, _instruction in (
     (operator.truediv, "fdiv"),
 ):
     _arithmetic(_operation, _instruction)
+
+
+for _operation, _symbol in (
+    (operator.lt, "<"),
+    (operator.le, "<="),
+    (operator.gt, ">"),
+    (operator.ge, ">="),
+):
+    _comparison(_operation, _symbol)
+
+
+@infer_global(operator.neg)
+class _Negative(AbstractTemplate):
+    def generic(self, args, kws):
+        return signature(lanes, lanes) if args == (lanes,) else None
+
+
+@lower_builtin(operator.neg, LanesType)
+def _negative(context, builder, sig, args):
+    return builder.fneg(args[0])
 
 
 def _llvm(builder, name: str, result, arguments: list, fast=()):
@@ -93,6 +131,16 @@ def absolute(typing_context, x):
 
     def build(context, builder, sig, args):
         return _llvm(builder, "fabs", _VECTOR, list(args))
+
+    return lanes(lanes), build
+
+
+@intrinsic
+def floor(typing_context, x):
+    """The largest whole numbers that are not larger."""
+
+    def build(context, builder, sig, args):
+        return _llvm(builder, "floor", _VECTOR, list(args))
 
     return lanes(lanes), build
 
@@ -157,7 +205,7 @@ def maximum(typing_context, x):
 
 @intrinsic
 def where_less(typing_context, x, y, one, other):
-    """`one` in the lanes where x < y, `other` elsewhere."""
+    """`one` in the lanes where x < y, `other` elsewhere; each is Lanes or a float."""
 
     def build(context, builder, sig, args):
         x, y, one, other = (_spread(builder, arg) for arg in args)
@@ -196,180 +244,73 @@ def with_lane(typing_context, x, i, value):
     return lanes(lanes, types.intp, types.float64), build
 
 
-class RowsType(types.Type):
-    """The type of the rows of an array (n, 8), a pointer without a reference to the array."""
-
-    def __init__(self) -> None:
-        super().__init__(name="Rows")
-
-
-rows = RowsType()
-
-
-@register_model(RowsType)
-class _RowsModel(models.PrimitiveModel):
-    def __init__(self, manager, numba_type) -> None:
-        super().__init__(manager, numba_type, _FLOAT.as_pointer())
-
-
 @intrinsic
-def rows_of(typing_context, array):
-    """The rows of a C-contiguous array (n, 8): ``rows[k, i]`` is the number in row k, lane i.
-
-    Passing an array to a function counts a reference, which takes longer than a step's arithmetic.
-    """
+def between_lanes(typing_context, low, high, x, other):
+    """`x` in the lanes from `low` to `high`, that excluded; `other`, a float, elsewhere."""
 
     def build(context, builder, sig, args):
-        return context.make_array(sig.args[0])(context, builder, args[0]).data
+        low, high, x, other = args
+        wanted = builder.and_(builder.not_(first(builder, low)), first(builder, high))
+        return builder.select(wanted, x, _spread(builder, other))
 
-    good = isinstance(array, types.Array) and array.ndim == 2 and array.layout == "C"
-    return (rows(array), build) if good else None
-
-
-def _element(builder, data, row, i=None):
-    place = builder.mul(row, ir.Constant(row.type, LANES))
-    return builder.gep(data, [place if i is None else builder.add(place, i)])
+    return lanes(types.intp, types.intp, lanes, types.float64), build
 
 
-@intrinsic
-def _get(typing_context, data, row, i):
-    def build(context, builder, sig, args):
-        return builder.load(_element(builder, *args))
-
-    return types.float64(rows, types.intp, types.intp), build
-
-
-@intrinsic
-def _set(typing_context, data, row, i, value):
-    def build(context, builder, sig, args):
-        builder.store(args[3], _element(builder, *args[:3]))
-        return context.get_dummy_value()
-
-    return types.void(rows, types.intp, types.intp, types.float64), build
-
-
-@overload(operator.getitem)
-def _getitem(data, at):
-    if isinstance(data, RowsType):
-        return lambda data, at: _get(data, at[0], at[1])
-    return None
-
-
-@overload(operator.setitem)
-def _setitem(data, at, value):
-    if isinstance(data, RowsType):
-        return lambda data, at, value: _set(data, at[0], at[1], value)
-    return None
-
-
-@intrinsic
-def load(typing_context, data, row):
-    """Row `row` of Rows."""
-
-    def build(context, builder, sig, args):
-        place = builder.bitcast(_element(builder, *args), _VECTOR.as_pointer())
-        return builder.load(place, align=8)
-
-    return lanes(rows, types.intp), build
-
-
-@intrinsic
-def store(typing_context, data, row, x):
-    """Write to row `row` of Rows."""
-
-    def build(context, builder, sig, args):
-        place = builder.bitcast(_element(builder, *args[:2]), _VECTOR.as_pointer())
-        builder.store(args[2], place, align=8)
-        return context.get_dummy_value()
-
-    return types.void(rows, types.intp, lanes), build
-
-
-# Adding and subtracting this rounds a float below 2^51 to an integer.
-ROUNDING = 1.5 * 2.0**52
-
-# pi / 2 as a sum of three numbers, from fdlibm (Sun Microsystems 1993).  The first two have 33
-# significant bits, so that their products with an integer below MOST_QUARTERS are exact, with or
-# without fused multiply-add; the third is rounded, and what is missing is below 1e-36.
-QUARTER_TURN = 1.57079632673412561417e00
-QUARTER_TURN_MIDDLE = 6.07710050630396597660e-11
-QUARTER_TURN_LOW = 2.02226624879595063154e-21
-
-# Number of quarter turns below which products with a number of 33 bits are exact: 53 - 33 bits.
-MOST_QUARTERS = 2.0**20
-
-
-@inlined
-def sine_cosine(x):
-    """Sine and cosine of eight angles.
-
-    Absolute errors are below 2.3e-16 for every finite angle, with and without fused multiply-add.
-    The largest angle decides for all eight whether they need a reduction, and which one.
-
-    Parameters
-    ----------
-    x : Lanes
-        Angles [rad].
-
-    Returns
-    -------
-    sin, cos : Lanes
-    """
-    largest = maximum(absolute(x))
-    if largest < 0.5 * QUARTER_TURN:  # as most swings are
-        return near_zero(x)
-    if largest < MOST_QUARTERS * QUARTER_TURN:
-        return reduced(x)
-    return lane_by_lane(x)
-
-
-@kernel
-def lane_by_lane(x):
-    """Sine and cosine by the C library, for angles beyond a million quarter turns."""
-    sin = x
-    cos = x
-    for i in range(LANES):
-        sin = with_lane(sin, i, math.sin(lane(x, i)))
-        cos = with_lane(cos, i, math.cos(lane(x, i)))
-    return sin, cos
-
-
-@inlined
-def reduced(x):
-    """Sine and cosine from those of x less the nearest multiple of pi/2.
-
-    The reduction is Cody and Waite's (Software Manual for the Elementary Functions, 1980).
-    """
-    quarters = (x * 0.6366197723675814 + ROUNDING) - ROUNDING
-    rest = (x - quarters * QUARTER_TURN) - quarters * QUARTER_TURN_MIDDLE
-    sin, cos = near_zero(rest - quarters * QUARTER_TURN_LOW)
-    quadrant = quarters - 4.0 * ((quarters * 0.25 - 0.375 + ROUNDING) - ROUNDING)  # 0, 1, 2 or 3
-    even = absolute(absolute(quadrant - 2.0) - 1.0)  # 1 in quadrants 0 and 2, else 0
-    one = where_less(even, 0.5, cos, sin)
-    other = where_less(even, 0.5, sin, cos)
-    one = where_less(quadrant, 1.5, one, 0.0 - one)
-    other = where_less(absolute(quadrant - 1.5), 1.0, 0.0 - other, other)
-    return one, other
-
-
-@inlined
-def near_zero(r):
-    """sin r and cos r by polynomials of the least largest error on (-pi/4, pi/4).
-
-    K. C. Ng's, of fdlibm (Sun Microsystems 1993), whose coefficients these are.
-    """
-    z = r * r
-    z2 = z * z
-    z4 = z2 * z2
-    sin = (
-        (-1.66666666666666324348e-01 + z * 8.33333333332248946124e-03)
-        + z2 * (-1.98412698298579493134e-04 + z * 2.75573137070700676789e-06)
-        + z4 * (-2.50507602534068634195e-08 + z * 1.58969099521155010221e-10)
+def first(builder, n):
+    """The mask of the first n lanes."""
+    kind = ir.VectorType(_INDEX, LANES)
+    count = builder.insert_element(
+        ir.Constant(kind, ir.Undefined), builder.trunc(n, _INDEX), ir.Constant(_INDEX, 0)
     )
-    sin = r + r * z * sin
-    cos = (
-        (4.16666666666666019037e-02 - z * 1.38888888888741095749e-03)
-        + z2 * (2.48015872894767294178e-05 - z * 2.75573143513906633035e-07)
-        + z4 * (2.08757232129817482790e-09 - z * 1.13596475577881948265e-11)
+    zeros = ir.Constant(kind, [0] * LANES)
+    count = builder.shuffle_vector(count, zeros, zeros)
+    return builder.icmp_signed("<", ir.Constant(kind, list(range(LANES))), count)
+
+
+@intrinsic
+def any_below(typing_context, low, high, x, limit):
+    """Whether x <= limit in any lane from `low` to `high`, that excluded."""
+
+    def build(context, builder, sig, args):
+        low, high, x, limit = args
+        wanted = builder.and_(builder.not_(first(builder, low)), first(builder, high))
+        below = builder.and_(wanted, builder.fcmp_ordered("<=", x, _spread(builder, limit)))
+        return builder.icmp_unsigned(
+            "!=", builder.bitcast(below, ir.IntType(8)), ir.Constant(ir.IntType(8), 0)
+        )
+
+    return types.boolean(types.intp, types.intp, lanes, types.float64), build
+
+
+@intrinsic
+def power_of_two(typing_context, x):
+    """2^x for whole numbers from -1022 to 1023."""
+
+    def build(context, builder, sig, args):
+        # Beyond 2^52 the spacing of floating-point numbers is 1, so the last bits are x.
+        integers = ir.VectorType(ir.IntType(64), LANES)
+        bits = builder.fadd(args[0], _spread(builder, ir.Constant(_FLOAT, 1.5 * 2.0**52)))
+        bits = builder.bitcast(bits, integers)
+        bits = builder.add(bits, ir.Constant(integers, [1023] * LANES))
+        bits = builder.shl(bits, ir.Constant(integers, [52] * LANES))
+        return builder.bitcast(bits, _VECTOR)
+
+    return lanes(lanes), build
+
+
+if config.DISABLE_JIT:  # type: ignore[attr-defined]
+    from tribo.kernels.simd_uncompiled import (  # noqa: F401
+        absolute,
+        any_below,
+        between_lanes,
+        broadcast,
+        floor,
+        lane,
+        maximum,
+        power_of_two,
+        sqrt,
+        sum_of_lanes,
+        sums_of_lanes,
+        where_less,
+        with_lane,
     )
-    return sin, (1.0 - 0.5 * z) + z2 * cos

@@ -9,22 +9,13 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit, types
-from numba.core.errors import TypingError
-from numba.extending import overload, register_jitable
+from numba.extending import register_jitable
 
 from tribo.kernels.compiled import inlined
 from tribo.kernels.contact import separation
-from tribo.kernels.simd import (
-    LANES,
-    broadcast,
-    lane,
-    lanes,
-    sine_cosine,
-    sqrt,
-    where_less,
-    with_lane,
-)
+from tribo.kernels.potential_in_lanes import force_in_lanes
+from tribo.kernels.simd import LANES, broadcast, lane, sqrt, where_less, with_lane
+from tribo.kernels.simd_functions import sine_cosine
 
 PAIR = np.dtype(
     [
@@ -61,51 +52,11 @@ class PairContact(NamedTuple):
     r: Any
 
 
-def is_vectorized(potential_type: Any) -> bool:
-    """Whether a potential's formula compiles for Lanes, that is, whether it is arithmetic alone.
-
-    Parameters
-    ----------
-    potential_type : numba type
-        Type of a potential, as :func:`numba.typeof` returns it.
-
-    Raises
-    ------
-    numba.core.errors.NumbaError
-        If the formula fails to compile for a reason other than an operation that Lanes lack.
-    """
-    formula = njit(error_model="numpy")(potential_type.instance_class.force_between)
-    try:
-        formula.compile((potential_type, lanes, types.float64, types.float64))
-    except TypingError as error:
-        if lanes.name not in str(error):
-            raise
-        return False
-    return True
-
-
-def potential_force(potential, r, charge1, charge2):
-    """Force of a potential at eight distances: at all together, or at one after another."""
-    return potential.force_between(r, charge1, charge2)
-
-
-@overload(potential_force, strict=False)
-def _potential_force(potential, r, charge1, charge2):
-    return potential_force if is_vectorized(potential) else _one_by_one
-
-
-def _one_by_one(potential, r, charge1, charge2):
-    f = r
-    for i in range(LANES):
-        f = with_lane(f, i, potential.force_between(lane(r, i), charge1, charge2))
-    return f
-
-
 @inlined
 def force_over_distance(pair, potential, r, inverse):
     """Contact force over distance; `inverse` is 1 / r."""
     cutoff = potential.range()
-    force = potential_force(potential, r, pair.charge1, pair.charge2) * inverse
+    force = force_in_lanes(potential, r, cutoff, pair.charge1, pair.charge2, 0, LANES) * inverse
     return where_less(r, cutoff, force, 0.0)
 
 

@@ -19,7 +19,8 @@ from tribo.integrators.step_control import (
     underflow_status,
 )
 from tribo.kernels.compiled import kernel
-from tribo.kernels.simd import LANES, broadcast, lane, rows_of, store, sum_of_lanes
+from tribo.kernels.simd import LANES, broadcast, lane, sum_of_lanes
+from tribo.kernels.simd_arrays import rows_of, store
 from tribo.kernels.status import BOBS_COINCIDE, COMPLETED, NOT_FINITE, PAUSED
 from tribo.pair.forces import contact_at, distance, encounter_rate_of, swing_accelerations
 from tribo.pair.step import (

@@ -25,13 +25,12 @@ from tribo.kernels.simd import (
     absolute,
     broadcast,
     lane,
-    load,
     maximum,
-    store,
     sum_of_lanes,
     sums_of_lanes,
     with_lane,
 )
+from tribo.kernels.simd_arrays import load, store
 from tribo.pair.forces import contact_at, encounter_rate_of, swing_accelerations
 
 # Part of the growth of a step that its error allows: a rejected step costs as much as an

@@ -43,7 +43,8 @@ class Buckingham(NamedTuple):
 
     def force(self, r):
         """-dU/dr."""
-        return self.A / self.rho * np.exp(-r / self.rho) - 6.0 * self.C / r**7
+        inverse = 1.0 / r  # which loops over pairs need too
+        return self.A / self.rho * np.exp(-r / self.rho) - 6.0 * self.C * inverse**7
 
     def feature(self):
         """Length over which the force changes, and the distance beyond which it is weak."""

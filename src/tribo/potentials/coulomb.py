@@ -28,7 +28,8 @@ class Coulomb(NamedTuple):
 
     def force(self, r):
         """-dU/dr between charges of 1."""
-        return self.strength / (r * r)
+        inverse = 1.0 / r  # which loops over pairs need too
+        return self.strength * inverse * inverse
 
     def coupling(self, one, other):
         """q_i q_j, by which U and force are multiplied."""

@@ -38,8 +38,9 @@ class WeeksChandlerAndersen(NamedTuple):
 
     def force(self, r):
         """-dU/dr."""
-        s6 = (self.sigma / r) ** 6
-        return (r < self.range()) * (24.0 * self.epsilon / r * s6 * (2.0 * s6 - 1.0))
+        inverse = 1.0 / r  # which loops over pairs need too
+        s6 = (self.sigma * inverse) ** 6
+        return (r < self.range()) * (24.0 * self.epsilon * inverse * s6 * (2.0 * s6 - 1.0))
 
     def feature(self):
         """Length over which the force changes, and the distance beyond which it is weak."""

@@ -33,7 +33,8 @@ class Yukawa(NamedTuple):
 
     def force(self, r):
         """-dU/dr between charges of 1."""
-        return self.strength * np.exp(-self.screening * r) * (self.screening + 1.0 / r) / r
+        inverse = 1.0 / r  # which loops over pairs need too
+        return self.strength * np.exp(-self.screening * r) * (self.screening + inverse) * inverse
 
     def coupling(self, one, other):
         """q_i q_j, by which U and force are multiplied."""

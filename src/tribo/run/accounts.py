@@ -91,8 +91,8 @@ def _columns(batch: Batch, group: str, places: Iterable[int], s: np.ndarray) -> 
     """Columns of a group of accounts; zeros where the group is absent."""
     if group not in batch.present:
         return [0.0 for _ in places]
-    slots = getattr(batch.asperites, group)
-    return [columns(np.where(slots >= 0, slots + k, -1), s) for k in places]
+    slots, stride = getattr(batch.asperites, group), batch.asperites.stride
+    return [columns(np.where(slots >= 0, slots + k * stride, -1), s) for k in places]
 
 
 def _contact(batch: Batch, s: np.ndarray) -> Account:

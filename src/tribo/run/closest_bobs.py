@@ -37,7 +37,7 @@ def closest_bobs(layout: Layout, sample: Samples) -> tuple[float, int, int] | No
     found: list[tuple[float, int, int]] = []
     for contact in (*layout.model.contacts, *(layout.model.within or ())):
         for one, other in contact.pairs:
-            mine, theirs = (layout.model.surfaces[k] for k in (one, other))
+            mine, theirs = (layout.surfaces[k] for k in (one, other))
             own = places[mine.start : mine.stop]
             tree = KDTree(places[theirs.start : theirs.stop], boxsize=box)
             # Within a surface, the nearest bob to each is that bob itself.
@@ -53,8 +53,8 @@ def closest_bobs(layout: Layout, sample: Samples) -> tuple[float, int, int] | No
 
 def _places(layout: Layout, sample: Samples) -> np.ndarray:
     """Positions of all bobs at the time of a sample, (n, 3), in the frame of the first surface."""
-    places = np.empty((layout.model.asperites.size, 3))
-    places[:, 2] = layout.model.bobs.z
+    places = np.empty((layout.asperites.size, 3))
+    places[:, 2] = layout.depths
     for index in range(len(layout.scene.surfaces)):
         for batch, motion in motions(layout, sample, index):
             a = batch.asperites

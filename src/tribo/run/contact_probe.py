@@ -6,6 +6,7 @@ import numpy as np
 
 from tribo.kernels.compiled import time_loop
 from tribo.kernels.probe import contact_probe, distance_probe
+from tribo.kernels.records import CHARGE
 from tribo.model.scene import Scene
 from tribo.plugins import sources
 from tribo.plugins.compile_errors import compiling
@@ -36,12 +37,12 @@ class ContactProbe:
     @property
     def charges(self) -> np.ndarray:
         """(n,) charges of the bobs in the scene."""
-        return self.layout.model.bobs.charge.copy()
+        return self.layout.model.asperites[CHARGE, self.layout.places.columns]
 
     @property
     def depths(self) -> np.ndarray:
         """(n,) z of the bobs in the scene, from the first bob [length]."""
-        return self.layout.model.bobs.z.copy()
+        return self.layout.depths
 
     def __call__(self, positions: np.ndarray, charges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Evaluate every contact between surfaces.
@@ -68,7 +69,14 @@ class ContactProbe:
         energies, forces = np.empty(len(positions)), np.empty((*positions.shape[:2], 2))
         probe = time_loop(contact_probe, self._stamp)
         with compiling(probe, self.layout.named_plugins):
-            probe(self.layout.model, positions, charges, energies, forces)
+            probe(
+                self.layout.model,
+                self.layout.places.columns,
+                positions,
+                charges,
+                energies,
+                forces,
+            )
         for call in self.layout.calculator_calls:
             if call.error is not None:
                 problem = f"the calculator raises {type(call.error).__name__}: {call.error}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from tribo.kernels.records import Calculator, Contact, Model, Neighbours
+from tribo.kernels.simd_arrays import room
 from tribo.model.interaction import Interaction
 from tribo.model.scene import Scene
 from tribo.potentials import Coulomb, as_potential
@@ -91,7 +92,7 @@ def neighbours(model: Model, rows: int, skin: float) -> Neighbours:
         reach=np.array([pair[3] for pair in listed]),
         start=np.zeros(rows + 1, np.int64),
         index=np.zeros(16 * rows, np.int64),
-        place=np.full((model.asperites.size, 2), np.nan),
+        place=np.full((model.asperites.shape[1], 2), np.nan),
         skin=skin,
         made=np.zeros(1, np.int64),
     )
@@ -147,12 +148,14 @@ def _surfaces_of(scene: Scene, interaction: Interaction) -> list[int]:
     return sorted({k for pair in scene.pairs(interaction) for k in pair})
 
 
-def species(scene: Scene) -> np.ndarray | None:
-    """(n,) index of each bob's species; None where no interaction depends on species."""
+def species(scene: Scene, columns: np.ndarray, count: int) -> np.ndarray | None:
+    """(count,) index of each bob's species; None where no interaction depends on species."""
     if all(interaction.species is None for interaction in scene.interactions):
         return None
     names = np.concatenate([surface.species_of_each for surface in scene.surfaces])
-    return np.searchsorted(scene.species, names)
+    species = room((count,))
+    species[columns] = np.searchsorted(scene.species, names)
+    return species
 
 
 def _kinds(scene: Scene, interaction: Interaction) -> np.ndarray | None:

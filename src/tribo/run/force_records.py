@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 
 from tribo.kernels import records
-from tribo.kernels.records import Custom, FieldOn
+from tribo.kernels.records import Custom, FieldOn, Springs
+from tribo.kernels.simd import LANES
+from tribo.kernels.simd_arrays import room
 from tribo.model.fields import Corrugation, Field
 from tribo.model.scene import Scene
 
@@ -18,7 +20,10 @@ Records = np.recarray[Any, Any]  # whose fields are read as attributes
 def fields_on_surfaces(
     scene: Scene, origin: np.ndarray, accounts: int
 ) -> tuple[tuple[FieldOn, ...] | None, int]:
-    """The external fields; each moving field has an account for the work of moving it."""
+    """The external fields; each moving field has an account for the work of moving it.
+
+    The first is that with number `accounts`; their number with these is returned too.
+    """
     names = [surface.name for surface in scene.surfaces]
     velocity = np.array(scene.surfaces[0].velocity)
     fields = []
@@ -52,28 +57,65 @@ def _in_frame_of(field: Field, origin: np.ndarray) -> np.ndarray:
     return origin - np.array(field.origin)
 
 
-def bonds(scene: Scene, parts: dict[str, slice], asperites: np.ndarray) -> Records | None:
+def springs(scene: Scene, asperites: np.ndarray, columns: np.ndarray) -> Springs | None:
     """All lattice springs; None without any."""
     periodic = (scene.periodic.x is not None, scene.periodic.z is not None)
-    tables = []
-    for surface in scene.surfaces:
-        first = parts[surface.name].start
+    tables, chains = [], []
+    count = 0
+    for k, surface in enumerate(scene.surfaces):
         ends, stiffness = surface.springs.bonds(surface.shape, surface.count, periodic)
-        table = np.zeros(len(ends), records.BOND)
-        table["i"], table["j"] = first + ends[:, 0], first + ends[:, 1]
-        table["stiffness"] = stiffness
+        i, j = (count + ends).T
+        count += surface.count
+        table = np.zeros((3, len(ends)))
+        table[records.STIFFNESS] = stiffness
         turned = surface.springs.turned
         if turned != 0.0:
             # The distance of the resting bars, minus the same distance turned.
             bars = np.array(
                 [asperites["x"], asperites["y"] + asperites["facing"] * asperites["l2"]]
             )
-            x, y = bars[:, table["i"]] - bars[:, table["j"]]
+            x, y = bars[:, i] - bars[:, j]
             less, sin = 2.0 * np.sin(0.5 * turned) ** 2, np.sin(turned)
-            table["x"], table["y"] = less * x + sin * y, less * y - sin * x
+            table[records.REST_X], table[records.REST_Y] = less * x + sin * y, less * y - sin * x
+        runs = _chains(columns[i], columns[j], k)
         tables.append(table)
-    together = np.concatenate(tables)
-    return together.view(np.recarray) if together.size else None
+        chains.append(runs)
+    every = np.concatenate(chains)
+    return _in_blocks(every, np.concatenate(tables, axis=1)) if every.size else None
+
+
+def _in_blocks(chains: np.ndarray, springs: np.ndarray) -> Springs:
+    """The springs of chains, each of which begins with a block and fills its last one."""
+    whole = -(-chains["count"] // LANES) * LANES
+    chains["first"] = np.cumsum(whole) - whole
+    table = room((springs.shape[0], int(np.sum(whole))))
+    first = 0
+    for chain in chains:
+        place = slice(chain["first"], chain["first"] + chain["count"])
+        table[:, place] = springs[:, first : first + chain["count"]]
+        first += chain["count"]
+    return Springs(chains.view(np.recarray), table)
+
+
+def stiffness_at_bars(springs: Springs, count: int) -> np.ndarray:
+    """Sum of the stiffnesses of all springs at each bar of the kernels' columns."""
+    total = np.zeros(count)
+    for chain in springs.chains:
+        each = np.arange(chain.count)
+        stiffness = springs.table[records.STIFFNESS, chain.first + each]
+        for first in (chain.i, chain.j):
+            np.add.at(total, first + each, stiffness)
+    return total
+
+
+def _chains(i: np.ndarray, j: np.ndarray, surface: int) -> np.ndarray:
+    """Runs of springs, each of which joins the neighbours of the bars of the one before it."""
+    begins = np.flatnonzero((np.diff(i, prepend=-2) != 1) | (np.diff(j, prepend=-2) != 1))
+    chains = np.zeros(begins.size, records.CHAIN)
+    chains["i"], chains["j"] = i[begins], j[begins]
+    chains["count"] = np.diff(begins, append=i.size)
+    chains["surface"] = surface
+    return chains
 
 
 def user_forces(

@@ -12,6 +12,7 @@ from tribo.integrators.step_control import Tolerance
 from tribo.kernels.compiled import collector_paused, time_loop
 from tribo.kernels.records import CLOCK, Neighbours
 from tribo.kernels.samples import STORED, Record, State, initial_state
+from tribo.kernels.simd_arrays import room, with_spare_lanes
 from tribo.plugins.compile_errors import compiling
 from tribo.plugins.sources import source_stamp
 from tribo.run.integrate import Columns, Memory, Setting
@@ -64,21 +65,27 @@ class GeneralLoop:
         self.layout = layout
         self.adaptive = method.adaptive
         self.clocks = np.zeros(1, CLOCK).view(np.recarray)
-        self.clocks.h = first_step
+        self.clocks.h = first_step if method.adaptive else 0.0
         if isinstance(setting, Tolerance):
             self.clocks.encounter_fraction = setting.encounter_fraction
-        self.state = initial_state(start, layout.accounts, method.remembers, method.splits)
+        coordinates, accounts = layout.room
+        places, n = layout.places, layout.coordinates
+        y = np.zeros(2 * coordinates)
+        y[places.q], y[coordinates + places.q] = start[:n], start[n:]
+        self.state = initial_state(y, accounts, method.remembers, method.splits)
+        core = places.q[: layout.core]
+        self._recorded = np.concatenate([core, coordinates + core]), places.s
         self._neighbours = layout.neighbours()
         self._noise: tuple[np.random.Generator, ...] = ()
         if method.splits:
             self._noise = (np.random.default_rng([layout.scene.seed, 2]),)
-        self._constants = (method.coefficients, setting)
+        self._constants = (method.coefficients, _in_blocks(setting, layout))
         self.compiled = time_loop(method.loop, source_stamp(layout.plugins))
 
-    def room(self, samples: int) -> Record:
+    def room(self, samples: int) -> Columns:
         """Arrays for so many samples."""
         surfaces = len(self.layout.scene.surfaces)
-        return Record(
+        return (
             np.empty((samples, 2 * self.layout.core)),
             np.empty((samples, self.layout.accounts)),
             np.empty(samples),
@@ -96,7 +103,7 @@ class GeneralLoop:
             self.clocks,
             self.state,
             times,
-            Record(*columns),
+            Record(*columns, *self._recorded),  # type: ignore[call-arg]
             budget,
             *self._noise,
         )
@@ -122,7 +129,7 @@ class GeneralLoop:
     def restore(self, memory: Memory) -> None:
         """Continue where another loop of this kind was."""
         set_numbers(self.clocks, memory["clock"])
-        self.state = State(**{name: memory[name].copy() for name in State._fields})
+        self.state = State(**{name: with_spare_lanes(memory[name]) for name in State._fields})
         if self._neighbours is not None:
             self._neighbours = self._neighbours._replace(
                 start=memory["neighbours_start"].copy(),
@@ -153,6 +160,18 @@ def compile_loop(layout: Layout, method: Method) -> float:
     with collector_paused(), compiling(loop.compiled, layout.named_plugins):
         loop.advance(np.ones(1), loop.room(1), 0)
     return time.perf_counter() - began
+
+
+def _in_blocks(setting: Setting, layout: Layout) -> Setting:
+    """A setting as the kernels read it; a tolerance is 1 for what fills their blocks."""
+    if not isinstance(setting, Tolerance):
+        return setting
+    coordinates, accounts = layout.room
+    y, s, n = room((2 * coordinates,)), room((accounts,)), layout.coordinates
+    y[:], s[:] = 1.0, 1.0
+    y[layout.places.q], y[coordinates + layout.places.q] = setting.y[:n], setting.y[n:]
+    s[layout.places.s] = setting.s
+    return setting._replace(y=y, s=s)
 
 
 def numbers_of(clocks: np.ndarray) -> np.ndarray:

@@ -86,7 +86,7 @@ def _slots(layout: Layout, key: str) -> Slots:
     part = layout.parts[surface.name]
     slots = np.arange(part.start, part.stop)
     if quantity in ("phi", "nu"):
-        slots = layout.model.asperites.dof_phi[part].astype(int)
+        slots = layout.asperites.dof_phi[part].astype(int)
     if quantity in ("omega", "nu"):
         slots = slots + layout.coordinates
     rest = surface.rest if quantity == "theta" else 0.0
@@ -99,4 +99,4 @@ def _reset_baths(layout: Layout, y: np.ndarray) -> None:
     for index, surface in enumerate(layout.scene.surfaces):
         part = layout.parts[surface.name]
         rng = np.random.default_rng([layout.scene.seed, index, 1])
-        set_bath(layout.model.asperites[part], surface, part, y[:n], y[n:], rng)
+        set_bath(layout.asperites[part], surface, part, y[:n], y[n:], rng)

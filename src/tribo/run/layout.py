@@ -9,26 +9,18 @@ from typing import Any
 import numpy as np
 
 from tribo.kernels import records
-from tribo.kernels.powers import CONTACT, DRIVE, ENDS, POINT, SLIDE, USER_ENDS
-from tribo.kernels.records import (
-    CUSTOM,
-    FORCED,
-    FREE,
-    PULLED,
-    RIGID,
-    Box,
-    Model,
-    Neighbours,
-)
+from tribo.kernels.records import CUSTOM, FORCED, FREE, PULLED, RIGID, Box, Model, Neighbours
+from tribo.kernels.simd import LANES
+from tribo.kernels.simd_arrays import room
 from tribo.model.bath import thermal_start, thermal_torsional_start
 from tribo.model.drives import Custom as CustomDrive
 from tribo.model.drives import Ends, Forced, Free, Pulled
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.potentials.from_ase import Call, Live
-from tribo.run import contacts
+from tribo.run import contacts, slots
 from tribo.run.batch import Batch, batch_of, batches_of
-from tribo.run.force_records import Records, bonds, fields_on_surfaces, user_forces
+from tribo.run.force_records import fields_on_surfaces, springs, user_forces
 from tribo.run.identity import loaded
 
 
@@ -43,12 +35,20 @@ class Layout:
     ----------
     scene : Scene
         What is laid out.
+    asperites : recarray of ASPERITE
+        What each asperite is, and where its numbers stand in y and s.
+    surfaces : recarray of SURFACE
+        The same of the surfaces.
     model : Model
-        The records that the kernels read.
+        The tables that the kernels read.
     start : ndarray, (2 coordinates,)
         y at the start of the run.
     core, coordinates, accounts : int
         Coordinates of the asperites; all coordinates, including the baths'; size of s.
+    places : Places
+        Where the kernels have what y and s have.
+    room : (int, int)
+        Coordinates and accounts of the kernels.
     velocity : ndarray, (n, 2)
         Initial velocity of each asperite's surface, in the laboratory.
     origin : ndarray, (2,)
@@ -64,11 +64,15 @@ class Layout:
     """
 
     scene: Scene
+    asperites: Any
+    surfaces: Any
     model: Model
     start: np.ndarray
     core: int
     coordinates: int
     accounts: int
+    places: slots.Places
+    room: tuple[int, int]
     velocity: np.ndarray
     origin: np.ndarray
     parts: dict[str, slice]
@@ -91,7 +95,7 @@ class Layout:
     @cached_property
     def together(self) -> Batch:
         """The asperites of all surfaces."""
-        return batch_of(self.model.asperites, self.model.surfaces, self.velocity)
+        return batch_of(self.asperites, self.surfaces, self.velocity)
 
     @cached_property
     def effects(self) -> dict[str, tuple[int, bool, bool]]:
@@ -131,6 +135,12 @@ class Layout:
         return replace(self, model=model)
 
     @property
+    def depths(self) -> np.ndarray:
+        """z of every bob [length], (n,)."""
+        depths: np.ndarray = self.model.asperites[records.Z, self.places.columns]
+        return depths
+
+    @property
     def plugins(self) -> list[Any]:
         """All plug-ins that the kernels are compiled with."""
         model = self.model
@@ -167,59 +177,101 @@ def lay_out(scene: Scene) -> Layout:
         surface.name: slice(stop - surface.count, stop)
         for surface, stop in zip(scene.surfaces, stops, strict=True)
     }
-    asperites = np.zeros(scene.count, records.ASPERITE)
-    surfaces = np.zeros(len(scene.surfaces), records.SURFACE)
-    for k, surface in enumerate(scene.surfaces):
-        part = parts[surface.name]
-        _fill_asperites(asperites[part], scene, k)
-        asperites["surface"][part] = k
-        surfaces["start"][k], surfaces["stop"][k] = part.start, part.stop
-        surfaces["mass"][k] = np.sum(asperites["mass"][part])
-        _fill_surface(surfaces[k : k + 1], surface)
-    oscillators, torsional = _baths(scene, surfaces)
-    core = _give_coordinates(asperites, scene)
-    coordinates = _give_bath(asperites, surfaces, core)
-    accounts = _give_accounts(asperites, surfaces, scene)
+    asperites, physics = _records(scene, parts)
     origin = _origin(scene)
-    fields, accounts = fields_on_surfaces(scene, origin, accounts)
+    sliding = np.array(slots.slide(scene))
+    fields, shared = fields_on_surfaces(scene, origin, int(np.sum(sliding)))
+    physics["acc_block"] = np.where(sliding, np.cumsum(sliding) - 1, -1)
+    mine = slots.number(scene, physics, shared, width=1)
+    theirs = slots.number(scene, physics, shared, LANES)
+    slots.give_slots(asperites, mine.surfaces)
+    start = _start(asperites, scene, parts, mine)
+    places = slots.places(mine, theirs, shared)
+    depths = [_resting_bobs(scene, k)[:, 2] for k in range(len(scene.surfaces))]
+    calls = contacts.calculator_calls(scene, depths)
     between, within, rows, skin = contacts.lay_out_contacts(scene)
-    bobs = _bobs(scene, parts)
-    calls = contacts.calculator_calls(scene, [bobs["z"][part] for part in parts.values()])
-    start = _start(asperites, scene, parts, core, coordinates)
-    ends = user_forces(scene, origin, "bars", Ends)
-    model = Model(
-        asperites=asperites.view(np.recarray),
-        surfaces=surfaces.view(np.recarray),
+    model = _model(scene, asperites, theirs, places)._replace(
         contacts=between,
         within=within,
+        inner=room((2, theirs.columns)) if within else None,
         calculators=contacts.calculators(scene, calls),
-        species=contacts.species(scene),
-        bobs=bobs.view(np.recarray),
-        inner=np.zeros(scene.count, records.PUSH).view(np.recarray) if within else None,
-        bars=np.zeros(scene.count, records.BAR).view(np.recarray),
-        box=Box(scene.periodic.x or 0.0, scene.periodic.z or 0.0) if scene.periodic else None,
-        bonds=bonds(scene, parts, asperites),
-        bath=oscillators,
-        torsional=torsional,
         fields=fields,
-        langevin=True if any(surface.langevin for surface in scene.surfaces) else None,
+        external=room((2, theirs.columns)) if fields else None,
         drives=user_forces(scene, origin, "drive", CustomDrive),
-        ends=ends,
-        end_forces=np.zeros(scene.count, records.END_FORCES).view(np.recarray) if ends else None,
+        ends=(ends := user_forces(scene, origin, "bars", Ends)),
+        end_forces=room((4, theirs.columns)) if ends else None,
     )
     return Layout(
         scene=scene,
+        asperites=asperites.view(np.recarray),
+        surfaces=mine.surfaces.view(np.recarray),
         model=model,
         start=start,
-        core=core,
-        coordinates=coordinates,
-        accounts=accounts,
+        core=mine.core,
+        coordinates=mine.coordinates,
+        accounts=mine.accounts,
+        places=places,
+        room=(theirs.coordinates, theirs.accounts),
         velocity=np.repeat([surface.velocity for surface in scene.surfaces], counts, axis=0),
         origin=origin,
         parts=parts,
         calculator_calls=calls,
         rows=rows,
         skin=skin,
+    )
+
+
+def _records(scene: Scene, parts: dict[str, slice]) -> tuple[np.ndarray, np.ndarray]:
+    """The asperites and the surfaces, but for their slots."""
+    asperites = np.zeros(scene.count, records.ASPERITE)
+    surfaces = np.zeros(len(scene.surfaces), records.SURFACE)
+    for k, surface in enumerate(scene.surfaces):
+        part = parts[surface.name]
+        _fill_asperites(asperites[part], scene, k)
+        asperites["surface"][part] = k
+        surfaces["mass"][k] = np.sum(asperites["mass"][part])
+        hung = surface.count * float(np.sum(surface.bath.masses))
+        surfaces["total_mass"][k] = surfaces["mass"][k] + hung
+        surfaces["turning"][k] = np.any(asperites["nu"][part] != 0.0)
+        _fill_surface(surfaces[k : k + 1], surface, scene.surfaces[0])
+    return asperites, surfaces
+
+
+def _model(
+    scene: Scene, asperites: np.ndarray, numbering: slots.Numbering, places: slots.Places
+) -> Model:
+    """The tables of the kernels; contacts, fields and forces of plug-ins are still absent."""
+    n = numbering.columns
+    bath = _oscillators(numbering, [(s.bath.masses, s.bath.frequencies) for s in scene.surfaces])
+    torsional = _oscillators(
+        numbering, [(s.bath.inertias, s.bath.torsional_frequencies) for s in scene.surfaces]
+    )
+    lattice = springs(scene, asperites, places.columns)
+    pulls = lattice is not None or bath is not None
+    reservoirs = any(surface.langevin for surface in scene.surfaces)
+    return Model(
+        asperites=_constants(scene, asperites, places.columns, n),
+        surfaces=numbering.surfaces.view(np.recarray),
+        core=numbering.core,
+        contacts=(),
+        within=None,
+        calculators=None,
+        species=contacts.species(scene, places.columns, n),
+        bobs=room((records.BOB_ROWS, n)),
+        drive=room((2, n)),
+        inner=None,
+        external=None,
+        internal=room((2, n)) if pulls else None,
+        displaced=room((2, n)) if pulls else None,
+        friction=room((2, n)) if reservoirs else None,
+        end_forces=None,
+        box=Box(scene.periodic.x or 0.0, scene.periodic.z or 0.0) if scene.periodic else None,
+        springs=lattice,
+        bath=bath,
+        torsional=torsional,
+        fields=None,
+        drives=None,
+        ends=None,
     )
 
 
@@ -233,14 +285,24 @@ def _resting_bobs(scene: Scene, index: int) -> np.ndarray:
     return scene.surfaces[index].resting_bobs(origin, seed=[scene.seed, index, 0])
 
 
-def _bobs(scene: Scene, parts: dict[str, slice]) -> np.ndarray:
-    """Depths and charges of all bobs."""
-    bobs = np.zeros(scene.count, records.BOB)
-    for k, surface in enumerate(scene.surfaces):
-        part = parts[surface.name]
-        bobs["z"][part] = _resting_bobs(scene, k)[:, 2]
-        bobs["charge"][part] = surface.asperite.for_each(surface.count)["charge"]
-    return bobs
+def _constants(scene: Scene, asperites: np.ndarray, columns: np.ndarray, count: int) -> np.ndarray:
+    """The table of asperites that kernels read; others fill it up, which feel no force."""
+    table = room((len(records.CONSTANTS), count))
+    table[[records.MASS, records.INERTIA, records.I2, records.BAR_LENGTH, records.COS_PHI]] = 1.0
+    for row, name in enumerate(records.CONSTANTS):
+        if name in (records.ASPERITE.names or ()):
+            table[row, columns] = asperites[name]
+    table[records.PRESENT, columns] = 1.0
+    phi = asperites["phi"]
+    table[records.SIN_PHI, columns], table[records.COS_PHI, columns] = np.sin(phi), np.cos(phi)
+    turning = asperites["dof_phi"] >= 0
+    mobility = 1.0 / asperites["inertia"] + np.where(turning, 1.0 / asperites["i2"], 0.0)
+    table[records.FREQUENCY, columns] = np.sqrt(asperites["kappa"] * mobility)
+    every = [s.asperite.for_each(s.count)["charge"] for s in scene.surfaces]
+    table[records.CHARGE, columns] = np.concatenate(every)
+    depths = [_resting_bobs(scene, k)[:, 2] for k in range(len(scene.surfaces))]
+    table[records.Z, columns] = np.concatenate(depths)
+    return table
 
 
 def _fill_asperites(asperites: np.ndarray, scene: Scene, index: int) -> None:
@@ -254,9 +316,17 @@ def _fill_asperites(asperites: np.ndarray, scene: Scene, index: int) -> None:
     asperites["y"] = bobs[:, 1] + surface.facing_sign * each["l1"]
     asperites["vx"] = surface.velocity[0] - first.velocity[0]
     asperites["vy"] = surface.velocity[1] - first.velocity[1]
+    initial = surface.initial.for_each(surface.count)
+    for name in ("phi", "nu"):
+        asperites[name] = 0.0 if initial[name] is None else initial[name]
 
 
-def _fill_surface(record: np.ndarray, surface: Surface) -> None:
+def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
+    record["oscillators"] = surface.bath.masses.size
+    record["torsionals"] = surface.bath.inertias.size
+    record["facing"] = surface.facing_sign
+    record["vx"] = surface.velocity[0] - first.velocity[0]
+    record["vy"] = surface.velocity[1] - first.velocity[1]
     drive = surface.drive
     if isinstance(drive, Forced):
         record["drive"] = FORCED
@@ -280,100 +350,29 @@ def _fill_surface(record: np.ndarray, surface: Surface) -> None:
             record["reservoir_y"] = surface.langevin.velocity[1] - surface.velocity[1]
 
 
-def _baths(scene: Scene, surfaces: np.ndarray) -> tuple[Records | None, Records | None]:
-    """The oscillators and the torsional oscillators of all surfaces; None without any."""
-    tables: list[Records | None] = []
-    for masses, frequencies, count, first in (
-        ("masses", "frequencies", "oscillators", "first_oscillator"),
-        ("inertias", "torsional_frequencies", "torsionals", "first_torsional"),
-    ):
-        sizes = np.array([getattr(surface.bath, masses).size for surface in scene.surfaces])
-        surfaces[count] = sizes
-        surfaces[first] = np.cumsum(sizes) - sizes
-        table = np.zeros(int(np.sum(sizes)), records.OSCILLATOR)
-        table["mass"] = np.concatenate([getattr(s.bath, masses) for s in scene.surfaces])
-        table["frequency"] = np.concatenate([getattr(s.bath, frequencies) for s in scene.surfaces])
-        tables.append(table.view(np.recarray) if table.size else None)
-    for k, surface in enumerate(scene.surfaces):
-        hung = surface.count * float(np.sum(surface.bath.masses))
-        surfaces["total_mass"][k] = surfaces["mass"][k] + hung
-    return tables[0], tables[1]
-
-
-def _slots(wanted: np.ndarray, first: int, width: int = 1) -> tuple[np.ndarray, int]:
-    """Slots of `width`, -1 where none is wanted, and the first slot after them."""
-    slots = np.where(wanted, first + width * (np.cumsum(wanted) - 1), -1)
-    return slots, first + width * int(np.count_nonzero(wanted))
-
-
-def _of(asperites: np.ndarray, wanted: list[bool]) -> np.ndarray:
-    """A value of each surface, repeated for each of its asperites."""
-    return np.array(wanted)[asperites["surface"]]
-
-
-def _give_coordinates(asperites: np.ndarray, scene: Scene) -> int:
-    """Assign the asperites' slots of q; returns their number."""
-    surfaces = scene.surfaces
-    turning = _of(asperites, [s.bars != "clamped" for s in surfaces])
-    along_x = _of(asperites, [scene.slides_along_x(s) for s in surfaces])
-    along_y = _of(asperites, [scene.slides_along_y(s) for s in surfaces])
-    asperites["dof_phi"], stop = _slots(turning, asperites.size)
-    asperites["dof_x"], stop = _slots(along_x, stop)
-    asperites["dof_y"], stop = _slots(along_y, stop)
-    return stop
-
-
-def _give_bath(asperites: np.ndarray, surfaces: np.ndarray, first: int) -> int:
-    """Assign the baths' slots of q; returns the number of all coordinates."""
-    width = (2 * surfaces["oscillators"] + surfaces["torsionals"])[asperites["surface"]]
-    stops = first + np.cumsum(width)
-    asperites["dof_bath"] = np.where(width > 0, stops - width, -1)
-    return int(stops[-1])
-
-
-def _give_accounts(asperites: np.ndarray, surfaces: np.ndarray, scene: Scene) -> int:
-    """Assign the slots of s; returns their number."""
-    own = scene.surfaces
-    sliding = (asperites["dof_x"] >= 0) | (asperites["dof_y"] >= 0)
-    kind = surfaces[asperites["surface"]]
-    driven = np.isin(kind["drive"], (RIGID, PULLED, CUSTOM)) | (kind["loaded"] == 1)
-    held = (asperites["dof_phi"] < 0) & (asperites["kappa"] > 0.0)
-    inside = [
-        bool(s.springs)
-        or s.bath.masses.size + s.bath.inertias.size > 0
-        or scene.has_contact_within(s)
-        for s in own
-    ]
-    field = [any(s.name in item.on for item in scene.fields) for s in own]
-    stop = 0
-    for name, wanted, width in (
-        ("acc_contact", np.full(asperites.size, True), CONTACT),
-        ("acc_slide", sliding, SLIDE),
-        ("acc_drive", driven, DRIVE),
-        ("acc_ends", held, ENDS),
-        ("acc_user_ends", _of(asperites, [isinstance(s.bars, Ends) for s in own]), USER_ENDS),
-        ("acc_internal", _of(asperites, inside), POINT),
-        ("acc_field", _of(asperites, field), POINT),
-        ("acc_thermal", _of(asperites, [bool(s.langevin) for s in own]), POINT),
-    ):
-        asperites[name], stop = _slots(wanted, stop, width)
-    moving = np.isin(np.arange(surfaces.size), asperites["surface"][sliding])
-    surfaces["acc_block"], stop = _slots(moving, stop)
-    return stop
+def _oscillators(
+    numbering: slots.Numbering, baths: list[tuple[np.ndarray, np.ndarray]]
+) -> np.ndarray | None:
+    """Masses and frequencies of all oscillators; those that fill the last block have none."""
+    whole = [-(-masses.size // LANES) * LANES for masses, _ in baths]
+    if sum(whole) == 0:
+        return None
+    table, first = room((2, sum(whole))), np.cumsum(whole) - whole
+    for k, (masses, frequencies) in enumerate(baths):
+        table[:, first[k] : first[k] + masses.size] = masses, frequencies
+    return table
 
 
 def _start(
-    asperites: np.ndarray, scene: Scene, parts: dict[str, slice], core: int, coordinates: int
+    asperites: np.ndarray, scene: Scene, parts: dict[str, slice], numbering: slots.Numbering
 ) -> np.ndarray:
     """y at t = 0; the angle and the rate of a clamped bar are in its record instead."""
-    y = np.zeros(2 * coordinates)
-    q, v = y[:coordinates], y[coordinates:]
+    y = np.zeros(2 * numbering.coordinates)
+    q, v = y[: numbering.coordinates], y[numbering.coordinates :]
     for index, surface in enumerate(scene.surfaces):
         part = parts[surface.name]
         initial = surface.initial.for_each(surface.count)
-        phi = 0.0 if initial["phi"] is None else initial["phi"]
-        nu = 0.0 if initial["nu"] is None else initial["nu"]
-        asperites["phi"][part], asperites["nu"][part] = phi, nu
+        phi, nu = asperites["phi"][part], asperites["nu"][part]
         swing = surface.initial_swing
         q[part] = phi if swing is None else swing
         v[part] = 0.0 if initial["omega"] is None else initial["omega"]

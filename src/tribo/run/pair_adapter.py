@@ -19,7 +19,7 @@ from tribo.integrators.collocation import Collocation
 from tribo.integrators.methods import Method
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.compiled import EntryPoint, time_loop
-from tribo.kernels.records import CLOCK, FORCED, FREE
+from tribo.kernels.records import CHARGE, CLOCK, FORCED, FREE, Z
 from tribo.kernels.samples import STORED
 from tribo.kernels.simd import LANES
 from tribo.kernels.status import COMPLETED, PAUSED, Status
@@ -59,6 +59,7 @@ from tribo.run.integrate import (
     Integration,
     Memory,
     Progress,
+    first_step_at,
     integrate,
 )
 from tribo.run.layout import Layout
@@ -84,8 +85,8 @@ def has_pair_loop(layout: Layout, method: Method) -> bool:
 def is_pair(layout: Layout) -> bool:
     """Whether a scene is one asperite on one, forced or free, with bars clamped at rest."""
     model = layout.model
-    extra = (*model[model._fields.index("box") :], model.within, model.calculators, model.species)
-    a, surfaces = model.asperites, model.surfaces
+    extra = (*model[model._fields.index("inner") :], model.within, model.calculators, model.species)
+    a, surfaces = layout.asperites, layout.surfaces
     return (
         a.size == surfaces.size == 2
         and all(item is None for item in extra)
@@ -244,7 +245,7 @@ class Pair:
         self.adaptive = True
         mobility = _mobility(layout)
         potential = layout.model.contacts[0].potential
-        self._first_step = FIRST_STEP_FACTOR * first_step
+        self._first_step, self._order = FIRST_STEP_FACTOR * first_step, method.order
         self.clocks, self._rows = np.zeros(1, CLOCK), np.zeros((ROWS, LANES))
         assert isinstance(method.coefficients, Collocation)
         self._rows[:LIMITS] = table(method.coefficients)
@@ -267,8 +268,12 @@ class Pair:
         times: np.ndarray,
         progress: Progress | None = None,
         checkpoints: Checkpoints | None = None,
+        most: float | None = None,
     ) -> Integration:
-        """Integrate from `start`, y of the scene's layout, through `times`."""
+        """Integrate from `start`, y of the scene's layout, through `times`.
+
+        With `most` force evaluations, or those of the scene without it.
+        """
         began = time.perf_counter()
         if self._tolerance is not tolerance:
             self._tolerance = tolerance
@@ -277,13 +282,13 @@ class Pair:
         self._evaluations[0] = 0
         self._start = start
         if progress is not None or checkpoints is not None:
-            return integrate(self, times, (), progress, None, checkpoints)
+            return integrate(self, times, (), progress, None, checkpoints, most=most)
         record = np.empty((times.size + 1, COLUMNS))
         code = self._loop(start, times, record, UNINTERRUPTED_STEPS)
         if code != COMPLETED:
             if code != PAUSED:
                 self._evaluations[0] = 0  # from the start again, to the same end
-            return integrate(self, times, columns=(record,))
+            return integrate(self, times, columns=(record,), most=most)
         seconds, clock = time.perf_counter() - began, self.clocks.tobytes()
         rows = self._rows[STATE:].copy()
         return Integration(
@@ -323,7 +328,8 @@ class Pair:
             own = np.min(everything[:, None] / factors, axis=0)
         both = np.zeros((2, LANES))
         rates = {OF_V1: own[V1], OF_V2: own[V2], OF_J: own[J]}
-        for place, value in (rates | {LEVEL: tolerance.level, FIRST: self._first_step}).items():
+        first = first_step_at(tolerance, self._first_step, self._order)
+        for place, value in (rates | {LEVEL: tolerance.level, FIRST: first}).items():
             both[0, place] = value
         both[1] = 1.0 / own[FIRST_ACCOUNT : FIRST_ACCOUNT + LANES]
         return both
@@ -340,22 +346,23 @@ def _memory(clocks: np.ndarray, rows: np.ndarray) -> Memory:
 
 def _mobility(layout: Layout) -> np.ndarray:
     """(2,) displacement of each centre of mass for k = 1."""
-    free = layout.model.surfaces.drive == FREE
-    return np.array([1.0, -1.0]) * free / layout.model.asperites.mass
+    free = layout.surfaces.drive == FREE
+    return np.array([1.0, -1.0]) * free / layout.asperites.mass
 
 
 def _record(layout: Layout, mobility: np.ndarray) -> np.ndarray:
     """The scene as the loop reads it."""
-    a, b = layout.model.asperites, layout.model.bobs
+    a = layout.asperites
+    z, charge = layout.model.asperites[[Z, CHARGE]][:, layout.places.columns]
     record = np.zeros(1, PAIR)
     record["gap_x"], record["gap_y"] = a.x[0] - a.x[1], a.y[0] - a.y[1]
     record["velocity_x"], record["velocity_y"] = a.vx[0] - a.vx[1], a.vy[0] - a.vy[1]
-    record["z_squared"] = (b.z[0] - b.z[1]) ** 2
+    record["z_squared"] = (z[0] - z[1]) ** 2
     record["mobility"] = mobility[0] - mobility[1]
     for i, sign in enumerate((1.0, -1.0)):
         lever = sign * a.facing[i] / a.inertia[i]
         across = a.l1[i] + a.l2[i]
-        record[f"charge{i + 1}"] = b.charge[i]
+        record[f"charge{i + 1}"] = charge[i]
         record[f"arm{i + 1}"] = a.facing[i] * a.l1[i]
         record[f"lever_x{i + 1}"] = lever * (across if mobility[i] == 0.0 else a.l1[i])
         record[f"lever_y{i + 1}"] = lever * across
@@ -369,7 +376,7 @@ def _factors(layout: Layout, mobility: np.ndarray) -> Factors:
     to_state = np.zeros((2 * n, ENERGY + 2))
     to_accounts = np.zeros((layout.accounts, ENERGY + 2))
     columns = ((Q1, V1, X1, Y1, T1, ARC1), (Q2, V2, X2, Y2, T2, ARC2))
-    for i, (a, sign) in enumerate(zip(layout.model.asperites, (1.0, -1.0), strict=True)):
+    for i, (a, sign) in enumerate(zip(layout.asperites, (1.0, -1.0), strict=True)):
         q, v, about_x, about_y, twist, arc = columns[i]
         to_state[i, q] = to_state[n + i, v] = 1.0
         first = FIRST_ACCOUNT
@@ -379,7 +386,7 @@ def _factors(layout: Layout, mobility: np.ndarray) -> Factors:
         to_accounts[contact + 3, first + about_y] = sign * a.facing
         if a.dof_x >= 0:
             to_state[a.dof_x, K] = to_state[n + a.dof_x, J] = mobility[i]
-            block = layout.model.surfaces[i].acc_block
+            block = layout.surfaces[i].acc_block
             to_accounts[a.acc_slide, first + S] = to_accounts[block, first + S] = sign * mobility[i]
         if a.acc_ends >= 0:
             end = a.kappa / a.bar_length

@@ -8,7 +8,8 @@ import numpy as np
 
 from tribo.integrators.methods import Method
 from tribo.integrators.splitting import Splitting
-from tribo.kernels.records import PULLED
+from tribo.kernels.records import FREQUENCY, PULLED
+from tribo.run.force_records import stiffness_at_bars
 from tribo.run.layout import Layout
 
 # Change of a place in units of a rod's length, of an angle in radians, and of a velocity in these
@@ -19,9 +20,7 @@ DIFFERENCE = 0.01
 
 def pendulum_frequency(layout: Layout) -> float:
     """The angular frequency of the fastest pendulum [rad / time]."""
-    a = layout.model.asperites
-    inverse = 1.0 / a.inertia + np.where(a.dof_phi >= 0, 1.0 / a.i2, 0.0)
-    return float(np.max(np.sqrt(a.kappa * inverse)))
+    return float(np.max(layout.model.asperites[FREQUENCY]))
 
 
 def spring_frequency(layout: Layout) -> float:
@@ -29,11 +28,11 @@ def spring_frequency(layout: Layout) -> float:
 
     By Gershgorin: the sum of a row of the matrix of stiffnesses, over mass and inertia of its bar.
     """
-    a, surfaces, bonds = layout.model.asperites, layout.model.surfaces, layout.model.bonds
+    a, surfaces, springs = layout.asperites, layout.surfaces, layout.model.springs
     stiffness = np.where(surfaces.drive == PULLED, surfaces.stiffness, 0.0)[a.surface]
-    if bonds is not None:
-        for ends in (bonds.i, bonds.j):
-            np.add.at(stiffness, ends, 2.0 * bonds.stiffness)
+    if springs is not None:
+        columns = layout.places.columns
+        stiffness += 2.0 * stiffness_at_bars(springs, layout.model.drive.shape[1])[columns]
     return float(np.sqrt(np.max(stiffness * _mobility(layout))))
 
 
@@ -62,15 +61,15 @@ def longest_kick(method: Method) -> float:
 
 def _mobility(layout: Layout) -> np.ndarray:
     """Velocity of each bar for a unit of momentum, at most."""
-    a = layout.model.asperites
+    a = layout.asperites
     return 1.0 / a.mass + a.l2**2 / a.inertia
 
 
 def _user_rates(layout: Layout) -> Iterator[float]:
     """Rates at which a user's forces change places, angles, and velocities."""
-    a, mobility = layout.model.asperites, _mobility(layout)
+    a, mobility = layout.asperites, _mobility(layout)
     for drive in layout.model.drives or ():
-        i = int(layout.model.surfaces.start[drive.surface])
+        i = int(layout.surfaces.start[drive.surface])
         place = np.add(drive.origin, (a.x[i], a.y[i] + a.facing[i] * a.l2[i]))
         velocity = np.add(drive.velocity, (a.vx[i], a.vy[i]))
         state, size = (0.0, *place, *velocity, 0.0, 0.0), float(a.l1[i] + a.l2[i])
@@ -78,7 +77,7 @@ def _user_rates(layout: Layout) -> Iterator[float]:
         yield np.sqrt(_slope(force, state, (1, 2), size) * mobility[i])
         yield _slope(force, state, (3, 4), size) * mobility[i]
     for end in layout.model.ends or ():
-        i = int(layout.model.surfaces.start[end.surface])
+        i = int(layout.surfaces.start[end.surface])
         angles, arm = (0.0, float(a.phi[i]), float(a.nu[i]), 0.0), a.bar_length[i] / a.i2[i]
         force = end.plugin.end_forces
         yield np.sqrt(_slope(force, angles, (1, 3), 1.0) * arm)

@@ -172,7 +172,7 @@ def state_of(layout: Layout, method: str, run: Integration) -> State:
 
 def _surface(layout: Layout, part: slice, y: np.ndarray) -> Table:
     """The coordinates of a surface's asperites and their rates, by name."""
-    a, n = layout.model.asperites[part], layout.coordinates
+    a, n = layout.asperites[part], layout.coordinates
     table = {"swing": y[:n][part], "omega": y[n:][part]}
     for name, rate, slots in (
         ("phi", "nu", a.dof_phi),

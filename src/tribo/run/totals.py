@@ -118,7 +118,7 @@ class Whole(Group):
 
     @property
     def _record(self) -> np.record:
-        return self._layout.model.surfaces[self._index]
+        return self._layout.surfaces[self._index]
 
     @cached_property
     def _mass(self) -> float:

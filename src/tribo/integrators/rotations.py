@@ -1,0 +1,54 @@
+"""Exact rotations of harmonic oscillators: torsion pendulums, and those of baths."""
+
+import numpy as np
+
+from tribo.kernels.compiled import inlined, kernel, owning_kernel
+from tribo.kernels.simd import LANES, where_less
+from tribo.kernels.simd_arrays import block, set_block, zero_rows
+from tribo.kernels.simd_functions import sine_cosine
+
+
+@owning_kernel
+def empty_rotations(table):
+    """Room for the rotations of the columns of a table, and for their time."""
+    if table is None:
+        return np.empty((3, 0))
+    rotations = zero_rows(3, table.shape[1] + LANES)
+    rotations[:] = np.nan
+    return rotations
+
+
+@inlined
+def rotation(frequency, tau):
+    """The rotation of oscillators in tau: 1 - cos, and sin over and times the frequency."""
+    sin, cos = sine_cosine(frequency * (0.5 * tau))
+    versine = 2.0 * sin * sin
+    sin = 2.0 * sin * cos
+    return versine, where_less(0.0, frequency, sin / frequency, tau), sin * frequency
+
+
+@inlined
+def rotated(x, rate, turn):
+    """Harmonic oscillators after a rotation; rounding of cos^2 + sin^2 causes no energy drift."""
+    versine, over, times = turn
+    return x - versine * x + over * rate, rate - versine * rate - times * x
+
+
+@kernel
+def set_rotations(frequencies, tau, rotations):
+    """Set every oscillator's rotation in tau, which is kept in the last column."""
+    last = frequencies.size
+    if rotations[0, last] == tau:
+        return
+    rotations[0, last] = tau
+    for i in range(0, last, LANES):
+        versine, over, times = rotation(block(frequencies, i), tau)
+        set_block(rotations[0], i, versine)
+        set_block(rotations[1], i, over)
+        set_block(rotations[2], i, times)
+
+
+@inlined
+def rotation_of(rotations, i):
+    """The rotations of oscillators from i on."""
+    return block(rotations[0], i), block(rotations[1], i), block(rotations[2], i)

@@ -1,0 +1,151 @@
+"""Bath oscillators: springs to their bars, m w^2 (displacement from the bar).
+
+Those of one bar stand side by side: all x, all y, then the torsional.  Eight are computed at once.
+"""
+
+from tribo.kernels.compiled import kernel
+from tribo.kernels.records import (
+    ALONG_X,
+    ALONG_Y,
+    I2,
+    NU_START,
+    OSCILLATOR_FREQUENCY,
+    OSCILLATOR_MASS,
+    PHI_START,
+)
+from tribo.kernels.simd import LANES, sum_of_lanes
+from tribo.kernels.simd_arrays import block, set_block
+
+
+@kernel
+def first_slot(s, i):
+    """Slot of the first oscillator on bar i."""
+    return s.dof_bath + (i - s.start) * (2 * s.oscillators + s.torsionals)
+
+
+@kernel
+def torsional_slot(s, i):
+    """Slot of the first torsional oscillator on bar i."""
+    return first_slot(s, i) + 2 * s.oscillators
+
+
+@kernel
+def bar_angle(model, s, i, t, q):
+    """phi of one bar: a coordinate where it is free, uniform where it is clamped."""
+    if s.dof_phi >= 0:
+        return q[s.dof_phi + i - s.start]
+    return model.asperites[PHI_START, i] + model.asperites[NU_START, i] * t
+
+
+@kernel
+def pull(table, first, count, q, start, centre):
+    """Force of oscillators `first` on of a table, from slot `start` on, on what is at `centre`."""
+    force = 0.0
+    for m in range(0, count, LANES):
+        w = block(table[OSCILLATOR_FREQUENCY], first + m)
+        stiffness = block(table[OSCILLATOR_MASS], first + m) * w * w
+        force += sum_of_lanes(stiffness * (block(q, start + m) - centre))
+    return force
+
+
+@kernel
+def oscillate(table, first, count, q, start, centre, acceleration):
+    """Set q'' of oscillators about a place."""
+    for m in range(0, count, LANES):
+        w = block(table[OSCILLATOR_FREQUENCY], first + m)
+        set_block(acceleration, start + m, -w * w * (block(q, start + m) - centre))
+
+
+@kernel
+def oscillator_energy(table, first, count, q, v, start, centre):
+    """Energy of oscillators about a place."""
+    energy = 0.0
+    for m in range(0, count, LANES):
+        away = block(table[OSCILLATOR_FREQUENCY], first + m) * (block(q, start + m) - centre)
+        rate = block(v, start + m)
+        mass = block(table[OSCILLATOR_MASS], first + m)
+        energy += sum_of_lanes(0.5 * mass * (rate * rate + away * away))
+    return energy
+
+
+@kernel
+def oscillator_momentum(table, first, count, v, start):
+    """Momentum of oscillators."""
+    momentum = 0.0
+    for m in range(0, count, LANES):
+        mass = block(table[OSCILLATOR_MASS], first + m)
+        momentum += sum_of_lanes(mass * block(v, start + m))
+    return momentum
+
+
+@kernel
+def bath_forces(model, bath, q):
+    """Add the forces of bath oscillators on the bars."""
+    if bath is not None:
+        for k in range(model.surfaces.shape[0]):
+            s = model.surfaces[k]
+            first = s.first_oscillator
+            count = s.oscillators
+            if count > 0:
+                for i in range(s.start, s.end):
+                    slot = first_slot(s, i)
+                    x = model.displaced[ALONG_X, i]
+                    y = model.displaced[ALONG_Y, i]
+                    model.internal[ALONG_X, i] += pull(bath, first, count, q, slot, x)
+                    model.internal[ALONG_Y, i] += pull(bath, first, count, q, slot + count, y)
+
+
+@kernel
+def bath_accelerations(model, bath, q, acceleration):
+    """Set q'' of the bath oscillators."""
+    if bath is not None:
+        for k in range(model.surfaces.shape[0]):
+            s = model.surfaces[k]
+            first = s.first_oscillator
+            count = s.oscillators
+            if count > 0:
+                for i in range(s.start, s.end):
+                    slot = first_slot(s, i)
+                    x = model.displaced[ALONG_X, i]
+                    y = model.displaced[ALONG_Y, i]
+                    oscillate(bath, first, count, q, slot, x, acceleration)
+                    oscillate(bath, first, count, q, slot + count, y, acceleration)
+
+
+@kernel
+def torsional_torque(model, torsional, s, i, t, q):
+    """Torque of the torsional oscillators on bar i."""
+    phi = bar_angle(model, s, i, t, q)
+    return pull(torsional, s.first_torsional, s.torsionals, q, torsional_slot(s, i), phi)
+
+
+@kernel
+def torsional_accelerations(model, torsional, t, q, acceleration):
+    """Set q'' of the torsional oscillators, and add their torque on the bars."""
+    if torsional is not None:
+        for k in range(model.surfaces.shape[0]):
+            s = model.surfaces[k]
+            first = s.first_torsional
+            count = s.torsionals
+            if count > 0:
+                for i in range(s.start, s.end):
+                    phi = bar_angle(model, s, i, t, q)
+                    oscillate(torsional, first, count, q, torsional_slot(s, i), phi, acceleration)
+                    torque = torsional_torque(model, torsional, s, i, t, q)
+                    acceleration[s.dof_phi + i - s.start] += torque / model.asperites[I2, i]
+
+
+@kernel
+def bath_momentum(model, bath, s, v):
+    """Momentum of a surface's bath in the surface's first frame."""
+    px = 0.0
+    py = 0.0
+    if bath is not None:
+        first = s.first_oscillator
+        count = s.oscillators
+        if count > 0:
+            for i in range(s.start, s.end):
+                slot = first_slot(s, i)
+                px += oscillator_momentum(bath, first, count, v, slot)
+                py += oscillator_momentum(bath, first, count, v, slot + count)
+    return px, py

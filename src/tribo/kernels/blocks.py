@@ -1,0 +1,43 @@
+"""Blocks: eight neighbouring asperites of one surface, in the lanes of registers.
+
+A block is (s, i): the surface's record, and the column of its first asperite.  Columns that fill
+the last block of a surface have asperites without forces, which never move.
+"""
+
+from tribo.kernels.compiled import inlined, kernel
+from tribo.kernels.records import ALONG_X, ALONG_Y
+from tribo.kernels.simd import broadcast
+from tribo.kernels.simd_arrays import block, set_block
+
+
+@inlined
+def coordinates(slot, s, i, q):
+    """Coordinates or velocities of a block, whose surface has them from `slot` on; 0 without."""
+    if slot >= 0:
+        return block(q, slot + i - s.start)
+    return broadcast(0.0)
+
+
+@inlined
+def vectors(table, i):
+    """x and y of a block of a table of vectors; without a table -0, which changes no sum."""
+    if table is None:
+        return broadcast(-0.0), broadcast(-0.0)
+    return block(table[ALONG_X], i), block(table[ALONG_Y], i)
+
+
+@inlined
+def set_vectors(table, i, x, y):
+    """Set x and y of a block of a table of vectors."""
+    set_block(table[ALONG_X], i, x)
+    set_block(table[ALONG_Y], i, y)
+
+
+@kernel
+def clear(table):
+    """Set every element of a table to zero, if there is a table."""
+    if table is not None:
+        for k in range(table.shape[0]):
+            row = table[k]
+            for m in range(row.size):
+                row[m] = 0.0

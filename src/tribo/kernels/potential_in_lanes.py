@@ -1,0 +1,89 @@
+"""The force of a potential at eight distances: all together where its formula allows.
+
+A formula of + - * / sqrt exp, whole powers, minimum and maximum compiles for Lanes as it stands.
+With any other operation, or with a branch, the distances are taken one after another.
+"""
+
+from typing import Any
+
+import numpy as np
+from numba import config, njit, types
+from numba.core.errors import TypingError
+from numba.extending import overload
+
+from tribo.kernels.simd import LanesType, lane, lanes, with_lane
+
+
+def is_vectorized(potential_type: Any) -> bool:
+    """Whether a potential's formula compiles for Lanes, with charges of one bob or of eight.
+
+    Parameters
+    ----------
+    potential_type : numba type
+        Type of a potential, as :func:`numba.typeof` returns it.
+
+    Raises
+    ------
+    numba.core.errors.NumbaError
+        If the formula fails to compile for a reason other than an operation that Lanes lack.
+    """
+    formula = njit(error_model="numpy")(potential_type.instance_class.force_between)
+    try:
+        formula.get_call_template((potential_type, lanes, types.float64, lanes), {})
+    except TypingError as error:
+        if lanes.name not in str(error):
+            raise
+        return False
+    return True
+
+
+def force_in_lanes(potential, r, end, charge, others, low, high):
+    """Force of a potential at some of eight distances.
+
+    Parameters
+    ----------
+    potential : NamedTuple
+    r : Lanes
+        Distances.
+    end : float
+        Distance from which the force is zero [length].
+    charge : float
+        Charge of one bob.
+    others : Lanes or float
+        Charges of the other bobs, or of the other bob.
+    low, high : int
+        The lanes that are wanted; elsewhere, and beyond `end`, the result has no meaning.
+
+    Returns
+    -------
+    Lanes
+    """
+    return potential.force_between(r, charge, others)
+
+
+@overload(force_in_lanes, strict=False)
+def _force_in_lanes(potential, r, end, charge, others, low, high):
+    return force_in_lanes if is_vectorized(potential) else _one_by_one
+
+
+def _one_by_one(potential, r, end, charge, others, low, high):
+    force = r
+    for i in range(low, high):
+        if lane(r, i) < end:
+            value = potential.force_between(lane(r, i), charge, _lane_of(others, i))
+            force = with_lane(force, i, value)
+    return force
+
+
+def _lane_of(x, i):
+    """Number i of Lanes; a float as it is."""
+    return x[i] if isinstance(x, np.ndarray) else x  # where numba does not compile
+
+
+@overload(_lane_of)
+def _find_lane_of(x, i):
+    return (lambda x, i: lane(x, i)) if isinstance(x, LanesType) else (lambda x, i: x)
+
+
+if config.DISABLE_JIT:  # type: ignore[attr-defined]
+    force_in_lanes = _one_by_one

@@ -1,0 +1,250 @@
+"""Lanes in memory: eight neighbours of an array, or elements that a list names.
+
+Blocks begin at multiples of eight in arrays that begin at a multiple of their size, so that no
+block lies in two cache lines.  A few, of springs, do not, and reach beyond the end of an array:
+:func:`room` makes arrays for both.
+"""
+
+import math
+import operator
+
+import numpy as np
+from llvmlite import ir
+from numba import config, types
+from numba.core import cgutils
+from numba.extending import intrinsic, models, overload, register_model
+
+from tribo.kernels.compiled import inlined, owning_kernel
+from tribo.kernels.simd import _FLOAT, _INDEX, _VECTOR, LANES, first, lanes
+
+
+def room(shape: tuple[int, ...]) -> np.ndarray:
+    """A C-contiguous array of zeros that begins with a cache line, with room for a block after."""
+    size = math.prod(shape)
+    array = np.zeros(size + 2 * LANES)
+    first = -(array.ctypes.data // 8) % LANES
+    return array[first : first + size].reshape(shape)
+
+
+@owning_kernel
+def zero_row(n):
+    """The same with one row, for kernels; what fills blocks must be finite, so it is zero too."""
+    array = np.zeros(n + 2 * LANES)
+    first = -(array.ctypes.data // 8) % LANES
+    return array[first : first + n]
+
+
+@owning_kernel
+def zero_rows(count, n):
+    """The same with several rows, for kernels."""
+    return zero_row(count * n).reshape(count, n)
+
+
+def with_spare_lanes(values: np.ndarray) -> np.ndarray:
+    """A copy of an array, with room."""
+    copy = room(values.shape)
+    copy[...] = values
+    return copy
+
+
+class RowsType(types.Type):
+    """The type of the rows of an array (n, 8), a pointer without a reference to the array."""
+
+    def __init__(self) -> None:
+        super().__init__(name="Rows")
+
+
+rows = RowsType()
+
+
+@register_model(RowsType)
+class _RowsModel(models.PrimitiveModel):
+    def __init__(self, manager, numba_type) -> None:
+        super().__init__(manager, numba_type, _FLOAT.as_pointer())
+
+
+@intrinsic
+def rows_of(typing_context, array):
+    """The rows of a C-contiguous array (n, 8): ``rows[k, i]`` is the number in row k, lane i.
+
+    Passing an array to a function counts a reference, which takes longer than a step's arithmetic.
+    """
+
+    def build(context, builder, sig, args):
+        return context.make_array(sig.args[0])(context, builder, args[0]).data
+
+    good = isinstance(array, types.Array) and array.ndim == 2 and array.layout == "C"
+    return (rows(array), build) if good else None
+
+
+def _element(builder, data, row, i=None):
+    place = builder.mul(row, ir.Constant(row.type, LANES))
+    return builder.gep(data, [place if i is None else builder.add(place, i)])
+
+
+@intrinsic
+def _get(typing_context, data, row, i):
+    def build(context, builder, sig, args):
+        return builder.load(_element(builder, *args))
+
+    return types.float64(rows, types.intp, types.intp), build
+
+
+@intrinsic
+def _set(typing_context, data, row, i, value):
+    def build(context, builder, sig, args):
+        builder.store(args[3], _element(builder, *args[:3]))
+        return context.get_dummy_value()
+
+    return types.void(rows, types.intp, types.intp, types.float64), build
+
+
+@overload(operator.getitem)
+def _getitem(data, at):
+    if isinstance(data, RowsType):
+        return lambda data, at: _get(data, at[0], at[1])
+    return None
+
+
+@overload(operator.setitem)
+def _setitem(data, at, value):
+    if isinstance(data, RowsType):
+        return lambda data, at, value: _set(data, at[0], at[1], value)
+    return None
+
+
+@intrinsic
+def load(typing_context, data, row):
+    """Row `row` of Rows."""
+
+    def build(context, builder, sig, args):
+        place = builder.bitcast(_element(builder, *args), _VECTOR.as_pointer())
+        return builder.load(place, align=8)
+
+    return lanes(rows, types.intp), build
+
+
+@intrinsic
+def store(typing_context, data, row, x):
+    """Write to row `row` of Rows."""
+
+    def build(context, builder, sig, args):
+        place = builder.bitcast(_element(builder, *args[:2]), _VECTOR.as_pointer())
+        builder.store(args[2], place, align=8)
+        return context.get_dummy_value()
+
+    return types.void(rows, types.intp, lanes), build
+
+
+def _masked(builder, name: str, result, arguments: list):
+    kind = ir.FunctionType(result, [argument.type for argument in arguments])
+    function = cgutils.get_or_insert_function(builder.module, kind, f"llvm.masked.{name}")
+    return builder.call(function, arguments)
+
+
+def _is_row(array, dtype=types.float64) -> bool:
+    return isinstance(array, types.Array) and array.ndim == 1 and array.dtype == dtype
+
+
+def _address(context, builder, kind, array, i):
+    data = context.make_array(kind)(context, builder, array).data
+    return builder.bitcast(builder.gep(data, [i]), _VECTOR.as_pointer())
+
+
+_ALIGNED = ir.Constant(_INDEX, 8)
+_NOTHING = ir.Constant(_VECTOR, [0.0] * LANES)
+_INTEGERS = ir.VectorType(ir.IntType(64), LANES)
+
+
+@intrinsic
+def block(typing_context, array, i):
+    """Eight elements from place i of a contiguous array on."""
+
+    def build(context, builder, sig, args):
+        return builder.load(_address(context, builder, sig.args[0], *args), align=8)
+
+    return (lanes(array, types.intp), build) if _is_row(array) else None
+
+
+@intrinsic
+def set_block(typing_context, array, i, x):
+    """Set eight elements from place i of a contiguous array on."""
+
+    def build(context, builder, sig, args):
+        builder.store(args[2], _address(context, builder, sig.args[0], *args[:2]), align=8)
+        return context.get_dummy_value()
+
+    return (types.void(array, types.intp, lanes), build) if _is_row(array) else None
+
+
+def _elements(context, builder, kind, array, index_kind, index, i, n):
+    """Addresses of the elements that a list of numbers names from place i on, and their mask."""
+    place = context.make_array(index_kind)(context, builder, index).data
+    place = builder.bitcast(builder.gep(place, [i]), _INTEGERS.as_pointer())
+    mask = first(builder, n)
+    zeros = ir.Constant(_INTEGERS, [0] * LANES)
+    numbers = _masked(builder, f"load.v{LANES}i64.p0", _INTEGERS, [place, _ALIGNED, mask, zeros])
+    data = context.make_array(kind)(context, builder, array).data
+    start = builder.ptrtoint(data, ir.IntType(64))
+    start = builder.insert_element(zeros, start, ir.Constant(_INDEX, 0))
+    everywhere = ir.Constant(ir.VectorType(_INDEX, LANES), [0] * LANES)
+    start = builder.shuffle_vector(start, zeros, everywhere)
+    bytes_each = ir.Constant(_INTEGERS, [3] * LANES)
+    address = builder.add(start, builder.shl(numbers, bytes_each))
+    pointers = ir.VectorType(_FLOAT.as_pointer(), LANES)
+    return builder.inttoptr(address, pointers), mask
+
+
+@intrinsic
+def gather(typing_context, array, index, i, n):
+    """The elements of a contiguous array that `index` names from place i on, at most eight."""
+
+    def build(context, builder, sig, args):
+        array, index, i, n = args
+        places, mask = _elements(context, builder, sig.args[0], array, sig.args[1], index, i, n)
+        return _masked(
+            builder,
+            f"gather.v{LANES}f64.v{LANES}p0",
+            _VECTOR,
+            [places, _ALIGNED, mask, _NOTHING],
+        )
+
+    good = _is_row(array) and _is_row(index, types.int64)
+    return (lanes(array, index, types.intp, types.intp), build) if good else None
+
+
+@intrinsic
+def scatter(typing_context, array, index, i, n, x):
+    """Set the elements of a contiguous array that `index` names from place i on, at most eight."""
+
+    def build(context, builder, sig, args):
+        array, index, i, n, x = args
+        places, mask = _elements(context, builder, sig.args[0], array, sig.args[1], index, i, n)
+        _masked(
+            builder,
+            f"scatter.v{LANES}f64.v{LANES}p0",
+            ir.VoidType(),
+            [x, places, _ALIGNED, mask],
+        )
+        return context.get_dummy_value()
+
+    good = _is_row(array) and _is_row(index, types.int64)
+    return (types.void(array, index, types.intp, types.intp, lanes), build) if good else None
+
+
+if config.DISABLE_JIT:  # type: ignore[attr-defined]
+    from tribo.kernels.simd_uncompiled import (  # noqa: F401
+        block,
+        gather,
+        load,
+        rows_of,
+        scatter,
+        set_block,
+        store,
+    )
+
+
+@inlined
+def add_block(array, i, x):
+    """Add to eight elements from place i of a contiguous array on."""
+    set_block(array, i, block(array, i) + x)

@@ -1,0 +1,236 @@
+"""Elementary functions of eight numbers at once."""
+
+import math
+import operator
+from typing import Any
+
+import numpy as np
+from numba import types
+from numba.extending import overload
+
+from tribo.kernels.compiled import inlined, kernel
+from tribo.kernels.numba_passes import LINKED
+from tribo.kernels.simd import (
+    LANES,
+    LanesType,
+    absolute,
+    broadcast,
+    floor,
+    lane,
+    maximum,
+    power_of_two,
+    sqrt,
+    where_less,
+    with_lane,
+)
+
+# Adding and subtracting this rounds a float below 2^51 to an integer.
+ROUNDING = 1.5 * 2.0**52
+
+# pi / 2 as a sum of three numbers, from fdlibm (Sun Microsystems 1993).  The first two have 33
+# significant bits, so that their products with an integer below MOST_QUARTERS are exact, with or
+# without fused multiply-add; the third is rounded, and what is missing is below 1e-36.
+QUARTER_TURN = 1.57079632673412561417e00
+QUARTER_TURN_MIDDLE = 6.07710050630396597660e-11
+QUARTER_TURN_LOW = 2.02226624879595063154e-21
+
+# Number of quarter turns below which products with a number of 33 bits are exact: 53 - 33 bits.
+MOST_QUARTERS = 2.0**20
+
+
+@inlined
+def sine_cosine(x):
+    """Sine and cosine of eight angles.
+
+    Absolute errors are below 2.3e-16 for every finite angle, with and without fused multiply-add.
+    The largest angle decides for all eight whether they need a reduction, and which one.
+
+    Parameters
+    ----------
+    x : Lanes
+        Angles [rad].
+
+    Returns
+    -------
+    sin, cos : Lanes
+    """
+    largest = maximum(absolute(x))
+    if largest < 0.5 * QUARTER_TURN:  # as most swings are
+        return near_zero(x)
+    if largest < MOST_QUARTERS * QUARTER_TURN:
+        return reduced(x)
+    return lane_by_lane(x)
+
+
+@kernel
+def lane_by_lane(x):
+    """Sine and cosine by the C library, for angles beyond a million quarter turns."""
+    sin = x
+    cos = x
+    for i in range(LANES):
+        sin = with_lane(sin, i, math.sin(lane(x, i)))
+        cos = with_lane(cos, i, math.cos(lane(x, i)))
+    return sin, cos
+
+
+@inlined
+def reduced(x):
+    """Sine and cosine from those of x less the nearest multiple of pi/2.
+
+    The reduction is Cody and Waite's (Software Manual for the Elementary Functions, 1980).
+    """
+    quarters = (x * 0.6366197723675814 + ROUNDING) - ROUNDING
+    rest = (x - quarters * QUARTER_TURN) - quarters * QUARTER_TURN_MIDDLE
+    sin, cos = near_zero(rest - quarters * QUARTER_TURN_LOW)
+    quadrant = quarters - 4.0 * ((quarters * 0.25 - 0.375 + ROUNDING) - ROUNDING)  # 0, 1, 2 or 3
+    even = absolute(absolute(quadrant - 2.0) - 1.0)  # 1 in quadrants 0 and 2, else 0
+    one = where_less(even, 0.5, cos, sin)
+    other = where_less(even, 0.5, sin, cos)
+    one = where_less(quadrant, 1.5, one, 0.0 - one)
+    other = where_less(absolute(quadrant - 1.5), 1.0, 0.0 - other, other)
+    return one, other
+
+
+@inlined
+def near_zero(r):
+    """sin r and cos r by polynomials of the least largest error on (-pi/4, pi/4).
+
+    K. C. Ng's, of fdlibm (Sun Microsystems 1993), whose coefficients these are.
+    """
+    z = r * r
+    z2 = z * z
+    z4 = z2 * z2
+    sin = (
+        (-1.66666666666666324348e-01 + z * 8.33333333332248946124e-03)
+        + z2 * (-1.98412698298579493134e-04 + z * 2.75573137070700676789e-06)
+        + z4 * (-2.50507602534068634195e-08 + z * 1.58969099521155010221e-10)
+    )
+    sin = r + r * z * sin
+    cos = (
+        (4.16666666666666019037e-02 - z * 1.38888888888741095749e-03)
+        + z2 * (2.48015872894767294178e-05 - z * 2.75573143513906633035e-07)
+        + z4 * (2.08757232129817482790e-09 - z * 1.13596475577881948265e-11)
+    )
+    return sin, (1.0 - 0.5 * z) + z2 * cos
+
+
+@inlined
+def versine(sin, cos):
+    """1 - cos x from sin x and cos x, without the loss of digits near x = 0."""
+    return where_less(0.0, cos, sin * sin / (1.0 + cos), 1.0 - cos)
+
+
+# log 2 as a sum of two numbers, from fdlibm (Sun Microsystems 1993).  The first has 32 significant
+# bits, so that its product with a whole number below 2^21 is exact.
+LOG_2_HIGH = 6.93147180369123816490e-01
+LOG_2_LOW = 1.90821492927058770002e-10
+# Beyond these exp is 0 or infinite.
+LOWEST_EXPONENT = -750.0
+HIGHEST_EXPONENT = 710.0
+
+
+@inlined
+def exponential(x):
+    """Exponential functions of eight numbers, with relative errors below 2.2e-16.
+
+    exp x = 2^k exp r, with r = x - k log 2 between -log(2)/2 and log(2)/2, and exp r by the
+    rational function of fdlibm (Sun Microsystems 1993), whose coefficients these are.
+
+    Parameters
+    ----------
+    x : Lanes
+
+    Returns
+    -------
+    Lanes
+    """
+    x = where_less(x, LOWEST_EXPONENT, LOWEST_EXPONENT, x)
+    x = where_less(HIGHEST_EXPONENT, x, HIGHEST_EXPONENT, x)
+    k = (x * 1.44269504088896338700 + ROUNDING) - ROUNDING
+    high = x - k * LOG_2_HIGH
+    low = k * LOG_2_LOW
+    r = high - low
+    z = r * r
+    c = r - z * (
+        1.66666666666666019037e-01
+        + z
+        * (
+            -2.77777777770155933842e-03
+            + z
+            * (
+                6.61375632143793436117e-05
+                + z * (-1.65339022054652515390e-06 + z * 4.13813679705723846039e-08)
+            )
+        )
+    )
+    y = 1.0 - ((low - (r * c) / (2.0 - c)) - high)
+    # In two factors, since 2^k may be too large or too small where the result is not.
+    half = (0.5 * k + ROUNDING) - ROUNDING
+    return y * power_of_two(half) * power_of_two(k - half)
+
+
+_options: dict[str, Any] = {
+    "jit_options": {"error_model": "numpy", **LINKED, "_nrt": False},
+    "strict": False,
+}
+
+
+def _of_lanes(function, implementation) -> None:
+    """Let formulas call a function of one number for Lanes."""
+
+    @overload(function, **_options)
+    def find(x):
+        return implementation if isinstance(x, LanesType) else None
+
+
+for _function in (np.exp, math.exp):
+    _of_lanes(_function, lambda x: exponential(x))
+for _function in (np.sqrt, math.sqrt):
+    _of_lanes(_function, lambda x: sqrt(x))
+for _function in (np.abs, math.fabs, abs):
+    _of_lanes(_function, lambda x: absolute(x))
+for _function in (np.floor, math.floor):
+    _of_lanes(_function, lambda x: floor(x))
+
+
+def _of_two(function, implementation) -> None:
+    """Let formulas call a function of two numbers, one of them Lanes at least."""
+
+    @overload(function, **_options)
+    def find(x, y):
+        return implementation if LanesType in (type(x), type(y)) else None
+
+
+for _function in (np.maximum, max):
+    _of_two(_function, lambda x, y: where_less(x, y, y, x))
+for _function in (np.minimum, min):
+    _of_two(_function, lambda x, y: where_less(y, x, y, x))
+
+
+@overload(np.where, **_options)
+def _where(condition, x, y):
+    if isinstance(condition, LanesType):
+        return lambda condition, x, y: where_less(0.5, condition, x, y)
+    return None
+
+
+@overload(operator.pow, prefer_literal=True, **_options)
+def _power(x, n):
+    if not isinstance(x, LanesType) or not isinstance(n, types.IntegerLiteral):
+        return None
+    power = abs(n.literal_value)
+    if n.literal_value >= 0:
+        return lambda x, n: _whole_power(x, power)
+    return lambda x, n: 1.0 / _whole_power(x, power)
+
+
+@inlined
+def _whole_power(x, n):
+    """x^n for a whole number n that is not negative, by repeated squaring."""
+    result = broadcast(1.0)
+    while n > 0:
+        if n % 2 == 1:
+            result = result * x
+        x = x * x
+        n = n // 2
+    return result

@@ -1,0 +1,61 @@
+"""Lattice springs: f = -k (stretch) on the bars, and their energy.
+
+The stretch is (r2_i - r2_j) - (r2_i - r2_j)_rest.  Springs stand in chains, each between bars
+i + n and j + n, of which eight are computed at once; columns that fill the last block of a chain
+have springs without stiffness.
+"""
+
+from tribo.kernels.compiled import inlined, kernel
+from tribo.kernels.records import ALONG_X, ALONG_Y, REST_X, REST_Y, STIFFNESS
+from tribo.kernels.simd import LANES, sum_of_lanes
+from tribo.kernels.simd_arrays import add_block, block
+
+
+@inlined
+def stretches(displaced, axis, rest, i, j):
+    """One component of the stretches of springs between bars from i and from j on."""
+    return block(displaced[axis], i) - block(displaced[axis], j) + rest
+
+
+@inlined
+def add_to_bars(model, springs, chain, axis, row_of_rest, first, sign):
+    """Add one component of a chain's forces, times `sign`, to the bars from `first` on."""
+    forces = model.internal[axis]
+    for m in range(0, chain.count, LANES):
+        stiffness = sign * block(springs.table[STIFFNESS], chain.first + m)
+        rest = block(springs.table[row_of_rest], chain.first + m)
+        stretch = stretches(model.displaced, axis, rest, chain.i + m, chain.j + m)
+        add_block(forces, first + m, stiffness * stretch)
+
+
+@inlined
+def spring_forces(model, springs):
+    """Add the forces of all springs on the bars.
+
+    Those on the first bars of all springs of a chain come before those on the second, so that no
+    element is read just after it was written as part of another block.
+    """
+    if springs is not None:
+        for k in range(springs.chains.shape[0]):
+            chain = springs.chains[k]
+            add_to_bars(model, springs, chain, ALONG_X, REST_X, chain.i, -1.0)
+            add_to_bars(model, springs, chain, ALONG_Y, REST_Y, chain.i, -1.0)
+            add_to_bars(model, springs, chain, ALONG_X, REST_X, chain.j, 1.0)
+            add_to_bars(model, springs, chain, ALONG_Y, REST_Y, chain.j, 1.0)
+
+
+@kernel
+def spring_energies(model, springs, stored):
+    """Add the energy of each surface's springs to (surfaces,) `stored`."""
+    if springs is not None:
+        for k in range(springs.chains.shape[0]):
+            chain = springs.chains[k]
+            for m in range(0, chain.count, LANES):
+                i = chain.i + m
+                j = chain.j + m
+                rest_x = block(springs.table[REST_X], chain.first + m)
+                rest_y = block(springs.table[REST_Y], chain.first + m)
+                x = stretches(model.displaced, ALONG_X, rest_x, i, j)
+                y = stretches(model.displaced, ALONG_Y, rest_y, i, j)
+                stiffness = block(springs.table[STIFFNESS], chain.first + m)
+                stored[chain.surface] += sum_of_lanes(0.5 * stiffness * (x * x + y * y))

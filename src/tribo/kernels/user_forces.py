@@ -1,0 +1,82 @@
+"""Forces of plug-ins on the bars and on their ends, asperite by asperite."""
+
+from numba import literal_unroll
+
+from tribo.kernels.baths import bar_angle
+from tribo.kernels.compiled import kernel
+from tribo.kernels.kinematics import bar_position, bar_velocity
+from tribo.kernels.records import (
+    ALONG_X,
+    ALONG_Y,
+    FX,
+    FY,
+    L1,
+    L2,
+    LEFT_X,
+    LEFT_Y,
+    RIGHT_X,
+    RIGHT_Y,
+    TX,
+    TY,
+    X,
+    Y,
+)
+
+
+@kernel
+def coordinate(slot, s, i, q):
+    """The coordinate or velocity of one asperite, whose surface has them from `slot` on, or 0."""
+    return q[slot + i - s.start] if slot >= 0 else 0.0
+
+
+@kernel
+def velocity_of_bar(model, s, i, v):
+    """Velocity of bar i's centre in the surface's first frame, bobs in place."""
+    vx = coordinate(s.dof_x, s, i, v)
+    vy = coordinate(s.dof_y, s, i, v)
+    tx = model.bobs[TX, i]
+    ty = model.bobs[TY, i]
+    return bar_velocity(vx, vy, v[i], model.asperites[L2, i], tx, ty)
+
+
+@kernel
+def custom_drives(model, drives, t, q, v):
+    """Set f2 by a plug-in: a function of time, of the bar's motion, and of the contact force."""
+    if drives is not None:
+        a = model.asperites
+        b = model.bobs
+        for drive in literal_unroll(drives):
+            s = model.surfaces[drive.surface]
+            for i in range(s.start, s.end):
+                x, y = bar_position(b[X, i], b[Y, i], a[L1, i] + a[L2, i], b[TX, i], b[TY, i])
+                x = x + drive.origin[0] + drive.velocity[0] * t
+                y = y + drive.origin[1] + drive.velocity[1] * t
+                vx, vy = velocity_of_bar(model, s, i, v)
+                vx += s.vx + drive.velocity[0]
+                vy += s.vy + drive.velocity[1]
+                gx, gy = drive.plugin.force_on_bar(t, x, y, vx, vy, b[FX, i], b[FY, i])
+                model.drive[ALONG_X, i] = gx
+                model.drive[ALONG_Y, i] = s.load if s.loaded else gy
+
+
+@kernel
+def custom_ends(model, ends, t, q, v):
+    """Set the forces of a plug-in on the ends of bars: a function of time and of their rotation."""
+    if ends is not None:
+        for end in literal_unroll(ends):
+            s = model.surfaces[end.surface]
+            for i in range(s.start, s.end):
+                phi = bar_angle(model, s, i, t, q)
+                nu = coordinate(s.dof_phi, s, i, v)
+                left_x, left_y, right_x, right_y = end.plugin.end_forces(t, phi, nu, q[i] - phi)
+                model.end_forces[LEFT_X, i] = left_x
+                model.end_forces[LEFT_Y, i] = left_y
+                model.end_forces[RIGHT_X, i] = right_x
+                model.end_forces[RIGHT_Y, i] = right_y
+
+
+@kernel
+def custom_forces(model, t, q, v):
+    """Set all forces of plug-ins on the bars, contact forces in place."""
+    custom_drives(model, model.drives, t, q, v)
+    custom_ends(model, model.ends, t, q, v)

@@ -1,0 +1,199 @@
+"""Where every number of a scene stands in the vectors of coordinates and of accounts.
+
+There are two numberings.  Samples have one column for every number.  Kernels compute blocks of
+asperites, so what a surface has of one kind begins at a multiple of the size of a block, and the
+last block is filled.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tribo.kernels import records
+from tribo.kernels.powers import CONTACT, DRIVE, ENDS, POINT, SLIDE, USER_ENDS
+from tribo.kernels.records import CUSTOM, PULLED, RIGID
+from tribo.model.drives import Ends
+from tribo.model.scene import Scene
+
+# Groups of accounts, one number an asperite each, and the number of accounts in each group.
+GROUPS = {
+    "acc_contact": CONTACT,
+    "acc_slide": SLIDE,
+    "acc_drive": DRIVE,
+    "acc_ends": ENDS,
+    "acc_user_ends": USER_ENDS,
+    "acc_internal": POINT,
+    "acc_field": POINT,
+    "acc_thermal": POINT,
+}
+
+
+@dataclass(frozen=True)
+class Numbering:
+    """The slots of all surfaces in one numbering.
+
+    Attributes
+    ----------
+    surfaces : ndarray of SURFACE
+        With their slots.
+    core, coordinates, accounts : int
+        Coordinates of the asperites; all coordinates, with the baths'; accounts.
+    """
+
+    surfaces: np.ndarray
+    core: int
+    coordinates: int
+    accounts: int
+
+    @property
+    def columns(self) -> int:
+        """Number of asperites, with those that fill blocks."""
+        return int(self.surfaces["stop"][-1])
+
+
+def number(scene: Scene, surfaces: np.ndarray, shared: int, width: int) -> Numbering:
+    """Number everything in blocks of `width`; the first `shared` accounts are of no asperite.
+
+    `surfaces` has all but the slots; it is copied.
+    """
+    surfaces = surfaces.copy()
+    counts = np.array([surface.count for surface in scene.surfaces])
+    stops = np.cumsum(_whole(counts, width))
+    surfaces["start"], surfaces["stop"] = stops - _whole(counts, width), stops
+    surfaces["end"] = surfaces["start"] + counts
+    for name, first in (("oscillators", "first_oscillator"), ("torsionals", "first_torsional")):
+        surfaces[name] = _whole(surfaces[name], width)
+        surfaces[first] = np.cumsum(surfaces[name]) - surfaces[name]
+    core = _number_coordinates(scene, surfaces, int(stops[-1]))
+    sizes = counts * (2 * surfaces["oscillators"] + surfaces["torsionals"])
+    ends = core + np.cumsum(sizes)
+    surfaces["dof_bath"] = np.where(sizes > 0, ends - sizes, -1)
+    accounts = _number_accounts(scene, surfaces, int(_whole(np.array(shared), width)))
+    return Numbering(surfaces, core, int(ends[-1]), accounts)
+
+
+def _whole(sizes: np.ndarray, width: int) -> np.ndarray:
+    """Sizes, rounded up to whole blocks."""
+    return -(-sizes // width) * width
+
+
+def _slots(
+    wanted: list[bool] | np.ndarray, surfaces: np.ndarray, first: int, width: int = 1
+) -> tuple[np.ndarray, int]:
+    """First slot of each surface, -1 where none is wanted, and the first slot after them.
+
+    Every asperite of a surface has `width` slots.
+    """
+    sizes = np.where(wanted, width * (surfaces["stop"] - surfaces["start"]), 0)
+    stops = first + np.cumsum(sizes)
+    return np.where(wanted, stops - sizes, -1), int(stops[-1])
+
+
+def _number_coordinates(scene: Scene, surfaces: np.ndarray, stop: int) -> int:
+    """Assign the asperites' slots of q after the swings'; returns their number."""
+    own = scene.surfaces
+    for name, wanted in (
+        ("dof_phi", [s.bars != "clamped" for s in own]),
+        ("dof_x", [scene.slides_along_x(s) for s in own]),
+        ("dof_y", [scene.slides_along_y(s) for s in own]),
+    ):
+        surfaces[name], stop = _slots(wanted, surfaces, stop)
+    return stop
+
+
+def slide(scene: Scene) -> list[bool]:
+    """Whether the centres of mass of each surface can leave their uniform motion."""
+    return [scene.slides_along_x(s) or scene.slides_along_y(s) for s in scene.surfaces]
+
+
+def _number_accounts(scene: Scene, surfaces: np.ndarray, stop: int) -> int:
+    """Assign the asperites' slots of s, from `stop` on; returns the number of all."""
+    own = scene.surfaces
+    wanted = {
+        "acc_contact": [True for _ in own],
+        "acc_slide": slide(scene),
+        "acc_drive": np.isin(surfaces["drive"], (RIGID, PULLED, CUSTOM))
+        | (surfaces["loaded"] == 1),
+        "acc_ends": [
+            s.bars == "clamped" and bool(np.any(s.asperite.for_each(s.count)["kappa"] > 0.0))
+            for s in own
+        ],
+        "acc_user_ends": [isinstance(s.bars, Ends) for s in own],
+        "acc_internal": [
+            bool(s.springs)
+            or s.bath.masses.size + s.bath.inertias.size > 0
+            or scene.has_contact_within(s)
+            for s in own
+        ],
+        "acc_field": [any(s.name in item.on for item in scene.fields) for s in own],
+        "acc_thermal": [bool(s.langevin) for s in own],
+    }
+    for name, width in GROUPS.items():
+        surfaces[name], stop = _slots(wanted[name], surfaces, stop, width)
+    return stop
+
+
+def give_slots(asperites: np.ndarray, surfaces: np.ndarray) -> None:
+    """Set every asperite's slots from its surface's."""
+    own = surfaces[asperites["surface"]]
+    place = np.arange(asperites.size) - own["start"]
+    asperites["stride"] = own["stop"] - own["start"]
+    for name in records.ASPERITE.names or ():
+        if name.startswith(("dof_", "acc_")):
+            each = 2 * own["oscillators"] + own["torsionals"] if name == "dof_bath" else 1
+            asperites[name] = np.where(own[name] >= 0, own[name] + each * place, -1)
+
+
+@dataclass(frozen=True)
+class Places:
+    """Where the kernels have what samples have.
+
+    Attributes
+    ----------
+    columns : ndarray, (n,)
+        Of the asperites, in the tables of the kernels.
+    q : ndarray, (coordinates,)
+        Of the coordinates.
+    s : ndarray, (accounts,)
+        Of the accounts.
+    """
+
+    columns: np.ndarray
+    q: np.ndarray
+    s: np.ndarray
+
+
+def places(samples: Numbering, kernels: Numbering, shared: int) -> Places:
+    """Where the kernels have what samples have; `shared` accounts are of no asperite."""
+    q = np.empty(samples.coordinates, np.int64)
+    s = np.empty(samples.accounts, np.int64)
+    s[:shared] = np.arange(shared)
+    columns = []
+    for here, there in zip(samples.surfaces, kernels.surfaces, strict=True):
+        each = np.arange(here["end"] - here["start"])
+        columns.append(there["start"] + each)
+        for name in ("start", "dof_phi", "dof_x", "dof_y"):
+            if here[name] >= 0:
+                q[here[name] + each] = there[name] + each
+        _place_baths(here, there, each[:, None], q)
+        for name, width in GROUPS.items():
+            for k in range(width if here[name] >= 0 else 0):
+                stride = there["stop"] - there["start"]
+                s[here[name] + k * each.size + each] = there[name] + k * stride + each
+    return Places(np.concatenate(columns), q, s)
+
+
+def _place_baths(here: np.void, there: np.void, each: np.ndarray, q: np.ndarray) -> None:
+    """Set the places of a surface's oscillators."""
+    first, width = [], []
+    for record in (here, there):
+        width.append(2 * record["oscillators"] + record["torsionals"])
+        first.append(record["dof_bath"] + each * width[-1])
+    parts = ((0, "oscillators"), (1, "oscillators"), (2, "torsionals"))
+    for before, name in parts:
+        n = np.arange(here[name])
+        if n.size:
+            mine = first[0] + before * here["oscillators"] + n
+            q[mine] = first[1] + before * there["oscillators"] + n
