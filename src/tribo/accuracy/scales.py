@@ -115,7 +115,7 @@ def _internal_energy(layout: Layout, ledger: Ledger) -> float:
 
 
 def _longest_rod(layout: Layout) -> float:
-    a = layout.asperites
+    a = layout.together.asperites
     return float(np.max(a.l1 + a.l2))
 
 
@@ -171,10 +171,10 @@ class ToleranceScales:
 
 def first_guess(layout: Layout) -> ToleranceScales:
     """Scales for a first, coarse run, from the start of the scene."""
-    a = layout.asperites
+    a = layout.together.asperites
     relative = _relative_velocity(layout)
     frequency = np.sqrt(a.kappa / a.inertia)
-    omega = np.max(np.abs(layout.start[layout.coordinates :][: a.size]))
+    omega = np.max(np.abs(layout.start[layout.coordinates :][: layout.scene.count]))
     velocity = float(np.max(np.hypot(relative[:, 0], relative[:, 1])) + np.max(a.l1) * omega)
     velocity = velocity or float(np.max(frequency * a.l1)) or 1.0
     rate = float(max(omega, largest(a.nu), np.max(frequency), velocity / np.max(a.l1)))
@@ -240,26 +240,26 @@ WITHOUT_ARM = {"acc_contact": (2, 3), "acc_drive": (2,)}
 def _account_weights(layout: Layout) -> np.ndarray:
     """The factor that makes a work of each account; 0 for impulses. Shape (accounts,)."""
     weights = np.ones(layout.accounts)
-    a = layout.asperites
+    a = layout.together.asperites
     length = a.l1 + a.l2
     for name, offsets in IMPULSES.items():
-        present = a[name] >= 0
+        present = getattr(a, name) >= 0
         for k in offsets:
-            weights[(a[name] + k * a.stride)[present]] = 0.0
+            weights[(getattr(a, name) + k * a.stride)[present]] = 0.0
         for k in WITHOUT_ARM.get(name, ()):
-            weights[(a[name] + k * a.stride)[present]] = length[present]
+            weights[(getattr(a, name) + k * a.stride)[present]] = length[present]
     return weights
 
 
 def _work_of_impulses(layout: Layout, s: np.ndarray) -> float:
     """The largest V . J of an impulse J, where V is relative to the surfaces' mean velocity."""
-    a, velocity = layout.asperites, _relative_velocity(layout)
+    a, velocity = layout.together.asperites, _relative_velocity(layout)
     highest = 0.0
     for name, offsets in IMPULSES.items():
-        present = a[name] >= 0
+        present = getattr(a, name) >= 0
         stride, (vx, vy) = a.stride[present], velocity[present].T
         for k in offsets[::2]:
-            jx, jy = (s[:, a[name][present] + m * stride] for m in (k, k + 1))
+            jx, jy = (s[:, getattr(a, name)[present] + m * stride] for m in (k, k + 1))
             highest = max(highest, largest(vx * jx + vy * jy))
     return highest
 
@@ -283,12 +283,12 @@ def tolerances(layout: Layout, scales: ToleranceScales, level: float, near: floa
         the largest step, as a fraction of the time to the next encounter
     """
     level = max(level, FLOOR)
-    a = layout.asperites
+    a = layout.together.asperites
     energy = level * scales.energy
     speed = level * scales.velocity
     q = np.full(layout.coordinates, level * _longest_rod(layout))
     v = np.full(layout.coordinates, speed)
-    swing = slice(0, a.size)
+    swing = slice(0, layout.scene.count)
     # An error of a rate matters to the energy by the rate itself, or else by its own square.
     spin = np.maximum(scales.spin, np.sqrt(energy / a.inertia))
     with np.errstate(over="ignore"):  # infinite where a torsion or a rate is tiny
@@ -314,7 +314,7 @@ def _positive(values: np.ndarray) -> np.ndarray:
 
 def first_step(layout: Layout) -> float:
     """The first step: short against the run and the period of every pendulum and oscillator."""
-    a = layout.asperites
+    a = layout.together.asperites
     fastest = float(np.max(np.sqrt(a.kappa * np.maximum(1.0 / a.inertia, 1.0 / a.i2))))
     for oscillators in (layout.model.bath, layout.model.torsional):
         if oscillators is not None:

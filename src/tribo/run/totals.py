@@ -1,4 +1,4 @@
-"""Surfaces and the system, from sums over asperites.  Every array is (times,) unless it is said."""
+"""Surfaces and the system, from sums over asperites.  Arrays are (times,) unless stated."""
 
 from __future__ import annotations
 
