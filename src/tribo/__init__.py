@@ -8,6 +8,8 @@ import importlib
 TYPE_CHECKING = False
 
 if TYPE_CHECKING:
+    from typing import Any
+
     from tribo import paper, plotting, potentials
     from tribo.ensembles import ensemble
     from tribo.explanation import Explanation, explain
