@@ -91,7 +91,9 @@ class Asperite:
     def __post_init__(self) -> None:
         for name, (condition, unit) in LIMITS.items():
             value = getattr(self, name)
-            if name != "kappa" or not _are_infinite(value):
+            if name == "kappa" and _are_infinite(value):
+                value = np.full(len(value), math.inf) if is_list(value) else math.inf
+            else:
                 value = number_or_array(name, value, condition, unit)
             object.__setattr__(self, name, value)
 

@@ -52,9 +52,7 @@ class Langevin:
         put(self, "temperature", number("temperature", self.temperature, NOT_NEGATIVE, "energy"))
         if self.velocity is not None:
             if self.on == "swing":
-                raise InputError(
-                    "velocity", 'cannot go with on = "swing"'
-                )
+                raise InputError("velocity", 'cannot go with on = "swing"')
             velocity = vector("velocity", self.velocity, size=2, unit="length / time")
             put(self, "velocity", tuple(velocity.tolist()))
 

@@ -35,7 +35,7 @@ class Effect(StrEnum):
     CONTACT = "contact", "forces between the bobs of different surfaces"
     SWING = "swing", "pendulums on torsion springs"
     SLIDING = "sliding", "centres of mass that can leave their uniform motion"
-    RIGID = "rigid", "asperites whose pendulums are fixed to clamped bars"
+    RIGID = "rigid asperites", "asperites whose pendulums are fixed to clamped bars"
     DRIVEN_BARS = "driven bars", "bars that a constraint moves uniformly, or holds"
     TURNING_BARS = "turning bars", "bars that are free to turn"
     CLAMPED_ENDS = (
