@@ -665,7 +665,10 @@ REFUSED = [
     ({"drive": DrivenBars(), "bars": Ends(Turn(0.1))}, "bars: cannot be forces of the user's own"),
     ({"drive": "bars", "langevin": Langevin(0.1)}, 'langevin.on: must be "swing" where drive ='),
     (RIGID | {"bars": "free"}, "asperite.kappa: must be finite where bars are not clamped"),
-    (RIGID | {"bars": Ends(Turn(0.1))}, "asperite.kappa: must be finite where bars are not clamped"),
+    (
+        RIGID | {"bars": Ends(Turn(0.1))},
+        "asperite.kappa: must be finite where bars are not clamped",
+    ),
     (RIGID | {"initial": Initial(omega=0.1)}, "initial.omega: must be zero where asperite.kappa ="),
     (RIGID | {"initial": Initial(nu=0.1)}, "initial.nu: must be zero where asperite.kappa ="),
     (RIGID | {"langevin": Langevin(0.1, on="swing")}, 'langevin.on: must be "bar" where'),
