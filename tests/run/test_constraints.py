@@ -185,7 +185,7 @@ def test_prandtl_tomlinson(eta):
 
 
 def test_frenkel_kontorova():
-    """A weak corrugation of wave number q displaces a chain by A q sin / (K + 2 k (1 - cos q a))."""
+    """A weak corrugation displaces a chain by its force over K + 2 k (1 - cos q a)."""
     n, spacing, pull, stiffness = 8, 0.625 * PERIOD, 20.0, 15.0  # 8 spacings are 5 periods
     chain = Surface(
         "tip",
