@@ -81,11 +81,10 @@ def test_work_of_the_reaction_is_velocity_times_impulse():
 
 def test_driven_bars_are_heavy_bars():
     """A forced bar that is too heavy to be moved leads the same pendulum."""
-    start = {"swing": 0.2, "omega": -0.3}
 
     def swings(drive, m2):
         lower = {"drive": DrivenBars(), "springs": None}
-        upper = {"drive": drive, "springs": None, "initial": Initial(**start)}
+        upper = {"drive": drive, "springs": None, "initial": Initial(omega=-0.3)}
         result = tribo.simulate(slide(upper | {"asperite": Asperite(m2=m2)}, lower))
         return result["upper"].theta
 
@@ -134,13 +133,13 @@ def stiffened(kappa):
 
 
 def test_rigid_is_the_limit_of_stiff():
-    """Differences fall as 1 / kappa, and the swing deflects by (torque) / kappa."""
-    rigid, hard, soft = (stiffened(kappa) for kappa in (math.inf, 1e4, 1e3))
+    """Differences vanish with 1 / kappa; those that the fast swing makes, with its root."""
+    rigid, hard, soft = (stiffened(kappa) for kappa in (math.inf, 1e5, 1e3))
     for quantity in rigid:
         far = np.max(np.abs(soft[quantity] - rigid[quantity]))
         near = np.max(np.abs(hard[quantity] - rigid[quantity]))
         if quantity[1] not in ("omega", "nu", "vx_cm", "vy_cm"):  # the fast swing's
-            assert near <= 0.2 * far + 1e-7, quantity
+            assert near <= 0.15 * far + 1e-7, quantity
     assert np.max(np.abs(rigid[0, "wL"])) > 1e-3
     assert np.max(np.abs(rigid[0, "delta_e_int"])) == 0.0
     assert np.array_equal(rigid[0, "theta"], np.full_like(rigid[0, "theta"], 0.3))
@@ -164,7 +163,7 @@ def test_prandtl_tomlinson(eta):
     The force reaches A q, and every jump costs the energy between the two equilibria.
     """
     k, speed = Q**2 * A / eta, 1e-3
-    reservoir = Langevin(gamma=math.sqrt(k), velocity=(0.0, 0.0))
+    reservoir = Langevin(gamma=0.3 * math.sqrt(k), velocity=(0.0, 0.0))
     tip = Surface("tip", asperite=TIP, drive=Pulled(stiffness=k, speed=speed), langevin=reservoir)
     result = tribo.simulate(corrugated(tip, 3.0 * PERIOD / speed, 1201), accuracy=1e-5)
     x, stage = result["tip"].x_cm[:, 0], speed * result.t
