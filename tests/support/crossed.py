@@ -47,6 +47,8 @@ CLOSED = {"W = delta(K + E_int)": 1e-4, "applied work = change of energy": 1e-4}
 ROUND_OFF = 1e-13
 # The pseudoworks of forces on ends are not reported; those of a user's do not cancel.
 NOT_A_LAW = ("w_ps is the sum of the pseudoworks", True)
+# Effects that bars which keep their velocities do not feel: driven ones, and forced rigid ones.
+IDLE = {name: ("driven bars", "rigid asperites") for name in ("springs", "bath")}
 # A temperature at which noise changes nothing, and one at which it does.
 COLD, WARM, NOISE = 1e-30, 0.3, 0.01
 
@@ -78,7 +80,7 @@ EFFECTS = {
     "pulled": {"drive": partial(Pulled, stiffness=2.0, speed=1.5)},
     "custom": {"drive": partial(Custom, force=Push(1.5))},
     "driven bars": {"drive": DrivenBars, "load": None, "end forces": False, "on": "swing"},
-    "rigid": {
+    "rigid asperites": {
         "kappa": np.inf,
         "bars": "clamped",
         "inertias": (),
@@ -190,7 +192,8 @@ def complaints(names):
             yield f"{same.method} at T = {temperature} is {apart(same, truth):.1e} from rk4"
         for name in names:
             rest = tuple(other for other in names if other != name)
-            if not set(rest) & set(NEEDED_BY.get(name, ())):
+            without_effect = NEEDED_BY.get(name, ()) + IDLE.get(name, ())
+            if not set(rest) & set(without_effect):
                 gap = apart(same, run(rest, temperature, method))
                 if gap < ACT:
                     yield f"{name} acts by {gap:.1e} at T = {temperature}"
