@@ -48,7 +48,7 @@ ROUND_OFF = 1e-13
 # The pseudoworks of forces on ends are not reported; those of a user's do not cancel.
 NOT_A_LAW = ("w_ps is the sum of the pseudoworks", True)
 # Effects that bars which keep their velocities do not feel: driven ones, and forced rigid ones.
-IDLE = {name: ("driven bars", "rigid asperites") for name in ("springs", "bath")}
+IDLE = dict.fromkeys(("springs", "bath"), ("driven bars", "rigid asperites"))
 # A temperature at which noise changes nothing, and one at which it does.
 COLD, WARM, NOISE = 1e-30, 0.3, 0.01
 
