@@ -116,6 +116,28 @@ def test_driven_bars_continue():
             assert np.array_equal(values, whole[surface][name][10:]), name
 
 
+def test_states_of_other_constraints_are_refused():
+    """Coordinates of driven bars and rates of rigid asperites have another meaning."""
+    scene = slide({"drive": Free(), "langevin": Langevin(0.1)}, {}, duration=1.0)
+    state = tribo.simulate(scene, method="verlet", step=0.1).state()
+    changes = {"drive": {"drive": DrivenBars(), "langevin": None}}
+    changes["kappa"] = {"asperite": Asperite(kappa=math.inf)}
+    for name, change in changes.items():
+        upper = replace(scene.surfaces[0], **change)
+        later = replace(scene, surfaces=(upper, scene.surfaces[1]), duration=2.0)
+        with pytest.raises(tribo.InputError, match=f"must be a state of this scene, but .*{name}"):
+            tribo.simulate(later, start=state, method="verlet", step=0.1)
+
+
+def test_states_tell_the_motion_of_centres_of_mass():
+    """Of driven bars too: their displacement from the uniform motion, and its rate."""
+    result = tribo.simulate(slide(DRIVEN, {}), method="verlet", step=0.01)
+    table, place = result.state().surfaces["upper"], result["upper"]
+    assert table["x"] == pytest.approx(place.x_cm[-1] - place.x_cm[0] - 5.0, abs=1e-14)
+    assert table["y"] == pytest.approx(place.y_cm[-1] - place.y_cm[0], abs=1e-14)
+    assert table["vx"] == pytest.approx(place.vx_cm[-1] - 0.5, abs=1e-14)
+
+
 # --- rigid asperites -----------------------------------------------------------------------------
 
 
