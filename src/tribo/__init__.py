@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from tribo.ensembles import ensemble
     from tribo.model.asperite import Asperite
     from tribo.model.bath import Bath
-    from tribo.model.drives import Custom, Ends, Forced, Free, Pulled
+    from tribo.model.drives import Custom, DrivenBars, Ends, Forced, Free, Pulled
     from tribo.model.fields import Corrugation, Field
     from tribo.model.interaction import Interaction, Periodic
     from tribo.model.langevin import Langevin
@@ -53,6 +53,7 @@ _HOME = {
     "Coulomb": "tribo.potentials",
     "Custom": "tribo.model.drives",
     "Ends": "tribo.model.drives",
+    "DrivenBars": "tribo.model.drives",
     "ensemble": "tribo.ensembles",
     "Field": "tribo.model.fields",
     "Forced": "tribo.model.drives",

@@ -25,7 +25,13 @@ from tribo.run.integrate import Integration, Setting
 from tribo.run.layout import Layout
 from tribo.run.ledger import Ledger, assemble
 from tribo.run.loop_selection import Integrator
-from tribo.run.notes import calculator_notes, passage_notes, run_notes, stop_notes
+from tribo.run.notes import (
+    calculator_notes,
+    drive_notes,
+    passage_notes,
+    run_notes,
+    stop_notes,
+)
 from tribo.run.result import Cost, Known, Result
 from tribo.run.state import digest_of, state_of
 from tribo.run.streamed_ledger import StreamedLedger, exceeds_memory
@@ -168,11 +174,14 @@ class Simulation:
         layout, seconds, ratio = self.layout, self.compile_seconds, self._digit_ratio
         setting, times = self._single
         run = self._integrator(setting, times, y)
+        notes = passage_notes(layout, run)
+        if self.plan.tuned is None:
+            notes += drive_notes(layout, assemble(layout, run.samples.ends()))
         # The ledger and the cost are left for later: a run of a pair takes ten microseconds.
         return self._result(
             run.status,
             None,
-            passage_notes(layout, run),
+            notes,
             {},
             lambda: _reported(layout, run),
             lambda: _cost([run], seconds, ratio),
@@ -184,8 +193,8 @@ class Simulation:
         streamed = StreamedLedger(self.layout)
         run = self._integrator(self.plan.setting, self.plan.times, y, streamed)
         note = "of the asperites' series only the first and the last sample are kept"
-        notes = (*passage_notes(self.layout, run), note)
         ledger = streamed.with_ends(run.samples)
+        notes = (*passage_notes(self.layout, run), *drive_notes(self.layout, ledger), note)
         cost = _cost([run], self.compile_seconds, self._digit_ratio)
         return self._result(run.status, None, notes, {}, Known(ledger), Known(cost), run)
 
@@ -199,6 +208,7 @@ class Simulation:
             met = excess <= 1.0
             notes = () if met else (self._missed(excess),)
         ledger = _reported(self.layout, fine)
+        notes = (*drive_notes(self.layout, ledger), *notes)
         cost = _cost(runs, self.compile_seconds, self._digit_ratio)
         known = met if len(runs) > 1 or fine.status != Status.COMPLETED else None
         return self._result(fine.status, known, notes, bounds, Known(ledger), Known(cost), fine)

@@ -9,6 +9,7 @@ import tribo
 from tribo import (
     Asperite,
     Coulomb,
+    DrivenBars,
     Field,
     Forced,
     Free,
@@ -75,6 +76,19 @@ SCENES = {
         {"turning bars"},
         {"clamped ends"},
     ),
+    "driven bars": (pair(drive=DrivenBars()), {"driven bars"}, set()),
+    "driven rows": (
+        pair(drive=DrivenBars(), **ROW, springs=Springs(1.0)),
+        {"driven bars", "springs"},
+        set(),
+    ),
+    "damped swing": (pair(langevin=Langevin(0.1, on="swing")), {"swing langevin"}, set()),
+    "one rigid": (pair(asperite=Asperite(kappa=np.inf)), {"rigid asperites"}, set()),
+    "both rigid": (
+        pair(asperite=Asperite(kappa=np.inf), lower={"asperite": Asperite(kappa=np.inf)}),
+        {"rigid asperites"},
+        {"swing"},
+    ),
     "springs": (pair(**ROW, springs=Springs(1.0)), {"springs", "sliding"}, set()),
     "slack springs": (pair(**ROW, springs=Springs(0.0)), set(), set()),
     "reservoir": (pair(langevin=Langevin(0.1)), {"langevin", "sliding"}, set()),
@@ -98,6 +112,36 @@ def test_effects(name):
     scene, more, less = SCENES[name]
     assert scene.effects == PLAIN - less | more
     assert scene.effects <= set(Effect)
+
+
+# How many coordinates a scene's motion has: see `degrees_of_freedom`.
+FREEDOMS = {
+    "plain": 2,
+    "driven bars": 2,
+    "driven rows": 4,
+    "damped swing": 2,
+    "one rigid": 1,
+    "both rigid": 0,
+    "one bar free": 3,
+    "free": 3,
+    "loaded": 3,
+    "reservoir": 4,
+}
+
+
+@pytest.mark.parametrize("name", FREEDOMS)
+def test_degrees_of_freedom(name):
+    """Driven bars and rigid asperites have none; oscillators of a bath count."""
+    scene = SCENES[name][0]
+    assert scene.degrees_of_freedom == FREEDOMS[name]
+    bath = tribo.Bath(masses=[1.0, 2.0], frequencies=[1.0, 2.0])
+    upper = replace(scene.surfaces[0], bath=bath, drive=DrivenBars(), langevin=None)
+    together = replace(scene, surfaces=(upper, scene.surfaces[1]))
+    turning = upper.bars != "clamped"
+    swings = not upper.asperite.is_rigid
+    assert together.degrees_of_freedom == upper.count * (4 + turning + swings) + (
+        not scene.surfaces[1].asperite.is_rigid
+    )
 
 
 # How many coordinates a scene has: a swing each, and what is free to move beside.
