@@ -6,12 +6,12 @@ work = (about the centre of mass) + V . J + (pseudowork in that frame).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tribo.kernels.records import FORCED
-from tribo.run.motion import Batch, columns
+from tribo.kernels.records import BARS, FORCED
+from tribo.run.motion import Batch, Motion, columns
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +32,7 @@ class Account:
         return self.about + self.pseudowork(velocity)
 
 
-def accounts(batch: Batch, s: np.ndarray) -> dict[str, Account]:
+def accounts(batch: Batch, motion: Motion, s: np.ndarray) -> dict[str, Account]:
     """The account of every force, by the name of its work."""
     a = batch.asperites
 
@@ -45,7 +45,8 @@ def accounts(batch: Batch, s: np.ndarray) -> dict[str, Account]:
 
     jx, jy, about_x, about_y = (column(a.acc_contact, k) for k in range(4))
     slide_x, slide_y = (column(a.acc_slide, k) for k in range(2))
-    contact = Account(a.l1 * (about_x + about_y), jx, jy, slide_x + slide_y)
+    swept = about_x + about_y
+    contact = Account(a.l1 * swept, jx, jy, slide_x + slide_y + a.pivot * swept)
 
     # f2 = -(held f1_x, f1_y), with held = 1 for a forced drive and 0 for a free one, unless the
     # drive has an account of its own.
@@ -60,12 +61,33 @@ def accounts(batch: Batch, s: np.ndarray) -> dict[str, Account]:
 
     left, right, end_x, end_y, end_pseudo = (column(a.acc_ends, k) for k in range(5))
     user = [column(a.acc_user_ends, k) for k in range(8)]
-    return {
+    thermal = point(a.acc_thermal)
+    table = {
         "w1": contact,
         "w2": drive,
         "wL": Account(left + user[0], end_x + user[2], end_y + user[3], end_pseudo + user[6]),
         "wR": Account(right + user[1], user[4] - end_x, user[5] - end_y, user[7] - end_pseudo),
         "w_int": point(a.acc_internal),
         "w_field": point(a.acc_field),
-        "w_T": point(a.acc_thermal),
+        "w_T": replace(thermal, about=thermal.about + column(a.acc_swing, 0)),
     }
+    if batch.surface.drive == BARS:
+        others = [account for name, account in table.items() if name != "w2"]
+        table["w2"] = _reaction(batch, motion, others)
+    return table
+
+
+def _reaction(batch: Batch, m: Motion, others: list[Account]) -> Account:
+    """The account of the constraint on driven bars: what the motion leaves over.
+
+    It does no work in the frame of the bars.
+    """
+    mass = batch.asperites.mass
+    energy = 0.5 * mass * (m.vx**2 + m.vy**2)
+    pseudo = energy - energy[0] - sum(other.pseudo for other in others)
+    return Account(
+        about=-pseudo,
+        jx=mass * (m.vx - m.vx[0]) - sum(other.jx for other in others),
+        jy=mass * (m.vy - m.vy[0]) - sum(other.jy for other in others),
+        pseudo=pseudo,
+    )

@@ -101,7 +101,7 @@ def entries(
 ) -> Iterator[tuple[Batch, Motion, dict[str, Account], Table]]:
     """Motion, accounts and changes of energy of each batch of surface `index`."""
     for batch, motion in motions(layout, samples, index):
-        yield batch, motion, accounts(batch, samples.s), _energies(batch, motion)
+        yield batch, motion, accounts(batch, motion, samples.s), _energies(batch, motion)
 
 
 def _with_totals(
@@ -183,6 +183,6 @@ def _energies(batch: Batch, m: Motion) -> Table:
     internal = internal_energy(batch.asperites, m.omega, m.nu, m.swing - m.phi)
     lag = batch.velocity[0] * m.vx + batch.velocity[1] * m.vy + 0.5 * (m.vx**2 + m.vy**2)
     return {
-        "delta_k_trans": batch.asperites.mass * lag,
+        "delta_k_trans": batch.asperites.mass * (lag - lag[0]),
         "delta_e_int": internal - internal[0],
     }

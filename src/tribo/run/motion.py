@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from tribo.kernels.records import BARS
 from tribo.run.force_records import Records
 from tribo.run.layout import Layout
 from tribo.run.samples import Samples
@@ -68,7 +69,7 @@ def _motion(layout: Layout, batch: Batch, samples: Samples) -> Motion:
     a = batch.asperites
     q, v = samples.y[:, : layout.core], samples.y[:, layout.core :]
     time = samples.t[:, None]
-    return Motion(
+    motion = Motion(
         t=time,
         swing=q[:, batch.place],
         phi=columns(a.dof_phi, q, a.phi + a.nu * time),
@@ -79,6 +80,23 @@ def _motion(layout: Layout, batch: Batch, samples: Samples) -> Motion:
         vx=columns(a.dof_x, v),
         vy=columns(a.dof_y, v),
     )
+    if batch.surface.drive != BARS:
+        return motion
+    x, y, vx, vy = about_pivots(a, motion.swing, motion.omega)
+    return replace(motion, x=motion.x + x, y=motion.y + y, vx=motion.vx + vx, vy=motion.vy + vy)
+
+
+def about_pivots(
+    asperites: Records, swing: np.ndarray, omega: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Displacements x, y and velocities of the centres of mass about the centres of driven bars.
+
+    The coordinates x and y of such asperites are those of the bars.
+    """
+    pivot, facing = asperites.pivot, asperites.facing
+    tx, ty = swing_direction(facing, swing)
+    lift = facing * 2.0 * np.sin(0.5 * swing) ** 2  # facing - tx
+    return pivot * ty, pivot * lift, pivot * omega * tx, pivot * omega * ty
 
 
 def columns(slots: np.ndarray, table: np.ndarray, absent: np.ndarray | float = 0.0) -> np.ndarray:

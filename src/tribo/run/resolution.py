@@ -8,7 +8,7 @@ import numpy as np
 
 from tribo.integrators.methods import Method
 from tribo.integrators.splitting import Splitting
-from tribo.kernels.records import FREQUENCY, PULLED
+from tribo.kernels.records import FREQUENCY, INERTIA, L2, MASS, PULLED
 from tribo.run.force_records import stiffness_at_bars
 from tribo.run.layout import Layout
 
@@ -61,8 +61,9 @@ def longest_kick(method: Method) -> float:
 
 def _mobility(layout: Layout) -> np.ndarray:
     """Velocity of each bar for a unit of momentum, at most."""
-    a = layout.asperites
-    return 1.0 / a.mass + a.l2**2 / a.inertia
+    table = layout.model.asperites[:, layout.places.columns]
+    mobility: np.ndarray = 1.0 / table[MASS] + table[L2] ** 2 / table[INERTIA]
+    return mobility
 
 
 def _user_rates(layout: Layout) -> Iterator[float]:

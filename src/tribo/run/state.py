@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from tribo.run.general_loop import GeneralLoop
 from tribo.run.identity import first_difference, plain_table
 from tribo.run.integrate import Integration, Memory
 from tribo.run.layout import Layout
-from tribo.run.motion import columns
+from tribo.run.motion import about_pivots, columns
 from tribo.run.quantities import Table
 from tribo.run.samples import Samples
 from tribo.validation import InputError
@@ -180,6 +181,10 @@ def _surface(layout: Layout, part: slice, y: np.ndarray) -> Table:
     ):
         table[name] = columns(slots, y[None, :n])[0]
         table[rate] = columns(slots, y[None, n:])[0]
+    if np.any(a.pivot > 0.0):
+        about = about_pivots(a, table["swing"], table["omega"])
+        for name, values in zip(("x", "y", "vx", "vy"), about, strict=True):
+            table[name] = table[name] + values
     return {name: np.array(values) for name, values in table.items()}
 
 
@@ -215,7 +220,15 @@ def _physics(table: dict[str, object]) -> dict[str, object]:
 def _places(table: dict[str, object]) -> dict[str, object]:
     surfaces = table["surface"]
     assert isinstance(surfaces, list)
-    return {"surface": [{key: surface.get(key) for key in PLACES} for surface in surfaces]}
+    return {"surface": [_places_of(surface) for surface in surfaces]}
+
+
+def _places_of(surface: dict[str, Any]) -> dict[str, object]:
+    """Settings of a surface on which the meaning of its coordinates depends."""
+    places = {key: surface.get(key) for key in PLACES}
+    places["drive.kind"] = "bars" if surface["drive"]["kind"] == "bars" else None
+    places["asperite.kappa"] = np.inf if np.all(np.isinf(surface["asperite"]["kappa"])) else None
+    return places
 
 
 def below(prefix: str, arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:

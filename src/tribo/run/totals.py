@@ -66,7 +66,8 @@ def block_table(layout: Layout, k: int, sums: Sums, samples: Samples) -> Table:
     for store in (SPRINGS, BATH, TORSIONAL, WITHIN):
         within = within + stored[:, store]
     boost = velocity[0] * sums.jx + velocity[1] * sums.jy
-    pseudowork = samples.s[:, record.acc_block] if record.acc_block >= 0 else 0.0
+    # Without an account, surfaces keep their momentum, or a constraint provides its change.
+    pseudowork = samples.s[:, record.acc_block] if record.acc_block >= 0 else bulk - bulk[0]
     return {
         "W": sums.work + boost,
         "W_ps": pseudowork + boost,
