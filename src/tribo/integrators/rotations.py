@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tribo.kernels.compiled import kernel, owning_kernel
+from tribo.kernels.compiled import inlined, kernel, owning_kernel
 from tribo.kernels.simd import LANES, where_less
 from tribo.kernels.simd_arrays import block, empty_rows, set_block
 from tribo.kernels.simd_functions import sine_cosine
@@ -18,7 +18,7 @@ def empty_rotations(table):
     return rotations
 
 
-@kernel
+@inlined
 def rotation(frequency, tau):
     """The rotation of oscillators in tau: 1 - cos, and sin over and times the frequency."""
     sin, cos = sine_cosine(frequency * (0.5 * tau))
@@ -27,7 +27,7 @@ def rotation(frequency, tau):
     return versine, where_less(0.0, frequency, sin / frequency, tau), sin * frequency
 
 
-@kernel
+@inlined
 def rotated(x, rate, turn):
     """Harmonic oscillators after a rotation; rounding of cos^2 + sin^2 causes no energy drift."""
     versine, over, times = turn
@@ -48,7 +48,7 @@ def set_rotations(frequencies, tau, rotations):
         set_block(rotations[2], i, times)
 
 
-@kernel
+@inlined
 def rotation_of(rotations, i):
     """The rotations of oscillators from i on."""
     return block(rotations[0], i), block(rotations[1], i), block(rotations[2], i)

@@ -37,7 +37,7 @@ from tribo.integrators.step_control import (
     update_encounter,
 )
 from tribo.kernels.blocks import clear, coordinates, is_fixed
-from tribo.kernels.compiled import kernel, owning_kernel
+from tribo.kernels.compiled import inlined, kernel, owning_kernel
 from tribo.kernels.equations_of_motion import (
     accelerate,
     accelerate_block,
@@ -106,7 +106,7 @@ def alternating(drifts: tuple[float, ...], kicks: tuple[float, ...]) -> Splittin
     )
 
 
-@kernel
+@inlined
 def add_end_impulses(model, s, i, impulse, vx, vy, accounts):
     """Add the impulse on the ends of clamped bars at rest, and its pseudowork."""
     a = model.asperites
@@ -176,7 +176,7 @@ def add_turning_end_works(model, s, i, twist, rate, impulse, t, tau, vx, vy, acc
         add_block(accounts, k + 4 * stride, pseudowork)
 
 
-@kernel
+@inlined
 def drift_clamped(model, s, i, t, tau, q, v, accounts, turn):
     """Pendulums on bars that rotate uniformly or rest."""
     a = model.asperites
@@ -198,7 +198,7 @@ def drift_clamped(model, s, i, t, tau, q, v, accounts, turn):
     set_block(v, i, omega + (new_rate - rate))
 
 
-@kernel
+@inlined
 def drift_free(model, s, i, tau, q, v, turn):
     """Pendulums and bars rotate against each other about their uniform mean."""
     k = s.dof_phi + i - s.start
@@ -219,7 +219,7 @@ def drift_free(model, s, i, tau, q, v, turn):
     set_block(v, k, nu - (1.0 - share) * change_of_rate)
 
 
-@kernel
+@inlined
 def move(slot, s, i, tau, q, v):
     """Move a block's coordinates from `slot` on at their velocities, if there are any."""
     if slot >= 0:
@@ -227,7 +227,7 @@ def move(slot, s, i, tau, q, v):
         add_block(q, k, tau * block(v, k))
 
 
-@kernel
+@inlined
 def drift(model, now, tau, q, v, accounts, rotations):
     """Drift of all asperites for tau, which ends now, and the bobs' places then."""
     set_rotations(model.asperites[FREQUENCY], tau, rotations)
@@ -244,7 +244,7 @@ def drift(model, now, tau, q, v, accounts, rotations):
             place_block(model, s, i, now, q)
 
 
-@kernel
+@inlined
 def kick_slot(slot, s, i, tau, acceleration, v, middle):
     """Set a block's velocities from `slot` on, if there are any, after and in the middle."""
     if slot >= 0:
@@ -270,7 +270,7 @@ def settle_custom_forces(model, drives, ends, t, tau, q, v, work):
             custom_forces(model, t, q, work.middle)
 
 
-@kernel
+@inlined
 def kick(model, t, tau, q, v, accounts, work):
     """The forces in place act for tau; their works are added at the mid-kick velocities."""
     acceleration = work.acceleration
@@ -348,14 +348,14 @@ def arrive(model, neighbours, clock, state, work):
     refresh(model, neighbours)
 
 
-@kernel
+@inlined
 def has_substep(model):
     """Whether baths or reservoirs act between two half kicks."""
     baths = model.bath is not None or model.torsional is not None
     return baths or model.friction is not None or model.swing_friction is not None
 
 
-@kernel
+@inlined
 def take_step(model, neighbours, splitting, clock, h, state, work, noise):
     """The drifts and kicks of a step, but for its last drift, which is left."""
     n = state.y.size // 2

@@ -4,13 +4,13 @@ A block is (s, i): the surface's record, and the column of its first asperite.  
 the last block of a surface have asperites without forces, which never move.
 """
 
-from tribo.kernels.compiled import kernel
+from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.records import ALONG_X, ALONG_Y
 from tribo.kernels.simd import broadcast
 from tribo.kernels.simd_arrays import block, set_block
 
 
-@kernel
+@inlined
 def coordinates(slot, s, i, q):
     """Coordinates or velocities of a block, whose surface has them from `slot` on; 0 without."""
     if slot >= 0:
@@ -18,7 +18,7 @@ def coordinates(slot, s, i, q):
     return broadcast(0.0)
 
 
-@kernel
+@inlined
 def vectors(table, i):
     """x and y of a block of a table of vectors; without a table -0, which changes no sum."""
     if table is None:
@@ -26,14 +26,14 @@ def vectors(table, i):
     return block(table[ALONG_X], i), block(table[ALONG_Y], i)
 
 
-@kernel
+@inlined
 def set_vectors(table, i, x, y):
     """Set x and y of a block of a table of vectors."""
     set_block(table[ALONG_X], i, x)
     set_block(table[ALONG_Y], i, y)
 
 
-@kernel
+@inlined
 def numbers(table, i):
     """A block of a table of one row; without a table -0, which changes no sum."""
     if table is None:
@@ -41,7 +41,7 @@ def numbers(table, i):
     return block(table[0], i)
 
 
-@kernel
+@inlined
 def is_fixed(fixed, s):
     """Whether the asperites of a surface are rigid; `fixed` is None where none are."""
     if fixed is None:

@@ -10,7 +10,7 @@ import numpy as np
 from numba import literal_unroll
 
 from tribo.kernels.blocks import clear
-from tribo.kernels.compiled import kernel
+from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.kinematics import nearest_image
 from tribo.kernels.neighbours import image, is_partner, partner_species
 from tribo.kernels.potential_in_lanes import force_in_lanes
@@ -19,6 +19,7 @@ from tribo.kernels.records import ALONG_X, ALONG_Y, CHARGE, FX, FY, X, Y, Z
 from tribo.kernels.simd import (
     LANES,
     absolute,
+    any_below,
     between_lanes,
     broadcast,
     lane,
@@ -48,12 +49,12 @@ def separation(dx, dy, dz):
     return math.hypot(math.hypot(dx, dy), dz)
 
 
-@kernel
+@inlined
 def separations(dx, dy, dz, low, high):
     """The same of eight pairs, of which those from `low` to `high` are wanted."""
     square = dx * dx + dy * dy + dz * dz
     r = sqrt(square)
-    if maximum(between_lanes(low, high, -square, -1.0)) >= -SQUARE_IS_SAFE:
+    if any_below(low, high, square, SQUARE_IS_SAFE):
         for i in range(low, high):
             r = with_lane(r, i, separation(lane(dx, i), lane(dy, i), lane(dz, i)))
     return r
@@ -81,7 +82,7 @@ def candidate(neighbours, is_listed, m):
     return neighbours.index[m] if is_listed else m
 
 
-@kernel
+@inlined
 def candidates(row, neighbours, is_listed, m, high):
     """Values of a row of a table for a block of candidates."""
     if neighbours is not None:
@@ -90,7 +91,7 @@ def candidates(row, neighbours, is_listed, m, high):
     return block(row, m)
 
 
-@kernel
+@inlined
 def set_candidates(row, neighbours, is_listed, m, high, x):
     """Set the values of a row of a table for a block of candidates."""
     if neighbours is not None:
@@ -100,7 +101,7 @@ def set_candidates(row, neighbours, is_listed, m, high, x):
     set_block(row, m, x)
 
 
-@kernel
+@inlined
 def images(difference, box, axis):
     """Separations from the nearest images along x (axis 0) or z (axis 1) of a scene's box."""
     if box is None:
@@ -109,7 +110,7 @@ def images(difference, box, axis):
     return nearest_image(difference, period)
 
 
-@kernel
+@inlined
 def without_others(force, species, partners, neighbours, is_listed, m, high):
     """Forces where the candidates are of a species by `partner_species`, 0 elsewhere."""
     if species is None:
@@ -120,7 +121,7 @@ def without_others(force, species, partners, neighbours, is_listed, m, high):
     return where_less(away, 0.5, force, 0.0)
 
 
-@kernel
+@inlined
 def add_row(model, contact, fx, fy, neighbours, i, start, stop, is_listed):
     """Add the forces between bob i and its candidates to the rows fx and fy of a table.
 
@@ -156,7 +157,7 @@ def add_row(model, contact, fx, fy, neighbours, i, start, stop, is_listed):
     fy[i] += sum_of_lanes(sum_y)
 
 
-@kernel
+@inlined
 def add_contact(model, contact, fx, fy, neighbours):
     """Add the forces of one interaction to the rows fx and fy of a table, one column a bob."""
     for k in range(contact.pairs.shape[0]):
@@ -167,7 +168,7 @@ def add_contact(model, contact, fx, fy, neighbours):
             add_row(model, contact, fx, fy, neighbours, i, start, stop, is_listed)
 
 
-@kernel
+@inlined
 def contact_forces(model, neighbours):
     """Add the contact force f1 on newly placed bobs, and set the forces within surfaces."""
     for contact in literal_unroll(model.contacts):

@@ -8,7 +8,7 @@ oscillator's coordinates are its displacement from the resting bar in the same u
 
 from tribo.kernels.baths import bath_accelerations, bath_forces, torsional_accelerations
 from tribo.kernels.blocks import clear, coordinates, numbers, set_vectors, vectors
-from tribo.kernels.compiled import kernel, shared_kernel
+from tribo.kernels.compiled import inlined, kernel, shared_kernel
 from tribo.kernels.contact import contact_forces
 from tribo.kernels.fields import field_forces
 from tribo.kernels.kinematics import bar_velocity, bob_position
@@ -48,7 +48,7 @@ from tribo.kernels.springs import spring_forces
 from tribo.kernels.user_forces import custom_forces
 
 
-@kernel
+@inlined
 def bar_angles(model, s, i, t, q):
     """phi of a block: coordinates where bars are free, uniform where they are clamped."""
     if s.dof_phi >= 0:
@@ -56,7 +56,7 @@ def bar_angles(model, s, i, t, q):
     return block(model.asperites[PHI_START], i) + block(model.asperites[NU_START], i) * t
 
 
-@kernel
+@inlined
 def place_bars(displaced, s, i, x, y, l2, sin, cos):
     """Set the bars' displacements from rest in the initial uniform motion, where they are needed.
 
@@ -68,7 +68,7 @@ def place_bars(displaced, s, i, x, y, l2, sin, cos):
         set_vectors(displaced, i, x, y)
 
 
-@kernel
+@inlined
 def place_block(model, s, i, t, q):
     """Set positions and directions of a block of bobs, and clear their contact forces."""
     a = model.asperites
@@ -99,7 +99,7 @@ def place_bobs(model, t, q):
             place_block(model, s, i, t, q)
 
 
-@kernel
+@inlined
 def velocities_of_bars(model, s, i, v):
     """Velocities of the centres of a block of bars in the surface's first frame, bobs in place."""
     vx = coordinates(s.dof_x, s, i, v)
@@ -146,7 +146,7 @@ def gather_contact(model):
                 s.fx += sum_of_lanes(block(model.bobs[FX], i))
 
 
-@kernel
+@inlined
 def drive_block(model, s, i, t, q):
     """Set f2 on a block of bars, contact forces in place."""
     b = model.bobs
@@ -166,7 +166,7 @@ def drive_block(model, s, i, t, q):
     set_vectors(model.drive, i, present * gx, present * gy)
 
 
-@kernel
+@inlined
 def drive_forces(model, t, q):
     """Set f2 on every bar."""
     gather_contact(model)
@@ -184,7 +184,7 @@ def update_neighbours(model, neighbours, t, q):
     return not crowded(neighbours)
 
 
-@kernel
+@inlined
 def forces(model, neighbours, t):
     """Set the forces that depend on positions alone: contact, fields, springs.
 
@@ -197,7 +197,7 @@ def forces(model, neighbours, t):
     spring_forces(model, model.springs)
 
 
-@kernel
+@inlined
 def end_force_sums(end_forces, i):
     """f_L + f_R of a plug-in on a block of bars."""
     if end_forces is None:
@@ -221,7 +221,7 @@ def add_end_torques(model, end_forces, s, i, t, q, acceleration):
             set_block(acceleration, k, old + torque / block(model.asperites[I2], i))
 
 
-@kernel
+@inlined
 def bar_forces(model, i):
     """Force on a block of bars: f2 + f_int + f_T, and f_L + f_R of a plug-in."""
     x, y = vectors(model.drive, i)
@@ -233,7 +233,7 @@ def bar_forces(model, i):
     return x + fx, y + fy
 
 
-@kernel
+@inlined
 def bob_forces(model, i):
     """Force on a block of bobs: f1, contact within the surface, and external fields."""
     x = block(model.bobs[FX], i)
@@ -244,20 +244,18 @@ def bob_forces(model, i):
     return x + fx, y + fy
 
 
-@kernel
-def torques(model, i):
-    """Torque of all forces but the torsion springs on a block of pendulums."""
+@inlined
+def torques(model, i, bob_x, bob_y, bar_x, bar_y):
+    """Torque on a block of pendulums, but for that of the torsion springs."""
     a = model.asperites
     tx = block(model.bobs[TX], i)
     ty = block(model.bobs[TY], i)
-    bob_x, bob_y = bob_forces(model, i)
-    bar_x, bar_y = bar_forces(model, i)
     torque = block(a[L1], i) * (tx * bob_x + ty * bob_y)
     torque = torque - block(a[L2], i) * (tx * bar_x + ty * bar_y)
     return torque + numbers(model.swing_friction, i)
 
 
-@kernel
+@inlined
 def accelerate_block(model, s, i, torsion, t, q, acceleration):
     """Set q'' of a block of asperites from the forces in place.
 
@@ -267,7 +265,7 @@ def accelerate_block(model, s, i, torsion, t, q, acceleration):
     a = model.asperites
     bob_x, bob_y = bob_forces(model, i)
     bar_x, bar_y = bar_forces(model, i)
-    torque = torques(model, i)
+    torque = torques(model, i, bob_x, bob_y, bar_x, bar_y)
     if torsion != 0.0 or s.dof_phi >= 0:
         twist = block(q, i) - bar_angles(model, s, i, t, q)
         spring = torsion * block(a[KAPPA], i) * twist
@@ -284,7 +282,7 @@ def accelerate_block(model, s, i, torsion, t, q, acceleration):
     add_end_torques(model, model.end_forces, s, i, t, q, acceleration)
 
 
-@kernel
+@inlined
 def accelerate(model, torsion, t, q, acceleration):
     """Set q'' of all asperites from the forces in place; see :func:`accelerate_block`."""
     for k in range(model.surfaces.shape[0]):
@@ -293,7 +291,7 @@ def accelerate(model, torsion, t, q, acceleration):
             accelerate_block(model, s, i, torsion, t, q, acceleration)
 
 
-@kernel
+@inlined
 def equations_of_motion(model, neighbours, t, q, v, acceleration):
     """Set q'' of all coordinates."""
     place_bobs(model, t, q)

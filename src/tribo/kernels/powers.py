@@ -26,8 +26,14 @@ from numba import literal_unroll
 
 from tribo.kernels.baths import bath_momentum, torsional_torque
 from tribo.kernels.blocks import coordinates, is_fixed, vectors
-from tribo.kernels.compiled import kernel
-from tribo.kernels.equations_of_motion import bar_angles, end_force_sums, torques
+from tribo.kernels.compiled import inlined, kernel
+from tribo.kernels.equations_of_motion import (
+    bar_angles,
+    bar_forces,
+    bob_forces,
+    end_force_sums,
+    torques,
+)
 from tribo.kernels.fields import field_shift
 from tribo.kernels.kinematics import bar_velocity, end_force, rotational_power
 from tribo.kernels.levers import lever_of_bar, lever_of_bob, velocities_of_centres
@@ -58,7 +64,7 @@ from tribo.kernels.simd_functions import sine_cosine
 CONTACT, SLIDE, DRIVE, ENDS, USER_ENDS, POINT, SWING = 4, 2, 4, 5, 8, 4, 1
 
 
-@kernel
+@inlined
 def set_four(power, s, slot, i, first, second, third, fourth):
     """Set the powers of a block's four accounts of a group."""
     stride = s.stop - s.start
@@ -69,15 +75,17 @@ def set_four(power, s, slot, i, first, second, third, fourth):
     set_block(power, k + 3 * stride, fourth)
 
 
-@kernel
+@inlined
 def held_torques(model, fixed, s, i, phi, q):
     """Torques that clamped bars hold: of torsion springs, or of the forces on rigid asperites."""
     if is_fixed(fixed, s):
-        return torques(model, i)
+        bob_x, bob_y = bob_forces(model, i)
+        bar_x, bar_y = bar_forces(model, i)
+        return torques(model, i, bob_x, bob_y, bar_x, bar_y)
     return block(model.asperites[KAPPA], i) * (block(q, i) - phi)
 
 
-@kernel
+@inlined
 def clamped_ends(model, s, i, t, q, omega, vx, vy, power):
     """Set the powers of f_L, and of f_R = -f_L about the centre of mass."""
     a = model.asperites
@@ -125,7 +133,7 @@ def custom_end_powers(model, end_forces, s, i, t, q, v, power):
             set_four(power, s, k, i, right_x, right_y, left, right)
 
 
-@kernel
+@inlined
 def set_bob_powers(model, table, slot, s, i, omega, vx, vy, power):
     """Set the powers of Jx, Jy, work about r_cm and pseudowork of forces on the bobs."""
     if table is not None:
@@ -137,7 +145,7 @@ def set_bob_powers(model, table, slot, s, i, omega, vx, vy, power):
             set_four(power, s, slot, i, x, y, about, x * vx + y * vy)
 
 
-@kernel
+@inlined
 def set_bar_powers(model, table, slot, s, i, omega, vx, vy, power):
     """Set the same of forces at the bars' centres."""
     if table is not None:
@@ -149,7 +157,7 @@ def set_bar_powers(model, table, slot, s, i, omega, vx, vy, power):
             set_four(power, s, slot, i, x, y, about, x * vx + y * vy)
 
 
-@kernel
+@inlined
 def set_swing_powers(swing_friction, s, i, omega, power):
     """Set the power of the Langevin friction on the swings."""
     if swing_friction is not None:
@@ -157,7 +165,7 @@ def set_swing_powers(swing_friction, s, i, omega, power):
             set_block(power, s.acc_swing + i - s.start, block(swing_friction[0], i) * omega)
 
 
-@kernel
+@inlined
 def set_internal_powers(model, s, i, omega, vx, vy, power):
     """Set the same of the internal forces: springs and bath on the bars, contact on the bobs."""
     if s.acc_internal >= 0:
@@ -173,7 +181,7 @@ def set_internal_powers(model, s, i, omega, vx, vy, power):
         set_four(power, s, s.acc_internal, i, x, y, about, x * vx + y * vy)
 
 
-@kernel
+@inlined
 def powers_of_block(model, s, i, torsion, t, q, v, power):
     """Set the powers of a block's accounts, forces in place.
 
@@ -248,7 +256,7 @@ def momentum(model, s, v):
     return px, py
 
 
-@kernel
+@inlined
 def external_force(model, s):
     """Sum of f1, f2, field, f_T and a plug-in's forces on ends over a surface."""
     fx = 0.0
@@ -264,7 +272,7 @@ def external_force(model, s):
     return fx, fy
 
 
-@kernel
+@inlined
 def block_powers(model, v, power):
     """Set the power of each surface's external force at the velocity of its centre of mass."""
     for k in range(model.surfaces.shape[0]):
@@ -275,7 +283,7 @@ def block_powers(model, v, power):
             power[s.acc_block] = (fx * px + fy * py) / s.total_mass
 
 
-@kernel
+@inlined
 def all_powers(model, t, q, v, power):
     """Set the powers of all accounts."""
     for k in range(model.surfaces.shape[0]):

@@ -268,6 +268,21 @@ def first(builder, n):
 
 
 @intrinsic
+def any_below(typing_context, low, high, x, limit):
+    """Whether x <= limit in any lane from `low` to `high`, that excluded."""
+
+    def build(context, builder, sig, args):
+        low, high, x, limit = args
+        wanted = builder.and_(builder.not_(first(builder, low)), first(builder, high))
+        below = builder.and_(wanted, builder.fcmp_ordered("<=", x, _spread(builder, limit)))
+        return builder.icmp_unsigned(
+            "!=", builder.bitcast(below, ir.IntType(8)), ir.Constant(ir.IntType(8), 0)
+        )
+
+    return types.boolean(types.intp, types.intp, lanes, types.float64), build
+
+
+@intrinsic
 def power_of_two(typing_context, x):
     """2^x for whole numbers from -1022 to 1023."""
 

@@ -5,19 +5,19 @@ i + n and j + n, of which eight are computed at once; columns that fill the last
 have springs without stiffness.
 """
 
-from tribo.kernels.compiled import kernel
+from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.records import ALONG_X, ALONG_Y, REST_X, REST_Y, STIFFNESS
 from tribo.kernels.simd import LANES, sum_of_lanes
 from tribo.kernels.simd_arrays import add_block, block
 
 
-@kernel
+@inlined
 def stretches(displaced, axis, rest, i, j):
     """One component of the stretches of springs between bars from i and from j on."""
     return block(displaced[axis], i) - block(displaced[axis], j) + rest
 
 
-@kernel
+@inlined
 def add_to_bars(model, springs, chain, axis, row_of_rest, first, sign):
     """Add one component of a chain's forces, times `sign`, to the bars from `first` on."""
     forces = model.internal[axis]
@@ -28,7 +28,7 @@ def add_to_bars(model, springs, chain, axis, row_of_rest, first, sign):
         add_block(forces, first + m, stiffness * stretch)
 
 
-@kernel
+@inlined
 def spring_forces(model, springs):
     """Add the forces of all springs on the bars.
 
