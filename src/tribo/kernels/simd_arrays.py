@@ -28,15 +28,15 @@ def room(shape: tuple[int, ...]) -> np.ndarray:
 
 @owning_kernel
 def empty_row(n):
-    """The same with one row, for kernels; not set."""
-    array = np.empty(n + 2 * LANES)
+    """The same with one row, for kernels; what fills blocks stays zero."""
+    array = np.zeros(n + 2 * LANES)
     first = -(array.ctypes.data // 8) % LANES
     return array[first : first + n]
 
 
 @owning_kernel
 def empty_rows(count, n):
-    """The same with several rows, for kernels; not set."""
+    """The same with several rows, for kernels."""
     return empty_row(count * n).reshape(count, n)
 
 
