@@ -8,7 +8,8 @@ import numpy as np
 
 from tribo.integrators.methods import Method
 from tribo.integrators.splitting import Splitting
-from tribo.kernels.records import FREQUENCY, INERTIA, L2, MASS, PULLED
+from tribo.kernels.records import FREQUENCY, INERTIA, L1, L2, MASS, PULLED
+from tribo.model.fields import Corrugation
 from tribo.run.force_records import stiffness_at_bars
 from tribo.run.layout import Layout
 
@@ -34,6 +35,20 @@ def spring_frequency(layout: Layout) -> float:
         columns = layout.places.columns
         stiffness += 2.0 * stiffness_at_bars(springs, layout.model.drive.shape[1])[columns]
     return float(np.sqrt(np.max(stiffness * _mobility(layout))))
+
+
+def corrugation_frequency(layout: Layout) -> float:
+    """The largest angular frequency of a bob in a minimum of a corrugation [rad / time]."""
+    table = layout.model.asperites[:, layout.places.columns]
+    mobility = 1.0 / table[MASS] + table[L1] ** 2 / table[INERTIA]
+    fastest = 0.0
+    for field in layout.model.fields or ():
+        if isinstance(field.potential, Corrugation):
+            amplitude, period = field.potential
+            curvature = abs(amplitude) * (2.0 * np.pi / period) ** 2
+            on = np.isin(layout.asperites.surface, field.surfaces)
+            fastest = max(fastest, float(np.sqrt(curvature * np.max(mobility[on]))))
+    return fastest
 
 
 def user_frequency(layout: Layout) -> float:
