@@ -1,4 +1,4 @@
-"""Neighbour lists: the same pairs as all pairs, and the same sums bit for bit."""
+"""Neighbour lists: the same pairs as all pairs, and the same sums to round-off."""
 
 from dataclasses import replace
 
@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 import tribo
 from support.sliding import CUTOFF, long_slide, scene
 from tribo.kernels.neighbours import refresh
+from tribo.kernels.records import X, Y
 from tribo.run import contacts, general_loop
 from tribo.run import layout as layouts
 
@@ -20,6 +21,14 @@ def listed_pairs(neighbours) -> set[tuple[int, int]]:
     return {
         (row, int(j)) for row in range(start.size - 1) for j in index[start[row] : start[row + 1]]
     }
+
+
+def assert_same(plain, by_list):
+    """Sums of lists and of all pairs are in different orders; the slide magnifies round-off."""
+    for name in ("upper", "lower"):
+        for quantity in plain[name]:
+            one, other = plain[name][quantity], by_list[name][quantity]
+            assert np.max(np.abs(one - other)) <= 1e-9 * np.max(np.abs(one)), quantity
 
 
 def pairs_within(places: np.ndarray, upper: int, reach: float, box: tuple) -> set[tuple[int, int]]:
@@ -53,18 +62,19 @@ def test_a_list_has_every_pair_within_reach(given_places, slide):
         patch.setattr(contacts, "UNLISTED_PAIRS", 0)
         layout = layouts.lay_out(scene(upper, lower, periodic))
         neighbours = layout.neighbours()
-    bobs = layout.model.bobs
+    columns = layout.places.columns
+    number = {column: i for i, column in enumerate(columns.tolist())}
     world = np.concatenate([upper, lower])
     for shift in (0.0, slide):
-        bobs.x, bobs.y = world[:, 0], world[:, 1]
-        bobs.x[: len(upper)] += shift
+        layout.model.bobs[[[X], [Y]], columns] = world[:, :2].T
+        layout.model.bobs[X, columns[: len(upper)]] += shift
         refresh(layout.model, neighbours)
         neighbours = general_loop.with_room(neighbours)
         refresh(layout.model, neighbours)
-        now = np.column_stack([bobs.x, bobs.y, bobs.z])
+        now = np.column_stack([*layout.model.bobs[[[X], [Y]], columns], layout.depths])
         needed = pairs_within(now, len(upper), CUTOFF, box)
         wide = pairs_within(now, len(upper), CUTOFF + 2.01 * layout.skin, box)
-        found = listed_pairs(neighbours)
+        found = {(row, number[j]) for row, j in listed_pairs(neighbours)}
         assert needed <= found <= wide
         for row in range(len(upper)):
             own = neighbours.index[neighbours.start[row] : neighbours.start[row + 1]]
@@ -78,8 +88,8 @@ def test_a_list_has_every_pair_within_reach(given_places, slide):
         pytest.param({"x": 6.0, "z": 3.0}, id="periodic"),
     ],
 )
-def test_lists_give_all_pairs_bit_for_bit(periodic, monkeypatch):
-    """A long slide with bobs that loop: every series is the same, to the last bit."""
+def test_lists_give_all_pairs(periodic, monkeypatch):
+    """A long slide with bobs that loop: every series is the same to round-off."""
     wanted = replace(long_slide(periodic), output=tribo.Output(samples=7))
     plain = tribo.simulate(wanted, method="verlet", step=0.003)
     monkeypatch.setattr(contacts, "UNLISTED_PAIRS", 0)
@@ -87,9 +97,7 @@ def test_lists_give_all_pairs_bit_for_bit(periodic, monkeypatch):
     assert plain.status == by_list.status == "completed"
     assert np.max(np.abs(plain["upper"].theta)) > np.pi
     assert np.max(np.abs(plain["lower"].w1)) > 0.0
-    for name in ("upper", "lower"):
-        for quantity in plain[name]:
-            assert np.array_equal(plain[name][quantity], by_list[name][quantity]), quantity
+    assert_same(plain, by_list)
 
 
 @pytest.mark.parametrize(
@@ -124,6 +132,4 @@ def test_a_list_that_outgrows_its_room(method, monkeypatch):
     monkeypatch.setattr(layouts.Layout, "neighbours", cramped)
     by_list = tribo.simulate(wanted, method=method, **how)
     assert len(set(grown)) >= 2, "the room must run out on the way, not at the start alone"
-    for name in ("upper", "lower"):
-        for quantity in plain[name]:
-            assert np.array_equal(plain[name][quantity], by_list[name][quantity]), quantity
+    assert_same(plain, by_list)

@@ -5,15 +5,15 @@ import numpy as np
 import pytest
 from numba import njit
 
-from tribo.kernels import simd
+from tribo.kernels import simd, simd_arrays, simd_functions
 
 
 @njit
 def _sine_cosine(x, out):
     """Row 0 of `x` into both rows of `out`."""
-    sin, cos = simd.sine_cosine(simd.load(simd.rows_of(x), 0))
-    simd.store(simd.rows_of(out), 0, sin)
-    simd.store(simd.rows_of(out), 1, cos)
+    sin, cos = simd_functions.sine_cosine(simd_arrays.load(simd_arrays.rows_of(x), 0))
+    simd_arrays.store(simd_arrays.rows_of(out), 0, sin)
+    simd_arrays.store(simd_arrays.rows_of(out), 1, cos)
 
 
 @pytest.mark.parametrize("size", [1e-9, 0.5, 3.0, 50.0, 2364.0, 1e5, 1.6e6, 1.7e6, 1e12])
@@ -36,19 +36,19 @@ def test_sine_and_cosine(size, near):
 @njit
 def _everything(x, out):
     """Each operation once."""
-    rows, into = simd.rows_of(x), simd.rows_of(out)
-    a, b = simd.load(rows, 0), simd.load(rows, 1)
-    simd.store(into, 0, a + b)
-    simd.store(into, 1, 2.0 - a * b)
-    simd.store(into, 2, a / b)
-    simd.store(into, 3, simd.sqrt(simd.absolute(a)))
-    simd.store(into, 4, simd.where_less(a, b, a, 7.0))
-    simd.store(into, 5, simd.with_lane(a, 3, simd.lane(b, 5)))
+    rows, into = simd_arrays.rows_of(x), simd_arrays.rows_of(out)
+    a, b = simd_arrays.load(rows, 0), simd_arrays.load(rows, 1)
+    simd_arrays.store(into, 0, a + b)
+    simd_arrays.store(into, 1, 2.0 - a * b)
+    simd_arrays.store(into, 2, a / b)
+    simd_arrays.store(into, 3, simd.sqrt(simd.absolute(a)))
+    simd_arrays.store(into, 4, simd.where_less(a, b, a, 7.0))
+    simd_arrays.store(into, 5, simd.with_lane(a, 3, simd.lane(b, 5)))
     into[6, 0] = simd.sum_of_lanes(a)
     into[6, 1] = simd.maximum(a)
     into[6, 2] = rows[1, 4]
     scaled = (a, 2.0 * a, b, simd.broadcast(rows[0, 1]), a * b, a - b, a + b, 3.0 * b)
-    simd.store(into, 7, simd.sums_of_lanes(scaled))
+    simd_arrays.store(into, 7, simd.sums_of_lanes(scaled))
 
 
 def test_arithmetic():

@@ -6,7 +6,8 @@ With any other operation, or with a branch, the distances are taken one after an
 
 from typing import Any
 
-from numba import njit, types
+import numpy as np
+from numba import config, njit, types
 from numba.core.errors import TypingError
 from numba.extending import overload
 
@@ -76,9 +77,13 @@ def _one_by_one(potential, r, end, charge, others, low, high):
 
 def _lane_of(x, i):
     """Number i of Lanes; a float as it is."""
-    return lane(x, i)
+    return x[i] if isinstance(x, np.ndarray) else x  # where numba does not compile
 
 
 @overload(_lane_of)
 def _find_lane_of(x, i):
     return (lambda x, i: lane(x, i)) if isinstance(x, LanesType) else (lambda x, i: x)
+
+
+if config.DISABLE_JIT:  # type: ignore[attr-defined]
+    force_in_lanes = _one_by_one

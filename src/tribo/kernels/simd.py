@@ -9,7 +9,7 @@ import operator
 from typing import Any
 
 from llvmlite import ir
-from numba import types
+from numba import config, types
 from numba.core import cgutils
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import intrinsic, lower_builtin, models, register_model
@@ -296,3 +296,21 @@ def power_of_two(typing_context, x):
         return builder.bitcast(bits, _VECTOR)
 
     return lanes(lanes), build
+
+
+if config.DISABLE_JIT:  # type: ignore[attr-defined]
+    from tribo.kernels.simd_uncompiled import (  # noqa: F401
+        absolute,
+        any_below,
+        between_lanes,
+        broadcast,
+        floor,
+        lane,
+        maximum,
+        power_of_two,
+        sqrt,
+        sum_of_lanes,
+        sums_of_lanes,
+        where_less,
+        with_lane,
+    )

@@ -10,7 +10,7 @@ import operator
 
 import numpy as np
 from llvmlite import ir
-from numba import types
+from numba import config, types
 from numba.core import cgutils
 from numba.extending import intrinsic, models, overload, register_model
 
@@ -177,12 +177,6 @@ def set_block(typing_context, array, i, x):
     return (types.void(array, types.intp, lanes), build) if _is_row(array) else None
 
 
-@inlined
-def add_block(array, i, x):
-    """Add to eight elements from place i of a contiguous array on."""
-    set_block(array, i, block(array, i) + x)
-
-
 def _elements(context, builder, kind, array, index_kind, index, i, n):
     """Addresses of the elements that a list of numbers names from place i on, and their mask."""
     place = context.make_array(index_kind)(context, builder, index).data
@@ -236,3 +230,21 @@ def scatter(typing_context, array, index, i, n, x):
 
     good = _is_row(array) and _is_row(index, types.int64)
     return (types.void(array, index, types.intp, types.intp, lanes), build) if good else None
+
+
+if config.DISABLE_JIT:  # type: ignore[attr-defined]
+    from tribo.kernels.simd_uncompiled import (  # noqa: F401
+        block,
+        gather,
+        load,
+        rows_of,
+        scatter,
+        set_block,
+        store,
+    )
+
+
+@inlined
+def add_block(array, i, x):
+    """Add to eight elements from place i of a contiguous array on."""
+    set_block(array, i, block(array, i) + x)
