@@ -106,11 +106,11 @@ def families(layout):
     widths = {"contact": 4, "slide": 2, "drive": 4, "ends": 5, "internal": 4, "field": 4}
     assert widths.keys() == set(ACCOUNTS)
     for name, width in widths.items():
-        first = layout.model.asperites[f"acc_{name}"]
-        first = first[first >= 0]
-        if first.size:
-            yield name, (first[:, None] + np.arange(width)).ravel()
-    blocks = layout.model.surfaces.acc_block
+        first, stride = layout.asperites[f"acc_{name}"], layout.asperites.stride
+        present = first >= 0
+        if np.any(present):
+            yield name, (first[:, None] + stride[:, None] * np.arange(width))[present].ravel()
+    blocks = layout.surfaces.acc_block
     yield "block", blocks[blocks >= 0]
     yield "moving", np.array([field.account for field in layout.model.fields])
 

@@ -109,7 +109,7 @@ def test_stiff_springs(settings):
     stiff = layout(0.1, **settings)
     step = choose(stiff, None, None, None).step
     assert step == pytest.approx(0.1 / spring_frequency(stiff))
-    assert spring_frequency(stiff) >= np.sqrt(1e4 / stiff.model.asperites.mass[0])
+    assert spring_frequency(stiff) >= np.sqrt(1e4 / stiff.asperites.mass[0])
 
 
 def test_steep_corrugation():

@@ -80,7 +80,7 @@ def again(scene, folder=None):
 def assert_same_layout(one, other):
     """Both scenes give kernels the same bits."""
     one, other = lay_out(one), lay_out(other)
-    assert one.model.asperites.tobytes() == other.model.asperites.tobytes()
+    assert one.asperites.tobytes() == other.asperites.tobytes()
     assert one.model.surfaces.tobytes() == other.model.surfaces.tobytes()
     assert np.array_equal(one.start, other.start)
     assert (one.coordinates, one.accounts) == (other.coordinates, other.accounts)
@@ -206,8 +206,8 @@ def test_one_number_per_asperite():
     scene = scene_from(table)
     assert np.array_equal(scene.surfaces[1].asperite.m1, [1.0, 3.0])
     layout = lay_out(scene)
-    assert np.array_equal(layout.model.asperites.mass, [3.0, 3.0, 5.0])
-    assert np.array_equal(layout.model.asperites.kappa, [2.0, 4.0, 4.0])
+    assert np.array_equal(layout.asperites.mass, [3.0, 3.0, 5.0])
+    assert np.array_equal(layout.asperites.kappa, [2.0, 4.0, 4.0])
     assert np.array_equal(layout.start[1:3], np.array([3.0, 3.5]) - np.pi)
 
 

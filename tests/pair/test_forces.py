@@ -7,7 +7,7 @@ import pytest
 from numba.core.errors import NumbaError
 
 import tribo
-from tribo.pair.forces import is_vectorized
+from tribo.kernels.potential_in_lanes import is_vectorized
 
 
 class WithAName(NamedTuple):
@@ -24,12 +24,13 @@ class WithAName(NamedTuple):
     ("potential", "expected"),
     [
         (tribo.Coulomb(0.3), True),
-        (tribo.Morse(0.3, 1.5, 0.6), False),
-        (tribo.with_cutoff(tribo.LennardJones(0.2, 0.5), 1.8), False),
+        (tribo.Morse(0.3, 1.5, 0.6), True),
+        (tribo.with_cutoff(tribo.LennardJones(0.2, 0.5), 1.8), True),
+        (tribo.Mie(0.2, 0.5, 12.5, 6.0), False),
     ],
 )
 def test_formulas_of_arithmetic_are_vectorized(potential, expected):
-    """Functions and branches are computed one distance after another."""
+    """Powers that are not whole are computed one distance after another, and so are branches."""
     assert is_vectorized(numba.typeof(potential)) is expected
 
 

@@ -218,7 +218,7 @@ def friction_left_by_another_method():
     layout = lay_out(scene(("reservoir", "custom"), COLD))
     integrate = integrator_for(layout, METHODS["verlet"])
     before = integrate(STEP, layout.scene.times).samples.s[-1]
-    layout.model.bars.lx = 7.0
+    layout.model.friction[0] = 7.0
     return float(np.max(np.abs(integrate(STEP, layout.scene.times).samples.s[-1] - before)))
 
 

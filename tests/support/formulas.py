@@ -69,7 +69,9 @@ class Recorder(NamedTuple):
 
 def arguments_of_a_drive() -> str:
     """A drive is told of place and velocity of the bar in the laboratory, and of f1."""
-    from tribo.kernels.equations_of_motion import custom_drive, place_bobs
+    from tribo.kernels.equations_of_motion import place_bobs
+    from tribo.kernels.records import FX, FY
+    from tribo.kernels.user_forces import custom_drives
     from tribo.model.drives import Custom
     from tribo.model.scene_file import scene_from
     from tribo.run.layout import lay_out
@@ -78,16 +80,17 @@ def arguments_of_a_drive() -> str:
     scene = scene_from(table)
     drive = Custom(force=Recorder())
     layout = lay_out(replace(scene, surfaces=[replace(s, drive=drive) for s in scene.surfaces]))
-    q, v = np.split(layout.start, 2)
+    q, v = (np.zeros(layout.room[0]) for _ in range(2))
+    q[layout.places.q], v[layout.places.q] = np.split(layout.start, 2)
     place_bobs(layout.model, t, q)
-    bobs = layout.model.bobs
-    bobs.fx, bobs.fy = 1.0 + np.arange(bobs.size), -2.0 - np.arange(bobs.size)
+    count = layout.asperites.size
+    fx, fy = 1.0 + np.arange(count), -2.0 - np.arange(count)
+    layout.model.bobs[[[FX], [FY]], layout.places.columns] = fx, fy
     CALLS.clear()
-    for i in range(bobs.size):
-        custom_drive(layout.model, layout.model.drives, i, t, q, v)
+    custom_drives(layout.model, layout.model.drives, t, q, v)
     model = reference.Model(table)
     motion = model.motion(t, model.start())
-    expected = [np.full(bobs.size, t), *motion.r2, *motion.v2, bobs.fx, bobs.fy]
+    expected = [np.full(count, t), *motion.r2, *motion.v2, fx, fy]
     names = ("t", "x", "y", "vx", "vy", "fx", "fy")
     for name, found, truth in zip(names, np.array(CALLS).T, expected, strict=True):
         if not np.allclose(found, truth, 0.0, 1e-13):
@@ -117,13 +120,14 @@ def closing_speeds() -> str:
     from tribo.kernels.contact import closing_speed
 
     rng = np.random.default_rng(2)
-    surfaces = [SimpleNamespace(start=1, stop=4), SimpleNamespace(start=6, stop=8)]
+    surfaces = [SimpleNamespace(start=8, end=19), SimpleNamespace(start=32, end=34)]
     for sign in (1.0, -1.0):
-        speeds = rng.normal(2.0 * sign, 1.0, (9, 3))
-        speeds[:, 2] = np.abs(speeds[:, 2])
-        speeds[[0, 4, 5, 8]] = 1e3  # of other surfaces
-        own = speeds[[1, 2, 3, 6, 7]]
-        expected = np.hypot(*np.ptp(own[:, :2], axis=0)) + 2.0 * np.max(own[:, 2])
+        speeds = np.full((3, 48), 1e3)  # of other surfaces
+        columns = [*range(8, 19), 32, 33]
+        own = rng.normal(2.0 * sign, 1.0, (3, len(columns)))
+        own[2] = np.abs(own[2])
+        speeds[:, columns] = own
+        expected = np.hypot(*np.ptp(own[:2], axis=1)) + 2.0 * np.max(own[2])
         if not np.isclose(closing_speed(*surfaces, speeds), expected, 1e-12):
             return "not the diagonal"
     return ""
@@ -132,6 +136,7 @@ def closing_speeds() -> str:
 def listed_pairs() -> str:
     """A list has exactly the pairs within its reach, sorted, whether cells are many or one."""
     from tribo.kernels.neighbours import refresh
+    from tribo.kernels.records import X, Y
     from tribo.model.scene_file import scene_from
     from tribo.run import layout as layouts
 
@@ -140,16 +145,17 @@ def listed_pairs() -> str:
         places = rng.uniform(0.0, 12.0, (70, 3)) * [1.0, 0.05, 1.0]
         with mock.patch("tribo.run.contacts.UNLISTED_PAIRS", 0):
             layout = layouts.lay_out(scene_from(two_clouds(places, box)))
-        neighbours, bobs = layout.neighbours(), layout.model.bobs
+        neighbours, columns = layout.neighbours(), layout.places.columns
         near, far = 0.49 * layout.skin, 0.51 * layout.skin
         for slide, lists_made in ((0.0, 1), (near, 1), (far, 2), (5.3, 3)):
-            bobs.x, bobs.y = places[:, 0] + slide * (np.arange(70) < 30), places[:, 1]
+            place = places[:, 0] + slide * (np.arange(70) < 30), places[:, 1]
+            layout.model.bobs[[[X], [Y]], columns] = place
             refresh(layout.model, neighbours)
             if neighbours.made[0] != lists_made:
                 return f"slide {slide}: list {neighbours.made[0]} instead of {lists_made}"
             if slide == near:
                 continue  # the list is the one before
-            now = np.column_stack([bobs.x, bobs.y, bobs.z])
+            now = np.column_stack([*place, layout.depths])
             for k, pair in enumerate(neighbours.pairs.tolist()):
                 wrong = wrong_row(layout, neighbours, k, now, box, pair)
                 if wrong:
@@ -305,7 +311,7 @@ def hot_baths() -> str:
         scene_from({"duration": 1.0, "interaction": contact, "surface": [upper, surface]})
     )
     q, v = np.split(layout.start, 2)
-    first = layout.model.asperites.dof_bath[1:]
+    first = layout.asperites.dof_bath[1:]
     l2 = 1.3 * 0.7 / (0.7 + 1.5)
     bar_x, bar_y = -l2 * np.sin(3.6), l2 * (np.cos(3.6) - np.cos(np.pi))
     columns = []
