@@ -191,7 +191,7 @@ def wrong_row(layout, neighbours, k, places, box, pair) -> str:
     one, other, row = pair
     reach, kinds = neighbours.reach[k], sorted(neighbours.species[k])
     parts = list(layout.parts.values())
-    species = layout.model.species
+    species = layout.model.species[layout.places.columns]
     for i in range(parts[one].start, parts[one].stop):
         difference = places[i] - places
         for axis, name in ((0, "x"), (2, "z")):
@@ -206,7 +206,8 @@ def wrong_row(layout, neighbours, k, places, box, pair) -> str:
             and sorted((species[i], species[j])) == kinds
         ]
         at = row + i - parts[one].start
-        found = neighbours.index[neighbours.start[at] : neighbours.start[at + 1]].tolist()
+        columns = neighbours.index[neighbours.start[at] : neighbours.start[at + 1]]
+        found = np.searchsorted(layout.places.columns, columns).tolist()
         if found != expected:
             return f"bob {i} has {found} instead of {expected}"
     return ""

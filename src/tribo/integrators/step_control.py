@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo.kernels.compiled import expanded, kernel
-from tribo.kernels.contact import next_encounter, widest_rate
+from tribo.kernels.contact import fastest_approach, least_clearance, next_encounter
 from tribo.kernels.equations_of_motion import equations_of_motion, place_bobs, top_speeds
 from tribo.kernels.neighbours import crowded, is_empty, refresh
 from tribo.kernels.powers import all_powers
@@ -60,14 +60,17 @@ def current_encounter(model, neighbours, t, y, speeds):
 def encounter_bound(model, neighbours, clock, y, speeds, h):
     """An upper bound on the encounter rate, pair by pair only where it matters for a step h.
 
-    If the fastest bobs cannot cross a potential's length in a quarter of the step, no pair matters.
+    No pair can have moved farther towards its next encounter than the fastest bobs of all have.
     """
     n = y.size // 2
     top_speeds(model, clock.t, y[:n], y[n:], speeds)
-    bound = widest_rate(model, speeds)
-    if h * bound <= ENCOUNTER_UPDATE:
-        return bound
+    speed = fastest_approach(model, speeds)
+    clock.clearance -= speed * clock.encounter_age
+    clearance = least_clearance(model, clock.clearance)
+    if clearance > 0.0 and h * speed <= ENCOUNTER_UPDATE * clearance:
+        return speed / clearance
     found = next_encounter(model, neighbours, speeds)
+    clock.clearance = found.clearance
     if h * found.ignored > 1.0:
         clock.passages += 1
         clock.passing = found.one
@@ -162,8 +165,8 @@ def update_encounter(model, neighbours, clock, y, speeds, h):
     near = (clock.encounter_age + h) * clock.encounter_rate > ENCOUNTER_UPDATE
     if clock.steps % UPDATE_INTERVAL != 0 and not near:
         return False
-    clock.encounter_age = 0.0
     clock.encounter_rate = encounter_bound(model, neighbours, clock, y, speeds, h)
+    clock.encounter_age = 0.0
     return True
 
 

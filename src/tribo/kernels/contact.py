@@ -271,6 +271,7 @@ class Encounter(NamedTuple):
 
     rate: float  # largest (relative speed) / (distance to the next change of force) [1 / time]
     closest: float  # smallest distance of a pair [length]
+    clearance: float  # smallest distance that a pair may move before its force changes [length]
     ignored: float  # largest rate of pairs whose potential cannot matter [1 / time]
     one: int  # the bobs of the fastest of these
     other: int
@@ -302,7 +303,7 @@ def can_matter(potential, r, charge, other_charge, thermal):
 def encounter_of_contact(model, contact, neighbours, speeds, thermal, found):
     """The encounters found before, or those of one interaction where they come sooner."""
     charges = model.asperites[CHARGE]
-    rate, closest, ignored, first, second = found
+    rate, closest, clearance, ignored, first, second = found
     potential = contact.potential
     for k in range(contact.pairs.shape[0]):
         one = model.surfaces[contact.pairs[k, 0]]
@@ -319,7 +320,9 @@ def encounter_of_contact(model, contact, neighbours, speeds, thermal, found):
                 vy = speeds[1, i] - speeds[1, j]
                 speed = math.sqrt(vx * vx + vy * vy) + speeds[2, i] + speeds[2, j]
                 closest = min(closest, r)
-                faster = speed / potential.clearance(r)
+                own = potential.clearance(r)
+                clearance = min(clearance, own)
+                faster = speed / own
                 if faster > rate:
                     if can_matter(potential, r, charges[i], charges[j], thermal):
                         rate = faster
@@ -327,7 +330,8 @@ def encounter_of_contact(model, contact, neighbours, speeds, thermal, found):
                         ignored, first, second = faster, i, j
         if neighbours is not None and contact.rows[k] >= 0:
             rate = max(rate, closing_speed(one, other, speeds) / neighbours.skin)
-    return Encounter(rate, closest, ignored, first, second)
+            clearance = min(clearance, neighbours.skin)
+    return Encounter(rate, closest, clearance, ignored, first, second)
 
 
 @kernel
@@ -351,7 +355,7 @@ def next_encounter(model, neighbours, speeds):
     -------
     Encounter
     """
-    found = Encounter(0.0, np.inf, 0.0, -1, -1)
+    found = Encounter(0.0, np.inf, np.inf, 0.0, -1, -1)
     thermal = thermal_energy(model)
     for contact in literal_unroll(model.contacts):
         found = encounter_of_contact(model, contact, neighbours, speeds, thermal, found)
@@ -379,14 +383,19 @@ def shortest_feature(contacts):
 
 
 @kernel
-def widest_rate(model, speeds):
-    """An upper bound on the encounter rate that needs no loop over pairs; may be infinite."""
-    shortest = min(shortest_feature(model.contacts), shortest_feature(model.within))
+def fastest_approach(model, speeds):
+    """Largest speed at which two bobs that have a contact can approach each other."""
     fastest = 0.0
     for k in range(model.surfaces.shape[0]):
         for m in range(k if model.within is None else k + 1):
             fastest = max(fastest, closing_speed(model.surfaces[k], model.surfaces[m], speeds))
-    return fastest / shortest if shortest > 0.0 else math.inf
+    return fastest
+
+
+@kernel
+def least_clearance(model, clearance):
+    """The smallest clearance of any pair, from a lower bound; no less than the shortest feature."""
+    return max(clearance, min(shortest_feature(model.contacts), shortest_feature(model.within)))
 
 
 @kernel

@@ -162,6 +162,7 @@ CLOCK = np.dtype(
         ("encounter_fraction", "f8"),  # of the way to the next encounter that a step may go
         ("encounter_rate", "f8"),  # [1 / time], as it was last computed
         ("encounter_age", "f8"),  # time since equal steps computed it
+        ("clearance", "f8"),  # no pair can move less before its force changes considerably
         ("h", "f8"),  # the step the controller wants next; 0: not chosen yet
         ("last_step", "f8"),  # 0: none yet
         ("sample", "i8"),  # next sample to be recorded

@@ -170,7 +170,7 @@ def integrate(
         if status != Status.COMPLETED:  # the loop goes on, to record where it stopped
             memory = {name: array.copy() for name, array in memory.items()}
         counts = np.array([loop.clocks["steps"][0], loop.clocks["evaluations"][0]])
-        passages = tuple(int(loop.clocks[name][0]) for name in ("passages", "passing", "passed"))
+        passages = _passages(loop)
         new = _recorded(loop, portion, columns, status)
         if before is not None and first == 0:
             new = before.then(new)
@@ -183,6 +183,13 @@ def integrate(
     whole = samples
     assert whole is not None
     return Integration(lambda: whole, status, counts, time.perf_counter() - began, memory, passages)
+
+
+def _passages(loop: TimeLoop) -> tuple[int, int, int]:
+    """Steps in which bobs passed an encounter far below k_B T, and the last two bobs."""
+    columns = [loop.clocks[name][0] for name in ("passing", "passed")]
+    one, other = np.searchsorted(loop.layout.places.columns, columns)
+    return int(loop.clocks["passages"][0]), int(one), int(other)
 
 
 def _run_through(
