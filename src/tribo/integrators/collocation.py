@@ -20,7 +20,7 @@ from tribo.kernels.compiled import expanded, kernel, owning_kernel
 from tribo.kernels.equations_of_motion import equations_of_motion
 from tribo.kernels.powers import all_powers
 from tribo.kernels.samples import copy, copy_rows, copy_state
-from tribo.kernels.simd_arrays import empty_row, empty_rows
+from tribo.kernels.simd_arrays import zero_row, zero_rows
 from tribo.kernels.status import COMPLETED, NOT_CONVERGED, NOT_FINITE
 
 # Sweeps through the nodes after which an iteration has not converged.
@@ -96,11 +96,11 @@ def empty_nodes(count, state):
     """Room for that many nodes."""
     n = state.acceleration.size
     return Nodes(
-        empty_rows(count, n),
-        empty_rows(count, state.s.size),
-        empty_row(2 * n),
-        empty_row(n),
-        empty_row(n),
+        zero_rows(count, n),
+        zero_rows(count, state.s.size),
+        zero_row(2 * n),
+        zero_row(n),
+        zero_row(n),
     )
 
 

@@ -21,7 +21,7 @@ from tribo.kernels.compiled import expanded, kernel, owning_kernel
 from tribo.kernels.equations_of_motion import equations_of_motion
 from tribo.kernels.powers import all_powers
 from tribo.kernels.samples import copy, copy_rows, copy_state
-from tribo.kernels.simd_arrays import empty_row, empty_rows
+from tribo.kernels.simd_arrays import zero_row, zero_rows
 
 
 class Stages(NamedTuple):
@@ -72,15 +72,13 @@ def empty_stages(count, model, state):
     """Room for that many stages."""
     n = state.acceleration.size
     asperites = model.bobs.shape[1]
-    powers = empty_rows(count + 1, state.s.size)
-    powers[:] = 0.0
     return Stages(
-        empty_rows(count, n),
-        empty_rows(count + 1, n),
-        powers,
+        zero_rows(count, n),
+        zero_rows(count + 1, n),
+        zero_rows(count + 1, state.s.size),
         np.empty((count, model.bobs.shape[0], asperites)),
         np.empty((count, stored_rows(model), asperites)),
-        empty_row(n),
+        zero_row(n),
     )
 
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from tribo.kernels.compiled import inlined, kernel, owning_kernel
 from tribo.kernels.simd import LANES, where_less
-from tribo.kernels.simd_arrays import block, empty_rows, set_block
+from tribo.kernels.simd_arrays import block, set_block, zero_rows
 from tribo.kernels.simd_functions import sine_cosine
 
 
@@ -13,7 +13,7 @@ def empty_rotations(table):
     """Room for the rotations of the columns of a table, and for their time."""
     if table is None:
         return np.empty((3, 0))
-    rotations = empty_rows(3, table.shape[1] + LANES)
+    rotations = zero_rows(3, table.shape[1] + LANES)
     rotations[:] = np.nan
     return rotations
 

@@ -13,7 +13,7 @@ from tribo.integrators.linear_combinations import add, combine, largest
 from tribo.integrators.step_control import evaluate_rates, growth_factor
 from tribo.kernels.compiled import expanded, owning_kernel
 from tribo.kernels.samples import copy, copy_state
-from tribo.kernels.simd_arrays import empty_row, empty_rows
+from tribo.kernels.simd_arrays import zero_row, zero_rows
 from tribo.kernels.status import COMPLETED
 
 ERROR_ORDER = 8.0  # power of h as which the combined error estimate of DOP853 grows
@@ -80,7 +80,7 @@ class EmbeddedRungeKutta(NamedTuple):
 def empty_stages(count, state):
     """Room for that many stages."""
     return Stages(
-        empty_rows(count, state.y.size), empty_rows(count, state.s.size), empty_row(state.y.size)
+        zero_rows(count, state.y.size), zero_rows(count, state.s.size), zero_row(state.y.size)
     )
 
 

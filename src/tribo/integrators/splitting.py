@@ -62,7 +62,7 @@ from tribo.kernels.records import (
     SIN_PHI,
 )
 from tribo.kernels.simd import LANES
-from tribo.kernels.simd_arrays import add_block, block, empty_row, empty_rows, set_block
+from tribo.kernels.simd_arrays import add_block, block, set_block, zero_row, zero_rows
 from tribo.kernels.simd_functions import sine_cosine
 from tribo.kernels.status import (
     BOBS_COINCIDE,
@@ -311,10 +311,10 @@ class Work(NamedTuple):
 def empty_work(model, state):
     """Room for a step."""
     return Work(
-        empty_row(state.y.size // 2),
-        empty_row(state.y.size // 2),
-        np.zeros(state.s.size + LANES)[: state.s.size],
-        empty_rows(3, model.asperites.shape[1]),
+        zero_row(state.y.size // 2),
+        zero_row(state.y.size // 2),
+        zero_row(state.s.size),
+        zero_rows(3, model.asperites.shape[1]),
         empty_rotations(model.asperites),
         empty_rotations(model.bath),
         empty_rotations(model.torsional),

@@ -39,7 +39,7 @@ from tribo.kernels.neighbours import crowded
 from tribo.kernels.numba_passes import LINKED
 from tribo.kernels.plugin_methods import method_of_named_tuples
 from tribo.kernels.samples import copy_state, empty_state
-from tribo.kernels.simd_arrays import empty_rows
+from tribo.kernels.simd_arrays import zero_rows
 from tribo.kernels.status import COMPLETED, NOT_FINITE, PAUSED
 
 
@@ -82,7 +82,7 @@ def equal_steps(model, neighbours, method, step, clocks, state, times, record, b
         record,
         budget,
         method.workspace(model, state),
-        empty_rows(3, model.asperites.shape[1]),
+        zero_rows(3, model.asperites.shape[1]),
     )
 
 
@@ -134,7 +134,7 @@ def adaptive_steps(model, neighbours, method, tolerance, clocks, state, times, r
         record,
         budget,
         method.workspace(model, state),
-        empty_rows(3, model.asperites.shape[1]),
+        zero_rows(3, model.asperites.shape[1]),
         empty_state(state),
     )
 

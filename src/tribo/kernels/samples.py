@@ -16,7 +16,7 @@ from tribo.kernels.compiled import kernel, owning_kernel, shared_owning_kernel
 from tribo.kernels.contact import contact_energy, pair_energy
 from tribo.kernels.fields import field_energy
 from tribo.kernels.records import ALONG_X, ALONG_Y
-from tribo.kernels.simd_arrays import empty_row, empty_rows, room, with_spare_lanes
+from tribo.kernels.simd_arrays import room, with_spare_lanes, zero_row, zero_rows
 from tribo.kernels.springs import spring_energies
 
 SPRINGS, BATH, TORSIONAL, WITHIN, MOMENTUM_X, MOMENTUM_Y, STORED = range(7)
@@ -84,13 +84,13 @@ def copy_rows(source, target):
 def empty_state(state):
     """Room for another state like this one."""
     return State(
-        empty_row(state.y.size),
-        empty_row(state.y_low.size),
-        empty_row(state.s.size),
-        empty_row(state.s_low.size),
-        empty_row(state.acceleration.size),
-        empty_row(state.power.size),
-        empty_rows(state.memory.shape[0], state.memory.shape[1]),
+        zero_row(state.y.size),
+        zero_row(state.y_low.size),
+        zero_row(state.s.size),
+        zero_row(state.s_low.size),
+        zero_row(state.acceleration.size),
+        zero_row(state.power.size),
+        zero_rows(state.memory.shape[0], state.memory.shape[1]),
     )
 
 

@@ -27,17 +27,17 @@ def room(shape: tuple[int, ...]) -> np.ndarray:
 
 
 @owning_kernel
-def empty_row(n):
-    """The same with one row, for kernels; what fills blocks stays zero."""
+def zero_row(n):
+    """The same with one row, for kernels; what fills blocks must be finite, so it is zero too."""
     array = np.zeros(n + 2 * LANES)
     first = -(array.ctypes.data // 8) % LANES
     return array[first : first + n]
 
 
 @owning_kernel
-def empty_rows(count, n):
+def zero_rows(count, n):
     """The same with several rows, for kernels."""
-    return empty_row(count * n).reshape(count, n)
+    return zero_row(count * n).reshape(count, n)
 
 
 def with_spare_lanes(values: np.ndarray) -> np.ndarray:
