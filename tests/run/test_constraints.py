@@ -154,7 +154,7 @@ def stiffened(kappa):
         Surface("upper", velocity=(0.5, 0.0), drive=Pulled(stiffness=0.5, speed=0.5), **upper),
         Surface("lower", facing="up", asperite=asperite, drive=DrivenBars()),
     )
-    result = tribo.simulate(Scene(surfaces, BOND, 16.0, output=Output(samples=33)), accuracy=1e-8)
+    result = tribo.simulate(Scene(surfaces, BOND, 16.0, output=Output(samples=33)), accuracy=1e-7)
     tables = [result["upper"], result["lower"]]
     return {(k, name): v for k, table in enumerate(tables) for name, v in table.items()}
 
