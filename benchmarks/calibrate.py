@@ -23,8 +23,8 @@ import tribo.run.loop_selection
 from tribo import paper
 from tribo.accuracy import scales as acc
 from tribo.accuracy.choose_method import RATES
+from tribo.accuracy.levels import setting_at
 from tribo.accuracy.plan import integrator_for
-from tribo.accuracy.search import setting_at
 from tribo.integrators import methods
 from tribo.integrators.methods import METHODS
 from tribo.run.layout import lay_out

@@ -99,8 +99,8 @@ class Worker:
 
 def serve() -> None:
     """Answer each seed on the standard input with a verdict on the standard output."""
-    from support.random_scenes import wide_scene
     from support.verdicts import truth_of, verdict
+    from support.wide_scenes import wide_scene
 
     for line in sys.stdin:
         table, began = wide_scene(int(line)), time.perf_counter()
@@ -113,9 +113,9 @@ def serve() -> None:
 
 def store(seeds: list[int]) -> None:
     """Write scenes and their solutions for the default tests."""
-    from support.random_scenes import wide_scene
     from support.reference_precise import solve
     from support.verdicts import STORED
+    from support.wide_scenes import wide_scene
 
     rows = []
     for seed in seeds:
@@ -129,7 +129,7 @@ def keep(folder: Path | None, seed: int, row: dict) -> None:
     """Write a scene that failed as a scene file, with the verdict as its first line."""
     if folder is None:
         return
-    from support.random_scenes import wide_scene
+    from support.wide_scenes import wide_scene
     from tribo.model.scene_file import scene_from
 
     folder.mkdir(parents=True, exist_ok=True)

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import atlas_tables
 import measure_accuracy
+import measure_effects
 import page_code
 import slip as slip_page
 
@@ -50,6 +51,7 @@ def everything(folder: Path) -> None:
     report_cards(folder)
     paper_figures.draw(folder, paper.CASES)
     atlas_tables.figure(folder / "atlas.png")
+    measure_effects.figure(folder / "effects.png")
     tables = paper.compare(paper.CASES)
     (folder / "paper.txt").write_text(paper.report(tables) + "\n", encoding="utf-8")
     for name, rows in {
@@ -60,6 +62,8 @@ def everything(folder: Path) -> None:
         "chosen": measure_accuracy.chosen(),
         "evaluations": measure_accuracy.evaluations(),
         "files": table_of_files(),
+        "effect_costs": measure_effects.costs(),
+        "by_hand": measure_effects.by_hand(),
         "atlas": atlas_tables.outcomes(),
         "atlas_methods": atlas_tables.by_method(),
         "atlas_stability": atlas_tables.stability(),

@@ -1,6 +1,7 @@
 """Settings shared by all tests."""
 
 import os
+from collections.abc import Iterator
 from pathlib import Path
 
 # Linear algebra on small matrices is slower with threads.
@@ -9,6 +10,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import pytest
 from hypothesis import HealthCheck, settings
 from hypothesis.database import DirectoryBasedExampleDatabase
+
+from support.forked import Server
 
 # Failing examples of any profile are kept here and are tried first from then on.
 FAILURES = DirectoryBasedExampleDatabase(Path(__file__).parents[1] / ".hypothesis" / "examples")
@@ -26,6 +29,13 @@ settings.register_profile("ci", settings.get_profile("repeatable"), database=FAI
 # Other examples each time: pytest --hypothesis-profile=search
 settings.register_profile("search", settings.get_profile("ci"), derandomize=False)
 settings.load_profile("ci")
+
+
+@pytest.fixture(scope="session")
+def server() -> Iterator[Server]:
+    """Runs programs in new processes."""
+    with Server() as started:
+        yield started
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -58,6 +58,7 @@ ORDER = [
     "atlas",
     "ensembles",
     "work_precision",
+    "explanation",
     "plotting",
     "simulation",
     "prepared",

@@ -8,6 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import tribo
+from tribo import work_precision as module
+from tribo.cli import main
 from tribo.work_precision import Reference, Row, WorkPrecision, with_front, work_precision
 
 FLOOR = 1e-9
@@ -73,3 +75,14 @@ def test_json():
         "reference": {"method": "dop853", "error": 1e-14, "seconds": 1.0},
         "compile_seconds": {"rkn8": 2.0},
     }
+
+
+def test_no_run_in_time(tmp_path, monkeypatch, capsys):
+    """The command says so, and ends with status 1."""
+    tribo.Scene((tribo.Surface("upper"),), (), 1.0).save(tmp_path / "scene.toml")
+    empty = WorkPrecision((), Reference("dop853", 1e-14, 1.0), {})
+    monkeypatch.setattr(module, "work_precision", lambda *given, **how: empty)
+    assert main(["accuracy", str(tmp_path / "scene.toml"), "--json"]) == 1
+    out, err = capsys.readouterr()
+    assert json.loads(out)["rows"] == []
+    assert err == "tribo: no run ended in time; give more --seconds\n"

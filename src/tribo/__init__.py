@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import importlib
-from typing import TYPE_CHECKING, Any
+
+# As in `typing`, whose import takes as long as all else before the program can be interrupted.
+TYPE_CHECKING = False
 
 if TYPE_CHECKING:
+    from typing import Any
+
     from tribo import paper, plotting, potentials
     from tribo.ensembles import ensemble
+    from tribo.explanation import Explanation, explain
     from tribo.model.asperite import Asperite
     from tribo.model.bath import Bath
     from tribo.model.drives import Custom, DrivenBars, Ends, Forced, Free, Pulled
@@ -55,6 +60,8 @@ _HOME = {
     "Ends": "tribo.model.drives",
     "DrivenBars": "tribo.model.drives",
     "ensemble": "tribo.ensembles",
+    "explain": "tribo.explanation",
+    "Explanation": "tribo.explanation",
     "Field": "tribo.model.fields",
     "Forced": "tribo.model.drives",
     "Free": "tribo.model.drives",

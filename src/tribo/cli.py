@@ -20,13 +20,15 @@ def main(arguments: list[str] | None = None) -> int:
     arguments : list of str, optional
         By default those of the program, which Ctrl-C then ends within half a second.
     """
-    from tribo import interrupts
-
-    if arguments is None:
-        interrupts.watch()
     try:
+        from tribo import interrupts
+
+        if arguments is None:
+            interrupts.watch()
         status = _run(arguments)
     except KeyboardInterrupt:
+        from tribo import interrupts
+
         interrupts.answer()
         interrupts.report()
         status = interrupts.STOPPED

@@ -1,4 +1,4 @@
-"""The commands: `run`, `paper`, `accuracy`, `check` and `atlas`."""
+"""The commands: `run`, `paper`, `explain`, `accuracy`, `check` and `atlas`."""
 
 from __future__ import annotations
 
@@ -11,10 +11,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tribo.files import checked_target
-from tribo.interrupts import STOPPED, answer
+from tribo.interrupts import STOPPED, answer, report_by
 from tribo.validation import InputError, TriboWarning, must_be
 
 if TYPE_CHECKING:
+    from tribo.atlas import Row
     from tribo.model.scene import Scene
 
 # The exit status of a run that completed, or of a check that passed.
@@ -41,6 +42,7 @@ def _parser() -> argparse.ArgumentParser:
 
     _add_run(commands.add_parser("run", help="simulate a scene file and print its end state"))
     _add_paper(commands.add_parser("paper", help="compare the paper's cases with its numbers"))
+    _add_explain(commands.add_parser("explain", help="say what a run will do and cost"))
     _add_accuracy(commands.add_parser("accuracy", help="measure error against time per method"))
     _add_check(commands.add_parser("check", help="test a potential and print a report card"))
     _add_atlas(commands.add_parser("atlas", help="run hard scenes and compare with references"))
@@ -83,6 +85,12 @@ def _add_paper(paper: argparse.ArgumentParser) -> None:
     paper.add_argument("--json", action="store_true", help="print the comparison as JSON")
     paper.add_argument("--figures", type=Path, metavar="DIR", help="draw the paper's figures")
     paper.set_defaults(command=_paper)
+
+
+def _add_explain(explain: argparse.ArgumentParser) -> None:
+    _add_scene(explain)
+    explain.add_argument("--json", action="store_true", help="print the explanation as JSON")
+    explain.set_defaults(command=_explain)
 
 
 def _add_accuracy(accuracy: argparse.ArgumentParser) -> None:
@@ -176,6 +184,14 @@ def _paper(options: argparse.Namespace) -> int:
     return COMPLETED
 
 
+def _explain(options: argparse.Namespace) -> int:
+    from tribo.explanation import explain
+
+    explanation = explain(_scene(options))
+    print(explanation.to_json() if options.json else explanation)
+    return COMPLETED
+
+
 def _accuracy(options: argparse.Namespace) -> int:
     from tribo.work_precision import work_precision
 
@@ -188,6 +204,9 @@ def _accuracy(options: argparse.Namespace) -> int:
     if options.figure is not None:
         diagram.save_figure(options.figure)
     print(diagram.to_json() if options.json else diagram)
+    if not diagram.rows:
+        print("tribo: no run ended in time; give more --seconds", file=sys.stderr)
+        return STOPPED
     return COMPLETED
 
 
@@ -206,13 +225,19 @@ def _check(options: argparse.Namespace) -> int:
 
 def _atlas(options: argparse.Namespace) -> int:
     from tribo import atlas
-    from tribo.run.result import without_nan
 
     entries = atlas.chosen(options.names)
     # With --json, the lines show the progress on a terminal.
     lines = sys.stderr if options.json else sys.stdout
     shown = not options.json or lines.isatty()
     rows: list[atlas.Row] = []
+
+    def report() -> None:
+        """Print what was reached where an interrupt ends the program."""
+        print(f"tribo: interrupted after {len(rows)} of {len(entries)} scenes", file=sys.stderr)
+        _print_atlas(options, rows, len(entries))
+
+    report_by(report)
     if shown:
         print(atlas.HEAD, file=lines, flush=True)
     try:
@@ -222,13 +247,22 @@ def _atlas(options: argparse.Namespace) -> int:
                 print(row, file=lines, flush=True)
     except KeyboardInterrupt:
         answer()
-        print(f"tribo: interrupted after {len(rows)} of {len(entries)} scenes", file=sys.stderr)
+        report()
+        return STOPPED
+    return _print_atlas(options, rows, len(entries))
+
+
+def _print_atlas(options: argparse.Namespace, rows: list[Row], count: int) -> int:
+    """Print the rows of `count` scenes, or how many ended as declared; the exit status."""
+    from tribo import atlas
+    from tribo.run.result import without_nan
+
     declared = sum(row.as_declared for row in rows)
     if options.json:
-        print(json.dumps(without_nan(atlas.table(rows)), indent=1, allow_nan=False))
+        print(json.dumps(without_nan(atlas.table(rows)), indent=1, allow_nan=False), flush=True)
     else:
-        print(f"{declared} of {len(entries)} scenes as declared")
-    return COMPLETED if declared == len(entries) else STOPPED
+        print(f"{declared} of {count} scenes as declared", flush=True)
+    return COMPLETED if declared == count else STOPPED
 
 
 def _check_figure(path: Path | None) -> None:
@@ -239,7 +273,7 @@ def _check_figure(path: Path | None) -> None:
         checked_target("--figure", figure_path("--figure", path))
 
 
-def _parameter(text: str) -> tuple[str, Any]:
+def _parameter(text: str) -> tuple[str, object]:
     """A name and its value: a number, else a value of TOML, else a word."""
     name, sign, value = text.partition("=")
     if not sign:

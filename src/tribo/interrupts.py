@@ -12,12 +12,20 @@ import signal
 import sys
 import threading
 
+# As in `typing`, whose import would delay the answer.
+TYPE_CHECKING = False
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
 # Seconds for an answer before the program is ended.
 PATIENCE = 0.25
 # The exit status of a run that stopped early, and of a check that failed.
 STOPPED = 1
 
 _answered = threading.Event()
+# Prints what a command that is ended has reached.
+_report: list[Callable[[], None]] = []
 
 
 def watch() -> None:
@@ -35,8 +43,16 @@ def answer() -> None:
     _answered.set()
 
 
+def report_by(function: Callable[[], None]) -> None:
+    """Let a function print what the command has reached, if an interrupt ends the program."""
+    _report[:] = [function]
+
+
 def report() -> None:
-    """Print the status of a command that was interrupted before it had a result."""
+    """Print what a command that is ended has reached; its status, if it has no result yet."""
+    if _report:
+        _report[0]()
+        return
     if "--json" in sys.argv:
         os.write(1, b'{"status": "Interrupted"}\n')
     os.write(2, b"tribo: Interrupted: the command was interrupted before it had a result\n")

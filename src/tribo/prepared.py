@@ -15,8 +15,8 @@ from tribo.accuracy.comparison import (
     strictest,
 )
 from tribo.accuracy.estimate import excess_of_request
+from tribo.accuracy.levels import fine_level
 from tribo.accuracy.plan import Plan, single_setting
-from tribo.accuracy.search import fine_level
 from tribo.accuracy.stop_times import StopTimes
 from tribo.kernels.status import Status
 from tribo.run.identity import settings_of, version
@@ -26,6 +26,7 @@ from tribo.run.layout import Layout
 from tribo.run.ledger import Ledger, assemble
 from tribo.run.loop_selection import Integrator
 from tribo.run.notes import (
+    approach_notes,
     calculator_notes,
     drive_notes,
     passage_notes,
@@ -206,7 +207,7 @@ class Simulation:
         if fine.status == Status.COMPLETED and len(runs) > 1:
             bounds, excess = self._errors(runs[-3:])
             met = excess <= 1.0
-            notes = () if met else (self._missed(excess),)
+            notes = () if met else (*approach_notes(self.layout, fine), self._missed(excess))
         ledger = _reported(self.layout, fine)
         notes = (*drive_notes(self.layout, ledger), *notes)
         cost = _cost(runs, self.compile_seconds, self._digit_ratio)
@@ -226,10 +227,14 @@ class Simulation:
         assert self.accuracy is not None and tuned is not None
         if tuned.met:
             why = "the settings were found from the scene's own start, which kept it"
+        elif tuned.stopped is not None:
+            why = f"with tolerances that could keep it, runs stop as {tuned.stopped}"
         elif tuned.amplification is None:
             why = "the search for settings was interrupted"
         else:
             why = out_of_reach(strictest(self.accuracy), tuned.amplification)
+        if excess * strictest(self.accuracy) > 1.0:
+            return f"errors may exceed the scales of their quantities; {why}"
         return f"errors are estimated at {excess:.1e} of the request; {why}"
 
     def _result(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from tribo.accuracy.choose_method import Choice, choose
@@ -22,7 +23,7 @@ from tribo.run.journal import PART, Journal
 from tribo.run.layout import Layout, lay_out
 from tribo.run.result import Result, load_result
 from tribo.run.state import Origin, State, continued, digest_of
-from tribo.validation import InputError, as_path, inside
+from tribo.validation import InputError, as_path, boolean, inside
 
 
 def prepare(
@@ -32,6 +33,7 @@ def prepare(
     step: float | None = None,
     progress: Progress | None = None,
     start: State | None = None,
+    allow_unresolved: bool = False,
 ) -> Simulation:
     """Compile and plan a scene once; method and settings are fixed here.
 
@@ -54,6 +56,9 @@ def prepare(
         The state from which all runs begin, as that of a result, in place of the scene's start at
         t = 0.  In the scene that the state is of, works and changes go on from where they were; in
         one with other forces they are counted from the state.
+    allow_unresolved : bool
+        Whether a step of a splitting method may be too long to resolve the fastest pendulum or
+        spring, as in the scene's numerics.
 
     Returns
     -------
@@ -65,7 +70,7 @@ def prepare(
         The settings do not go together or do not suit the scene, the accuracy is out of reach, or
         a plug-in cannot be compiled.
     """
-    layout, choice, origin = _chosen(scene, accuracy, method, step, start)
+    layout, choice, origin = _chosen(scene, accuracy, method, step, start, allow_unresolved)
     integrator = integrator_for(layout, choice.method, progress, origin)
     return Simulation(make_plan(choice, integrator), integrator)
 
@@ -76,10 +81,13 @@ def _chosen(
     method: str | None,
     step: float | None,
     start: State | None,
+    allow_unresolved: bool,
 ) -> tuple[Layout, Choice, Origin | None]:
     """The layout of a run, its method and settings, and the state where it begins."""
     if not isinstance(scene, Scene):
         raise InputError("scene", f"must be a tribo.Scene, got {scene!r}")
+    if boolean("allow_unresolved", allow_unresolved):
+        scene = replace(scene, numerics=replace(scene.numerics, allow_unresolved=True))
     layout, origin = lay_out(scene), None
     if start is not None:
         layout, origin = continued(layout, start)
@@ -123,12 +131,13 @@ def simulate(
     start: State | None = None,
     out: str | Path | None = None,
     resume: bool = False,
+    allow_unresolved: bool = False,
 ) -> Result:
     """Run a scene once.
 
     Parameters
     ----------
-    scene, accuracy, method, step, progress, start
+    scene, accuracy, method, step, progress, start, allow_unresolved
         As for :func:`prepare`.  A run from ``result.state()`` by the same method and step gives bit
         for bit what a run without the pause gives that records the same times.
     out : str or Path, optional
@@ -153,8 +162,9 @@ def simulate(
         The run stops early, or its error estimates exceed the accuracy.
     """
     if out is None:
-        return with_warning(prepare(scene, accuracy, method, step, progress, start).compute_first())
-    layout, choice, origin = _chosen(scene, accuracy, method, step, start)
+        simulation = prepare(scene, accuracy, method, step, progress, start, allow_unresolved)
+        return with_warning(simulation.compute_first())
+    layout, choice, origin = _chosen(scene, accuracy, method, step, start, allow_unresolved)
     return with_warning(_run_to_file(as_path(out), resume, layout, choice, origin, progress))
 
 

@@ -18,9 +18,9 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from tribo.accuracy.estimate import check_observables, distance, excess_of_request, safety
+from tribo.accuracy.levels import setting_at
 from tribo.accuracy.plan import integrator_for
 from tribo.accuracy.scales import FLOOR, ToleranceScales, reported_scales, tolerance_scales
-from tribo.accuracy.search import setting_at
 from tribo.integrators import methods
 from tribo.kernels.status import Status
 from tribo.model.scene import Scene

@@ -6,9 +6,9 @@ from dataclasses import replace
 import pytest
 
 import tribo
-from support.hard_scenes import changed, side_by_side
+from support.hard_scenes import Well, changed, side_by_side
 from support.laws import tables
-from tribo import Coulomb, Forced, InputError, Langevin, LennardJones, Morse
+from tribo import Coulomb, Forced, InputError, Langevin, LennardJones
 from tribo.accuracy import search
 
 CLOCKS = ("time", "perf_counter", "monotonic", "process_time", "thread_time")
@@ -69,7 +69,7 @@ SCENES = {
         {"accuracy": 1e-6, "method": "dop853"},
     ),
     "an accuracy that is missed": (
-        changed("A", potential=Morse(100.0, 20.0, 0.3), gap=0.28),
+        changed("A", potential=Well(100.0, 20.0, 0.3), gap=0.28),
         {"accuracy": 1e-13},
     ),
     "equal steps": (changed("A"), {"step": 0.01}),

@@ -76,7 +76,8 @@ def impatient(monkeypatch, evaluations=500.0):
     """Look at the progress of a run after every 16 trials."""
     monkeypatch.setattr(progress_guard, "TRIALS", 16)
     monkeypatch.setattr(progress_guard, "FEWEST_TRIALS", 16)
-    monkeypatch.setattr(progress_guard, "MOST_EVALUATIONS", evaluations)
+    monkeypatch.setattr(progress_guard, "MOST_WORK", 2.0 * evaluations)
+    monkeypatch.setattr(progress_guard, "ALWAYS_ALLOWED", 0.0)
 
 
 def test_a_run_that_makes_no_progress_stops(monkeypatch):

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from support.hard_scenes import Broken, changed, side_by_side, simulate, stopped
+from support.hard_scenes import broken, changed, side_by_side, simulate, stopped
 from tribo import (
     Asperite,
     Forced,
@@ -39,9 +39,9 @@ STOPS = {
     "head on, roughly": (side_by_side(Forced()), {"accuracy": 1e-2}, "StepUnderflow"),
     "head on, own step": (side_by_side(Forced()), {"step": 0.001}, "EncounterJumped"),
     "head on and free, own step": (side_by_side(Free()), {"step": 0.001}, "EncounterJumped"),
-    "no value": (changed("A", potential=Broken(0.2, 1.0)), {}, "NotFinite"),
-    "no value at the start": (changed("A", potential=Broken(0.2, 20.0)), {}, "NotFinite"),
-    "no value, own step": (changed("A", potential=Broken(0.2, 1.0)), {"step": 0.01}, "NotFinite"),
+    "no value": (broken(1.0), {}, "NotFinite"),
+    "no value at the start": (broken(20.0), {}, "NotFinite"),
+    "no value, own step": (broken(1.0), {"step": 0.01}, "NotFinite"),
 }
 
 

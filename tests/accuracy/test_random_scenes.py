@@ -20,9 +20,9 @@ import numpy as np
 import pytest
 
 import tribo
-from support.random_scenes import BLOCK, structure_of, wide_scene
 from support.reference_precise import compiler, kind_of, solution_from, solve
 from support.verdicts import STORED, compared, verdict
+from support.wide_scenes import BLOCK, structure_of, wide_scene
 from tribo.model.scene_file import scene_from
 
 ROOT = Path(tribo.__file__).parents[2]

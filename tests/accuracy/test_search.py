@@ -1,5 +1,6 @@
 """Accuracies of everything and of observables, by any method; and their refusal."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 import tribo
 from support.sliding import long_slide
 from tribo import paper
-from tribo.accuracy import choose_method, search
+from tribo.accuracy import cheapest_setting, choose_method, levels, search
 from tribo.accuracy.comparison import error_bounds
 from tribo.accuracy.stop_times import MOST_STOPS, PARTS, StopTimes
 from tribo.integrators.methods import METHODS
@@ -49,7 +50,7 @@ def test_accuracy_of_observables_in_a_file(tmp_path):
 def test_too_many_equal_steps():
     """They are refused before the first run, and not tried after a run that fell short."""
     long = replace(case("A"), duration=4e5)
-    with pytest.raises(tribo.InputError, match=r"accuracy: would take midpoint more than 1e\+09"):
+    with pytest.raises(tribo.InputError, match=r"would take midpoint 8e\+11 steps, more"):
         tribo.prepare(long, accuracy=1e-13, method="midpoint")
 
 
@@ -206,6 +207,8 @@ def test_note_on_an_accuracy_out_of_reach():
     assert result.status == "completed" and result.met is False
     (note,) = (note for note in result.notes if "out of reach" in note)
     assert "a change of 1e-11 in the start grows to" in note and "round-off of 2.2e-16" in note
+    (near,) = (note for note in result.notes if "bobs were closest" in note)
+    assert re.search(r'closest at t = \S+: .* of "\w+" and .* of "\w+" were \S+ apart', near)
 
 
 def test_out_of_reach_is_refused_early(monkeypatch):
@@ -222,7 +225,7 @@ def test_a_long_run_gets_no_cheaper_setting(monkeypatch):
     simulation = tribo.prepare(case("A"), accuracy=1e-9)
     fine = simulation.finest.evaluations
     assert simulation.run(estimate=False).cost.force_evaluations < 0.9 * fine
-    monkeypatch.setattr(search, "LONG_RUN", 0.0)
+    monkeypatch.setattr(cheapest_setting, "LONG_RUN", 0.0)
     simulation = tribo.prepare(case("A"), accuracy=1e-9)
     assert simulation.run(estimate=False).cost.force_evaluations == fine
 
@@ -231,5 +234,5 @@ def test_work_of_calculators():
     """A call of a calculator counts as much as many asperites."""
     layout = lay_out(case("A"))
     run = Integration(lambda: None, Status.COMPLETED, np.array([3, 7]), 1.0, {})
-    assert search._work(layout, run) == 7 * 2
-    assert search._work(replace(layout, calculator_calls=(None,)), run) == 7 * (2 + search.CALL)
+    assert levels.work(layout, run) == 7 * 2
+    assert levels.work(replace(layout, calculator_calls=(None,)), run) == 7 * (2 + levels.CALL)

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from tribo import atlas
+from tribo import atlas, interrupts
 from tribo.atlas.entries import STOP_TIME, all_entries
 from tribo.atlas.rows import NOT_HONEST, NOT_MET
 from tribo.cli import main
@@ -14,7 +14,10 @@ from tribo.simulation import prepare
 
 ENTRIES = all_entries()
 # Scenes that take long, or that need a time loop which no other scene needs.
-SLOW = {"free-swing-4e6", "lj-wall-below", "rows-period", "lattice-defect", "within-five"}
+SLOW = {
+    *("free-swing-4e6", "lj-wall-below", "rows-period", "lattice-defect", "within-five"),
+    *("jump-weak", "jump-pulled", "rods-4e5", "rods-1e6", "rod-2e5-jump", "switch-first-step"),
+}
 
 
 def marked(name):
@@ -158,4 +161,26 @@ def test_interrupt_keeps_the_rows_that_are_complete(capsys, monkeypatch, options
     assert main(["atlas", *options, "coulomb-coincide", "coulomb-no-gap"]) == 1
     out, err = capsys.readouterr()
     assert "coulomb-coincide" in out and "coulomb-no-gap" not in out
+    assert err == "tribo: interrupted after 1 of 2 scenes\n"
+
+
+@pytest.mark.parametrize("options", [[], ["--json"]])
+def test_an_interrupt_that_ends_the_program_prints_the_rows(capsys, monkeypatch, options):
+    """As where a compiler delays the exception: the rows so far are printed all the same."""
+    row = atlas.row
+
+    def ended(entry):
+        if entry.name == "coulomb-coincide":
+            return row(entry)
+        interrupts.report()
+        raise SystemExit
+
+    monkeypatch.setattr(atlas, "row", ended)
+    with pytest.raises(SystemExit):
+        main(["atlas", *options, "coulomb-coincide", "coulomb-no-gap"])
+    out, err = capsys.readouterr()
+    if options:
+        assert [line["name"] for line in json.loads(out)["rows"]] == ["coulomb-coincide"]
+    else:
+        assert "1 of 2 scenes as declared" in out
     assert err == "tribo: interrupted after 1 of 2 scenes\n"

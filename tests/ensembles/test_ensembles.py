@@ -13,6 +13,7 @@ from scipy import stats
 import tribo
 from tribo import (
     Asperite,
+    Coulomb,
     Initial,
     InputError,
     Langevin,
@@ -27,11 +28,9 @@ from tribo.ensembles.figure import mean_band
 from tribo.ensembles.intervals import interval, members_needed
 from tribo.model.roughness import Roughness
 from tribo.model.scene_file import scene_from
-from tribo.potentials import expression
 
 TEMPERATURE = 0.3
 LIGHT = Asperite(m2=0.5)
-SOFT = expression("strength * exp(-r**2)", strength=0.2)
 
 
 def warm(count=2, temperature=TEMPERATURE, **settings):
@@ -55,7 +54,7 @@ def meeting(**settings):
     row = {"shape": (3, 1), "spacing": (1.5, 0.0), "heights": Roughness(0.1)}
     upper = Surface("upper", bob=(-1.0, 0.5), velocity=(0.5, 0.01), **row)
     lower = Surface("lower", facing="up", **row)
-    return Scene((upper, lower), SOFT, 4.0, output=Output(samples=5), **settings)
+    return Scene((upper, lower), Coulomb(0.2), 4.0, output=Output(samples=5), **settings)
 
 
 STEP = {"method": "verlet", "step": 0.05}

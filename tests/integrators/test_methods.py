@@ -8,7 +8,7 @@ import pytest
 
 import tribo
 import tribo.run.integrate
-from support.hard_scenes import Broken, changed, side_by_side, simulate, stopped
+from support.hard_scenes import Well, broken, changed, side_by_side, simulate, stopped
 from tribo import (
     Asperite,
     Bath,
@@ -18,7 +18,6 @@ from tribo import (
     Initial,
     InputError,
     Langevin,
-    Morse,
     Output,
     Scene,
     Surface,
@@ -87,7 +86,7 @@ def test_agrees_with_dop853(letter, name):
 @pytest.mark.parametrize("name", ADAPTIVE)
 def test_no_encounter_is_jumped(name):
     """A short and deep well that is passed after a long way through nothing."""
-    scene = changed("A", 40.0, Morse(50.0, 20.0, 0.3), gap=0.25)
+    scene = changed("A", 40.0, Well(50.0, 20.0, 0.3), gap=0.25)
     result = simulate(scene, method=name, accuracy=1e-8)
     assert result.status == "completed" and result.met
     assert result["upper"].delta_e_int[-1, 0] == pytest.approx(2.06392267, abs=1e-7)
@@ -136,7 +135,7 @@ def test_adaptive_methods_stop_alike(name):
     collision = stopped("StepUnderflow", side_by_side(Forced()), **settings)
     expected = stopped("StepUnderflow", side_by_side(Forced()), accuracy=1e-8).t[-1]
     assert collision.t[-1] == pytest.approx(expected, abs=1e-4)
-    stopped("NotFinite", changed("A", potential=Broken(0.2, 1.0)), **settings)
+    stopped("NotFinite", broken(1.0), **settings)
 
 
 @pytest.mark.parametrize("name", STEPS)

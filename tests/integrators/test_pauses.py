@@ -12,7 +12,7 @@ from tribo import (
     Forced,
     Free,
     Initial,
-    Morse,
+    LennardJones,
     Output,
     Scene,
     Surface,
@@ -46,7 +46,7 @@ def rows(count):
         )
         for name, (facing, bob, drive) in places.items()
     )
-    potential = with_cutoff(Morse(2.0, 2.5, 0.7), 1.4)
+    potential = with_cutoff(LennardJones(0.5, 0.5), 1.4)
     return Scene(tuple(surfaces), potential, 8.0, output=Output(samples=9))
 
 

@@ -4,36 +4,26 @@ import os
 import subprocess
 import sys
 from dataclasses import replace
+from pathlib import Path
 from unittest import mock
 
 import numpy as np
 import pytest
 
 import tribo
-from tribo import Asperite, Coulomb, Field, Free, Initial, Output, Pulled, Scene, Springs, Surface
+from support.everything import everything
+from tribo import Free, Output
 from tribo.paper import scene as case
 
+TESTS = Path(__file__).parents[1]
 ROUND_OFF = 1e-12  # relative to the largest value of a quantity
 
 
 def rows():
-    """Two rows with turning bars, loads, springs, a stage and a field, pressed together."""
-    upper = Surface(
-        "upper",
-        bob=(-1.5, 0.3),
-        velocity=(0.5, 0.0),
-        shape=(2, 1),
-        spacing=(1.0, 0.0),
-        heights=(0.0, 0.05),
-        drive=Pulled(stiffness=1.0, speed=0.6, load=0.05),
-        bars="free",
-        springs=Springs(2.0),
-        asperite=Asperite(m1=(1.0, 1.5), charge=(1.0, -0.5)),
-        initial=Initial(theta=0.1, nu=0.2),
-    )
-    lower = Surface("lower", facing="up", shape=(2, 1), spacing=(0.8, 0.0), drive=Free(rigid=True))
-    field = Field(tribo.Corrugation(0.1, 0.8), on=("upper",))
-    return Scene((upper, lower), Coulomb(0.2), 1.0, fields=(field,), output=Output(samples=5))
+    """Two rows with everything, pressed together; the lower one is rigid."""
+    scene = everything(1.0, samples=5)
+    upper, lower = scene.surfaces
+    return replace(scene, surfaces=(upper, replace(lower, drive=Free(rigid=True))))
 
 
 def encounter(letter):
@@ -63,7 +53,7 @@ ALIKE = {"gauss-8"}
 
 UNCOMPILED = f"""
 import sys
-sys.path.insert(0, {os.path.dirname(__file__)!r})
+sys.path[:0] = {[os.path.dirname(__file__), str(TESTS)]!r}
 import numpy as np
 from numba import config
 from test_kernels import HOW, SCENES, series

@@ -13,9 +13,10 @@ import tribo
 from support.laws import identities, tables
 from support.strategies import asperites, coulombs, dyadic, potentials
 from tribo import paper
+from tribo.accuracy.levels import setting_at
 from tribo.accuracy.plan import integrator_for
 from tribo.accuracy.scales import first_guess
-from tribo.accuracy.search import PILOT_LEVEL, setting_at
+from tribo.accuracy.search import PILOT_LEVEL
 from tribo.integrators.methods import METHODS
 from tribo.kernels.compiled import time_loop
 from tribo.kernels.status import COMPLETED, PAUSED

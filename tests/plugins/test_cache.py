@@ -11,7 +11,8 @@ from types import SimpleNamespace
 import pytest
 
 import tribo
-from tribo.kernels.compiled import is_compiled, time_loop
+from tribo.kernels import compiled
+from tribo.kernels.compiled import is_compiled, package_stamp, time_loop
 from tribo.kernels.disk_cache import CodeFiles
 from tribo.kernels.probe import contact_probe
 
@@ -54,25 +55,14 @@ for scene in sys.argv[1:]:
     (interaction,) = tribo.load_scene(scene).interactions
     print(PotentialScan(interaction.potential).compiled(np.array([1.3]))[1][0])
 """
-STAMP = "from tribo.kernels.compiled import package_stamp; print(package_stamp())"
-
-
-def python(code, *arguments, **environment):
-    """The words that a new process prints."""
-    return subprocess.run(
-        [sys.executable, "-c", code, *map(str, arguments)],
-        env=os.environ | {key: str(value) for key, value in environment.items()},
-        check=True,
-        capture_output=True,
-        text=True,
-    ).stdout.split()
 
 
 class Workplace:
     """Folders with a scene and a plug-in each, and a cache of their own for what is compiled."""
 
-    def __init__(self, root):
+    def __init__(self, root, server):
         self.root = root
+        self.server = server
         self.cache = root / "cache"
 
     def write(self, name, plugin):
@@ -82,11 +72,11 @@ class Workplace:
         (folder / "scene.toml").write_text(SCENE)
         (folder / "own.py").write_text(plugin)
 
-    def run(self, *names, code=FORCE, **environment):
+    def run(self, *names, code=FORCE):
         """The contact force in each scene, or what `code` prints of it, by one new process."""
         scenes = [self.root / name / "scene.toml" for name in names]
-        words = python(code, *scenes, NUMBA_CACHE_DIR=self.cache, **environment)
-        return [float(word) for word in words]
+        told = self.server.run(code, *scenes, folders=[self.root], NUMBA_CACHE_DIR=self.cache)
+        return [float(word) for word in told.split()]
 
     @property
     def compiled(self):
@@ -95,9 +85,9 @@ class Workplace:
 
 
 @pytest.fixture
-def place(tmp_path):
+def place(tmp_path, server):
     """An empty workplace."""
-    return Workplace(tmp_path)
+    return Workplace(tmp_path, server)
 
 
 @pytest.mark.parametrize(
@@ -139,7 +129,7 @@ def test_edited_import_of_a_plugin_is_seen(place):
     found = []
     for power in (1, 2):
         (place.root / "powers.py").write_text(f"POWER = {power}\n")
-        found += place.run("one", PYTHONPATH=os.pathsep.join([str(place.root), *sys.path]))
+        found += place.run("one")
     assert found[0] != found[1]
 
 
@@ -166,11 +156,10 @@ def test_edited_module_is_seen(place):
     place.write("one", "")
     scene = place.root / "one" / "scene.toml"
     scene.write_text(SCENE.replace("own.py:Own", "own_package.deep.own:Own"))
-    path = os.pathsep.join([str(place.root), *sys.path])
     found = []
     for power in (1, 2, 1):
         (package / "powers.py").write_text(f"POWER = {power}\n")
-        found += place.run("one", PYTHONPATH=path, PYTHONDONTWRITEBYTECODE=1)
+        found += place.run("one")
     assert found[0] == found[2] != found[1]
 
 
@@ -235,13 +224,13 @@ for strength in map(float, sys.argv[2:]):
 """
 
 
-def works(potential, *strengths, **environment):
-    """All works of case A of the paper, by a new process."""
-    return [float(word) for word in python(CASE_A, potential, *strengths, **environment)]
-
-
-def test_an_energy_of_ones_own_has_the_works_of_case_a(tmp_path):
+def test_an_energy_of_ones_own_has_the_works_of_case_a(tmp_path, server):
     """To 1e-8; and edited to half its strength, those of half the strength."""
+
+    def works(potential, *strengths):
+        """All works of case A of the paper, by a new process."""
+        return [float(word) for word in server.run(CASE_A, potential, *strengths).split()]
+
     path = tmp_path / "own.py"
     text = (
         "from typing import NamedTuple\n"
@@ -258,31 +247,32 @@ def test_an_energy_of_ones_own_has_the_works_of_case_a(tmp_path):
     assert max(abs(one - other) for one, other in zip(full, half, strict=True)) > 1e-2
 
 
-def test_edited_package_is_another(tmp_path):
-    """An edit of any source of the package changes the stamp in the names of its kernels."""
+@pytest.fixture
+def copy(monkeypatch, tmp_path):
+    """A copy of the package's sources, of which the stamp is made."""
     package = tmp_path / "tribo"
     shutil.copytree(
         Path(tribo.__file__).parent, package, ignore=shutil.ignore_patterns("__pycache__")
     )
+    monkeypatch.setattr(compiled, "__file__", str(package / "kernels" / "compiled.py"))
+    return package
 
-    def stamp():
-        return python(STAMP, PYTHONPATH=tmp_path)
 
-    stamps = [stamp()]
-    assert stamp() == stamps[0]
+def test_edited_package_is_another(copy):
+    """An edit of any source of the package changes the stamp in the names of its kernels."""
+    stamps = [package_stamp.__wrapped__()]
     for name in ("kernels/contact.py", "potentials/coulomb.py", "model/scene.py"):
-        with (package / name).open("a") as source:
+        with (copy / name).open("a") as source:
             source.write("\n")
-        stamps.append(stamp())
-    (package / "kernels" / "another.py").touch()
-    stamps.append(stamp())
-    assert len({word for (word,) in stamps}) == len(stamps)
+        stamps.append(package_stamp.__wrapped__())
+    (copy / "kernels" / "another.py").touch()
+    stamps.append(package_stamp.__wrapped__())
+    assert len(set(stamps)) == 5
 
 
-def test_stamp_is_of_this_package(tmp_path):
+def test_stamp_is_of_this_package(copy):
     """An identical copy in another folder has the same stamp."""
-    shutil.copytree(Path(tribo.__file__).parent, tmp_path / "tribo")
-    assert python(STAMP, PYTHONPATH=tmp_path) == python(STAMP)
+    assert package_stamp.__wrapped__() == package_stamp()
 
 
 def test_damaged_files_are_compiled_again(place):

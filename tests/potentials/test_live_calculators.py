@@ -102,7 +102,7 @@ class Failing(Calculator):
 def test_a_calculator_that_fails_stops_the_run_by_name():
     """What was reached is kept, and the note says what was raised."""
     with pytest.warns(tribo.TriboWarning, match="CalculatorFailed"):
-        result = tribo.simulate(scene(from_calculator(Failing(100, OSError))), accuracy=1e-6)
+        result = tribo.simulate(scene(from_calculator(Failing(100, OSError))), accuracy=1e-9)
     assert result.status == "CalculatorFailed"
     assert any("OSError: the disk is full" in note for note in result.notes)
     assert np.all(np.isfinite(result["upper"].theta))

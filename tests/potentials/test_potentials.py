@@ -601,7 +601,7 @@ def test_a_result_keeps_its_potential(tmp_path):
         expression("s/r**n", s=0.1, n=1),
     )
     scene = pair(sum_of(*parts), duration=0.5)
-    result = tribo.simulate(scene, accuracy=1e-3)
+    result = tribo.simulate(scene, method="midpoint", step=0.1)
     result.save(tmp_path / "result.nc")
     loaded = tribo.load_result(tmp_path / "result.nc")
     assert loaded.scene.interactions[0].potential == scene.interactions[0].potential

@@ -5,9 +5,6 @@ other properties must pass.
 """
 
 import json
-import os
-import subprocess
-import sys
 from typing import NamedTuple
 
 import numpy as np
@@ -319,17 +316,14 @@ print(*(line.name for line in check_agreement(PotentialScan(own)) if not line.pa
 
 
 @pytest.mark.parametrize("stamp", ["right", "wrong"])
-def test_stale_cache(tmp_path, stamp):
+def test_stale_cache(tmp_path, server, stamp):
     """If the disk cache served an old version, the check of compiled code would fail."""
     (tmp_path / "own.py").write_text(OWN)
-    paths = os.pathsep.join([str(tmp_path), *sys.path])
-    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": paths}
+    place = {"folders": [tmp_path], "NUMBA_CACHE_DIR": tmp_path / "cache"}
     said = []
     for factor in (1.0, 1.0 + 1e-9):
         (tmp_path / "own_factor.py").write_text(f"FACTOR = {factor!r}\n")
-        command = [sys.executable, "-B", "-c", STALE, str(tmp_path), stamp]
-        words = subprocess.run(command, env=environment, check=True, capture_output=True, text=True)
-        said.append(words.stdout.split())
+        said.append(server.run(STALE, tmp_path, stamp, **place).split())
     assert said == [[], ["compiled"] if stamp == "wrong" else []]
 
 

@@ -14,7 +14,7 @@ import tribo
 from support.continued import chain, pair, same_end
 from tribo import Coulomb, InputError, Output, Scene, Surface
 from tribo.cli import main
-from tribo.run import integrate, journal
+from tribo.run import contacts, integrate, journal
 
 SLOWLY = 3  # steps of a chunk: small enough for many checkpoints
 
@@ -25,7 +25,8 @@ class Killed(BaseException):
 
 @pytest.fixture
 def often(monkeypatch):
-    """A checkpoint after every chunk of a few steps."""
+    """A checkpoint after every chunk of a few steps; neighbour lists for few bobs too."""
+    monkeypatch.setattr(contacts, "UNLISTED_PAIRS", 0)
     monkeypatch.setattr(os, "fsync", lambda descriptor: None)
     monkeypatch.setattr(journal, "INTERVAL", -1.0)
     monkeypatch.setattr(journal, "RELATIVE_INTERVAL", 0.0)
@@ -285,7 +286,7 @@ print(Path(sys.argv[1]).with_name("loaded").exists())
 """
 
 
-def test_opening_a_result_loads_no_code(tmp_path, capsys):
+def test_opening_a_result_loads_no_code(tmp_path, capsys, server):
     """Running its scene does, if the plug-in is what it was; `--no-plugins` refuses it."""
     scene, own = tmp_path / "scene.toml", tmp_path / "own.py"
     scene.write_text(TABLE)
@@ -298,8 +299,7 @@ def test_opening_a_result_loads_no_code(tmp_path, capsys):
     for plugin, refused in ((PLUGIN, False), (PLUGIN.replace("/ r", "/ r**2"), True)):
         own.write_text(plugin)
         (tmp_path / "loaded").unlink()
-        command = [sys.executable, "-c", OPENED, str(out), str(tmp_path / "figure.png")]
-        printed = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+        printed = server.run(OPENED, out, tmp_path / "figure.png")
         assert printed.startswith("completed") and printed.endswith("True\n")
         assert ("refused: interaction[0].potential: " in printed) == refused
     with pytest.raises(InputError, match=r"plugin.interaction\[0\].potential was '\w+', is '\w+'"):

@@ -9,14 +9,14 @@ from tribo import InputError
 from tribo.run import contacts
 
 
-@pytest.fixture
+@pytest.fixture(autouse=True)
 def lists(monkeypatch):
     """Neighbour lists for few bobs too."""
     monkeypatch.setattr(contacts, "UNLISTED_PAIRS", 0)
 
 
 @pytest.mark.parametrize("method", ["verlet", "gauss-8"])
-def test_continued_run(lists, method, tmp_path):
+def test_continued_run(method, tmp_path):
     """By noise or by a method with memory, from the result or from its file."""
     temperature = 0.3 if method == "verlet" else 0.0
     how = {"method": method, "step": 0.02}

@@ -12,6 +12,7 @@ import tribo
 from tribo import (
     Asperite,
     Coulomb,
+    Morse,
     Output,
     Scene,
     Surface,
@@ -73,19 +74,30 @@ def changed(name, duration=40.0, potential=None, start=None, gap=None, speed=Non
     )
 
 
-class Broken(NamedTuple):
-    """Repulsion that is NaN below a distance of `end`."""
+class Well(NamedTuple):
+    """The potential of Morse, which is nan below a distance of `end`."""
 
-    strength: float
-    end: float
+    D: float
+    alpha: float
+    r0: float
+    end: float = 0.0
 
     def energy(self, r):
         """U(r)."""
-        return self.strength / r if r > self.end else math.nan
+        return Morse(self.D, self.alpha, self.r0).energy(r) if r > self.end else math.nan
 
     def force(self, r):
         """-dU/dr."""
-        return self.strength / (r * r) if r > self.end else math.nan
+        return Morse(self.D, self.alpha, self.r0).force(r) if r > self.end else math.nan
+
+    def feature(self):
+        """As the potential of Morse."""
+        return Morse(self.D, self.alpha, self.r0).feature()
+
+
+def broken(end):
+    """A case of the paper with a weak well, whose force is nan below a distance."""
+    return changed("A", potential=Well(0.2, 1.0, 0.0, end))
 
 
 def side_by_side(drive):

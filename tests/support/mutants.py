@@ -6,6 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator
 from copy import deepcopy
+from functools import cache
 from typing import NamedTuple
 
 from support.package import SOURCE
@@ -56,6 +57,7 @@ def parsed(file: str) -> ast.Module:
     return ast.parse((SOURCE / file).read_text(encoding="utf-8"))
 
 
+@cache
 def mutants(file: str) -> list[Mutant]:
     """All mutants of a file's functions."""
     return [mutant for mutant, _ in changes(file, parsed(file))]

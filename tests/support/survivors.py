@@ -54,19 +54,7 @@ EQUIVALENT = {
 }
 
 # Results, costs or statuses may change, and no check notices: each of these is a gap.
-OPEN: set[str] = {
-    # Rounding errors of the time, the prediction of gauss-8, and so the cost.
-    "integrators/time_loops.py: equal_steps: advance(clock, end, h, h == left) -> "
-    "advance(clock, end, h == left, h)",
-    "integrators/time_loops.py: equal_steps: advance(clock, end, h, h == left) -> "
-    "advance(clock, end, h, h != left)",
-    # The status of runs that stop: no scene of the checks stops.
-    "integrators/time_loops.py: equal_steps: not (all_finite(state.y) and "
-    "all_finite(state.acceleration) and all_finite(state.s)) -> not (all_finite(state.y) or "
-    "all_finite(state.acceleration) or all_finite(state.s))",
-    "integrators/time_loops.py: adaptive_steps: step_underflows(h, landing, times[-1]) -> "
-    "step_underflows(h, times[-1], landing)",
-}
+OPEN: set[str] = set()
 
 # Functions that uncompiled code cannot reach -> where they are tested.
 NEEDS_COMPILER = {

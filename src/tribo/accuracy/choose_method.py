@@ -167,9 +167,12 @@ def choose(
 
 
 def _checked_step(layout: Layout, method: methods.Method, step: float) -> float:
-    """A given step.  Raises InputError where a splitting method would not resolve the scene."""
+    """A given step.
+
+    Raises InputError where a splitting method would not resolve the scene, unless that is allowed.
+    """
     step = number("step", step, POSITIVE)
-    if not method.splits:
+    if not method.splits or layout.scene.numerics.allow_unresolved:
         return step
     for what, frequency in (
         ("the fastest pendulum", pendulum_frequency(layout)),
@@ -180,7 +183,7 @@ def _checked_step(layout: Layout, method: methods.Method, step: float) -> float:
             raise InputError(
                 "step",
                 f"must be at most {most:.3g} for {method.name}, got {step:g}: a longer one does "
-                f"not resolve {what}, {frequency:.3g} rad/time",
+                f"not resolve {what}, {frequency:.3g} rad/time; allow_unresolved permits it",
             )
     return step
 

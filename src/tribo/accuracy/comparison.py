@@ -19,9 +19,10 @@ from tribo.run.ledger import Ledger, assemble
 # tolerances, because encounters or samples limit its steps, it differs from the coarser runs by
 # chance: without this, of 600 random pairs of asperites three had errors beyond their bars, of
 # 1e-8, 3e-5 and 2e-4 of the request.
-LEAST = 1e-4
-# Change of every initial theta that measures the amplification [radian]: small enough to
-# grow linearly, large against round-off.
+LEAST = 1e-3
+# Change of every initial theta [radian], and of every omega in units of the largest rate, that
+# measures the amplification: small enough to grow linearly, large against round-off.  Rates are
+# rounded most where they are large, as in a close pass.
 PERTURBATION = 1e-11
 # Statuses of runs that were ended from outside, which other settings would not change.
 FROM_OUTSIDE = (Status.INTERRUPTED, Status.CALCULATOR_FAILED)
@@ -36,9 +37,17 @@ class Attempt(Protocol):
     """Runs the scene with a setting."""
 
     def __call__(
-        self, setting: Setting, times: np.ndarray, start: np.ndarray | None = None
+        self,
+        setting: Setting,
+        times: np.ndarray,
+        start: np.ndarray | None = None,
+        *,
+        most: float | None = None,
     ) -> Integration:
-        """Record at `times`, from the state `start` or else the scene's own start."""
+        """Record at `times`, from the state `start` or else the scene's own start.
+
+        With `most` force evaluations, or those of the scene without it.
+        """
 
 
 def strictest(accuracy: Accuracy) -> float:
@@ -122,7 +131,7 @@ def measure_amplification(
     setting, run
         of the scene's own start
     names
-        of the quantities that matter; by default all that have a scale
+        of the quantities that matter; by default all that have a scale, but the energy of contact
 
     Returns
     -------
@@ -130,14 +139,17 @@ def measure_amplification(
         the largest difference of the two runs relative to the scales, over PERTURBATION; None if
         the second run was ended from outside
     """
-    start = layout.start.copy()
-    start[: layout.asperites.size] += PERTURBATION
+    own = assemble(layout, run.samples)
+    scales = reported_scales(layout, own)
+    start, asperites = layout.start.copy(), layout.asperites.size
+    start[:asperites] += PERTURBATION
+    start[layout.coordinates :][:asperites] += PERTURBATION * scales.rate
     other = attempt(setting, run.samples.t, start)
     if other.status in FROM_OUTSIDE:
         return None
-    own = assemble(layout, run.samples)
-    scales = reported_scales(layout, own)
-    scaled = [name for name in names or KINDS if scales.of(kind_of(name)) > 0.0]
+    # The energy of contact, which may be far larger than all works, changes with any angle.
+    chosen = names or [name for name in KINDS if name != "contact_energy"]
+    scaled = [name for name in chosen if scales.of(kind_of(name)) > 0.0]
     return distance(*_at_shared_times(layout, own, run, other), scales, scaled) / PERTURBATION
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tribo.accuracy.search import NEAR
+from tribo.accuracy.levels import NEAR
 from tribo.kernels.kinematics import bob_position, nearest_image
 from tribo.kernels.records import Box
 from tribo.run.layout import Layout

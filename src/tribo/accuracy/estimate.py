@@ -33,7 +33,7 @@ DIVERGED = 0.1
 # Errors that all runs share, in units of the scale: rounding, first steps and iterations.
 ROUNDED = 256.0 * EPSILON
 # Effect of the rounding of a run, in units of sqrt(steps) roundings times the amplification.
-WALK = 1.0
+WALK = 2.0
 
 
 def check_observables(layout: Layout, names: Iterable[str], field: str = "accuracy") -> None:

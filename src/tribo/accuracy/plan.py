@@ -6,10 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from tribo.accuracy.cheapest_setting import cheapest_setting
 from tribo.accuracy.choose_method import Choice
 from tribo.accuracy.comparison import Accuracy
 from tribo.accuracy.scales import first_step
-from tribo.accuracy.search import FoundSettings, cheapest_setting, find_settings
+from tribo.accuracy.search import FoundSettings, find_settings
 from tribo.accuracy.stop_times import PARTS, StopTimes
 from tribo.integrators import methods
 from tribo.run.integrate import Progress, Setting

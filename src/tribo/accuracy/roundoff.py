@@ -79,6 +79,9 @@ def _of_surface(
         mass = a.mass
         x = np.abs(a.x) + np.abs(a.vx * motion.t) + np.abs(motion.x)
         y = np.abs(a.y) + np.abs(a.vy * motion.t) + np.abs(motion.y)
+        for name, arm in (("bob", a.l1), ("bar", a.l2)):
+            terms.put(f"x_{name}", x, arm)
+            terms.put(f"y_{name}", y, arm)
         farthest = np.maximum(farthest, np.max(np.hypot(x, y), axis=1))
         internal, moving = _of_energies(batch, motion, terms)
         energy = energy + np.sum(internal, axis=1) + moving @ mass

@@ -11,7 +11,7 @@ from tribo.kernels.kinematics import bob_velocity
 from tribo.kernels.records import OSCILLATOR_FREQUENCY
 from tribo.run.layout import Layout
 from tribo.run.ledger import Ledger
-from tribo.run.motion import internal_energy, motions, swing_direction
+from tribo.run.motion import Batch, Motion, internal_energy, motions, swing_direction
 from tribo.run.quantities import ASPERITE_QUANTITIES, OPTIONAL_QUANTITIES, QUANTITIES
 from tribo.run.resolution import pendulum_frequency
 from tribo.run.samples import Samples
@@ -39,7 +39,7 @@ class Scales:
         velocities [length / time]
     energy
         the largest work, pseudowork, delta_e_int or delta_k_trans [energy]; where all works are
-        zero, so that the others are round-off, the largest internal energy
+        below the round-off of the largest internal energy, that energy
     angle
         1 radian
     """
@@ -64,11 +64,12 @@ def reported_scales(layout: Layout, ledger: Ledger) -> Scales:
     asperite = ASPERITE_QUANTITIES | OPTIONAL_QUANTITIES
     energies = [name for name in asperite if KINDS[name] == "energy" and ledger.series(name)]
     works = [name for name in energies if name.startswith("w")]
+    internal = _internal_energy(layout, ledger)
     return Scales(
         rate=top("omega", "nu"),
         length=_longest_rod(layout),
         velocity=_fastest_bob(layout, ledger),
-        energy=top(*energies) if top(*works) > 0.0 else _internal_energy(layout, ledger),
+        energy=top(*energies) if top(*works) > EPSILON * internal else internal,
     )
 
 
@@ -103,6 +104,14 @@ def _fastest_bob(layout: Layout, ledger: Ledger) -> float:
     return fastest
 
 
+def _fastest_of(batch: Batch, m: Motion, velocity: np.ndarray) -> float:
+    """The largest speed of a bob of a surface with an initial `velocity` (2,)."""
+    a = batch.asperites
+    direction = swing_direction(a.facing, m.swing)
+    vx, vy = bob_velocity(m.vx + velocity[0], m.vy + velocity[1], m.omega, a.l1, *direction)
+    return float(np.max(np.hypot(vx, vy)))
+
+
 @dataclass(frozen=True)
 class ToleranceScales:
     """The scales of local tolerances, which are the same in every inertial frame.
@@ -117,6 +126,8 @@ class ToleranceScales:
         the largest impulse of a force [mass length / time]
     rate
         the largest ``|omega|`` or ``|nu|`` [1 / time]
+    spin
+        the largest ``|omega|`` [1 / time]
     twist
         the largest ``|theta - rest - phi|`` [radian]
     """
@@ -125,6 +136,7 @@ class ToleranceScales:
     energy: float
     impulse: float
     rate: float
+    spin: float
     twist: float
 
 
@@ -138,7 +150,7 @@ def first_guess(layout: Layout) -> ToleranceScales:
     velocity = velocity or float(np.max(frequency * a.l1)) or 1.0
     rate = float(max(omega, largest(a.nu), np.max(frequency), velocity / np.max(a.l1)))
     energy = float(np.max(a.mass)) * velocity**2
-    return ToleranceScales(velocity, energy, energy / velocity, rate, 1.0)
+    return ToleranceScales(velocity, energy, energy / velocity, rate, rate, 1.0)
 
 
 def _relative_velocity(layout: Layout) -> np.ndarray:
@@ -154,14 +166,16 @@ def tolerance_scales(layout: Layout, samples: Samples) -> ToleranceScales:
     The works are those in the frame of the surfaces' mean velocity.
     """
     guess = first_guess(layout)
-    change = rate = twist = highest = 0.0
+    change = spin = turn = twist = highest = 0.0
+    velocity, relative = guess.velocity, _relative_velocity(layout)
     for index in range(len(layout.scene.surfaces)):
         for batch, motion in motions(layout, samples, index):
+            velocity = max(velocity, _fastest_of(batch, motion, relative[batch.place.start]))
             torsion = motion.swing - motion.phi
             internal = internal_energy(batch.asperites, motion.omega, motion.nu, torsion)
             highest = max(highest, largest(internal))
             change = max(change, largest(internal - internal[0]))
-            rate = max(rate, largest(motion.omega), largest(motion.nu))
+            spin, turn = max(spin, largest(motion.omega)), max(turn, largest(motion.nu))
             twist = max(twist, largest(torsion))
     weights = _account_weights(layout)
     top = np.max(np.abs(samples.s), axis=0, initial=0.0)
@@ -171,10 +185,11 @@ def tolerance_scales(layout: Layout, samples: Samples) -> ToleranceScales:
     # Where nothing does work, the change of an energy is round-off.
     energy = max(work, change) if work > 0.0 else highest
     return ToleranceScales(
-        velocity=guess.velocity,
+        velocity=velocity,
         energy=energy or guess.energy,
         impulse=float(np.max(top[weights == 0.0])) or guess.impulse,
-        rate=rate or guess.rate,
+        rate=max(spin, turn) or guess.rate,
+        spin=spin or guess.spin,
         twist=twist or guess.twist,
     )
 
@@ -250,9 +265,11 @@ def tolerances(layout: Layout, scales: ToleranceScales, level: float, near: floa
     q = np.full(layout.coordinates, level * _longest_rod(layout))
     v = np.full(layout.coordinates, speed)
     swing = slice(0, a.size)
+    # An error of a rate matters to the energy by the rate itself, or else by its own square.
+    spin = np.maximum(scales.spin, np.sqrt(energy / a.inertia))
     with np.errstate(over="ignore"):  # infinite where a torsion or a rate is tiny
         q[swing] = np.minimum(level, energy / _positive(a.kappa * scales.twist))
-        v[swing] = np.minimum(level * scales.rate, energy / _positive(a.inertia * scales.rate))
+        v[swing] = np.minimum(level * scales.rate, energy / _positive(a.inertia * spin))
     turning = a.dof_phi >= 0
     q[a.dof_phi[turning]] = q[swing][turning]
     v[a.dof_phi[turning]] = np.minimum(level * scales.rate, energy / (a.i2[turning] * scales.rate))

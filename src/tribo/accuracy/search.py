@@ -8,13 +8,13 @@ round-off beyond the request.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from tribo.accuracy.comparison import (
     ABORTED,
+    FROM_OUTSIDE,
     Accuracy,
     Attempt,
     error_bounds,
@@ -24,22 +24,18 @@ from tribo.accuracy.comparison import (
     strictest,
 )
 from tribo.accuracy.estimate import excess_of_request
+from tribo.accuracy.levels import NEAR, equal_steps, fine_level, finest_level, setting_at, work
 from tribo.accuracy.scales import (
     EPSILON,
-    FLOOR,
-    ToleranceScales,
     first_guess,
     tolerance_scales,
-    tolerances,
-    unit_step,
 )
 from tribo.accuracy.stop_times import StopTimes
 from tribo.integrators.methods import Method
 from tribo.kernels.status import Status
 from tribo.run.integrate import Integration, Setting
 from tribo.run.layout import Layout
-from tribo.run.progress_guard import MOST_EVALUATIONS
-from tribo.run.resolution import spring_frequency
+from tribo.run.progress_guard import most_evaluations
 from tribo.validation import InputError
 
 # Level of the tolerances of the pilot run: three digits are enough for scales.
@@ -47,17 +43,6 @@ PILOT_LEVEL = 1e-3
 # Most pilot runs.  Each finds smaller scales until they are those of the motion; where these are
 # tiny, 1e-60 of the first guess, four are enough.
 PILOTS = 8
-# Level of the fine run relative to the coarse ones.  Their difference exceeds the error of the
-# fine run by about the inverse of this.  Errors of adaptive steps differ by chance, so that two
-# runs may agree: of 600 random pairs of asperites 2.3 % had errors beyond their bars at 0.3, and
-# 0.3 % at 0.1.  Errors of equal steps fall smoothly.
-FINE_LEVEL = 0.1
-FINE_LEVEL_OF_EQUAL_STEPS = 0.3
-# The longest step of a coarse run, as a fraction of the time to the next encounter.  That of a
-# fine run is shorter, so that errors which tolerances do not control fall as much.
-NEAR = 0.5
-# The same for a run that is compared with no other.
-NEAR_ALONE = 0.75
 # First level, in units of that which a method states for estimates of twice a difference: they are
 # three times the difference.
 FIRST = 2.0 / 3.0
@@ -75,23 +60,22 @@ AIM = 0.3
 TIGHT = 1e-9
 # Work of a long run [force evaluations x asperites], which is refused early if its request is out
 # of reach: 20 s at the 0.13 us that benchmarks/calibrate.py measures for an asperite.  The tries of
-# a looser setting end after as much work.
+# `cheapest_setting` end after as much work.
 LONG_RUN = 1.5e8
 # The next round takes this fraction of equal steps that are too long.
 SHORTER = 0.25
 # Statuses of runs whose equal steps are too long.
 TOO_LONG = (Status.ENCOUNTER_JUMPED, Status.NOT_FINITE, Status.NOT_CONVERGED)
-# Asperites that take as long as a call of an ASE calculator: 1 ms, as measured for EMT.
-CALL = 8000
-# First factor by which the level is raised for a run that is compared with no other.
-LOOSER = 16.0
-# Most runs that try such a level.
-TRIES = 8
-# Largest estimate of such a run relative to the request: its difference from the finest run is
-# nearly its error, and the estimate is three times that.
-LOOSE_EXCESS = 1.875
-# A try with more evaluations than this times the fewest so far is no cheaper; fewer is chance.
-MORE = 1.05
+# A run stops after this times the evaluations expected from the last by the order of the method,
+# since errors of rounding, which do not fall with the step, then control its steps.  With rods of
+# 1e5 and longer, a tenth of the level took eight times the evaluations instead of 1.3 times.
+UNEXPECTED = 4.0
+# But not before this fraction of the evaluations that any run may take.
+UNNOTICED = 0.02
+# Levels closer than this are not told apart.
+CLOSE = 3.0
+# Largest error, relative to the scales, of a run that is delivered where finer ones stop.
+KNOWN = 0.01
 
 
 @dataclass(frozen=True)
@@ -110,6 +94,8 @@ class FoundSettings:
         of a small change of the start; None where it was not measured
     met
         whether the fine run kept the accuracy
+    stopped
+        the status of runs with finer settings, if these stopped
     """
 
     coarse: Setting
@@ -118,36 +104,7 @@ class FoundSettings:
     runs: tuple[Integration, ...]
     amplification: float | None
     met: bool
-
-
-def fine_level(method: Method) -> float:
-    """Level of a fine run relative to that of the coarse runs that it is compared with."""
-    return FINE_LEVEL if method.adaptive else FINE_LEVEL_OF_EQUAL_STEPS
-
-
-def setting_at(
-    layout: Layout, method: Method, scales: ToleranceScales, level: float, near: float = NEAR
-) -> Setting:
-    """The setting whose errors are about `level` of the scales.
-
-    Parameters
-    ----------
-    layout
-        the scene
-    method
-        with tolerances if it is adaptive, else with equal steps
-    scales
-        of a run of the scene, or a first guess
-    level
-        relative error; equal steps have errors in proportion to it
-    near
-        the longest step of an adaptive method, as a fraction of the time to the next encounter
-    """
-    if method.adaptive:
-        return tolerances(layout, scales, level, near)
-    springs = spring_frequency(layout)
-    unit = min(unit_step(layout), 1.0 / springs if springs > 0.0 else np.inf)
-    return unit * level ** (1.0 / method.order)
+    stopped: Status | None = None
 
 
 def find_settings(
@@ -179,84 +136,204 @@ def find_settings(
         if the accuracy is out of reach and its runs would be long, or if equal steps would be too
         many
     """
-    names = observables(accuracy)
-    level = min(FIRST * method.first_level * strictest(accuracy), 1.0)
-    runs = _run_pilot(layout, method, accuracy, level, stops, attempt)
-    before, amplification, stalls, excess = np.inf, None, 0, np.inf
+    search = _Search(layout, method, accuracy, stops, attempt)
+    level = FIRST * method.first_level * strictest(accuracy)
+    level = min(max(level, finest_level(method)), 1.0)
+    if not search.run_pilot(level):
+        return search.found()
     for _ in range(ROUNDS):
-        if _equal_steps(layout, method, fine_level(method) * level) > MOST_EVALUATIONS:
-            if runs:
-                break
+        if not search.allows(level):
+            break
+        search.run_round(level)
+        lower = search.next_level(level)
+        if lower is None:
+            break
+        level = lower
+    return search.found()
+
+
+@dataclass
+class _Round:
+    """Two coarse runs and a fine one."""
+
+    level: float  # of the coarse runs
+    coarse: Setting
+    fine: Setting
+    runs: list[Integration] = field(default_factory=list)
+    excess: float = np.inf  # the largest estimate of the fine run relative to the request
+
+    @property
+    def stopped(self) -> Status | None:
+        """The status of a run that stopped, if there is one."""
+        return next((r.status for r in self.runs if r.status != Status.COMPLETED), None)
+
+
+class _Search:
+    """The runs of a search, in order, and what they show."""
+
+    def __init__(
+        self,
+        layout: Layout,
+        method: Method,
+        accuracy: Accuracy,
+        stops: StopTimes,
+        attempt: Attempt,
+    ) -> None:
+        self.layout, self.method, self.stops, self.attempt = layout, method, stops, attempt
+        self.accuracy, self.wanted = accuracy, strictest(accuracy)
+        self.most = most_evaluations(layout.scene)
+        self.runs: list[Integration] = []
+        self.rounds: list[_Round] = []
+        self.amplification: float | None = None
+        self.reached = np.inf  # the last level of a round that completed, or of the pilot
+        self.too_fine = 0.0  # the loosest level at which runs stopped
+        # Level and evaluations of the last run that completed.
+        self.known: tuple[float, float] = (1.0, np.inf)
+        self.stalls = 0
+
+    def run_pilot(self, level: float) -> bool:
+        """Run the pilot of an adaptive method; none with equal steps.
+
+        Returns whether another run can come farther.  Refuses an accuracy out of reach if the fine
+        run of the first round, at `level`, would be long.
+        """
+        if not self.method.adaptive:
+            return True
+        setting, pilot = _resolved(self.layout, self.method, self.stops.few, self.attempt)
+        self.runs.append(pilot)
+        if pilot.status in ABORTED:
+            self.rounds.append(_Round(level, setting, setting, [pilot]))
+            return False
+        if pilot.status != Status.COMPLETED:
+            return True
+        self.reached, self.known = PILOT_LEVEL, (PILOT_LEVEL, pilot.evaluations)
+        longer = self._expected(fine_level(self.method) * level) / pilot.evaluations
+        if longer * work(self.layout, pilot) < LONG_RUN:
+            return True
+        amplification = self._amplification(setting, pilot)
+        if amplification is not None and amplification * EPSILON > self.wanted:
             raise InputError(
                 "accuracy",
-                f"would take {method.name} more than {MOST_EVALUATIONS:.0e} steps; give a larger "
-                "one, or a method that chooses its steps",
+                out_of_reach(self.wanted, amplification).removeprefix("accuracy ")
+                + "; name the observables that matter, or give a method and a step; tribo.ensemble "
+                "averages over many starts",
             )
-        coarse, fine = _run_round(layout, method, level, stops, attempt, runs)
-        if runs[-1].status in ABORTED:
-            break
-        can_be_too_long = not method.adaptive and _work(layout, runs[-1]) < SHORTER * LONG_RUN
-        if can_be_too_long and any(run.status in TOO_LONG for run in runs[-3:]):
-            level *= SHORTER**method.order
-            continue
-        aborted = False
-        if amplification is None and strictest(accuracy) < TIGHT:
-            amplification = measure_amplification(layout, attempt, coarse, runs[-3], names)
-            aborted = amplification is None
-        bounds, scales = error_bounds(layout, runs[-1], runs[-3:-1], amplification, accuracy)
-        excess = excess_of_request(bounds, scales, accuracy)
-        if can_be_too_long and len(runs) == 3 and excess * strictest(accuracy) > 1.0:
-            level, amplification = level * SHORTER**method.order, None
-            continue
-        stalls = stalls + 1 if excess > STALLED * before else 0
-        if excess <= 1.0 or level <= FLOOR or stalls == MOST_STALLS or aborted:
-            break
-        if amplification is None:
-            amplification = measure_amplification(layout, attempt, coarse, runs[-3], names)
-        if amplification is None or amplification * EPSILON > strictest(accuracy):
-            break
-        before = excess
-        lower = AIM / excess if np.isfinite(excess) else LOWER**2
-        level = max(level * min(LOWER, lower), FLOOR)
-    return FoundSettings(
-        coarse, fine, fine_level(method) * level, tuple(runs), amplification, excess <= 1.0
-    )
+        return True
 
-
-def _equal_steps(layout: Layout, method: Method, level: float) -> float:
-    """Number of equal steps of a run; 0 for a method that chooses its steps."""
-    if method.adaptive:
-        return 0.0
-    return layout.scene.duration / (unit_step(layout) * level ** (1.0 / method.order))
-
-
-def _run_pilot(
-    layout: Layout,
-    method: Method,
-    accuracy: Accuracy,
-    level: float,
-    stops: StopTimes,
-    attempt: Attempt,
-) -> list[Integration]:
-    """The pilot run of an adaptive method; none with equal steps.
-
-    Refuses an accuracy out of reach if the fine run of the first round, at `level`, would be long.
-    """
-    if not method.adaptive:
-        return []
-    setting, pilot = _resolved(layout, method, stops.few, attempt)
-    longer = (PILOT_LEVEL / (fine_level(method) * level)) ** (1.0 / method.order)
-    if pilot.status != Status.COMPLETED or longer * _work(layout, pilot) < LONG_RUN:
-        return [pilot]
-    amplification = measure_amplification(layout, attempt, setting, pilot, observables(accuracy))
-    if amplification is not None and amplification * EPSILON > strictest(accuracy):
+    def allows(self, level: float) -> bool:
+        """Whether a round has few enough equal steps; refuses the accuracy if the first has not."""
+        few = equal_steps(self.layout, self.method, fine_level(self.method) * level)
+        if few <= self.most:
+            return True
+        if self.runs:
+            return False
         raise InputError(
             "accuracy",
-            out_of_reach(strictest(accuracy), amplification).removeprefix("accuracy ")
-            + "; name the observables that matter, or give a method and a step; tribo.ensemble "
-            "averages over many starts",
+            f"would take {self.method.name} {few:.0e} steps, more than {self.most:.0e}; give a "
+            "larger accuracy, a method that chooses its steps, or max_evaluations",
         )
-    return [pilot]
+
+    def run_round(self, level: float) -> None:
+        """Two coarse runs at `level`, and a fine one."""
+        layout, method = self.layout, self.method
+        scales = (
+            tolerance_scales(layout, self.runs[-1].samples) if self.runs else first_guess(layout)
+        )
+        finer = fine_level(method) * level
+        near = NEAR * fine_level(method) ** (1.0 / method.order)
+        coarse = setting_at(layout, method, scales, level)
+        fine = setting_at(layout, method, scales, finer, near)
+        last = _Round(level, coarse, fine)
+        self.rounds.append(last)
+        each = ((coarse, level), (coarse, level), (fine, finer))
+        for (setting, its_level), times in zip(each, self.stops, strict=True):
+            most = max(UNEXPECTED * self._expected(its_level), UNNOTICED * self.most)
+            run = self.attempt(setting, times, most=min(self.most, most))
+            last.runs.append(run)
+            self.runs.append(run)
+            if run.status in ABORTED:
+                return
+            if run.status == Status.COMPLETED:
+                self.known = (its_level, run.evaluations)
+        if last.stopped is None:
+            self.reached = level
+
+    def next_level(self, level: float) -> float | None:
+        """The level of the round after one at `level`; None if the search ends."""
+        last = self.rounds[-1]
+        fine = last.runs[-1]
+        if fine.status in FROM_OUTSIDE or sum(run.evaluations for run in self.runs) > self.most:
+            return None
+        if self.method.adaptive and last.stopped is not None:
+            self.too_fine = max(self.too_fine, level)
+            return self._looser()
+        finest = finest_level(self.method)
+        shorter = level * SHORTER**self.method.order
+        can_be_too_long = not self.method.adaptive and work(self.layout, fine) < SHORTER * LONG_RUN
+        if can_be_too_long and any(run.status in TOO_LONG for run in last.runs):
+            return shorter
+        known = self.wanted >= TIGHT or self._measure() is not None
+        before = self.rounds[-2].excess if len(self.rounds) > 1 else np.inf
+        last.excess = self._excess(last)
+        if can_be_too_long and len(self.runs) == 3 and last.excess * self.wanted > 1.0:
+            self.amplification, last.excess = None, np.inf
+            return shorter
+        self.stalls = self.stalls + 1 if last.excess > STALLED * before else 0
+        if last.excess <= 1.0 or level <= finest or self.stalls == MOST_STALLS or not known:
+            return None
+        amplification = self._measure()
+        unknown = self.too_fine > 0.0 and last.excess * self.wanted > KNOWN
+        if amplification is None or (amplification * EPSILON > self.wanted and not unknown):
+            return None
+        lower = AIM / last.excess if np.isfinite(last.excess) else LOWER**2
+        lower = max(level * min(LOWER, lower), finest)
+        return lower if lower > self.too_fine else self._looser()
+
+    def found(self) -> FoundSettings:
+        """What the search found: the last round, or the best one if finer runs stopped."""
+        chosen, stopped = self.rounds[-1], None
+        if self.too_fine > 0.0:
+            known = [item for item in self.rounds if item.excess * self.wanted <= KNOWN]
+            chosen = min(known or self.rounds, key=lambda item: item.level)
+            stopped = next(item.stopped for item in self.rounds if item.stopped is not None)
+        others = [run for run in self.runs if run not in chosen.runs]
+        return FoundSettings(
+            chosen.coarse,
+            chosen.fine,
+            fine_level(self.method) * chosen.level,
+            (*others, *chosen.runs),
+            self.amplification,
+            chosen.excess <= 1.0,
+            stopped,
+        )
+
+    def _looser(self) -> float | None:
+        """A level between one at which runs stop and one at which they do not; None if close."""
+        level = (self.too_fine * self.reached) ** 0.5
+        return level if np.isfinite(level) and level > CLOSE * self.too_fine else None
+
+    def _expected(self, level: float) -> float:
+        """Evaluations of a run at a level, by those of the last one and the order of the method."""
+        before, evaluations = self.known
+        return evaluations * (before / level) ** (1.0 / self.method.order)
+
+    def _amplification(self, setting: Setting, run: Integration) -> float | None:
+        names = observables(self.accuracy)
+        return measure_amplification(self.layout, self.attempt, setting, run, names)
+
+    def _measure(self) -> float | None:
+        """The amplification, measured by a coarse run unless it is known."""
+        if self.amplification is None:
+            last = self.rounds[-1]
+            self.amplification = self._amplification(last.coarse, last.runs[0])
+        return self.amplification
+
+    def _excess(self, last: _Round) -> float:
+        """The largest estimate of the fine run relative to the request."""
+        bounds, scales = error_bounds(
+            self.layout, last.runs[-1], last.runs[:-1], self.amplification, self.accuracy
+        )
+        return excess_of_request(bounds, scales, self.accuracy)
 
 
 def _resolved(
@@ -277,79 +354,3 @@ def _resolved(
             break
         scales = found
     return setting, run
-
-
-def _run_round(
-    layout: Layout,
-    method: Method,
-    level: float,
-    stops: StopTimes,
-    attempt: Attempt,
-    runs: list[Integration],
-) -> tuple[Setting, Setting]:
-    """Append two coarse runs at `level` and a fine one to `runs`; their settings."""
-    scales = tolerance_scales(layout, runs[-1].samples) if runs else first_guess(layout)
-    coarse = setting_at(layout, method, scales, level)
-    ratio = fine_level(method)
-    near = NEAR * ratio ** (1.0 / method.order)
-    fine = setting_at(layout, method, scales, ratio * level, near)
-    for setting, times in zip((coarse, coarse, fine), stops, strict=True):
-        if not runs or runs[-1].status not in ABORTED:
-            runs.append(attempt(setting, times))
-    return coarse, fine
-
-
-def _work(layout: Layout, run: Integration) -> float:
-    """Force evaluations times asperites: a measure of cost that is the same on every machine."""
-    return run.evaluations * float(layout.asperites.size + CALL * len(layout.calculator_calls))
-
-
-def cheapest_setting(
-    layout: Layout,
-    method: Method,
-    found: FoundSettings,
-    accuracy: Accuracy,
-    attempt: Callable[[Setting], Integration],
-) -> Setting | None:
-    """The cheapest setting whose run agrees with the finest one within `accuracy`.
-
-    It is for runs that are compared with no other: these need not differ in their steps from any,
-    and stop at samples only.
-
-    Parameters
-    ----------
-    layout, method, accuracy
-        as for `find_settings`
-    found
-        by `find_settings`
-    attempt
-        runs the scene with a setting, recorded at the scene's times
-
-    Returns
-    -------
-    Setting or None
-        None if no try agrees, or if the finest run is long
-    """
-    finest = found.runs[-1]
-    if finest.status != Status.COMPLETED or _work(layout, finest) > LONG_RUN:
-        return None
-    scales = tolerance_scales(layout, finest.samples)
-    best, fewest, level, factor, work = None, np.inf, found.level, LOOSER, 0.0
-    for _ in range(TRIES):
-        if work > LONG_RUN:
-            break
-        setting = setting_at(layout, method, scales, level, NEAR_ALONE)
-        run = attempt(setting)
-        work += _work(layout, run)
-        if run.status == Status.INTERRUPTED:
-            raise KeyboardInterrupt
-        good = run.status == Status.COMPLETED and run.evaluations <= MORE * fewest
-        if good:
-            bounds, reported = error_bounds(layout, finest, [run], found.amplification, accuracy)
-            good = excess_of_request(bounds, reported, accuracy) <= LOOSE_EXCESS
-        if not good:
-            level, factor = level / factor, factor**0.5
-        elif run.evaluations < fewest:
-            best, fewest = setting, run.evaluations
-        level *= factor
-    return best

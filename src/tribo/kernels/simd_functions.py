@@ -2,6 +2,7 @@
 
 import math
 import operator
+from typing import Any
 
 import numpy as np
 from numba import types
@@ -168,7 +169,10 @@ def exponential(x):
     return y * power_of_two(half) * power_of_two(k - half)
 
 
-_options = {"jit_options": {"error_model": "numpy", **LINKED, "_nrt": False}, "strict": False}
+_options: dict[str, Any] = {
+    "jit_options": {"error_model": "numpy", **LINKED, "_nrt": False},
+    "strict": False,
+}
 
 
 def _of_lanes(function, implementation) -> None:

@@ -6,7 +6,6 @@ import itertools
 import math
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
-from typing import Any
 
 import numpy as np
 
@@ -215,7 +214,7 @@ class Scene:
         one, other = sorted(names.index(name) for name in interaction.between)
         return [(one, other)]
 
-    def initial_value(self, key: Any) -> tuple[Surface, str]:
+    def initial_value(self, key: object) -> tuple[Surface, str]:
         """The surface and the initial value of a key such as "upper.theta".
 
         Raises InputError if there is no such surface or quantity, or clamped bars fix it.

@@ -71,7 +71,8 @@ def scene_from(table: dict[str, Any], folder: Path = Path()) -> Scene:
     with inside("output"):
         output = Output(**known_keys(table.get("output", {}), ["samples", "times"]))
     with inside("numerics"):
-        numerics = Numerics(**known_keys(table.get("numerics", {}), ["accuracy", "method", "step"]))
+        keys = [item.name for item in fields_of(Numerics)]
+        numerics = Numerics(**known_keys(table.get("numerics", {}), keys))
     return Scene(
         surfaces=tuple(_surface(i, item, folder) for i, item in enumerate(surfaces)),
         periodic=as_periodic(table.get("periodic", {})),

@@ -11,6 +11,7 @@ from tribo.validation import (
     LARGEST_COUNT,
     POSITIVE,
     InputError,
+    boolean,
     inside,
     integer,
     must_be,
@@ -65,6 +66,12 @@ class Numerics:
         Name of a method.
     step : float, optional
         Length of equal steps [time], instead of `accuracy`.
+    allow_unresolved : bool
+        Whether a step of a splitting method may be too long to resolve the fastest pendulum or
+        spring.
+    max_evaluations : float, optional
+        Evaluations of all forces that a run with an accuracy may take before it stops as
+        `NoProgress`; by default 1e8 over the number of asperites, and at least 1e7.
 
     Raises
     ------
@@ -75,8 +82,13 @@ class Numerics:
     accuracy: float | dict[str, float] | None = None
     method: str | None = None
     step: float | None = None
+    allow_unresolved: bool = False
+    max_evaluations: float | None = None
 
     def __post_init__(self) -> None:
+        boolean("allow_unresolved", self.allow_unresolved)
+        if self.max_evaluations is not None:
+            number("max_evaluations", self.max_evaluations, POSITIVE)
         if self.accuracy is not None:
             object.__setattr__(self, "accuracy", check_accuracy(self.accuracy))
         if self.method is not None and (not isinstance(self.method, str) or not self.method):

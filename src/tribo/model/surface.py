@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
@@ -291,7 +290,7 @@ class Surface:
         return each["swing"] if each["theta"] is None else each["theta"] - self.rest
 
     def resting_bobs(
-        self, origin: tuple[float, float, float] = (0.0, 0.0, 0.0), seed: Any = 0
+        self, origin: tuple[float, float, float] = (0.0, 0.0, 0.0), seed: int | list[int] = 0
     ) -> np.ndarray:
         """(n, 3) positions of the resting bobs relative to `origin` [length].
 
@@ -311,7 +310,7 @@ class Surface:
             bobs[:, 1] += heights
         return bobs
 
-    def drawn_heights(self, seed: Any) -> np.ndarray | None:
+    def drawn_heights(self, seed: int | list[int]) -> np.ndarray | None:
         """(n,) heights [length]; `seed` draws those of a roughness that has no seed of its own."""
         if isinstance(self.heights, Roughness):
             return draw(self.heights, *self._grid, np.random.default_rng(seed))

@@ -10,7 +10,7 @@ import linecache
 import re
 import traceback
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from tribo.validation import InputError, known_keys, number, short_repr
 RETURN_COUNTS = {"feature": 2, "domain": 2, "force_at": 2, "force_on_bar": 2, "end_forces": 4}
 
 
-def check_class(cls: Any, field: str, method: str) -> None:
+def check_class(cls: object, field: str, method: str) -> None:
     """Raise InputError, about `field`, if a class is not a plug-in that has `method`."""
     if cls is Unloaded:
         return
@@ -48,13 +48,13 @@ def instance(cls: Any, parameters: dict[str, Any]) -> Any:
     return cls(**known_keys(parameters, cls._fields, required))
 
 
-def is_named(name: Any) -> bool:
+def is_named(name: object) -> bool:
     """Whether a name is that of a class in a file or module, as of `class_named`."""
     in_module = r"[\w.]+:\w+"
     return isinstance(name, str) and (".py:" in name or bool(re.fullmatch(in_module, name)))
 
 
-def class_named(field: str, name: str, folder: Path) -> Any:
+def class_named(field: str, name: str, folder: Path) -> type:
     """The class of ``file.py:Class``, relative to `folder`, or of ``package.module:Class``.
 
     Raises InputError about `field`.
@@ -74,7 +74,7 @@ def class_named(field: str, name: str, folder: Path) -> Any:
     return getattr(module, class_name)
 
 
-def name_of(plugin: Any, built_in: dict[str, Any]) -> str:
+def name_of(plugin: NamedTuple | Unloaded, built_in: dict[str, type]) -> str:
     """The name of the plug-in's class in a scene file."""
     if isinstance(plugin, Unloaded):
         return plugin.name
@@ -84,7 +84,7 @@ def name_of(plugin: Any, built_in: dict[str, Any]) -> str:
     return f"{sources.place_of(type(plugin))}:{type(plugin).__qualname__}"
 
 
-def call_method(plugin: Any, field: str, method: str, *arguments: Any) -> Any:
+def call_method(plugin: object, field: str, method: str, *arguments: object) -> Any:
     """Call a method of a plug-in.
 
     Raises InputError about `field`, with the line of the source, if the method raises an error.
@@ -96,7 +96,7 @@ def call_method(plugin: Any, field: str, method: str, *arguments: Any) -> Any:
         raise InputError(field, failure(plugin, method, error)) from None
 
 
-def returned_numbers(plugin: Any, field: str, method: str, *arguments: Any) -> Any:
+def returned_numbers(plugin: object, field: str, method: str, *arguments: object) -> Any:
     """Call a method that returns real numbers.
 
     Raises InputError about `field` if it returns anything else, or another count of numbers.
@@ -112,7 +112,7 @@ def returned_numbers(plugin: Any, field: str, method: str, *arguments: Any) -> A
     return value
 
 
-def failure(plugin: Any, method: str, error: Exception) -> str:
+def failure(plugin: object, method: str, error: Exception) -> str:
     """One sentence: the line of a plug-in's source that raised an error, and the error."""
     code = getattr(type(plugin), method).__code__
     frames = traceback.extract_tb(error.__traceback__)
@@ -120,7 +120,7 @@ def failure(plugin: Any, method: str, error: Exception) -> str:
     return located(plugin, method, line, f"{type(error).__name__}: {error}")
 
 
-def located(plugin: Any, method: str, line: int | None, reason: str) -> str:
+def located(plugin: object, method: str, line: int | None, reason: str) -> str:
     """One sentence: a line of a method's source, by default its first, and what is wrong there."""
     code = getattr(type(plugin), method).__code__
     line = line or code.co_firstlineno

@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any
+from types import FunctionType
+from typing import Any, NamedTuple
 
 from numba import njit, typeof, types
 from numba.core.errors import NumbaError, UnsupportedBytecodeError
@@ -24,7 +25,7 @@ COMPILE_ERRORS = (NumbaError, UnsupportedBytecodeError)
 
 
 @contextmanager
-def compiling(loop: Any, placed: Sequence[tuple[str, Any]]) -> Iterator[None]:
+def compiling(loop: Any, placed: Sequence[tuple[str, NamedTuple]]) -> Iterator[None]:
     """Raise InputError in place of the compiler's errors.
 
     The methods of the user's plug-ins are compiled by themselves first, unless the loop has been
@@ -47,13 +48,13 @@ def compiling(loop: Any, placed: Sequence[tuple[str, Any]]) -> Iterator[None]:
         raise compile_error(placed, error) from None
 
 
-def _foreign(placed: Iterable[tuple[str, Any]]) -> list[tuple[str, Any]]:
+def _foreign(placed: Iterable[tuple[str, NamedTuple]]) -> list[tuple[str, NamedTuple]]:
     """The plug-ins that are not this package's, and those among the fields of plug-ins."""
     parts = [(field, part) for field, plugin in placed for part in _parts(plugin)]
     return [(field, plugin) for field, plugin in parts if not is_own(type(plugin))]
 
 
-def _check_method(plugin: Any, method: str) -> None:
+def _check_method(plugin: NamedTuple, method: str) -> None:
     """Compile a method that the user wrote, or that is made from one.  Raises numba's errors."""
     function = getattr(type(plugin), method, None)
     if function is None or (is_own(function) and function.__name__ != "_complex_step"):
@@ -73,7 +74,7 @@ def _check_method(plugin: Any, method: str) -> None:
         raise NumbaError(f"{method} returns {returned}")
 
 
-def compile_error(placed: Iterable[tuple[str, Any]], error: Exception) -> InputError:
+def compile_error(placed: Iterable[tuple[str, NamedTuple]], error: Exception) -> InputError:
     """The error to raise when the loop for a scene does not compile.
 
     Each method of each plug-in is called and compiled by itself, to find the line that fails.
@@ -96,13 +97,13 @@ def compile_error(placed: Iterable[tuple[str, Any]], error: Exception) -> InputE
     return InputError("plug-in", f"{names or 'the scene'} does not compile: {_reason(error)}")
 
 
-def _parts(plugin: Any) -> list[Any]:
+def _parts(plugin: NamedTuple) -> list[NamedTuple]:
     """A plug-in, and all plug-ins among its fields."""
     held = [part for item in plugin if hasattr(item, "_fields") for part in _parts(item)]
     return [plugin, *held]
 
 
-def _try(plugin: Any, field: str, method: str) -> None:
+def _try(plugin: NamedTuple, field: str, method: str) -> None:
     """Call a method, and compile it by itself.  Raises InputError if either fails."""
     function = getattr(type(plugin), method, None)
     if function is None or is_own(function):
@@ -124,7 +125,7 @@ def _try(plugin: Any, field: str, method: str) -> None:
             ) from None
 
 
-def _compile(plugin: Any, field: str, method: str, arguments: tuple[Any, ...]) -> None:
+def _compile(plugin: NamedTuple, field: str, method: str, arguments: tuple[complex, ...]) -> None:
     function = getattr(type(plugin), method)
     try:
         njit(error_model="numpy")(function)(plugin, *arguments)
@@ -133,7 +134,7 @@ def _compile(plugin: Any, field: str, method: str, arguments: tuple[Any, ...]) -
         raise InputError(field, reason) from None
 
 
-def _line(function: Any, error: Exception) -> int | None:
+def _line(function: FunctionType, error: Exception) -> int | None:
     """The line of a function's source that the compiler's message names, if it names one."""
     place = getattr(error, "loc", None)
     file = function.__code__.co_filename

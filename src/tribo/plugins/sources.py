@@ -11,7 +11,7 @@ import linecache
 import sys
 from pathlib import Path
 from types import FunctionType, ModuleType
-from typing import Any
+from typing import NamedTuple
 
 from tribo.validation import InputError
 
@@ -82,7 +82,7 @@ def place_of(cls: type) -> str:
     return file
 
 
-def source_stamp(plugins: list[Any]) -> str | None:
+def source_stamp(plugins: list[NamedTuple]) -> str | None:
     """Hash of the sources of plug-ins' classes.
 
     Returns
@@ -95,7 +95,7 @@ def source_stamp(plugins: list[Any]) -> str | None:
     return None if None in stamps else "".join(map(str, stamps))
 
 
-def _stamp_of(plugin: Any) -> str | None:
+def _stamp_of(plugin: NamedTuple) -> str | None:
     cls = type(plugin)
     inner = source_stamp([item for item in plugin if hasattr(item, "_fields")])
     if is_own(cls) or inner is None:

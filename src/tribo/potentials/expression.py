@@ -10,7 +10,6 @@ from __future__ import annotations
 import ast
 import math
 from functools import cache
-from typing import Any
 
 from tribo.plugins import classes as plugins
 from tribo.plugins import sources
@@ -95,7 +94,7 @@ def is_expression(text: str) -> bool:
 
 
 @cache
-def class_of(text: str) -> Any:
+def class_of(text: str) -> type:
     """The class whose energy is the expression and whose fields are its parameters."""
     tree = _parsed(text)
     fields = [name for name in _names(tree) if name not in ("r", "pi", *FUNCTIONS)]

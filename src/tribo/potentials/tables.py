@@ -77,7 +77,7 @@ def from_table(table: object, folder: Path) -> Any:
     return with_cutoff(potential, **cutoff)
 
 
-def class_named(name: object, folder: Path) -> Any:
+def class_named(name: object, folder: Path) -> type:
     """The class of a built-in potential, of one in a file or a module, or of an expression."""
     if not isinstance(name, str):
         raise must_be("potential", "a name", name)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from tribo.potentials.from_ase import Live
+from tribo.potentials.mixins import Potential
 from tribo.potentials.registry import as_potential
 from tribo.potentials.tables import as_table
 from tribo.report_card.agreement import check_agreement
@@ -26,7 +27,7 @@ __all__ = ["Check", "Report", "check"]
 
 
 def check(
-    potential: Any, ase: Calculator | None = None, symbols: str | Sequence[str] = "H2"
+    potential: object, ase: Calculator | None = None, symbols: str | Sequence[str] = "H2"
 ) -> Report:
     """Check every property of a potential that a run relies on, and grade the errors.
 
@@ -73,12 +74,12 @@ def check(
     return Report(_name(scan.potential), tuple(checks), found)
 
 
-def _name(potential: Any) -> str:
+def _name(potential: Potential) -> str:
     """The potential's name and parameters, as on a command line."""
     return _named(as_table(potential))
 
 
-def _named(table: dict[str, Any]) -> str:
+def _named(table: dict[str, object]) -> str:
     values = dict(table)
     name = str(values.pop("potential"))
     if ".py:" in name:

@@ -12,8 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tribo.model.interaction import Interaction
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
+from tribo.potentials.mixins import Potential
 from tribo.run.contact_probe import ContactProbe
 from tribo.validation import LARGEST_NUMBER, InputError
 
@@ -84,7 +86,7 @@ class PotentialScan:
         If the potential does not compile, raises an exception, or has an empty domain.
     """
 
-    def __init__(self, potential: Any) -> None:
+    def __init__(self, potential: Potential) -> None:
         self.potential = potential
         self.cutoff = float(potential.range())
         self._probes = {count: _contact_probe(potential, count) for count in (1, GROUP)}
@@ -241,11 +243,11 @@ class PotentialScan:
         return {float(x) for x in near if self.low <= x <= self.high}
 
 
-def _contact_probe(potential: Any, count: int) -> ContactProbe:
+def _contact_probe(potential: Potential, count: int) -> ContactProbe:
     """Two surfaces of `count` bobs each, with the potential between them."""
     one = Surface("one", shape=(count, 1), spacing=(1.0, 0.0))
     other = Surface("other", facing="up", shape=(count, 1), spacing=(1.0, 0.0))
-    return ContactProbe(Scene((one, other), potential, 1.0))
+    return ContactProbe(Scene((one, other), (Interaction(potential),), 1.0))
 
 
 def _parts(potential: Any) -> Iterator[Any]:
@@ -266,7 +268,7 @@ def _declared_lengths(part: Any) -> list[float]:
     return [float(x) for x in lengths if 0.0 < x < math.inf]
 
 
-def _domain(potential: Any) -> tuple[float, float]:
+def _domain(potential: Potential) -> tuple[float, float]:
     """The distances for which the potential and all its parts are declared."""
     domains = [part.domain() for part in _parts(potential) if hasattr(part, "domain")]
     least = max([0.0, *(float(low) for low, _ in domains)])

@@ -103,7 +103,7 @@ class GeneralLoop:
             self.clocks,
             self.state,
             times,
-            Record(*columns, *self._recorded),
+            Record(*columns, *self._recorded),  # type: ignore[call-arg]
             budget,
             *self._noise,
         )

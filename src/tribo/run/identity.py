@@ -6,7 +6,7 @@ import tomllib
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from tribo.kernels.compiled import package_stamp
 from tribo.model.drives import Custom, Ends
@@ -59,7 +59,7 @@ def plugin_stamps(scene: Scene) -> dict[str, str | None]:
     return {place: stamp for place, item in _plugins(scene) if (stamp := _stamp(item)) != ""}
 
 
-def _plugins(scene: Scene) -> list[tuple[str, Any]]:
+def _plugins(scene: Scene) -> list[tuple[str, NamedTuple | Unloaded]]:
     """All plug-ins, each with its field in the scene; no calculators."""
     places = [
         (f"interaction[{i}].potential", item.potential) for i, item in enumerate(scene.interactions)
@@ -73,7 +73,7 @@ def _plugins(scene: Scene) -> list[tuple[str, Any]]:
     return [item for item in places if isinstance(item[1], (tuple, Unloaded))]
 
 
-def _stamp(plugin: Any) -> str | None:
+def _stamp(plugin: NamedTuple | Unloaded) -> str | None:
     return plugin.stamp if isinstance(plugin, Unloaded) else source_stamp([plugin])
 
 

@@ -15,7 +15,7 @@ from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import PAUSED, STATUS_OF_CODE, Status
 from tribo.potentials.from_ase import Call
 from tribo.run.layout import Layout
-from tribo.run.progress_guard import ProgressGuard
+from tribo.run.progress_guard import ProgressGuard, most_evaluations
 from tribo.run.samples import Samples
 from tribo.run.streamed_ledger import StreamedLedger, portion_size
 
@@ -123,6 +123,14 @@ class Integration:
         return int(self.counts[1])
 
 
+def first_step_at(tolerance: Tolerance, longest: float, order: int) -> float:
+    """The first step of a run: shorter with finer tolerances.
+
+    Two runs that began with the same step would share its error, which no step control has seen.
+    """
+    return longest * tolerance.level ** (1.0 / order)
+
+
 def integrate(
     loop: TimeLoop,
     times: np.ndarray,
@@ -132,6 +140,7 @@ def integrate(
     checkpoints: Checkpoints | None = None,
     columns: Columns | None = None,
     before: Samples | None = None,
+    most: float | None = None,
 ) -> Integration:
     """Integrate through `times`.
 
@@ -155,6 +164,8 @@ def integrate(
         The samples of a loop that has begun.
     before : Samples, optional
         The first sample of the run that is continued; it comes before all others.
+    most : float, optional
+        Force evaluations that adaptive steps may take; those of the scene without it.
     """
     began = time.perf_counter()
     rows = times.size if streamed is None else portion_size(loop.layout)
@@ -165,7 +176,7 @@ def integrate(
         portion = times[first : first + rows]
         if first > 0:
             loop.clocks["sample"] = 0
-        status = _run_through(loop, portion, columns, calls, progress, checkpoints)
+        status = _run_through(loop, portion, columns, calls, progress, checkpoints, most)
         memory = loop.memory()
         if status != Status.COMPLETED:  # the loop goes on, to record where it stopped
             memory = {name: array.copy() for name, array in memory.items()}
@@ -199,10 +210,11 @@ def _run_through(
     calls: tuple[Call, ...],
     progress: Progress | None,
     checkpoints: Checkpoints | None,
+    most: float | None,
 ) -> Status:
     """Run through the times, from the last checkpoint if there is one; how it ended."""
     if checkpoints is None:
-        return run_in_chunks(loop, times, columns, calls, progress)
+        return run_in_chunks(loop, times, columns, calls, progress, most)
     status = checkpoints.restore(loop, columns)
     if status is not None:
         return status
@@ -213,7 +225,7 @@ def _run_through(
         if progress is not None:
             progress(t)
 
-    status = run_in_chunks(loop, times, columns, calls, between)
+    status = run_in_chunks(loop, times, columns, calls, between, most)
     # An interrupt ends the program, not the integration, which can be continued.
     checkpoints.keep(loop, columns, None if status == Status.INTERRUPTED else status)
     return status
@@ -240,6 +252,7 @@ def run_in_chunks(
     columns: Columns,
     calls: tuple[Call, ...] = (),
     progress: Progress | None = None,
+    most: float | None = None,
 ) -> Status:
     """Run through the times in chunks, and check for an interrupt and for progress between them.
 
@@ -248,7 +261,8 @@ def run_in_chunks(
     budget = FIRST_CHUNK
     code = PAUSED
     layout = loop.layout
-    guard = ProgressGuard(loop.clocks, layout.beginning, float(times[-1]), layout.asperites.size)
+    most = most_evaluations(layout.scene) if most is None else most
+    guard = ProgressGuard(loop.clocks, layout.beginning, float(times[-1]), layout.scene.count, most)
     for item in calls:
         item.error, item.interrupted = None, False
     try:

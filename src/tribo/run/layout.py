@@ -72,8 +72,8 @@ class Layout:
     """
 
     scene: Scene
-    asperites: Records
-    surfaces: Records
+    asperites: Any
+    surfaces: Any
     model: Model
     start: np.ndarray
     core: int

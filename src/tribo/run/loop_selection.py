@@ -7,7 +7,7 @@ import numpy as np
 from tribo.integrators.methods import Method
 from tribo.integrators.step_control import Tolerance
 from tribo.run.general_loop import GeneralLoop, compile_loop
-from tribo.run.integrate import Integration, Progress, Setting, integrate
+from tribo.run.integrate import Integration, Progress, Setting, first_step_at, integrate
 from tribo.run.journal import Journal, key_of
 from tribo.run.layout import Layout
 from tribo.run.pair_adapter import Pair, has_pair_loop
@@ -28,7 +28,7 @@ class Integrator:
     method : Method
         How time advances.
     first_step : float
-        The first step of an adaptive method [time].
+        The longest first step of an adaptive method [time].
     progress : callable, optional
         Called with the time reached, a few times a second.
     origin : Origin, optional
@@ -75,6 +75,7 @@ class Integrator:
         times: np.ndarray,
         start: np.ndarray | None = None,
         streamed: StreamedLedger | None = None,
+        most: float | None = None,
     ) -> Integration:
         """Integrate through `times`.
 
@@ -88,6 +89,8 @@ class Integrator:
             y at t = 0; the scene's without it.
         streamed : StreamedLedger, optional
             Takes the samples in, of which only the first and the last are kept then.
+        most : float, optional
+            Force evaluations that adaptive steps may take; those of the scene without it.
 
         Returns
         -------
@@ -99,15 +102,20 @@ class Integrator:
             checkpoints = self._journal.integration(key_of(setting, times, start))
         if self._pair is not None:
             assert isinstance(setting, Tolerance)
-            return self._pair.integrate(setting, start, times, self._progress, checkpoints)
-        loop = GeneralLoop(self.layout, self.method, setting, start, self._first_step)
+            return self._pair.integrate(setting, start, times, self._progress, checkpoints, most)
+        first = self._first_step
+        if isinstance(setting, Tolerance):
+            first = first_step_at(setting, first, self.method.order)
+        loop = GeneralLoop(self.layout, self.method, setting, start, first)
         before = None
         if self.origin is not None:
             exactly = np.array_equal(start, self.layout.start)
             self.origin.place(loop, self.method.name, exactly)
             before, times = self.origin.first, times[times >= self.layout.beginning]
         calls = self.layout.calculator_calls
-        run = integrate(loop, times, calls, self._progress, streamed, checkpoints, before=before)
+        run = integrate(
+            loop, times, calls, self._progress, streamed, checkpoints, before=before, most=most
+        )
         # Of a streamed run there are no samples, and adaptive steps keep the energy.
         if streamed is not None or self.method.adaptive:
             return run

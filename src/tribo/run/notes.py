@@ -27,6 +27,8 @@ NOTED_TURN = 0.5
 # Part of the work of the other drives that a surface at rest may receive without a note: below it,
 # the work of the other drives is the dissipated energy to its first digit.
 NOTED_WORK = 0.1
+# Recorded times at which the distances of bobs are looked at, at most: 0.1 ms each for a pair.
+MOST_LOOKS = 256
 
 
 def run_notes(layout: Layout, method: Method, step: float | None) -> tuple[str, ...]:
@@ -87,6 +89,25 @@ def stop_notes(layout: Layout, run: Integration) -> tuple[str, ...]:
         one, other = (asperite_name(layout, bob) for bob in both)
         near = f"; the closest bobs, of {one} and {other}, were {distance:.3g} apart"
     return (f"stopped at t = {last.t[0]:.9g}, {step}{near}",)
+
+
+def approach_notes(layout: Layout, run: Integration) -> tuple[str, ...]:
+    """Where the bobs of a run that missed its accuracy were closest, among its recorded times."""
+    samples = run.samples
+    looked_at = np.linspace(0, samples.t.size - 1, min(samples.t.size, MOST_LOOKS)).astype(int)
+    found = []
+    for t in samples.t[looked_at]:
+        bobs = closest_bobs(layout, samples.at(np.array([t])))
+        if bobs is not None:
+            found.append((*bobs, float(t)))
+    if not found:
+        return ()
+    distance, *both, t = min(found)
+    one, other = (asperite_name(layout, bob) for bob in both)
+    return (
+        f"among the recorded times, bobs were closest at t = {t:.9g}: those of {one} and {other} "
+        f"were {distance:.3g} apart",
+    )
 
 
 def asperite_name(layout: Layout, index: int) -> str:

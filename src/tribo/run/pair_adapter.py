@@ -55,6 +55,7 @@ from tribo.run.integrate import (
     Integration,
     Memory,
     Progress,
+    first_step_at,
     integrate,
 )
 from tribo.run.layout import Layout
@@ -128,7 +129,7 @@ class Pair:
         self.adaptive = True
         mobility = _mobility(layout)
         potential = layout.model.contacts[0].potential
-        self._first_step = FIRST_STEP_FACTOR * first_step
+        self._first_step, self._order = FIRST_STEP_FACTOR * first_step, method.order
         self.clocks, self._rows = np.zeros(1, CLOCK), np.zeros((ROWS, LANES))
         assert isinstance(method.coefficients, Collocation)
         self._rows[:LIMITS] = table(method.coefficients)
@@ -153,8 +154,12 @@ class Pair:
         times: np.ndarray,
         progress: Progress | None = None,
         checkpoints: Checkpoints | None = None,
+        most: float | None = None,
     ) -> Integration:
-        """Integrate from `start`, y of the scene's layout, through `times`."""
+        """Integrate from `start`, y of the scene's layout, through `times`.
+
+        With `most` force evaluations, or those of the scene without it.
+        """
         began = time.perf_counter()
         if self._tolerance is not tolerance:
             self._tolerance = tolerance
@@ -163,13 +168,13 @@ class Pair:
         self._evaluations[0] = 0
         self._start = start
         if progress is not None or checkpoints is not None:
-            return integrate(self, times, (), progress, None, checkpoints)
+            return integrate(self, times, (), progress, None, checkpoints, most=most)
         record = np.empty((times.size + 1, COLUMNS))
         code = self._loop(start, times, record, UNINTERRUPTED_STEPS)
         if code != COMPLETED:
             if code != PAUSED:
                 self._evaluations[0] = 0  # from the start again, to the same end
-            return integrate(self, times, columns=(record,))
+            return integrate(self, times, columns=(record,), most=most)
         seconds, memory = time.perf_counter() - began, self.memory()
         return Integration(
             lambda: self.samples(times, (record,)), Status.COMPLETED, record[-1], seconds, memory
@@ -204,7 +209,8 @@ class Pair:
             own = np.min(everything[:, None] / factors, axis=0)
         both = np.zeros((2, LANES))
         rates = {OF_V1: own[V1], OF_V2: own[V2], OF_J: own[J]}
-        for place, value in (rates | {LEVEL: tolerance.level, FIRST: self._first_step}).items():
+        first = first_step_at(tolerance, self._first_step, self._order)
+        for place, value in (rates | {LEVEL: tolerance.level, FIRST: first}).items():
             both[0, place] = value
         both[1] = 1.0 / own[FIRST_ACCOUNT : FIRST_ACCOUNT + LANES]
         return both

@@ -4,13 +4,29 @@ from __future__ import annotations
 
 import numpy as np
 
-# Most evaluations of all forces of a run: a minute for a pair of asperites, five for two of any
-# other kind, at 0.06 and 0.3 us.  Equal steps are the user's own choice and have no bound.
-MOST_EVALUATIONS = 1e9
-# Trials of steps after which the progress of a run of two asperites is looked at: seconds.
-TRIALS = 2**20
+from tribo.model.scene import Scene
+
+# Most work of a run with adaptive steps [force evaluations x asperites], where the scene's numerics
+# give no bound: 13 s at the 0.13 us that benchmarks/calibrate.py measures for an asperite.
+MOST_WORK = 1e8
+# Evaluations that runs of any number of asperites may take.
+ALWAYS_ALLOWED = 1e7
+# A run stops if its mean progress predicts this times the evaluations that it may take: the start
+# of a run may be its slowest part.
+MOST_PREDICTED = 3.0
+# Trials of steps after which the progress of a run of two asperites is looked at: a second.
+TRIALS = 2**18
 # The same at least, for any number of asperites.
 FEWEST_TRIALS = 2**12
+# Looks at the progress of a run that takes all evaluations that it may, at least; a trial takes
+# nine or more of them.
+LOOKS = 100
+
+
+def most_evaluations(scene: Scene) -> float:
+    """Force evaluations that a run with adaptive steps may take."""
+    given = scene.numerics.max_evaluations
+    return max(MOST_WORK / scene.count, ALWAYS_ALLOWED) if given is None else given
 
 
 class ProgressGuard:
@@ -27,12 +43,17 @@ class ProgressGuard:
         First and last time of the run [time].
     asperites : int
         How many there are.
+    most : float
+        Evaluations that the run may take.
     """
 
-    def __init__(self, clocks: np.ndarray, beginning: float, end: float, asperites: int) -> None:
+    def __init__(
+        self, clocks: np.ndarray, beginning: float, end: float, asperites: int, most: float
+    ) -> None:
         self._clock = clocks[0]
-        self._beginning, self._end = beginning, end
-        self._every = max(FEWEST_TRIALS, 2 * TRIALS // asperites)
+        self._beginning, self._end, self._most = beginning, end, most
+        every = min(2 * TRIALS // asperites, int(most / LOOKS))
+        self._every = max(FEWEST_TRIALS, every)
 
     def within(self, budget: int) -> int:
         """At most so many steps, and no more than until the next look."""
@@ -43,8 +64,9 @@ class ProgressGuard:
         if self._trials == 0 or self._trials % self._every != 0:
             return False
         done = float(self._clock["t"]) - self._beginning
-        whole = float(self._clock["evaluations"]) * (self._end - self._beginning)
-        return whole > MOST_EVALUATIONS * done
+        taken = float(self._clock["evaluations"])
+        predicted = taken * (self._end - self._beginning)
+        return taken > self._most or predicted > MOST_PREDICTED * self._most * done
 
     @property
     def _trials(self) -> int:

@@ -1,0 +1,82 @@
+"""How much memory a run will take: the arrays of the scene, the state, samples and the ledger."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from tribo.integrators.methods import Method
+from tribo.kernels.samples import STORED
+from tribo.run.layout import Layout
+from tribo.run.quantities import ASPERITE_QUANTITIES, OPTIONAL_QUANTITIES
+from tribo.run.streamed_ledger import PORTION_BYTES, exceeds_memory
+
+# Bytes of a number.
+NUMBER = 8
+# Vectors of coordinates, velocities and accounts that a step keeps, beside one for each of its
+# evaluations: the state, its rounding errors and rates of change, and a copy.
+VECTORS = 6
+# Ledgers that are held at once, in units of that of the run: with its terms, and where runs are
+# compared with that of the other run too.  Measured by benchmarks/predictions.py on rows and grids.
+LEDGERS = 1.9
+LEDGERS_COMPARED = 3.2
+# Bytes of all that does not grow with the scene, without and with runs compared; measured there on
+# pairs.
+LEAST = 50_000
+LEAST_COMPARED = 200_000
+
+
+def memory_of_run(layout: Layout, method: Method, stages: int, kept: int) -> int:
+    """Bytes of all arrays that a run holds at once, at most.
+
+    Parameters
+    ----------
+    layout : Layout
+        The scene.
+    method : Method
+        How time advances.
+    stages : int
+        Evaluations of all forces in a step.
+    kept : int
+        Samples of all runs of a search for settings, which are kept; 0 without one.
+
+    Returns
+    -------
+    int
+    """
+    samples, raw, row = layout.times.size, _raw_sample(layout), _ledger_row(layout)
+    if kept:
+        series = LEAST_COMPARED + kept * raw + samples * LEDGERS_COMPARED * row
+    elif exceeds_memory(layout, samples):
+        series = float(PORTION_BYTES)
+    else:
+        series = LEAST + samples * (raw + LEDGERS * row)
+    return round(scene_bytes(layout, method, stages) + series)
+
+
+def scene_bytes(layout: Layout, method: Method, stages: int) -> int:
+    """Bytes of the arrays of a scene and of its state, without samples."""
+    vectors = VECTORS if method.splits else VECTORS + stages
+    state = NUMBER * vectors * (2 * layout.coordinates + layout.accounts)
+    return state + _bytes_of(layout.model) + _bytes_of(layout.neighbours())
+
+
+def _raw_sample(layout: Layout) -> int:
+    """Bytes of one sample of a time loop."""
+    own = 2 * layout.core + layout.accounts + 2
+    return NUMBER * (own + STORED * len(layout.scene.surfaces))
+
+
+def _ledger_row(layout: Layout) -> int:
+    """Bytes of one time of the ledger."""
+    optional = any(s.langevin for s in layout.scene.surfaces) or bool(layout.scene.fields)
+    names = len(ASPERITE_QUANTITIES) + (len(OPTIONAL_QUANTITIES) if optional else 0)
+    return NUMBER * names * layout.scene.count
+
+
+def _bytes_of(item: Any) -> int:
+    """Bytes of all arrays in nested tuples."""
+    if isinstance(item, np.ndarray):
+        return item.nbytes
+    return sum(_bytes_of(part) for part in item) if isinstance(item, tuple) else 0

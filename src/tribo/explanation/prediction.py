@@ -1,0 +1,280 @@
+"""How many force evaluations a run will take, from the first runs of its search for settings.
+
+With a given step the evaluations are counted.  With an accuracy, the search for settings begins as
+in a run of the scene, and ends after BUDGET seconds by the model of costs.  A search that is not
+complete by then is extrapolated: by the part of the duration that its last run reached, and by the
+ratios of the levels of the runs that are left.  No clock decides when it ends.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from tribo.accuracy.choose_method import PAIR, RATES, Choice, Rate
+from tribo.accuracy.comparison import strictest
+from tribo.accuracy.levels import fine_level
+from tribo.accuracy.plan import Plan, make_plan
+from tribo.accuracy.scales import first_step
+from tribo.accuracy.search import FIRST, PILOT_LEVEL
+from tribo.accuracy.stop_times import StopTimes
+from tribo.integrators.methods import Method
+from tribo.integrators.splitting import Splitting
+from tribo.integrators.step_control import Tolerance
+from tribo.kernels.status import PAUSED, Status
+from tribo.run.general_loop import GeneralLoop
+from tribo.run.integrate import Columns, Integration, Setting, TimeLoop, integrate
+from tribo.run.layout import Layout
+from tribo.run.loop_selection import Integrator
+from tribo.run.pair_adapter import has_pair_loop
+from tribo.run.progress_guard import TRIALS
+from tribo.run.runaway import up_to_runaway
+from tribo.run.streamed_ledger import StreamedLedger
+
+# Time of all runs of a search, by the model of costs [s].
+BUDGET = 2.0
+# Parts of the budget after which a run is looked at.
+PARTS = 16
+# Time of a pair of bobs, and of a call of an ASE calculator [ns]: Coulomb takes 5, EMT a million.
+PAIR_OF_BOBS = 5.0
+CALCULATOR_CALL = 1e6
+# Neighbours of a bob in a list, as in benchmarks/scale.py: each is in reach of about a dozen.
+LISTED = 16.0
+
+
+class OverBudgetError(Exception):
+    """A run of the search reached the end of the budget."""
+
+
+class Taken(NamedTuple):
+    """What one run of a search took."""
+
+    times: np.ndarray
+    evaluations: float
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """The evaluations of a run, and how they are known.
+
+    Attributes
+    ----------
+    evaluations : float
+        Evaluations of all forces, of all runs that a result needs.
+    basis : str
+        "counted" from a given step, "searched" by all runs of the search, or "extrapolated" from
+        its first runs.
+    plan : Plan or None
+        The settings that were found; None where the search is not complete.
+    tried : tuple of Taken
+        The runs that were made to predict it.
+    samples : int
+        Samples of all runs of the search, which are kept until its end; 0 with a given step.
+    """
+
+    evaluations: float
+    basis: str
+    plan: Plan | None
+    tried: tuple[Taken, ...]
+    samples: int
+
+
+def pairs_of_bobs(layout: Layout) -> tuple[int, bool]:
+    """The pairs of bobs that are visited in one evaluation, and whether some are listed.
+
+    Of listed bobs each is taken to have LISTED neighbours.
+    """
+    counts = [surface.count for surface in layout.scene.surfaces]
+    visited, listed = 0.0, False
+    for contact in (*layout.model.contacts, *(layout.model.within or ())):
+        for (one, other), row in zip(contact.pairs.tolist(), contact.rows.tolist(), strict=True):
+            among = counts[one] * (counts[one] - 1) // 2
+            every = among if one == other else counts[one] * counts[other]
+            visited += every if row < 0 else LISTED * counts[one]
+            listed = listed or row >= 0
+    return round(visited), listed
+
+
+def evaluation_time(layout: Layout, method: Method) -> float:
+    """Nanoseconds of one evaluation by the model of costs, which knows no effect apart."""
+    rate = rate_of(layout, method)
+    oscillators = layout.coordinates - layout.core
+    pairs, _ = pairs_of_bobs(layout)
+    return (
+        rate.run
+        + layout.scene.count * rate.asperite
+        + oscillators * rate.oscillator
+        + pairs * PAIR_OF_BOBS
+        + len(layout.calculator_calls) * CALCULATOR_CALL
+    )
+
+
+def rate_of(layout: Layout, method: Method) -> Rate:
+    """The costs of a method on a scene."""
+    return PAIR if has_pair_loop(layout, method) else RATES[method.name]
+
+
+def counted(layout: Layout, method: Method, step: float) -> float:
+    """The evaluations of one run with a given step."""
+    each = RATES[method.name].step
+    if isinstance(method.coefficients, Splitting):
+        each = method.coefficients.kicks.size
+    intervals = np.diff(layout.times)
+    steps = np.sum(np.maximum(1.0, np.ceil(intervals / step - 1e-9)))
+    return float(steps * each + (not method.splits))
+
+
+class Search(Integrator):
+    """Runs a scene in search for settings, until all runs together have taken the budget.
+
+    Parameters
+    ----------
+    layout : Layout
+        The scene.
+    method : Method
+        Of all runs.
+
+    Attributes
+    ----------
+    finished : list of Taken
+        The runs from the scene's own start.
+    reached : float
+        Part of the duration that the last of these reached.
+    """
+
+    def __init__(self, layout: Layout, method: Method) -> None:
+        super().__init__(layout, method, first_step(layout))
+        self.finished: list[Taken] = []
+        self.reached = 1.0
+        self._left = 1e9 * BUDGET / evaluation_time(layout, method)
+        self._portion = max(1, int(self._left / (PARTS * RATES[method.name].step)))
+
+    def __call__(
+        self,
+        setting: Setting,
+        times: np.ndarray,
+        start: np.ndarray | None = None,
+        streamed: StreamedLedger | None = None,
+        most: float | None = None,
+    ) -> Integration:
+        """Integrate through `times`.  Raises OverBudgetError."""
+        self._own = start is None
+        start = self.layout.start if start is None else start
+        self._times, self._began = times, time.perf_counter()
+        if self._pair is not None:
+            assert isinstance(setting, Tolerance)
+            run = self._pair.integrate(setting, start, times, None, Limit(self))
+        else:
+            loop = GeneralLoop(self.layout, self.method, setting, start, self._first_step)
+            run = self._integrated(loop, times)
+        self._left -= run.evaluations
+        if run.status == Status.INTERRUPTED:
+            raise KeyboardInterrupt
+        if self._own:
+            seconds = time.perf_counter() - self._began
+            self.finished.append(Taken(times, run.evaluations, seconds))
+        return run
+
+    def speed(self, setting: Setting, times: np.ndarray) -> float:
+        """Nanoseconds of an evaluation in a whole run with a setting."""
+        run = super().__call__(setting, times)
+        return 1e9 * run.seconds / max(1, run.evaluations)
+
+    def _integrated(self, loop: GeneralLoop, times: np.ndarray) -> Integration:
+        columns = loop.room(times.size + 1)
+        while loop.advance(times, columns, self._portion) == PAUSED:
+            self.check(loop)
+        run = integrate(loop, times, self.layout.calculator_calls, columns=columns)
+        return run if self.method.adaptive else up_to_runaway(self.layout, run)
+
+    def check(self, loop: TimeLoop) -> None:
+        """Raise OverBudgetError if a run has taken the rest of the budget."""
+        clock = loop.clocks[0]
+        if clock["evaluations"] < self._left:
+            return
+        if self._own:
+            begin, end = self.layout.times[[0, -1]]
+            self.reached = float((clock["t"] - begin) / (end - begin))
+            seconds = time.perf_counter() - self._began
+            self.finished.append(Taken(self._times, float(clock["evaluations"]), seconds))
+        raise OverBudgetError
+
+
+class Limit:
+    """Ends a run of a pair, as checkpoints: after every so many trials, whatever the clock says."""
+
+    def __init__(self, search: Search) -> None:
+        self._search = search
+
+    def restore(self, loop: TimeLoop, columns: Columns) -> Status | None:
+        """Nothing: all runs begin at the start."""
+        return None
+
+    def due(self) -> bool:
+        """Always."""
+        return True
+
+    def keep(self, loop: TimeLoop, columns: Columns, status: Status | None) -> None:
+        """Raise OverBudgetError where the run has taken the rest of the budget."""
+        clock = loop.clocks[0]
+        if status is None and (clock["steps"] + clock["rejected"]) % TRIALS == 0:
+            self._search.check(loop)
+
+
+def predict(choice: Choice, search: Search) -> Prediction:
+    """Predict the evaluations of a run.
+
+    Parameters
+    ----------
+    choice : Choice
+        The method, and the accuracy or the step.
+    search : Search
+        Runs the scene.
+
+    Returns
+    -------
+    Prediction
+
+    Raises
+    ------
+    InputError
+        The accuracy is out of reach, or names quantities that the scene does not report.
+    """
+    if choice.step is not None:
+        count = counted(search.layout, choice.method, choice.step)
+        return Prediction(count, "counted", make_plan(choice, search), (), 0)
+    try:
+        plan = make_plan(choice, search)
+    except OverBudgetError:
+        tried, stops = tuple(search.finished), StopTimes.for_samples(search.layout.times)
+        samples = max(sum(run.times.size for run in tried), 2 * sum(t.size for t in stops))
+        return Prediction(extrapolated(choice, search), "extrapolated", None, tried, samples)
+    assert plan.tuned is not None
+    total = float(sum(run.evaluations for run in plan.tuned.runs))
+    tried = tuple(search.finished)
+    samples = sum(run.times.size for run in tried)
+    return Prediction(total, "searched", plan, tried, samples)
+
+
+def extrapolated(choice: Choice, search: Search) -> float:
+    """The evaluations of a search whose last run was not complete."""
+    *done, last = search.finished
+    whole = last.evaluations / max(search.reached, np.finfo(float).eps)
+    total = sum(run.evaluations for run in done) + whole
+    method, slope = choice.method, rate_of(search.layout, choice.method).slope
+    finer = fine_level(method) ** (-1.0 / slope)
+    if method.adaptive and not done:  # the pilot
+        assert choice.accuracy is not None
+        level = FIRST * method.first_level * strictest(choice.accuracy)
+        coarse = whole * (PILOT_LEVEL / min(level, PILOT_LEVEL)) ** (1.0 / slope)
+        return total + (2.0 + finer) * coarse
+    stops = StopTimes.for_samples(search.layout.times)
+    if np.array_equal(last.times, stops.fine):
+        return total
+    if np.array_equal(last.times, stops.many):
+        return total + finer * whole
+    return total + (1.0 + finer) * whole

@@ -1,0 +1,332 @@
+"""What a run will do and cost, as data and as text."""
+
+from __future__ import annotations
+
+import json
+import textwrap
+from dataclasses import dataclass
+
+import numpy as np
+
+from tribo.accuracy.choose_method import RATES, Choice, choose
+from tribo.accuracy.comparison import Accuracy
+from tribo.explanation.memory import memory_of_run
+from tribo.explanation.prediction import Prediction, Search, pairs_of_bobs, predict
+from tribo.explanation.reasons import why_absent, why_present
+from tribo.explanation.speeds import compilations, kept_speed, loop_of, measured
+from tribo.integrators.methods import noisy
+from tribo.model.scene import Effect, Scene
+from tribo.run.layout import Layout, lay_out
+from tribo.run.pair_adapter import has_pair_loop
+from tribo.validation import InputError, inside
+
+# Width of the text [columns].
+WIDTH = 100
+
+
+@dataclass(frozen=True)
+class Predicted:
+    """What a run will take.
+
+    Attributes
+    ----------
+    force_evaluations : int
+        Evaluations of all forces, in the run and in those that estimate its error.
+    seconds : float
+        Time of these runs on this machine, without compiling [s].
+    memory_bytes : int
+        Bytes of the arrays that are held at once.
+    basis : str
+        How the evaluations are known: "counted" from a given step, "searched" by the runs that find
+        the settings, or "extrapolated" from the first of these.
+    met : bool or None
+        Whether the run will meet its accuracy, as far as the search shows; None where it was not
+        completed, or with a given step.
+    """
+
+    force_evaluations: int
+    seconds: float
+    memory_bytes: int
+    basis: str
+    met: bool | None
+
+
+@dataclass(frozen=True)
+class Contact:
+    """How contact is computed.
+
+    Attributes
+    ----------
+    pairs : int
+        Pairs of bobs in each evaluation; of a neighbour list about as many.
+    by_list : bool
+        Whether neighbour lists hold them, or all pairs are visited.
+    arithmetic : str
+        "lanes" where eight numbers are computed at once, or "scalar".
+    """
+
+    pairs: int
+    by_list: bool
+    arithmetic: str
+
+
+@dataclass(frozen=True, eq=False)
+class Explanation:
+    """What a run of a scene will do and cost; :func:`explain` makes one.
+
+    Attributes
+    ----------
+    scene : Scene
+        What would be run.
+    effects : dict
+        Each effect that is present -> the keys of the scene that call for it.
+    absent : dict
+        Each other effect -> why it is absent.
+    coordinates : dict
+        Kind of coordinate ("swings", "bars", "x", "y", "baths") -> how many are integrated.
+    contact : Contact
+        How contact is computed.
+    method : str
+        The integration method.
+    why : str
+        Why it was chosen; empty where it was given.
+    accuracy : float, dict or None
+        The accuracy that was asked for; None with a given step.
+    step : float or None
+        The step [time]; None where the method chooses its steps, or where it is not known yet.
+    compiled : bool
+        Whether the time loop had been compiled before.
+    predicted : Predicted
+        The cost.
+    evaluations_used : int
+        Evaluations of all forces that the prediction itself took.
+    """
+
+    scene: Scene
+    effects: dict[str, str]
+    absent: dict[str, str]
+    coordinates: dict[str, int]
+    contact: Contact
+    method: str
+    why: str
+    accuracy: Accuracy | None
+    step: float | None
+    compiled: bool
+    predicted: Predicted
+    evaluations_used: int
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """Number of coordinates that are integrated."""
+        return sum(self.coordinates.values())
+
+    def to_json(self) -> str:
+        """All of it as one JSON object."""
+        table = {
+            "effects": list(self.effects),
+            "absent": list(self.absent),
+            "reasons": self.effects | self.absent,
+            "degrees_of_freedom": self.degrees_of_freedom,
+            "coordinates": self.coordinates,
+            "contact": vars(self.contact),
+            "method": self.method,
+            "why": self.why,
+            "accuracy": self.accuracy,
+            "step": self.step,
+            "compiled": self.compiled,
+            "predicted": vars(self.predicted),
+            "evaluations_used": self.evaluations_used,
+        }
+        return json.dumps(table, indent=1, allow_nan=False)
+
+    def __str__(self) -> str:
+        scene = self.scene
+        title = f"{scene.title}: " if scene.title else ""
+        count = f"{scene.count} asperites on {len(scene.surfaces)} surfaces"
+        lines = [f"{title}{count}, until t = {scene.duration:g}.", "", "Simulated:"]
+        for name, why in self.effects.items():
+            what = next(effect.description for effect in Effect if effect == name)
+            lines.append(_wrapped(f"  {name:<15} {what}: {why}", 18))
+        lines += ["", "Absent, at no cost:"]
+        lines += [_wrapped(f"  {name:<15} {why}", 18) for name, why in self.absent.items()]
+        return "\n".join([*lines, *self._plan()])
+
+    def _plan(self) -> list[str]:
+        """Sentences on coordinates, contact, method and cost."""
+        made_of = [f"{n} {kind}" for kind, n in self.coordinates.items() if n]
+        cost = self.predicted
+        sentences = [
+            f"Degrees of freedom: {self.degrees_of_freedom} ({', '.join(made_of)}).",
+            f"Contact: {self._contact()}.",
+            f"Method: {self.method}, {self._request()}, {reason_of_method(self.scene, self.why)}.",
+            f"Cost: about {_rounded(cost.force_evaluations)} force evaluations, "
+            f"{_time(cost.seconds)} on this machine, {_bytes(cost.memory_bytes)} of memory. "
+            f"{self._basis()}{self._shortcoming()}",
+            f"The time loop {'was' if self.compiled else 'had not been'} compiled before"
+            f"{'' if self.compiled else '; it is now, and is kept on disk'}.",
+        ]
+        return ["", *(_wrapped(sentence.strip(), 2) for sentence in sentences)]
+
+    def _contact(self) -> str:
+        if self.contact.pairs == 0:
+            return "none"
+        how = {"lanes": "eight at once (lanes)", "scalar": "one after another (scalar)"}
+        place = "neighbour lists, about" if self.contact.by_list else "all pairs of bobs,"
+        return f"{place} {self.contact.pairs:,}; forces are computed {how[self.contact.arithmetic]}"
+
+    def _request(self) -> str:
+        step = "steps of its own" if self.step is None else f"steps of {self.step:.3g}"
+        if self.accuracy is None:
+            return step
+        wanted = f"{self.accuracy:.0e}" if isinstance(self.accuracy, float) else "of observables"
+        return f"accuracy {wanted}, {step}"
+
+    def _shortcoming(self) -> str:
+        return " The run will fall short of its accuracy." if self.predicted.met is False else ""
+
+    def _basis(self) -> str:
+        used = f"{self.evaluations_used:,} evaluations"
+        return {
+            "counted": "Counted from the step.",
+            "searched": f"The search for settings, with which a run begins, took {used}.",
+            "extrapolated": f"Extrapolated from the first {used} of the search for settings.",
+        }[self.predicted.basis]
+
+
+def explain(scene: Scene) -> Explanation:
+    """What a run of a scene will do and cost, by its own numerics.
+
+    The time loop is compiled.  With an accuracy, the search for settings with which every run
+    begins is made too, for at most two seconds by the model of costs; see
+    :mod:`tribo.explanation.prediction`.
+
+    Parameters
+    ----------
+    scene : Scene
+        What would be run.
+
+    Returns
+    -------
+    Explanation
+
+    Raises
+    ------
+    InputError
+        As for :func:`tribo.prepare`.
+    """
+    if not isinstance(scene, Scene):
+        raise InputError("scene", f"must be a tribo.Scene, got {scene!r}")
+    layout, given = lay_out(scene), scene.numerics
+    with inside("numerics"):
+        choice = choose(layout, given.accuracy, given.method, given.step)
+    loop = loop_of(layout, choice.method)
+    before = compilations(loop)
+    search = Search(layout, choice.method)
+    compiled = compilations(loop) == before
+    found = predict(choice, search)
+    present = [effect for effect in Effect if effect in scene.effects]
+    return Explanation(
+        scene=scene,
+        effects={str(effect): why_present(scene, effect) for effect in present},
+        absent={str(effect): why_absent(effect) for effect in Effect if effect not in present},
+        coordinates=coordinates(scene),
+        contact=contact(layout, choice),
+        method=choice.method.name,
+        why=choice.why,
+        accuracy=choice.accuracy,
+        step=_step(found),
+        compiled=compiled,
+        predicted=_predicted(layout, choice, search, found),
+        evaluations_used=round(sum(run.evaluations for run in found.tried)),
+    )
+
+
+def coordinates(scene: Scene) -> dict[str, int]:
+    """How many coordinates of each kind are integrated."""
+
+    def on(wanted: list[bool]) -> int:
+        pairs = zip(scene.surfaces, wanted, strict=True)
+        return sum(surface.count for surface, yes in pairs if yes)
+
+    baths = [s.count * (2 * s.bath.masses.size + s.bath.inertias.size) for s in scene.surfaces]
+    kappa = [s.asperite.for_each(s.count)["kappa"] for s in scene.surfaces]
+    return {
+        "swings": int(np.count_nonzero(np.isfinite(np.concatenate(kappa)))),
+        "bars": on([s.bars != "clamped" for s in scene.surfaces]),
+        "x": on([scene.slides_along_x(s) for s in scene.surfaces]),
+        "y": on([scene.slides_along_y(s) for s in scene.surfaces]),
+        "baths": sum(baths),
+    }
+
+
+def contact(layout: Layout, choice: Choice) -> Contact:
+    """How contact is computed."""
+    pairs, by_list = pairs_of_bobs(layout)
+    return Contact(pairs, by_list, arithmetic(layout, choice))
+
+
+def arithmetic(layout: Layout, choice: Choice) -> str:
+    """Whether contact is computed in lanes: so far in the loop for pairs only."""
+    return "lanes" if has_pair_loop(layout, choice.method) else "scalar"
+
+
+def _step(found: Prediction) -> float | None:
+    """The step of a method with equal steps, if it is known."""
+    setting = None if found.plan is None else found.plan.setting
+    return setting if isinstance(setting, float) else None
+
+
+def _predicted(layout: Layout, choice: Choice, search: Search, found: Prediction) -> Predicted:
+    def speed() -> float:
+        if choice.step is not None:
+            return measured(search, choice.step)
+        if found.plan is not None:
+            return search.speed(found.plan.setting, found.plan.times)
+        seconds = sum(run.seconds for run in found.tried)
+        return 1e9 * seconds / max(1.0, sum(run.evaluations for run in found.tried))
+
+    nanoseconds = kept_speed(layout, choice.method, speed)
+    each = RATES[choice.method.name].step
+    return Predicted(
+        force_evaluations=round(found.evaluations),
+        seconds=1e-9 * nanoseconds * found.evaluations,
+        memory_bytes=memory_of_run(layout, choice.method, each, found.samples),
+        basis=found.basis,
+        met=None if found.plan is None or found.plan.tuned is None else found.plan.tuned.met,
+    )
+
+
+def reason_of_method(scene: Scene, why: str) -> str:
+    """Why a run has its method, as the end of a sentence."""
+    if why:
+        return f"chosen because {why}"
+    if scene.numerics.method is not None:
+        return "which the scene names"
+    return "which integrates thermal noise" if noisy(scene) else "the default with a given step"
+
+
+def _wrapped(text: str, indent: int) -> str:
+    return textwrap.fill(text, WIDTH, subsequent_indent=" " * indent)
+
+
+def _rounded(count: int) -> str:
+    """A count to three digits."""
+    return f"{float(f'{count:.3g}'):,.0f}"
+
+
+def _time(seconds: float) -> str:
+    for unit, size in (("hours", 3600.0), ("minutes", 60.0), ("s", 1.0), ("ms", 1e-3)):
+        if seconds >= size:
+            return f"{_two_digits(seconds / size)} {unit}"
+    return f"{_two_digits(1e6 * seconds)} us"
+
+
+def _bytes(count: int) -> str:
+    for unit, size in (("GB", 1e9), ("MB", 1e6)):
+        if count >= size:
+            return f"{_two_digits(count / size)} {unit}"
+    return f"{_two_digits(count / 1e3)} kB"
+
+
+def _two_digits(number: float) -> str:
+    return f"{float(f'{number:.2g}'):g}"

@@ -1,0 +1,100 @@
+"""Scales, first steps and bounds that scenes far from the usual ones need."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import tribo
+from support.hard_scenes import changed, simulate, stopped
+from tribo.accuracy.levels import fine_level, finest_level
+from tribo.accuracy.plan import integrator_for
+from tribo.accuracy.scales import FLOOR, first_guess, tolerance_scales, tolerances
+from tribo.integrators.methods import METHODS
+from tribo.run.integrate import first_step_at
+from tribo.run.layout import lay_out
+
+METHOD = METHODS["gauss-radau-15"]
+
+
+def scales_of(scene):
+    """The scales of tolerances, as a first run measures them."""
+    layout = lay_out(scene)
+    setting = tolerances(layout, first_guess(layout), 1e-6, 0.5)
+    return tolerance_scales(layout, integrator_for(layout, METHOD)(setting, layout.times).samples)
+
+
+def test_speeds_of_long_rods_are_measured():
+    """A pendulum of a length of 1e4 that starts almost at rest."""
+    pendulum = tribo.Asperite(m1=1e-8, kappa=1.0, length=1e4)
+    start = tribo.Initial(theta=0.1, omega=1e-9)
+    upper = tribo.Surface("upper", asperite=pendulum, initial=start)
+    assert scales_of(tribo.Scene((upper,), (), 10.0)).velocity == pytest.approx(1e3, rel=1e-2)
+
+
+def test_a_bar_that_turns_says_nothing_about_its_pendulum():
+    """The tolerance of omega is not made from nu, which may be 1e10 times as large."""
+    heavy = tribo.Asperite(m1=1e10, m2=1e10, kappa=1.0, length=1e2)
+    upper = tribo.Surface("upper", asperite=heavy, bars="free", initial=tribo.Initial(nu=0.3))
+    found = scales_of(tribo.Scene((upper,), (), 2.0))
+    assert found.rate > 0.2 and found.spin < 1e-10
+
+
+def test_works_below_round_off_are_no_scale():
+    """A soft pendulum alone: the forces that hold it do works of 1e-20 of its energy."""
+    soft = tribo.Asperite(kappa=1e-20)
+    upper = tribo.Surface("upper", asperite=soft, initial=tribo.Initial(theta=0.1))
+    assert tribo.simulate(tribo.Scene((upper,), (), 10.0)).met
+
+
+def test_a_duration_in_which_nothing_happens():
+    """The energy of contact is out of reach relative to works of 1e-31; angles are exact."""
+    result = simulate(replace(changed("A"), duration=1e-30))
+    assert result.status == "completed" and result.met is False
+    assert "errors may exceed the scales of their quantities" in " ".join(result.notes)
+    assert result.error_estimate["theta"] < 1e-8
+
+
+def test_no_two_settings_begin_with_the_same_step():
+    """Neither do runs at the finest tolerances, where the coarse ones are still coarser."""
+    layout = lay_out(changed("A"))
+    coarse, fine = (
+        tolerances(layout, first_guess(layout), level, 0.5)
+        for level in (finest_level(METHOD), fine_level(METHOD) * finest_level(METHOD))
+    )
+    assert coarse.level > 5.0 * fine.level and fine.level == pytest.approx(FLOOR)
+    assert first_step_at(fine, 1.0, 15) < 0.9 * first_step_at(coarse, 1.0, 15) < 0.9
+    tuned = tribo.prepare(changed("A"), accuracy=1e-13).plan.tuned
+    assert tuned.coarse.level > tuned.fine.level
+
+
+def test_a_scene_may_bound_its_evaluations(tmp_path):
+    """By max_evaluations, in the file too; the message names it where equal steps exceed it."""
+    numerics = tribo.Numerics(max_evaluations=1e3)
+    scene = replace(changed("A", duration=1e5), numerics=numerics)
+    scene.save(tmp_path / "scene.toml")
+    result = stopped("NoProgress", tribo.load_scene(tmp_path / "scene.toml"))
+    assert "stopped at t" in " ".join(result.notes)
+    assert result.cost.force_evaluations < 2e5
+    with pytest.raises(tribo.InputError, match=r"more than 1e\+03; .* max_evaluations"):
+        tribo.simulate(scene, accuracy=1e-8, method="rk4")
+    for wrong in (0.0, -1.0, np.nan, "many"):
+        with pytest.raises(tribo.InputError, match="max_evaluations: must be"):
+            tribo.Numerics(max_evaluations=wrong)
+
+
+def test_an_unresolved_step_is_refused_unless_allowed(tmp_path):
+    """By the argument or in the file; then it is noted."""
+    stiff = tribo.Surface("upper", asperite=tribo.Asperite(kappa=1e4))
+    scene = tribo.Scene((stiff,), (), 1.0, output=tribo.Output(samples=2))
+    how = {"method": "verlet", "step": 0.1}
+    with pytest.raises(tribo.InputError, match=r"step: must be at most .* allow_unresolved"):
+        tribo.simulate(scene, **how)
+    result = tribo.simulate(scene, **how, allow_unresolved=True)
+    assert "of the right angle" in " ".join(result.notes)
+    result.scene.save(tmp_path / "scene.toml")
+    again = tribo.load_scene(tmp_path / "scene.toml")
+    assert again.numerics.allow_unresolved
+    assert tribo.simulate(again, **how).notes == result.notes
+    with pytest.raises(tribo.InputError, match="allow_unresolved: must be true or false"):
+        tribo.simulate(scene, **how, allow_unresolved=1)

@@ -1,0 +1,287 @@
+"""An explanation says what a run does, and predicts what it takes."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import tribo
+from tribo import paper
+from tribo.cli import main
+from tribo.explanation import prediction, reasons, speeds, summary
+from tribo.integrators.methods import METHODS
+from tribo.model.scene import Effect
+from tribo.run import progress_guard
+from tribo.run.layout import lay_out
+
+ROW = {"shape": (3, 1), "spacing": (1.1, 0.0)}
+OSCILLATORS = tribo.Bath(masses=np.full(5, 0.1), frequencies=np.linspace(1.0, 3.0, 5))
+STEPPED = tribo.Numerics(method="verlet", step=0.01)
+
+
+PLUGIN = """
+from typing import NamedTuple
+
+class Push(NamedTuple):
+    g: float
+
+    def force_on_bar(self, t, x, y, vx, vy, fx, fy):
+        return self.g - fx, -fy
+
+    def end_forces(self, t, phi, nu, twist):
+        return 0.0, self.g, 0.0, -self.g
+"""
+
+
+def two_rows(upper=(), lower=(), **scene):
+    """Two rows of three with Coulomb contact; the upper one slides over the lower one."""
+    above = {"bob": (-1.0, 0.6), "velocity": (0.5, 0.0)} | ROW | dict(upper)
+    below = {"facing": "up"} | ROW | dict(lower)
+    surfaces = (tribo.Surface("upper", **above), tribo.Surface("lower", **below))
+    scene = {"duration": 2.0, "output": tribo.Output(samples=5)} | scene
+    return tribo.Scene(surfaces, scene.pop("interactions", tribo.Coulomb(0.05)), **scene)
+
+
+KNOWN = {
+    "forced": (two_rows(), {"swings": 6}),
+    "free": (two_rows({"drive": "free"}), {"swings": 6, "x": 3}),
+    "rigid": (two_rows({"drive": tribo.Free(rigid=True)}), {"swings": 6, "x": 3}),
+    "loaded": (two_rows({"drive": tribo.Forced(load=0.1)}), {"swings": 6, "y": 3}),
+    "pulled and loaded": (
+        two_rows({"drive": tribo.Pulled(load=0.1, stiffness=1.0, speed=0.1)}),
+        {"swings": 6, "x": 3, "y": 3},
+    ),
+    "bars": (two_rows({"bars": "free"}, {"bars": "free"}), {"swings": 6, "bars": 6}),
+    "springs": (two_rows({"springs": {"stiffness": 1.0}}), {"swings": 6, "x": 3, "y": 3}),
+    "bath": (two_rows({"bath": OSCILLATORS}), {"swings": 6, "x": 3, "y": 3, "baths": 30}),
+    "langevin": (
+        two_rows(lower={"langevin": {"gamma": 0.1}}),
+        {"swings": 6, "x": 3, "y": 3},
+    ),
+    "field": (
+        two_rows(fields=tribo.Field(tribo.Corrugation(0.1, 1.0), on=("upper",))),
+        {"swings": 6, "x": 3, "y": 3},
+    ),
+    "torsional bath": (
+        two_rows(
+            {
+                "bars": "free",
+                "bath": tribo.Bath(inertias=np.ones(2), torsional_frequencies=np.ones(2)),
+            }
+        ),
+        {"swings": 6, "bars": 3, "baths": 6},
+    ),
+}
+
+
+@pytest.mark.parametrize("name", KNOWN)
+def test_degrees_of_freedom(name):
+    """They are those of the model's equations, and those that the layout gives slots to."""
+    scene, known = KNOWN[name]
+    scene = replace(scene, numerics=STEPPED)
+    found = summary.coordinates(scene)
+    assert {kind: n for kind, n in found.items() if n} == known
+    assert sum(found.values()) == lay_out(scene).coordinates
+
+
+def full_scene(tmp_path):
+    """A scene that calls for every effect but a calculator."""
+    path = tmp_path / "push.py"
+    path.write_text(PLUGIN, encoding="utf-8")
+    (tmp_path / "full.toml").write_text(FULL, encoding="utf-8")
+    return tribo.load_scene(tmp_path / "full.toml")
+
+
+FULL = """
+duration = 1.0
+periodic = {x = 20.0}
+interaction = [
+    {potential = "lennard-jones", epsilon = 0.1, sigma = 0.5, cutoff = 2.0},
+    {between = ["a", "a"], potential = "morse", D = 0.1, alpha = 2.0, r0 = 0.5, cutoff = 2.0},
+]
+field = [{on = ["a"], kind = "corrugation", amplitude = 0.1, period = 1.0}]
+
+[[surface]]
+name = "a"
+shape = [2, 1]
+spacing = [2.0, 0.0]
+bob = [0.0, 1.0]
+drive = {kind = "push.py:Push", g = 0.1}
+springs = {stiffness = 2.0}
+langevin = {gamma = 0.2}
+
+[[surface]]
+name = "b"
+facing = "up"
+drive = {kind = "pulled", stiffness = 1.5, speed = 0.1, load = 0.2}
+bars = "free"
+bath = {oscillators = [{mass = 0.1, frequency = 2}], torsional = [{inertia = 0.1, frequency = 2}]}
+
+[[surface]]
+name = "c"
+bob = [5.0, 9.0]
+bars = {ends = "push.py:Push", g = 0.1}
+"""
+
+# What the reason for each effect of this scene names.
+NAMED = {
+    "contact": 'interaction[0].potential = "lennard-jones"',
+    "swing": "every asperite",
+    "sliding": "surface[0].drive",
+    "turning bars": 'surface[1].bars = "free"',
+    "clamped ends": 'surface[0].bars = "clamped"',
+    "pull": "surface[1].drive.stiffness = 1.5",
+    "load": "surface[1].drive.load = 0.2",
+    "own drive": "surface[0].drive = Push",
+    "own ends": "surface[2].bars = Push",
+    "springs": "surface[0].springs.stiffness = 2.0",
+    "bath": "surface[1].bath = 1 point oscillator",
+    "torsional bath": "surface[1].bath = 1 torsional oscillator",
+    "langevin": "surface[0].langevin.gamma = 0.2",
+    "field": "field[0].kind = Corrugation",
+    "contact within": 'interaction[1].potential = "morse"',
+    "cutoff": "interaction[0] ends at 2",
+    "periodic": "periodic.x = 20",
+}
+
+
+def test_reasons(tmp_path):
+    """Every effect has a reason that names its key; every absent one says what is missing."""
+    scene = full_scene(tmp_path)
+    assert set(NAMED) == scene.effects
+    for effect in Effect:
+        if effect in scene.effects:
+            assert NAMED[effect] in reasons.why_present(scene, effect), effect
+        assert effect in reasons.ABSENT
+    rigid = two_rows({"drive": "free"}, {"drive": "free"})
+    assert reasons.why_present(rigid, Effect.SLIDING).count("surface[") == 2
+
+
+def within_a_factor_of_two(predicted, taken):
+    """Whether a prediction is near."""
+    return 0.5 <= predicted / taken <= 2.0
+
+
+@pytest.mark.parametrize("accuracy", [1e-4, 1e-8])
+@pytest.mark.parametrize("name", ["A", "D", "rows"])
+def test_predicted_evaluations(name, accuracy):
+    """Predictions are within a factor of two of the run, of one asperite on one and of rows."""
+    scene = two_rows() if name == "rows" else paper.scene(name)
+    scene = replace(scene, numerics=tribo.Numerics(accuracy=accuracy))
+    explained = tribo.explain(scene)
+    result = tribo.simulate(scene)
+    assert explained.method == result.method and explained.why == result.why
+    assert within_a_factor_of_two(
+        explained.predicted.force_evaluations, result.cost.force_evaluations
+    )
+    assert explained.predicted.basis == "searched" and explained.step is None
+    assert explained.predicted.met is result.met
+
+
+@pytest.mark.parametrize("method", ["verlet", "midpoint", "kahan-li-6"])
+def test_a_given_step_is_counted(method):
+    """With a step, no run is needed, and the evaluations are exact."""
+    numerics = tribo.Numerics(method=method, step=0.03)
+    scene = replace(two_rows(), numerics=numerics)
+    explained = tribo.explain(scene)
+    assert explained.predicted.basis == "counted" and explained.evaluations_used == 0
+    assert explained.step == 0.03
+    taken = tribo.simulate(scene).cost.force_evaluations
+    assert explained.predicted.force_evaluations == taken
+
+
+@pytest.mark.parametrize("part", [0.05, 0.3, 0.8])
+def test_a_long_search_is_extrapolated(monkeypatch, part):
+    """Of a search that exceeds its budget, the rest is predicted from its beginning."""
+    still = {"velocity": (0.0, 0.0), "initial": tribo.Initial(swing=0.5)}
+    scene = two_rows(still, duration=60.0, numerics=tribo.Numerics(accuracy=1e-6))
+    taken = tribo.simulate(scene).cost.force_evaluations
+    layout = lay_out(scene)
+    method = tribo.prepare(scene).method
+    budget = 1e-9 * part * taken * prediction.evaluation_time(layout, method)
+    monkeypatch.setattr(prediction, "BUDGET", budget)
+    explained = tribo.explain(scene)
+    assert explained.predicted.basis == "extrapolated"
+    assert explained.evaluations_used < min(1.0, 2.0 * part) * taken
+    assert within_a_factor_of_two(explained.predicted.force_evaluations, taken)
+
+
+def test_a_long_run_of_a_pair_is_ended(monkeypatch):
+    """The loop for pairs stops within the budget too, at the same step every time."""
+    monkeypatch.setattr(prediction, "BUDGET", 0.01)
+    monkeypatch.setattr(prediction, "TRIALS", 2**12)
+    monkeypatch.setattr(progress_guard, "TRIALS", 2**12)
+    scene = replace(paper.scene("A"), duration=1e5, output=tribo.Output(samples=2))
+    one, other = tribo.explain(scene), tribo.explain(scene)
+    assert one.predicted.basis == "extrapolated"
+    assert one.evaluations_used == other.evaluations_used < 1e6
+
+
+def test_contact():
+    """All pairs where they are few, lists where they are many."""
+    few = tribo.explain(replace(two_rows(), numerics=STEPPED)).contact
+    assert (few.pairs, few.by_list, few.arithmetic) == (9, False, "scalar")
+    grid = {"shape": (9, 9), "spacing": (1.5, 1.5)}
+    jones = tribo.with_cutoff(tribo.LennardJones(0.1, 1.0), 2.5)
+    many = two_rows(grid, grid, interactions=jones)
+    pairs, by_list = prediction.pairs_of_bobs(lay_out(many))
+    assert by_list and pairs < 81 * 81
+
+
+def test_speeds_are_measured_once(monkeypatch):
+    """A speed that is kept is used again; a damaged file of speeds is measured again."""
+    scene = replace(two_rows(), numerics=STEPPED)
+    first = tribo.explain(scene).predicted.seconds
+    layout, method = lay_out(scene), METHODS["verlet"]
+    path = speeds.path_of(layout, method)
+    assert path.exists()
+    calls = []
+    monkeypatch.setattr("tribo.explanation.summary.measured", lambda *a: calls.append(a) or 1e6)
+    assert tribo.explain(scene).predicted.seconds == first and not calls
+    kept = path.read_text(encoding="utf-8")
+    try:
+        path.write_text("[", encoding="utf-8")
+        assert tribo.explain(scene).predicted.seconds == pytest.approx(0.2) and calls
+    finally:
+        path.write_text(kept, encoding="utf-8")
+
+
+def test_command(tmp_path, capsys):
+    """The JSON has the keys of the contract; the text fits a screen."""
+    path = tmp_path / "scene.toml"
+    replace(two_rows(), numerics=STEPPED).save(path)
+    assert main(["explain", str(path), "--json"]) == 0
+    table = json.loads(capsys.readouterr().out)
+    assert table["effects"] == ["contact", "swing", "clamped ends"]
+    assert set(table["effects"]) | set(table["absent"]) == set(Effect)
+    assert table["degrees_of_freedom"] == 6
+    assert (table["method"], table["step"]) == ("verlet", 0.01)
+    assert table["predicted"]["force_evaluations"] == 200
+    assert table["predicted"]["seconds"] > 0.0 and table["predicted"]["memory_bytes"] > 0
+    assert table["compiled"] is True  # by the tests before, or the explanation before
+    assert main(["explain", str(path)]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) <= 40 and max(map(len, lines)) <= 100
+    assert "Degrees of freedom: 6 (6 swings)." in lines
+
+
+def test_reason_of_the_method():
+    """A method is chosen, named, or what its scene needs."""
+    noisy = two_rows({"langevin": {"gamma": 0.1, "temperature": 1.0}})
+    stepped = replace(two_rows(), numerics=tribo.Numerics(step=0.01))
+    named = replace(two_rows(), numerics=STEPPED)
+    assert summary.reason_of_method(two_rows(), "it is fast") == "chosen because it is fast"
+    assert summary.reason_of_method(named, "") == "which the scene names"
+    assert summary.reason_of_method(noisy, "") == "which integrates thermal noise"
+    assert summary.reason_of_method(stepped, "") == "the default with a given step"
+
+
+def test_wrong_input():
+    """What cannot be run cannot be explained, and the message is that of a run."""
+    with pytest.raises(tribo.InputError, match=r"scene: must be a tribo\.Scene"):
+        tribo.explain("scene.toml")
+    numerics = tribo.Numerics(method="kahan-li-6", step=0.1)
+    noisy = two_rows({"langevin": {"gamma": 0.1, "temperature": 1.0}}, numerics=numerics)
+    with pytest.raises(tribo.InputError, match=r"numerics\.method"):
+        tribo.explain(noisy)
