@@ -114,36 +114,6 @@ def test_effects(name):
     assert scene.effects <= set(Effect)
 
 
-# How many coordinates a scene's motion has: see `degrees_of_freedom`.
-FREEDOMS = {
-    "plain": 2,
-    "driven bars": 2,
-    "driven rows": 4,
-    "damped swing": 2,
-    "one rigid": 1,
-    "both rigid": 0,
-    "one bar free": 3,
-    "free": 3,
-    "loaded": 3,
-    "reservoir": 4,
-}
-
-
-@pytest.mark.parametrize("name", FREEDOMS)
-def test_degrees_of_freedom(name):
-    """Driven bars and rigid asperites have none; oscillators of a bath count."""
-    scene = SCENES[name][0]
-    assert scene.degrees_of_freedom == FREEDOMS[name]
-    bath = tribo.Bath(masses=[1.0, 2.0], frequencies=[1.0, 2.0])
-    upper = replace(scene.surfaces[0], bath=bath, drive=DrivenBars(), langevin=None)
-    together = replace(scene, surfaces=(upper, scene.surfaces[1]))
-    turning = upper.bars != "clamped"
-    swings = not upper.asperite.is_rigid
-    assert together.degrees_of_freedom == upper.count * (4 + turning + swings) + (
-        not scene.surfaces[1].asperite.is_rigid
-    )
-
-
 # How many coordinates a scene has: a swing each, and what is free to move beside.
 SIZES = {
     "plain": 2,  # the two swings

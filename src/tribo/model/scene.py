@@ -332,22 +332,6 @@ class Scene:
         return pressed or self.has_uncancelled_forces(surface)
 
     @property
-    def degrees_of_freedom(self) -> int:
-        """Number of the coordinates that the scene's motion has."""
-        return sum(
-            s.count
-            * (
-                (not s.asperite.is_rigid)
-                + (s.bars != "clamped")
-                + self.slides_along_x(s)
-                + self.slides_along_y(s)
-                + 2 * s.bath.masses.size
-                + s.bath.inertias.size
-            )
-            for s in self.surfaces
-        )
-
-    @property
     def times(self) -> np.ndarray:
         """The times to record, which include the start and the end [time]."""
         if self.output.times is None:

@@ -28,7 +28,7 @@ from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.potentials.from_ase import Call, Live
 from tribo.run import contacts, slots
-from tribo.run.force_records import Records, fields_on_surfaces, springs, user_forces
+from tribo.run.force_records import fields_on_surfaces, springs, user_forces
 from tribo.run.identity import loaded
 
 
