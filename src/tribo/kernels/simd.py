@@ -60,7 +60,7 @@ def _binary(operation, compute) -> None:
         return compute(builder, *(_spread(builder, arg) for arg in args))
 
     numbers = (types.Float, types.Integer)
-    pairs = [(LanesType, LanesType)]
+    pairs: list[tuple[Any, Any]] = [(LanesType, LanesType)]
     pairs += [(LanesType, kind) for kind in numbers] + [(kind, LanesType) for kind in numbers]
     for pair in pairs:
         lower_builtin(operation, *pair)(build)
