@@ -137,7 +137,7 @@ class Origin:
             return
         loop.clocks["t"] = state.t
         if self.same_scene:
-            loop.state.s[:] = state.s
+            loop.state.s[loop.layout.places.s] = state.s
         if "noise" in state.memory:
             loop.restore_noise(state.memory["noise"])
 
@@ -151,7 +151,9 @@ def state_of(layout: Layout, method: str, run: Integration) -> State:
     """The state at the end of a run."""
     last = run.samples.last()
     core, n = layout.core, layout.coordinates
-    y = run.memory["y"].copy() if "y" in run.memory else last.y[0].copy()
+    y = last.y[0].copy()
+    if "y" in run.memory:
+        y = run.memory["y"].reshape(2, -1)[:, layout.places.q].ravel()
     # A sample has the coordinates of the asperites at its time; a loop may be behind with them.
     y[:core], y[n : n + core] = last.y[0, :core], last.y[0, core:]
     t = float(last.t[0])
