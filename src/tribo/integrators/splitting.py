@@ -61,6 +61,7 @@ from tribo.kernels.records import (
     PHI_START,
     SIN_PHI,
 )
+from tribo.kernels.samples import copy
 from tribo.kernels.simd import LANES
 from tribo.kernels.simd_arrays import add_block, block, set_block, zero_row, zero_rows
 from tribo.kernels.simd_functions import sine_cosine
@@ -331,9 +332,12 @@ def begin(model, neighbours, clock, state, work):
     if closest == 0.0:
         return BOBS_COINCIDE
     clock.encounter_rate = rate
+    # The first call sets what works are counted from; the accounts stay as they are.
+    copy(state.s, work.power)
     settle_end_works(model, state.y[:n], state.s, state.memory[0])
     for m in range(state.s.size):
-        state.s[m] = 0.0
+        state.s[m] = work.power[m]
+        work.power[m] = 0.0
     return COMPLETED
 
 
