@@ -25,7 +25,14 @@ from tribo.run.integrate import Integration, Setting
 from tribo.run.layout import Layout
 from tribo.run.ledger import Ledger, assemble
 from tribo.run.loop_selection import Integrator
-from tribo.run.notes import approach_notes, calculator_notes, passage_notes, run_notes, stop_notes
+from tribo.run.notes import (
+    approach_notes,
+    calculator_notes,
+    drive_notes,
+    passage_notes,
+    run_notes,
+    stop_notes,
+)
 from tribo.run.result import Cost, Known, Result
 from tribo.run.state import digest_of, state_of
 from tribo.run.streamed_ledger import StreamedLedger, exceeds_memory
@@ -173,11 +180,14 @@ class Simulation:
         layout, seconds, ratio = self.layout, self.compile_seconds, self._digit_ratio
         setting, times = self._single
         run = self._integrator(setting, times, y)
+        notes = passage_notes(layout, run)
+        if self.plan.tuned is None:
+            notes += drive_notes(layout, assemble(layout, run.samples.ends()))
         # The ledger and the cost are left for later: a run of a pair takes ten microseconds.
         return self._result(
             run.status,
             None,
-            passage_notes(layout, run),
+            notes,
             {},
             lambda: _reported(layout, run),
             lambda: _cost([run], seconds, ratio),
@@ -189,8 +199,8 @@ class Simulation:
         streamed = StreamedLedger(self.layout)
         run = self._integrator(self.plan.setting, self.plan.times, y, streamed)
         note = "of the asperites' series only the first and the last sample are kept"
-        notes = (*passage_notes(self.layout, run), note)
         ledger = streamed.with_ends(run.samples)
+        notes = (*passage_notes(self.layout, run), *drive_notes(self.layout, ledger), note)
         cost = _cost([run], self.compile_seconds, self._digit_ratio)
         return self._result(run.status, None, notes, {}, Known(ledger), Known(cost), run)
 
@@ -203,6 +213,7 @@ class Simulation:
             bounds, excess = self._errors(runs[-3:])
             met = excess <= 1.0
             notes = () if met else (*approach_notes(self.layout, fine), self._missed(excess))
+        notes = (*drive_notes(self.layout, assemble(self.layout, fine.samples.ends())), *notes)
         known = met if len(runs) > 1 or fine.status != Status.COMPLETED else None
         layout, seconds, ratio = self.layout, self.compile_seconds, self._digit_ratio
         return self._result(

@@ -99,7 +99,8 @@ def _contact(batch: Batch, s: np.ndarray) -> Account:
     """The contact with bobs of other surfaces."""
     jx, jy, about_x, about_y = _columns(batch, "acc_contact", range(4), s)
     slide_x, slide_y = _columns(batch, "acc_slide", range(2), s)
-    return Account(batch.asperites.l1 * (about_x + about_y), jx, jy, slide_x + slide_y)
+    a, swept = batch.asperites, about_x + about_y
+    return Account(a.l1 * swept, jx, jy, slide_x + slide_y + a.pivot * swept)
 
 
 def _drive(batch: Batch, s: np.ndarray) -> Account:
@@ -131,6 +132,13 @@ def _right_end(batch: Batch, s: np.ndarray) -> Account:
     return Account(about + user[0], user[1] - jx, user[2] - jy, user[3] - pseudo)
 
 
+def _thermal(batch: Batch, s: np.ndarray) -> Account:
+    """Langevin reservoirs: at the bar, and on the swing, whose torque has no pseudowork."""
+    jx, jy, about, pseudo = _columns(batch, "acc_thermal", range(4), s)
+    (swing,) = _columns(batch, "acc_swing", (0,), s)
+    return Account(about + swing, jx, jy, pseudo)
+
+
 def _point(group: str) -> Callable[[Batch, np.ndarray], Account]:
     """A force with accounts of its own."""
 
@@ -149,7 +157,7 @@ FORCES: dict[str, Callable[[Batch, np.ndarray], Account]] = {
     "wR": _right_end,
     "w_int": _point("acc_internal"),
     "w_field": _point("acc_field"),
-    "w_T": _point("acc_thermal"),
+    "w_T": _thermal,
 }
 # The names of the external ones, and of those by which outside agents do work on a surface.
 EXTERNAL = tuple(name for name in FORCES if name != "w_int")

@@ -85,7 +85,8 @@ class Entry(Motion):
     def kinetic(self) -> np.ndarray:
         """Change of the translational kinetic energy."""
         velocity, mass = self.batch.velocity, self.batch.asperites.mass
-        return mass * (velocity[0] * self.vx + velocity[1] * self.vy) + self.moving
+        kinetic = mass * (velocity[0] * self.vx + velocity[1] * self.vy) + self.moving
+        return np.asarray(kinetic - kinetic[0])
 
     @cached_property
     def energy(self) -> np.ndarray:

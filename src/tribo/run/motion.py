@@ -54,22 +54,29 @@ class Motion:
     @cached_property
     def x(self) -> np.ndarray:
         """Displacement of the centre of mass from its uniform motion."""
-        return self._column("dof_x", self._q)
+        return self._column("dof_x", self._q) + self._about_pivots[0]
 
     @cached_property
     def y(self) -> np.ndarray:
         """The same along y."""
-        return self._column("dof_y", self._q)
+        return self._column("dof_y", self._q) + self._about_pivots[1]
 
     @cached_property
     def vx(self) -> np.ndarray:
         """Rate of `x`."""
-        return self._column("dof_x", self._v)
+        return self._column("dof_x", self._v) + self._about_pivots[2]
 
     @cached_property
     def vy(self) -> np.ndarray:
         """Rate of `y`."""
-        return self._column("dof_y", self._v)
+        return self._column("dof_y", self._v) + self._about_pivots[3]
+
+    @cached_property
+    def _about_pivots(self) -> tuple[np.ndarray | float, ...]:
+        """Displacements and velocities of centres of mass about driven bars; else zeros."""
+        if not self._asperites.pivot.any():
+            return 0.0, 0.0, 0.0, 0.0
+        return about_pivots(self._asperites, self.swing, self.omega)
 
     def _column(
         self, group: str, table: np.ndarray, absent: Callable[[], np.ndarray | float] = float
@@ -92,6 +99,19 @@ def motions(layout: Layout, samples: Samples, index: int) -> Iterator[tuple[Batc
     """The motion of surface `index`, batch by batch."""
     for batch in layout.batches[index]:
         yield batch, Motion(layout, batch, samples)
+
+
+def about_pivots(
+    asperites: Asperites, swing: np.ndarray, omega: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Displacements x, y and velocities of the centres of mass about the centres of driven bars.
+
+    The coordinates x and y of such asperites are those of the bars.
+    """
+    pivot, facing = asperites.pivot, asperites.facing
+    tx, ty = swing_direction(facing, swing)
+    lift = facing * 2.0 * np.sin(0.5 * swing) ** 2  # facing - tx
+    return pivot * ty, pivot * lift, pivot * omega * tx, pivot * omega * ty
 
 
 def columns(slots: np.ndarray, table: np.ndarray, absent: np.ndarray | float = 0.0) -> np.ndarray:

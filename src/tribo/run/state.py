@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from tribo.run.general_loop import GeneralLoop
 from tribo.run.identity import first_difference, plain_table
 from tribo.run.integrate import Integration, Memory
 from tribo.run.layout import Layout
-from tribo.run.motion import columns
+from tribo.run.motion import about_pivots, columns
 from tribo.run.quantities import Table
 from tribo.run.samples import Samples
 from tribo.validation import InputError
@@ -137,7 +138,7 @@ class Origin:
             return
         loop.clocks["t"] = state.t
         if self.same_scene:
-            loop.state.s[:] = state.s
+            loop.state.s[loop.layout.places.s] = state.s
         if "noise" in state.memory:
             loop.restore_noise(state.memory["noise"])
 
@@ -151,7 +152,9 @@ def state_of(layout: Layout, method: str, run: Integration) -> State:
     """The state at the end of a run."""
     last = run.samples.last()
     core, n = layout.core, layout.coordinates
-    y = run.memory["y"].copy() if "y" in run.memory else last.y[0].copy()
+    y = last.y[0].copy()
+    if "y" in run.memory:
+        y = run.memory["y"].reshape(2, -1)[:, layout.places.q].ravel()
     # A sample has the coordinates of the asperites at its time; a loop may be behind with them.
     y[:core], y[n : n + core] = last.y[0, :core], last.y[0, core:]
     t = float(last.t[0])
@@ -181,6 +184,10 @@ def _surface(layout: Layout, part: slice, y: np.ndarray) -> Table:
     ):
         table[name] = columns(slots, y[None, :n])[0]
         table[rate] = columns(slots, y[None, n:])[0]
+    if np.any(a.pivot > 0.0):
+        about = about_pivots(a, table["swing"], table["omega"])
+        for name, values in zip(("x", "y", "vx", "vy"), about, strict=True):
+            table[name] = table[name] + values
     return {name: np.array(values) for name, values in table.items()}
 
 
@@ -216,7 +223,15 @@ def _physics(table: dict[str, object]) -> dict[str, object]:
 def _places(table: dict[str, object]) -> dict[str, object]:
     surfaces = table["surface"]
     assert isinstance(surfaces, list)
-    return {"surface": [{key: surface.get(key) for key in PLACES} for surface in surfaces]}
+    return {"surface": [_places_of(surface) for surface in surfaces]}
+
+
+def _places_of(surface: dict[str, Any]) -> dict[str, object]:
+    """Settings of a surface on which the meaning of its coordinates depends."""
+    places = {key: surface.get(key) for key in PLACES}
+    places["drive.kind"] = "bars" if surface["drive"]["kind"] == "bars" else None
+    places["asperite.kappa"] = np.inf if np.all(np.isinf(surface["asperite"]["kappa"])) else None
+    return places
 
 
 def below(prefix: str, arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:

@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from tribo.kernels.records import BARS
 from tribo.kernels.samples import BATH, MOMENTUM_X, MOMENTUM_Y, SPRINGS, TORSIONAL, WITHIN
 from tribo.run.accounts import APPLIED, EXTERNAL, Account, Integrals, Part, accounted
 from tribo.run.batch import Batch
@@ -93,7 +94,10 @@ class Whole(Group):
         """The pseudowork of external forces."""
         slot = self._record.acc_block
         boost = self._sum_over(integrals, EXTERNAL, Account.boost)
-        return boost + integrals.s[:, slot] if slot >= 0 else boost
+        if slot >= 0:
+            return boost + integrals.s[:, slot]
+        # Surfaces keep their momentum, or a constraint provides its change.
+        return boost + (self._bulk - self._bulk[0]) if self._record.drive == BARS else boost
 
     def applied(self, integrals: Integrals) -> np.ndarray:
         """The work of outside agents."""
