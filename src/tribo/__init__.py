@@ -102,8 +102,10 @@ _SUBPACKAGES = ("paper", "plotting", "potentials")
 
 __all__ = [*_HOME, *_SUBPACKAGES, "__version__"]
 
+__version__: str
 
-def __getattr__(name: str) -> Any:
+
+def __getattr__(name: str) -> object:
     if name == "__version__":
         from importlib.metadata import version
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from tribo.accuracy.scales import EPSILON, largest
 from tribo.kernels.samples import BATH, SPRINGS, TORSIONAL, WITHIN
+from tribo.model.fields import Corrugation
 from tribo.run.accounts import Account
 from tribo.run.layout import Layout
 from tribo.run.ledger import entries
@@ -40,16 +41,17 @@ def rounding_of_terms(layout: Layout, samples: Samples, steps: int) -> dict[str,
     walk.
     """
     terms = _Terms()
-    whole = np.abs(samples.field)
+    whole = np.zeros(samples.t.size)
     applied, farthest = np.zeros(samples.t.size), np.zeros(samples.t.size)
     for k in range(len(layout.scene.surfaces)):
         energy, work, place = _of_surface(layout, samples, k, terms)
         whole, applied = whole + energy, applied + work
         farthest = np.maximum(farthest, place)
-    # The rounding of a position is relative to its terms, and the energy of a contact changes over
-    # the length of its potential.
+    # The rounding of a position is relative to its terms, and an energy changes over the length of
+    # its potential.
     steepness = 1.0 + farthest / _shortest_length(layout)
     whole = whole + terms.put("contact_energy", np.abs(samples.contact) * steepness)
+    whole = whole + np.abs(samples.field) * (1.0 + farthest / _shortest_wave(layout))
     for field in layout.model.fields or ():
         if field.account >= 0:
             applied = applied + np.abs(samples.s[:, field.account])
@@ -64,6 +66,13 @@ def _shortest_length(layout: Layout) -> float:
     contacts = (*layout.model.contacts, *(layout.model.within or ()))
     lengths = (contact.potential.feature()[0] for contact in contacts)
     return min((length for length in lengths if length > 0.0), default=np.inf)
+
+
+def _shortest_wave(layout: Layout) -> float:
+    """The shortest period over 2 pi of a corrugation; infinite without one."""
+    potentials = (field.potential for field in layout.model.fields or ())
+    periods = (item.period for item in potentials if isinstance(item, Corrugation))
+    return min(periods, default=np.inf) / (2.0 * np.pi)
 
 
 def _of_surface(
@@ -82,7 +91,7 @@ def _of_surface(
         for name, arm in (("bob", a.l1), ("bar", a.l2)):
             terms.put(f"x_{name}", x, arm)
             terms.put(f"y_{name}", y, arm)
-        farthest = np.maximum(farthest, np.max(np.hypot(x, y), axis=1))
+        farthest = np.maximum(farthest, np.max(np.hypot(x, y) + a.l1, axis=1))
         internal, moving = _of_energies(batch, motion, terms)
         energy = energy + np.sum(internal, axis=1) + moving @ mass
         momentum = momentum + np.hypot(motion.vx, motion.vy) @ mass

@@ -31,7 +31,7 @@ from tribo.kernels.records import (
     TX,
     TY,
 )
-from tribo.kernels.simd import LANES, sum_of_lanes
+from tribo.kernels.simd import LANES, broadcast, sum_of_lanes
 from tribo.kernels.simd_arrays import block, set_block
 from tribo.kernels.user_forces import velocity_of_bar
 
@@ -71,7 +71,7 @@ def push_bar(model, s, i, px, py, v, accounts, slot):
 @kernel
 def rotate_oscillators(q, v, start, count, centre, table, first, rotations):
     """Rotate `count` oscillators about a place; returns the momentum that they gained."""
-    gained = 0.0
+    gained = broadcast(0.0)
     for m in range(0, count, LANES):
         x = block(q, start + m) - centre
         rate = block(v, start + m)
@@ -79,8 +79,8 @@ def rotate_oscillators(q, v, start, count, centre, table, first, rotations):
         set_block(q, start + m, centre + new)
         set_block(v, start + m, new_rate)
         mass = block(table[OSCILLATOR_MASS], first + m)
-        gained += sum_of_lanes(mass * (new_rate - rate))
-    return gained
+        gained = gained + mass * (new_rate - rate)
+    return sum_of_lanes(gained)
 
 
 @kernel
@@ -149,7 +149,7 @@ def thermalise(model, friction, tau, v, accounts, noise):
             s = model.surfaces[k]
             if s.gamma == 0.0:
                 continue
-            before_x, before_y = momentum(model, s, v)
+            before_x, before_y = momentum(model, s, v, v)
             for i in range(s.start, s.end):
                 tx = model.bobs[TX, i]
                 ty = model.bobs[TY, i]
@@ -164,7 +164,7 @@ def thermalise(model, friction, tau, v, accounts, noise):
                 px = along * tx - side * ty
                 py = along * ty + side * tx
                 push_bar(model, s, i, px, py, v, accounts, s.acc_thermal)
-            after_x, after_y = momentum(model, s, v)
+            after_x, after_y = momentum(model, s, v, v)
             px = after_x - before_x
             py = after_y - before_y
             accounts[s.acc_block] += (

@@ -34,6 +34,8 @@ MAX_EXTRAPOLATION = 4.0
 # The polynomial's highest term may be this times the root of the tolerance's level, in units of the
 # scales of velocities and accounts: the error of a step is about as the square of that term.
 HIGHEST_TERM = 10.0
+# The smallest positive double of full precision: the unit of a change where nothing moves.
+SMALLEST = 2.0**-1022
 
 
 class Nodes(NamedTuple):
@@ -112,7 +114,7 @@ def unknown_nodes(method):
 
 @kernel
 def set_round_off(state, h, unit):
-    """The round-off of the largest velocity, as the unit of all."""
+    """The round-off of the largest velocity, as the unit of all; positive also if all rest."""
     n = state.acceleration.size
     velocity = 0.0
     acceleration = 0.0
@@ -120,7 +122,7 @@ def set_round_off(state, h, unit):
         velocity = max(velocity, abs(state.y[n + m]))
         acceleration = max(acceleration, abs(state.acceleration[m]))
     for m in range(n):
-        unit[m] = EPSILON * (velocity + h * acceleration)
+        unit[m] = EPSILON * (velocity + h * acceleration) + SMALLEST
 
 
 @kernel

@@ -288,10 +288,8 @@ def kick(model, t, tau, q, v, accounts, work):
             kick_slot(s.dof_x, s, i, tau, acceleration, v, middle)
             kick_slot(s.dof_y, s, i, tau, acceleration, v, middle)
             powers_of_block(model, s, i, 0.0, t, q, middle, power)
-    for m in range(model.core, v.size, LANES):
-        set_block(middle, m, block(v, m))
     field_powers(model, model.fields, t, power)
-    block_powers(model, middle, power)
+    block_powers(model, middle, v, power)
     for m in range(0, power.size, LANES):
         add_block(accounts, m, tau * block(power, m))
 

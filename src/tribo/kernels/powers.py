@@ -244,42 +244,49 @@ def torsional_powers(model, torsional, t, q, v, power):
 
 
 @kernel
-def momentum(model, s, v):
-    """Momentum of a surface and its bath in the surface's first frame."""
-    px, py = bath_momentum(model, model.bath, s, v)
+def momentum(model, s, v, of_bath):
+    """Momentum of a surface and its bath in the surface's first frame.
+
+    The velocities of the asperites are read from `v`, those of the bath from `of_bath`.
+    """
+    px, py = bath_momentum(model, model.bath, s, of_bath)
+    x = broadcast(0.0)
+    y = broadcast(0.0)
     for i in range(s.start, s.stop, LANES):
         mass = block(model.asperites[MASS], i)
-        if s.dof_x >= 0:
-            px += sum_of_lanes(mass * coordinates(s.dof_x, s, i, v))
-        if s.dof_y >= 0:
-            py += sum_of_lanes(mass * coordinates(s.dof_y, s, i, v))
-    return px, py
+        x = x + mass * coordinates(s.dof_x, s, i, v)
+        y = y + mass * coordinates(s.dof_y, s, i, v)
+    return px + sum_of_lanes(x), py + sum_of_lanes(y)
 
 
 @inlined
 def external_force(model, s):
     """Sum of f1, f2, field, f_T and a plug-in's forces on ends over a surface."""
-    fx = 0.0
-    fy = 0.0
+    fx = broadcast(0.0)
+    fy = broadcast(0.0)
     for i in range(s.start, s.stop, LANES):
-        x = block(model.bobs[FX], i) + block(model.drive[ALONG_X], i)
-        y = block(model.bobs[FY], i) + block(model.drive[ALONG_Y], i)
-        field_x, field_y = vectors(model.external, i)
-        friction_x, friction_y = vectors(model.friction, i)
-        end_x, end_y = end_force_sums(model.end_forces, i)
-        fx += sum_of_lanes(x + field_x + friction_x + end_x)
-        fy += sum_of_lanes(y + field_y + friction_y + end_y)
-    return fx, fy
+        fx = fx + block(model.bobs[FX], i) + block(model.drive[ALONG_X], i)
+        fy = fy + block(model.bobs[FY], i) + block(model.drive[ALONG_Y], i)
+        x, y = vectors(model.external, i)
+        fx, fy = fx + x, fy + y
+        x, y = vectors(model.friction, i)
+        fx, fy = fx + x, fy + y
+        x, y = end_force_sums(model.end_forces, i)
+        fx, fy = fx + x, fy + y
+    return sum_of_lanes(fx), sum_of_lanes(fy)
 
 
 @inlined
-def block_powers(model, v, power):
-    """Set the power of each surface's external force at the velocity of its centre of mass."""
+def block_powers(model, v, of_bath, power):
+    """Set the power of each surface's external force at the velocity of its centre of mass.
+
+    For the velocities see :func:`momentum`.
+    """
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         if s.acc_block >= 0:
             fx, fy = external_force(model, s)
-            px, py = momentum(model, s, v)
+            px, py = momentum(model, s, v, of_bath)
             power[s.acc_block] = (fx * px + fy * py) / s.total_mass
 
 
@@ -292,4 +299,4 @@ def all_powers(model, t, q, v, power):
             powers_of_block(model, s, i, 1.0, t, q, v, power)
     field_powers(model, model.fields, t, power)
     torsional_powers(model, model.torsional, t, q, v, power)
-    block_powers(model, v, power)
+    block_powers(model, v, v, power)

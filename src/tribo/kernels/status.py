@@ -40,8 +40,9 @@ MEANINGS = {
     Status.ENCOUNTER_JUMPED: "a step of the given size would carry bobs past an encounter; "
     "give a smaller one",
     Status.NOT_CONVERGED: "iteration did not solve the equations of a step; give a smaller step",
-    Status.NO_PROGRESS: "by its progress so far, the run would take more than 1e9 evaluations of "
-    "all forces; give a lower accuracy, a shorter duration, or a method and a step",
+    Status.NO_PROGRESS: "by its progress so far, the run would take more evaluations of all forces "
+    "than it may; give a lower accuracy, a shorter duration, more max_evaluations, or a method and "
+    "a step",
     Status.ENERGY_RUNAWAY: "the energy grows without work, as the step is too long for the "
     "motion; give a smaller one, or an accuracy",
     Status.CALCULATOR_FAILED: "an ASE calculator raised an error, which the notes quote",

@@ -71,7 +71,7 @@ class Numerics:
         spring.
     max_evaluations : float, optional
         Evaluations of all forces that a run with an accuracy may take before it stops as
-        `NoProgress`; by default 1e8 over the number of asperites, and at least 1e7.
+        `NoProgress`; by default 2e8 over the number of asperites, and at least 1e7.
 
     Raises
     ------
