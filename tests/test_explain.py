@@ -86,6 +86,32 @@ def test_degrees_of_freedom(name):
     assert sum(found.values()) == lay_out(scene).coordinates
 
 
+CONSTRAINED = (
+    ({"drive": "bars"}, {"drive": "bars", "bars": "free"}, {"swings": 6, "bars": 3}),
+    ({"drive": "bars", "bath": OSCILLATORS}, {}, {"swings": 6, "baths": 30}),
+    ({"asperite": tribo.Asperite(kappa=np.inf), "drive": "free"}, {}, {"swings": 3, "x": 3}),
+)
+
+
+@pytest.mark.parametrize(("upper", "lower", "known"), CONSTRAINED)
+def test_constraints_take_degrees_of_freedom(upper, lower, known):
+    """Centres of mass on driven bars follow from the swing, and rigid asperites have none."""
+    found = summary.coordinates(two_rows(upper, lower))
+    assert {kind: n for kind, n in found.items() if n} == known
+
+
+def test_reasons_of_constraints():
+    """The keys that call for them; driven bars do not slide."""
+    rigid = tribo.Asperite(kappa=np.inf)
+    damped = {"drive": "bars", "langevin": {"gamma": 0.2, "on": "swing"}}
+    scene = two_rows(damped, {"drive": "bars", "asperite": rigid})
+    assert reasons.why_present(scene, Effect.DRIVEN_BARS).startswith('surface[0].drive = "bars"')
+    assert reasons.why_present(scene, Effect.RIGID) == "surface[1].asperite.kappa = inf"
+    assert reasons.why_present(scene, Effect.SWING) == "surface[0].asperite.kappa is finite"
+    assert reasons.why_present(scene, Effect.SWING_LANGEVIN) == "surface[0].langevin.gamma = 0.2"
+    assert Effect.SLIDING not in scene.effects and Effect.LANGEVIN not in scene.effects
+
+
 def full_scene(tmp_path):
     """A scene that calls for every effect but a calculator."""
     path = tmp_path / "push.py"
