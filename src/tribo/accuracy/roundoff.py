@@ -13,6 +13,7 @@ from tribo.accuracy.scales import EPSILON, largest
 from tribo.kernels.samples import BATH, SPRINGS, TORSIONAL, WITHIN
 from tribo.model.fields import Corrugation
 from tribo.run.accounts import Account
+from tribo.run.closest_bobs import closest_bobs
 from tribo.run.layout import Layout
 from tribo.run.ledger import entries
 from tribo.run.motion import Batch, Motion, internal_energy
@@ -49,7 +50,7 @@ def rounding_of_terms(layout: Layout, samples: Samples, steps: int) -> dict[str,
         farthest = np.maximum(farthest, place)
     # The rounding of a position is relative to its terms, and an energy changes over the length of
     # its potential.
-    steepness = 1.0 + farthest / _shortest_length(layout)
+    steepness = 1.0 + farthest / _shortest_length(layout, samples)
     whole = whole + terms.put("contact_energy", np.abs(samples.contact) * steepness)
     whole = whole + np.abs(samples.field) * (1.0 + farthest / _shortest_wave(layout))
     for field in layout.model.fields or ():
@@ -61,10 +62,17 @@ def rounding_of_terms(layout: Layout, samples: Samples, steps: int) -> dict[str,
     return {name: count * magnitude for name, magnitude in terms.items()}
 
 
-def _shortest_length(layout: Layout) -> float:
-    """The shortest length over which a contact's force changes; infinite without contacts."""
-    contacts = (*layout.model.contacts, *(layout.model.within or ()))
-    lengths = (contact.potential.feature()[0] for contact in contacts)
+def _shortest_length(layout: Layout, samples: Samples) -> float:
+    """The shortest length over which a contact's force changes; infinite without contacts.
+
+    Of potentials without a length of their own, at the sample with the largest energy of contact.
+    """
+    potentials = [c.potential for c in (*layout.model.contacts, *(layout.model.within or ()))]
+    lengths = [potential.feature()[0] for potential in potentials]
+    largest_at = int(np.argmax(np.abs(samples.contact)))
+    bobs = closest_bobs(layout, samples.at(samples.t[largest_at : largest_at + 1]))
+    if bobs is not None:
+        lengths += [float(potential.clearance(bobs[0])) for potential in potentials]
     return min((length for length in lengths if length > 0.0), default=np.inf)
 
 
