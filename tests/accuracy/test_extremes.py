@@ -9,10 +9,12 @@ import tribo
 from support.hard_scenes import changed, simulate, stopped
 from tribo.accuracy.levels import fine_level, finest_level
 from tribo.accuracy.plan import integrator_for
-from tribo.accuracy.scales import FLOOR, first_guess, tolerance_scales, tolerances
+from tribo.accuracy.roundoff import rounding_of_terms
+from tribo.accuracy.scales import EPSILON, FLOOR, first_guess, tolerance_scales, tolerances
 from tribo.integrators.methods import METHODS
 from tribo.run.integrate import first_step_at
 from tribo.run.layout import lay_out
+from tribo.run.samples import Samples
 
 METHOD = METHODS["gauss-radau-15"]
 
@@ -98,3 +100,32 @@ def test_an_unresolved_step_is_refused_unless_allowed(tmp_path):
     assert tribo.simulate(again, **how).notes == result.notes
     with pytest.raises(tribo.InputError, match="allow_unresolved: must be true or false"):
         tribo.simulate(scene, **how, allow_unresolved=1)
+
+
+def test_field_energies_are_rounded_with_the_places_of_bobs():
+    """At the end of a rod of 1e9 periods, the phase of a corrugation is known to 1e-6 only."""
+    found = []
+    for length in (1.0, 1e9):
+        rod = tribo.Asperite(m1=1.0, m2=1.0, length=length)
+        wave = tribo.Field(tribo.Corrugation(1.0, 1.0), on=["upper"])
+        scene = tribo.Scene((tribo.Surface("upper", asperite=rod),), (), 1.0, fields=(wave,))
+        layout = lay_out(scene)
+        sample = Samples.at_zero(layout.core, layout.accounts, len(layout.parts))
+        sample = replace(sample, field=np.ones(1))
+        found.append(rounding_of_terms(layout, sample, 1)["total_energy_change"])
+    assert found[1] == pytest.approx(5.0 * EPSILON * 2.0 * np.pi * 0.5e9, rel=0.1)
+    assert found[0] < 1e-7 * found[1]
+
+
+def test_contact_energies_are_rounded_with_the_places_of_bobs():
+    """Also for potentials without a length of their own."""
+    found = []
+    for length in (1.0, 1e6):
+        rod = tribo.Asperite(length=length)
+        upper = tribo.Surface("upper", bob=(0.0, 0.5), asperite=rod)
+        lower = tribo.Surface("lower", facing="up", asperite=rod)
+        layout = lay_out(tribo.Scene((upper, lower), tribo.Coulomb(0.2), 1.0))
+        sample = Samples.at_zero(layout.core, layout.accounts, len(layout.parts))
+        sample = replace(sample, contact=np.array([0.4]))
+        found.append(rounding_of_terms(layout, sample, 1)["contact_energy"])
+    assert found[1] > 1e5 * found[0] > 0.0
