@@ -110,8 +110,10 @@ def _drive(batch: Batch, s: np.ndarray) -> Account:
     slide_x, slide_y = _columns(batch, "acc_slide", range(2), s)
     own_jx, own_jy, own_about, own_pseudo = _columns(batch, "acc_drive", range(4), s)
     own = a.acc_drive >= 0
+    # On driven bars the reaction does no work in the frame of the surface.
+    own_about = np.where(a.pivot > 0.0, -own_pseudo, -a.l2 * own_about)
     return Account(
-        np.where(own, -a.l2 * own_about, a.l2 * (held * about_x + about_y)),
+        np.where(own, own_about, a.l2 * (held * about_x + about_y)),
         np.where(own, own_jx, -held * jx),
         np.where(own, own_jy, -jy),
         np.where(own, own_pseudo, -(held * slide_x + slide_y)),

@@ -39,11 +39,6 @@ def _add(
     _, _, vx, vy = about_pivots(a, *later)
     _, _, vx0, vy0 = about_pivots(a, *first)
     pseudo = 0.5 * a.mass * (vx**2 + vy**2 - vx0**2 - vy0**2) - sum(f.pseudo for f in others)
-    values = (
-        a.mass * (vx - vx0) - sum(f.jx for f in others),
-        a.mass * (vy - vy0) - sum(f.jy for f in others),
-        pseudo / a.l2,  # the work about the centre of mass is -l2 times this
-        pseudo,
-    )
-    for m, value in enumerate(values):
-        s[:, a.acc_drive + m * a.stride] = value
+    s[:, a.acc_drive] = a.mass * (vx - vx0) - sum(f.jx for f in others)
+    s[:, a.acc_drive + a.stride] = a.mass * (vy - vy0) - sum(f.jy for f in others)
+    s[:, a.acc_drive + 3 * a.stride] = pseudo
