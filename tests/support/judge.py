@@ -504,7 +504,7 @@ CHECKS["rk4, slid"] = Steps("slid", "rk4", 0.1, 4, 1e-4)
 CHECKS["rk4, slid, streamed"] = Limited(
     CHECKS["rk4, slid"], {"streamed_ledger.SERIES_BYTES": 0, "streamed_ledger.PORTION_BYTES": 0}
 )
-CHECKS["rk4, slid, in batches"] = Limited(CHECKS["rk4, slid"], {"motion.BATCH_SIZE": 1})
+CHECKS["rk4, slid, in batches"] = Limited(CHECKS["rk4, slid"], {"batch.BATCH_SIZE": 1})
 CHECKS["gauss-8, slid"] = Steps("slid", "gauss-8", 0.25, 8, 1e-6)
 for _method in ("dop853", "rkn8", "rkn12", "gauss-radau-15"):
     CHECKS[f"{_method}, slid"] = Accurate("slid", _method, 1e-8, 1e-7)
