@@ -5,8 +5,8 @@ on the upper surface, and a pair with a bath on the upper bar.  Both loops integ
 "verlet" with the same ledger; those by hand stand in loops_by_hand.py.
 
 Before anything is timed, both run for some steps, and their motion and works must agree.  Then they
-are timed in turn.  The times are the shortest of all rounds, which other programs on the machine
-disturb least.
+are timed in turn.  The times are those of the processor, and the shortest of all rounds counts, so
+that other programs on the machine disturb little.
 
     python benchmarks/by_hand.py [--json] [--rounds N] [--scenes 1+1 64+64 ...]
 """
@@ -216,10 +216,10 @@ class Tribo:
 
 
 def nanoseconds(loop: Tribo | ByHand, steps: int) -> float:
-    """Nanoseconds a step, of so many steps."""
-    began = time.perf_counter()
+    """Nanoseconds of processor time a step, of so many steps."""
+    began = time.thread_time_ns()
     loop.run(steps)
-    return 1e9 * (time.perf_counter() - began) / steps
+    return (time.thread_time_ns() - began) / steps
 
 
 def timed(loop: Tribo | ByHand) -> tuple[Tribo | ByHand, int]:

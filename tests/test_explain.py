@@ -12,6 +12,7 @@ from tribo.cli import main
 from tribo.explanation import prediction, reasons, speeds, summary
 from tribo.integrators.methods import METHODS
 from tribo.model.scene import Effect
+from tribo.potentials import as_potential, expression
 from tribo.run import progress_guard
 from tribo.run.layout import lay_out
 
@@ -83,6 +84,32 @@ def test_degrees_of_freedom(name):
     found = summary.coordinates(scene)
     assert {kind: n for kind, n in found.items() if n} == known
     assert sum(found.values()) == lay_out(scene).coordinates
+
+
+CONSTRAINED = (
+    ({"drive": "bars"}, {"drive": "bars", "bars": "free"}, {"swings": 6, "bars": 3}),
+    ({"drive": "bars", "bath": OSCILLATORS}, {}, {"swings": 6, "baths": 30}),
+    ({"asperite": tribo.Asperite(kappa=np.inf), "drive": "free"}, {}, {"swings": 3, "x": 3}),
+)
+
+
+@pytest.mark.parametrize(("upper", "lower", "known"), CONSTRAINED)
+def test_constraints_take_degrees_of_freedom(upper, lower, known):
+    """Centres of mass on driven bars follow from the swing, and rigid asperites have none."""
+    found = summary.coordinates(two_rows(upper, lower))
+    assert {kind: n for kind, n in found.items() if n} == known
+
+
+def test_reasons_of_constraints():
+    """The keys that call for them; driven bars do not slide."""
+    rigid = tribo.Asperite(kappa=np.inf)
+    damped = {"drive": "bars", "langevin": {"gamma": 0.2, "on": "swing"}}
+    scene = two_rows(damped, {"drive": "bars", "asperite": rigid})
+    assert reasons.why_present(scene, Effect.DRIVEN_BARS).startswith('surface[0].drive = "bars"')
+    assert reasons.why_present(scene, Effect.RIGID) == "surface[1].asperite.kappa = inf"
+    assert reasons.why_present(scene, Effect.SWING) == "surface[0].asperite.kappa is finite"
+    assert reasons.why_present(scene, Effect.SWING_LANGEVIN) == "surface[0].langevin.gamma = 0.2"
+    assert Effect.SLIDING not in scene.effects and Effect.LANGEVIN not in scene.effects
 
 
 def full_scene(tmp_path):
@@ -221,12 +248,18 @@ def test_a_long_run_of_a_pair_is_ended(monkeypatch):
 def test_contact():
     """All pairs where they are few, lists where they are many."""
     few = tribo.explain(replace(two_rows(), numerics=STEPPED)).contact
-    assert (few.pairs, few.by_list, few.arithmetic) == (9, False, "scalar")
+    assert (few.pairs, few.by_list, few.arithmetic, few.scalar) == (9, False, "lanes", ())
     grid = {"shape": (9, 9), "spacing": (1.5, 1.5)}
     jones = tribo.with_cutoff(tribo.LennardJones(0.1, 1.0), 2.5)
     many = two_rows(grid, grid, interactions=jones)
     pairs, by_list = prediction.pairs_of_bobs(lay_out(many))
     assert by_list and pairs < 81 * 81
+
+
+def test_formulas_that_do_not_compile_for_lanes():
+    """A formula with a sine is computed pair after pair, one of exponentials in lanes."""
+    assert summary.in_lanes(as_potential(tribo.Morse(1.0, 2.0, 1.0)))
+    assert not summary.in_lanes(expression("a * sin(r)", a=0.1))
 
 
 def test_speeds_are_measured_once(monkeypatch):

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from tribo.explanation import Explanation, explain
     from tribo.model.asperite import Asperite
     from tribo.model.bath import Bath
-    from tribo.model.drives import Custom, Ends, Forced, Free, Pulled
+    from tribo.model.drives import Custom, DrivenBars, Ends, Forced, Free, Pulled
     from tribo.model.fields import Corrugation, Field
     from tribo.model.interaction import Interaction, Periodic
     from tribo.model.langevin import Langevin
@@ -58,6 +58,7 @@ _HOME = {
     "Coulomb": "tribo.potentials",
     "Custom": "tribo.model.drives",
     "Ends": "tribo.model.drives",
+    "DrivenBars": "tribo.model.drives",
     "ensemble": "tribo.ensembles",
     "explain": "tribo.explanation",
     "Explanation": "tribo.explanation",
@@ -101,8 +102,10 @@ _SUBPACKAGES = ("paper", "plotting", "potentials")
 
 __all__ = [*_HOME, *_SUBPACKAGES, "__version__"]
 
+__version__: str
 
-def __getattr__(name: str) -> Any:
+
+def __getattr__(name: str) -> object:
     if name == "__version__":
         from importlib.metadata import version
 

@@ -25,7 +25,14 @@ from tribo.run.integrate import Integration, Setting
 from tribo.run.layout import Layout
 from tribo.run.ledger import Ledger, assemble
 from tribo.run.loop_selection import Integrator
-from tribo.run.notes import approach_notes, calculator_notes, passage_notes, run_notes, stop_notes
+from tribo.run.notes import (
+    approach_notes,
+    calculator_notes,
+    drive_notes,
+    passage_notes,
+    run_notes,
+    stop_notes,
+)
 from tribo.run.result import Cost, Known, Result
 from tribo.run.state import digest_of, state_of
 from tribo.run.streamed_ledger import StreamedLedger, exceeds_memory
@@ -121,7 +128,7 @@ class Simulation:
             return self._single_run(y)
         settings = (tuned.coarse, tuned.coarse, self.plan.setting)
         runs: list[Integration] = []
-        for setting, times in zip(settings, StopTimes.split(self.plan.times), strict=True):
+        for setting, times in zip(settings, self._stops, strict=True):
             if not runs or runs[-1].status not in ABORTED:
                 runs.append(self._integrator(setting, times, y))
         return self._estimated_result(runs)
@@ -150,6 +157,11 @@ class Simulation:
         return self.plan.tuned.runs[-1]
 
     @cached_property
+    def _stops(self) -> StopTimes:
+        """When the runs stop whose difference estimates the error."""
+        return StopTimes.split(self.plan.times)
+
+    @cached_property
     def _single_setting(self) -> Setting | None:
         """The plan's `single`, found when first needed."""
         return single_setting(self.plan, self._integrator)
@@ -168,11 +180,14 @@ class Simulation:
         layout, seconds, ratio = self.layout, self.compile_seconds, self._digit_ratio
         setting, times = self._single
         run = self._integrator(setting, times, y)
+        notes = passage_notes(layout, run)
+        if self.plan.tuned is None:
+            notes += drive_notes(layout, assemble(layout, run.samples.ends()))
         # The ledger and the cost are left for later: a run of a pair takes ten microseconds.
         return self._result(
             run.status,
             None,
-            passage_notes(layout, run),
+            notes,
             {},
             lambda: _reported(layout, run),
             lambda: _cost([run], seconds, ratio),
@@ -184,8 +199,8 @@ class Simulation:
         streamed = StreamedLedger(self.layout)
         run = self._integrator(self.plan.setting, self.plan.times, y, streamed)
         note = "of the asperites' series only the first and the last sample are kept"
-        notes = (*passage_notes(self.layout, run), note)
         ledger = streamed.with_ends(run.samples)
+        notes = (*passage_notes(self.layout, run), *drive_notes(self.layout, ledger), note)
         cost = _cost([run], self.compile_seconds, self._digit_ratio)
         return self._result(run.status, None, notes, {}, Known(ledger), Known(cost), run)
 
@@ -198,15 +213,25 @@ class Simulation:
             bounds, excess = self._errors(runs[-3:])
             met = excess <= 1.0
             notes = () if met else (*approach_notes(self.layout, fine), self._missed(excess))
-        ledger = _reported(self.layout, fine)
-        cost = _cost(runs, self.compile_seconds, self._digit_ratio)
+        notes = (*drive_notes(self.layout, assemble(self.layout, fine.samples.ends())), *notes)
         known = met if len(runs) > 1 or fine.status != Status.COMPLETED else None
-        return self._result(fine.status, known, notes, bounds, Known(ledger), Known(cost), fine)
+        layout, seconds, ratio = self.layout, self.compile_seconds, self._digit_ratio
+        return self._result(
+            fine.status,
+            known,
+            notes,
+            bounds,
+            lambda: _reported(layout, fine),
+            lambda: _cost(runs, seconds, ratio),
+            fine,
+        )
 
     def _errors(self, runs: Sequence[Integration]) -> tuple[dict[str, float], float]:
         """Bounds on the last run's errors, and the largest in units of the request."""
         assert self.accuracy is not None and self.plan.tuned is not None
-        grown = self.plan.tuned.amplification
+        grown, known = self.plan.tuned.amplification, self.plan.tuned.errors
+        if known is not None and known.run is runs[-1] and known.amplification == grown:
+            return known.bounds, known.excess
         found, scales = error_bounds(self.layout, runs[-1], runs[:-1], grown, self.accuracy)
         return found, excess_of_request(found, scales, self.accuracy)
 
@@ -275,9 +300,13 @@ class Simulation:
 def _reported(layout: Layout, run: Integration) -> Ledger:
     """The ledger of a run at the scene's times and at its end."""
     samples = run.samples
-    wanted = np.intersect1d(samples.t, layout.times)
-    ledger = assemble(layout, samples.at(np.union1d(wanted, samples.t[[0, -1]])))
-    return ledger.rows(slice(int(np.searchsorted(ledger.t, layout.beginning)), None))
+    if samples.t is not layout.times:
+        wanted = np.intersect1d(samples.t, layout.times)
+        samples = samples.at(np.union1d(wanted, samples.t[[0, -1]]))
+    ledger = assemble(layout, samples)
+    if samples.t[0] == layout.beginning:
+        return ledger
+    return ledger.rows(slice(int(np.searchsorted(samples.t, layout.beginning)), None))
 
 
 def _cost(runs: Sequence[Integration], compile_seconds: float, ratio: float | None) -> Cost:

@@ -91,6 +91,15 @@ def test_equal_steps_keep_an_accuracy(method):
         assert off <= result.error_estimate[name] <= wanted, name
 
 
+def test_level_of_the_finest_run(monkeypatch):
+    """It is that of the finest setting, also where the search ends before the request is met."""
+    monkeypatch.setattr(search, "ROUNDS", 1)
+    scene, method = case("C"), METHODS["midpoint"]
+    tuned = tribo.prepare(scene, accuracy=1e-4, method=method.name).plan.tuned
+    assert not tuned.met
+    assert tuned.fine == levels.setting_at(lay_out(scene), method, None, tuned.level)
+
+
 @pytest.mark.parametrize("samples", [2, 9, 33, 401, 2001])
 @pytest.mark.parametrize("duration", [7.0, 0.3, 33.3])
 def test_stops(samples, duration):

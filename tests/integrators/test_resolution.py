@@ -9,9 +9,11 @@ import pytest
 import tribo
 from tribo import (
     Asperite,
+    Corrugation,
     Coulomb,
     Custom,
     Ends,
+    Field,
     Free,
     InputError,
     Langevin,
@@ -108,6 +110,15 @@ def test_stiff_springs(settings):
     step = choose(stiff, None, None, None).step
     assert step == pytest.approx(0.1 / spring_frequency(stiff))
     assert spring_frequency(stiff) >= np.sqrt(1e4 / stiff.asperites.mass[0])
+
+
+def test_steep_corrugation():
+    """With noise, the automatic step resolves a rigid tip, which has no frequency of its own."""
+    tip = Surface("tip", asperite=Asperite(kappa=np.inf), langevin=Langevin(1.0, 0.1))
+    field = Field(Corrugation(20.0, 0.01), on=["tip"])
+    layout = lay_out(Scene([tip], [], 10.0, fields=[field]))
+    frequency = 2.0 * np.pi / 0.01 * np.sqrt(20.0 / 3.0)
+    assert choose(layout, None, None, None).step == pytest.approx(0.1 / frequency)
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,7 @@ import tribo
 from tribo import (
     Asperite,
     Coulomb,
+    DrivenBars,
     Field,
     Forced,
     Free,
@@ -74,6 +75,19 @@ SCENES = {
         pair(bars="free", lower={"bars": "free"}),
         {"turning bars"},
         {"clamped ends"},
+    ),
+    "driven bars": (pair(drive=DrivenBars()), {"driven bars"}, set()),
+    "driven rows": (
+        pair(drive=DrivenBars(), **ROW, springs=Springs(1.0)),
+        {"driven bars", "springs"},
+        set(),
+    ),
+    "damped swing": (pair(langevin=Langevin(0.1, on="swing")), {"swing langevin"}, set()),
+    "one rigid": (pair(asperite=Asperite(kappa=np.inf)), {"rigid asperites"}, set()),
+    "both rigid": (
+        pair(asperite=Asperite(kappa=np.inf), lower={"asperite": Asperite(kappa=np.inf)}),
+        {"rigid asperites"},
+        {"swing"},
     ),
     "springs": (pair(**ROW, springs=Springs(1.0)), {"springs", "sliding"}, set()),
     "slack springs": (pair(**ROW, springs=Springs(0.0)), set(), set()),

@@ -4,6 +4,7 @@ import copy
 import math
 import re
 from datetime import date
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -16,11 +17,14 @@ from tribo import (
     Asperite,
     Coulomb,
     Custom,
+    DrivenBars,
+    Ends,
     Forced,
     Free,
     Initial,
     InputError,
     Interaction,
+    Langevin,
     Morse,
     Numerics,
     Output,
@@ -225,9 +229,19 @@ WRONG = [
     ("surface[0].facing", "left", 'must be "down" or "up", got \'left\''),
     ("surface[0].facing", 5, 'must be "down" or "up", got 5'),
     ("surface[0].bars", "bent", 'must be "clamped" or "free", got \'bent\''),
-    ("surface[0].drive", "pushed", 'must be "forced" or "free" or "pulled", got \'pushed\''),
+    ("surface[0].drive", "pushed", 'must be "forced" or "free" or "pulled" or "bars", got'),
     ("surface[0].drive", 5, "must be a table, got 5"),
-    ("surface[0].drive.kind", 5, 'must be "forced" or "free" or "pulled", got 5'),
+    ("surface[0].drive.kind", 5, 'must be "forced" or "free" or "pulled" or "bars", got 5'),
+    ("surface[0].drive", {"kind": "bars", "load": 0.1}, "cannot go with driven bars", ".load"),
+    ("surface[0].drive", {"kind": "bars", "rigid": True}, "cannot go with kind", ".rigid"),
+    ("surface[0].drive", "bars", 'must be "swing" where drive = "bars"', "surface[0].langevin.on"),
+    ("surface[0].langevin.on", "rod", 'must be "bar" or "swing", got \'rod\''),
+    (
+        "surface[1].langevin.on",
+        "swing",
+        'cannot go with on = "swing"',
+        "surface[1].langevin.velocity",
+    ),
     ("surface[0].drive.load", "x", "must be a number [force], got 'x'"),
     ("surface[0].drive.rigid", True, "is not a known key"),
     ("surface[0].drive", {"kind": "free", "rigid": 1}, "must be true or false, got 1", ".rigid"),
@@ -269,6 +283,9 @@ WRONG = [
     ("surface[0].asperite.bar_length", -3, "must be positive [length], got -3"),
     ("surface[0].asperite.i2", -5, "must be positive [mass length^2], got -5"),
     ("surface[0].asperite.kappa", -2, "must not be negative [torque / rad], got -2"),
+    ("surface[0].asperite.kappa", -math.inf, "must be a finite number [torque / rad], got -inf"),
+    ("surface[0].asperite.kappa", [math.inf, 2.0], "must be inf for all asperites of a surface"),
+    ("surface[0].asperite.kappa", math.inf, "must be finite where bars are not clamped, got inf"),
     ("surface[0].asperite.charge", math.nan, "must be a finite number [charge], got nan"),
     (
         "surface[0].initial.omega",
@@ -631,7 +648,58 @@ def test_wrong_value_in_python(call, given, sentence):
     assert str(caught.value).startswith(sentence)
 
 
-@pytest.mark.parametrize("drive", [Forced, Free, Pulled, Custom])
+RIGID = {"asperite": Asperite(kappa=math.inf)}
+
+
+class Turn(NamedTuple):
+    """A force on the left end of a bar."""
+
+    strength: float
+
+    def end_forces(self, t, phi, nu, twist):
+        """Along x."""
+        return self.strength, 0.0, 0.0, 0.0
+
+
+REFUSED = [
+    ({"drive": DrivenBars(), "bars": Ends(Turn(0.1))}, "bars: cannot be forces of the user's own"),
+    ({"drive": "bars", "langevin": Langevin(0.1)}, 'langevin.on: must be "swing" where drive ='),
+    (RIGID | {"bars": "free"}, "asperite.kappa: must be finite where bars are not clamped"),
+    (
+        RIGID | {"bars": Ends(Turn(0.1))},
+        "asperite.kappa: must be finite where bars are not clamped",
+    ),
+    (RIGID | {"initial": Initial(omega=0.1)}, "initial.omega: must be zero where asperite.kappa ="),
+    (RIGID | {"initial": Initial(nu=0.1)}, "initial.nu: must be zero where asperite.kappa ="),
+    (RIGID | {"langevin": Langevin(0.1, on="swing")}, 'langevin.on: must be "bar" where'),
+]
+
+
+@pytest.mark.parametrize(("settings", "sentence"), REFUSED)
+def test_effects_that_exclude_each_other(settings, sentence):
+    """One sentence, which names the setting to change."""
+    with pytest.raises(InputError) as caught:
+        Surface("a", **settings)
+    assert str(caught.value).startswith(sentence)
+
+
+def test_effects_that_go_together():
+    """Zero damping is none, rigid asperites may turn once and for all and stand on driven bars."""
+    Surface("a", drive="bars", langevin=Langevin(0.0))
+    Surface("a", drive="bars", bars="free", langevin=Langevin(0.1, on="swing"))
+    start = Initial(theta=0.3, phi=0.2, omega=0.0, nu=0.0)
+    Surface("a", drive="bars", initial=start, **RIGID)
+    with pytest.raises(InputError, match="load: cannot go with driven bars"):
+        DrivenBars(load=0.1)
+    with pytest.raises(InputError, match='velocity: cannot go with on = "swing"'):
+        Langevin(0.1, velocity=(0.0, 0.0), on="swing")
+    scene = Scene([Surface("a", **RIGID)], [], 1.0)
+    with pytest.raises(InputError, match=r"a\.omega: cannot be changed where asperite.kappa = inf"):
+        scene.initial_value("a.omega")
+    assert scene.initial_value("a.theta")[1] == "theta"
+
+
+@pytest.mark.parametrize("drive", [Forced, Free, Pulled, DrivenBars, Custom])
 def test_drives_take_keywords_only(drive):
     """A number without its name would be the load; the message lists the names."""
     with pytest.raises(TypeError, match=rf"^{drive.__name__} takes keywords only: .*load=\.\.\."):

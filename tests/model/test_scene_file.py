@@ -1,6 +1,7 @@
 """Scene files: a loaded scene equals the saved one, and missing keys have their defaults."""
 
 import copy
+import math
 import tomllib
 from dataclasses import replace
 
@@ -135,6 +136,10 @@ SURFACES = {
     "bath": {"bath": {"oscillators": [{"mass": 0.1, "frequency": 2.0}], "temperature": 0.1}},
     "drude": {"bath": {"spectrum": "drude", "gamma": 0.1, "cutoff": 2.0, "n": 3}},
     "langevin": {"langevin": {"gamma": 0.1, "temperature": 0.2}},
+    "driven bars": {"drive": "bars"},
+    "damped swing": {"langevin": {"gamma": 0.1, "temperature": 0.2, "on": "swing"}},
+    "rigid asperites": {"asperite": {"kappa": math.inf}},
+    "each rigid": {"shape": [2, 1], "asperite": {"kappa": [math.inf, math.inf]}},
     "free bars": {"bars": "free", "initial": {"phi": 0.1, "nu": [0.1]}},
     "swing": {"initial": {"swing": 0.25, "omega": -0.5}},
     "each": {"shape": [2, 1], "asperite": {"m1": [1.0, 0.1 + 0.2], "charge": [1, -1]}},

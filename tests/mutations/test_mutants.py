@@ -17,6 +17,8 @@ from support.survivors import EQUIVALENT, NEEDS_COMPILER, OPEN
 
 PATTERNS = [
     "integrators/*.py",
+    "kernels/baths.py",
+    "kernels/blocks.py",
     "kernels/contact.py",
     "kernels/equations_of_motion.py",
     "kernels/fields.py",
@@ -25,6 +27,8 @@ PATTERNS = [
     "kernels/neighbours.py",
     "kernels/powers.py",
     "kernels/samples.py",
+    "kernels/springs.py",
+    "kernels/user_forces.py",
     "model/fields.py",
     "pair/*.py",
     "run/accounts.py",

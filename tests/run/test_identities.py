@@ -63,7 +63,7 @@ def test_energy_of_the_system_is_all_there_is(scene):
 
 @given(open_scenes())
 def test_heat_is_friction_times_slip_squared(scene):
-    """A reservoir at temperature 0 takes the integral of gamma (v_bar - u)^2."""
+    """A reservoir at temperature 0 takes the integral of gamma (v_bar - u)^2, or gamma omega^2."""
     result = run(replace(scene, output=Output(samples=513)))
     for surface in scene.surfaces:
         table, langevin = result[surface.name], surface.langevin
@@ -71,7 +71,8 @@ def test_heat_is_friction_times_slip_squared(scene):
         arm = surface.asperite.for_each(surface.count)["l2"] * table["omega"]
         slip_x = table["vx_cm"] - arm * np.cos(table["theta"]) - u[0]
         slip_y = table["vy_cm"] - arm * np.sin(table["theta"]) - u[1]
-        rate = langevin.gamma * (slip_x**2 + slip_y**2)
+        on_bar = langevin.on == "bar"
+        rate = langevin.gamma * (slip_x**2 + slip_y**2 if on_bar else table["omega"] ** 2)
         fine, coarse = simpson(rate, result.t, axis=0), simpson(rate[::2], result.t[::2], axis=0)
         bound = bar(result, "heat") + np.max(np.abs(fine - coarse))
         assert_within(bound, table["heat"][-1], fine, f"heat of {surface.name}")

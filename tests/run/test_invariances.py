@@ -33,7 +33,7 @@ from support.transformations import (
     turned_back,
     upside_down,
 )
-from tribo import Pulled, simulate
+from tribo import DrivenBars, Pulled, simulate
 
 POINTS = ("cm", "bob", "bar")
 
@@ -240,7 +240,10 @@ def one_by_one():
     return drives().filter(lambda drive: not isinstance(drive, Pulled))
 
 
-@given(scenes(drive=forced() | rigid()) | scenes(drive=one_by_one(), counts=[1]))
+@given(
+    scenes(drive=forced() | rigid() | st.just(DrivenBars()))
+    | scenes(drive=one_by_one(), counts=[1])
+)
 def test_time_reversal(scene):
     """Turned back at its end, a scene returns to its start and gives back all works.
 
@@ -335,12 +338,17 @@ def test_exchange_of_surfaces(scene):
     assert_image(one, other, image)
 
 
+def without_direction():
+    """Drives for which no direction is special."""
+    return forced() | st.just(DrivenBars())
+
+
 @given(
-    scenes(drive=forced()) | lattice_scenes(drive=forced(), alike=True),
+    scenes(drive=without_direction()) | lattice_scenes(drive=without_direction(), alike=True),
     dyadic(-4.0, 4.0),
 )
 def test_rotation(scene, angle):
-    """Under a forced drive no direction is special.
+    """With forced and with driven bars no direction is special.
 
     Springs between bars of asperites that are alike rest where the bars are placed.
     """

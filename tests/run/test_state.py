@@ -40,6 +40,17 @@ def test_from_a_run_that_continued():
         state = rest.state()
 
 
+def test_another_method_counts_on():
+    """Works count from the start of the run, whatever method continues it."""
+    whole = tribo.simulate(pair(), method="rk4", step=0.02)
+    state = tribo.simulate(pair(4.0), method="rk4", step=0.02).state()
+    rest = tribo.simulate(pair(), method="verlet", step=0.01, start=state)
+    for name in ("upper", "lower"):
+        for work in ("w1", "w2", "wL", "w"):
+            theirs = whole[name][work][-len(rest.t) :]
+            assert rest[name][work] == pytest.approx(theirs, abs=1e-4), work
+
+
 def test_another_speed_of_a_pull():
     """The stage goes on from where it was, at its new speed; works count from the state."""
     how = {"method": "verlet", "step": 0.02}

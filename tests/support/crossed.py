@@ -17,6 +17,7 @@ from tribo import (
     Corrugation,
     Coulomb,
     Custom,
+    DrivenBars,
     Ends,
     Field,
     Forced,
@@ -46,6 +47,8 @@ CLOSED = {"W = delta(K + E_int)": 1e-4, "applied work = change of energy": 1e-4}
 ROUND_OFF = 1e-13
 # The pseudoworks of forces on ends are not reported; those of a user's do not cancel.
 NOT_A_LAW = ("w_ps is the sum of the pseudoworks", True)
+# Effects that bars which keep their velocities do not feel: driven ones, and forced rigid ones.
+IDLE = dict.fromkeys(("springs", "bath"), ("driven bars", "rigid asperites"))
 # A temperature at which noise changes nothing, and one at which it does.
 COLD, WARM, NOISE = 1e-30, 0.3, 0.01
 
@@ -76,13 +79,22 @@ EFFECTS = {
     "rigid": {"drive": partial(Free, rigid=True)},
     "pulled": {"drive": partial(Pulled, stiffness=2.0, speed=1.5)},
     "custom": {"drive": partial(Custom, force=Push(1.5))},
+    "driven bars": {"drive": DrivenBars, "load": None, "end forces": False, "on": "swing"},
+    "rigid asperites": {
+        "kappa": np.inf,
+        "bars": "clamped",
+        "inertias": (),
+        "torsional_frequencies": (),
+        "on": "bar",
+    },
     "load": {"load": 0.7},
     "turning bars": {"bars": "free"},
-    "ends": {"bars": Ends(Turn(0.8))},
+    "ends": {"bars": Ends(Turn(0.8)), "end forces": True},
     "springs": {"springs": Springs(30.0)},
     "bath": {"masses": (0.4, 0.3), "frequencies": (4.0, 7.0)},
     "torsional bath": {"inertias": (0.3,), "torsional_frequencies": (4.0,)},
-    "reservoir": {"gamma": 0.6},
+    "reservoir": {"gamma": 0.6, "on": "bar"},
+    "swing reservoir": {"gamma": 0.6, "on": "swing"},
     "field": {"field": Corrugation(0.5, 1.5)},
     "within": {"within": Morse(3.0, 2.0, 0.6)},
     "cutoff": {"cutoff": 1.2},
@@ -98,6 +110,8 @@ def surface(name, settings, temperature):
     bath = {key: settings[key] for key in Bath.__dataclass_fields__ if key in settings}
     bars = settings.get("bars", "free" if "inertias" in bath else "clamped")
     gamma = settings.get("gamma", 0.0 if temperature is None else 0.05)
+    on = settings.get("on", "bar")
+    rates = {} if "kappa" in settings else {"omega": (-0.4, 0.9), "nu": 1.2}
     return Surface(
         name,
         facing="down" if upper else "up",
@@ -105,13 +119,13 @@ def surface(name, settings, temperature):
         velocity=(0.5, 0.1) if upper else (0.0, 0.0),
         shape=(2, 1),
         spacing=(0.9, 0.0),
-        asperite=Asperite(kappa=(3.0, 2.0), charge=(1.0, 1.4)),
+        asperite=Asperite(kappa=settings.get("kappa", (3.0, 2.0)), charge=(1.0, 1.4)),
         drive=settings.get("drive", Forced)(load=settings.get("load")),
         bars=bars,
         springs=settings.get("springs"),
         bath=Bath(**bath) if bath else None,
-        langevin=Langevin(gamma, temperature or 0.0) if gamma else None,
-        initial=Initial(theta=0.5 if upper else 3.5, phi=0.1, omega=(-0.4, 0.9), nu=1.2),
+        langevin=Langevin(gamma, temperature or 0.0, on=on) if gamma else None,
+        initial=Initial(theta=0.5 if upper else 3.5, phi=0.1, **rates),
     )
 
 
@@ -178,7 +192,8 @@ def complaints(names):
             yield f"{same.method} at T = {temperature} is {apart(same, truth):.1e} from rk4"
         for name in names:
             rest = tuple(other for other in names if other != name)
-            if not set(rest) & set(NEEDED_BY.get(name, ())):
+            without_effect = NEEDED_BY.get(name, ()) + IDLE.get(name, ())
+            if not set(rest) & set(without_effect):
                 gap = apart(same, run(rest, temperature, method))
                 if gap < ACT:
                     yield f"{name} acts by {gap:.1e} at T = {temperature}"

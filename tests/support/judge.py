@@ -517,7 +517,7 @@ for _scene in ("forced on free", "free on free"):
 # Longer than the rest.  They reach the functions that the check named here reaches.
 COSTS = {
     "dop853, slid": Efficient("slid, slowly", "dop853", 1e-7, 2450),
-    "rkn8, slid": Efficient("slid, slowly", "rkn8", 1e-7, 2450),
+    "rkn8, slid": Efficient("slid, slowly", "rkn8", 1e-7, 2740),
     "rkn12, slid": Efficient("slid, slowly", "rkn12", 1e-7, 1780),
     "gauss-radau-15, slid": Efficient("slid, slowly", "gauss-radau-15", 1e-7, 2470),
     "pair, forced on free": Efficient("forced on free, slowly", "gauss-radau-15", 1e-7, 2230),

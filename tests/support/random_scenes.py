@@ -108,3 +108,27 @@ def rich_scene(seed: int) -> dict:
             ]
         }
     return scene
+
+
+def driven(surface: dict, damping: float = 0.0) -> dict:
+    """The surface on driven bars, its swings damped."""
+    reservoir = {"langevin": {"gamma": damping, "on": "swing"}} if damping else {}
+    return surface | {"drive": "bars"} | reservoir
+
+
+def rigid(surface: dict, damping: float = 0.0) -> dict:
+    """The surface with rigid asperites on clamped bars, which are damped."""
+    start = {key: surface["initial"][key] for key in ("theta", "phi") if key in surface["initial"]}
+    fixed = {"bars": "clamped", "initial": start}
+    fixed["asperite"] = surface["asperite"] | {"kappa": np.inf}
+    return surface | fixed | ({"langevin": {"gamma": damping}} if damping else {})
+
+
+def constrained_scene(seed: int, damping: float = 0.0) -> dict:
+    """A rich scene with driven bars above and rigid asperites below, or both in one surface."""
+    scene = rich_scene(seed)
+    upper, lower = scene["surface"]
+    upper["initial"]["omega"] = 0.2
+    lower["drive"] = DRIVES[seed % len(DRIVES)]
+    scene["surface"] = [driven(upper, damping), rigid(lower, damping)]
+    return scene

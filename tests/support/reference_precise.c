@@ -24,7 +24,7 @@ typedef long double real;
 /* Slots of an asperite: departures, their rates, works and pseudoworks of 7 forces, heat. */
 enum { SWING, PHI, X, Y, OMEGA, NU, VX, VY, WORK, PSEUDO = WORK + 7, HEAT = PSEUDO + 7, WIDTH };
 enum { F1, F2, FL, FR, INT, FIELD, THERMAL };
-enum { FORCED, FREE, RIGID, PULLED };
+enum { FORCED, FREE, RIGID, PULLED, BARS };
 enum { COULOMB, MORSE, LENNARD_JONES, YUKAWA, BUCKINGHAM, BORN_MAYER, WCA, MIE, PLUMMER };
 enum { NO_CUTOFF, SWITCH, TRUNCATE, SHIFT, FORCE_SHIFT };
 enum { DONE, TOO_COSTLY, UNDERFLOW_OF_STEP, NOT_FINITE, COINCIDENT };
@@ -42,14 +42,15 @@ typedef struct {
 typedef struct {
     real m1, m2, M, I, l1, l2, kappa, length, bar_length, i2, charge, facing, swing0, phi0, omega0;
     real nu0, x0, y0, z, vx0, vy0, twist0;
-    int surface, clamped;
+    int surface, clamped, stiff, driven; /* stiff: the pendulum does not swing */
+    real damping;                        /* torque on the swing, per omega */
     /* the motion and the forces at one time */
     real swing, phi, dx, dy, omega, nu, dvx, dvy, twist, vx, vy;
     real a1x, a1y, a2x, a2y, v1x, v1y, v2x, v2y, rx, ry;
-    real f1x, f1y, f2x, f2y, inx, iny, wix, wiy, fdx, fdy, ftx, fty, turn;
+    real f1x, f1y, f2x, f2y, inx, iny, wix, wiy, fdx, fdy, ftx, fty, turn, torque_T;
 } Asperite;
 typedef struct {
-    real vx, vy, stiffness, speed, load, gamma, ux, uy, mass, total_mass;
+    real vx, vy, stiffness, speed, load, gamma, ux, uy, mass, total_mass, damping;
     int drive, loaded, start, stop;
 } Surface;
 typedef struct {
@@ -153,6 +154,15 @@ static void potential(const Term *term, real r, int past_from, int past_end, rea
 
 /* --- motion and forces -------------------------------------------------------------------- */
 
+/* The centre of mass of an asperite whose bar moves uniformly: r2 - a2, of which r2 is known. */
+static void hang_from_bar(Asperite *a, real turned)
+{
+    real mean = a->swing0 + turned / 2, chord = 2 * a->facing * a->l2 * FN(sin)(turned / 2);
+    a->dx = chord * FN(cos)(mean), a->dy = chord * FN(sin)(mean);
+    a->dvx = a->omega * a->a2y, a->dvy = -a->omega * a->a2x;
+    a->vx = a->vx0 + a->dvx, a->vy = a->vy0 + a->dvy;
+}
+
 static void move(Model *m, real t, const real *y)
 {
     for (int i = 0; i < m->n; i++) {
@@ -166,6 +176,8 @@ static void move(Model *m, real t, const real *y)
         a->vx = a->vx0 + q[VX], a->vy = a->vy0 + q[VY];
         s = a->facing * FN(sin)(a->swing), c = a->facing * FN(cos)(a->swing);
         a->a1x = a->l1 * s, a->a1y = -a->l1 * c, a->a2x = -a->l2 * s, a->a2y = a->l2 * c;
+        if (a->driven)
+            hang_from_bar(a, turned);
         a->v1x = a->vx - a->omega * a->a1y, a->v1y = a->vy + a->omega * a->a1x;
         a->v2x = a->vx - a->omega * a->a2y, a->v2y = a->vy + a->omega * a->a2x;
         a->rx = a->bar_length / 2 * FN(cos)(a->phi), a->ry = a->bar_length / 2 * FN(sin)(a->phi);
@@ -272,6 +284,7 @@ static void drive_forces(Model *m, real t)
             if (s->drive == PULLED)
                 a->f2x = s->stiffness * ((s->speed - a->vx0) * t - a->dx - a->a2x);
             a->ftx = -s->gamma * (a->v2x - s->ux), a->fty = -s->gamma * (a->v2y - s->uy);
+            a->torque_T = -s->damping * a->omega;
         }
     }
 }
@@ -345,19 +358,38 @@ static void clear_forces(Model *m)
     }
 }
 
-/* The rates of one asperite: accelerations, powers and pseudopowers. */
-static real asperite_rates(const Asperite *a, const Surface *s, real *d, real *external)
+/* f2 that moves the bar uniformly, M r_cm'' less all other forces, and the pendulum's omega'. */
+static real reaction(Asperite *a, real bob_x, real bob_y)
 {
-    real torsion = a->kappa * a->twist, end = a->clamped ? torsion / a->bar_length : 0;
+    real lx = a->a1x - a->a2x, ly = a->a1y - a->a2y, alpha = 0;
+    if (!a->stiff)
+        alpha = (lx * bob_y - ly * bob_x - a->kappa * a->twist + a->torque_T)
+                / (a->m1 * a->length * a->length);
+    real ax = alpha * a->a2y + square(a->omega) * a->a2x;
+    real ay = -alpha * a->a2x + square(a->omega) * a->a2y;
+    a->f2x = a->M * ax - bob_x - a->inx, a->f2y = a->M * ay - bob_y - a->iny;
+    return alpha;
+}
+
+/* The rates of one asperite: accelerations, powers and pseudopowers. */
+static real asperite_rates(Asperite *a, const Surface *s, real *d, real *external)
+{
+    real bob_x = a->f1x + a->fdx + a->wix, bob_y = a->f1y + a->fdy + a->wiy, alpha = 0;
+    if (a->driven)
+        alpha = reaction(a, bob_x, bob_y);
+    real bar_x = a->f2x + a->inx + a->ftx, bar_y = a->f2y + a->iny + a->fty;
+    real torque = a->a1x * bob_y - a->a1y * bob_x + a->a2x * bar_y - a->a2y * bar_x + a->torque_T;
+    real torsion = a->stiff ? torque : a->kappa * a->twist;
+    real end = a->clamped ? torsion / a->bar_length : 0;
     real ex = -end * a->ry / (a->bar_length / 2), ey = end * a->rx / (a->bar_length / 2); /* f_L */
     real fx[] = {a->f1x, a->f2x, ex, -ex, a->inx, a->fdx, a->ftx};
     real fy[] = {a->f1y, a->f2y, ey, -ey, a->iny, a->fdy, a->fty};
-    real bob_x = a->f1x + a->fdx + a->wix, bob_y = a->f1y + a->fdy + a->wiy;
-    real bar_x = a->f2x + a->inx + a->ftx, bar_y = a->f2y + a->iny + a->fty;
     d[SWING] = a->omega - a->omega0, d[PHI] = a->nu - a->nu0, d[X] = a->dvx, d[Y] = a->dvy;
-    d[OMEGA] = (a->a1x * bob_y - a->a1y * bob_x + a->a2x * bar_y - a->a2y * bar_x - torsion) / a->I;
+    d[OMEGA] = a->driven ? alpha : (torque - torsion) / a->I;
     d[NU] = a->clamped ? 0 : (torsion + a->turn) / a->i2;
     d[VX] = (bob_x + bar_x) / a->M, d[VY] = (bob_y + bar_y) / a->M;
+    if (a->driven) /* places and velocities follow from the angle: see move() */
+        d[X] = d[Y] = d[VX] = d[VY] = 0;
     for (int f = 0; f < 7; f++) {
         real vx = a->v2x, vy = a->v2y;
         if (f == F1 || f == FIELD)
@@ -371,7 +403,8 @@ static real asperite_rates(const Asperite *a, const Surface *s, real *d, real *e
     }
     d[WORK + INT] += a->wix * a->v1x + a->wiy * a->v1y + a->turn * a->nu;
     d[PSEUDO + INT] += a->wix * a->vx + a->wiy * a->vy;
-    d[HEAT] = -(a->ftx * (a->v2x - s->ux) + a->fty * (a->v2y - s->uy));
+    d[WORK + THERMAL] += a->torque_T * a->omega;
+    d[HEAT] = -(a->ftx * (a->v2x - s->ux) + a->fty * (a->v2y - s->uy)) - a->torque_T * a->omega;
     external[0] = a->f1x + a->f2x + a->fdx + a->ftx;
     external[1] = a->f1y + a->f2y + a->fdy + a->fty;
     return d[WORK + F2] + d[WORK + FL] + d[WORK + FR] + d[WORK + THERMAL];
@@ -392,7 +425,7 @@ static void rates(Model *m, real t, const real *y, real *dy)
         block[k] = 0;
     *applied = drifting;
     for (int i = 0; i < m->n; i++) {
-        const Asperite *a = m->a + i;
+        Asperite *a = m->a + i;
         const Surface *s = m->s + a->surface;
         real *d = dy + i * WIDTH;
         real outside = asperite_rates(a, s, d, external);

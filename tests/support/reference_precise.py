@@ -17,7 +17,8 @@ positions and forces of a scene are exact: its numbers are those that doubles ho
     pytestmark = pytest.mark.skipif(compiler() is None, reason="there is no C compiler")
 
 Beyond reference.py it solves: every built-in potential, sums and scaled ones, moving fields,
-listed springs, discretised baths, torsional oscillators, and reservoirs at temperature zero.
+listed springs, discretised baths, torsional oscillators, driven bars, rigid asperites, and
+reservoirs on bars and swings at temperature zero.
 `UnsolvedError` is raised for a scene that cannot be solved (its `status` says why), and
 NotImplementedError for one with anything else, as plug-ins and noise.
 """
@@ -53,7 +54,7 @@ POTENTIALS = {
 }
 CHARGED = ("coulomb", "yukawa", "plummer")
 CUTOFFS = ("", "switch", "truncate", "shift", "force-shift")
-DRIVES = ("forced", "free", "rigid", "pulled")
+DRIVES = ("forced", "free", "rigid", "pulled", "bars")
 STATUSES = ("done", "too costly", "step underflow", "not finite", "bobs coincide")
 # The quantities of an asperite in the order of report() in the C source; the last two are the
 # velocity of the bob, which is not reported.
@@ -427,14 +428,16 @@ class Tables:
             raise NotImplementedError(f"the drive {kind!r}")
         velocity = [float(v) for v in table.get("velocity", (0.0, 0.0))]
         langevin = table.get("langevin", {"gamma": 0.0})
-        if langevin.get("temperature", 0.0) or langevin.get("on", "bar") != "bar":
+        if langevin.get("temperature", 0.0):
             raise NotImplementedError("noise")
+        on_bar = langevin.get("on", "bar") == "bar"
         if langevin["gamma"] > 0.0:
             self.reservoirs.append(self.names[-1])
         load = drive.get("load")
         row = [*velocity, float(DRIVES.index(kind)), drive.get("stiffness", 0.0)]
-        row += [drive.get("speed", 0.0), float(load is not None), load or 0.0, langevin["gamma"]]
-        row += [*langevin.get("velocity", velocity), self.counts[-1]]
+        row += [drive.get("speed", 0.0), float(load is not None), load or 0.0]
+        row += [langevin["gamma"] * on_bar, *langevin.get("velocity", velocity)]
+        row += [self.counts[-1], langevin["gamma"] * (not on_bar)]
         self.rows["surface"].append([float(v) for v in row])
 
     def _springs(self, table: dict[str, Any], n: int, first: int) -> None:

@@ -2,6 +2,7 @@
 
 #define COARSE 1e-7
 #define COARSE_ROWS 5
+#define SURFACE_COLUMNS 12
 
 static void *blocks[64];
 static int allocated;
@@ -19,7 +20,10 @@ static void set_asperites(Model *m, const Scene *scene)
         Asperite *a = m->a + i;
         a->m1 = v[0], a->m2 = v[1], a->kappa = v[2], a->length = v[3], a->bar_length = v[4];
         a->i2 = v[5], a->charge = v[6], a->facing = v[7], a->clamped = (int)v[8];
-        a->surface = (int)v[9];
+        a->surface = (int)v[9], a->stiff = isinf(v[2]);
+        a->driven = (int)scene->surface[SURFACE_COLUMNS * a->surface + 2] == BARS;
+        if (a->stiff)
+            a->kappa = 0; /* energy and torque are not those of a spring */
         a->M = a->m1 + a->m2, a->l1 = a->length * a->m2 / a->M, a->l2 = a->length * a->m1 / a->M;
         a->I = a->m1 * a->l1 * a->l1 + a->m2 * a->l2 * a->l2;
         a->x0 = (real)v[10] + v[11], a->z = (real)v[14] + v[15];
@@ -27,7 +31,8 @@ static void set_asperites(Model *m, const Scene *scene)
         a->swing0 = (real)v[16] + v[17];
         a->phi0 = v[18], a->omega0 = v[19], a->nu0 = v[20];
         a->twist0 = a->swing0 - a->phi0;
-        a->vx0 = scene->surface[11 * a->surface], a->vy0 = scene->surface[11 * a->surface + 1];
+        a->vx0 = scene->surface[SURFACE_COLUMNS * a->surface];
+        a->vy0 = scene->surface[SURFACE_COLUMNS * a->surface + 1];
     }
 }
 
@@ -35,11 +40,12 @@ static void set_surfaces(Model *m, const Scene *scene)
 {
     m->s = get(sizeof(Surface) * scene->surfaces);
     for (int k = 0; k < scene->surfaces; k++) {
-        const double *v = scene->surface + 11 * k;
+        const double *v = scene->surface + SURFACE_COLUMNS * k;
         Surface *s = m->s + k;
         s->vx = v[0], s->vy = v[1], s->drive = (int)v[2], s->stiffness = v[3], s->speed = v[4];
         s->loaded = (int)v[5], s->load = v[6], s->gamma = v[7], s->ux = v[8], s->uy = v[9];
         s->start = k ? s[-1].stop : 0, s->stop = s->start + (int)v[10];
+        s->damping = v[11];
         for (int i = s->start; i < s->stop; i++)
             s->mass += m->a[i].M;
         s->total_mass = s->mass;

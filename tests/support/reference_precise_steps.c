@@ -233,8 +233,11 @@ static int record(Model *m, real t, const real *y, real *first, double *out)
     report(m, t, y, values);
     if (t == 0)
         memcpy(first, values, sizeof values);
+    for (int i = 0; i < m->n; i++) /* a pendulum that swings on a driven bar moves r_cm */
+        values[QUANTITIES * i + 22] -= first[QUANTITIES * i + 22];
     for (int k = 0; k < m->surfaces; k++)
-        values[per + 4 * k + 3] -= first[per + 4 * k + 3];
+        for (int i = 2; i < 4; i++)
+            values[per + 4 * k + i] -= first[per + 4 * k + i];
     values[total - 2] -= first[total - 2];
     for (int i = 0; i < total; i++) {
         out[i] = (double)values[i];

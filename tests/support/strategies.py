@@ -6,6 +6,7 @@ close that the motion is chaotic.
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from hypothesis import strategies as st
@@ -13,6 +14,7 @@ from hypothesis import strategies as st
 from tribo import (
     Asperite,
     Coulomb,
+    DrivenBars,
     Forced,
     Free,
     Initial,
@@ -95,6 +97,7 @@ def drives() -> st.SearchStrategy:
         st.builds(Forced, load=load),
         st.builds(Free, load=load, rigid=st.booleans()),
         st.builds(Pulled, load=load, stiffness=dyadic(0.0, 1.0), speed=dyadic(-0.5, 1.0)),
+        st.just(DrivenBars()),
     )
 
 
@@ -147,11 +150,19 @@ def lattices() -> st.SearchStrategy[dict]:
 
 
 def reservoirs() -> st.SearchStrategy[dict]:
-    """Friction on the bars, in the frame of the surface or in one of its own."""
-    velocity = st.none() | vectors(0.5)
-    return st.fixed_dictionaries(
-        {"langevin": st.builds(Langevin, gamma=dyadic(0.0625, 0.25), velocity=velocity)}
-    )
+    """Friction on the swings, or on the bars, in the frame of the surface or in one of its own."""
+    gamma = dyadic(0.0625, 0.25)
+    on_bars = st.builds(Langevin, gamma=gamma, velocity=st.none() | vectors(0.5))
+    on_swings = st.builds(Langevin, gamma=gamma, on=st.just("swing"))
+    return st.fixed_dictionaries({"langevin": on_bars | on_swings})
+
+
+def rigid_asperites(surface: Surface) -> Surface:
+    """The surface with rigid asperites on clamped bars, its reservoir on the bars."""
+    initial = replace(surface.initial, omega=None, nu=None)
+    langevin = surface.langevin and replace(surface.langevin, on="bar")
+    asperite = replace(surface.asperite, kappa=math.inf)
+    return replace(surface, asperite=asperite, initial=initial, bars="clamped", langevin=langevin)
 
 
 def fields(names: tuple[str, ...]) -> st.SearchStrategy[list[Field]]:
@@ -188,12 +199,17 @@ def surfaces(
     turning=True,
     alike=False,
     inside=None,
+    kappas=("finite", "finite", "finite", "infinite"),
 ):
     """A row along x or along z of asperites, of different kinds or alike, at different heights."""
     x, y, depth, speed = PLACES[name]
     facing = draw(st.sampled_from(FACINGS[name]))
     count = draw(st.sampled_from(counts))
-    return Surface(
+    drive = draw(drive)
+    extras = {} if inside is None else draw(inside)
+    if isinstance(drive, DrivenBars) and "langevin" in extras:
+        extras["langevin"] = Langevin(extras["langevin"].gamma, on="swing")
+    surface = Surface(
         name,
         facing=facing,
         bob=(draw(x), draw(y)),
@@ -202,12 +218,15 @@ def surfaces(
         shape=draw(st.sampled_from([(count, 1), (1, count)])),
         spacing=(draw(dyadic(0.75, 1.5)), draw(dyadic(1.5, 2.5))),
         heights=draw(each(count, dyadic(-0.1, 0.1))),
-        drive=draw(drive),
+        drive=drive,
         bars=draw(st.sampled_from(bars)),
         asperite=draw(asperites(None if alike else count)),
         initial=draw(initials(count, facing, turning)),
-        **({} if inside is None else draw(inside)),
+        **extras,
     )
+    can_be_rigid = "clamped" in bars and not (isinstance(drive, DrivenBars) and surface.langevin)
+    infinite = can_be_rigid and draw(st.sampled_from(kappas)) == "infinite"
+    return rigid_asperites(surface) if infinite else surface
 
 
 @st.composite

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from tribo import Coulomb, Interaction, LennardJones, Morse, Pulled
+from tribo import Coulomb, DrivenBars, Interaction, LennardJones, Morse, Pulled
 from tribo.model.fields import Corrugation
 
 
@@ -90,6 +90,8 @@ def turned_back(result):
         r_cm = np.column_stack([end["x_cm"], end["y_cm"], centres(s)[:, 2]])
         start = {"theta": end["theta"], "phi": end["phi"], "omega": -end["omega"], "nu": -end["nu"]}
         velocity = (-end["vx_cm"][0], -end["vy_cm"][0])
+        if isinstance(s.drive, DrivenBars):
+            velocity = (-s.velocity[0], -s.velocity[1])
         return placed(s, r_cm, velocity=velocity, initial=replace(s.initial, **start))
 
     return changed(result.scene, turn)
@@ -129,6 +131,7 @@ def asperite_in_units(a, length, mass, energy):
 
 def extras_in_units(s, length, mass, time):
     """A surface's springs, bath and reservoir in other units."""
+    on_swing = s.langevin is not None and s.langevin.on == "swing"
     pairs = zip(s.bath.masses * mass, s.bath.frequencies / time, strict=True)
     return {
         "springs": replace(s.springs, stiffness=s.springs.stiffness * (mass / time**2)),
@@ -136,7 +139,7 @@ def extras_in_units(s, length, mass, time):
         "langevin": s.langevin
         and replace(
             reservoir(s.langevin, lambda v: np.multiply(v, length / time)),
-            gamma=s.langevin.gamma * (mass / time),
+            gamma=s.langevin.gamma * (mass / time) * (length**2 if on_swing else 1.0),
         ),
     }
 

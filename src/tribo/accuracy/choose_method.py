@@ -29,6 +29,7 @@ from tribo.model.settings import check_accuracy
 from tribo.run.layout import Layout
 from tribo.run.pair_adapter import has_pair_loop
 from tribo.run.resolution import (
+    corrugation_frequency,
     longest_kick,
     pendulum_frequency,
     spring_frequency,
@@ -199,7 +200,7 @@ def _noisy(layout: Layout, accuracy: Accuracy | None, step: float | None) -> Cho
     if step is not None:
         return Choice(method, None, _checked_step(layout, method, step))
     step = NOISY_STEP * first_step(layout)
-    fastest = max(spring_frequency(layout), user_frequency(layout))
+    fastest = max(spring_frequency(layout), corrugation_frequency(layout), user_frequency(layout))
     return Choice(method, None, min(step, NOISY_PHASE / fastest if fastest > 0.0 else np.inf))
 
 

@@ -58,8 +58,10 @@ def memory_of_run(layout: Layout, method: Method, stages: int, kept: int) -> int
 def scene_bytes(layout: Layout, method: Method, stages: int) -> int:
     """Bytes of the arrays of a scene and of its state, without samples."""
     vectors = VECTORS if method.splits else VECTORS + stages
-    state = NUMBER * vectors * (2 * layout.coordinates + layout.accounts)
-    return state + _bytes_of(layout.model) + _bytes_of(layout.neighbours())
+    coordinates, accounts = layout.room
+    state = NUMBER * vectors * (2 * coordinates + accounts)
+    tables = (layout.model, layout.neighbours(), layout.asperites, layout.surfaces)
+    return state + _bytes_of(tables)
 
 
 def _raw_sample(layout: Layout) -> int:

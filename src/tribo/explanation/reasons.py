@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from tribo.model.drives import Custom, Ends, Forced, Pulled
+from tribo.model.drives import Custom, DrivenBars, Ends, Forced, Pulled
 from tribo.model.interaction import Interaction
 from tribo.model.scene import Effect, Scene
 from tribo.model.surface import Surface
@@ -28,7 +28,10 @@ ABSENT = {
     Effect.SPRINGS: "no surface has springs",
     Effect.BATH: "no surface has a bath of point oscillators",
     Effect.TORSIONAL_BATH: "no surface has a bath of torsional oscillators",
-    Effect.LANGEVIN: "no surface has langevin",
+    Effect.RIGID: "no asperites have kappa = inf",
+    Effect.DRIVEN_BARS: 'no drive is "bars"',
+    Effect.LANGEVIN: "no surface has langevin on its bars",
+    Effect.SWING_LANGEVIN: 'no surface has langevin with on = "swing"',
     Effect.FIELD: "the scene has no field",
     Effect.CALCULATOR: "no interaction is an ASE calculator",
     Effect.CONTACT_WITHIN: "no interaction is between a surface and itself",
@@ -89,16 +92,22 @@ def potential_name(item: Interaction) -> str:
 
 
 def _swings(scene: Scene) -> Named:
-    yield "every asperite"
+    finite = [i for i, surface in enumerate(scene.surfaces) if not surface.asperite.is_rigid]
+    if len(finite) == len(scene.surfaces):
+        yield "every asperite"
+    else:
+        yield from (f"surface[{i}].asperite.kappa is finite" for i in finite)
 
 
 def _slides(scene: Scene) -> Named:
     for i, surface in enumerate(scene.surfaces):
+        if not (scene.slides_along_x(surface) or scene.slides_along_y(surface)):
+            continue
         if not isinstance(surface.drive, Forced):
             yield f'surface[{i}].drive is not "forced"'
         elif scene.has_uncancelled_forces(surface):
             yield f"surface[{i}] has forces that its drive does not cancel"
-        elif scene.slides_along_y(surface):
+        else:
             yield f"surface[{i}].drive.load = {surface.drive.load:g}"
 
 
@@ -166,8 +175,15 @@ PRESENT: dict[Effect, Callable[[Scene], Named]] = {
         "bath",
         lambda s: _count(s.bath.inertias.size, "torsional oscillator"),
     ),
+    Effect.RIGID: _surfaces("asperite.kappa", lambda s: "inf" if s.asperite.is_rigid else None),
+    Effect.DRIVEN_BARS: _surfaces(
+        "drive", lambda s: '"bars"' if isinstance(s.drive, DrivenBars) else None
+    ),
     Effect.LANGEVIN: _surfaces(
-        "langevin.gamma", lambda s: s.langevin.gamma if s.langevin else None
+        "langevin.gamma", lambda s: s.bar_reservoir.gamma if s.bar_reservoir else None
+    ),
+    Effect.SWING_LANGEVIN: _surfaces(
+        "langevin.gamma", lambda s: s.swing_reservoir.gamma if s.swing_reservoir else None
     ),
     Effect.FIELD: _fields,
     Effect.CALCULATOR: _interactions(lambda scene, item: isinstance(item.potential, Live)),

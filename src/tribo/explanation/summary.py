@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 import textwrap
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numba import config, typeof
 
 from tribo.accuracy.choose_method import RATES, Choice, choose
 from tribo.accuracy.comparison import Accuracy
@@ -15,9 +17,9 @@ from tribo.explanation.prediction import Prediction, Search, pairs_of_bobs, pred
 from tribo.explanation.reasons import why_absent, why_present
 from tribo.explanation.speeds import compilations, kept_speed, loop_of, measured
 from tribo.integrators.methods import noisy
+from tribo.kernels.potential_in_lanes import is_vectorized
 from tribo.model.scene import Effect, Scene
 from tribo.run.layout import Layout, lay_out
-from tribo.run.pair_adapter import has_pair_loop
 from tribo.validation import InputError, inside
 
 # Width of the text [columns].
@@ -62,12 +64,16 @@ class Contact:
     by_list : bool
         Whether neighbour lists hold them, or all pairs are visited.
     arithmetic : str
-        "lanes" where eight numbers are computed at once, or "scalar".
+        "lanes" where the forces of eight pairs are computed at once, or "scalar".
+    scalar : tuple of str
+        The potentials whose forces are computed one after another, since their formula does not
+        compile for eight distances at once.
     """
 
     pairs: int
     by_list: bool
     arithmetic: str
+    scalar: tuple[str, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,9 +176,10 @@ class Explanation:
     def _contact(self) -> str:
         if self.contact.pairs == 0:
             return "none"
-        how = {"lanes": "eight at once (lanes)", "scalar": "one after another (scalar)"}
         place = "neighbour lists, about" if self.contact.by_list else "all pairs of bobs,"
-        return f"{place} {self.contact.pairs:,}; forces are computed {how[self.contact.arithmetic]}"
+        names = ", ".join(self.contact.scalar)
+        how = f"one after another (scalar) for {names}" if names else "eight at once (lanes)"
+        return f"{place} {self.contact.pairs:,}; forces are computed {how}"
 
     def _request(self) -> str:
         step = "steps of its own" if self.step is None else f"steps of {self.step:.3g}"
@@ -230,7 +237,7 @@ def explain(scene: Scene) -> Explanation:
         effects={str(effect): why_present(scene, effect) for effect in present},
         absent={str(effect): why_absent(effect) for effect in Effect if effect not in present},
         coordinates=coordinates(scene),
-        contact=contact(layout, choice),
+        contact=contact(layout),
         method=choice.method.name,
         why=choice.why,
         accuracy=choice.accuracy,
@@ -259,15 +266,20 @@ def coordinates(scene: Scene) -> dict[str, int]:
     }
 
 
-def contact(layout: Layout, choice: Choice) -> Contact:
+def contact(layout: Layout) -> Contact:
     """How contact is computed."""
     pairs, by_list = pairs_of_bobs(layout)
-    return Contact(pairs, by_list, arithmetic(layout, choice))
+    acting = (*layout.model.contacts, *(layout.model.within or ()))
+    scalar = [item.potential for item in acting if not in_lanes(item.potential)]
+    names = tuple(dict.fromkeys(type(potential).__name__ for potential in scalar))
+    return Contact(pairs, by_list, "scalar" if names else "lanes", names)
 
 
-def arithmetic(layout: Layout, choice: Choice) -> str:
-    """Whether contact is computed in lanes: so far in the loop for pairs only."""
-    return "lanes" if has_pair_loop(layout, choice.method) else "scalar"
+def in_lanes(potential: Any) -> bool:
+    """Whether the forces of eight pairs are computed at once."""
+    if config.DISABLE_JIT:  # type: ignore[attr-defined]
+        return False
+    return is_vectorized(typeof(potential))  # type: ignore[no-untyped-call]
 
 
 def _step(found: Prediction) -> float | None:

@@ -1,7 +1,7 @@
 """Baths and reservoirs on frozen bars: the substep of splitting methods between two half kicks.
 
     bath   every oscillator rotates exactly about its bar, which takes up the opposite momentum
-    noise  Langevin friction and noise on the bars, by its exact solution
+    noise  Langevin friction and noise on bars and swings, by the exact solutions
 
 Each adds its own work, by the mean of the velocities before and after.
 
@@ -10,22 +10,28 @@ B. Leimkuhler, C. Matthews, Appl. Math. Res. Express 2013 (2013) 34, for the noi
 
 from tribo.integrators.rotations import rotated, rotation_of, set_rotations
 from tribo.kernels.baths import first_slot, torsional_slot
+from tribo.kernels.blocks import is_fixed
 from tribo.kernels.compiled import kernel
+from tribo.kernels.kinematics import end_force
 from tribo.kernels.langevin import thermal_kick
+from tribo.kernels.levers import pivot_length
 from tribo.kernels.powers import momentum
 from tribo.kernels.records import (
     ALONG_X,
     ALONG_Y,
+    BAR_LENGTH,
+    COS_PHI,
     I2,
     INERTIA,
     L2,
     MASS,
     OSCILLATOR_FREQUENCY,
     OSCILLATOR_MASS,
+    SIN_PHI,
     TX,
     TY,
 )
-from tribo.kernels.simd import LANES, sum_of_lanes
+from tribo.kernels.simd import LANES, broadcast, sum_of_lanes
 from tribo.kernels.simd_arrays import block, set_block
 from tribo.kernels.user_forces import velocity_of_bar
 
@@ -48,14 +54,24 @@ def push_bar(model, s, i, px, py, v, accounts, slot):
     k = slot + local
     accounts[k] += px
     accounts[k + stride] += py
-    accounts[k + 2 * stride] -= a[L2, i] * along * 0.5 * (omega + v[i])
-    accounts[k + 3 * stride] += px * 0.5 * (vx + v[x]) + py * 0.5 * (vy + v[y])
+    vx = 0.5 * (vx + v[x])
+    vy = 0.5 * (vy + v[y])
+    swept = along * 0.5 * (omega + v[i])
+    pivot = pivot_length(model.pivots, i)
+    accounts[k + 2 * stride] -= (a[L2, i] + pivot) * swept
+    accounts[k + 3 * stride] += px * vx + py * vy + pivot * swept
+    if is_fixed(model.fixed, s):
+        x, y = end_force(-a[L2, i] * along, a[BAR_LENGTH, i], a[SIN_PHI, i], a[COS_PHI, i])
+        k = s.acc_ends + local + 2 * stride
+        accounts[k] += x
+        accounts[k + stride] += y
+        accounts[k + 2 * stride] += x * vx + y * vy
 
 
 @kernel
 def rotate_oscillators(q, v, start, count, centre, table, first, rotations):
     """Rotate `count` oscillators about a place; returns the momentum that they gained."""
-    gained = 0.0
+    gained = broadcast(0.0)
     for m in range(0, count, LANES):
         x = block(q, start + m) - centre
         rate = block(v, start + m)
@@ -63,8 +79,8 @@ def rotate_oscillators(q, v, start, count, centre, table, first, rotations):
         set_block(q, start + m, centre + new)
         set_block(v, start + m, new_rate)
         mass = block(table[OSCILLATOR_MASS], first + m)
-        gained += sum_of_lanes(mass * (new_rate - rate))
-    return gained
+        gained = gained + mass * (new_rate - rate)
+    return sum_of_lanes(gained)
 
 
 @kernel
@@ -109,6 +125,22 @@ def rotate_torsional(model, torsional, tau, q, v, accounts, rotations):
 
 
 @kernel
+def damp_swings(model, swing_friction, tau, v, accounts, noise):
+    """Langevin friction and noise on the swings, exactly."""
+    if swing_friction is not None:
+        for k in range(model.surfaces.shape[0]):
+            s = model.surfaces[k]
+            if s.swing_gamma > 0.0:
+                gamma = s.swing_gamma
+                for i in range(s.start, s.end):
+                    mobility = 1.0 / model.asperites[INERTIA, i]
+                    omega = v[i]
+                    gained = thermal_kick(gamma, s.temperature, mobility, omega, tau, noise)
+                    v[i] += gained * mobility
+                    accounts[s.acc_swing + i - s.start] += gained * 0.5 * (omega + v[i])
+
+
+@kernel
 def thermalise(model, friction, tau, v, accounts, noise):
     """Langevin friction and noise on the frozen bars, exactly: along the bar's arc and across."""
     if friction is not None:
@@ -117,7 +149,7 @@ def thermalise(model, friction, tau, v, accounts, noise):
             s = model.surfaces[k]
             if s.gamma == 0.0:
                 continue
-            before_x, before_y = momentum(model, s, v)
+            before_x, before_y = momentum(model, s, v, v)
             for i in range(s.start, s.end):
                 tx = model.bobs[TX, i]
                 ty = model.bobs[TY, i]
@@ -132,7 +164,7 @@ def thermalise(model, friction, tau, v, accounts, noise):
                 px = along * tx - side * ty
                 py = along * ty + side * tx
                 push_bar(model, s, i, px, py, v, accounts, s.acc_thermal)
-            after_x, after_y = momentum(model, s, v)
+            after_x, after_y = momentum(model, s, v, v)
             px = after_x - before_x
             py = after_y - before_y
             accounts[s.acc_block] += (
@@ -143,12 +175,13 @@ def thermalise(model, friction, tau, v, accounts, noise):
 @kernel
 def bath_substep(model, tau, q, v, accounts, rotations, torsional_rotations, noise):
     """Baths and reservoirs for tau, bars and bobs frozen: symmetric in time."""
-    if model.friction is None:
+    if model.friction is None and model.swing_friction is None:
         rotate_bath(model, model.bath, tau, q, v, accounts, rotations)
         rotate_torsional(model, model.torsional, tau, q, v, accounts, torsional_rotations)
     else:
         rotate_bath(model, model.bath, 0.5 * tau, q, v, accounts, rotations)
         rotate_torsional(model, model.torsional, 0.5 * tau, q, v, accounts, torsional_rotations)
         thermalise(model, model.friction, tau, v, accounts, noise)
+        damp_swings(model, model.swing_friction, tau, v, accounts, noise)
         rotate_torsional(model, model.torsional, 0.5 * tau, q, v, accounts, torsional_rotations)
         rotate_bath(model, model.bath, 0.5 * tau, q, v, accounts, rotations)

@@ -19,10 +19,11 @@ _CUSTOM_FORCES = {
     "own drive": _POSITIONS_ONLY + "a custom drive may depend on velocities",
     "own ends": _POSITIONS_ONLY + "custom forces on the ends of bars may depend on velocities",
 }
-_FRICTION = {"langevin": _POSITIONS_ONLY + "Langevin friction depends on velocities"}
-_NEGATIVE_SUBSTEPS = {
-    "langevin": "uses negative substeps, which are unstable with damping and undefined with noise"
-}
+_RESERVOIRS = ("langevin", "swing langevin")
+_FRICTION = dict.fromkeys(_RESERVOIRS, _POSITIONS_ONLY + "Langevin friction depends on velocities")
+_NEGATIVE_SUBSTEPS = dict.fromkeys(
+    _RESERVOIRS, "uses negative substeps, which are unstable with damping and undefined with noise"
+)
 _BATH_IN_KICKS = dict.fromkeys(
     ("bath", "torsional bath"), "loses its order with a bath, which rotates within its kicks"
 )

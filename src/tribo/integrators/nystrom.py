@@ -90,10 +90,9 @@ def rows_of_table(table):
 
 @kernel
 def stored_rows(model):
-    """Number of rows of all tables of forces but that of the bobs."""
-    rows = rows_of_table(model.drive) + rows_of_table(model.inner) + rows_of_table(model.external)
-    rows += rows_of_table(model.internal) + rows_of_table(model.friction)
-    return rows + rows_of_table(model.end_forces)
+    """Number of rows of all tables of forces that depend on positions but that of the bobs."""
+    rows = rows_of_table(model.drive) + rows_of_table(model.inner)
+    return rows + rows_of_table(model.external) + rows_of_table(model.internal)
 
 
 @kernel
@@ -124,9 +123,7 @@ def store_forces(model, work, i):
     row = store_table(model.drive, stored, 0)
     row = store_table(model.inner, stored, row)
     row = store_table(model.external, stored, row)
-    row = store_table(model.internal, stored, row)
-    row = store_table(model.friction, stored, row)
-    store_table(model.end_forces, stored, row)
+    store_table(model.internal, stored, row)
 
 
 @kernel
@@ -137,9 +134,7 @@ def restore_forces(model, work, i):
     row = restore_table(model.drive, stored, 0)
     row = restore_table(model.inner, stored, row)
     row = restore_table(model.external, stored, row)
-    row = restore_table(model.internal, stored, row)
-    row = restore_table(model.friction, stored, row)
-    restore_table(model.end_forces, stored, row)
+    restore_table(model.internal, stored, row)
 
 
 @expanded

@@ -36,7 +36,7 @@ from tribo.integrators.step_control import (
     time_left,
     update_encounter,
 )
-from tribo.kernels.blocks import clear, coordinates
+from tribo.kernels.blocks import clear, coordinates, is_fixed
 from tribo.kernels.compiled import inlined, kernel, owning_kernel
 from tribo.kernels.equations_of_motion import (
     accelerate,
@@ -47,6 +47,7 @@ from tribo.kernels.equations_of_motion import (
     update_neighbours,
 )
 from tribo.kernels.kinematics import end_force, rotational_power
+from tribo.kernels.levers import lever_of_bar, pivot_lengths
 from tribo.kernels.neighbours import crowded, refresh
 from tribo.kernels.powers import block_powers, field_powers, powers_of_block
 from tribo.kernels.records import (
@@ -56,11 +57,11 @@ from tribo.kernels.records import (
     I2,
     INERTIA,
     KAPPA,
-    L2,
     NU_START,
     PHI_START,
     SIN_PHI,
 )
+from tribo.kernels.samples import copy
 from tribo.kernels.simd import LANES
 from tribo.kernels.simd_arrays import add_block, block, set_block, zero_row, zero_rows
 from tribo.kernels.simd_functions import sine_cosine
@@ -133,11 +134,14 @@ def settle_end_works(model, q, accounts, arcs):
                 twist = block(q, i) - block(a[PHI_START], i)
                 sin, cos = sine_cosine(twist)
                 arc = sin - twist * cos
-                work = block(a[L2], i) * block(a[KAPPA], i) / block(a[BAR_LENGTH], i)
-                work = s.facing * work * (arc - block(arcs, i))
+                force = block(a[KAPPA], i) / block(a[BAR_LENGTH], i)
+                swept = s.facing * force * (arc - block(arcs, i))
+                work = lever_of_bar(model, model.pivots, i) * swept
                 m = s.acc_ends + i - s.start
+                stride = s.stop - s.start
                 add_block(accounts, m, -work)
-                add_block(accounts, m + s.stop - s.start, work)
+                add_block(accounts, m + stride, work)
+                add_block(accounts, m + 4 * stride, pivot_lengths(model.pivots, i) * swept)
                 set_block(arcs, i, arc)
 
 
@@ -163,12 +167,14 @@ def add_turning_end_works(model, s, i, twist, rate, impulse, t, tau, vx, vy, acc
         sin, cos = sine_cosine(now + phi)
         tx = s.facing * cos
         ty = s.facing * sin
-        with_bar = rotational_power(-block(a[L2], i), now_rate + nu, tx, ty, x, y)
-        add_block(accounts, k, weight * with_bar)
-        add_block(accounts, k + stride, -weight * with_bar)
+        swept = weight * rotational_power(1.0, now_rate + nu, tx, ty, x, y)
+        with_bar = -lever_of_bar(model, model.pivots, i) * swept
+        add_block(accounts, k, with_bar)
+        add_block(accounts, k + stride, -with_bar)
         add_block(accounts, k + 2 * stride, weight * x)
         add_block(accounts, k + 3 * stride, weight * y)
-        add_block(accounts, k + 4 * stride, weight * (x * vx + y * vy))
+        pseudowork = weight * (x * vx + y * vy) + pivot_lengths(model.pivots, i) * swept
+        add_block(accounts, k + 4 * stride, pseudowork)
 
 
 @inlined
@@ -232,7 +238,7 @@ def drift(model, now, tau, q, v, accounts, rotations):
             turn = rotation_of(rotations, i)
             if s.dof_phi >= 0:
                 drift_free(model, s, i, tau, q, v, turn)
-            else:
+            elif not is_fixed(model.fixed, s):
                 drift_clamped(model, s, i, now - tau, tau, q, v, accounts, turn)
             move(s.dof_x, s, i, tau, q, v)
             move(s.dof_y, s, i, tau, q, v)
@@ -282,10 +288,8 @@ def kick(model, t, tau, q, v, accounts, work):
             kick_slot(s.dof_x, s, i, tau, acceleration, v, middle)
             kick_slot(s.dof_y, s, i, tau, acceleration, v, middle)
             powers_of_block(model, s, i, 0.0, t, q, middle, power)
-    for m in range(model.core, v.size, LANES):
-        set_block(middle, m, block(v, m))
     field_powers(model, model.fields, t, power)
-    block_powers(model, middle, power)
+    block_powers(model, middle, v, power)
     for m in range(0, power.size, LANES):
         add_block(accounts, m, tau * block(power, m))
 
@@ -326,9 +330,12 @@ def begin(model, neighbours, clock, state, work):
     if closest == 0.0:
         return BOBS_COINCIDE
     clock.encounter_rate = rate
+    # The first call sets what works are counted from; the accounts stay as they are.
+    copy(state.s, work.power)
     settle_end_works(model, state.y[:n], state.s, state.memory[0])
     for m in range(state.s.size):
-        state.s[m] = 0.0
+        state.s[m] = work.power[m]
+        work.power[m] = 0.0
     return COMPLETED
 
 
@@ -341,6 +348,13 @@ def arrive(model, neighbours, clock, state, work):
     clock.drift_lag = 0.0
     settle_end_works(model, q, state.s, state.memory[0])
     refresh(model, neighbours)
+
+
+@inlined
+def has_substep(model):
+    """Whether baths or reservoirs act between two half kicks."""
+    baths = model.bath is not None or model.torsional is not None
+    return baths or model.friction is not None or model.swing_friction is not None
 
 
 @inlined
@@ -359,7 +373,7 @@ def take_step(model, neighbours, splitting, clock, h, state, work, noise):
         clock.drift_lag = 0.0
         forces(model, neighbours, t)
         clock.evaluations += 1
-        if model.bath is not None or model.torsional is not None or model.friction is not None:
+        if has_substep(model):
             kick(model, t, 0.5 * tau, q, v, s, work)
             bath_substep(model, tau, q, v, s, work.bath, work.torsional, noise)
             kick(model, t, 0.5 * tau, q, v, s, work)
@@ -374,6 +388,7 @@ def take_steps(
 ):
     """Integrate through the sample times; see :func:`splitting_steps`."""
     clear(model.friction)
+    clear(model.swing_friction)
     if clock.evaluations == 0:
         status = begin(model, neighbours, clock, state, work)
         if status != COMPLETED:

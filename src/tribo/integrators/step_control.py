@@ -11,6 +11,8 @@ from tribo.kernels.equations_of_motion import equations_of_motion, place_bobs, t
 from tribo.kernels.neighbours import crowded, is_empty, refresh
 from tribo.kernels.powers import all_powers
 from tribo.kernels.samples import write_sample
+from tribo.kernels.simd import LANES, absolute, broadcast, sum_of_lanes
+from tribo.kernels.simd_arrays import block
 from tribo.kernels.status import (
     BOBS_COINCIDE,
     COMPLETED,
@@ -81,10 +83,10 @@ def encounter_bound(model, neighbours, clock, y, speeds, h):
 @kernel
 def all_finite(x):
     """Whether every component is finite, and its square."""
-    for m in range(x.size):
-        if not abs(x[m]) <= LARGEST:
-            return False
-    return True
+    outside = broadcast(0.0)
+    for m in range(0, x.size, LANES):
+        outside = outside + (1.0 - (absolute(block(x, m)) <= LARGEST))
+    return sum_of_lanes(outside) == 0.0
 
 
 @expanded

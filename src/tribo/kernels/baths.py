@@ -13,7 +13,7 @@ from tribo.kernels.records import (
     OSCILLATOR_MASS,
     PHI_START,
 )
-from tribo.kernels.simd import LANES, sum_of_lanes
+from tribo.kernels.simd import LANES, broadcast, sum_of_lanes
 from tribo.kernels.simd_arrays import block, set_block
 
 
@@ -40,12 +40,12 @@ def bar_angle(model, s, i, t, q):
 @kernel
 def pull(table, first, count, q, start, centre):
     """Force of oscillators `first` on of a table, from slot `start` on, on what is at `centre`."""
-    force = 0.0
+    force = broadcast(0.0)
     for m in range(0, count, LANES):
         w = block(table[OSCILLATOR_FREQUENCY], first + m)
         stiffness = block(table[OSCILLATOR_MASS], first + m) * w * w
-        force += sum_of_lanes(stiffness * (block(q, start + m) - centre))
-    return force
+        force = force + stiffness * (block(q, start + m) - centre)
+    return sum_of_lanes(force)
 
 
 @kernel
@@ -59,23 +59,23 @@ def oscillate(table, first, count, q, start, centre, acceleration):
 @kernel
 def oscillator_energy(table, first, count, q, v, start, centre):
     """Energy of oscillators about a place."""
-    energy = 0.0
+    energy = broadcast(0.0)
     for m in range(0, count, LANES):
         away = block(table[OSCILLATOR_FREQUENCY], first + m) * (block(q, start + m) - centre)
         rate = block(v, start + m)
         mass = block(table[OSCILLATOR_MASS], first + m)
-        energy += sum_of_lanes(0.5 * mass * (rate * rate + away * away))
-    return energy
+        energy = energy + 0.5 * mass * (rate * rate + away * away)
+    return sum_of_lanes(energy)
 
 
 @kernel
 def oscillator_momentum(table, first, count, v, start):
     """Momentum of oscillators."""
-    momentum = 0.0
+    momentum = broadcast(0.0)
     for m in range(0, count, LANES):
         mass = block(table[OSCILLATOR_MASS], first + m)
-        momentum += sum_of_lanes(mass * block(v, start + m))
-    return momentum
+        momentum = momentum + mass * block(v, start + m)
+    return sum_of_lanes(momentum)
 
 
 @kernel

@@ -33,6 +33,22 @@ def set_vectors(table, i, x, y):
     set_block(table[ALONG_Y], i, y)
 
 
+@inlined
+def numbers(table, i):
+    """A block of a table of one row; without a table -0, which changes no sum."""
+    if table is None:
+        return broadcast(-0.0)
+    return block(table[0], i)
+
+
+@inlined
+def is_fixed(fixed, s):
+    """Whether the asperites of a surface are rigid; `fixed` is None where none are."""
+    if fixed is None:
+        return False
+    return s.fixed == 1
+
+
 @kernel
 def clear(table):
     """Set every element of a table to zero, if there is a table."""

@@ -282,7 +282,7 @@ def thermal_energy(model):
     """The largest k_B T of a surface with noise; 0 without noise."""
     energy = 0.0
     for k in range(model.surfaces.shape[0]):
-        if model.surfaces[k].gamma > 0.0:
+        if model.surfaces[k].gamma + model.surfaces[k].swing_gamma > 0.0:
             energy = max(energy, model.surfaces[k].temperature)
     return energy
 

@@ -7,7 +7,7 @@ oscillator's coordinates are its displacement from the resting bar in the same u
 """
 
 from tribo.kernels.baths import bath_accelerations, bath_forces, torsional_accelerations
-from tribo.kernels.blocks import clear, coordinates, set_vectors, vectors
+from tribo.kernels.blocks import clear, coordinates, numbers, set_vectors, vectors
 from tribo.kernels.compiled import inlined, kernel, shared_kernel
 from tribo.kernels.contact import contact_forces
 from tribo.kernels.fields import field_forces
@@ -126,6 +126,16 @@ def friction_forces(model, friction, v):
 
 
 @kernel
+def swing_frictions(model, swing_friction, v):
+    """Set the Langevin friction on the swings, a torque -gamma omega, likewise."""
+    if swing_friction is not None:
+        for k in range(model.surfaces.shape[0]):
+            s = model.surfaces[k]
+            for i in range(s.start, s.stop, LANES):
+                set_block(swing_friction[0], i, -s.swing_gamma * block(v, i))
+
+
+@kernel
 def gather_contact(model):
     """Sum the contact forces on each rigid surface."""
     for k in range(model.surfaces.shape[0]):
@@ -235,6 +245,17 @@ def bob_forces(model, i):
 
 
 @inlined
+def torques(model, i, bob_x, bob_y, bar_x, bar_y):
+    """Torque on a block of pendulums, but for that of the torsion springs."""
+    a = model.asperites
+    tx = block(model.bobs[TX], i)
+    ty = block(model.bobs[TY], i)
+    torque = block(a[L1], i) * (tx * bob_x + ty * bob_y)
+    torque = torque - block(a[L2], i) * (tx * bar_x + ty * bar_y)
+    return torque + numbers(model.swing_friction, i)
+
+
+@inlined
 def accelerate_block(model, s, i, torsion, t, q, acceleration):
     """Set q'' of a block of asperites from the forces in place.
 
@@ -242,12 +263,9 @@ def accelerate_block(model, s, i, torsion, t, q, acceleration):
     ends have f_L + f_R = 0, and act on the bar's angle only.
     """
     a = model.asperites
-    tx = block(model.bobs[TX], i)
-    ty = block(model.bobs[TY], i)
     bob_x, bob_y = bob_forces(model, i)
     bar_x, bar_y = bar_forces(model, i)
-    torque = block(a[L1], i) * (tx * bob_x + ty * bob_y)
-    torque = torque - block(a[L2], i) * (tx * bar_x + ty * bar_y)
+    torque = torques(model, i, bob_x, bob_y, bar_x, bar_y)
     if torsion != 0.0 or s.dof_phi >= 0:
         twist = block(q, i) - bar_angles(model, s, i, t, q)
         spring = torsion * block(a[KAPPA], i) * twist
@@ -281,6 +299,7 @@ def equations_of_motion(model, neighbours, t, q, v, acceleration):
     drive_forces(model, t, q)
     bath_forces(model, model.bath, q)
     friction_forces(model, model.friction, v)
+    swing_frictions(model, model.swing_friction, v)
     custom_forces(model, t, q, v)
     accelerate(model, 1.0, t, q, acceleration)
     bath_accelerations(model, model.bath, q, acceleration)
@@ -289,7 +308,7 @@ def equations_of_motion(model, neighbours, t, q, v, acceleration):
 
 @kernel
 def top_speeds(model, t, q, v, speeds):
-    """Set the velocity of each centre of mass, and the largest speed of its bob about it.
+    """Set the velocity of each centre of mass, or driven bar, and the bob's largest speed about it.
 
     The second follows from the energy of the swing, so a pendulum at its turning point counts with
     the speed that it will have at its rest angle.  `speeds` is (3, n).

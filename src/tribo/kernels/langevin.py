@@ -1,7 +1,7 @@
 """Langevin at a bar: f_T = -gamma (v_bar - u) + noise, with u the velocity of the reservoir.
 
-Splitting methods use the exact solution over a step, :func:`thermal_kick`; all others integrate
-:func:`friction_force`, and refuse noise.
+On the swing it is a torque, -gamma omega + noise.  Splitting methods use the exact solution over a
+step, :func:`thermal_kick`; all others integrate the friction alone, and refuse noise.
 """
 
 import math

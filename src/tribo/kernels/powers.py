@@ -15,6 +15,7 @@ laboratory, work = (about) + V . J + (pseudowork); no digits are lost where V is
     internal   springs and bath on the bar, contact within on the bob: Jx, Jy, about, pseudowork
     field      external fields on the bob: Jx, Jy, about, pseudowork
     thermal    Langevin at the bar: Jx, Jy, about, pseudowork
+    swing      Langevin on the swing: work
     moving     of a field: work of the agent that moves it through the laboratory
     block      of a surface: pseudowork of all external forces at the centre of all its masses
 
@@ -24,19 +25,26 @@ The accounts of a group stand one after another, each with a slot for every aspe
 from numba import literal_unroll
 
 from tribo.kernels.baths import bath_momentum, torsional_torque
-from tribo.kernels.blocks import coordinates, vectors
+from tribo.kernels.blocks import coordinates, is_fixed, vectors
 from tribo.kernels.compiled import inlined, kernel
-from tribo.kernels.equations_of_motion import bar_angles, end_force_sums
+from tribo.kernels.equations_of_motion import (
+    bar_angles,
+    bar_forces,
+    bob_forces,
+    end_force_sums,
+    torques,
+)
 from tribo.kernels.fields import field_shift
 from tribo.kernels.kinematics import bar_velocity, end_force, rotational_power
+from tribo.kernels.levers import lever_of_bar, lever_of_bob, velocities_of_centres
 from tribo.kernels.records import (
     ALONG_X,
     ALONG_Y,
     BAR_LENGTH,
+    BARS,
     FX,
     FY,
     KAPPA,
-    L1,
     L2,
     LEFT_X,
     LEFT_Y,
@@ -54,7 +62,7 @@ from tribo.kernels.simd_arrays import block, set_block
 from tribo.kernels.simd_functions import sine_cosine
 
 # Number of accounts in each group; POINT is that of internal, field and thermal.
-CONTACT, SLIDE, DRIVE, ENDS, USER_ENDS, POINT = 4, 2, 4, 5, 8, 4
+CONTACT, SLIDE, DRIVE, ENDS, USER_ENDS, POINT, SWING = 4, 2, 4, 5, 8, 4, 1
 
 
 @inlined
@@ -69,17 +77,27 @@ def set_four(power, s, slot, i, first, second, third, fourth):
 
 
 @inlined
+def held_torques(model, fixed, s, i, phi, q):
+    """Torques that clamped bars hold: of torsion springs, or of the forces on rigid asperites."""
+    if is_fixed(fixed, s):
+        bob_x, bob_y = bob_forces(model, i)
+        bar_x, bar_y = bar_forces(model, i)
+        return torques(model, i, bob_x, bob_y, bar_x, bar_y)
+    return block(model.asperites[KAPPA], i) * (block(q, i) - phi)
+
+
+@inlined
 def clamped_ends(model, s, i, t, q, omega, vx, vy, power):
     """Set the powers of f_L, and of f_R = -f_L about the centre of mass."""
     a = model.asperites
     phi = bar_angles(model, s, i, t, q)
-    torque = block(a[KAPPA], i) * (block(q, i) - phi)
+    torque = held_torques(model, model.fixed, s, i, phi, q)
     bar_length = block(a[BAR_LENGTH], i)
     sin, cos = sine_cosine(phi)
     x, y = end_force(torque, bar_length, sin, cos)
     tx = block(model.bobs[TX], i)
     ty = block(model.bobs[TY], i)
-    with_bar = rotational_power(-block(a[L2], i), omega, tx, ty, x, y)
+    with_bar = rotational_power(-lever_of_bar(model, model.pivots, i), omega, tx, ty, x, y)
     turning = -0.5 * torque * block(a[NU_START], i)
     stride = s.stop - s.start
     set_four(power, s, s.acc_ends, i, turning + with_bar, turning - with_bar, x, y)
@@ -124,7 +142,7 @@ def set_bob_powers(model, table, slot, s, i, omega, vx, vy, power):
             x, y = vectors(table, i)
             tx = block(model.bobs[TX], i)
             ty = block(model.bobs[TY], i)
-            about = rotational_power(block(model.asperites[L1], i), omega, tx, ty, x, y)
+            about = rotational_power(lever_of_bob(model, model.pivots, i), omega, tx, ty, x, y)
             set_four(power, s, slot, i, x, y, about, x * vx + y * vy)
 
 
@@ -136,21 +154,29 @@ def set_bar_powers(model, table, slot, s, i, omega, vx, vy, power):
             x, y = vectors(table, i)
             tx = block(model.bobs[TX], i)
             ty = block(model.bobs[TY], i)
-            about = rotational_power(-block(model.asperites[L2], i), omega, tx, ty, x, y)
+            about = rotational_power(-lever_of_bar(model, model.pivots, i), omega, tx, ty, x, y)
             set_four(power, s, slot, i, x, y, about, x * vx + y * vy)
+
+
+@inlined
+def set_swing_powers(swing_friction, s, i, omega, power):
+    """Set the power of the Langevin friction on the swings."""
+    if swing_friction is not None:
+        if s.acc_swing >= 0:
+            set_block(power, s.acc_swing + i - s.start, block(swing_friction[0], i) * omega)
 
 
 @inlined
 def set_internal_powers(model, s, i, omega, vx, vy, power):
     """Set the same of the internal forces: springs and bath on the bars, contact on the bobs."""
     if s.acc_internal >= 0:
-        a = model.asperites
         tx = block(model.bobs[TX], i)
         ty = block(model.bobs[TY], i)
         x, y = vectors(model.internal, i)
-        about = rotational_power(-block(a[L2], i), omega, tx, ty, x, y)
+        about = rotational_power(-lever_of_bar(model, model.pivots, i), omega, tx, ty, x, y)
         bob_x, bob_y = vectors(model.inner, i)
-        about = about + rotational_power(block(a[L1], i), omega, tx, ty, bob_x, bob_y)
+        lever = lever_of_bob(model, model.pivots, i)
+        about = about + rotational_power(lever, omega, tx, ty, bob_x, bob_y)
         x = x + bob_x
         y = y + bob_y
         set_four(power, s, s.acc_internal, i, x, y, about, x * vx + y * vy)
@@ -161,12 +187,11 @@ def powers_of_block(model, s, i, torsion, t, q, v, power):
     """Set the powers of a block's accounts, forces in place.
 
     `torsion` is 0 where the torsion springs, and the ends that hold them, are integrated
-    separately.
+    separately; the ends that hold rigid asperites never are.
     """
     b = model.bobs
     omega = block(v, i)
-    vx = coordinates(s.dof_x, s, i, v)
-    vy = coordinates(s.dof_y, s, i, v)
+    vx, vy = velocities_of_centres(model, model.pivots, s, i, v)
     tx = block(b[TX], i)
     ty = block(b[TY], i)
     x = block(b[FX], i)
@@ -176,15 +201,16 @@ def powers_of_block(model, s, i, torsion, t, q, v, power):
         k = s.acc_slide + i - s.start
         set_block(power, k, x * vx)
         set_block(power, k + s.stop - s.start, y * vy)
-    if s.acc_drive >= 0:
+    if s.acc_drive >= 0 and s.drive != BARS:  # the ledger finds the reaction of driven bars
         x, y = vectors(model.drive, i)
         about = omega * (tx * x + ty * y)
         set_four(power, s, s.acc_drive, i, x, y, about, x * vx + y * vy)
-    if s.acc_ends >= 0 and torsion != 0.0:
+    if s.acc_ends >= 0 and (torsion != 0.0 or is_fixed(model.fixed, s)):
         clamped_ends(model, s, i, t, q, omega, vx, vy, power)
     set_bob_powers(model, model.external, s.acc_field, s, i, omega, vx, vy, power)
     set_internal_powers(model, s, i, omega, vx, vy, power)
     set_bar_powers(model, model.friction, s.acc_thermal, s, i, omega, vx, vy, power)
+    set_swing_powers(model.swing_friction, s, i, omega, power)
     custom_end_powers(model, model.end_forces, s, i, t, q, v, power)
 
 
@@ -219,42 +245,49 @@ def torsional_powers(model, torsional, t, q, v, power):
 
 
 @kernel
-def momentum(model, s, v):
-    """Momentum of a surface and its bath in the surface's first frame."""
-    px, py = bath_momentum(model, model.bath, s, v)
+def momentum(model, s, v, of_bath):
+    """Momentum of a surface and its bath in the surface's first frame.
+
+    The velocities of the asperites are read from `v`, those of the bath from `of_bath`.
+    """
+    px, py = bath_momentum(model, model.bath, s, of_bath)
+    x = broadcast(0.0)
+    y = broadcast(0.0)
     for i in range(s.start, s.stop, LANES):
         mass = block(model.asperites[MASS], i)
-        if s.dof_x >= 0:
-            px += sum_of_lanes(mass * coordinates(s.dof_x, s, i, v))
-        if s.dof_y >= 0:
-            py += sum_of_lanes(mass * coordinates(s.dof_y, s, i, v))
-    return px, py
+        x = x + mass * coordinates(s.dof_x, s, i, v)
+        y = y + mass * coordinates(s.dof_y, s, i, v)
+    return px + sum_of_lanes(x), py + sum_of_lanes(y)
 
 
 @inlined
 def external_force(model, s):
     """Sum of f1, f2, field, f_T and a plug-in's forces on ends over a surface."""
-    fx = 0.0
-    fy = 0.0
+    fx = broadcast(0.0)
+    fy = broadcast(0.0)
     for i in range(s.start, s.stop, LANES):
-        x = block(model.bobs[FX], i) + block(model.drive[ALONG_X], i)
-        y = block(model.bobs[FY], i) + block(model.drive[ALONG_Y], i)
-        field_x, field_y = vectors(model.external, i)
-        friction_x, friction_y = vectors(model.friction, i)
-        end_x, end_y = end_force_sums(model.end_forces, i)
-        fx += sum_of_lanes(x + field_x + friction_x + end_x)
-        fy += sum_of_lanes(y + field_y + friction_y + end_y)
-    return fx, fy
+        fx = fx + block(model.bobs[FX], i) + block(model.drive[ALONG_X], i)
+        fy = fy + block(model.bobs[FY], i) + block(model.drive[ALONG_Y], i)
+        x, y = vectors(model.external, i)
+        fx, fy = fx + x, fy + y
+        x, y = vectors(model.friction, i)
+        fx, fy = fx + x, fy + y
+        x, y = end_force_sums(model.end_forces, i)
+        fx, fy = fx + x, fy + y
+    return sum_of_lanes(fx), sum_of_lanes(fy)
 
 
 @inlined
-def block_powers(model, v, power):
-    """Set the power of each surface's external force at the velocity of its centre of mass."""
+def block_powers(model, v, of_bath, power):
+    """Set the power of each surface's external force at the velocity of its centre of mass.
+
+    For the velocities see :func:`momentum`.
+    """
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         if s.acc_block >= 0:
             fx, fy = external_force(model, s)
-            px, py = momentum(model, s, v)
+            px, py = momentum(model, s, v, of_bath)
             power[s.acc_block] = (fx * px + fy * py) / s.total_mass
 
 
@@ -267,4 +300,4 @@ def all_powers(model, t, q, v, power):
             powers_of_block(model, s, i, 1.0, t, q, v, power)
     field_powers(model, model.fields, t, power)
     torsional_powers(model, model.torsional, t, q, v, power)
-    block_powers(model, v, power)
+    block_powers(model, v, v, power)

@@ -20,6 +20,7 @@ ASPERITE = np.dtype(
         ("l2", "f8"),  # centre of mass to bar
         ("i2", "f8"),  # the bar's moment of inertia
         ("bar_length", "f8"),
+        ("pivot", "f8"),  # on driven bars l2, from the bar to the centre of mass; else 0
         ("facing", "f8"),  # +1 hangs down (rest angle 0), -1 stands up (rest angle pi)
         ("x", "f8"),  # centre of mass at t = 0
         ("y", "f8"),
@@ -41,14 +42,16 @@ ASPERITE = np.dtype(
         ("acc_internal", "i4"),
         ("acc_field", "i4"),
         ("acc_thermal", "i4"),
+        ("acc_swing", "i4"),
     ],
     align=True,
 )
 
-# Rows of the table of asperites that kernels read, one column an asperite.  phi, with its sine and
-# cosine, and nu are those at the start.  The frequency is that of the torsion spring's rotation, of
-# the pendulum and, if that can turn, of the bar.  Those that fill the last block of a surface are
-# not present, 0 instead of 1: no drive or friction acts on them.
+# Rows of the table of asperites that kernels read, one column an asperite.  On driven bars they
+# refer to the bar's centre, see `kernels.levers`; rigid asperites have an infinite inertia.  phi,
+# with its sine and cosine, and nu are those at the start.  The frequency is that of the torsion
+# spring's rotation, of the pendulum and, if that can turn, of the bar.  Those that fill the last
+# block of a surface are not present, 0 instead of 1: no drive or friction acts on them.
 CONSTANTS = (
     "mass",
     "inertia",
@@ -88,7 +91,7 @@ CONSTANTS = (
     PRESENT,
 ) = range(len(CONSTANTS))
 
-FORCED, FREE, RIGID, PULLED, CUSTOM = range(5)
+FORCED, FREE, RIGID, PULLED, CUSTOM, BARS = range(6)
 
 SURFACE = np.dtype(
     [
@@ -99,7 +102,8 @@ SURFACE = np.dtype(
         ("vx", "f8"),  # its initial velocity, relative to the first surface's
         ("vy", "f8"),
         ("turning", "i8"),  # 1 where clamped bars turn
-        ("drive", "i8"),  # FORCED, FREE, RIGID, PULLED, CUSTOM
+        ("drive", "i8"),  # FORCED, FREE, RIGID, PULLED, CUSTOM, BARS
+        ("fixed", "i8"),  # 1 where pendulums are fixed to their bars: rigid asperites
         ("mass", "f8"),  # of all its asperites
         ("total_mass", "f8"),  # of all its asperites and their baths
         ("loaded", "i8"),  # 1 where a load takes the place of -f1_y
@@ -113,6 +117,7 @@ SURFACE = np.dtype(
         ("torsionals", "i8"),
         ("first_torsional", "i8"),
         ("gamma", "f8"),  # Langevin damping of every bar, 0 if there is none
+        ("swing_gamma", "f8"),  # the same of every swing
         ("temperature", "f8"),  # of the Langevin reservoir
         ("reservoir_x", "f8"),  # its velocity, relative to the surface's initial one
         ("reservoir_y", "f8"),
@@ -128,6 +133,7 @@ SURFACE = np.dtype(
         ("acc_internal", "i8"),
         ("acc_field", "i8"),
         ("acc_thermal", "i8"),
+        ("acc_swing", "i8"),
         ("acc_block", "i8"),  # account of the surface's own pseudowork, -1 if absent
     ],
     align=True,
@@ -285,6 +291,9 @@ class Model(NamedTuple):
     internal: Any  # (2, n), scratch: springs and bath on each bar; or None
     displaced: Any  # (2, n), scratch: displacement of each bar from its rest; or None
     friction: Any  # (2, n), scratch: Langevin friction on each bar, without its noise; or None
+    swing_friction: Any  # (1, n), scratch: the same torque on each swing; or None
+    pivots: Any  # (1, n), see `kernels.levers`; None without driven bars
+    fixed: Any  # True, or None where no asperites are rigid
     end_forces: Any  # (4, n), scratch: a plug-in's forces on the ends of each bar; or None
     box: Any  # Box, or None
     springs: Any  # Springs, or None

@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, fields
 
 import numpy as np
 
-from tribo.validation import ANY, NOT_NEGATIVE, POSITIVE, InputError, number_or_array
+from tribo.validation import (
+    ANY,
+    NOT_NEGATIVE,
+    POSITIVE,
+    InputError,
+    is_list,
+    must_be,
+    number_or_array,
+)
 
 # One number for all asperites of a surface, or an array with one number per asperite.
 Each = float | np.ndarray
@@ -21,6 +30,15 @@ LIMITS = {
     "i2": (POSITIVE, "mass length^2"),
     "charge": (ANY, "charge"),
 }
+
+
+def _are_infinite(kappa: object) -> bool:
+    """Whether a stiffness is infinite; raises InputError if it is for some asperites only."""
+    values = kappa if is_list(kappa) else [kappa]
+    infinite = [isinstance(value, float) and value == math.inf for value in values]
+    if any(infinite) and not all(infinite):
+        raise must_be("kappa", "inf for all asperites of a surface or for none", kappa)
+    return any(infinite)
 
 
 def broadcast(field: str, value: Each, count: int) -> np.ndarray:
@@ -44,7 +62,8 @@ class Asperite:
     m2 : float or (n,) array
         Mass of the bar [mass].
     kappa : float or (n,) array
-        Stiffness of the torsion spring [torque / rad].
+        Stiffness of the torsion spring [torque / rad]; inf for rigid asperites, whose pendulums do
+        not swing.  Either all asperites of a surface are rigid, or none.
     length : float or (n,) array
         Length of the massless rod from the bar's centre to the bob [length].
     bar_length : float or (n,) array
@@ -57,7 +76,8 @@ class Asperite:
     Raises
     ------
     InputError
-        If a parameter is no number, or is negative, or is zero (`kappa` and `charge` may be zero).
+        If a parameter is no number, or is negative, or is zero (`kappa` and `charge` may be zero),
+        or `kappa` is inf for some asperites only.
     """
 
     m1: Each = 1.0
@@ -70,8 +90,17 @@ class Asperite:
 
     def __post_init__(self) -> None:
         for name, (condition, unit) in LIMITS.items():
-            value = number_or_array(name, getattr(self, name), condition, unit)
+            value = getattr(self, name)
+            if name == "kappa" and _are_infinite(value):
+                value = np.full(len(value), math.inf) if is_list(value) else math.inf
+            else:
+                value = number_or_array(name, value, condition, unit)
             object.__setattr__(self, name, value)
+
+    @property
+    def is_rigid(self) -> bool:
+        """Whether the pendulums are fixed to their bars, by `kappa` = inf."""
+        return bool(np.all(np.isinf(self.kappa)))
 
     def for_each(self, count: int) -> dict[str, np.ndarray]:
         """Every parameter, and derived quantities, as arrays of `count`.

@@ -106,6 +106,24 @@ class Pulled(Drive):
 
 
 @dataclass(frozen=True, kw_only=True)
+class DrivenBars(Drive):
+    """The centres of the bars move uniformly with the surface's initial velocity, or stand.
+
+    f2 is the reaction of the constraint.  Its work is the integral of f2 . V, with V that velocity:
+    none on a surface that stands.  Each asperite is a pendulum about its bar's centre.
+
+    Attributes
+    ----------
+    load : None
+        Must be None: a constraint holds the bars along y too.
+    """
+
+    def __post_init__(self) -> None:
+        if self.load is not None:
+            raise InputError("load", "cannot go with driven bars, which are held along y too")
+
+
+@dataclass(frozen=True, kw_only=True)
 class Custom(Drive):
     """f2 by a plug-in: ``force_on_bar(self, t, x, y, vx, vy, fx, fy) -> (gx, gy)``.
 
@@ -148,7 +166,12 @@ class Ends:
         object.__setattr__(self, "force", plugins.with_numbers(self.force))
 
 
-KINDS: dict[str, type[Drive]] = {"forced": Forced, "free": Free, "pulled": Pulled}
+KINDS: dict[str, type[Drive]] = {
+    "forced": Forced,
+    "free": Free,
+    "pulled": Pulled,
+    "bars": DrivenBars,
+}
 
 
 def as_drive(value: object, folder: Path = Path()) -> Drive:
@@ -168,6 +191,8 @@ def as_drive(value: object, folder: Path = Path()) -> Drive:
         return Custom(load=load, force=plugins.instance(cls, parameters))
     table = known_keys(value, ["kind", "load", "rigid", "stiffness", "speed"], ["kind"])
     kind = KINDS[choice("kind", table.pop("kind"), KINDS)]
+    if kind is DrivenBars and "rigid" in table:
+        raise InputError("rigid", 'cannot go with kind = "bars": driven bars move as one anyway')
     required = ["stiffness", "speed"] if kind is Pulled else []
     return kind(**known_keys(table, kind.__dataclass_fields__, required))
 

@@ -1,40 +1,58 @@
-"""Langevin reservoirs on the bars: friction and noise in place of a bath of oscillators."""
+"""Langevin reservoirs: friction and noise in place of a bath of oscillators."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from tribo.validation import NOT_NEGATIVE, known_keys, number, vector
+from tribo.validation import NOT_NEGATIVE, InputError, choice, known_keys, number, vector
+
+# Places where a reservoir acts, and the unit of its damping coefficient there.
+PLACES = {"bar": "mass / time", "swing": "torque time"}
 
 
 @dataclass(frozen=True)
 class Langevin:
-    """A thermal reservoir at every bar: damping, and noise at a temperature above zero.
+    """A thermal reservoir at every asperite: damping, and noise at a temperature above zero.
 
-        f_T = -gamma (v_bar - u) + sqrt(2 gamma T) xi(t)
+    On the bars it is a force, on the swing a torque on each pendulum:
+
+        force  = -gamma (v_bar - u) + sqrt(2 gamma T) xi(t)
+        torque = -gamma omega       + sqrt(2 gamma T) xi(t)
 
     with u the reservoir's velocity and xi(t) white noise.  The heat given to the reservoir is minus
-    the integral of f_T . (v_bar - u).
+    the integral of force . (v_bar - u), or of torque times omega.
 
     Attributes
     ----------
     gamma : float
-        Damping coefficient [mass / time].
+        Damping coefficient [mass / time], or of the swing [torque time].
     temperature : float
         Temperature T [energy], with k_B = 1.
     velocity : (float, float), optional
         Velocity u of the reservoir in the laboratory; None for the surface's initial velocity.
+        A reservoir on the swing has none.
+    on : str
+        "bar" or "swing".
+
+    Raises
+    ------
+    InputError
+        If a value is out of range, or a reservoir on the swing is given a velocity.
     """
 
     gamma: float
     temperature: float = 0.0
     velocity: tuple[float, float] | None = None
+    on: str = "bar"
 
     def __post_init__(self) -> None:
         put = object.__setattr__
-        put(self, "gamma", number("gamma", self.gamma, NOT_NEGATIVE, "mass / time"))
+        unit = PLACES[choice("on", self.on, PLACES)]
+        put(self, "gamma", number("gamma", self.gamma, NOT_NEGATIVE, unit))
         put(self, "temperature", number("temperature", self.temperature, NOT_NEGATIVE, "energy"))
         if self.velocity is not None:
+            if self.on == "swing":
+                raise InputError("velocity", 'cannot go with on = "swing"')
             velocity = vector("velocity", self.velocity, size=2, unit="length / time")
             put(self, "velocity", tuple(velocity.tolist()))
 

@@ -6,10 +6,11 @@ import itertools
 import math
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
+from functools import cached_property
 
 import numpy as np
 
-from tribo.model.drives import Custom, Ends, Forced, Pulled
+from tribo.model.drives import Custom, DrivenBars, Ends, Forced, Pulled
 from tribo.model.fields import Field
 from tribo.model.interaction import Interaction, Periodic, as_periodic
 from tribo.model.settings import Numerics, Output
@@ -34,6 +35,8 @@ class Effect(StrEnum):
     CONTACT = "contact", "forces between the bobs of different surfaces"
     SWING = "swing", "pendulums on torsion springs"
     SLIDING = "sliding", "centres of mass that can leave their uniform motion"
+    RIGID = "rigid asperites", "asperites whose pendulums are fixed to clamped bars"
+    DRIVEN_BARS = "driven bars", "bars that a constraint moves uniformly, or holds"
     TURNING_BARS = "turning bars", "bars that are free to turn"
     CLAMPED_ENDS = (
         "clamped ends",
@@ -47,6 +50,7 @@ class Effect(StrEnum):
     BATH = "bath", "oscillators on every bar"
     TORSIONAL_BATH = "torsional bath", "torsional oscillators on every bar"
     LANGEVIN = "langevin", "damping and noise at every bar"
+    SWING_LANGEVIN = "swing langevin", "damping and noise on every pendulum"
     FIELD = "field", "external fields on bobs"
     CALCULATOR = "calculator", "contact computed by an ASE calculator, at its own cost"
     CONTACT_WITHIN = "contact within", "forces among the bobs of one surface"
@@ -222,6 +226,8 @@ class Scene:
             raise InputError(
                 str(key), f'must name a surface and one of {", ".join(UNITS)}, as "upper.theta"'
             )
+        if quantity == "omega" and surface.asperite.is_rigid:
+            raise InputError(str(key), "cannot be changed where asperite.kappa = inf")
         if quantity in ("phi", "nu") and surface.bars == "clamped":
             raise InputError(
                 str(key), "cannot be changed where bars are clamped; prepare another scene"
@@ -256,10 +262,10 @@ class Scene:
         own = (interaction.potential.smoothness() for interaction in self.interactions)
         return max(0, min(own, default=math.inf))
 
-    @property
+    @cached_property
     def effects(self) -> frozenset[Effect]:
         """The effects that the scene calls for; no other is simulated."""
-        present = {Effect.SWING}
+        present = set()
         pairs = [pair for i in self.interactions for pair in self.pairs(i)]
         if any(one != other for one, other in pairs):
             present.add(Effect.CONTACT)
@@ -268,6 +274,9 @@ class Scene:
         if any(isinstance(i.potential, Live) for i in self.interactions):
             present.add(Effect.CALCULATOR)
         for s in self.surfaces:
+            present.add(Effect.RIGID if s.asperite.is_rigid else Effect.SWING)
+            if isinstance(s.drive, DrivenBars):
+                present.add(Effect.DRIVEN_BARS)
             if self.slides_along_x(s) or self.slides_along_y(s):
                 present.add(Effect.SLIDING)
             if isinstance(s.drive, Pulled):
@@ -284,8 +293,10 @@ class Scene:
                 present.add(Effect.BATH)
             if s.bath.inertias.size:
                 present.add(Effect.TORSIONAL_BATH)
-            if s.langevin:
+            if s.bar_reservoir:
                 present.add(Effect.LANGEVIN)
+            if s.swing_reservoir:
+                present.add(Effect.SWING_LANGEVIN)
             if s.bars != "clamped":
                 present.add(Effect.TURNING_BARS)
             elif np.any(np.asarray(s.asperite.kappa) > 0.0):
@@ -303,14 +314,21 @@ class Scene:
         fields = any(surface.name in item.on for item in self.fields)
         lattice = bool(surface.springs) or surface.bath.masses.size > 0
         lattice = lattice or self.has_contact_within(surface)
-        return fields or lattice or bool(surface.langevin) or isinstance(surface.bars, Ends)
+        return fields or lattice or bool(surface.bar_reservoir) or isinstance(surface.bars, Ends)
 
     def slides_along_x(self, surface: Surface) -> bool:
-        """Whether the surface's centres of mass can leave their uniform motion along x."""
+        """Whether the x of the surface's centres of mass are degrees of freedom.
+
+        On driven bars they follow from the pendulum's angle.
+        """
+        if isinstance(surface.drive, DrivenBars):
+            return False
         return not isinstance(surface.drive, Forced) or self.has_uncancelled_forces(surface)
 
     def slides_along_y(self, surface: Surface) -> bool:
-        """Whether the surface's centres of mass can leave their uniform motion along y."""
+        """Whether the y of the surface's centres of mass are degrees of freedom, likewise."""
+        if isinstance(surface.drive, DrivenBars):
+            return False
         pressed = surface.drive.load is not None or isinstance(surface.drive, Custom)
         return pressed or self.has_uncancelled_forces(surface)
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from tribo.model.asperite import Asperite, Each, broadcast
 from tribo.model.bath import Bath, as_bath
-from tribo.model.drives import Drive, Ends, Forced, as_bars, as_drive
+from tribo.model.drives import Drive, DrivenBars, Ends, Forced, as_bars, as_drive
 from tribo.model.langevin import Langevin, as_langevin
 from tribo.model.roughness import Roughness, as_heights, draw
 from tribo.model.springs import Springs, as_springs
@@ -113,7 +113,8 @@ class Surface:
         x, y, z of the resting bobs [length], instead of `bob`, `shape`, `spacing` and `depth`.
     drive : Drive or str or dict
         What holds or moves the surface: :class:`Forced`, :class:`Free`, :class:`Pulled`,
-        :class:`Custom`; or "forced", "free", or its table in a scene file.
+        :class:`DrivenBars`, :class:`Custom`; or "forced", "free", "bars", or its table in a scene
+        file.
     bars : str or Ends
         "clamped", "free", or :class:`Ends` for a user's forces on the ends of the bars.
     springs : Springs or dict
@@ -121,7 +122,7 @@ class Surface:
     bath : Bath or dict, optional
         Oscillators on every bar.
     langevin : Langevin or dict, optional
-        A thermal reservoir at every bar.
+        A thermal reservoir at every bar, or on every swing.
     species : str or tuple of str
         Species of the bobs, one for all or one each; interactions may tell species apart.
     asperite : Asperite
@@ -180,6 +181,39 @@ class Surface:
                 raise must_be(key, f"a tribo.{kind.__name__}", value)
             with inside(key):
                 value.for_each(self.count)
+        self._check_driven_bars()
+        self._check_rigid()
+
+    def _check_driven_bars(self) -> None:
+        """Refuse forces on bars that driven bars have no use for."""
+        if not isinstance(self.drive, DrivenBars):
+            return
+        if isinstance(self.bars, Ends):
+            raise InputError("bars", 'cannot be forces of the user\'s own where drive = "bars"')
+        if self.bar_reservoir is not None:
+            raise InputError("langevin.on", 'must be "swing" where drive = "bars", got "bar"')
+
+    def _check_rigid(self) -> None:
+        """Refuse what would turn the pendulums of rigid asperites."""
+        if not self.asperite.is_rigid:
+            return
+        if self.bars != "clamped":
+            raise InputError("asperite.kappa", "must be finite where bars are not clamped, got inf")
+        for name in ("omega", "nu"):
+            if np.any(self.initial.for_each(self.count)[name]):
+                raise InputError(f"initial.{name}", "must be zero where asperite.kappa = inf")
+        if self.swing_reservoir is not None:
+            raise InputError("langevin.on", 'must be "bar" where asperite.kappa = inf, got "swing"')
+
+    @property
+    def bar_reservoir(self) -> Langevin | None:
+        """The Langevin reservoir at the bars, if there is one."""
+        return self.langevin if self.langevin and self.langevin.on == "bar" else None
+
+    @property
+    def swing_reservoir(self) -> Langevin | None:
+        """The Langevin reservoir on the swing, if there is one."""
+        return self.langevin if self.langevin and self.langevin.on == "swing" else None
 
     def _check_place(self) -> None:
         """Check the name, the lattice or the listed positions, and the velocity."""

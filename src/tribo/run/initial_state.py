@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tribo.run.layout import Layout, set_bath
+from tribo.run.layout import Layout, set_bars
 from tribo.validation import InputError, number_or_array
 
 # Initial values by name, "surface.theta" (or swing, phi, omega, nu): a number, or one per asperite.
@@ -27,7 +27,9 @@ class InitialState:
 
     def __init__(self, layout: Layout) -> None:
         self._layout = layout
-        self._has_bath = layout.model.bath is not None or layout.model.torsional is not None
+        model = layout.model
+        followers = (model.bath, model.torsional, model.pivots)
+        self._has_followers = any(item is not None for item in followers)
         self._slots: dict[str, Slots] = {}
 
     def __call__(self, start: Start) -> np.ndarray:
@@ -65,8 +67,8 @@ class InitialState:
         for key in start:
             if key.endswith((".phi", ".swing")):
                 self._follow(key.rpartition(".")[0], start, y)
-        if start and self._has_bath:
-            _reset_baths(self._layout, y)
+        if start and self._has_followers:
+            _reset_bars(self._layout, y)
         return y
 
     def _follow(self, name: str, start: Start, y: np.ndarray) -> None:
@@ -93,10 +95,10 @@ def _slots(layout: Layout, key: str) -> Slots:
     return slots if surface.count > 1 else int(slots[0]), rest, surface.count
 
 
-def _reset_baths(layout: Layout, y: np.ndarray) -> None:
-    """Start every bath about its bars, whose initial values have changed."""
+def _reset_bars(layout: Layout, y: np.ndarray) -> None:
+    """Start driven bars, and every bath about its bars, where initial values have changed."""
     n = layout.coordinates
     for index, surface in enumerate(layout.scene.surfaces):
         part = layout.parts[surface.name]
         rng = np.random.default_rng([layout.scene.seed, index, 1])
-        set_bath(layout.asperites[part], surface, part, y[:n], y[n:], rng)
+        set_bars(layout.asperites[part], surface, part, y[:n], y[n:], rng)

@@ -3,21 +3,33 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from tribo.kernels import records
-from tribo.kernels.records import CUSTOM, FORCED, FREE, PULLED, RIGID, Box, Model, Neighbours
+from tribo.kernels.records import (
+    BARS,
+    CUSTOM,
+    FORCED,
+    FREE,
+    PULLED,
+    RIGID,
+    Box,
+    Model,
+    Neighbours,
+)
 from tribo.kernels.simd import LANES
 from tribo.kernels.simd_arrays import room
 from tribo.model.bath import thermal_start, thermal_torsional_start
 from tribo.model.drives import Custom as CustomDrive
-from tribo.model.drives import Ends, Forced, Free, Pulled
+from tribo.model.drives import DrivenBars, Ends, Forced, Free, Pulled
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.potentials.from_ase import Call, Live
 from tribo.run import contacts, slots
+from tribo.run.batch import Batch, batch_of, batches_of
 from tribo.run.force_records import fields_on_surfaces, springs, user_forces
 from tribo.run.identity import loaded
 
@@ -79,11 +91,33 @@ class Layout:
     skin: float
     beginning: float = 0.0
 
-    @property
+    @cached_property
     def times(self) -> np.ndarray:
         """The times to record, from the start of the run on."""
         times = self.scene.times
         return np.union1d(times[times > self.beginning], [self.beginning])
+
+    @cached_property
+    def batches(self) -> tuple[tuple[Batch, ...], ...]:
+        """The asperites of each surface, as the ledger reads them."""
+        return tuple(batches_of(self.together, part) for part in self.parts.values())
+
+    @cached_property
+    def together(self) -> Batch:
+        """The asperites of all surfaces."""
+        return batch_of(self.asperites, self.surfaces, self.velocity)
+
+    @cached_property
+    def effects(self) -> dict[str, tuple[int, bool, bool]]:
+        """Surface -> its index, whether a field acts on it, whether it has a reservoir."""
+        return {
+            surface.name: (
+                index,
+                any(surface.name in item.on for item in self.scene.fields),
+                bool(surface.langevin),
+            )
+            for index, surface in enumerate(self.scene.surfaces)
+        }
 
     @property
     def anchors(self) -> np.ndarray:
@@ -224,7 +258,8 @@ def _model(
     )
     lattice = springs(scene, asperites, places.columns)
     pulls = lattice is not None or bath is not None
-    reservoirs = any(surface.langevin for surface in scene.surfaces)
+    on_bars = any(surface.bar_reservoir for surface in scene.surfaces)
+    on_swings = any(surface.swing_reservoir for surface in scene.surfaces)
     return Model(
         asperites=_constants(scene, asperites, places.columns, n),
         surfaces=numbering.surfaces.view(np.recarray),
@@ -239,7 +274,10 @@ def _model(
         external=None,
         internal=room((2, n)) if pulls else None,
         displaced=room((2, n)) if pulls else None,
-        friction=room((2, n)) if reservoirs else None,
+        friction=room((2, n)) if on_bars else None,
+        swing_friction=room((1, n)) if on_swings else None,
+        pivots=_pivots(asperites, places.columns, n),
+        fixed=True if any(s.asperite.is_rigid for s in scene.surfaces) else None,
         end_forces=None,
         box=Box(scene.periodic.x or 0.0, scene.periodic.z or 0.0) if scene.periodic else None,
         springs=lattice,
@@ -268,11 +306,15 @@ def _constants(scene: Scene, asperites: np.ndarray, columns: np.ndarray, count: 
     for row, name in enumerate(records.CONSTANTS):
         if name in (records.ASPERITE.names or ()):
             table[row, columns] = asperites[name]
+    _refer_to_bars(table, asperites, columns)
+    rigid = np.array([s.asperite.is_rigid for s in scene.surfaces])[asperites["surface"]]
+    table[records.INERTIA, columns[rigid]] = np.inf
     table[records.PRESENT, columns] = 1.0
     phi = asperites["phi"]
     table[records.SIN_PHI, columns], table[records.COS_PHI, columns] = np.sin(phi), np.cos(phi)
     turning = asperites["dof_phi"] >= 0
-    mobility = 1.0 / asperites["inertia"] + np.where(turning, 1.0 / asperites["i2"], 0.0)
+    mobility = 1.0 / table[records.INERTIA, columns]
+    mobility += np.where(turning, 1.0 / asperites["i2"], 0.0)
     table[records.FREQUENCY, columns] = np.sqrt(asperites["kappa"] * mobility)
     every = [s.asperite.for_each(s.count)["charge"] for s in scene.surfaces]
     table[records.CHARGE, columns] = np.concatenate(every)
@@ -281,12 +323,36 @@ def _constants(scene: Scene, asperites: np.ndarray, columns: np.ndarray, count: 
     return table
 
 
+def _refer_to_bars(table: np.ndarray, asperites: np.ndarray, columns: np.ndarray) -> None:
+    """Refer the constants of asperites on driven bars to the bar's centre; see `kernels.levers`."""
+    a = asperites[asperites["pivot"] > 0.0]
+    columns = columns[asperites["pivot"] > 0.0]
+    table[records.INERTIA, columns] += a["mass"] * a["pivot"] ** 2
+    table[records.MASS, columns] = np.inf
+    table[records.L1, columns] += a["pivot"]
+    table[records.L2, columns] = 0.0
+    table[records.Y_START, columns] += a["facing"] * a["pivot"]
+
+
+def _pivots(asperites: np.ndarray, columns: np.ndarray, count: int) -> np.ndarray | None:
+    """The table of :mod:`tribo.kernels.levers`; None without driven bars."""
+    if not np.any(asperites["pivot"] > 0.0):
+        return None
+    pivots = room((1, count))
+    pivots[0, columns] = asperites["pivot"]
+    return pivots
+
+
 def _fill_asperites(asperites: np.ndarray, scene: Scene, index: int) -> None:
     surface, first = scene.surfaces[index], scene.surfaces[0]
     each = surface.asperite.for_each(surface.count)
     for name in ("mass", "inertia", "kappa", "l1", "l2", "i2", "bar_length"):
         asperites[name] = each[name]
     bobs = _resting_bobs(scene, index)
+    if surface.asperite.is_rigid:
+        asperites["kappa"] = 0.0  # a constraint holds them, and they store no energy
+    if isinstance(surface.drive, DrivenBars):
+        asperites["pivot"] = each["l2"]
     asperites["facing"] = surface.facing_sign
     asperites["x"] = bobs[:, 0]
     asperites["y"] = bobs[:, 1] + surface.facing_sign * each["l1"]
@@ -301,6 +367,7 @@ def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
     record["oscillators"] = surface.bath.masses.size
     record["torsionals"] = surface.bath.inertias.size
     record["facing"] = surface.facing_sign
+    record["fixed"] = surface.asperite.is_rigid
     record["vx"] = surface.velocity[0] - first.velocity[0]
     record["vy"] = surface.velocity[1] - first.velocity[1]
     drive = surface.drive
@@ -309,6 +376,8 @@ def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
     elif isinstance(drive, Free):
         # A rigid body of one asperite is a free asperite.
         record["drive"] = RIGID if drive.rigid and surface.count > 1 else FREE
+    elif isinstance(drive, DrivenBars):
+        record["drive"] = BARS
     elif isinstance(drive, Pulled):
         record["drive"] = PULLED
         record["stiffness"] = drive.stiffness
@@ -319,7 +388,7 @@ def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
         record["loaded"] = 1
         record["load"] = -drive.load * surface.facing_sign
     if surface.langevin:
-        record["gamma"] = surface.langevin.gamma
+        record["gamma" if surface.bar_reservoir else "swing_gamma"] = surface.langevin.gamma
         record["temperature"] = surface.langevin.temperature
         if surface.langevin.velocity is not None:
             record["reservoir_x"] = surface.langevin.velocity[0] - surface.velocity[0]
@@ -356,11 +425,11 @@ def _start(
         if surface.bars != "clamped":
             q[turning], v[turning] = phi, nu
         rng = np.random.default_rng([scene.seed, index, 1])
-        set_bath(asperites[part], surface, part, q, v, rng)
+        set_bars(asperites[part], surface, part, q, v, rng)
     return y
 
 
-def set_bath(
+def set_bars(
     asperites: np.ndarray,
     surface: Surface,
     part: slice,
@@ -368,16 +437,20 @@ def set_bath(
     v: np.ndarray,
     rng: np.random.Generator,
 ) -> None:
-    """Start the oscillators of a surface at its bars, or drawn about them at temperature T."""
+    """Start driven bars, and oscillators at the bars or drawn about them at temperature T.
+
+    Driven bars stay where the initial angles put them about the centres of mass.
+    """
     bath, first = surface.bath, asperites["dof_bath"]
     n = bath.masses.size
+    arm = asperites["l2"] * asperites["facing"]
+    x, y = -arm * np.sin(q[part]), -arm * 2.0 * np.sin(0.5 * q[part]) ** 2
+    if isinstance(surface.drive, DrivenBars):
+        q[asperites["dof_x"]], q[asperites["dof_y"]] = x, y
     if n:
-        swing = q[part]
-        arm = asperites["l2"] * asperites["facing"]
         dx, dy, vx, vy = thermal_start(bath, rng, surface.count)
         slots = first[:, None] + np.arange(n)
-        q[slots] = (-arm * np.sin(swing))[:, None] + dx
-        q[slots + n] = (-arm * 2.0 * np.sin(0.5 * swing) ** 2)[:, None] + dy
+        q[slots], q[slots + n] = x[:, None] + dx, y[:, None] + dy
         v[slots], v[slots + n] = vx, vy
     if bath.inertias.size:
         turn, rate = thermal_torsional_start(bath, rng, surface.count)

@@ -10,18 +10,23 @@ from tribo.integrators.methods import Method
 from tribo.kernels.contact import NEGLIGIBLE
 from tribo.kernels.records import CLOCK
 from tribo.kernels.status import Status
+from tribo.model.drives import Forced
 from tribo.model.scene import Scene
 from tribo.model.spectrum import valid_until
 from tribo.potentials.tables import as_table
 from tribo.run.closest_bobs import closest_bobs
 from tribo.run.integrate import Integration
 from tribo.run.layout import Layout
+from tribo.run.ledger import Ledger
 from tribo.run.resolution import pendulum_frequency, turn_of_step
 from tribo.validation import short_repr
 
 # Phase of the fastest pendulum between two kicks above which a step is noted [rad]: static
 # deflections are 2 % too small there.
 NOTED_TURN = 0.5
+# Part of the work of the other drives that a surface at rest may receive without a note: below it,
+# the work of the other drives is the dissipated energy to its first digit.
+NOTED_WORK = 0.1
 # Recorded times at which the distances of bobs are looked at, at most: 0.1 ms each for a pair.
 MOST_LOOKS = 256
 
@@ -52,6 +57,20 @@ def passage_notes(layout: Layout, run: Integration) -> tuple[str, ...]:
         f"in {count} steps bobs passed one another within the step, {one} and {other} last; "
         f"their potential energy is below {NEGLIGIBLE:g} k_B T there and does not affect the "
         "motion, but works of their contact are inaccurate; a smaller step resolves them",
+    )
+
+
+def drive_notes(layout: Layout, ledger: Ledger) -> tuple[str, ...]:
+    """A note on every surface at rest on whose swinging bars a forced drive does work."""
+    surfaces = layout.scene.surfaces
+    works = {s.name: float(np.sum(ledger.surfaces[s.name]["w2"][-1])) for s in surfaces}
+    at_rest = [s.name for s in surfaces if isinstance(s.drive, Forced) and s.velocity == (0.0, 0.0)]
+    others = sum(work for name, work in works.items() if name not in at_rest)
+    return tuple(
+        f'"{name}" is forced and at rest, but its bars swing: its drive does {works[name]:.3g} of '
+        f'work, where the other drives do {others:.3g}; drive = "bars" holds bars without work'
+        for name in at_rest
+        if abs(works[name]) > NOTED_WORK * abs(others) > 0.0
     )
 
 
@@ -140,7 +159,8 @@ def _on_baths(scene: Scene) -> list[str]:
         if surface.bath.spectrum is None:
             continue
         each = surface.asperite.for_each(surface.count)
-        frequency = float(np.max(np.sqrt(each["kappa"] / each["inertia"])))
+        stiffness = 0.0 if surface.asperite.is_rigid else each["kappa"]
+        frequency = float(np.max(np.sqrt(stiffness / each["inertia"])))
         until = valid_until(surface.bath.spectrum, float(np.min(each["mass"])), frequency)
         if until < scene.duration:
             notes.append(

@@ -8,7 +8,8 @@ import numpy as np
 
 from tribo.integrators.methods import Method
 from tribo.integrators.splitting import Splitting
-from tribo.kernels.records import FREQUENCY, PULLED
+from tribo.kernels.records import FREQUENCY, INERTIA, L1, L2, MASS, PULLED
+from tribo.model.fields import Corrugation
 from tribo.run.force_records import stiffness_at_bars
 from tribo.run.layout import Layout
 
@@ -36,6 +37,20 @@ def spring_frequency(layout: Layout) -> float:
     return float(np.sqrt(np.max(stiffness * _mobility(layout))))
 
 
+def corrugation_frequency(layout: Layout) -> float:
+    """The largest angular frequency of a bob in a minimum of a corrugation [rad / time]."""
+    table = layout.model.asperites[:, layout.places.columns]
+    mobility = 1.0 / table[MASS] + table[L1] ** 2 / table[INERTIA]
+    fastest = 0.0
+    for field in layout.model.fields or ():
+        if isinstance(field.potential, Corrugation):
+            amplitude, period = field.potential
+            curvature = abs(amplitude) * (2.0 * np.pi / period) ** 2
+            on = np.isin(layout.asperites.surface, field.surfaces)
+            fastest = max(fastest, float(np.sqrt(curvature * np.max(mobility[on]))))
+    return fastest
+
+
 def user_frequency(layout: Layout) -> float:
     """The largest rate at which a user's forces change a motion at the start [rad / time].
 
@@ -61,8 +76,9 @@ def longest_kick(method: Method) -> float:
 
 def _mobility(layout: Layout) -> np.ndarray:
     """Velocity of each bar for a unit of momentum, at most."""
-    a = layout.asperites
-    return 1.0 / a.mass + a.l2**2 / a.inertia
+    table = layout.model.asperites[:, layout.places.columns]
+    mobility: np.ndarray = 1.0 / table[MASS] + table[L2] ** 2 / table[INERTIA]
+    return mobility
 
 
 def _user_rates(layout: Layout) -> Iterator[float]:

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from tribo.kernels import records
-from tribo.kernels.powers import CONTACT, DRIVE, ENDS, POINT, SLIDE, USER_ENDS
-from tribo.kernels.records import CUSTOM, PULLED, RIGID
-from tribo.model.drives import Ends
+from tribo.kernels.powers import CONTACT, DRIVE, ENDS, POINT, SLIDE, SWING, USER_ENDS
+from tribo.kernels.records import BARS, CUSTOM, PULLED, RIGID
+from tribo.model.drives import DrivenBars, Ends
 from tribo.model.scene import Scene
 
 # Groups of accounts, one number an asperite each, and the number of accounts in each group.
@@ -27,6 +27,7 @@ GROUPS = {
     "acc_internal": POINT,
     "acc_field": POINT,
     "acc_thermal": POINT,
+    "acc_swing": SWING,
 }
 
 
@@ -92,12 +93,15 @@ def _slots(
 
 
 def _number_coordinates(scene: Scene, surfaces: np.ndarray, stop: int) -> int:
-    """Assign the asperites' slots of q after the swings'; returns their number."""
+    """Assign the asperites' slots of q after the swings'; returns their number.
+
+    Those of driven bars are constant: where the initial angles put the bars.
+    """
     own = scene.surfaces
     for name, wanted in (
         ("dof_phi", [s.bars != "clamped" for s in own]),
-        ("dof_x", [scene.slides_along_x(s) for s in own]),
-        ("dof_y", [scene.slides_along_y(s) for s in own]),
+        ("dof_x", [scene.slides_along_x(s) or isinstance(s.drive, DrivenBars) for s in own]),
+        ("dof_y", [scene.slides_along_y(s) or isinstance(s.drive, DrivenBars) for s in own]),
     ):
         surfaces[name], stop = _slots(wanted, surfaces, stop)
     return stop
@@ -114,7 +118,7 @@ def _number_accounts(scene: Scene, surfaces: np.ndarray, stop: int) -> int:
     wanted = {
         "acc_contact": [True for _ in own],
         "acc_slide": slide(scene),
-        "acc_drive": np.isin(surfaces["drive"], (RIGID, PULLED, CUSTOM))
+        "acc_drive": np.isin(surfaces["drive"], (RIGID, PULLED, CUSTOM, BARS))
         | (surfaces["loaded"] == 1),
         "acc_ends": [
             s.bars == "clamped" and bool(np.any(s.asperite.for_each(s.count)["kappa"] > 0.0))
@@ -128,7 +132,8 @@ def _number_accounts(scene: Scene, surfaces: np.ndarray, stop: int) -> int:
             for s in own
         ],
         "acc_field": [any(s.name in item.on for item in scene.fields) for s in own],
-        "acc_thermal": [bool(s.langevin) for s in own],
+        "acc_thermal": [s.bar_reservoir is not None for s in own],
+        "acc_swing": [s.swing_reservoir is not None for s in own],
     }
     for name, width in GROUPS.items():
         surfaces[name], stop = _slots(wanted[name], surfaces, stop, width)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 
@@ -13,7 +15,7 @@ from tribo.run.general_loop import GeneralLoop
 from tribo.run.identity import first_difference, plain_table
 from tribo.run.integrate import Integration, Memory
 from tribo.run.layout import Layout
-from tribo.run.motion import columns
+from tribo.run.motion import about_pivots, columns
 from tribo.run.quantities import Table
 from tribo.run.samples import Samples
 from tribo.validation import InputError
@@ -59,7 +61,7 @@ class State:
     """
 
     t: float
-    surfaces: dict[str, Table]
+    surfaces: Mapping[str, Table]
     y: np.ndarray
     s: np.ndarray
     first: Samples
@@ -90,7 +92,7 @@ class State:
     @classmethod
     def of_arrays(cls, arrays: dict[str, np.ndarray], method: str, scene: Scene) -> State:
         """The inverse of :meth:`arrays`."""
-        surfaces: dict[str, Table] = {}
+        surfaces: dict[str, dict[str, np.ndarray]] = {}
         for key, array in below("surface_", arrays).items():
             name, _, surface = key.partition("_")
             surfaces.setdefault(surface, {})[name] = array
@@ -136,7 +138,7 @@ class Origin:
             return
         loop.clocks["t"] = state.t
         if self.same_scene:
-            loop.state.s[:] = state.s
+            loop.state.s[loop.layout.places.s] = state.s
         if "noise" in state.memory:
             loop.restore_noise(state.memory["noise"])
 
@@ -150,7 +152,9 @@ def state_of(layout: Layout, method: str, run: Integration) -> State:
     """The state at the end of a run."""
     last = run.samples.last()
     core, n = layout.core, layout.coordinates
-    y = run.memory["y"].copy() if "y" in run.memory else last.y[0].copy()
+    y = last.y[0].copy()
+    if "y" in run.memory:
+        y = run.memory["y"].reshape(2, -1)[:, layout.places.q].ravel()
     # A sample has the coordinates of the asperites at its time; a loop may be behind with them.
     y[:core], y[n : n + core] = last.y[0, :core], last.y[0, core:]
     t = float(last.t[0])
@@ -180,6 +184,10 @@ def _surface(layout: Layout, part: slice, y: np.ndarray) -> Table:
     ):
         table[name] = columns(slots, y[None, :n])[0]
         table[rate] = columns(slots, y[None, n:])[0]
+    if np.any(a.pivot > 0.0):
+        about = about_pivots(a, table["swing"], table["omega"])
+        for name, values in zip(("x", "y", "vx", "vy"), about, strict=True):
+            table[name] = table[name] + values
     return {name: np.array(values) for name, values in table.items()}
 
 
@@ -215,7 +223,15 @@ def _physics(table: dict[str, object]) -> dict[str, object]:
 def _places(table: dict[str, object]) -> dict[str, object]:
     surfaces = table["surface"]
     assert isinstance(surfaces, list)
-    return {"surface": [{key: surface.get(key) for key in PLACES} for surface in surfaces]}
+    return {"surface": [_places_of(surface) for surface in surfaces]}
+
+
+def _places_of(surface: dict[str, Any]) -> dict[str, object]:
+    """Settings of a surface on which the meaning of its coordinates depends."""
+    places = {key: surface.get(key) for key in PLACES}
+    places["drive.kind"] = "bars" if surface["drive"]["kind"] == "bars" else None
+    places["asperite.kappa"] = np.inf if np.all(np.isinf(surface["asperite"]["kappa"])) else None
+    return places
 
 
 def below(prefix: str, arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:

@@ -1,0 +1,50 @@
+"""Levers about the centre of mass, and its velocity: the ledger's view of driven bars.
+
+The equations of motion refer to the centre of mass, or on driven bars to the bar's centre, the
+pivot, which moves uniformly.  There the constants are L1 = length, L2 = 0, INERTIA = m1 length^2
+and an infinite MASS, and the coordinates x and y stay constant.  `pivots` has the distance from the
+pivot to the centre of mass: l2 on driven bars, 0 elsewhere; None without driven bars.
+"""
+
+from tribo.kernels.blocks import coordinates
+from tribo.kernels.compiled import inlined
+from tribo.kernels.records import L1, L2, TX, TY
+from tribo.kernels.simd import broadcast
+from tribo.kernels.simd_arrays import block
+
+
+@inlined
+def lever_of_bob(model, pivots, i):
+    """Distance from the centre of mass to the bob, of a block."""
+    lever = block(model.asperites[L1], i)
+    return lever if pivots is None else lever - block(pivots[0], i)
+
+
+@inlined
+def lever_of_bar(model, pivots, i):
+    """Distance from the centre of mass to the bar, of a block."""
+    lever = block(model.asperites[L2], i)
+    return lever if pivots is None else lever + block(pivots[0], i)
+
+
+@inlined
+def pivot_lengths(pivots, i):
+    """The lengths in `pivots`, of a block."""
+    return broadcast(0.0) if pivots is None else block(pivots[0], i)
+
+
+@inlined
+def pivot_length(pivots, i):
+    """The length in `pivots`, of one asperite."""
+    return 0.0 if pivots is None else pivots[0, i]
+
+
+@inlined
+def velocities_of_centres(model, pivots, s, i, v):
+    """Velocities of the centres of mass of a block in the surface's first frame, bobs in place."""
+    vx = coordinates(s.dof_x, s, i, v)
+    vy = coordinates(s.dof_y, s, i, v)
+    if pivots is None:
+        return vx, vy
+    speed = block(pivots[0], i) * block(v, i)
+    return vx + speed * block(model.bobs[TX], i), vy + speed * block(model.bobs[TY], i)
