@@ -37,8 +37,10 @@ LEAST = 1e-3
 PERTURBATION = 1e-11
 # Energies that follow from the state and may be far larger than all works, so that they change with
 # any angle and rate; their own rounding is known.
-ENERGIES = ("contact_energy", "total_energy_change", "delta_E_int", "delta_K")
-ENERGIES += ("delta_e_int", "delta_k_trans")
+ENERGIES = {
+    *("contact_energy", "total_energy_change", "delta_E_int", "delta_K"),
+    *("delta_e_int", "delta_k_trans"),
+}
 # Statuses of runs that were ended from outside, which other settings would not change.
 FROM_OUTSIDE = (Status.INTERRUPTED, Status.CALCULATOR_FAILED)
 # Statuses of runs after which no other is tried: finer settings would take longer still.
