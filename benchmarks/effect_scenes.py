@@ -25,7 +25,15 @@ NEEDS = {
 }
 
 # Effects that are measured alone only: the others would take place in other scenes.
-APART = ("sliding", "load", "pull", "neighbour list")
+APART = (
+    "sliding",
+    "load",
+    "pull",
+    "driven bars",
+    "rigid asperites",
+    "swing langevin",
+    "neighbour list",
+)
 
 # The effects that are measured alone and together.
 TOGETHER = (
@@ -56,8 +64,8 @@ def scene(effects: frozenset[str]) -> tribo.Scene:
     periodic = tribo.Periodic(x=3.0 * count) if "periodic" in effects else tribo.Periodic()
     return tribo.Scene(
         (
-            tribo.Surface("upper", **row, **_upper(effects)),
-            tribo.Surface("lower", facing="up", **row, **_lower(effects)),
+            tribo.Surface("upper", **row | _upper(effects)),
+            tribo.Surface("lower", facing="up", **row | _lower(effects)),
         ),
         _interactions(effects),
         1e6,
@@ -82,6 +90,10 @@ def _upper(effects: frozenset[str]) -> dict[str, object]:
         settings["drive"] = tribo.Custom(force=Push(1e-3))
     if "sliding" in effects:
         settings["drive"] = "free"
+    if "driven bars" in effects:
+        settings["drive"] = "bars"
+    if "rigid asperites" in effects:
+        settings["asperite"] = tribo.Asperite(kappa=np.inf)
     if "pull" in effects:
         settings["drive"] = tribo.Pulled(stiffness=1.0, speed=0.01)
     if "load" in effects:
@@ -105,6 +117,8 @@ def _lower(effects: frozenset[str]) -> dict[str, object]:
         )
     if "langevin" in effects:
         settings["langevin"] = tribo.Langevin(0.1, 0.01)
+    if "swing langevin" in effects:
+        settings["langevin"] = tribo.Langevin(0.1, 0.01, on="swing")
     return settings
 
 

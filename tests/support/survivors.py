@@ -1,8 +1,5 @@
 """Mutants that no check catches."""
 
-OWN_DRIVE = (
-    "slot and number are added; where a drive has no account, the column is another one, not used"
-)
 AFTER_SWINGS = "the first slots are those of the swings; no other coordinate has slot 0"
 # No result changes: mutant -> why.
 EQUIVALENT = {
@@ -24,30 +21,14 @@ EQUIVALENT = {
     "max(extent_z * nz, reach)": (
         "wider cells hold all pairs within reach, which are then sorted: only the cost changes"
     ),
-    "run/accounts.py: accounts: -1 -> -2": "any negative slot is absent",
-    "run/accounts.py: accounts: (column(a.acc_contact, k) for k in range(4)) -> "
-    "(column(k, a.acc_contact) for k in range(4))": (
-        "slot and number are added, and every asperite has the account of contact"
-    ),
-    "run/accounts.py: accounts: a.acc_drive >= 0 -> a.acc_drive >= 1": (
+    "run/accounts.py: _columns: -1 -> -2": "any negative slot is absent",
+    "run/accounts.py: _drive: a.acc_drive >= 0 -> a.acc_drive >= 1": (
         "the first slots are those of contact; no drive has slot 0"
     ),
-    "run/accounts.py: accounts: -a.l2 * column(a.acc_drive, 2) -> "
-    "-a.l2 * column(2, a.acc_drive)": OWN_DRIVE,
-    "run/accounts.py: accounts: np.where(own, column(a.acc_drive, 0), -held * jx) -> "
-    "np.where(own, column(0, a.acc_drive), -held * jx)": OWN_DRIVE,
-    "run/accounts.py: accounts: np.where(own, column(a.acc_drive, 1), -jy) -> "
-    "np.where(own, column(1, a.acc_drive), -jy)": OWN_DRIVE,
-    "run/accounts.py: accounts: "
-    "np.where(own, column(a.acc_drive, 3), -(held * slide_x + slide_y)) -> "
-    "np.where(own, column(3, a.acc_drive), -(held * slide_x + slide_y))": OWN_DRIVE,
-    "run/accounts.py: accounts: range(8) -> range(9)": (
-        "the column after is not used; it exists, since the surface of such bars has an account"
-    ),
-    "run/totals.py: block_table: record.acc_block >= 0 -> record.acc_block >= 1": (
+    "run/totals.py: Whole.pseudowork: slot >= 0 -> slot >= 1": (
         "the first slots are those of contact; no surface has slot 0"
     ),
-    "run/totals.py: system_table: field.account >= 0 -> field.account >= 1": (
+    "run/totals.py: System.applied: f.account >= 0 -> f.account >= 1": (
         "the first slots are those of contact; no field has slot 0"
     ),
     "integrators/time_loops.py: equal_steps: zero_rows(3, model.asperites.shape[1]) -> "
