@@ -35,6 +35,12 @@ LEAST = 1e-3
 # measures the amplification: small enough to grow linearly, large against round-off.  Rates are
 # rounded most where they are large, as in a close pass.
 PERTURBATION = 1e-11
+# Energies that follow from the state and may be far larger than all works, so that they change with
+# any angle and rate; their own rounding is known.
+ENERGIES = {
+    *("contact_energy", "total_energy_change", "delta_E_int", "delta_K"),
+    *("delta_e_int", "delta_k_trans"),
+}
 # Statuses of runs that were ended from outside, which other settings would not change.
 FROM_OUTSIDE = (Status.INTERRUPTED, Status.CALCULATOR_FAILED)
 # Statuses of runs after which no other is tried: finer settings would take longer still.
@@ -142,7 +148,7 @@ def measure_amplification(
     setting, run
         of the scene's own start
     names
-        of the quantities that matter; by default all that have a scale, but the energy of contact
+        of the quantities that matter; by default all that have a scale, but ENERGIES
 
     Returns
     -------
@@ -158,8 +164,7 @@ def measure_amplification(
     other = attempt(setting, run.samples.t, start)
     if other.status in FROM_OUTSIDE:
         return None
-    # The energy of contact, which may be far larger than all works, changes with any angle.
-    chosen = names or [name for name in KINDS if name != "contact_energy"]
+    chosen = names or [name for name in KINDS if name not in ENERGIES]
     scaled = [name for name in chosen if scales.of(kind_of(name)) > 0.0]
     shared = other.samples.at(run.samples.t)
     mine = own.rows(np.searchsorted(run.samples.t, shared.t))

@@ -13,13 +13,13 @@ from tribo.accuracy.scales import EPSILON, largest
 from tribo.kernels.samples import BATH, SPRINGS, TORSIONAL, WITHIN
 from tribo.model.fields import Corrugation
 from tribo.run.accounts import APPLIED, EXTERNAL, FORCES, Accounts
-from tribo.run.closest_bobs import closest_bobs
 from tribo.run.entry import Entry
 from tribo.run.layout import Layout
-from tribo.run.samples import Samples
 
 # Roundings of a term: those of the rates in it, of their squares, of products and of the sum.
 TERM_ROUNDINGS = 4.0
+# Bobs of a surface of which the distances are looked at.
+MOST_BOBS = 64
 # Terms of a force: its work about the centre of mass, its pseudowork, and the works of its impulse
 # at the surface's velocity along x and y.
 PARTS = 4
@@ -118,7 +118,7 @@ def _of_energies(layout: Layout, entry: Entry) -> dict[str, float]:
     x = np.abs(a.x) + np.abs(a.vx * entry.t) + np.abs(entry.x)
     y = np.abs(a.y) + np.abs(a.vy * entry.t) + np.abs(entry.y)
     farthest = (np.hypot(x, y) + a.l1).max(axis=1)
-    contact = np.abs(samples.contact) * (1.0 + farthest / _shortest_length(layout, samples))
+    contact = np.abs(samples.contact) * (1.0 + farthest / _shortest_length(layout, entry))
     whole = whole + np.abs(samples.field) * (1.0 + farthest / _shortest_wave(layout))
     places = {
         f"{axis}_{end}": largest(magnitude + arm)
@@ -135,17 +135,19 @@ def _of_energies(layout: Layout, entry: Entry) -> dict[str, float]:
     }
 
 
-def _shortest_length(layout: Layout, samples: Samples) -> float:
+def _shortest_length(layout: Layout, entry: Entry) -> float:
     """The shortest length over which a contact's force changes; infinite without contacts.
 
     Of potentials without a length of their own, at the sample with the largest energy of contact.
     """
-    potentials = [c.potential for c in (*layout.model.contacts, *(layout.model.within or ()))]
-    lengths = [potential.feature()[0] for potential in potentials]
-    largest_at = int(np.argmax(np.abs(samples.contact)))
-    bobs = closest_bobs(layout, samples.at(samples.t[largest_at : largest_at + 1]))
-    if bobs is not None:
-        lengths += [float(potential.clearance(bobs[0])) for potential in potentials]
+    contacts = (*layout.model.contacts, *(layout.model.within or ()))
+    lengths = [contact.potential.feature()[0] for contact in contacts]
+    sample, parts = int(np.argmax(np.abs(entry.samples.contact))), list(layout.parts.values())
+    x, y = (place[sample] for place in entry.bob)
+    for contact in layout.model.contacts:
+        for one, other in ((parts[i], parts[j]) for i, j in contact.pairs if i != j):
+            dx, dy = (p[one][:MOST_BOBS, None] - p[other][:MOST_BOBS] for p in (x, y))
+            lengths.append(float(contact.potential.clearance(np.min(np.hypot(dx, dy)))))
     return min((length for length in lengths if length > 0.0), default=np.inf)
 
 
