@@ -7,9 +7,10 @@ angles, rates, positions, velocities, energies, works and pseudoworks at the end
 its scale, against heyoka in extended precision.  Runs are interleaved, and the shortest of each
 counts.
 
-A timed call takes the angle and returns the state at the end.  The ledger follows from the state by
-formulas, which are not timed for any program.  tribo integrates all of its accounts.  heyoka has an
-easier task: coordinates that do not move are left out, and of the ledger it integrates only the
+A timed call takes the angle and returns the state at the end; the ledger follows from the state by
+formulas.  In the columns "to the number" the call returns a number, the work w1 of the upper
+surface at the end, and its formula is timed too.  tribo integrates all of its accounts.  heyoka has
+an easier task: coordinates that do not move are left out, and of the ledger it integrates only the
 impulse and the works of the contact, from which the rest follows.  "heyoka-motion", SciPy, and
 rebound if it is installed have the easiest: the motion alone, since for one pair all works follow
 from it by conservation of energy and momentum.  heyoka runs with fast_math.
@@ -138,7 +139,7 @@ class Problem:
         pseudo = ledger["upper.delta_k_trans"] if self.free else self.speed * impulse
         held = 0.0 if self.free else about_x
         return ledger | {
-            "upper.w1": about_x + about_y + pseudo,
+            "upper.w1": self.work_from_accounts(y, accounts),
             "upper.w2": l2 / l1 * (held + about_y) - (0.0 if self.free else pseudo),
             "upper.w1_ps": pseudo,
             "upper.w2_ps": 0.0 if self.free else -pseudo,
@@ -146,9 +147,35 @@ class Problem:
             "lower.w2": l2 / l1 * lower,
         }
 
+    def work_from_accounts(self, y: Any, accounts: Any) -> float:
+        """The work w1 of the upper surface at the end, from the integrals of the powers."""
+        impulse, about_x, about_y = accounts[0], accounts[1], accounts[2]
+        return float(about_x + about_y + (self.gain(y[5]) if self.free else self.speed * impulse))
+
+    def gain(self, velocity: float) -> float:
+        """Change of the kinetic energy of a free asperite's centre of mass."""
+        return 0.5 * self.mass * (velocity - self.speed) * (velocity + self.speed)
+
     def start(self, angle: float) -> list[float]:
         """y at t = 0."""
         return [angle, 0.0, 0.0, 0.0, *([self.gap[0], self.speed] if self.free else [])]
+
+    def inner(self, swing: float, omega: float) -> float:
+        """Internal energy of an asperite."""
+        return 0.5 * (self.inertia * omega**2 + self.kappa * swing**2)
+
+    def contact_energy(self, x: float, one: float, two: float) -> float:
+        """Energy of the contact, for the upper centre of mass at x and both swings."""
+        l1, _ = self.arms
+        dx = x + l1 * (math.sin(one) + math.sin(two))
+        dy = self.gap[1] - l1 * (math.cos(one) + math.cos(two))
+        return self.strength / math.hypot(dx, dy)
+
+    def work(self, angle: float, y: Any) -> float:
+        """The work w1 of the upper surface at the end, by conservation of energy."""
+        x = y[4] if self.free else self.gap[0] + self.speed * self.duration
+        change = self.contact_energy(x, y[0], y[1]) - self.contact_energy(self.gap[0], angle, 0.0)
+        return float(-change - self.arms[0] / self.length * self.inner(y[1], y[3]))
 
     def ledger(self, angle: float, y: Any) -> dict[str, float]:
         """The ledger at the end from the motion, by conservation of energy and momentum."""
@@ -159,22 +186,14 @@ class Problem:
         if self.free:
             x, v = float(y[4]), float(y[5])
 
-        def inner(swing: float, omega: float) -> float:
-            return 0.5 * (self.inertia * omega**2 + self.kappa * swing**2)
-
-        def energy(position: float, one: float, two: float) -> float:
-            dx = position + l1 * (math.sin(one) + math.sin(two))
-            dy = self.gap[1] - l1 * (math.cos(one) + math.cos(two))
-            return self.strength / math.hypot(dx, dy)
-
         def ends(swing: float) -> float:
             return -self.kappa * l2 / self.bar_length * (math.sin(swing) - swing * math.cos(swing))
 
-        e1 = inner(q, rate) - inner(begin[0], 0.0)
-        e2 = inner(other, other_rate)
-        contact = energy(x, q, other)
-        change = contact - energy(self.gap[0], begin[0], 0.0)
-        k_trans = 0.5 * self.mass * (v - self.speed) * (v + self.speed)
+        e1 = self.inner(q, rate) - self.inner(begin[0], 0.0)
+        e2 = self.inner(other, other_rate)
+        contact = self.contact_energy(x, q, other)
+        change = contact - self.contact_energy(self.gap[0], begin[0], 0.0)
+        k_trans = self.gain(v)
         if self.free:
             impulse = self.mass * (v - self.speed)
             w2 = k_trans + e1 + e2 + change - l2 / self.length * e2
@@ -232,6 +251,10 @@ class Tribo:
         """Run from an angle; this is timed."""
         return self._simulation.run({"upper.theta": angle}, estimate=False)
 
+    def work(self, problem: Problem, angle: float, end: Any) -> float:
+        """The reported work; this is timed."""
+        return float(end["upper"].w1[-1, 0])
+
     def ledger(self, problem: Problem, angle: float, end: Any) -> dict[str, float]:
         """The reported ledger at the end."""
         names = problem.ledger(angle, problem.start(angle))
@@ -277,6 +300,10 @@ class HeyokaMotion:
         self._taylor.propagate_until(self._duration)
         return self._state
 
+    def work(self, problem: Problem, angle: float, end: Any) -> float:
+        """The work by conservation of energy; this is timed."""
+        return problem.work(angle, end)
+
     def ledger(self, problem: Problem, angle: float, end: Any) -> dict[str, float]:
         """The ledger at the end by conservation laws."""
         return problem.ledger(angle, end)
@@ -287,6 +314,10 @@ class Heyoka(HeyokaMotion):
 
     name = "heyoka"
     accounts = True
+
+    def work(self, problem: Problem, angle: float, end: Any) -> float:
+        """The work from the accounts; this is timed."""
+        return problem.work_from_accounts(end, end[self._coordinates :])
 
     def ledger(self, problem: Problem, angle: float, end: Any) -> dict[str, float]:
         """The ledger at the end from the accounts."""
@@ -318,6 +349,10 @@ class Scipy:
             rtol=self._setting,
             atol=self._setting,
         ).y[:, -1]
+
+    def work(self, problem: Problem, angle: float, end: Any) -> float:
+        """The work by conservation of energy; this is timed."""
+        return problem.work(angle, end)
 
     def ledger(self, problem: Problem, angle: float, end: Any) -> dict[str, float]:
         """The ledger at the end by conservation laws."""
@@ -356,6 +391,10 @@ class Rebound:
         simulation.integrate(problem.duration)
         return [ode.y[k] for k in range(len(start))]
 
+    def work(self, problem: Problem, angle: float, end: Any) -> float:
+        """The work by conservation of energy; this is timed."""
+        return problem.work(angle, end)
+
     def ledger(self, problem: Problem, angle: float, end: Any) -> dict[str, float]:
         """The ledger at the end by conservation laws."""
         return problem.ledger(angle, end)
@@ -393,7 +432,7 @@ def settled(
 
 
 def measure(cases: str, rounds: int) -> list[dict[str, Any]]:
-    """Microseconds of a run and true error, for every case, error wanted and program."""
+    """Microseconds of a run and to a number, and true error, for every case, error and program."""
     rows = []
     for case in cases:
         problem = Problem.of(case)
@@ -403,7 +442,7 @@ def measure(cases: str, rounds: int) -> list[dict[str, Any]]:
             for system in PROGRAMS.values()
             for wanted, settings in settled(problem, system, known).items()
         }
-        seconds = dict.fromkeys(programs, math.inf)
+        seconds, whole = dict.fromkeys(programs, math.inf), dict.fromkeys(programs, math.inf)
         for k in range(rounds):
             for key, (program, _, _) in programs.items():
                 if key[1] in SLOW and k % 50:
@@ -411,8 +450,11 @@ def measure(cases: str, rounds: int) -> list[dict[str, Any]]:
                 for repeat in range(REPEATS):
                     angle = 1e-4 * ((REPEATS * k + repeat) % 2000 + 1)
                     began = time.perf_counter()
-                    program.run(angle)
-                    seconds[key] = min(seconds[key], time.perf_counter() - began)
+                    end = program.run(angle)
+                    ran = time.perf_counter()
+                    program.work(problem, angle, end)
+                    whole[key] = min(whole[key], time.perf_counter() - began)
+                    seconds[key] = min(seconds[key], ran - began)
         for (wanted, name), (_, setting, error) in programs.items():
             rows.append(
                 {
@@ -423,6 +465,8 @@ def measure(cases: str, rounds: int) -> list[dict[str, Any]]:
                     "error": error,
                     "microseconds": 1e6 * seconds[wanted, name],
                     "ratio": seconds[wanted, name] / seconds.get((wanted, "tribo"), math.nan),
+                    "to_number": 1e6 * whole[wanted, name],
+                    "ratio_to_number": whole[wanted, name] / whole.get((wanted, "tribo"), math.nan),
                 }
             )
     return rows
@@ -435,17 +479,25 @@ def geometric_mean(values: list[float]) -> float:
 
 def report(rows: list[dict[str, Any]]) -> str:
     """The table as text."""
-    lines = [f"{'case':>4} {'error':>6}  {'program':<13} {'us':>9} {'true error':>11} {'ratio':>7}"]
+    lines = [
+        f"{'case':>4} {'error':>6}  {'program':<13} {'us':>9} {'true error':>11} {'ratio':>7} "
+        f"{'to the number':>13} {'ratio':>7}"
+    ]
     for row in sorted(rows, key=lambda row: (row["case"], -row["wanted"])):
         lines.append(
             f"{row['case']:>4} {row['wanted']:>6.0e}  {row['program']:<13} "
-            f"{row['microseconds']:>9.1f} {row['error']:>11.1e} {row['ratio']:>7.2f}"
+            f"{row['microseconds']:>9.1f} {row['error']:>11.1e} {row['ratio']:>7.2f} "
+            f"{row['to_number']:>13.1f} {row['ratio_to_number']:>7.2f}"
         )
     for name in list(PROGRAMS)[1:]:
-        ratios = [row["ratio"] for row in rows if row["program"] == name]
-        if ratios:
-            mean, least = geometric_mean(ratios), min(ratios)
-            lines.append(f"{name}: {mean:.2f} times tribo's time on average, at least {least:.2f}")
+        for ratio, what in (("ratio", "a run"), ("ratio_to_number", "from the call to the number")):
+            ratios = [row[ratio] for row in rows if row["program"] == name]
+            if ratios:
+                mean, least = geometric_mean(ratios), min(ratios)
+                lines.append(
+                    f"{name}, {what}: {mean:.2f} times tribo's time on average, "
+                    f"at least {least:.2f}"
+                )
     return "\n".join(lines)
 
 
@@ -453,20 +505,22 @@ def markdown(rows: list[dict[str, Any]]) -> str:
     """The table of docs/pairs.md."""
     titles = {"heyoka-motion": "heyoka, motion alone", "scipy": "SciPy"}
     others = list(PROGRAMS)[1:]
-    cells = [[f"{titles.get(name, name)} / tribo" for name in others], [*PROGRAMS]]
-    lines = [["case", "true error below", *cells[0], *(titles.get(n, n) for n in cells[1])]]
+    titled = [titles.get(name, name) for name in PROGRAMS]
+    lines = [["case", "true error below", *(f"{titles.get(n, n)} / tribo" for n in others)]]
+    lines[0] += [*titled, *(f"{title}, to the number" for title in titled)]
     lines.append(["---"] * len(lines[0]))
     for case, wanted in sorted({(row["case"], -row["wanted"]) for row in rows}):
         found = {r["program"]: r for r in rows if (r["case"], -r["wanted"]) == (case, wanted)}
-        ratios = [f"{found[n]['ratio']:.3g}" if n in found else "-" for n in others]
-        times = [f"{found[n]['microseconds']:.3g}" if n in found else "-" for n in PROGRAMS]
-        lines.append([case, f"{-wanted:.0e}", *ratios, *times])
-    means = [
-        [row["ratio"] for row in rows if row["program"] == name and row["ratio"] > 0.0]
-        for name in others
-    ]
+
+        def shown(names: list[str], key: str, found: dict[str, Any] = found) -> list[str]:
+            return [f"{found[n][key]:.3g}" if n in found else "-" for n in names]
+
+        programs = list(PROGRAMS)
+        times = [*shown(programs, "microseconds"), *shown(programs, "to_number")]
+        lines.append([case, f"{-wanted:.0e}", *shown(others, "ratio_to_number"), *times])
+    means = [[row["ratio_to_number"] for row in rows if row["program"] == name] for name in others]
     mean = [f"{geometric_mean(ratios):.3g}" if ratios else "-" for ratios in means]
-    lines.append(["geometric mean", "", *mean, *[""] * len(PROGRAMS)])
+    lines.append(["geometric mean", "", *mean, *[""] * (2 * len(PROGRAMS))])
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 

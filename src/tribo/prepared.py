@@ -128,7 +128,7 @@ class Simulation:
             return self._single_run(y)
         settings = (tuned.coarse, tuned.coarse, self.plan.setting)
         runs: list[Integration] = []
-        for setting, times in zip(settings, StopTimes.split(self.plan.times), strict=True):
+        for setting, times in zip(settings, self._stops, strict=True):
             if not runs or runs[-1].status not in ABORTED:
                 runs.append(self._integrator(setting, times, y))
         return self._estimated_result(runs)
@@ -155,6 +155,11 @@ class Simulation:
         if self.plan.tuned is None or not self.plan.tuned.runs:
             raise InputError("accuracy", "is missing; with a given step, no run finds the settings")
         return self.plan.tuned.runs[-1]
+
+    @cached_property
+    def _stops(self) -> StopTimes:
+        """When the runs stop whose difference estimates the error."""
+        return StopTimes.split(self.plan.times)
 
     @cached_property
     def _single_setting(self) -> Setting | None:
@@ -208,16 +213,25 @@ class Simulation:
             bounds, excess = self._errors(runs[-3:])
             met = excess <= 1.0
             notes = () if met else (*approach_notes(self.layout, fine), self._missed(excess))
-        ledger = _reported(self.layout, fine)
-        notes = (*drive_notes(self.layout, ledger), *notes)
-        cost = _cost(runs, self.compile_seconds, self._digit_ratio)
+        notes = (*drive_notes(self.layout, assemble(self.layout, fine.samples.ends())), *notes)
         known = met if len(runs) > 1 or fine.status != Status.COMPLETED else None
-        return self._result(fine.status, known, notes, bounds, Known(ledger), Known(cost), fine)
+        layout, seconds, ratio = self.layout, self.compile_seconds, self._digit_ratio
+        return self._result(
+            fine.status,
+            known,
+            notes,
+            bounds,
+            lambda: _reported(layout, fine),
+            lambda: _cost(runs, seconds, ratio),
+            fine,
+        )
 
     def _errors(self, runs: Sequence[Integration]) -> tuple[dict[str, float], float]:
         """Bounds on the last run's errors, and the largest in units of the request."""
         assert self.accuracy is not None and self.plan.tuned is not None
-        grown = self.plan.tuned.amplification
+        grown, known = self.plan.tuned.amplification, self.plan.tuned.errors
+        if known is not None and known.run is runs[-1] and known.amplification == grown:
+            return known.bounds, known.excess
         found, scales = error_bounds(self.layout, runs[-1], runs[:-1], grown, self.accuracy)
         return found, excess_of_request(found, scales, self.accuracy)
 
@@ -286,9 +300,13 @@ class Simulation:
 def _reported(layout: Layout, run: Integration) -> Ledger:
     """The ledger of a run at the scene's times and at its end."""
     samples = run.samples
-    wanted = np.intersect1d(samples.t, layout.times)
-    ledger = assemble(layout, samples.at(np.union1d(wanted, samples.t[[0, -1]])))
-    return ledger.rows(slice(int(np.searchsorted(ledger.t, layout.beginning)), None))
+    if samples.t is not layout.times:
+        wanted = np.intersect1d(samples.t, layout.times)
+        samples = samples.at(np.union1d(wanted, samples.t[[0, -1]]))
+    ledger = assemble(layout, samples)
+    if samples.t[0] == layout.beginning:
+        return ledger
+    return ledger.rows(slice(int(np.searchsorted(samples.t, layout.beginning)), None))
 
 
 def _cost(runs: Sequence[Integration], compile_seconds: float, ratio: float | None) -> Cost:

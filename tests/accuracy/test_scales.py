@@ -14,14 +14,20 @@ from tribo import paper
 from tribo.accuracy.estimate import estimate
 from tribo.accuracy.roundoff import rounding_of_terms
 from tribo.accuracy.scales import Scales, first_guess, reported_scales, tolerance_scales
+from tribo.run.entry import Entry
 from tribo.run.layout import lay_out
-from tribo.run.ledger import Ledger, assemble
+from tribo.run.ledger import assemble
 
 TURNING = {
     "a free bar": {"bars": "free", "initial": tribo.Initial(theta=0.4, phi=-0.7, nu=0.9)},
     "a clamped bar that turns": {"initial": tribo.Initial(theta=0.4, phi=1.5, nu=0.9)},
     "a clamped bar at rest": {},
 }
+
+
+def terms_of(layout, samples):
+    """The rounding of terms in a run of one step."""
+    return rounding_of_terms(layout, Entry(layout, layout.together, samples), 1)
 
 
 def scene(bars: str) -> tribo.Scene:
@@ -115,7 +121,7 @@ def test_rounding_of_positions_moves_the_contact_energy():
     apart = np.hypot(*(table[0][k][-1, 0] - table[1][k][-1, 0] for k in ("x_bob", "y_bob")))
     moved = abs(steep.force(apart)) * 1e4 * 2.0**-52
     samples = simulation.finest.samples
-    assert rounding_of_terms(simulation.layout, samples, 1)["contact_energy"] >= 0.1 * moved > 0.0
+    assert terms_of(simulation.layout, samples)["contact_energy"] >= 0.1 * moved > 0.0
 
 
 def test_rounding_of_terms_in_a_fast_frame():
@@ -124,7 +130,7 @@ def test_rounding_of_terms_in_a_fast_frame():
     scene = pair(tribo.Coulomb(0.2), 1.0, fast, {"velocity": (1e6 - 1.0, 0.0)})
     simulation = tribo.prepare(scene, accuracy=1e-4)
     samples, layout = simulation.finest.samples, simulation.layout
-    terms = rounding_of_terms(layout, samples, 1)
+    terms = terms_of(layout, samples)
     work = np.max(np.abs(assemble(layout, samples).surfaces["upper"]["w1_ps"]))
     for name in ("w_ps", "W_ps", "w"):
         assert 2.0 < terms[name] / (np.finfo(float).eps * work) < 20.0
@@ -132,15 +138,12 @@ def test_rounding_of_terms_in_a_fast_frame():
 
 def test_diverged_runs_know_nothing():
     """Where one quantity differs by its scale, each may be off by its own."""
-    scales, t = Scales(rate=1.0, length=1.0, velocity=1.0, energy=2.0), np.zeros(1)
+    scales = Scales(rate=1.0, length=1.0, velocity=1.0, energy=2.0)
 
     def bounds(apart):
         """Estimates of two energies, the first of which differs from the coarser run."""
-        fine, coarse = (
-            Ledger(t, {}, {}, {"contact_energy": t + value, "applied_work": t + 1e-6 * value})
-            for value in (1.0, 1.0 + apart)
-        )
-        return estimate(fine, [(fine, coarse)], scales, False, 0.0, {}, ())
+        names, tops = ("contact_energy", "applied_work"), np.array([1.0, 1e-6])
+        return estimate(names, tops, apart * tops, scales, False, 0.0, {})
 
     assert bounds(1.0)["applied_work"] == pytest.approx(3.0)
     assert bounds(1e-3)["applied_work"] == pytest.approx(6e-5, rel=1e-3)

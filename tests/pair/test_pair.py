@@ -23,7 +23,9 @@ from tribo.kernels.status import COMPLETED, PAUSED
 from tribo.pair.loop import COLUMNS, pair_collocation
 from tribo.plugins.sources import source_stamp
 from tribo.run.layout import lay_out
-from tribo.run.pair_adapter import has_pair_loop, is_pair
+from tribo.run.ledger import assemble
+from tribo.run.pair_adapter import PairSamples, has_pair_loop, is_pair
+from tribo.run.samples import Samples
 
 RADAU = METHODS["gauss-radau-15"]
 
@@ -284,6 +286,26 @@ def test_in_pieces_as_in_one(samples):
     assert code == COMPLETED and calls > 3
     assert np.array_equal(own.samples(scene.times, (record,)).s, whole.samples.s)
     assert np.array_equal(own.samples(scene.times, (record,)).y, whole.samples.y)
+
+
+@pytest.mark.parametrize("drives", DRIVES)
+def test_series_from_the_record(drives):
+    """A series that is read from the loop's record is that of the samples, alone or at the end."""
+    simulation = tribo.prepare(pair(tribo.Coulomb(0.3), drives), accuracy=1e-8, method=RADAU.name)
+    result = simulation.run({"upper.theta": 0.1}, estimate=False)
+    samples = result.ledger._samples
+    plain = assemble(simulation.layout, pickle.loads(pickle.dumps(samples)))
+    assert type(samples) is PairSamples and type(plain._samples) is Samples
+    for (_, mine), (_, theirs) in zip(
+        tables(result), tables(replace(result, assemble=lambda: plain)), strict=True
+    ):
+        for name, values in mine.items():
+            assert np.allclose(values, theirs[name], rtol=0.0, atol=2e-15), name
+    end = result.end
+    for surface in ("upper", "lower"):
+        for name, value in (end["surfaces"][surface] | end["blocks"][surface]).items():
+            assert np.array_equal(value, result[surface][name][-1]), name
+    assert end["system"] == {name: series[-1] for name, series in result.system.items()}
 
 
 @pytest.mark.parametrize("method", [RADAU.name, "dop853"])

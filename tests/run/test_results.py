@@ -1,9 +1,12 @@
 """Results: their series, what they print, what comes back from disk, and when they warn."""
 
 import copy
+import gc
 import json
 import pickle
 import warnings
+import weakref
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -23,7 +26,11 @@ from tribo import (
     TriboWarning,
 )
 from tribo.kernels.status import MEANINGS, Status
+from tribo.run.columns import columns_of
+from tribo.run.entry import Entry
+from tribo.run.ledger import assemble
 from tribo.run.quantities import QUANTITIES
+from tribo.run.totals import Group
 from tribo.simulation import from_settings
 
 
@@ -49,7 +56,8 @@ def same_series(one, other):
     for a, b in zip(*ledgers, strict=True):
         assert set(a) == set(b)
         for key in a:
-            tables = [a[key], b[key]] if isinstance(a[key], dict) else [{"": a[key]}, {"": b[key]}]
+            single = not isinstance(a[key], Mapping)
+            tables = [{"": a[key]}, {"": b[key]}] if single else [a[key], b[key]]
             assert list(tables[0]) == list(tables[1])
             pairs += [(tables[0][name], tables[1][name]) for name in tables[0]]
     return all(np.array_equal(x, y, equal_nan=True) and x.dtype == y.dtype for x, y in pairs)
@@ -90,6 +98,55 @@ def test_end_is_what_is_printed(result):
             assert value == result[name][key][-1]
     assert end["system"] == {key: values[-1] for key, values in result.system.items()}
     assert end["error_estimate"] == result.error_estimate
+
+
+def test_a_quantity_is_computed_alone(monkeypatch):
+    """Reading a work computes no energy and no position, and `end` reads two samples only."""
+    lone = tribo.prepare(scene(), accuracy=1e-6).run()
+    rows = []
+
+    def broken(entry):
+        raise ZeroDivisionError("no energy")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Entry, "energy", property(broken))
+        assert lone["upper"].w1.shape == (9, 1) and lone["upper"].x_bob.shape == (9, 1)
+        with pytest.raises(ZeroDivisionError, match="no energy"):
+            _ = lone["upper"].delta_e_int
+    monkeypatch.setattr(
+        Group,
+        "each",
+        lambda group, value: rows.append(group.samples.t.tolist()) or np.zeros((2, 1)),
+    )
+    assert lone.end["surfaces"]["upper"]["delta_e_int"] == [0.0]
+    assert rows and all(row == [0.0, 4.0] for row in rows)
+
+
+def test_results_are_released_without_a_collection():
+    """Raw samples are not part of a cycle of references, which would pile up between two runs."""
+    simulation = tribo.prepare(scene(), method="midpoint", step=0.01)
+    gc.disable()
+    try:
+        lone = simulation.run()
+        kept = weakref.ref(lone.ledger._samples)
+        assert lone["upper"].w1.size and lone["upper"].delta_E_int.size and lone.system
+        del lone
+        assert kept() is None
+    finally:
+        gc.enable()
+
+
+def test_columns_are_the_series(result):
+    """All series side by side, those of single surfaces too, are the same as one by one."""
+    simulation = tribo.prepare(scene(), method="midpoint", step=0.01)
+    samples, layout = simulation.compute().ledger._samples, simulation.layout
+    group = Group(layout, samples, (layout.together,))
+    columns = columns_of(layout, group, ["upper.W", "lower.w1"])
+    ledger, stops = assemble(layout, samples), [*columns.starts[1:], columns.values.shape[1]]
+    assert set(columns.names) == {*ledger.names, "upper.W", "lower.w1"}
+    for name, start, stop in zip(columns.names, columns.starts, stops, strict=True):
+        series = [each.reshape(9, -1) for each in ledger.series(name)]
+        assert np.allclose(columns.values[:, start:stop], np.hstack(series), rtol=0.0, atol=1e-15)
 
 
 def test_json_is_strict(result):

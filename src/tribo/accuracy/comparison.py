@@ -9,11 +9,22 @@ import numpy as np
 
 from tribo.accuracy.estimate import distance, estimate, rounding
 from tribo.accuracy.roundoff import rounding_of_terms
-from tribo.accuracy.scales import EPSILON, KINDS, Scales, kind_of, reported_scales
+from tribo.accuracy.scales import (
+    EPSILON,
+    KINDS,
+    Scales,
+    kind_of,
+    largest,
+    mean_velocity,
+    reported_scales,
+    scales_of,
+)
 from tribo.kernels.status import Status
+from tribo.run.columns import columns_of
 from tribo.run.integrate import Integration, Setting
 from tribo.run.layout import Layout
-from tribo.run.ledger import Ledger, assemble
+from tribo.run.ledger import assemble
+from tribo.run.totals import Group
 
 # Smallest estimate, in units of the request.  Where a run happens to be far more accurate than its
 # tolerances, because encounters or samples limit its steps, it differs from the coarser runs by
@@ -93,24 +104,24 @@ def error_bounds(
     wanted = 0.0
     if accuracy is not None:
         names, wanted = observables(accuracy), strictest(accuracy)
-    own = assemble(layout, fine.samples)
-    compared = (_at_shared_times(layout, own, fine, coarse) for coarse in coarser)
-    scales = reported_scales(layout, own)
+    count, shared = fine.samples.t.size, [run.samples.at(fine.samples.t) for run in coarser]
+    samples = fine.samples.then(*shared)
+    group = Group(layout, samples, (layout.together,))
+    columns, (entry,) = columns_of(layout, group, names), group.entries
+    run, coarse = columns.rows(slice(count)), columns.rows(slice(count, None))
+    at_shared = run.rows(np.searchsorted(fine.samples.t, samples.t[count:]))
+    speed = largest(entry.bob_speed(mean_velocity(layout))[:count])
+    internal = largest(entry.energy[:count])
+    tops = run.largest()
+    scales = scales_of(layout, dict(zip(run.names, tops.tolist(), strict=True)), speed, internal)
     rough, rounded = np.isfinite(layout.scene.smoothness), rounding(amplification, fine.steps)
-    terms = rounding_of_terms(layout, fine.samples, fine.steps)
+    terms = rounding_of_terms(layout, entry, fine.steps)
     least = rounded + LEAST * wanted
-    bounds = estimate(own, compared, scales, bool(rough), least, terms, names)
-    if any(run.status != Status.COMPLETED for run in coarser):
+    gaps = at_shared.minus(coarse).largest()
+    bounds = estimate(run.names, tops, gaps, scales, bool(rough), least, terms)
+    if any(other.status != Status.COMPLETED for other in coarser):
         bounds = dict.fromkeys(bounds, np.inf)
     return bounds, scales
-
-
-def _at_shared_times(
-    layout: Layout, own: Ledger, one: Integration, other: Integration
-) -> tuple[Ledger, Ledger]:
-    """The ledgers of two runs at the times that both recorded; `own` is that of the first."""
-    shared = other.samples.at(one.samples.t)
-    return own.rows(np.isin(one.samples.t, shared.t)), assemble(layout, shared)
 
 
 def measure_amplification(
@@ -150,7 +161,9 @@ def measure_amplification(
     # The energy of contact, which may be far larger than all works, changes with any angle.
     chosen = names or [name for name in KINDS if name != "contact_energy"]
     scaled = [name for name in chosen if scales.of(kind_of(name)) > 0.0]
-    return distance(*_at_shared_times(layout, own, run, other), scales, scaled) / PERTURBATION
+    shared = other.samples.at(run.samples.t)
+    mine = own.rows(np.searchsorted(run.samples.t, shared.t))
+    return distance(mine, assemble(layout, shared), scales, scaled) / PERTURBATION
 
 
 def out_of_reach(accuracy: float, amplification: float) -> str:

@@ -8,7 +8,7 @@ closure of the ledger serves as an estimate: each of these can be wrong by order
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
@@ -78,22 +78,24 @@ def rounding(amplification: float | None, steps: int) -> float:
 
 
 def estimate(
-    ledger: Ledger,
-    compared: Iterable[tuple[Ledger, Ledger]],
+    names: Sequence[str],
+    tops: np.ndarray,
+    gaps: np.ndarray,
     scales: Scales,
     rough: bool,
     least: float,
     own: Mapping[str, float],
-    names: Iterable[str],
 ) -> dict[str, float]:
     """A bound on the error of each reported quantity, over asperites and recorded times.
 
     Parameters
     ----------
-    ledger
-        of the run, at all of its times
-    compared
-        pairs of ledgers, of the run and of a coarser one, at the times that both recorded
+    names
+        of the quantities, "w1", or "upper.w1" for that of one surface
+    tops
+        the largest magnitude of each in the run, (names,)
+    gaps
+        the largest difference of each from the coarser runs, (names,)
     scales
         which errors are relative to
     rough
@@ -104,49 +106,27 @@ def estimate(
     own
         the rounding of the terms of each quantity, in its own unit: see
         :func:`tribo.accuracy.roundoff.rounding_of_terms`
-    names
-        of further quantities, as "upper.W"
 
     Returns
     -------
     dict
         bounds by quantity, in its own unit
     """
-    reported = [name for name in dict.fromkeys([*KINDS, *names]) if ledger.series(name)]
-    times = safety(rough)
-    apart = dict.fromkeys(reported, 0.0)
-    for fine, coarse in compared:
-        for name in reported:
-            pairs = zip(fine.series(name), coarse.series(name), strict=True)
-            with np.errstate(invalid="ignore"):  # an infinite energy has no known error
-                gaps = [times * largest(one - other) for one, other in pairs]
-            apart[name] = float(np.max([apart[name], *gaps]))
-    relative = (
-        _beyond(gap, times * _of(own, name)) / scales.of(kind_of(name))
-        for name, gap in apart.items()
-        if scales.of(kind_of(name)) > 0.0
-    )
-    largest_of_all = max(relative, default=0.0)
-    pooled = largest_of_all * (1.0 if largest_of_all > DIVERGED else POOLED)
-    bounds = {}
-    for name, gap in apart.items():
-        top, scale = max(map(largest, ledger.series(name))), scales.of(kind_of(name))
-        bounds[name] = gap + 4.0 * EPSILON * top + _of(own, name)
-        if gap > 0.0:
-            bounds[name] += (pooled + least) * scale
-        elif top > 0.0:  # equal bits in all runs, as of the energy of a first contact
-            bounds[name] += EPSILON * scale
-    return bounds
-
-
-def _of(own: Mapping[str, float], name: str) -> float:
-    """The entry of a quantity, "w1" or "upper.w1"; 0 where there is none."""
-    return own.get(name.rpartition(".")[2], 0.0)
-
-
-def _beyond(gap: float, rounded: float) -> float:
-    """The part of a difference that is no rounding; 0 if unknown."""
-    return max(gap - rounded, 0.0) if np.isfinite(gap) else 0.0
+    times, short = safety(rough), [name.rpartition(".")[2] for name in names]
+    gaps = times * gaps
+    scale = np.array([scales.of(KINDS[name]) for name in short])
+    rounded = np.array([own.get(name, 0.0) for name in short])
+    with np.errstate(invalid="ignore"):  # an infinite energy has no known error
+        # The part of a difference that is no rounding; 0 if unknown.
+        beyond = np.where(np.isfinite(gaps), np.maximum(gaps - times * rounded, 0.0), 0.0)
+    has_scale = scale > 0.0
+    relative = float((beyond[has_scale] / scale[has_scale]).max(initial=0.0))
+    pooled = relative * (1.0 if relative > DIVERGED else POOLED)
+    bounds = gaps + 4.0 * EPSILON * tops + rounded
+    # Equal bits in all runs, as of the energy of a first contact, are known to one rounding.
+    same = np.where((gaps == 0.0) & (tops > 0.0), EPSILON, 0.0)
+    bounds += np.where(gaps > 0.0, pooled + least, same) * scale
+    return dict(zip(names, bounds.tolist(), strict=True))
 
 
 def excess_of_request(

@@ -56,7 +56,7 @@ class Plan:
 
     def without_runs(self, single: Setting | None) -> Plan:
         """The plan for other scenes: without the runs that found it, and with `single`."""
-        tuned = None if self.tuned is None else replace(self.tuned, runs=())
+        tuned = None if self.tuned is None else replace(self.tuned, runs=(), errors=None)
         return replace(self, tuned=tuned, single=single)
 
     def at_half_step(self) -> Plan:

@@ -12,53 +12,125 @@ import numpy as np
 from tribo.accuracy.scales import EPSILON, largest
 from tribo.kernels.samples import BATH, SPRINGS, TORSIONAL, WITHIN
 from tribo.model.fields import Corrugation
-from tribo.run.accounts import Account
+from tribo.run.accounts import APPLIED, EXTERNAL, FORCES, Accounts
+from tribo.run.entry import Entry
 from tribo.run.layout import Layout
-from tribo.run.ledger import entries
-from tribo.run.motion import Batch, Motion, internal_energy
-from tribo.run.samples import Samples
 
 # Roundings of a term: those of the rates in it, of their squares, of products and of the sum.
 TERM_ROUNDINGS = 4.0
-# Names of the works that outside agents do on a surface.
-APPLIED = ("w2", "wL", "wR", "w_T")
+# Terms of a force: its work about the centre of mass, its pseudowork, and the works of its impulse
+# at the surface's velocity along x and y.
+PARTS = 4
+# All terms: those of each force, and the works of the reservoir's impulse at its own velocity.
+TERMS = PARTS * len(FORCES) + 2
 
 
-class _Terms(dict[str, float]):
-    """The largest magnitude of the terms of each quantity."""
-
-    def put(self, name: str, *magnitudes: np.ndarray) -> np.ndarray:
-        """Take in the sum of the magnitudes of all terms, and return it."""
-        total = np.asarray(sum(magnitudes))
-        self[name] = max(self.get(name, 0.0), largest(total))
-        return total
+def _members(forces: tuple[str, ...], first: int) -> list[int]:
+    """The terms of some forces, from the part `first` on."""
+    places = [list(FORCES).index(name) for name in forces]
+    return [PARTS * place + part for place in places for part in range(first, PARTS)]
 
 
-def rounding_of_terms(layout: Layout, samples: Samples, steps: int) -> dict[str, float]:
+def _sums() -> tuple[tuple[str, ...], np.ndarray]:
+    """Names of sums of terms, and which terms each has (terms, sums)."""
+    every, (about, pseudo, *_) = tuple(FORCES), _members(("w_T",), 0)
+    members = {name: _members((name,), 0) for name in FORCES}
+    members |= {f"{name}_ps": _members((name,), 1) for name in FORCES}
+    members |= {"w": _members(every, 0), "w_ps": _members(every, 1)}
+    members |= {"heat": [about, pseudo, TERMS - 2, TERMS - 1]}
+    members |= {"external": _members(EXTERNAL, 0), "applied": _members(APPLIED, 0)}
+    table = np.zeros((TERMS, len(members)))
+    for column, terms in enumerate(members.values()):
+        table[terms, column] = 1.0
+    return tuple(members), table
+
+
+SUMS, MEMBERS = _sums()
+
+
+def rounding_of_terms(layout: Layout, entry: Entry, steps: int) -> dict[str, float]:
     """The rounding of the terms of energies and works, by quantity, in its own unit.
 
     Each term has some roundings of its own, and those of its `steps`, which add up like a random
     walk.
+
+    Parameters
+    ----------
+    layout
+        the scene
+    entry
+        all asperites, in a run and in those that it is compared with
+    steps
+        of the run
     """
-    terms = _Terms()
-    whole = np.zeros(samples.t.size)
-    applied, farthest = np.zeros(samples.t.size), np.zeros(samples.t.size)
-    for k in range(len(layout.scene.surfaces)):
-        energy, work, place = _of_surface(layout, samples, k, terms)
-        whole, applied = whole + energy, applied + work
-        farthest = np.maximum(farthest, place)
-    # The rounding of a position is relative to its terms, and an energy changes over the length of
-    # its potential.
-    steepness = 1.0 + farthest / _shortest_length(layout)
-    whole = whole + terms.put("contact_energy", np.abs(samples.contact) * steepness)
-    whole = whole + np.abs(samples.field) * (1.0 + farthest / _shortest_wave(layout))
+    samples, sums = entry.samples, _sums_of_works(entry)
+    terms = dict(zip(SUMS, sums.max(axis=(0, 1)).tolist(), strict=True))
+    external, agents = sums[:, :, -2], sums[:, :, -1]
+    terms["W"] = max(largest(external[:, part].sum(axis=1)) for part in layout.parts.values())
+    terms["W_ps"] = terms["W"]
+    applied = agents.sum(axis=1)
     for field in layout.model.fields or ():
         if field.account >= 0:
-            applied = applied + np.abs(samples.s[:, field.account])
-    terms.put("total_energy_change", whole)
-    terms.put("applied_work", applied)
+            applied += np.abs(samples.s[:, field.account])
+    terms["applied_work"] = largest(applied)
+    terms |= _of_energies(layout, entry)
     count = EPSILON * (TERM_ROUNDINGS + steps**0.5)
     return {name: count * magnitude for name, magnitude in terms.items()}
+
+
+def _sums_of_works(entry: Entry) -> np.ndarray:
+    """The magnitudes of the terms of all accounts, summed: (times, asperites, sums)."""
+    terms = np.abs(entry.samples.linear("terms", lambda s: _terms(Accounts(entry.batch, s))))
+    return (terms.reshape(-1, TERMS) @ MEMBERS).reshape(*terms.shape[:2], -1)
+
+
+def _terms(forces: Accounts) -> np.ndarray:
+    """The terms of all accounts, (times, asperites, terms)."""
+    (vx, vy), (x, y) = forces.batch.velocity, forces.batch.reservoir
+    terms = []
+    for name in FORCES:
+        account = forces[name]
+        terms += [account.about, account.pseudo, vx * account.jx, vy * account.jy]
+    thermal = forces["w_T"]
+    terms += [x * thermal.jx, y * thermal.jy]
+    return np.stack([forces.whole(term) for term in terms], axis=2)
+
+
+def _of_energies(layout: Layout, entry: Entry) -> dict[str, float]:
+    """The largest terms of energies, by quantity."""
+    a, velocity, samples = entry.batch.asperites, entry.batch.velocity, entry.samples
+    internal, moving = entry.energy, entry.moving
+    boost = a.mass * (np.abs(velocity[0] * entry.vx) + np.abs(velocity[1] * entry.vy))
+    momentum = a.mass * np.hypot(entry.vx, entry.vy)
+    whole, within, bulk = np.zeros(samples.t.size), 0.0, 0.0
+    for index, part in enumerate(layout.parts.values()):
+        record, stored = layout.surfaces[index], samples.stored[:, index]
+        energy = (internal + moving)[:, part].sum(axis=1)
+        energy += np.abs(stored[:, [SPRINGS, BATH, TORSIONAL, WITHIN]]).sum(axis=1)
+        p = momentum[:, part].sum(axis=1)
+        kinetic = p * (np.hypot(*velocity[:, part.start]) + p / record.mass)
+        within, bulk = max(within, largest(energy)), max(bulk, largest(kinetic))
+        whole = whole + energy + kinetic
+    # The rounding of a position is relative to its terms, and an energy changes over the length of
+    # its potential.
+    x = np.abs(a.x) + np.abs(a.vx * entry.t) + np.abs(entry.x)
+    y = np.abs(a.y) + np.abs(a.vy * entry.t) + np.abs(entry.y)
+    farthest = (np.hypot(x, y) + a.l1).max(axis=1)
+    contact = np.abs(samples.contact) * (1.0 + farthest / _shortest_length(layout))
+    whole = whole + np.abs(samples.field) * (1.0 + farthest / _shortest_wave(layout))
+    places = {
+        f"{axis}_{end}": largest(magnitude + arm)
+        for end, arm in (("bob", a.l1), ("bar", a.l2))
+        for axis, magnitude in (("x", x), ("y", y))
+    }
+    return places | {
+        "delta_e_int": largest(internal),
+        "delta_k_trans": largest(moving + boost),
+        "delta_E_int": within,
+        "delta_K": bulk,
+        "contact_energy": largest(contact),
+        "total_energy_change": largest(whole + contact),
+    }
 
 
 def _shortest_length(layout: Layout) -> float:
@@ -73,62 +145,3 @@ def _shortest_wave(layout: Layout) -> float:
     potentials = (field.potential for field in layout.model.fields or ())
     periods = (item.period for item in potentials if isinstance(item, Corrugation))
     return min(periods, default=np.inf) / (2.0 * np.pi)
-
-
-def _of_surface(
-    layout: Layout, samples: Samples, index: int, terms: _Terms
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The terms of a surface: of its energy, of the applied work, and of places, each (times,)."""
-    record, stored = layout.surfaces[index], samples.stored[:, index]
-    energy = np.sum(np.abs(stored[:, [SPRINGS, BATH, TORSIONAL, WITHIN]]), axis=1)
-    momentum, work, applied, farthest = (np.zeros(samples.t.size) for _ in range(4))
-    speed = 0.0
-    for batch, motion, forces, _ in entries(layout, samples, index):
-        a = batch.asperites
-        mass = a.mass
-        x = np.abs(a.x) + np.abs(a.vx * motion.t) + np.abs(motion.x)
-        y = np.abs(a.y) + np.abs(a.vy * motion.t) + np.abs(motion.y)
-        for name, arm in (("bob", a.l1), ("bar", a.l2)):
-            terms.put(f"x_{name}", x, arm)
-            terms.put(f"y_{name}", y, arm)
-        farthest = np.maximum(farthest, np.max(np.hypot(x, y) + a.l1, axis=1))
-        internal, moving = _of_energies(batch, motion, terms)
-        energy = energy + np.sum(internal, axis=1) + moving @ mass
-        momentum = momentum + np.hypot(motion.vx, motion.vy) @ mass
-        external, agents = _of_works(batch, forces, terms)
-        work, applied = work + external, applied + agents
-        speed = float(np.hypot(*batch.velocity))
-    terms.put("W", work)
-    terms.put("W_ps", work)
-    terms.put("delta_E_int", energy)
-    energy = energy + terms.put("delta_K", momentum * (speed + momentum / record.mass))
-    return energy, applied, farthest
-
-
-def _of_energies(batch: Batch, m: Motion, terms: _Terms) -> tuple[np.ndarray, np.ndarray]:
-    """The terms of asperites' changes of energy: internal, and kinetic over mass."""
-    internal = internal_energy(batch.asperites, m.omega, m.nu, m.swing - m.phi)
-    moving = 0.5 * (m.vx**2 + m.vy**2)
-    boost = np.abs(batch.velocity[0] * m.vx) + np.abs(batch.velocity[1] * m.vy)
-    terms.put("delta_e_int", internal)
-    terms.put("delta_k_trans", batch.asperites.mass * (moving + boost))
-    return internal, moving
-
-
-def _of_works(
-    batch: Batch, forces: dict[str, Account], terms: _Terms
-) -> tuple[np.ndarray, np.ndarray]:
-    """The terms of asperites' works; their sums of external forces and of outside agents."""
-    pseudo, whole = {}, {}
-    for name, account in forces.items():
-        jx, jy = batch.velocity[0] * account.jx, batch.velocity[1] * account.jy
-        pseudo[name] = terms.put(f"{name}_ps", *map(np.abs, (account.pseudo, jx, jy)))
-        whole[name] = terms.put(name, np.abs(account.about), pseudo[name])
-    terms.put("w", *whole.values())
-    terms.put("w_ps", *pseudo.values())
-    thermal, record = forces["w_T"], batch.surface
-    reservoir = np.abs(record.reservoir_x * thermal.jx) + np.abs(record.reservoir_y * thermal.jy)
-    terms.put("heat", reservoir, np.abs(thermal.about), np.abs(thermal.pseudo))
-    external = sum(whole[name] for name in whole if name != "w_int")
-    agents = sum(whole[name] for name in APPLIED)
-    return np.sum(external, axis=1), np.sum(agents, axis=1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,9 +10,10 @@ import numpy as np
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.kinematics import bob_velocity
 from tribo.kernels.records import OSCILLATOR_FREQUENCY
+from tribo.run.batch import Batch
 from tribo.run.layout import Layout
 from tribo.run.ledger import Ledger
-from tribo.run.motion import Batch, Motion, internal_energy, motions, swing_direction
+from tribo.run.motion import Motion, internal_energy, swing_direction
 from tribo.run.quantities import ASPERITE_QUANTITIES, OPTIONAL_QUANTITIES, QUANTITIES
 from tribo.run.resolution import pendulum_frequency
 from tribo.run.samples import Samples
@@ -20,6 +22,13 @@ from tribo.run.samples import Samples
 EPSILON = float(np.finfo(float).eps)
 # The kind of every reported quantity, which selects its scale.
 KINDS = {name: quantity.kind for name, quantity in QUANTITIES.items()}
+# The quantities of asperites by which rates and energies are measured.
+ENERGIES = tuple(
+    name
+    for name, quantity in (ASPERITE_QUANTITIES | OPTIONAL_QUANTITIES).items()
+    if quantity.kind == "energy"
+)
+MEASURED = ("omega", "nu", *ENERGIES)
 # The smallest relative tolerance: nine roundings.  Step control cannot resolve less.
 FLOOR = 2e-15
 
@@ -57,20 +66,40 @@ class Scales:
 
 def reported_scales(layout: Layout, ledger: Ledger) -> Scales:
     """The scales of a run's errors: maxima over asperites and samples, in the laboratory."""
+    tops = {
+        name: max(map(largest, ledger.series(name))) for name in MEASURED if ledger.series(name)
+    }
+    return scales_of(layout, tops, _fastest_bob(layout, ledger), _internal_energy(layout, ledger))
 
-    def top(*names: str) -> float:
-        return max(largest(series) for name in names for series in ledger.series(name))
 
-    asperite = ASPERITE_QUANTITIES | OPTIONAL_QUANTITIES
-    energies = [name for name in asperite if KINDS[name] == "energy" and ledger.series(name)]
-    works = [name for name in energies if name.startswith("w")]
-    internal = _internal_energy(layout, ledger)
+def scales_of(layout: Layout, tops: Mapping[str, float], speed: float, internal: float) -> Scales:
+    """The scales of a run's errors.
+
+    Parameters
+    ----------
+    layout
+        the scene
+    tops
+        the largest magnitude of each quantity of asperites
+    speed
+        the largest of a bob relative to the mean of the surfaces' initial velocities
+    internal
+        the largest internal energy
+    """
+    energies = {name: tops[name] for name in ENERGIES if name in tops}
+    works = max(top for name, top in energies.items() if name.startswith("w"))
     return Scales(
-        rate=top("omega", "nu"),
+        rate=max(tops["omega"], tops["nu"]),
         length=_longest_rod(layout),
-        velocity=_fastest_bob(layout, ledger),
-        energy=top(*energies) if top(*works) > EPSILON * internal else internal,
+        velocity=speed,
+        energy=max(energies.values()) if works > EPSILON * internal else internal,
     )
+
+
+def mean_velocity(layout: Layout) -> np.ndarray:
+    """The mean of the surfaces' initial velocities, (2,)."""
+    velocities = np.array([surface.velocity for surface in layout.scene.surfaces])
+    return np.asarray(velocities.sum(axis=0) / len(velocities))
 
 
 def _internal_energy(layout: Layout, ledger: Ledger) -> float:
@@ -86,13 +115,13 @@ def _internal_energy(layout: Layout, ledger: Ledger) -> float:
 
 
 def _longest_rod(layout: Layout) -> float:
-    a = layout.asperites
+    a = layout.together.asperites
     return float(np.max(a.l1 + a.l2))
 
 
 def _fastest_bob(layout: Layout, ledger: Ledger) -> float:
     """The largest |v_cm + l1 omega (cos theta, sin theta)|, less the surfaces' mean velocity."""
-    mean = np.mean([surface.velocity for surface in layout.scene.surfaces], axis=0)
+    mean = mean_velocity(layout)
     fastest = 0.0
     for surface in layout.scene.surfaces:
         table = ledger.surfaces[surface.name]
@@ -105,7 +134,7 @@ def _fastest_bob(layout: Layout, ledger: Ledger) -> float:
 
 
 def _fastest_of(batch: Batch, m: Motion, velocity: np.ndarray) -> float:
-    """The largest speed of a bob of a surface with an initial `velocity` (2,)."""
+    """The largest speed of a bob, where `velocity` are those of the surfaces (2, asperites)."""
     a = batch.asperites
     direction = swing_direction(a.facing, m.swing)
     vx, vy = bob_velocity(m.vx + velocity[0], m.vy + velocity[1], m.omega, a.l1, *direction)
@@ -142,10 +171,10 @@ class ToleranceScales:
 
 def first_guess(layout: Layout) -> ToleranceScales:
     """Scales for a first, coarse run, from the start of the scene."""
-    a = layout.asperites
+    a = layout.together.asperites
     relative = _relative_velocity(layout)
     frequency = np.sqrt(a.kappa / a.inertia)
-    omega = np.max(np.abs(layout.start[layout.coordinates :][: a.size]))
+    omega = np.max(np.abs(layout.start[layout.coordinates :][: layout.scene.count]))
     velocity = float(np.max(np.hypot(relative[:, 0], relative[:, 1])) + np.max(a.l1) * omega)
     velocity = velocity or float(np.max(frequency * a.l1)) or 1.0
     rate = float(max(omega, largest(a.nu), np.max(frequency), velocity / np.max(a.l1)))
@@ -166,17 +195,12 @@ def tolerance_scales(layout: Layout, samples: Samples) -> ToleranceScales:
     The works are those in the frame of the surfaces' mean velocity.
     """
     guess = first_guess(layout)
-    change = spin = turn = twist = highest = 0.0
-    velocity, relative = guess.velocity, _relative_velocity(layout)
-    for index in range(len(layout.scene.surfaces)):
-        for batch, motion in motions(layout, samples, index):
-            velocity = max(velocity, _fastest_of(batch, motion, relative[batch.place.start]))
-            torsion = motion.swing - motion.phi
-            internal = internal_energy(batch.asperites, motion.omega, motion.nu, torsion)
-            highest = max(highest, largest(internal))
-            change = max(change, largest(internal - internal[0]))
-            spin, turn = max(spin, largest(motion.omega)), max(turn, largest(motion.nu))
-            twist = max(twist, largest(torsion))
+    batch, motion = layout.together, Motion(layout, layout.together, samples)
+    velocity = max(guess.velocity, _fastest_of(batch, motion, _relative_velocity(layout).T))
+    torsion = motion.swing - motion.phi
+    internal = internal_energy(batch.asperites, motion.omega, motion.nu, torsion)
+    highest, change = largest(internal), largest(internal - internal[0])
+    spin, turn, twist = largest(motion.omega), largest(motion.nu), largest(torsion)
     weights = _account_weights(layout)
     top = np.max(np.abs(samples.s), axis=0, initial=0.0)
     # Works in the laboratory are reported at the scene's times; in between they may be far larger.
@@ -216,26 +240,26 @@ WITHOUT_ARM = {"acc_contact": (2, 3), "acc_drive": (2,)}
 def _account_weights(layout: Layout) -> np.ndarray:
     """The factor that makes a work of each account; 0 for impulses. Shape (accounts,)."""
     weights = np.ones(layout.accounts)
-    a = layout.asperites
+    a = layout.together.asperites
     length = a.l1 + a.l2
     for name, offsets in IMPULSES.items():
-        present = a[name] >= 0
+        present = getattr(a, name) >= 0
         for k in offsets:
-            weights[(a[name] + k * a.stride)[present]] = 0.0
+            weights[(getattr(a, name) + k * a.stride)[present]] = 0.0
         for k in WITHOUT_ARM.get(name, ()):
-            weights[(a[name] + k * a.stride)[present]] = length[present]
+            weights[(getattr(a, name) + k * a.stride)[present]] = length[present]
     return weights
 
 
 def _work_of_impulses(layout: Layout, s: np.ndarray) -> float:
     """The largest V . J of an impulse J, where V is relative to the surfaces' mean velocity."""
-    a, velocity = layout.asperites, _relative_velocity(layout)
+    a, velocity = layout.together.asperites, _relative_velocity(layout)
     highest = 0.0
     for name, offsets in IMPULSES.items():
-        present = a[name] >= 0
+        present = getattr(a, name) >= 0
         stride, (vx, vy) = a.stride[present], velocity[present].T
         for k in offsets[::2]:
-            jx, jy = (s[:, a[name][present] + m * stride] for m in (k, k + 1))
+            jx, jy = (s[:, getattr(a, name)[present] + m * stride] for m in (k, k + 1))
             highest = max(highest, largest(vx * jx + vy * jy))
     return highest
 
@@ -259,12 +283,12 @@ def tolerances(layout: Layout, scales: ToleranceScales, level: float, near: floa
         the largest step, as a fraction of the time to the next encounter
     """
     level = max(level, FLOOR)
-    a = layout.asperites
+    a = layout.together.asperites
     energy = level * scales.energy
     speed = level * scales.velocity
     q = np.full(layout.coordinates, level * _longest_rod(layout))
     v = np.full(layout.coordinates, speed)
-    swing = slice(0, a.size)
+    swing = slice(0, layout.scene.count)
     # An error of a rate matters to the energy by the rate itself, or else by its own square.
     spin = np.maximum(scales.spin, np.sqrt(energy / a.inertia))
     with np.errstate(over="ignore"):  # infinite where a torsion or a rate is tiny
@@ -290,7 +314,7 @@ def _positive(values: np.ndarray) -> np.ndarray:
 
 def first_step(layout: Layout) -> float:
     """The first step: short against the run and the period of every pendulum and oscillator."""
-    a = layout.asperites
+    a = layout.together.asperites
     fastest = float(np.max(np.sqrt(a.kappa * np.maximum(1.0 / a.inertia, 1.0 / a.i2))))
     for oscillators in (layout.model.bath, layout.model.torsional):
         if oscillators is not None:

@@ -9,6 +9,7 @@ round-off beyond the request.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -78,6 +79,27 @@ CLOSE = 3.0
 KNOWN = 0.01
 
 
+class Errors(NamedTuple):
+    """Error estimates of a run.
+
+    Attributes
+    ----------
+    run
+        whose errors they are
+    amplification
+        that was known when they were made
+    bounds
+        on the errors, by quantity
+    excess
+        the largest bound in units of the accuracy
+    """
+
+    run: Integration
+    amplification: float | None
+    bounds: dict[str, float]
+    excess: float
+
+
 @dataclass(frozen=True)
 class FoundSettings:
     """Settings that a search found.
@@ -96,6 +118,8 @@ class FoundSettings:
         whether the fine run kept the accuracy
     stopped
         the status of runs with finer settings, if these stopped
+    errors
+        the last ones that were estimated; None if no run was compared
     """
 
     coarse: Setting
@@ -105,6 +129,7 @@ class FoundSettings:
     amplification: float | None
     met: bool
     stopped: Status | None = None
+    errors: Errors | None = None
 
 
 def find_settings(
@@ -161,6 +186,7 @@ class _Round:
     fine: Setting
     runs: list[Integration] = field(default_factory=list)
     excess: float = np.inf  # the largest estimate of the fine run relative to the request
+    errors: Errors | None = None  # of the fine run
 
     @property
     def stopped(self) -> Status | None:
@@ -305,6 +331,7 @@ class _Search:
             self.amplification,
             chosen.excess <= 1.0,
             stopped,
+            chosen.errors,
         )
 
     def _looser(self) -> float | None:
@@ -333,7 +360,9 @@ class _Search:
         bounds, scales = error_bounds(
             self.layout, last.runs[-1], last.runs[:-1], self.amplification, self.accuracy
         )
-        return excess_of_request(bounds, scales, self.accuracy)
+        excess = excess_of_request(bounds, scales, self.accuracy)
+        last.errors = Errors(last.runs[-1], self.amplification, bounds, excess)
+        return excess
 
 
 def _resolved(

@@ -41,6 +41,7 @@ from tribo.kernels.records import (
     ALONG_X,
     ALONG_Y,
     BAR_LENGTH,
+    BARS,
     FX,
     FY,
     KAPPA,
@@ -200,7 +201,7 @@ def powers_of_block(model, s, i, torsion, t, q, v, power):
         k = s.acc_slide + i - s.start
         set_block(power, k, x * vx)
         set_block(power, k + s.stop - s.start, y * vy)
-    if s.acc_drive >= 0:
+    if s.acc_drive >= 0 and s.drive != BARS:  # the ledger finds the reaction of driven bars
         x, y = vectors(model.drive, i)
         about = omega * (tx * x + ty * y)
         set_four(power, s, s.acc_drive, i, x, y, about, x * vx + y * vy)

@@ -6,6 +6,7 @@ import itertools
 import math
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
+from functools import cached_property
 
 import numpy as np
 
@@ -261,7 +262,7 @@ class Scene:
         own = (interaction.potential.smoothness() for interaction in self.interactions)
         return max(0, min(own, default=math.inf))
 
-    @property
+    @cached_property
     def effects(self) -> frozenset[Effect]:
         """The effects that the scene calls for; no other is simulated."""
         present = set()

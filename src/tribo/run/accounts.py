@@ -6,88 +6,171 @@ work = (about the centre of mass) + V . J + (pseudowork in that frame).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 
 import numpy as np
 
-from tribo.kernels.records import BARS, FORCED
-from tribo.run.motion import Batch, Motion, columns
+from tribo.run.batch import Batch
+from tribo.run.motion import columns
+
+Part = np.ndarray | float  # of an account
 
 
 @dataclass(frozen=True, eq=False)
 class Account:
-    """One force's entries; arrays (times, asperites)."""
+    """One force's entries; arrays (times, asperites), or 0.0 where no asperite has the force."""
 
-    about: np.ndarray  # work about the centre of mass: the same in every frame
-    jx: np.ndarray  # impulse
-    jy: np.ndarray
-    pseudo: np.ndarray  # pseudowork in the surface's first frame
+    about: Part  # work about the centre of mass: the same in every frame
+    jx: Part  # impulse
+    jy: Part
+    pseudo: Part  # pseudowork in the surface's first frame
 
-    def pseudowork(self, velocity: np.ndarray) -> np.ndarray:
-        """In the laboratory, where the surface's first velocity is `velocity` (2,)."""
-        return self.pseudo + velocity[0] * self.jx + velocity[1] * self.jy
+    def pseudowork(self, velocity: np.ndarray) -> Part:
+        """In the laboratory, where the surface's first velocity is `velocity` (2, asperites)."""
+        return self.pseudo + self.boost(velocity)
 
-    def work(self, velocity: np.ndarray) -> np.ndarray:
+    def boost(self, velocity: np.ndarray) -> Part:
+        """The work of the impulse at the velocities of the asperites (2, asperites)."""
+        return velocity[0] * self.jx + velocity[1] * self.jy
+
+    def work(self, velocity: np.ndarray) -> Part:
         """In the laboratory."""
         return self.about + self.pseudowork(velocity)
 
 
-def accounts(batch: Batch, motion: Motion, s: np.ndarray) -> dict[str, Account]:
-    """The account of every force, by the name of its work."""
-    a = batch.asperites
+class Accounts(dict[str, Account]):
+    """The accounts of the forces on a batch, by the names of their works, each made when needed.
 
-    def column(slots: np.ndarray, k: int) -> np.ndarray:
-        return columns(np.where(slots >= 0, slots + k * a.stride, -1), s)
+    Parameters
+    ----------
+    batch : Batch
+        Some asperites of one surface.
+    s : ndarray, (times, accounts)
+        The integrals that the kernels record.
+    """
 
-    def point(slots: np.ndarray) -> Account:
-        jx, jy, about, pseudo = (column(slots, k) for k in range(4))
+    def __init__(self, batch: Batch, s: np.ndarray) -> None:
+        super().__init__()
+        self.batch = batch
+        self._s = s
+
+    def __missing__(self, name: str) -> Account:
+        account = self[name] = FORCES[name](self.batch, self._s)
+        return account
+
+    def whole(self, part: Part) -> np.ndarray:
+        """A part, or a sum of parts, of all asperites, (times, asperites)."""
+        shape = len(self._s), self.batch.held.size
+        if isinstance(part, np.ndarray) and part.shape == shape:
+            return part
+        return np.full(shape, part)
+
+
+class Integrals:
+    """The integrals that the kernels record, by batch and force.
+
+    Parameters
+    ----------
+    s : ndarray, (times, accounts)
+        The integrals.
+    """
+
+    def __init__(self, s: np.ndarray) -> None:
+        self.s = s
+        self._known: dict[Batch, Accounts] = {}
+
+    def of(self, batch: Batch) -> Accounts:
+        """The accounts of a batch."""
+        if batch not in self._known:
+            self._known[batch] = Accounts(batch, self.s)
+        return self._known[batch]
+
+
+def _columns(batch: Batch, group: str, places: Iterable[int], s: np.ndarray) -> list[Part]:
+    """Columns of a group of accounts; zeros where the group is absent."""
+    if group not in batch.present:
+        return [0.0 for _ in places]
+    slots, stride = getattr(batch.asperites, group), batch.asperites.stride
+    return [columns(np.where(slots >= 0, slots + k * stride, -1), s) for k in places]
+
+
+def _contact(batch: Batch, s: np.ndarray) -> Account:
+    """The contact with bobs of other surfaces."""
+    jx, jy, about_x, about_y = _columns(batch, "acc_contact", range(4), s)
+    slide_x, slide_y = _columns(batch, "acc_slide", range(2), s)
+    a, swept = batch.asperites, about_x + about_y
+    return Account(a.l1 * swept, jx, jy, slide_x + slide_y + a.pivot * swept)
+
+
+def _drive(batch: Batch, s: np.ndarray) -> Account:
+    """The drive: f2 = -(held f1_x, f1_y), unless it has an account of its own."""
+    a, held = batch.asperites, batch.held
+    jx, jy, about_x, about_y = _columns(batch, "acc_contact", range(4), s)
+    slide_x, slide_y = _columns(batch, "acc_slide", range(2), s)
+    own_jx, own_jy, own_about, own_pseudo = _columns(batch, "acc_drive", range(4), s)
+    own = a.acc_drive >= 0
+    return Account(
+        np.where(own, -a.l2 * own_about, a.l2 * (held * about_x + about_y)),
+        np.where(own, own_jx, -held * jx),
+        np.where(own, own_jy, -jy),
+        np.where(own, own_pseudo, -(held * slide_x + slide_y)),
+    )
+
+
+def _left_end(batch: Batch, s: np.ndarray) -> Account:
+    """The left end of the bar."""
+    about, jx, jy, pseudo = _columns(batch, "acc_ends", (0, 2, 3, 4), s)
+    user = _columns(batch, "acc_user_ends", (0, 2, 3, 6), s)
+    return Account(about + user[0], jx + user[1], jy + user[2], pseudo + user[3])
+
+
+def _right_end(batch: Batch, s: np.ndarray) -> Account:
+    """The right end of the bar, on which a clamp exerts the opposite of its force on the left."""
+    about, jx, jy, pseudo = _columns(batch, "acc_ends", range(1, 5), s)
+    user = _columns(batch, "acc_user_ends", (1, 4, 5, 7), s)
+    return Account(about + user[0], user[1] - jx, user[2] - jy, user[3] - pseudo)
+
+
+def _thermal(batch: Batch, s: np.ndarray) -> Account:
+    """Langevin reservoirs: at the bar, and on the swing, whose torque has no pseudowork."""
+    jx, jy, about, pseudo = _columns(batch, "acc_thermal", range(4), s)
+    (swing,) = _columns(batch, "acc_swing", (0,), s)
+    return Account(about + swing, jx, jy, pseudo)
+
+
+def _point(group: str) -> Callable[[Batch, np.ndarray], Account]:
+    """A force with accounts of its own."""
+
+    def account(batch: Batch, s: np.ndarray) -> Account:
+        jx, jy, about, pseudo = _columns(batch, group, range(4), s)
         return Account(about, jx, jy, pseudo)
 
-    jx, jy, about_x, about_y = (column(a.acc_contact, k) for k in range(4))
-    slide_x, slide_y = (column(a.acc_slide, k) for k in range(2))
-    swept = about_x + about_y
-    contact = Account(a.l1 * swept, jx, jy, slide_x + slide_y + a.pivot * swept)
-
-    # f2 = -(held f1_x, f1_y), with held = 1 for a forced drive and 0 for a free one, unless the
-    # drive has an account of its own.
-    held = 1.0 if batch.surface.drive == FORCED else 0.0
-    own = a.acc_drive >= 0
-    drive = Account(
-        np.where(own, -a.l2 * column(a.acc_drive, 2), a.l2 * (held * about_x + about_y)),
-        np.where(own, column(a.acc_drive, 0), -held * jx),
-        np.where(own, column(a.acc_drive, 1), -jy),
-        np.where(own, column(a.acc_drive, 3), -(held * slide_x + slide_y)),
-    )
-
-    left, right, end_x, end_y, end_pseudo = (column(a.acc_ends, k) for k in range(5))
-    user = [column(a.acc_user_ends, k) for k in range(8)]
-    thermal = point(a.acc_thermal)
-    table = {
-        "w1": contact,
-        "w2": drive,
-        "wL": Account(left + user[0], end_x + user[2], end_y + user[3], end_pseudo + user[6]),
-        "wR": Account(right + user[1], user[4] - end_x, user[5] - end_y, user[7] - end_pseudo),
-        "w_int": point(a.acc_internal),
-        "w_field": point(a.acc_field),
-        "w_T": replace(thermal, about=thermal.about + column(a.acc_swing, 0)),
-    }
-    if batch.surface.drive == BARS:
-        others = [account for name, account in table.items() if name != "w2"]
-        table["w2"] = _reaction(batch, motion, others)
-    return table
+    return account
 
 
-def _reaction(batch: Batch, m: Motion, others: list[Account]) -> Account:
-    """The account of the constraint on driven bars: what the motion leaves over.
+# The account of every force on an asperite, by the name of its work.
+FORCES: dict[str, Callable[[Batch, np.ndarray], Account]] = {
+    "w1": _contact,
+    "w2": _drive,
+    "wL": _left_end,
+    "wR": _right_end,
+    "w_int": _point("acc_internal"),
+    "w_field": _point("acc_field"),
+    "w_T": _thermal,
+}
+# The names of the external ones, and of those by which outside agents do work on a surface.
+EXTERNAL = tuple(name for name in FORCES if name != "w_int")
+APPLIED = ("w2", "wL", "wR", "w_T")
 
-    It does no work in the frame of the bars.
-    """
-    mass = batch.asperites.mass
-    energy = 0.5 * mass * (m.vx**2 + m.vy**2)
-    pseudo = energy - energy[0] - sum(other.pseudo for other in others)
-    return Account(
-        about=-pseudo,
-        jx=mass * (m.vx - m.vx[0]) - sum(other.jx for other in others),
-        jy=mass * (m.vy - m.vy[0]) - sum(other.jy for other in others),
-        pseudo=pseudo,
-    )
+
+def accounted(forces: Accounts, name: str) -> np.ndarray:
+    """What is linear in the accounts: "w1", "w1_ps", ..., "w", "w_ps" of all forces, or "heat"."""
+    batch = forces.batch
+    if name == "heat":
+        (vx, vy), thermal = batch.reservoir, forces["w_T"]
+        return forces.whole(vx * thermal.jx + vy * thermal.jy - thermal.about - thermal.pseudo)
+    force = name.removesuffix("_ps")
+    kind = Account.pseudowork if name.endswith("_ps") else Account.work
+    names = FORCES if force == "w" else [force]
+    return forces.whole(sum(kind(forces[name], batch.velocity) for name in names))

@@ -173,9 +173,9 @@ def state_in(data: xarray.Dataset, scene: Scene) -> State:
 
 def ledger_of(data: xarray.Dataset, scene: Scene) -> Ledger:
     """The ledger in a data set."""
-    surfaces: dict[str, Table] = {surface.name: {} for surface in scene.surfaces}
-    blocks: dict[str, Table] = {surface.name: {} for surface in scene.surfaces}
-    system: Table = {}
+    surfaces: dict[str, dict[str, np.ndarray]] = {s.name: {} for s in scene.surfaces}
+    blocks: dict[str, dict[str, np.ndarray]] = {s.name: {} for s in scene.surfaces}
+    system: dict[str, np.ndarray] = {}
     for name, variable in data.data_vars.items():
         surface, _, key = str(name).rpartition(".")
         if key not in QUANTITIES or str(name).startswith(STATE):

@@ -94,8 +94,8 @@ class Integration:
         Steps and evaluations of all forces, its first two elements.
     seconds : float
         Wall time.
-    memory : dict
-        All that the time loop needs to continue from the end.
+    remembered : callable
+        Returns all that the time loop needs to continue from the end.
     passages : tuple of int
         Number of steps in which bobs passed an encounter far below k_B T, and the last two bobs.
     """
@@ -104,13 +104,22 @@ class Integration:
     status: Status
     counts: np.ndarray
     seconds: float
-    memory: Memory
+    remembered: Callable[[], Memory]
     passages: tuple[int, ...] = (0, 0, 0)
+    # Not a cached_property, whose lock takes a part of the time of a short run.
+    _samples: Samples | None = None
 
-    @cached_property
+    @property
     def samples(self) -> Samples:
         """The raw samples, built when they are first needed."""
-        return self.recorded()
+        if self._samples is None:
+            self._samples = self.recorded()
+        return self._samples
+
+    @cached_property
+    def memory(self) -> Memory:
+        """All that the time loop needs to continue from the end, built when it is first needed."""
+        return self.remembered()
 
     @property
     def steps(self) -> int:
@@ -193,7 +202,8 @@ def integrate(
             break
     whole = samples
     assert whole is not None
-    return Integration(lambda: whole, status, counts, time.perf_counter() - began, memory, passages)
+    seconds = time.perf_counter() - began
+    return Integration(lambda: whole, status, counts, seconds, lambda: memory, passages)
 
 
 def _passages(loop: TimeLoop) -> tuple[int, int, int]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,7 @@ from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.potentials.from_ase import Call, Live
 from tribo.run import contacts, slots
+from tribo.run.batch import Batch, batch_of, batches_of
 from tribo.run.force_records import fields_on_surfaces, springs, user_forces
 from tribo.run.identity import loaded
 
@@ -89,11 +91,33 @@ class Layout:
     skin: float
     beginning: float = 0.0
 
-    @property
+    @cached_property
     def times(self) -> np.ndarray:
         """The times to record, from the start of the run on."""
         times = self.scene.times
         return np.union1d(times[times > self.beginning], [self.beginning])
+
+    @cached_property
+    def batches(self) -> tuple[tuple[Batch, ...], ...]:
+        """The asperites of each surface, as the ledger reads them."""
+        return tuple(batches_of(self.together, part) for part in self.parts.values())
+
+    @cached_property
+    def together(self) -> Batch:
+        """The asperites of all surfaces."""
+        return batch_of(self.asperites, self.surfaces, self.velocity)
+
+    @cached_property
+    def effects(self) -> dict[str, tuple[int, bool, bool]]:
+        """Surface -> its index, whether a field acts on it, whether it has a reservoir."""
+        return {
+            surface.name: (
+                index,
+                any(surface.name in item.on for item in self.scene.fields),
+                bool(surface.langevin),
+            )
+            for index, surface in enumerate(self.scene.surfaces)
+        }
 
     @property
     def anchors(self) -> np.ndarray:

@@ -9,21 +9,94 @@ The identities that must hold, and by which the accounts are audited:
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
 
-from tribo.kernels.kinematics import bar_position, bob_position
-from tribo.run.accounts import Account, accounts
 from tribo.run.layout import Layout
-from tribo.run.motion import Batch, Motion, internal_energy, motions, swing_direction
-from tribo.run.quantities import Table
+from tribo.run.quantities import (
+    ASPERITE_QUANTITIES,
+    BLOCK_QUANTITIES,
+    FIELD_QUANTITIES,
+    QUANTITIES,
+    RESERVOIR_QUANTITIES,
+    SYSTEM_QUANTITIES,
+    Table,
+)
 from tribo.run.samples import Samples
-from tribo.run.totals import Sums, batch_sums, block_table, system_table
+from tribo.run.totals import System, Whole
+
+# The quantities of a surface and of its asperites, by whether it has a field and a reservoir.
+OF_SURFACE = {
+    (field, reservoir): ASPERITE_QUANTITIES
+    | (FIELD_QUANTITIES if field else {})
+    | (RESERVOIR_QUANTITIES if reservoir else {})
+    | BLOCK_QUANTITIES
+    for field in (False, True)
+    for reservoir in (False, True)
+}
 
 
-@dataclass(frozen=True, eq=False)
+class Series(Mapping[str, np.ndarray]):
+    """Series by name, as ``series["theta"]`` or ``series.theta``, each computed when first needed.
+
+    Quantities of asperites are (times, asperites), those of a surface as a whole (times,).
+
+    Parameters
+    ----------
+    names : collection of str
+        Of the quantities.
+    compute : callable
+        Computes the series of a name.
+    """
+
+    def __init__(self, names: Collection[str], compute: Callable[[str], np.ndarray]) -> None:
+        self._names = names
+        self._compute = compute
+        self._known: dict[str, np.ndarray] = {}
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        known = self._known.get(name)
+        if known is None:
+            if name not in self._names:
+                raise KeyError(name)
+            known = self._known[name] = self._compute(name)
+        return known
+
+    def __getattr__(self, name: str) -> np.ndarray:
+        if name.startswith("_"):  # a copy asks for methods before it has names
+            raise AttributeError(name)
+        try:
+            return self[name]
+        except KeyError:
+            names = ", ".join(self._names)
+            raise AttributeError(f"no quantity {name!r}; there are {names}") from None
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self._names]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._names
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _known, (dict(self),)
+
+
+def _known(table: Table) -> Series:
+    """Series that are known already."""
+    return Series(table, table.__getitem__)
+
+
+@dataclass(eq=False)
 class Ledger:
     """All quantities that a run reports, in the laboratory.
 
@@ -31,17 +104,17 @@ class Ledger:
     ----------
     t : ndarray, (times,)
         The recorded times.
-    surfaces : dict
+    surfaces : mapping
         Surface -> quantity -> (times, asperites).
-    blocks : dict
+    blocks : mapping
         Surface -> quantity of the surface as a whole -> (times,).
-    system : dict
+    system : mapping
         Quantity of the system -> (times,).
     """
 
     t: np.ndarray  # (times,)
-    surfaces: dict[str, Table]  # surface -> quantity -> (times, asperites)
-    blocks: dict[str, Table]  # surface -> quantity -> (times,)
+    surfaces: Mapping[str, Table]  # surface -> quantity -> (times, asperites)
+    blocks: Mapping[str, Table]  # surface -> quantity -> (times,)
     system: Table  # quantity -> (times,)
 
     def series(self, name: str) -> list[np.ndarray]:
@@ -52,137 +125,102 @@ class Ledger:
             tables = [self.surfaces.get(surface, {}), self.blocks.get(surface, {})]
         return [table[name] for table in tables if name in table]
 
+    @property
+    def names(self) -> list[str]:
+        """The quantities of which there are series."""
+        tables = [*self.surfaces.values(), *self.blocks.values(), self.system]
+        return [name for name in QUANTITIES if any(name in table for table in tables)]
+
+    def of(self, surface: str) -> Series:
+        """All series of a surface.  Raises KeyError if there is no such surface."""
+        return _known({**self.surfaces[surface], **self.blocks[surface]})
+
     def rows(self, selected: slice | np.ndarray) -> Ledger:
         """The ledger at some of its times: a slice, indices or a mask."""
+
+        def rows_of(table: Table) -> Series:
+            return Series(table, lambda name: table[name][selected])
+
         return Ledger(
             self.t[selected],
-            {name: _rows(table, selected) for name, table in self.surfaces.items()},
-            {name: _rows(table, selected) for name, table in self.blocks.items()},
-            _rows(self.system, selected),
+            {name: rows_of(table) for name, table in self.surfaces.items()},
+            {name: rows_of(table) for name, table in self.blocks.items()},
+            rows_of(self.system),
         )
 
+    def at_end(self) -> Ledger:
+        """The ledger at the last time alone."""
+        return self.rows(slice(-1, None))
 
-def _rows(table: Table, selected: slice | np.ndarray) -> Table:
-    return {name: values[selected] for name, values in table.items()}
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Ledger, (self.t, dict(self.surfaces), dict(self.blocks), self.system)
 
 
-# In a run that stopped because values were not finite, the last are infinite or NaN here too.
-_with_infinities = np.errstate(over="ignore", invalid="ignore")
+class Assembled(Ledger):
+    """The ledger of raw samples; each series is computed when it is first asked for.
+
+    Parameters
+    ----------
+    layout : Layout
+        The scene.
+    samples : Samples
+        The raw samples of a run, the first of which is the start of the run.
+    """
+
+    def __init__(self, layout: Layout, samples: Samples) -> None:
+        self.t = samples.t
+        self._layout = layout
+        self._samples = samples
+        # Neither wholes nor series refer to the ledger: all is released without a collection.
+        self._wholes: dict[str, Whole] = {}
+        self._series: dict[str, Series] = {}
+
+    def of(self, surface: str) -> Series:
+        """All series of a surface.  Raises KeyError if there is no such surface."""
+        if surface not in self._series:
+            index, field, reservoir = self._layout.effects[surface]
+            whole = self._wholes[surface] = Whole(self._layout, self._samples, index)
+            compute = partial(series_of, whole)
+            self._series[surface] = Series(OF_SURFACE[field, reservoir], compute)
+        return self._series[surface]
+
+    @cached_property
+    def surfaces(self) -> dict[str, Series]:  # type: ignore[override]
+        """Surface -> quantity -> (times, asperites)."""
+        return {
+            name: Series(
+                [k for k in self.of(name) if k not in BLOCK_QUANTITIES], self.of(name).__getitem__
+            )
+            for name in self._layout.parts
+        }
+
+    @cached_property
+    def blocks(self) -> dict[str, Series]:  # type: ignore[override]
+        """Surface -> quantity of the surface as a whole -> (times,)."""
+        parts = self._layout.parts
+        return {name: Series(BLOCK_QUANTITIES, self.of(name).__getitem__) for name in parts}
+
+    @cached_property
+    def system(self) -> Series:  # type: ignore[override]
+        """Quantity of the system -> (times,)."""
+        return Series(SYSTEM_QUANTITIES, partial(series_of, self._system))
+
+    @cached_property
+    def _system(self) -> System:
+        for name in self._layout.parts:
+            self.of(name)
+        return System(self._layout, self._samples, tuple(self._wholes.values()))
+
+    def at_end(self) -> Ledger:
+        """The ledger at the last time alone, from the first and the last sample."""
+        return Assembled(self._layout, self._samples.ends()).rows(slice(-1, None))
 
 
-@_with_infinities
-def assemble(layout: Layout, samples: Samples) -> Ledger:
+def series_of(source: Whole | System, name: str) -> np.ndarray:
+    """The series of a quantity of a surface or of the system."""
+    return QUANTITIES[name].of(source)
+
+
+def assemble(layout: Layout, samples: Samples) -> Assembled:
     """The ledger of raw samples, the first of which is the start of the run."""
-    surfaces: dict[str, Table] = {}
-    sums = []
-    for k, surface in enumerate(layout.scene.surfaces):
-        tables, terms = [], []
-        for batch, motion, forces, energies in entries(layout, samples, k):
-            terms.append(batch_sums(batch, motion, forces, energies))
-            works = _works(batch, forces) | _optional(layout, batch, forces)
-            tables.append(_positions(layout, batch, motion) | works | energies)
-        surfaces[surface.name] = _side_by_side(tables)
-        sums.append(sum(terms[1:], start=terms[0]))
-    return _with_totals(layout, samples, surfaces, sums)
-
-
-@_with_infinities
-def assemble_totals(layout: Layout, samples: Samples) -> Ledger:
-    """The ledger of surfaces as wholes and of the system, without the series of asperites."""
-    sums = []
-    for k in range(len(layout.scene.surfaces)):
-        terms = [batch_sums(*entry) for entry in entries(layout, samples, k)]
-        sums.append(sum(terms[1:], start=terms[0]))
-    return _with_totals(layout, samples, {}, sums)
-
-
-def entries(
-    layout: Layout, samples: Samples, index: int
-) -> Iterator[tuple[Batch, Motion, dict[str, Account], Table]]:
-    """Motion, accounts and changes of energy of each batch of surface `index`."""
-    for batch, motion in motions(layout, samples, index):
-        yield batch, motion, accounts(batch, motion, samples.s), _energies(batch, motion)
-
-
-def _with_totals(
-    layout: Layout, samples: Samples, surfaces: dict[str, Table], sums: list[Sums]
-) -> Ledger:
-    """The ledger of the asperites' series, completed by the sums over each surface."""
-    blocks = {
-        surface.name: block_table(layout, k, sums[k], samples)
-        for k, surface in enumerate(layout.scene.surfaces)
-    }
-    return Ledger(samples.t, surfaces, blocks, system_table(layout, sums, blocks, samples))
-
-
-def _side_by_side(tables: list[Table]) -> Table:
-    """One table from those of the batches, whose arrays are released one by one."""
-    if len(tables) == 1:
-        return tables[0]
-    return {
-        name: np.concatenate([table.pop(name) for table in tables], axis=1)
-        for name in list(tables[0])
-    }
-
-
-def _positions(layout: Layout, batch: Batch, m: Motion) -> Table:
-    """Angles, angular rates, positions and velocities."""
-    a = batch.asperites
-    rest = np.where(a.facing > 0.0, 0.0, np.pi)
-    x = layout.origin[0] + (a.x + batch.velocity[0] * m.t + m.x)
-    y = layout.origin[1] + (a.y + batch.velocity[1] * m.t + m.y)
-    tx, ty = swing_direction(a.facing, m.swing)
-    x_bob, y_bob = bob_position(x, y, a.l1, tx, ty)
-    x_bar, y_bar = bar_position(x, y, a.l2, tx, ty)
-    return {
-        "theta": m.swing + rest,
-        "phi": m.phi,
-        "omega": m.omega,
-        "nu": m.nu,
-        "x_cm": x,
-        "y_cm": y,
-        "vx_cm": batch.velocity[0] + m.vx,
-        "vy_cm": batch.velocity[1] + m.vy,
-        "x_bob": x_bob,
-        "y_bob": y_bob,
-        "x_bar": x_bar,
-        "y_bar": y_bar,
-    }
-
-
-def _works(batch: Batch, forces: dict[str, Account]) -> Table:
-    """Works and pseudoworks of each asperite, in the laboratory."""
-    works = {name: account.work(batch.velocity) for name, account in forces.items()}
-    pseudo = {f"{name}_ps": account.pseudowork(batch.velocity) for name, account in forces.items()}
-    return (
-        {name: works[name] for name in ("w1", "w2", "wL", "wR", "w_int")}
-        | {"w": np.sum(list(works.values()), axis=0)}
-        | {name: pseudo[name] for name in ("w1_ps", "w2_ps", "w_int_ps")}
-        | {"w_ps": np.sum(list(pseudo.values()), axis=0)}
-    )
-
-
-def _optional(layout: Layout, batch: Batch, forces: dict[str, Account]) -> Table:
-    """Works and heat that only surfaces with a field or a reservoir report."""
-    surface = layout.scene.surfaces[batch.index]
-    table = {}
-    if any(surface.name in item.on for item in layout.scene.fields):
-        table["w_field"] = forces["w_field"].work(batch.velocity)
-        table["w_field_ps"] = forces["w_field"].pseudowork(batch.velocity)
-    if surface.langevin:
-        account, record = forces["w_T"], batch.surface
-        table["w_T"] = account.work(batch.velocity)
-        table["w_T_ps"] = account.pseudowork(batch.velocity)
-        reservoir = record.reservoir_x * account.jx + record.reservoir_y * account.jy
-        table["heat"] = reservoir - account.about - account.pseudo
-    return table
-
-
-def _energies(batch: Batch, m: Motion) -> Table:
-    """Changes of the translational kinetic and of the internal energy of each asperite."""
-    internal = internal_energy(batch.asperites, m.omega, m.nu, m.swing - m.phi)
-    lag = batch.velocity[0] * m.vx + batch.velocity[1] * m.vy + 0.5 * (m.vx**2 + m.vy**2)
-    return {
-        "delta_k_trans": batch.asperites.mass * (lag - lag[0]),
-        "delta_e_int": internal - internal[0],
-    }
+    return Assembled(layout, samples)

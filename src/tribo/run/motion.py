@@ -2,92 +2,107 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator
+from functools import cached_property
 
 import numpy as np
 
-from tribo.kernels.records import BARS
-from tribo.run.force_records import Records
+from tribo.run.batch import Asperites, Batch
 from tribo.run.layout import Layout
 from tribo.run.samples import Samples
 
-# Asperites of a batch: more of them would make the temporary arrays of a ledger large.
-BATCH_SIZE = 50_000
 
-
-@dataclass(frozen=True, eq=False)
-class Batch:
-    """Some consecutive asperites of one surface."""
-
-    index: int  # of the surface
-    place: slice  # of the asperites among all
-    surface: np.record  # of kernels.records.SURFACE
-    asperites: Records  # of kernels.records.ASPERITE
-    velocity: np.ndarray  # (2,) initial velocity of the surface, in the laboratory
-
-
-@dataclass(frozen=True, eq=False)
 class Motion:
     """The motion of a batch relative to its surface's initial velocity.
 
-    Every array is (times, asperites).
+    Every array is (times, asperites), and computed when it is first needed.
     """
 
-    t: np.ndarray  # (times, 1)
-    swing: np.ndarray  # theta - rest
-    phi: np.ndarray
-    omega: np.ndarray
-    nu: np.ndarray
-    x: np.ndarray  # displacement of the centre of mass from its uniform motion
-    y: np.ndarray
-    vx: np.ndarray
-    vy: np.ndarray
+    def __init__(self, layout: Layout, batch: Batch, samples: Samples) -> None:
+        self._core = layout.core
+        self._asperites = batch.asperites
+        self._present = batch.present
+        self._place = batch.place
+        self._samples = samples
+
+    @cached_property
+    def t(self) -> np.ndarray:
+        """The times, (times, 1)."""
+        return self._samples.t[:, None]
+
+    @cached_property
+    def swing(self) -> np.ndarray:
+        """Angle theta from rest."""
+        return self._q[:, self._place]
+
+    @cached_property
+    def phi(self) -> np.ndarray:
+        """Angle of the bar."""
+        a = self._asperites
+        return self._column("dof_phi", self._q, lambda: a.phi + a.nu * self.t)
+
+    @cached_property
+    def omega(self) -> np.ndarray:
+        """Rate of theta."""
+        return self._v[:, self._place]
+
+    @cached_property
+    def nu(self) -> np.ndarray:
+        """Rate of phi."""
+        return self._column("dof_phi", self._v, lambda: self._asperites.nu)
+
+    @cached_property
+    def x(self) -> np.ndarray:
+        """Displacement of the centre of mass from its uniform motion."""
+        return self._column("dof_x", self._q) + self._about_pivots[0]
+
+    @cached_property
+    def y(self) -> np.ndarray:
+        """The same along y."""
+        return self._column("dof_y", self._q) + self._about_pivots[1]
+
+    @cached_property
+    def vx(self) -> np.ndarray:
+        """Rate of `x`."""
+        return self._column("dof_x", self._v) + self._about_pivots[2]
+
+    @cached_property
+    def vy(self) -> np.ndarray:
+        """Rate of `y`."""
+        return self._column("dof_y", self._v) + self._about_pivots[3]
+
+    @cached_property
+    def _about_pivots(self) -> tuple[np.ndarray | float, ...]:
+        """Displacements and velocities of centres of mass about driven bars; else zeros."""
+        if not self._asperites.pivot.any():
+            return 0.0, 0.0, 0.0, 0.0
+        return about_pivots(self._asperites, self.swing, self.omega)
+
+    def _column(
+        self, group: str, table: np.ndarray, absent: Callable[[], np.ndarray | float] = float
+    ) -> np.ndarray:
+        """The columns of a group of slots; the value of `absent` where there is none."""
+        if group in self._present:
+            return columns(getattr(self._asperites, group), table, absent())
+        return np.full((len(table), self._asperites.mass.size), absent())
+
+    @property
+    def _q(self) -> np.ndarray:
+        return self._samples.y[:, : self._core]
+
+    @property
+    def _v(self) -> np.ndarray:
+        return self._samples.y[:, self._core :]
 
 
 def motions(layout: Layout, samples: Samples, index: int) -> Iterator[tuple[Batch, Motion]]:
     """The motion of surface `index`, batch by batch."""
-    for batch in _batches(layout, index):
-        yield batch, _motion(layout, batch, samples)
-
-
-def _batches(layout: Layout, index: int) -> Iterator[Batch]:
-    """The asperites of a surface, at most BATCH_SIZE at a time."""
-    whole = layout.parts[layout.scene.surfaces[index].name]
-    for start in range(whole.start, whole.stop, BATCH_SIZE):
-        place = slice(start, min(start + BATCH_SIZE, whole.stop))
-        yield Batch(
-            index,
-            place,
-            layout.surfaces[index],
-            layout.asperites[place],
-            np.array(layout.scene.surfaces[index].velocity),
-        )
-
-
-def _motion(layout: Layout, batch: Batch, samples: Samples) -> Motion:
-    a = batch.asperites
-    q, v = samples.y[:, : layout.core], samples.y[:, layout.core :]
-    time = samples.t[:, None]
-    motion = Motion(
-        t=time,
-        swing=q[:, batch.place],
-        phi=columns(a.dof_phi, q, a.phi + a.nu * time),
-        omega=v[:, batch.place],
-        nu=columns(a.dof_phi, v, a.nu),
-        x=columns(a.dof_x, q),
-        y=columns(a.dof_y, q),
-        vx=columns(a.dof_x, v),
-        vy=columns(a.dof_y, v),
-    )
-    if batch.surface.drive != BARS:
-        return motion
-    x, y, vx, vy = about_pivots(a, motion.swing, motion.omega)
-    return replace(motion, x=motion.x + x, y=motion.y + y, vx=motion.vx + vx, vy=motion.vy + vy)
+    for batch in layout.batches[index]:
+        yield batch, Motion(layout, batch, samples)
 
 
 def about_pivots(
-    asperites: Records, swing: np.ndarray, omega: np.ndarray
+    asperites: Asperites, swing: np.ndarray, omega: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Displacements x, y and velocities of the centres of mass about the centres of driven bars.
 
@@ -103,10 +118,10 @@ def columns(slots: np.ndarray, table: np.ndarray, absent: np.ndarray | float = 0
     """Columns of a table by slot; `absent` where the slot is -1."""
     shape = (table.shape[0], slots.size)
     present = slots >= 0
-    if not np.any(present):
-        return np.broadcast_to(np.asarray(absent), shape)
-    if np.all(present):
+    if present.all():
         return table[:, slots]
+    if not present.any():
+        return np.broadcast_to(np.asarray(absent), shape)
     values = np.empty(shape)
     values[:] = absent
     values[:, present] = table[:, slots[present]]
@@ -119,7 +134,7 @@ def swing_direction(facing: np.ndarray, swing: np.ndarray) -> tuple[np.ndarray, 
 
 
 def internal_energy(
-    asperites: Records, omega: np.ndarray, nu: np.ndarray, torsion: np.ndarray
+    asperites: Asperites, omega: np.ndarray, nu: np.ndarray, torsion: np.ndarray
 ) -> np.ndarray:
     """1/2 I omega^2 + 1/2 i2 nu^2 + 1/2 kappa (theta - rest - phi)^2, (times, asperites)."""
     a = asperites

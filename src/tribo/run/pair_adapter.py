@@ -7,6 +7,10 @@ multiple of one of them; two matrices hold the factors.
 from __future__ import annotations
 
 import time
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass, fields
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numba import config
@@ -93,6 +97,118 @@ def is_pair(layout: Layout) -> bool:
     )
 
 
+@dataclass(frozen=True, eq=False)
+class Factors:
+    """The factors from a row of the loop's record, with its arcs, to the scene's layout.
+
+    Attributes
+    ----------
+    state : ndarray, (2 coordinates, columns)
+        Those of y.
+    accounts : ndarray, (accounts, columns)
+        Those of s.
+    linear : dict
+        Those of linear functions of s by their keys, (columns, ...); without the arcs where these
+        have no part.
+    """
+
+    state: np.ndarray
+    accounts: np.ndarray
+    linear: dict[Hashable, np.ndarray]
+
+
+class PairSamples(Samples):
+    """The samples of a pair, which stay in the loop's record until they are asked for.
+
+    Parameters
+    ----------
+    t : ndarray, (times,)
+        When they were recorded.
+    record : ndarray, (times, COLUMNS)
+        Rows of the loop's record.
+    first : ndarray, (COLUMNS,)
+        The first row of the run.
+    factors : Factors
+        Of the scene's layout.
+    """
+
+    def __init__(
+        self, t: np.ndarray, record: np.ndarray, first: np.ndarray, factors: Factors
+    ) -> None:
+        self.t = t
+        self._record = record
+        self._first = first
+        self._factors = factors
+
+    @cached_property
+    def y(self) -> np.ndarray:  # type: ignore[override]
+        """Coordinates and their rates, (times, 2 coordinates)."""
+        return self._record[:, :ENERGY] @ self._factors.state[:, :ENERGY].T
+
+    @cached_property
+    def s(self) -> np.ndarray:  # type: ignore[override]
+        """Accounts, (times, accounts)."""
+        return self._columns @ self._factors.accounts.T
+
+    @property
+    def contact(self) -> np.ndarray:  # type: ignore[override]
+        """Energy of the contact, (times,)."""
+        return self._record[:, ENERGY]
+
+    @cached_property
+    def field(self) -> np.ndarray:  # type: ignore[override]
+        """Zeros, (times,)."""
+        return np.zeros(self.t.size)
+
+    @cached_property
+    def stored(self) -> np.ndarray:  # type: ignore[override]
+        """Zeros, (times, 2, STORED)."""
+        return np.zeros((self.t.size, 2, STORED))
+
+    def linear(self, key: Hashable, function: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+        """The value of a linear function of `s`, from the record's columns that it depends on."""
+        factors = self._factors.linear.get(key)
+        if factors is None:
+            factors = function(self._factors.accounts.T)
+            if not factors[ENERGY:].any():  # the arcs, which take longer, have no part
+                factors = factors[:ENERGY]
+            self._factors.linear[key] = factors
+        columns = self._record[:, :ENERGY] if len(factors) == ENERGY else self._columns
+        if factors.size > len(factors):
+            values = columns @ factors.reshape(len(factors), -1)
+            return values.reshape(len(values), *factors.shape[1:])
+        # Sums row by row, unlike products of matrices, have the same bits for any number of times.
+        value = np.vecdot(columns, factors if factors.ndim == 1 else factors[:, 0])
+        return value if factors.ndim == 1 else value[:, None]
+
+    def then(self, *later: Samples) -> Samples:
+        """These samples, followed by `later` ones of runs with the same start."""
+        parts = [each for each in (self, *later) if isinstance(each, PairSamples)]
+        if len(parts) <= len(later):
+            return super().then(*later)
+        t = np.concatenate([each.t for each in parts])
+        record = np.concatenate([each._record for each in parts])
+        return PairSamples(t, record, self._first, self._factors)
+
+    def _rows(self, selected: np.ndarray) -> PairSamples:
+        return PairSamples(self.t[selected], self._record[selected], self._first, self._factors)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Samples, tuple(getattr(self, f.name) for f in fields(Samples))
+
+    @cached_property
+    def _arcs(self) -> np.ndarray:
+        """Integrals of q omega sin q: the powers of the end forces are multiples of it."""
+        q = self._record[:, [Q1, Q2]]
+        first = self._first[[Q1, Q2]]
+        return (np.sin(q) - q * np.cos(q)) - (np.sin(first) - first * np.cos(first))
+
+    @cached_property
+    def _columns(self) -> np.ndarray:
+        """The record's columns before the energy, and the arcs."""
+        return np.concatenate([self._record[:, :ENERGY], self._arcs], axis=1)
+
+
 class Pair:
     """A scene of two asperites, and its compiled loop.
 
@@ -133,9 +249,7 @@ class Pair:
         self.clocks, self._rows = np.zeros(1, CLOCK), np.zeros((ROWS, LANES))
         assert isinstance(method.coefficients, Collocation)
         self._rows[:LIMITS] = table(method.coefficients)
-        # (2 coordinates, columns) and (accounts, columns): y and s of the scene's layout are the
-        # products of these with a row of the loop's record and its arcs.
-        self._to_state, self._to_accounts = _matrices(layout, mobility)
+        self.factors = _factors(layout, mobility)
         # The loop's first arguments, the same in each call.
         self._fixed = (_record(layout, mobility), potential, self._rows, self.clocks)
         self._evaluations = self.clocks["evaluations"]  # the loop begins a run where this is 0
@@ -175,9 +289,14 @@ class Pair:
             if code != PAUSED:
                 self._evaluations[0] = 0  # from the start again, to the same end
             return integrate(self, times, columns=(record,), most=most)
-        seconds, memory = time.perf_counter() - began, self.memory()
+        seconds, clock = time.perf_counter() - began, self.clocks.tobytes()
+        rows = self._rows[STATE:].copy()
         return Integration(
-            lambda: self.samples(times, (record,)), Status.COMPLETED, record[-1], seconds, memory
+            lambda: self.samples(times, (record,)),
+            Status.COMPLETED,
+            record[-1],
+            seconds,
+            lambda: _memory(np.frombuffer(clock, CLOCK), rows),
         )
 
     def room(self, samples: int) -> Columns:
@@ -194,7 +313,7 @@ class Pair:
 
     def memory(self) -> Memory:
         """All that another loop of this kind needs to continue."""
-        return {"clock": numbers_of(self.clocks), "pair": self._rows[STATE:].copy()}
+        return _memory(self.clocks, self._rows[STATE:].copy())
 
     def restore(self, memory: Memory) -> None:
         """Continue where another loop of this kind was."""
@@ -204,7 +323,7 @@ class Pair:
     def limits(self, tolerance: Tolerance) -> np.ndarray:
         """The loop's own limits (2, 8), with which all of the layout's tolerances are met."""
         everything = np.concatenate([tolerance.y, tolerance.s])
-        factors = np.abs(np.concatenate([self._to_state, self._to_accounts]))[:, :ENERGY]
+        factors = np.abs(np.concatenate([self.factors.state, self.factors.accounts]))[:, :ENERGY]
         with np.errstate(divide="ignore"):
             own = np.min(everything[:, None] / factors, axis=0)
         both = np.zeros((2, LANES))
@@ -215,25 +334,14 @@ class Pair:
         both[1] = 1.0 / own[FIRST_ACCOUNT : FIRST_ACCOUNT + LANES]
         return both
 
-    def samples(self, times: np.ndarray, columns: Columns) -> Samples:
+    def samples(self, times: np.ndarray, columns: Columns) -> PairSamples:
         """The first samples in `columns`, of the scene's layout, which were recorded at `times`."""
-        own = columns[0][: times.size]
-        rows = np.concatenate([own[:, :ENERGY], self._arcs(own)], axis=1)
-        none = np.zeros(times.size)
-        return Samples(
-            t=times,
-            y=rows @ self._to_state.T,
-            s=rows @ self._to_accounts.T,
-            contact=own[:, ENERGY],
-            field=none,
-            stored=np.zeros((times.size, 2, STORED)),
-        )
+        record = columns[0][: times.size]
+        return PairSamples(times, record, record[0], self.factors)
 
-    def _arcs(self, record: np.ndarray) -> np.ndarray:
-        """Integrals of q omega sin q: the powers of the end forces are multiples of it."""
-        q = record[:, [Q1, Q2]]
-        arcs = np.sin(q) - q * np.cos(q)
-        return arcs - arcs[:1]
+
+def _memory(clocks: np.ndarray, rows: np.ndarray) -> Memory:
+    return {"clock": numbers_of(clocks), "pair": rows}
 
 
 def _mobility(layout: Layout) -> np.ndarray:
@@ -262,8 +370,8 @@ def _record(layout: Layout, mobility: np.ndarray) -> np.ndarray:
     return record
 
 
-def _matrices(layout: Layout, mobility: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The matrices of a Pair; for the meaning of the accounts see :mod:`tribo.kernels.powers`."""
+def _factors(layout: Layout, mobility: np.ndarray) -> Factors:
+    """The factors of a layout; for the meaning of the accounts see :mod:`tribo.kernels.powers`."""
     n = layout.coordinates
     to_state = np.zeros((2 * n, ENERGY + 2))
     to_accounts = np.zeros((layout.accounts, ENERGY + 2))
@@ -285,4 +393,4 @@ def _matrices(layout: Layout, mobility: np.ndarray) -> tuple[np.ndarray, np.ndar
             to_accounts[a.acc_ends, arc] = -a.l2 * a.facing * end
             to_accounts[a.acc_ends + 1, arc] = a.l2 * a.facing * end
             to_accounts[a.acc_ends + 3, first + twist] = end
-    return to_state, to_accounts
+    return Factors(to_state, to_accounts, {})

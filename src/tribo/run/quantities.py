@@ -1,12 +1,16 @@
-"""The reported quantities: the kind, the units and the meaning of each."""
+"""The reported quantities: the kind, the units, the meaning and the formula of each."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-Table = dict[str, np.ndarray]  # quantity -> its series
+from tribo.run.entry import Entry
+from tribo.run.totals import Group, Linear, System, Whole
+
+Table = Mapping[str, np.ndarray]  # quantity -> its series
 
 # The units of each kind, in the scene's own units of length, time and energy.
 UNITS = {
@@ -28,10 +32,13 @@ class Quantity:
         A key of `UNITS`; accuracies are relative to one scale per kind.
     long_name : str
         Its meaning in a few words.
+    of : callable
+        Its series, from some asperites, a surface or the system.
     """
 
     kind: str
     long_name: str
+    of: Callable[..., np.ndarray]
 
     @property
     def units(self) -> str:
@@ -39,52 +46,86 @@ class Quantity:
         return UNITS[self.kind]
 
 
+def _each(value: Callable[[Entry], np.ndarray]) -> Callable[[Group], np.ndarray]:
+    return lambda group: group.each(value)
+
+
+def _accounted(name: str) -> Linear:
+    return Linear(lambda group, integrals: group.accounted(integrals, name))
+
+
 # Of each asperite, in the order in which they are reported.
 ASPERITE_QUANTITIES = {
-    "theta": Quantity("angle", "pendulum angle"),
-    "phi": Quantity("angle", "bar angle"),
-    "omega": Quantity("rate", "angular velocity of the pendulum"),
-    "nu": Quantity("rate", "angular velocity of the bar"),
-    "x_cm": Quantity("length", "x of the centre of mass"),
-    "y_cm": Quantity("length", "y of the centre of mass"),
-    "vx_cm": Quantity("velocity", "x velocity of the centre of mass"),
-    "vy_cm": Quantity("velocity", "y velocity of the centre of mass"),
-    "x_bob": Quantity("length", "x of the bob"),
-    "y_bob": Quantity("length", "y of the bob"),
-    "x_bar": Quantity("length", "x of the bar's centre"),
-    "y_bar": Quantity("length", "y of the bar's centre"),
-    "w1": Quantity("energy", "work of the contact force"),
-    "w2": Quantity("energy", "work of the drive"),
-    "wL": Quantity("energy", "work of the force on the bar's left end"),
-    "wR": Quantity("energy", "work of the force on the bar's right end"),
-    "w_int": Quantity("energy", "work of internal forces of the surface"),
-    "w": Quantity("energy", "work of all forces"),
-    "w1_ps": Quantity("energy", "pseudowork of the contact force"),
-    "w2_ps": Quantity("energy", "pseudowork of the drive"),
-    "w_int_ps": Quantity("energy", "pseudowork of internal forces of the surface"),
-    "w_ps": Quantity("energy", "pseudowork of all forces"),
-    "delta_k_trans": Quantity("energy", "change of translational kinetic energy"),
-    "delta_e_int": Quantity("energy", "change of internal energy"),
+    "theta": Quantity("angle", "pendulum angle", _each(lambda e: e.theta)),
+    "phi": Quantity("angle", "bar angle", _each(lambda e: e.phi)),
+    "omega": Quantity("rate", "angular velocity of the pendulum", _each(lambda e: e.omega)),
+    "nu": Quantity("rate", "angular velocity of the bar", _each(lambda e: e.nu)),
+    "x_cm": Quantity("length", "x of the centre of mass", _each(lambda e: e.centre[0])),
+    "y_cm": Quantity("length", "y of the centre of mass", _each(lambda e: e.centre[1])),
+    "vx_cm": Quantity(
+        "velocity", "x velocity of the centre of mass", _each(lambda e: e.velocity[0])
+    ),
+    "vy_cm": Quantity(
+        "velocity", "y velocity of the centre of mass", _each(lambda e: e.velocity[1])
+    ),
+    "x_bob": Quantity("length", "x of the bob", _each(lambda e: e.bob[0])),
+    "y_bob": Quantity("length", "y of the bob", _each(lambda e: e.bob[1])),
+    "x_bar": Quantity("length", "x of the bar's centre", _each(lambda e: e.bar[0])),
+    "y_bar": Quantity("length", "y of the bar's centre", _each(lambda e: e.bar[1])),
+    "w1": Quantity("energy", "work of the contact force", _accounted("w1")),
+    "w2": Quantity("energy", "work of the drive", _accounted("w2")),
+    "wL": Quantity("energy", "work of the force on the bar's left end", _accounted("wL")),
+    "wR": Quantity("energy", "work of the force on the bar's right end", _accounted("wR")),
+    "w_int": Quantity("energy", "work of internal forces of the surface", _accounted("w_int")),
+    "w": Quantity("energy", "work of all forces", _accounted("w")),
+    "w1_ps": Quantity("energy", "pseudowork of the contact force", _accounted("w1_ps")),
+    "w2_ps": Quantity("energy", "pseudowork of the drive", _accounted("w2_ps")),
+    "w_int_ps": Quantity(
+        "energy", "pseudowork of internal forces of the surface", _accounted("w_int_ps")
+    ),
+    "w_ps": Quantity("energy", "pseudowork of all forces", _accounted("w_ps")),
+    "delta_k_trans": Quantity(
+        "energy", "change of translational kinetic energy", _each(lambda e: e.kinetic)
+    ),
+    "delta_e_int": Quantity("energy", "change of internal energy", _each(lambda e: e.internal)),
 }
-# Of each asperite of a surface with a field or a reservoir.
-OPTIONAL_QUANTITIES = {
-    "w_field": Quantity("energy", "work of external fields"),
-    "w_field_ps": Quantity("energy", "pseudowork of external fields"),
-    "w_T": Quantity("energy", "work of the reservoir"),
-    "w_T_ps": Quantity("energy", "pseudowork of the reservoir"),
-    "heat": Quantity("energy", "heat given to the reservoir"),
+# Of each asperite of a surface with a field.
+FIELD_QUANTITIES = {
+    "w_field": Quantity("energy", "work of external fields", _accounted("w_field")),
+    "w_field_ps": Quantity("energy", "pseudowork of external fields", _accounted("w_field_ps")),
 }
+# Of each asperite of a surface with a reservoir.
+RESERVOIR_QUANTITIES = {
+    "w_T": Quantity("energy", "work of the reservoir", _accounted("w_T")),
+    "w_T_ps": Quantity("energy", "pseudowork of the reservoir", _accounted("w_T_ps")),
+    "heat": Quantity("energy", "heat given to the reservoir", _accounted("heat")),
+}
+OPTIONAL_QUANTITIES = FIELD_QUANTITIES | RESERVOIR_QUANTITIES
 # Of each surface as a whole.
 BLOCK_QUANTITIES = {
-    "W": Quantity("energy", "work of external forces on the surface"),
-    "W_ps": Quantity("energy", "pseudowork of external forces on the surface"),
-    "delta_K": Quantity("energy", "change of the surface's bulk kinetic energy"),
-    "delta_E_int": Quantity("energy", "change of the surface's internal energy"),
+    "W": Quantity("energy", "work of external forces on the surface", Linear(Whole.work)),
+    "W_ps": Quantity(
+        "energy", "pseudowork of external forces on the surface", Linear(Whole.pseudowork)
+    ),
+    "delta_K": Quantity(
+        "energy",
+        "change of the surface's bulk kinetic energy",
+        lambda whole: whole.change_of_kinetic,
+    ),
+    "delta_E_int": Quantity(
+        "energy", "change of the surface's internal energy", lambda whole: whole.change_of_internal
+    ),
 }
 # Of the whole system.
 SYSTEM_QUANTITIES = {
-    "contact_energy": Quantity("energy", "potential energy of contacts between surfaces"),
-    "total_energy_change": Quantity("energy", "change of the total energy"),
-    "applied_work": Quantity("energy", "work of drives, ends, reservoirs and moving fields"),
+    "contact_energy": Quantity(
+        "energy", "potential energy of contacts between surfaces", System.contact_energy
+    ),
+    "total_energy_change": Quantity(
+        "energy", "change of the total energy", System.change_of_energy
+    ),
+    "applied_work": Quantity(
+        "energy", "work of drives, ends, reservoirs and moving fields", Linear(System.applied)
+    ),
 }
 QUANTITIES = ASPERITE_QUANTITIES | OPTIONAL_QUANTITIES | BLOCK_QUANTITIES | SYSTEM_QUANTITIES

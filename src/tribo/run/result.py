@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import tomllib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -17,8 +17,8 @@ from tribo.kernels.status import MEANINGS, Status
 from tribo.model.scene import Scene
 from tribo.run import dataset
 from tribo.run.identity import Identity, opened
-from tribo.run.ledger import Ledger
-from tribo.run.quantities import QUANTITIES, Table
+from tribo.run.ledger import Ledger, Series
+from tribo.run.quantities import Table
 from tribo.run.state import State
 from tribo.validation import as_path
 
@@ -26,41 +26,6 @@ if TYPE_CHECKING:
     import xarray
 
 T = TypeVar("T")
-
-
-class Series(Mapping[str, np.ndarray]):
-    """The series of one surface, by name: ``series["theta"]`` or ``series.theta``.
-
-    Quantities of asperites are (times, asperites), those of the surface as a whole (times,).
-
-    Parameters
-    ----------
-    asperites : dict
-        Quantity -> (times, asperites).
-    block : dict
-        Quantity of the surface as a whole -> (times,).
-    """
-
-    def __init__(self, asperites: Table, block: Table) -> None:
-        self._tables = asperites | block
-
-    def __getitem__(self, name: str) -> np.ndarray:
-        return self._tables[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._tables)
-
-    def __len__(self) -> int:
-        return len(self._tables)
-
-    def __getattr__(self, name: str) -> np.ndarray:
-        tables: Table = self.__dict__.get("_tables", {})
-        if name not in tables:
-            raise AttributeError(f"no quantity {name!r}; there are {', '.join(tables)}")
-        return tables[name]
-
-    def __dir__(self) -> list[str]:
-        return [*super().__dir__(), *self._tables]
 
 
 @dataclass(frozen=True)
@@ -155,11 +120,15 @@ class Result:
     take_state: Callable[[], State] = field(repr=False)  # computes the state at the end
     settings: Identity = field(repr=False)  # see tribo.run.identity
     version: str  # of the package that ran it
+    # Not a cached_property, whose lock takes a part of the time of a short run.
+    _ledger: Ledger | None = field(default=None, init=False, repr=False)
 
-    @cached_property
+    @property
     def ledger(self) -> Ledger:
-        """All series, assembled from the raw samples when first needed."""
-        return self.assemble()
+        """All series, each computed from the raw samples when it is first asked for."""
+        if self._ledger is None:
+            self._ledger = self.assemble()
+        return self._ledger
 
     @cached_property
     def cost(self) -> Cost:
@@ -179,14 +148,15 @@ class Result:
     @cached_property
     def error_estimate(self) -> dict[str, float | None]:
         """Quantity -> bound on its error over all surfaces, asperites and times, or None."""
-        reported = [name for name in QUANTITIES if self.ledger.series(name)]
-        return dict.fromkeys(reported) | dict(self.bounds)
+        return dict.fromkeys(self.ledger.names) | dict(self.bounds)
 
     def __getitem__(self, surface: str) -> Series:
-        if surface not in self.ledger.surfaces:
-            names = ", ".join(self.ledger.surfaces)
-            raise KeyError(f"there is no surface {surface!r}; there are {names}")
-        return Series(self.ledger.surfaces[surface], self.ledger.blocks[surface])
+        ledger = self.ledger
+        try:
+            return ledger.of(surface)
+        except KeyError:
+            names = ", ".join(ledger.surfaces)
+            raise KeyError(f"there is no surface {surface!r}; there are {names}") from None
 
     def __getstate__(self) -> dict[str, Any]:
         """What is pickled or copied: the ledger, the cost and the state, without the runs."""
@@ -209,10 +179,10 @@ class Result:
     @property
     def end(self) -> dict[str, Any]:
         """The end state and the cost, as ``tribo run --json`` prints them."""
-        ledger = self.ledger
+        ledger = self.ledger.at_end()
         return {
             "status": self.status,
-            "t": float(self.t[-1]),
+            "t": float(ledger.t[-1]),
             "method": self.method,
             "steps": self.cost.steps,
             "force_evaluations": self.cost.force_evaluations,
@@ -258,7 +228,7 @@ class Result:
         ]
         if self.status != Status.COMPLETED:
             lines.append(f"  {MEANINGS[self.status]}")
-        for name, block in self.ledger.blocks.items():
+        for name, block in self.ledger.at_end().blocks.items():
             lines.append(
                 f"  {name:>10}: work {block['W'][-1]: .6g}, pseudowork {block['W_ps'][-1]: .6g}, "
                 f"internal energy {block['delta_E_int'][-1]:+.6g}"

@@ -10,7 +10,7 @@ from tribo.kernels.samples import BATH, SPRINGS, TORSIONAL, WITHIN
 from tribo.kernels.status import Status
 from tribo.run.integrate import Integration
 from tribo.run.layout import Layout
-from tribo.run.ledger import assemble_totals
+from tribo.run.ledger import assemble
 from tribo.run.motion import internal_energy, motions
 from tribo.run.samples import Samples
 
@@ -31,7 +31,7 @@ def up_to_runaway(layout: Layout, run: Integration) -> Integration:
         grown = energy > RUNAWAY * energy[0]
         if not np.any(grown):
             return run
-        system = assemble_totals(layout, samples).system
+        system = assemble(layout, samples).system
         excess = np.abs(system["total_energy_change"] - system["applied_work"])
         known = np.maximum(np.abs(samples.contact), np.abs(system["applied_work"]))
         lost = np.flatnonzero(grown & (excess > np.maximum.accumulate(known)))
@@ -48,7 +48,7 @@ def _energy(layout: Layout, samples: Samples) -> np.ndarray:
     energy = np.sum(np.abs(stores), axis=(1, 2)) + np.abs(samples.contact) + np.abs(samples.field)
     for index in range(len(layout.scene.surfaces)):
         for batch, m in motions(layout, samples, index):
-            vx, vy = batch.velocity - mean
+            vx, vy = batch.velocity - mean[:, None]
             moving = 0.5 * ((m.vx + vx) ** 2 + (m.vy + vy) ** 2)
             internal = internal_energy(batch.asperites, m.omega, m.nu, m.swing - m.phi)
             energy = energy + moving @ batch.asperites.mass + np.sum(internal, axis=1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from tribo.kernels.samples import STORED
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Samples:
     """The raw samples of a run, one row for each time.
 
@@ -31,8 +32,9 @@ class Samples:
         return cls(one, y, s, one, one, np.zeros((1, surfaces, STORED)))
 
     def at(self, times: np.ndarray) -> Samples:
-        """The samples whose times are among `times`."""
-        return self._rows(np.isin(self.t, times))
+        """The samples whose times are among `times`, which ascend."""
+        found = times[np.searchsorted(times, self.t).clip(max=times.size - 1)] == self.t
+        return self if found.all() else self._rows(found)
 
     def first(self) -> Samples:
         """The first sample alone."""
@@ -46,10 +48,16 @@ class Samples:
         """The first and the last sample."""
         return self._rows(np.unique([0, self.t.size - 1]))
 
-    def then(self, later: Samples) -> Samples:
-        """These samples, followed by `later` ones."""
-        pairs = ((getattr(self, f.name), getattr(later, f.name)) for f in fields(self))
-        return Samples(*(np.concatenate(pair) for pair in pairs))
+    def then(self, *later: Samples) -> Samples:
+        """These samples, followed by `later` ones of runs with the same start."""
+        values = ([getattr(each, f.name) for each in (self, *later)] for f in fields(Samples))
+        return Samples(*map(np.concatenate, values))
+
+    def linear(self, key: Hashable, function: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+        """The value of a linear function of `s`, which `key` tells from others of the layout."""
+        # In a run that stopped because values were not finite, the last are infinite or NaN.
+        with np.errstate(over="ignore", invalid="ignore"):
+            return function(self.s)
 
     def _rows(self, selected: np.ndarray) -> Samples:
-        return Samples(*(getattr(self, f.name)[selected] for f in fields(self)))
+        return Samples(*(getattr(self, f.name)[selected] for f in fields(Samples)))

@@ -13,7 +13,7 @@ import numpy as np
 
 from tribo.kernels import records
 from tribo.kernels.powers import CONTACT, DRIVE, ENDS, POINT, SLIDE, SWING, USER_ENDS
-from tribo.kernels.records import CUSTOM, PULLED, RIGID
+from tribo.kernels.records import BARS, CUSTOM, PULLED, RIGID
 from tribo.model.drives import DrivenBars, Ends
 from tribo.model.scene import Scene
 
@@ -118,7 +118,7 @@ def _number_accounts(scene: Scene, surfaces: np.ndarray, stop: int) -> int:
     wanted = {
         "acc_contact": [True for _ in own],
         "acc_slide": slide(scene),
-        "acc_drive": np.isin(surfaces["drive"], (RIGID, PULLED, CUSTOM))
+        "acc_drive": np.isin(surfaces["drive"], (RIGID, PULLED, CUSTOM, BARS))
         | (surfaces["loaded"] == 1),
         "acc_ends": [
             s.bars == "clamped" and bool(np.any(s.asperite.for_each(s.count)["kappa"] > 0.0))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
@@ -60,7 +61,7 @@ class State:
     """
 
     t: float
-    surfaces: dict[str, Table]
+    surfaces: Mapping[str, Table]
     y: np.ndarray
     s: np.ndarray
     first: Samples
@@ -91,7 +92,7 @@ class State:
     @classmethod
     def of_arrays(cls, arrays: dict[str, np.ndarray], method: str, scene: Scene) -> State:
         """The inverse of :meth:`arrays`."""
-        surfaces: dict[str, Table] = {}
+        surfaces: dict[str, dict[str, np.ndarray]] = {}
         for key, array in below("surface_", arrays).items():
             name, _, surface = key.partition("_")
             surfaces.setdefault(surface, {})[name] = array

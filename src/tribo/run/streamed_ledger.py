@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from tribo.run.layout import Layout
-from tribo.run.ledger import Ledger, assemble, assemble_totals
+from tribo.run.ledger import Ledger, assemble
 from tribo.run.quantities import ASPERITE_QUANTITIES, OPTIONAL_QUANTITIES, Table
 from tribo.run.samples import Samples
 
@@ -31,7 +31,9 @@ class StreamedLedger:
     def add(self, samples: Samples) -> None:
         """Take in a portion, whose first sample is the first of the run."""
         new = slice(1 if self._portions else 0, None)
-        self._portions.append(assemble_totals(self._layout, samples).rows(new))
+        ledger = assemble(self._layout, samples).rows(new)
+        blocks = {name: dict(table) for name, table in ledger.blocks.items()}
+        self._portions.append(Ledger(ledger.t, {}, blocks, dict(ledger.system)))
 
     def with_ends(self, samples: Samples) -> Ledger:
         """All series, and those of the asperites at `samples`, the first and the last."""

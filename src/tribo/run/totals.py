@@ -1,95 +1,239 @@
-"""The ledger of surfaces as wholes and of the system, from sums over asperites."""
+"""Surfaces and the system, from sums over asperites.  Arrays are (times,) unless stated."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from collections.abc import Callable, Iterable
+from functools import cached_property
 
 import numpy as np
 
+from tribo.kernels.records import BARS
 from tribo.kernels.samples import BATH, MOMENTUM_X, MOMENTUM_Y, SPRINGS, TORSIONAL, WITHIN
-from tribo.run.accounts import Account
+from tribo.run.accounts import APPLIED, EXTERNAL, Account, Integrals, Part, accounted
+from tribo.run.batch import Batch
+from tribo.run.entry import Entry
 from tribo.run.layout import Layout
-from tribo.run.motion import Batch, Motion
-from tribo.run.quantities import Table
 from tribo.run.samples import Samples
 
-
-@dataclass(frozen=True, eq=False)
-class Sums:
-    """Sums over the asperites of a surface; arrays (times,)."""
-
-    px: np.ndarray  # momentum in the surface's first frame, without its bath's
-    py: np.ndarray
-    moving: np.ndarray  # kinetic energy of the centres of mass in that frame
-    internal: np.ndarray  # change of the asperites' internal energy
-    work: np.ndarray  # of the external forces, in the surface's first frame
-    jx: np.ndarray  # impulse of the external forces
-    jy: np.ndarray
-    outside: np.ndarray  # work of f2, f_L, f_R and f_T in the laboratory
-
-    def __add__(self, other: Sums) -> Sums:
-        return Sums(*(getattr(self, f.name) + getattr(other, f.name) for f in fields(self)))
+# In a run that stopped because values were not finite, the last are infinite or NaN here too.
+_with_infinities = np.errstate(over="ignore", invalid="ignore")
 
 
-def batch_sums(batch: Batch, m: Motion, forces: dict[str, Account], energies: Table) -> Sums:
-    """The sums over one batch."""
-    mass = batch.asperites.mass
+class Group:
+    """Some asperites.
 
-    # Sums, unlike products of matrices, have the same bits for any number of times.
-    def total(*values: np.ndarray) -> np.ndarray:
-        return np.sum(sum(values), axis=1)
+    Parameters
+    ----------
+    layout : Layout
+        The scene.
+    samples : Samples
+        The raw samples of a run, the first of which is the start of the run.
+    batches : tuple of Batch
+        The asperites.
 
-    external = [account for name, account in forces.items() if name != "w_int"]
-    outside = [forces[name].work(batch.velocity) for name in ("w2", "wL", "wR", "w_T")]
-    return Sums(
-        px=total(m.vx * mass),
-        py=total(m.vy * mass),
-        moving=total(0.5 * (m.vx**2 + m.vy**2) * mass),
-        internal=total(energies["delta_e_int"]),
-        work=total(*(e.about + e.pseudo for e in external)),
-        jx=total(*(e.jx for e in external)),
-        jy=total(*(e.jy for e in external)),
-        outside=total(*outside),
-    )
+    Attributes
+    ----------
+    samples, batches
+        As given.
+    """
 
+    def __init__(self, layout: Layout, samples: Samples, batches: tuple[Batch, ...]) -> None:
+        self._layout = layout
+        self.samples = samples
+        self.batches = batches
 
-def block_table(layout: Layout, k: int, sums: Sums, samples: Samples) -> Table:
-    """The ledger of surface k as a whole; V is the velocity of the centre of all its masses."""
-    record = layout.surfaces[k]
-    velocity = layout.scene.surfaces[k].velocity
-    stored = samples.stored[:, k]
-    lag_x = (sums.px + stored[:, MOMENTUM_X]) / record.total_mass
-    lag_y = (sums.py + stored[:, MOMENTUM_Y]) / record.total_mass
-    bulk = 0.5 * record.total_mass * (lag_x**2 + lag_y**2)
-    moving = record.total_mass * (velocity[0] * lag_x + velocity[1] * lag_y) + bulk
-    within = sums.moving + sums.internal - bulk
-    for store in (SPRINGS, BATH, TORSIONAL, WITHIN):
-        within = within + stored[:, store]
-    boost = velocity[0] * sums.jx + velocity[1] * sums.jy
-    # Without an account, surfaces keep their momentum, or a constraint provides its change.
-    pseudowork = samples.s[:, record.acc_block] if record.acc_block >= 0 else bulk - bulk[0]
-    return {
-        "W": sums.work + boost,
-        "W_ps": pseudowork + boost,
-        "delta_K": moving - moving[0],
-        "delta_E_int": within - within[0],
-    }
+    @cached_property
+    def entries(self) -> tuple[Entry, ...]:
+        """The motion of the asperites, batch by batch."""
+        return tuple(Entry(self._layout, batch, self.samples) for batch in self.batches)
+
+    @_with_infinities
+    def each(self, value: Callable[[Entry], np.ndarray]) -> np.ndarray:
+        """A quantity of all asperites, (times, asperites)."""
+        return _side_by_side([value(entry) for entry in self.entries])
+
+    def accounted(self, integrals: Integrals, name: str) -> np.ndarray:
+        """A work, a pseudowork or the heat of all asperites, (times, asperites)."""
+        return _side_by_side([accounted(integrals.of(batch), name) for batch in self.batches])
 
 
-def system_table(
-    layout: Layout, sums: list[Sums], blocks: dict[str, Table], samples: Samples
-) -> Table:
-    """The energy of the whole system, and the work done on it from outside."""
-    stored = sum(block["delta_K"] + block["delta_E_int"] for block in blocks.values())
-    potential = samples.contact + samples.field
-    applied = sum((item.outside for item in sums[1:]), start=sums[0].outside)
-    for field in layout.model.fields or ():
-        if field.account >= 0:
-            applied = applied + samples.s[:, field.account]
-    with np.errstate(invalid="ignore"):  # the energy of bobs at one place is infinite
-        change = potential - potential[0]
-    return {
-        "contact_energy": samples.contact,
-        "total_energy_change": stored + change,
-        "applied_work": applied,
-    }
+class Whole(Group):
+    """A surface: its asperites, and sums over them; V is the velocity of its centre of all masses.
+
+    Parameters
+    ----------
+    layout : Layout
+        The scene.
+    samples : Samples
+        The raw samples of a run, the first of which is the start of the run.
+    index : int
+        Of the surface.
+    among : Entry, optional
+        The motion of all asperites, if it is known.
+    """
+
+    def __init__(
+        self, layout: Layout, samples: Samples, index: int, among: Entry | None = None
+    ) -> None:
+        super().__init__(layout, samples, layout.batches[index])
+        self._index = index
+        self._among = among
+
+    @cached_property
+    def entries(self) -> tuple[Entry, ...]:
+        """The motion of the asperites, batch by batch."""
+        if self._among is None:
+            return super().entries
+        return tuple(self._among.part(batch) for batch in self.batches)
+
+    def work(self, integrals: Integrals) -> np.ndarray:
+        """The work of external forces."""
+        return self._sum_over(integrals, EXTERNAL, Account.work)
+
+    def pseudowork(self, integrals: Integrals) -> np.ndarray:
+        """The pseudowork of external forces."""
+        slot = self._record.acc_block
+        boost = self._sum_over(integrals, EXTERNAL, Account.boost)
+        if slot >= 0:
+            return boost + integrals.s[:, slot]
+        # Surfaces keep their momentum, or a constraint provides its change.
+        return boost + (self._bulk - self._bulk[0]) if self._record.drive == BARS else boost
+
+    def applied(self, integrals: Integrals) -> np.ndarray:
+        """The work of outside agents."""
+        return self._sum_over(integrals, APPLIED, Account.work)
+
+    @cached_property
+    @_with_infinities
+    def change_of_kinetic(self) -> np.ndarray:
+        """The change of the bulk kinetic energy."""
+        vx, vy = self._layout.scene.surfaces[self._index].velocity
+        lag_x, lag_y = self._lag
+        moving = self._mass * (vx * lag_x + vy * lag_y) + self._bulk
+        return np.asarray(moving - moving[0])
+
+    @cached_property
+    @_with_infinities
+    def change_of_internal(self) -> np.ndarray:
+        """The change of the internal energy: of all energy that is not bulk kinetic."""
+        within = self._total(lambda e: e.moving + e.internal) - self._bulk
+        within = within + self._stored[:, [SPRINGS, BATH, TORSIONAL, WITHIN]].sum(axis=1)
+        return np.asarray(within - within[0])
+
+    @property
+    def _record(self) -> np.record:
+        return self._layout.surfaces[self._index]
+
+    @cached_property
+    def _mass(self) -> float:
+        """The mass of the surface and its bath."""
+        return float(self._record.total_mass)
+
+    @property
+    def _stored(self) -> np.ndarray:
+        return self.samples.stored[:, self._index]
+
+    @cached_property
+    def _lag(self) -> tuple[np.ndarray, np.ndarray]:
+        """The velocity V in the surface's first frame."""
+        mass, stored = self._mass, self._stored
+        px = self._total(lambda e: e.vx * e.batch.asperites.mass) + stored[:, MOMENTUM_X]
+        py = self._total(lambda e: e.vy * e.batch.asperites.mass) + stored[:, MOMENTUM_Y]
+        return px / mass, py / mass
+
+    @cached_property
+    def _bulk(self) -> np.ndarray:
+        """The kinetic energy of the motion with V, in the surface's first frame."""
+        lag_x, lag_y = self._lag
+        return np.asarray(0.5 * self._mass * (lag_x**2 + lag_y**2))
+
+    def _sum_over(
+        self,
+        integrals: Integrals,
+        names: tuple[str, ...],
+        part: Callable[[Account, np.ndarray], Part],
+    ) -> np.ndarray:
+        """A part of the accounts of some forces."""
+        every = [integrals.of(batch) for batch in self.batches]
+        return _sum(
+            each.whole(sum(part(each[name], each.batch.velocity) for name in names))
+            for each in every
+        )
+
+    def _total(self, value: Callable[[Entry], np.ndarray]) -> np.ndarray:
+        return _sum(map(value, self.entries))
+
+
+class System:
+    """The whole system.
+
+    Parameters
+    ----------
+    layout : Layout
+        The scene.
+    samples : Samples
+        The raw samples of a run, the first of which is the start of the run.
+    wholes : tuple of Whole
+        Its surfaces.
+
+    Attributes
+    ----------
+    samples
+        As given.
+    batches : tuple
+        Empty: the system is no batch of asperites.
+    """
+
+    def __init__(self, layout: Layout, samples: Samples, wholes: tuple[Whole, ...]) -> None:
+        self._layout = layout
+        self.samples = samples
+        self.batches: tuple[Batch, ...] = ()
+        self._wholes = wholes
+
+    def contact_energy(self) -> np.ndarray:
+        """The potential energy of contacts between surfaces."""
+        return self.samples.contact
+
+    @_with_infinities
+    def change_of_energy(self) -> np.ndarray:
+        """The change of the total energy; that of bobs at one place is infinite."""
+        potential = self.samples.contact + self.samples.field
+        changes = (w.change_of_kinetic + w.change_of_internal for w in self._wholes)
+        return np.asarray(sum(changes) + (potential - potential[0]))
+
+    def applied(self, integrals: Integrals) -> np.ndarray:
+        """The work of drives, ends, reservoirs and moving fields."""
+        slots = [f.account for f in self._layout.model.fields or () if f.account >= 0]
+        works = sum(whole.applied(integrals) for whole in self._wholes)
+        return np.asarray(sum((integrals.s[:, slot] for slot in slots), start=works))
+
+
+class Linear:
+    """A quantity that is linear in the integrals of the kernels.
+
+    Parameters
+    ----------
+    value : callable
+        Its series, from its surface or the system, and the integrals.
+    """
+
+    def __init__(self, value: Callable[..., np.ndarray]) -> None:
+        self.value = value
+
+    def __call__(self, source: Group | System) -> np.ndarray:
+        """Its series, from the samples of its surface or of the system."""
+        key = source.batches, self
+        return source.samples.linear(key, lambda s: self.value(source, Integrals(s)))
+
+
+def _side_by_side(series: list[np.ndarray]) -> np.ndarray:
+    """The series of all asperites, from those of the batches."""
+    return series[0] if len(series) == 1 else np.concatenate(series, axis=1)
+
+
+def _sum(values: Iterable[np.ndarray]) -> np.ndarray:
+    """The sum of all, over their asperites.
+
+    Sums, unlike products of matrices, have the same bits for any number of times.
+    """
+    return np.asarray(sum(np.sum(value, axis=1) for value in values))
