@@ -17,7 +17,6 @@ from tribo.plugins.compile_errors import compiling
 from tribo.plugins.sources import source_stamp
 from tribo.run.integrate import Columns, Memory, Setting
 from tribo.run.layout import Layout
-from tribo.run.reactions import add_reactions
 from tribo.run.samples import Samples
 
 # Room of a neighbour list, in units of what it needed when it had too little: bobs that approach
@@ -75,7 +74,6 @@ class GeneralLoop:
         y[places.q], y[coordinates + places.q] = start[:n], start[n:]
         self.state = initial_state(y, accounts, method.remembers, method.splits)
         core = places.q[: layout.core]
-        self._start = start
         self._recorded = np.concatenate([core, coordinates + core]), places.s
         self._neighbours = layout.neighbours()
         self._noise: tuple[np.random.Generator, ...] = ()
@@ -149,9 +147,7 @@ class GeneralLoop:
 
     def samples(self, times: np.ndarray, columns: Columns) -> Samples:
         """The first samples in `columns`, which were recorded at `times`."""
-        samples = Samples(times, *(column[: times.size] for column in columns))
-        add_reactions(self.layout, samples, self._start)
-        return samples
+        return Samples(times, *(column[: times.size] for column in columns))
 
 
 def compile_loop(layout: Layout, method: Method) -> float:

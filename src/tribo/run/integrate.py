@@ -16,6 +16,7 @@ from tribo.kernels.status import PAUSED, STATUS_OF_CODE, Status
 from tribo.potentials.from_ase import Call
 from tribo.run.layout import Layout
 from tribo.run.progress_guard import ProgressGuard, most_evaluations
+from tribo.run.reactions import add_reactions
 from tribo.run.samples import Samples
 from tribo.run.streamed_ledger import StreamedLedger, portion_size
 
@@ -194,6 +195,7 @@ def integrate(
         new = _recorded(loop, portion, columns, status)
         if before is not None and first == 0:
             new = before.then(new)
+        add_reactions(loop.layout, new, new if samples is None else samples)
         if streamed is not None:
             streamed.add(new if samples is None else samples.first().then(new))
             new = new.ends() if samples is None else samples.first().then(new.last())

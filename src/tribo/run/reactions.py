@@ -12,18 +12,19 @@ from tribo.run.motion import about_pivots
 from tribo.run.samples import Samples
 
 
-def add_reactions(layout: Layout, samples: Samples, start: np.ndarray) -> None:
-    """Set the accounts of f2 on driven bars in samples of a run from `start`.
+def add_reactions(layout: Layout, samples: Samples, run: Samples) -> None:
+    """Set the accounts of f2 on driven bars in `samples` of a run that begins with that of `run`.
 
     The impulse is M (v_cm - v_cm(0)) less all other impulses, the pseudowork the change of kinetic
     energy less all other pseudoworks.  In the frame of the bars f2 does no work.
     """
-    n = layout.coordinates
     for k, part in enumerate(layout.parts.values()):
         if layout.surfaces[k].drive == BARS:
             for batch in batches_of(layout.together, part):
-                first = start[:n][None, batch.place], start[n:][None, batch.place]
-                later = samples.y[:, batch.place], samples.y[:, layout.core :][:, batch.place]
+                first, later = (
+                    (each.y[:, batch.place], each.y[:, layout.core :][:, batch.place])
+                    for each in (run.first(), samples)
+                )
                 _add(Accounts(batch, samples.s), samples.s, first, later)
 
 
