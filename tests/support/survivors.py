@@ -41,7 +41,13 @@ EQUIVALENT = {
 }
 
 # Results, costs or statuses may change, and no check notices: each of these is a gap.
-OPEN: set[str] = set()
+OPEN: set[str] = {
+    # No scene of mutants has driven bars, rigid asperites or a reservoir on the swing.
+    "kernels/blocks.py: is_fixed: fixed is None -> fixed is not None",
+    "run/accounts.py: _thermal: Account(about + swing, jx, jy, pseudo) -> "
+    "Account(about - swing, jx, jy, pseudo)",
+    "run/layout.py: _refer_to_bars: a['pivot'] ** 2 -> a['pivot'] ** 3",
+}
 
 # Functions that uncompiled code cannot reach -> where they are tested.
 NEEDS_COMPILER = {
