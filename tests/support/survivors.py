@@ -46,7 +46,7 @@ OPEN: set[str] = {
     "kernels/blocks.py: is_fixed: fixed is None -> fixed is not None",
     "run/accounts.py: _thermal: Account(about + swing, jx, jy, pseudo) -> "
     "Account(about - swing, jx, jy, pseudo)",
-    "run/layout.py: _refer_to_bars: a['pivot'] ** 2 -> a['pivot'] ** 3",
+    "run/model_tables.py: _refer_to_bars: a['pivot'] ** 2 -> a['pivot'] ** 3",
 }
 
 # Functions that uncompiled code cannot reach -> where they are tested.

@@ -7,7 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tribo.run.layout import Layout, set_bars
+from tribo.run.layout import Layout
+from tribo.run.start import set_bars
 from tribo.validation import InputError, number_or_array
 
 # Initial values by name, "surface.theta" (or swing, phi, omega, nu): a number, or one per asperite.

@@ -1,0 +1,113 @@
+"""The tables of the kernels: a row for each quantity, a column for each asperite."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tribo.kernels import records
+from tribo.kernels.records import Box, Model
+from tribo.kernels.simd import LANES
+from tribo.kernels.simd_arrays import room
+from tribo.model.scene import Scene
+from tribo.run import contacts, slots
+from tribo.run.force_records import springs
+from tribo.run.scene_records import resting_bobs
+
+
+def model_tables(
+    scene: Scene, asperites: np.ndarray, numbering: slots.Numbering, places: slots.Places
+) -> Model:
+    """The tables of the kernels; contacts, fields and forces of plug-ins are still absent."""
+    n = numbering.columns
+    bath = _oscillators(numbering, [(s.bath.masses, s.bath.frequencies) for s in scene.surfaces])
+    torsional = _oscillators(
+        numbering, [(s.bath.inertias, s.bath.torsional_frequencies) for s in scene.surfaces]
+    )
+    lattice = springs(scene, asperites, places.columns)
+    pulls = lattice is not None or bath is not None
+    on_bars = any(surface.bar_reservoir for surface in scene.surfaces)
+    on_swings = any(surface.swing_reservoir for surface in scene.surfaces)
+    return Model(
+        asperites=_constants(scene, asperites, places.columns, n),
+        surfaces=numbering.surfaces.view(np.recarray),
+        core=numbering.core,
+        contacts=(),
+        within=None,
+        calculators=None,
+        species=contacts.species(scene, places.columns, n),
+        bobs=room((records.BOB_ROWS, n)),
+        drive=room((2, n)),
+        inner=None,
+        external=None,
+        internal=room((2, n)) if pulls else None,
+        displaced=room((2, n)) if pulls else None,
+        friction=room((2, n)) if on_bars else None,
+        swing_friction=room((1, n)) if on_swings else None,
+        pivots=_pivots(asperites, places.columns, n),
+        fixed=True if any(s.asperite.is_rigid for s in scene.surfaces) else None,
+        end_forces=None,
+        box=Box(scene.periodic.x or 0.0, scene.periodic.z or 0.0) if scene.periodic else None,
+        springs=lattice,
+        bath=bath,
+        torsional=torsional,
+        fields=None,
+        drives=None,
+        ends=None,
+    )
+
+
+def _constants(scene: Scene, asperites: np.ndarray, columns: np.ndarray, count: int) -> np.ndarray:
+    """The table of asperites that kernels read; others fill it up, which feel no force."""
+    table = room((len(records.CONSTANTS), count))
+    table[[records.MASS, records.INERTIA, records.I2, records.BAR_LENGTH, records.COS_PHI]] = 1.0
+    for row, name in enumerate(records.CONSTANTS):
+        if name in (records.ASPERITE.names or ()):
+            table[row, columns] = asperites[name]
+    _refer_to_bars(table, asperites, columns)
+    rigid = np.array([s.asperite.is_rigid for s in scene.surfaces])[asperites["surface"]]
+    table[records.INERTIA, columns[rigid]] = np.inf
+    table[records.PRESENT, columns] = 1.0
+    phi = asperites["phi"]
+    table[records.SIN_PHI, columns], table[records.COS_PHI, columns] = np.sin(phi), np.cos(phi)
+    turning = asperites["dof_phi"] >= 0
+    mobility = 1.0 / table[records.INERTIA, columns]
+    mobility += np.where(turning, 1.0 / asperites["i2"], 0.0)
+    table[records.FREQUENCY, columns] = np.sqrt(asperites["kappa"] * mobility)
+    every = [s.asperite.for_each(s.count)["charge"] for s in scene.surfaces]
+    table[records.CHARGE, columns] = np.concatenate(every)
+    depths = [resting_bobs(scene, k)[:, 2] for k in range(len(scene.surfaces))]
+    table[records.Z, columns] = np.concatenate(depths)
+    return table
+
+
+def _refer_to_bars(table: np.ndarray, asperites: np.ndarray, columns: np.ndarray) -> None:
+    """Refer the constants of asperites on driven bars to the bar's centre; see `kernels.levers`."""
+    a = asperites[asperites["pivot"] > 0.0]
+    columns = columns[asperites["pivot"] > 0.0]
+    table[records.INERTIA, columns] += a["mass"] * a["pivot"] ** 2
+    table[records.MASS, columns] = np.inf
+    table[records.L1, columns] += a["pivot"]
+    table[records.L2, columns] = 0.0
+    table[records.Y_START, columns] += a["facing"] * a["pivot"]
+
+
+def _pivots(asperites: np.ndarray, columns: np.ndarray, count: int) -> np.ndarray | None:
+    """The table of :mod:`tribo.kernels.levers`; None without driven bars."""
+    if not np.any(asperites["pivot"] > 0.0):
+        return None
+    pivots = room((1, count))
+    pivots[0, columns] = asperites["pivot"]
+    return pivots
+
+
+def _oscillators(
+    numbering: slots.Numbering, baths: list[tuple[np.ndarray, np.ndarray]]
+) -> np.ndarray | None:
+    """Masses and frequencies of all oscillators; those that fill the last block have none."""
+    whole = [-(-masses.size // LANES) * LANES for masses, _ in baths]
+    if sum(whole) == 0:
+        return None
+    table, first = room((2, sum(whole))), np.cumsum(whole) - whole
+    for k, (masses, frequencies) in enumerate(baths):
+        table[:, first[k] : first[k] + masses.size] = masses, frequencies
+    return table

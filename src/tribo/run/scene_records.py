@@ -1,0 +1,85 @@
+"""The asperites and the surfaces of a scene as records: one for each."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tribo.kernels import records
+from tribo.kernels.records import BARS, CUSTOM, FORCED, FREE, PULLED, RIGID
+from tribo.model.drives import DrivenBars, Forced, Free, Pulled
+from tribo.model.scene import Scene
+from tribo.model.surface import Surface
+
+
+def scene_records(scene: Scene, parts: dict[str, slice]) -> tuple[np.ndarray, np.ndarray]:
+    """The asperites and the surfaces, but for their slots."""
+    asperites = np.zeros(scene.count, records.ASPERITE)
+    surfaces = np.zeros(len(scene.surfaces), records.SURFACE)
+    for k, surface in enumerate(scene.surfaces):
+        part = parts[surface.name]
+        _fill_asperites(asperites[part], scene, k)
+        asperites["surface"][part] = k
+        surfaces["mass"][k] = np.sum(asperites["mass"][part])
+        hung = surface.count * float(np.sum(surface.bath.masses))
+        surfaces["total_mass"][k] = surfaces["mass"][k] + hung
+        surfaces["turning"][k] = np.any(asperites["nu"][part] != 0.0)
+        _fill_surface(surfaces[k : k + 1], surface, scene.surfaces[0])
+    return asperites, surfaces
+
+
+def resting_bobs(scene: Scene, index: int) -> np.ndarray:
+    """(n, 3) resting bobs of a surface, relative to the first surface's first."""
+    origin = scene.surfaces[0].first_bob
+    return scene.surfaces[index].resting_bobs(origin, seed=[scene.seed, index, 0])
+
+
+def _fill_asperites(asperites: np.ndarray, scene: Scene, index: int) -> None:
+    surface, first = scene.surfaces[index], scene.surfaces[0]
+    each = surface.asperite.for_each(surface.count)
+    for name in ("mass", "inertia", "kappa", "l1", "l2", "i2", "bar_length"):
+        asperites[name] = each[name]
+    bobs = resting_bobs(scene, index)
+    if surface.asperite.is_rigid:
+        asperites["kappa"] = 0.0  # a constraint holds them, and they store no energy
+    if isinstance(surface.drive, DrivenBars):
+        asperites["pivot"] = each["l2"]
+    asperites["facing"] = surface.facing_sign
+    asperites["x"] = bobs[:, 0]
+    asperites["y"] = bobs[:, 1] + surface.facing_sign * each["l1"]
+    asperites["vx"] = surface.velocity[0] - first.velocity[0]
+    asperites["vy"] = surface.velocity[1] - first.velocity[1]
+    initial = surface.initial.for_each(surface.count)
+    for name in ("phi", "nu"):
+        asperites[name] = 0.0 if initial[name] is None else initial[name]
+
+
+def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
+    record["oscillators"] = surface.bath.masses.size
+    record["torsionals"] = surface.bath.inertias.size
+    record["facing"] = surface.facing_sign
+    record["fixed"] = surface.asperite.is_rigid
+    record["vx"] = surface.velocity[0] - first.velocity[0]
+    record["vy"] = surface.velocity[1] - first.velocity[1]
+    drive = surface.drive
+    if isinstance(drive, Forced):
+        record["drive"] = FORCED
+    elif isinstance(drive, Free):
+        # A rigid body of one asperite is a free asperite.
+        record["drive"] = RIGID if drive.rigid and surface.count > 1 else FREE
+    elif isinstance(drive, DrivenBars):
+        record["drive"] = BARS
+    elif isinstance(drive, Pulled):
+        record["drive"] = PULLED
+        record["stiffness"] = drive.stiffness
+        record["speed"] = drive.speed - surface.velocity[0]
+    else:
+        record["drive"] = CUSTOM
+    if drive.load is not None:
+        record["loaded"] = 1
+        record["load"] = -drive.load * surface.facing_sign
+    if surface.langevin:
+        record["gamma" if surface.bar_reservoir else "swing_gamma"] = surface.langevin.gamma
+        record["temperature"] = surface.langevin.temperature
+        if surface.langevin.velocity is not None:
+            record["reservoir_x"] = surface.langevin.velocity[0] - surface.velocity[0]
+            record["reservoir_y"] = surface.langevin.velocity[1] - surface.velocity[1]

@@ -1,0 +1,62 @@
+"""Coordinates and velocities at the start of a run."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tribo.model.bath import thermal_start, thermal_torsional_start
+from tribo.model.drives import DrivenBars
+from tribo.model.scene import Scene
+from tribo.model.surface import Surface
+from tribo.run.slots import Numbering
+
+
+def start_of(
+    asperites: np.ndarray, scene: Scene, parts: dict[str, slice], numbering: Numbering
+) -> np.ndarray:
+    """y at t = 0; the angle and the rate of a clamped bar are in its record instead."""
+    y = np.zeros(2 * numbering.coordinates)
+    q, v = y[: numbering.coordinates], y[numbering.coordinates :]
+    for index, surface in enumerate(scene.surfaces):
+        part = parts[surface.name]
+        initial = surface.initial.for_each(surface.count)
+        phi, nu = asperites["phi"][part], asperites["nu"][part]
+        swing = surface.initial_swing
+        q[part] = phi if swing is None else swing
+        v[part] = 0.0 if initial["omega"] is None else initial["omega"]
+        turning = asperites["dof_phi"][part]
+        if surface.bars != "clamped":
+            q[turning], v[turning] = phi, nu
+        rng = np.random.default_rng([scene.seed, index, 1])
+        set_bars(asperites[part], surface, part, q, v, rng)
+    return y
+
+
+def set_bars(
+    asperites: np.ndarray,
+    surface: Surface,
+    part: slice,
+    q: np.ndarray,
+    v: np.ndarray,
+    rng: np.random.Generator,
+) -> None:
+    """Start driven bars, and oscillators at the bars or drawn about them at temperature T.
+
+    Driven bars stay where the initial angles put them about the centres of mass.
+    """
+    bath, first = surface.bath, asperites["dof_bath"]
+    n = bath.masses.size
+    arm = asperites["l2"] * asperites["facing"]
+    x, y = -arm * np.sin(q[part]), -arm * 2.0 * np.sin(0.5 * q[part]) ** 2
+    if isinstance(surface.drive, DrivenBars):
+        q[asperites["dof_x"]], q[asperites["dof_y"]] = x, y
+    if n:
+        dx, dy, vx, vy = thermal_start(bath, rng, surface.count)
+        slots = first[:, None] + np.arange(n)
+        q[slots], q[slots + n] = x[:, None] + dx, y[:, None] + dy
+        v[slots], v[slots + n] = vx, vy
+    if bath.inertias.size:
+        turn, rate = thermal_torsional_start(bath, rng, surface.count)
+        slots = first[:, None] + 2 * n + np.arange(bath.inertias.size)
+        q[slots] = q[asperites["dof_phi"]][:, None] + turn
+        v[slots] = rate
