@@ -97,12 +97,12 @@ def strictly(text):
 
 
 def test_text(run):
-    """Without --json: one line on the run, one a surface."""
+    """Without --json: one line on the run, one a surface, one a note."""
     status, out, err = run(SCENE)
     assert status == 0 and err == ""
     first, *rest = out.splitlines()
     assert first.startswith("A short pass: completed at t = 4; gauss-radau-15, ")
-    assert [line.split(":")[0].strip() for line in rest] == ["upper", "lower"]
+    assert [line.split(":")[0].strip() for line in rest] == ["upper", "lower", "note"]
 
 
 def test_json(run):

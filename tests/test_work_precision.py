@@ -33,7 +33,7 @@ def test_the_front(rows):
             assert beating and (time, error) not in front
 
 
-@pytest.mark.parametrize(("cutoff", "expected"), [(None, "gauss-radau-15"), (2.5, "dop853")])
+@pytest.mark.parametrize(("cutoff", "expected"), [(None, "gauss-radau-15"), (2.5, "rkn8")])
 def test_a_reference_is_good_where_potentials_are_rough(cutoff, expected):
     """With a switched potential another method provides the reference."""
     row = {"shape": (3, 1), "spacing": (1.1, 0.0), "asperite": tribo.Asperite(kappa=4.0)}

@@ -36,8 +36,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-# Methods of the reference.  The polynomial of the first does not fit forces whose derivatives jump.
-FOR_SMOOTH, FOR_ROUGH = "gauss-radau-15", "dop853"
+# Methods of the reference, the first that can integrate the scene.  The polynomial of
+# gauss-radau-15 does not fit forces whose derivatives jump.
+FOR_SMOOTH, FOR_ROUGH = ("gauss-radau-15",), ("rkn8", "dop853")
 # Accuracy of the reference, the smallest that can be asked for.
 FINEST = 1e-13
 # First level of the settings.
@@ -319,7 +320,8 @@ def work_precision(
 def _reference(scene: Scene, watched: tuple[str, ...]) -> tuple[Ledger, ToleranceScales, Reference]:
     """The ledger of the finest run, the scales it had, and an estimate of its error."""
     rough = bool(np.isfinite(scene.smoothness))
-    name = FOR_ROUGH if rough else FOR_SMOOTH
+    candidates = FOR_ROUGH if rough else FOR_SMOOTH
+    name = next(n for n in candidates if not methods.refusal(methods.named(n), scene))
     simulation = prepare(scene, FINEST, name)
     result, finest = simulation.compute_first(), simulation.finest
     if result.status != Status.COMPLETED:

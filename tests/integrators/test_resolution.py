@@ -26,9 +26,12 @@ from tribo import (
 )
 from tribo.accuracy.choose_method import choose
 from tribo.integrators.methods import METHODS
-from tribo.integrators.splitting import rotated
+from tribo.integrators.rotations import rotated, set_rotations
 from tribo.integrators.step_control import LARGEST, all_finite
+from tribo.kernels.compiled import shared_kernel
 from tribo.kernels.samples import STORED
+from tribo.kernels.simd import LANES
+from tribo.kernels.simd_arrays import with_spare_lanes
 from tribo.run.layout import lay_out
 from tribo.run.ledger import assemble
 from tribo.run.notes import run_notes
@@ -79,12 +82,28 @@ def test_a_stiff_pendulum_is_noted_and_then_refused():
         choose(stiff, None, "verlet", 0.04)
 
 
+# Kernels that kernels alone can call.
+@shared_kernel
+def rotate(x, rate, frequencies, tau, rotations):
+    """The first of the oscillators after tau."""
+    set_rotations(frequencies, tau, rotations)
+    return rotated(x, rate, (rotations[0, 0], rotations[1, 0], rotations[2, 0]))
+
+
+@shared_kernel
+def is_finite(x):
+    """Whether all components are."""
+    return all_finite(x)
+
+
 def test_the_noted_deflection_is_that_of_the_method():
     """Kicks of a constant force keep a pendulum at the angle of the note."""
     frequency, push, turn = 61.0, 3.0, 1.5
     h = turn / frequency
     angle = 0.75 / np.tan(0.75) * push / frequency**2  # 0.805 of the right one
-    x, rate = rotated.py_func(angle, 0.5 * h * push, frequency, h)
+    frequencies = with_spare_lanes(np.full(LANES, frequency))
+    rotations = with_spare_lanes(np.full((3, 2 * LANES), np.nan))
+    x, rate = rotate(angle, 0.5 * h * push, frequencies, h, rotations)
     assert x == pytest.approx(angle, rel=1e-12)
     assert rate == pytest.approx(-0.5 * h * push, rel=1e-12)
 
@@ -151,9 +170,9 @@ def test_a_search_begins_with_long_steps():
 def test_numbers_that_overflow_stop_a_run_without_warnings():
     """A state whose squares overflow counts as not finite; its ledger has infinities."""
     flat = layout()
-    assert all_finite.py_func(np.array([LARGEST, -1.0]))
-    assert not all_finite.py_func(np.array([1.0, -10.0 * LARGEST]))
-    assert not all_finite.py_func(np.array([1.0, np.nan]))
+    assert is_finite(with_spare_lanes(np.array([LARGEST, -1.0] * LANES)))
+    assert not is_finite(with_spare_lanes(np.array([1.0, -10.0 * LARGEST] * LANES)))
+    assert not is_finite(with_spare_lanes(np.array([1.0, np.nan] * LANES)))
     y = np.outer([1.0, 1e200], np.ones(2 * flat.core))
     s, stored = np.ones((2, flat.accounts)), np.zeros((2, 1, STORED))
     samples = Samples(np.array([0.0, 1.0]), y, s, np.zeros(2), np.zeros(2), stored)

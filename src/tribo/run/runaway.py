@@ -38,7 +38,7 @@ def up_to_runaway(layout: Layout, run: Integration) -> Integration:
     if lost.size == 0:
         return run
     kept = samples.at(samples.t[: lost[0] + 1])
-    return replace(run, recorded=lambda: kept, status=Status.ENERGY_RUNAWAY)
+    return replace(run, recorded=lambda: kept, _samples=kept, status=Status.ENERGY_RUNAWAY)
 
 
 def _energy(layout: Layout, samples: Samples) -> np.ndarray:
