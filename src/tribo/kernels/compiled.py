@@ -21,7 +21,7 @@ from numba import config, njit
 
 from tribo.kernels import plugin_methods  # noqa: F401 (kernels call methods of plug-ins)
 from tribo.kernels.disk_cache import KernelCache
-from tribo.kernels.numba_passes import LINKED
+from tribo.kernels.numba_passes import LINKED, LoopCompiler
 
 # Division by zero gives inf or nan, as in numpy; the time loops turn both into a named status.
 _options: dict[str, Any] = {"error_model": "numpy"}
@@ -83,7 +83,7 @@ def _named(loop: FunctionType, stamps: str) -> Any:
     name = f"{loop.__name__}_{stamps}"
     clone = FunctionType(loop.__code__, loop.__globals__, name, loop.__defaults__)
     clone.__qualname__ = name
-    compiled: Any = njit(error_model="numpy")(clone)
+    compiled: Any = njit(error_model="numpy", pipeline_class=LoopCompiler)(clone)
     # With no folder that can be written, each process compiles.
     with suppress(RuntimeError):
         compiled._cache = KernelCache(clone)

@@ -8,7 +8,7 @@ oscillator's coordinates are its displacement from the resting bar in the same u
 
 from tribo.kernels.baths import bath_accelerations, bath_forces, torsional_accelerations
 from tribo.kernels.blocks import clear, coordinates, numbers, set_vectors, vectors
-from tribo.kernels.compiled import inlined, kernel, shared_kernel
+from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.contact import contact_forces
 from tribo.kernels.fields import field_forces
 from tribo.kernels.kinematics import bar_velocity, bob_position
@@ -90,7 +90,7 @@ def place_block(model, s, i, t, q):
     set_block(b[FY], i, broadcast(0.0))
 
 
-@shared_kernel
+@kernel
 def place_bobs(model, t, q):
     """Set position and direction of every bob."""
     for k in range(model.surfaces.shape[0]):

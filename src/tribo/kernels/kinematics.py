@@ -10,9 +10,11 @@ from typing import Any
 import numpy as np
 from numba.extending import register_jitable
 
+from tribo.kernels.numba_passes import LINKED
+
 Number = Any  # a float, or in calls from Python an array
 
-equation = register_jitable(error_model="numpy", _nrt=False)
+equation = register_jitable(error_model="numpy", _nrt=False, **LINKED)
 
 
 @equation

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from tribo.kernels.compiled import kernel, owning_kernel, shared_owning_kernel
+from tribo.kernels.compiled import kernel, owning_kernel
 from tribo.kernels.kinematics import nearest_image
 from tribo.kernels.records import X, Y, Z
 
@@ -193,7 +193,7 @@ def list_pair(model, box, neighbours, one, other, k, used):
     return used
 
 
-@shared_owning_kernel
+@kernel
 def refresh(model, neighbours):
     """Rebuild the list if bobs have moved too far.
 

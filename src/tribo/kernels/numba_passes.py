@@ -16,17 +16,56 @@ from numba.core.typed_passes import NativeLowering
 
 
 class LinkedLibrary(JITCodeLibrary):
-    """Code that is linked into its callers, neither optimised nor turned into machine code."""
+    """The code of one kernel without that of those it calls; neither optimised nor machine code.
+
+    Were each kernel linked with all that it calls, as numba does, the deepest one would be copied
+    once for every path to it.
+    """
 
     def _optimize_functions(self, ll_module: Any) -> None:
         ll_module.data_layout = self._codegen._data_layout
 
-    def _optimize_final_module(self) -> None:
-        """Nothing: the caller optimises it."""
-
-    def _finalize_final_module(self) -> None:
+    def finalize(self) -> None:
+        """Link and optimise nothing: a library that machine code is made of does."""
+        self._raise_if_finalized()
+        for library in self._linking_libraries:
+            self._reload_init.update(library._reload_init)
         self._finalize_dynamic_globals()
         self._finalized = True
+
+    def _get_module_for_linking(self) -> Any:
+        """The code of this kernel and of all that it calls, each once."""
+        whole = None
+        for library in self._called():  # callers first, since LLVM leaves out what nobody calls yet
+            own = JITCodeLibrary._get_module_for_linking(library)
+            if whole is None:
+                whole = own.clone()
+            else:
+                whole.link_in(own, preserve=True)
+        return whole
+
+    def _called(self) -> list[JITCodeLibrary]:
+        """This library and those of all kernels that it calls, each after its first caller."""
+        found: dict[JITCodeLibrary, None] = {self: None}
+        waiting: list[JITCodeLibrary] = [self]
+        for library in waiting:
+            if isinstance(library, LinkedLibrary):
+                new = [each for each in library._linking_libraries if each not in found]
+                found.update(dict.fromkeys(new))
+                waiting += dict.fromkeys(new)
+        return list(found)
+
+
+class LoopLibrary(JITCodeLibrary):
+    """The code of a time loop, optimised once.
+
+    numba optimises twice, so that the first pass brings together the reference counts that the
+    second removes.  Kernels count none.
+    """
+
+    def _optimize_final_module(self) -> None:
+        passes, builder = self._codegen._module_pass_manager()
+        passes.run(self._final_module, builder)
 
 
 @register_pass(mutates_CFG=True, analysis_only=False)
@@ -52,17 +91,38 @@ class LinkedLowering(NativeLowering):
         return True
 
 
+@register_pass(mutates_CFG=True, analysis_only=False)
+class LoopLowering(NativeLowering):
+    """Lower a time loop to machine code."""
+
+    _name = "loop_lowering"
+
+    def run_pass(self, state: StateDict) -> bool:
+        """Lower into a :class:`LoopLibrary`."""
+        state.library = LoopLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
+        state.library.enable_object_caching()
+        return super().run_pass(state)
+
+
 class KernelCompiler(CompilerBase):
-    """numba's compiler with :class:`LinkedLowering` (pass it to numba.njit as pipeline_class)."""
+    """numba's compiler of kernels (numba.njit takes it as pipeline_class)."""
+
+    lowering: type[NativeLowering] = LinkedLowering
 
     def define_pipelines(self) -> list[PassManager]:
         """numba's passes, of which the last but one is replaced."""
         passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
-        linked = PassManager("kernel")
+        changed = PassManager("kernel")
         for each, description in passes.passes:
-            linked.add_pass(LinkedLowering if each is NativeLowering else each, description)
-        linked.finalize()
-        return [linked]
+            changed.add_pass(self.lowering if each is NativeLowering else each, description)
+        changed.finalize()
+        return [changed]
+
+
+class LoopCompiler(KernelCompiler):
+    """numba's compiler of time loops."""
+
+    lowering = LoopLowering
 
 
 # Options of numba.njit for functions that only kernels call: no wrappers for calls from Python.

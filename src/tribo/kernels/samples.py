@@ -12,7 +12,7 @@ from tribo.kernels.baths import (
     oscillator_energy,
     torsional_slot,
 )
-from tribo.kernels.compiled import kernel, owning_kernel, shared_owning_kernel
+from tribo.kernels.compiled import kernel, owning_kernel
 from tribo.kernels.contact import contact_energy, pair_energy
 from tribo.kernels.fields import field_energy
 from tribo.kernels.records import ALONG_X, ALONG_Y
@@ -153,7 +153,7 @@ def torsional_energies(model, torsional, t, q, v, stored):
                     stored[k, TORSIONAL] += energy
 
 
-@shared_owning_kernel
+@kernel
 def write_sample(model, neighbours, clock, state, record):
     """Record the state as the next sample; the bobs are in place."""
     k = clock.sample
