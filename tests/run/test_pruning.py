@@ -17,7 +17,7 @@ from tribo.explanation import summary
 from tribo.model.scene_file import scene_from
 from tribo.run.layout import Layout, lay_out
 
-SEEDS = range(3)
+SEEDS = range(2)
 
 BATH = {"masses": np.full(3, 0.1), "frequencies": np.linspace(1.0, 3.0, 3)}
 TORSIONAL = {"inertias": np.full(2, 0.1), "torsional_frequencies": np.ones(2)}
