@@ -78,9 +78,7 @@ def place_of(s, slot, i):
 def set_power(sums, power, s, slot, i, x):
     """Set the powers of a block in an account, or add them to those of the blocks before it."""
     k = place_of(s, slot, i)
-    if sums is None:
-        set_block(power, k, x)
-    elif i == s.start:
+    if sums is None or i == s.start:
         set_block(power, k, x)
     else:
         add_block(power, k, x)

@@ -29,7 +29,7 @@ LEDGERS = ("asperites", "surfaces", "none")
 
 @dataclass(frozen=True)
 class Output:
-    """The times to record, and the works: evenly spaced samples, both ends included, or listed times.
+    """The times to record, evenly spaced with both ends or listed, and the works that are kept.
 
     Attributes
     ----------

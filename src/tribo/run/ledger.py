@@ -210,9 +210,7 @@ class Assembled(Ledger):
         return Assembled(self._layout, self._samples.ends()).rows(slice(-1, None))
 
 
-def series_of(
-    quantities: Mapping[str, Quantity], source: Whole | System, name: str
-) -> np.ndarray:
+def series_of(quantities: Mapping[str, Quantity], source: Whole | System, name: str) -> np.ndarray:
     """The series of a quantity of a surface or of the system."""
     return quantities[name].of(source)
 

@@ -18,7 +18,7 @@ from tribo.kernels.simd import LANES
 from tribo.model.drives import DrivenBars, Ends
 from tribo.model.scene import Scene
 
-# Groups of accounts, one number an asperite or a lane each, and the number of accounts in each group.
+# Groups of accounts, one number an asperite or a lane each, and how many accounts each group has.
 GROUPS = {
     "acc_contact": CONTACT,
     "acc_slide": SLIDE,
