@@ -198,9 +198,8 @@ def tolerance_scales(layout: Layout, samples: Samples) -> ToleranceScales:
     """
     guess = first_guess(layout)
     batch, motion = layout.together, Motion(layout, layout.together, samples)
-    velocity = max(
-        guess.velocity, _fastest_of(batch, motion, _relative_velocity(layout, layout.together).T)
-    )
+    relative = _relative_velocity(layout, batch)
+    velocity = max(guess.velocity, _fastest_of(batch, motion, relative.T))
     torsion = motion.swing - motion.phi
     internal = internal_energy(batch.asperites, motion.omega, motion.nu, torsion)
     highest, change = largest(internal), largest(internal - internal[0])

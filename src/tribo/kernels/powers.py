@@ -22,7 +22,7 @@ laboratory, work = (about) + V . J + (pseudowork); no digits are lost where V is
 The accounts of a group stand one after another, each with a slot for every asperite of the surface.
 Where a scene asks for sums over surfaces, each has a slot for every lane, in which the powers of a
 surface's blocks are added up; contact and drive then have their levers in the work about the centre
-of mass, and every drive has accounts.  Without a ledger there are none.
+of mass.  Without a ledger there are none.
 """
 
 from numba import literal_unroll

@@ -115,7 +115,7 @@ class Layout:
         """Those that have the accounts: all asperites, or lanes that stand for their sums."""
         if self.model.sums is None:
             return self.together
-        lanes = slots.lanes_of_surfaces(self.surfaces).view(np.recarray)
+        lanes = slots.lanes_of_surfaces(self.scene, self.surfaces).view(np.recarray)
         velocities = np.array([surface.velocity for surface in self.scene.surfaces])
         return batch_of(lanes, self.surfaces, velocities[lanes["surface"]])
 

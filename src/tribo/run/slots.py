@@ -17,6 +17,7 @@ from tribo.kernels.records import BARS, CUSTOM, PULLED, RIGID
 from tribo.kernels.simd import LANES
 from tribo.model.drives import DrivenBars, Ends
 from tribo.model.scene import Scene
+from tribo.model.surface import Surface
 
 # Groups of accounts, one number an asperite or a lane each, and how many accounts each group has.
 GROUPS = {
@@ -118,7 +119,7 @@ def _number_accounts(scene: Scene, surfaces: np.ndarray, stop: int) -> int:
     """Assign the slots of s that asperites have, from `stop` on; returns the number of all.
 
     Sums over surfaces have accounts for what follows, asperite by asperite, from other accounts:
-    the work of every drive, and the pseudowork of contact on driven bars.
+    the work of drives on arms of different shapes, and the pseudowork of contact on driven bars.
     """
     own, ledger = scene.surfaces, scene.output.ledger
     sums, bars = ledger == "surfaces", surfaces["drive"] == BARS
@@ -130,7 +131,7 @@ def _number_accounts(scene: Scene, surfaces: np.ndarray, stop: int) -> int:
         "acc_slide": slide(scene) | (bars & sums),
         "acc_drive": np.isin(surfaces["drive"], (RIGID, PULLED, CUSTOM, BARS))
         | (surfaces["loaded"] == 1)
-        | sums,
+        | (sums & np.array([np.ptp(arm_ratios(s)) > 0.0 for s in own])),
         "acc_ends": [
             s.bars == "clamped" and bool(np.any(s.asperite.for_each(s.count)["kappa"] > 0.0))
             for s in own
@@ -169,16 +170,23 @@ def without_accounts(asperites: np.ndarray) -> None:
         asperites[name] = -1
 
 
-def lanes_of_surfaces(surfaces: np.ndarray) -> np.ndarray:
+def arm_ratios(surface: Surface) -> np.ndarray:
+    """l2 / l1 of each asperite."""
+    each = surface.asperite.for_each(surface.count)
+    return np.asarray(each["l2"] / each["l1"])
+
+
+def lanes_of_surfaces(scene: Scene, surfaces: np.ndarray) -> np.ndarray:
     """Asperites that stand for the sums over the lanes of each surface, in place of its own.
 
-    Their works have the levers already.
+    Their works have the levers already; a drive without accounts has that of contact.
     """
     counts = surfaces["account_stride"]
     asperites = np.zeros(int(np.sum(counts)), records.ASPERITE)
     asperites["surface"] = np.repeat(np.arange(len(surfaces)), counts)
-    for name in ("l1", "l2", "facing"):
-        asperites[name] = 1.0
+    asperites["l1"], asperites["facing"] = 1.0, 1.0
+    ratios = [arm_ratios(surface)[0] for surface in scene.surfaces]
+    asperites["l2"] = np.repeat(np.where(surfaces["acc_drive"] >= 0, 1.0, ratios), counts)
     for name in records.ASPERITE.names or ():
         if name.startswith("dof_"):
             asperites[name] = -1
