@@ -59,7 +59,7 @@ class Series(Mapping[str, np.ndarray]):
     def _absence(self, name: str) -> str:
         """Why there is no such series."""
         if needs_accounts(name) and not any(map(needs_accounts, self._names)):
-            return f'{name!r} is not kept; works need another output.ledger, as "asperites"'
+            return f'"{name}" is not kept; works need another output.ledger, as "asperites"'
         return f"no quantity {name!r}; there are {', '.join(self._names)}"
 
     def __dir__(self) -> list[str]:
