@@ -147,7 +147,7 @@ def evaluate_stages(method, model, neighbours, clock, h, end, state, new, work):
     f = work.accelerations
     for i in range(1, last):
         place = work.q[i]
-        combine_twice(q, h, method.c[i], v, method.a[i, :i], f, place)
+        combine_twice(q, h, method.c[i], v, method.a[i][:i], f, place)
         equations_of_motion(model, neighbours, clock.t + method.c[i] * h, place, v, f[i])
         store_forces(model, work, i)
     add_twice(new.y[:n], new.y_low[:n], h, v, new.y_low[n:], method.b, f)

@@ -88,8 +88,8 @@ def empty_stages(count, state):
 def evaluate_stages(method, model, neighbours, clock, h, state, work):
     """Rates of change at all stages."""
     n = state.acceleration.size
-    copy(state.y[n:], work.derivatives[0, :n])
-    copy(state.acceleration, work.derivatives[0, n:])
+    copy(state.y[n:], work.derivatives[0][:n])
+    copy(state.acceleration, work.derivatives[0][n:])
     copy(state.power, work.powers[0])
     y = work.y
     for i in range(1, method.b.size):

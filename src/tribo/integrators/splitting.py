@@ -36,6 +36,7 @@ from tribo.integrators.step_control import (
     time_left,
     update_encounter,
 )
+from tribo.kernels.array_pointers import pointers
 from tribo.kernels.blocks import clear, coordinates, is_fixed
 from tribo.kernels.compiled import inlined, kernel, owning_kernel
 from tribo.kernels.equations_of_motion import (
@@ -379,7 +380,7 @@ def take_step(model, neighbours, splitting, clock, h, state, work, noise):
             kick(model, t, 0.5 * tau, q, v, s, work)
         else:
             kick(model, t, tau, q, v, s, work)
-    clock.drift_lag = splitting.drifts[-1] * h
+    clock.drift_lag = splitting.drifts[splitting.kicks.size] * h
 
 
 @kernel
@@ -387,6 +388,10 @@ def take_steps(
     model, neighbours, splitting, step, clock, state, times, record, budget, noise, work
 ):
     """Integrate through the sample times; see :func:`splitting_steps`."""
+    model, neighbours, splitting, state, times, record, work = pointers(
+        (model, neighbours, splitting, state, times, record, work)
+    )
+    last = times[times.size - 1]
     clear(model.friction)
     clear(model.swing_friction)
     if clock.evaluations == 0:
@@ -402,7 +407,7 @@ def take_steps(
         if left == 0.0:
             return COMPLETED if all_finite(state.y) else NOT_FINITE
         h, landing = equal_step(clock, left, step)
-        status = equal_step_status(clock, h, times[-1])
+        status = equal_step_status(clock, h, last)
         if status != COMPLETED:
             return status
         take_step(model, neighbours, splitting, clock, h, state, work, noise)

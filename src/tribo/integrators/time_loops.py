@@ -34,6 +34,7 @@ from tribo.integrators.step_control import (
     underflow_status,
     update_encounter,
 )
+from tribo.kernels.array_pointers import pointers
 from tribo.kernels.compiled import kernel
 from tribo.kernels.neighbours import crowded
 from tribo.kernels.numba_passes import LINKED
@@ -91,6 +92,10 @@ def take_equal_steps(
     model, neighbours, method, step, clock, state, times, record, budget, work, speeds
 ):
     """Integrate through the sample times; see :func:`equal_steps`."""
+    model, neighbours, method, state, times, record, work, speeds = pointers(
+        (model, neighbours, method, state, times, record, work, speeds)
+    )
+    last = times[times.size - 1]
     status = initialize(model, neighbours, clock, state, speeds)
     if status != COMPLETED:
         return status
@@ -101,7 +106,7 @@ def take_equal_steps(
         if left == 0.0:
             return COMPLETED
         h, landing = equal_step(clock, left, step)
-        status = equal_step_status(clock, h, times[-1])
+        status = equal_step_status(clock, h, last)
         if status != COMPLETED:
             return status
         goal = times[clock.sample]
@@ -144,6 +149,10 @@ def take_adaptive_steps(
     model, neighbours, method, tolerance, clock, state, times, record, budget, work, speeds, new
 ):
     """Integrate through the sample times; see :func:`adaptive_steps`."""
+    model, neighbours, method, tolerance, state, times, record, work, speeds, new = pointers(
+        (model, neighbours, method, tolerance, state, times, record, work, speeds, new)
+    )
+    last = times[times.size - 1]
     status = initialize(model, neighbours, clock, state, speeds)
     if status != COMPLETED:
         return status
@@ -154,7 +163,7 @@ def take_adaptive_steps(
         if left == 0.0:
             return COMPLETED
         h, landing = next_step(clock, clock.encounter_rate, left)
-        if step_underflows(h, landing, times[-1]):
+        if step_underflows(h, landing, last):
             return underflow_status(clock)
         end = end_of_step(clock, times[clock.sample], h, landing)
         within, growth, finite = method.trial(

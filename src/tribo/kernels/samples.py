@@ -169,7 +169,7 @@ def write_sample(model, neighbours, clock, state, record):
     for m in range(record.stored.shape[1]):
         for j in range(STORED):
             record.stored[k, m, j] = 0.0
-    spring_energies(model, model.springs, record.stored[k, :, SPRINGS])
+    spring_energies(model, model.springs, record.stored[k], SPRINGS)
     energies_within(model, model.within, neighbours, record.stored[k])
     bath_energies(model, model.bath, q, v, record.stored[k])
     torsional_energies(model, model.torsional, clock.t, q, v, record.stored[k])
