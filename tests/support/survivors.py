@@ -31,10 +31,6 @@ EQUIVALENT = {
     "run/totals.py: System.applied: f.account >= 0 -> f.account >= 1": (
         "the first slots are those of contact; no field has slot 0"
     ),
-    "integrators/time_loops.py: equal_steps: zero_rows(3, model.asperites.shape[1]) -> "
-    "zero_rows(4, model.asperites.shape[1])": "one more row of memory, not used",
-    "integrators/time_loops.py: adaptive_steps: zero_rows(3, model.asperites.shape[1]) -> "
-    "zero_rows(4, model.asperites.shape[1])": "one more row of memory, not used",
     "kernels/samples.py: initial_state: 0 if splits else n -> 1 if splits else n": (
         "splitting methods do not read the acceleration of a state: one number of memory"
     ),

@@ -15,7 +15,7 @@ from numba.core import cgutils
 from numba.extending import intrinsic, models, overload, register_model
 
 from tribo.kernels.array_pointers import PointerType
-from tribo.kernels.compiled import inlined, owning_kernel
+from tribo.kernels.compiled import inlined
 from tribo.kernels.simd import _FLOAT, _INDEX, _VECTOR, LANES, first, lanes
 
 
@@ -25,20 +25,6 @@ def room(shape: tuple[int, ...]) -> np.ndarray:
     array = np.zeros(size + 2 * LANES)
     first = -(array.ctypes.data // 8) % LANES
     return array[first : first + size].reshape(shape)
-
-
-@owning_kernel
-def zero_row(n):
-    """The same with one row, for kernels; what fills blocks must be finite, so it is zero too."""
-    array = np.zeros(n + 2 * LANES)
-    first = -(array.ctypes.data // 8) % LANES
-    return array[first : first + n]
-
-
-@owning_kernel
-def zero_rows(count, n):
-    """The same with several rows, for kernels."""
-    return zero_row(count * n).reshape(count, n)
 
 
 def with_spare_lanes(values: np.ndarray) -> np.ndarray:
