@@ -37,13 +37,7 @@ EQUIVALENT = {
 }
 
 # Results, costs or statuses may change, and no check notices: each of these is a gap.
-OPEN: set[str] = {
-    # No scene of mutants has driven bars, rigid asperites or a reservoir on the swing.
-    "kernels/blocks.py: is_fixed: fixed is None -> fixed is not None",
-    "run/accounts.py: _thermal: Account(about + swing, jx, jy, pseudo) -> "
-    "Account(about - swing, jx, jy, pseudo)",
-    "run/model_tables.py: _refer_to_bars: a['pivot'] ** 2 -> a['pivot'] ** 3",
-}
+OPEN: set[str] = set()
 
 # Functions that uncompiled code cannot reach -> where they are tested.
 NEEDS_COMPILER = {
