@@ -33,9 +33,9 @@ inlined = njit(**_options, **LINKED, _nrt=False, forceinline=True)
 expanded = njit(**_options, inline="always")
 # Kernels that make or return arrays.
 owning_kernel = njit(**_options, **LINKED, _nrt=True)
-# Kernels that Python calls too.
+# Kernels that Python calls too, and time loops.
 shared_kernel = njit(**_options, _nrt=False)
-shared_owning_kernel = njit(**_options, _nrt=True)
+_loop = njit(**_options, _nrt=False, pipeline_class=LoopCompiler)
 
 # A file of the disk cache with the code of a time loop: source, name, the stamps of package and
 # plug-ins, line, and version of Python.
@@ -72,7 +72,7 @@ def time_loop(loop: FunctionType, stamp: str | None) -> Callable[..., Any]:
         The loop, compiled at the first call with arguments of new types.
     """
     if stamp is None or config.DISABLE_JIT:  # type: ignore[attr-defined]
-        return njit(error_model="numpy")(loop)
+        return _loop(loop)
     compiled = _named(loop, f"{package_stamp()}_{stamp}")
     remove_stale(loop)
     return compiled
@@ -83,7 +83,7 @@ def _named(loop: FunctionType, stamps: str) -> Any:
     name = f"{loop.__name__}_{stamps}"
     clone = FunctionType(loop.__code__, loop.__globals__, name, loop.__defaults__)
     clone.__qualname__ = name
-    compiled: Any = njit(error_model="numpy", pipeline_class=LoopCompiler)(clone)
+    compiled: Any = _loop(clone)
     # With no folder that can be written, each process compiles.
     with suppress(RuntimeError):
         compiled._cache = KernelCache(clone)
