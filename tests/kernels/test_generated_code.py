@@ -2,6 +2,7 @@
 
 import platform
 import re
+from dataclasses import replace
 from typing import NamedTuple
 
 import numba
@@ -17,8 +18,10 @@ from tribo.potentials import as_potential
 from tribo.run.general_loop import GeneralLoop
 from tribo.run.layout import lay_out
 
+NO_LEDGER = tribo.Output(ledger="none")
 ROW = {"shape": (9, 1), "spacing": (1.0, 0.0)}
-# Kernels that compute with the oscillators of a bath, in the loop of verlet.
+# Kernels that compute powers, and those with the oscillators of a bath, in the loop of verlet.
+OF_LEDGERS = {"set_contact_powers", "set_drive_powers", "field_powers"}
 OF_BATHS = {"rotate_oscillators", "oscillator_energy", "oscillator_momentum"}
 
 
@@ -46,12 +49,13 @@ def kernels_of(scene: tribo.Scene) -> set[str]:
     return {library.name for each in linked for library in each._called()}
 
 
-def test_no_code_of_an_absent_bath():
-    """The loop of a scene with springs alone has none of a bath's kernels; one with a bath has."""
-    without = kernels_of(rows(springs=tribo.Springs(1.0)))
-    assert "spring_energies" in without
-    assert not OF_BATHS & without
-    assert kernels_of(rows(springs=tribo.Springs(1.0), bath=tribo.Bath([0.1], [2.0]))) >= OF_BATHS
+def test_no_code_of_an_absent_bath_or_ledger():
+    """Each of two loops has the kernels of what its scene calls for, and none of the other's."""
+    bath = kernels_of(replace(rows(bath=tribo.Bath([0.1], [2.0])), output=NO_LEDGER))
+    ledger = kernels_of(rows())
+    assert "place_block" in bath & ledger
+    assert OF_BATHS <= bath and not OF_LEDGERS & bath
+    assert OF_LEDGERS <= ledger and not OF_BATHS & ledger
 
 
 @shared_kernel
