@@ -54,8 +54,8 @@ def test_no_code_of_an_absent_bath_or_ledger():
     bath = kernels_of(replace(rows(bath=tribo.Bath([0.1], [2.0])), output=NO_LEDGER))
     ledger = kernels_of(rows())
     assert "place_block" in bath & ledger
-    assert OF_BATHS <= bath and not OF_LEDGERS & bath
-    assert OF_LEDGERS <= ledger and not OF_BATHS & ledger
+    assert bath >= OF_BATHS and not OF_LEDGERS & bath
+    assert ledger >= OF_LEDGERS and not OF_BATHS & ledger
 
 
 @shared_kernel

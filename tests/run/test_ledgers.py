@@ -15,6 +15,7 @@ from support import ledgers
 from support.package import SOURCE
 from tribo import paper
 from tribo.explanation import summary
+from tribo.plotting.series import work_curves
 from tribo.run.layout import lay_out
 from tribo.run.pair_adapter import is_pair
 
@@ -98,6 +99,17 @@ def test_works_that_are_not_kept(results):
         _ = none["upper"].w9
     with pytest.raises(tribo.InputError, match='ledger: must be "asperites" or "surfaces" or'):
         tribo.Output(ledger="all")
+
+
+def test_text_and_curves(results):
+    """The text says that there are no works; curves of single asperites' works are refused."""
+    assert "upper: works are not kept, internal energy" in str(results["none"])
+    assert "upper: work " in str(results["surfaces"])
+    for kind in ("surfaces", "none"):
+        with pytest.raises(
+            tribo.InputError, match=r"output\.ledger: must be .asperites. for works"
+        ):
+            work_curves(results[kind])
 
 
 def test_files_and_json(results, tmp_path):
