@@ -54,7 +54,7 @@ def package_stamp() -> str:
 
 
 @functools.cache
-def time_loop(loop: FunctionType, stamp: str | None) -> Callable[..., Any]:
+def time_loop(loop: FunctionType, stamp: str | None, nogil: bool = False) -> Callable[..., Any]:
     """Compile a time loop and keep it on disk.
 
     Machine code that earlier versions of the package left there is removed.
@@ -65,6 +65,8 @@ def time_loop(loop: FunctionType, stamp: str | None) -> Callable[..., Any]:
         The loop, as Python.
     stamp : str or None
         Hash of the sources of the scene's plug-ins; None to keep nothing on disk.
+    nogil : bool
+        Whether threads run the loop at the same time.
 
     Returns
     -------
@@ -72,18 +74,18 @@ def time_loop(loop: FunctionType, stamp: str | None) -> Callable[..., Any]:
         The loop, compiled at the first call with arguments of new types.
     """
     if stamp is None or config.DISABLE_JIT:  # type: ignore[attr-defined]
-        return njit(error_model="numpy")(loop)
-    compiled = _named(loop, f"{package_stamp()}_{stamp}")
+        return njit(error_model="numpy", nogil=nogil)(loop)
+    compiled = _named(loop, f"{package_stamp()}_{stamp}", nogil)
     remove_stale(loop)
     return compiled
 
 
-def _named(loop: FunctionType, stamps: str) -> Any:
+def _named(loop: FunctionType, stamps: str, nogil: bool = False) -> Any:
     """The loop under a name of its own, by which the disk cache finds it."""
     name = f"{loop.__name__}_{stamps}"
     clone = FunctionType(loop.__code__, loop.__globals__, name, loop.__defaults__)
     clone.__qualname__ = name
-    compiled: Any = njit(error_model="numpy", pipeline_class=LoopCompiler)(clone)
+    compiled: Any = njit(error_model="numpy", nogil=nogil, pipeline_class=LoopCompiler)(clone)
     # With no folder that can be written, each process compiles.
     with suppress(RuntimeError):
         compiled._cache = KernelCache(clone)
