@@ -34,6 +34,7 @@ from tribo.run.notes import (
     stop_notes,
 )
 from tribo.run.result import Cost, Known, Result
+from tribo.run.samples import Samples
 from tribo.run.state import digest_of, state_of
 from tribo.run.streamed_ledger import StreamedLedger, exceeds_memory
 from tribo.validation import InputError, TriboWarning
@@ -139,6 +140,12 @@ class Simulation:
         """As :meth:`first_result`, without warnings: for callers that report what falls short."""
         runs = self.plan.tuned.runs if self.plan.tuned is not None else ()
         return self._estimated_result(runs) if runs else self.compute()
+
+    @property
+    def empty_ledger(self) -> Ledger:
+        """The ledger of one sample of zeros, which has all names."""
+        layout = self.layout
+        return assemble(layout, Samples.at_zero(layout.core, layout.accounts, len(layout.parts)))
 
     @property
     def settings(self) -> Plan:

@@ -63,6 +63,20 @@ class Member:
         ]
         return replace(scene, surfaces=tuple(surfaces), seed=self.seed)
 
+    def scene_with_start(self, scene: Scene) -> Scene:
+        """The scene with all values of the member."""
+        surfaces = []
+        for surface in self.scene(scene).surfaces:
+            own: dict[str, np.ndarray | None] = {
+                name: self.values[key]
+                for name in (each.name for each in fields(Initial))
+                if (key := f"{surface.name}.{name}") in self.values
+            }
+            if "theta" in own or "swing" in own:  # one replaces the other
+                own = {"theta": None, "swing": None, **own}
+            surfaces.append(replace(surface, initial=replace(surface.initial, **own)))
+        return replace(scene, surfaces=tuple(surfaces), seed=self.seed)
+
     @property
     def start(self) -> dict[str, float | np.ndarray]:
         """Initial angles and rates, as ``Simulation.run`` takes them."""

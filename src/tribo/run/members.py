@@ -56,6 +56,18 @@ class MemberSamples(PairSamples):
         return MemberSamples(t, np.ascontiguousarray(record), self._factors)
 
 
+class Memory(NamedTuple):
+    """Arrays of the loop over members, in the order of its arguments."""
+
+    clocks: np.ndarray
+    starts: np.ndarray
+    start: np.ndarray
+    times: np.ndarray
+    record: np.ndarray
+    samples: np.ndarray
+    counts: np.ndarray
+
+
 class MemberRuns(NamedTuple):
     """The runs of some members.
 
@@ -90,26 +102,26 @@ class PairMembers:
     def __init__(self, pair: Pair, times: np.ndarray) -> None:
         self._pair = pair
         self._times = times
+        examples = (pair.rows, *self._memory(1), MOST_STEPS)
         loop = time_loop(pair_members, source_stamp(pair.layout.plugins), nogil=True)
         with compiling(loop, pair.layout.named_plugins):
-            self._loop = EntryPoint(loop, pair.scene_arguments, self._arguments(pair.rows, 1))
+            self._loop = EntryPoint(loop, pair.scene_arguments, examples)
 
     def run(self, tolerance: Tolerance, starts: np.ndarray) -> MemberRuns:
         """Run members from `starts` (members, 2 coordinates), in this thread."""
         rows = self._pair.rows.copy()
         rows[LIMITS:STATE] = self._pair.limits(tolerance)
-        arguments = self._arguments(rows, len(starts))
-        arguments[1]["encounter_fraction"] = tolerance.encounter_fraction
-        arguments[2][...] = starts
-        self._loop(*arguments)
-        samples, counts = arguments[6:8]
-        return MemberRuns(MemberSamples(self._times, samples, self._pair.factors), counts)
+        memory = self._memory(len(starts))
+        memory.clocks["encounter_fraction"] = tolerance.encounter_fraction
+        memory.starts[...] = starts
+        self._loop(rows, *memory, MOST_STEPS)
+        samples = MemberSamples(self._times, memory.samples, self._pair.factors)
+        return MemberRuns(samples, memory.counts)
 
-    def _arguments(self, rows: np.ndarray, members: int) -> tuple[np.ndarray | int, ...]:
-        """Memory for so many members, as the loop takes it."""
+    def _memory(self, members: int) -> Memory:
+        """Memory for so many members."""
         size, times = self._pair.layout.start.size, self._times
-        return (
-            rows,
+        return Memory(
             np.zeros_like(self._pair.clocks),
             np.empty((members, size)),
             np.empty(size),
@@ -117,5 +129,4 @@ class PairMembers:
             np.empty((times.size + 1, COLUMNS)),
             np.empty((times.size, members, COLUMNS)),
             np.empty((members, 3), np.int64),
-            MOST_STEPS,
         )

@@ -1,0 +1,281 @@
+"""Members of a scene of two asperites: run by one compiled loop, checked, and refined.
+
+All members are run with one setting.  It is the loosest with which nearly all members of a sample
+agree with finer runs.  Then members are run again with a finer setting: the sample, and those that
+took the most evaluations, batch by batch, until a batch has none that misses its accuracy.  A
+member that does is delivered from the finer run, once that agrees with a still finer one, or else
+from a run of its own with a search for its settings.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, Sequence
+from functools import cached_property, partial
+from typing import NamedTuple
+
+import numpy as np
+
+from tribo import interrupts
+from tribo.accuracy.cheapest_setting import NEAR_ALONE
+from tribo.accuracy.comparison import strictest
+from tribo.accuracy.levels import setting_at
+from tribo.accuracy.members import excess_of_members
+from tribo.accuracy.scales import FLOOR, ToleranceScales, tolerance_scales
+from tribo.ensembles.end_values import MISSED, EndValues
+from tribo.ensembles.members import Variation
+from tribo.ensembles.threads import in_threads
+from tribo.integrators.step_control import Tolerance
+from tribo.kernels.status import COMPLETED, Status
+from tribo.pair.members import CODE, EVALUATIONS, STEPS
+from tribo.prepared import Simulation
+from tribo.run.initial_state import InitialState
+from tribo.run.ledger import assemble
+from tribo.run.members import MemberRuns, MemberSamples, PairMembers
+from tribo.simulation import prepare
+
+# Members that a thread runs in one call: some 10 ms, after which it can be interrupted.
+CHUNK = 2048
+# Members by which the setting is chosen, the first ones: their share of a million is nothing.
+SAMPLE = 64
+# Members of the sample that may miss the accuracy with the setting of all: to refine one in 32
+# costs less than shorter steps for the others.
+MAY_MISS = 2
+# Levels that are tried, from the loosest: in units of the accuracy, each a quarter of the last.
+LEVELS = 4.0 ** np.arange(6, -12, -1)
+# Level of a run that checks another, relative to that: its error is two digits smaller.
+FINER = 1e-2
+# Largest difference of a run from a finer one, in units of the accuracy.  The rest is for the error
+# of the finer run, and for members that have larger errors than those of the sample.
+KEPT = 0.5
+# Members that are checked at least, by their evaluations: one in so many.
+CHECKED = 64
+# Times that a member is refined before it gets a run of its own.
+REFINEMENTS = 3
+
+
+class Part(NamedTuple):
+    """The runs of one chunk of members, of which the kept quantities are known.
+
+    Attributes
+    ----------
+    values : list of ndarray
+        (members, asperites) or (members,) for each name.
+    counts : ndarray, (members, 3)
+        Columns of :mod:`tribo.pair.members`.
+    """
+
+    values: list[np.ndarray]
+    counts: np.ndarray
+
+
+class PairRuns:
+    """Runs the members of an ensemble of a scene of two asperites.
+
+    Parameters
+    ----------
+    simulation : Simulation
+        Of the ensemble's scene, with the loop of a pair.
+    variation : Variation
+        The differences between members, in initial angles and rates.
+    names : sequence of str
+        Of the quantities that are kept, "upper.w1".
+    threads : int
+        That run members at the same time.
+    progress : callable, optional
+        Called with the number of members that have been run.
+    """
+
+    def __init__(
+        self,
+        simulation: Simulation,
+        variation: Variation,
+        names: Sequence[str],
+        threads: int,
+        progress: Callable[[int], None] | None,
+    ) -> None:
+        assert simulation.integrator.pair is not None and simulation.accuracy is not None
+        self._simulation = simulation
+        self._accuracy = simulation.accuracy
+        self._variation = variation
+        self._names = names
+        self._threads = threads
+        self._progress = progress
+        self._layout = simulation.layout
+        times = np.array([0.0, simulation.scene.duration])
+        self._members = PairMembers(simulation.integrator.pair, times)
+        self._initial = InitialState(self._layout)
+
+    def run(self, count: int) -> EndValues:
+        """Run the members from 0 to `count`; after an interrupt those that are complete are kept.
+
+        Raises KeyboardInterrupt if there are fewer than two.
+        """
+        parts: list[Part] = []
+        interrupted = False
+        chunks = [range(k, min(k + CHUNK, count)) for k in range(0, count, CHUNK)]
+        try:
+            level = self._level(count)
+            # Values are drawn in this thread: distributions need not be safe in others.
+            starts = map(self._starts, chunks)
+            for part in in_threads(partial(self._run_chunk, level), starts, self._threads):
+                parts.append(part)
+                self._report(sum(len(each.counts) for each in parts))
+        except KeyboardInterrupt:
+            interrupts.answer()
+            interrupted = True
+            if not parts:
+                raise
+        found = self._collected(parts, level)
+        found.interrupted = interrupted
+        if not interrupted:
+            self._check(found, np.concatenate([part.counts for part in parts]), level)
+        return found
+
+    def tolerance(self, level: float) -> Tolerance:
+        """The setting of a level."""
+        return tolerance_at(self._simulation, self._scales, level)
+
+    def _report(self, done: int) -> None:
+        if self._progress is not None:
+            self._progress(done)
+
+    @cached_property
+    def _scales(self) -> ToleranceScales:
+        return tolerance_scales(self._layout, self._simulation.finest.samples)
+
+    def _starts(self, numbers: np.ndarray | range) -> np.ndarray:
+        """The states at t = 0 of some members, (members, 2 coordinates)."""
+        first, last = int(numbers[0]), int(numbers[-1])
+        values = {key: self._variation.rows(key, first, last + 1) for key in self._variation.sizes}
+        starts = self._initial.of_members(last + 1 - first, values)
+        return starts[np.asarray(numbers) - first]
+
+    def _run_chunk(self, level: float, starts: np.ndarray) -> Part:
+        runs = self._members.run(self.tolerance(level), starts)
+        return Part(self._values(runs.samples), runs.counts)
+
+    def _values(self, samples: MemberSamples) -> list[np.ndarray]:
+        """The kept quantities at the end."""
+        ledger, members = assemble(self._layout, samples), samples.members
+        return [ledger.series(name)[0][-members:] for name in self._names]
+
+    def _level(self, count: int) -> float:
+        """The loosest level with which at most MAY_MISS members of the sample miss the accuracy."""
+        starts = self._starts(range(min(SAMPLE, count)))
+        accuracy = strictest(self._accuracy)
+        exact = self._members.run(self.tolerance(LEVELS[-1] * accuracy), starts)
+        good = exact.counts[:, CODE] == COMPLETED
+        for level in accuracy * LEVELS:
+            excess = self._excess(exact, self._members.run(self.tolerance(level), starts))
+            if np.sum(~(excess[good] <= KEPT)) <= MAY_MISS:
+                return float(level)
+        return max(FLOOR, float(accuracy * LEVELS[-1]))
+
+    def _excess(self, fine: MemberRuns, other: MemberRuns) -> np.ndarray:
+        """The largest difference of each member, in units of its accuracy; infinite if unknown."""
+        excess = excess_of_members(self._layout, fine.samples, other.samples, self._accuracy)
+        complete = (fine.counts[:, CODE] == COMPLETED) & (other.counts[:, CODE] == COMPLETED)
+        return np.where(complete & np.isfinite(excess), excess, np.inf)
+
+    def _collected(self, parts: list[Part], level: float) -> EndValues:
+        """The parts side by side."""
+        counts = np.concatenate([part.counts for part in parts])
+        values = {
+            name: np.concatenate([part.values[k] for part in parts])
+            for k, name in enumerate(self._names)
+        }
+        members = len(counts)
+        status = np.full(members, str(Status.COMPLETED), dtype=object)
+        unknown = np.full(members, np.nan)
+        attributes: dict[str, str | float] = {"scales": json.dumps(list(vars(self._scales).values()))}
+        levels = np.full(members, level)
+        return EndValues(values, status, counts[:, STEPS], levels, unknown, attributes)
+
+    def _check(self, found: EndValues, counts: np.ndarray, level: float) -> None:
+        """Check members against finer runs, and refine those that miss their accuracy."""
+        stopped = np.flatnonzero(counts[:, CODE] != COMPLETED)
+        for numbers in self._batches(counts):
+            missed = self._refine(found, numbers, level)
+            if not missed:
+                break
+        self._run_alone(found, stopped)
+
+    def _batches(self, counts: np.ndarray) -> Iterator[np.ndarray]:
+        """Members to check: the sample and those that took most, then ever more."""
+        complete = counts[:, CODE] == COMPLETED
+        evaluations = np.where(complete, counts[:, EVALUATIONS], -1)
+        order = np.argsort(-evaluations, kind="stable")[: int(complete.sum())]
+        sample = np.flatnonzero(complete[:SAMPLE])
+        order = np.concatenate([sample, order[~np.isin(order, sample)]])
+        size = sample.size + max(SAMPLE, len(counts) // CHECKED)
+        while order.size:
+            yield np.sort(order[:size])
+            order, size = order[size:], 2 * size
+
+    def _refine(self, found: EndValues, numbers: np.ndarray, level: float) -> int:
+        """Check some members and refine those that miss; how many did."""
+        chunks = [numbers[k : k + CHUNK] for k in range(0, numbers.size, CHUNK)]
+        members = ((chunk, self._starts_of(chunk)) for chunk in chunks)
+        refine = partial(self._refine_chunk, found, level)
+        missed = sum(in_threads(refine, members, self._threads))
+        self._run_alone(found, numbers[found.status[numbers] == MISSED])
+        return missed
+
+    def _refine_chunk(
+        self, found: EndValues, level: float, members: tuple[np.ndarray, np.ndarray]
+    ) -> int:
+        """Refine members, by numbers and starts; how many missed.  Those that still do get MISSED.
+
+        Threads write to different members of `found`.
+        """
+        now, starts = members
+        accuracy = strictest(self._accuracy)
+        missed = 0
+        coarse = self._members.run(self.tolerance(level), starts)
+        for k in range(REFINEMENTS + 1):
+            level = max(FLOOR, FINER * level)
+            fine = self._members.run(self.tolerance(level), starts)
+            excess = self._excess(fine, coarse)
+            bad = ~(excess <= KEPT)
+            missed = int(bad.sum()) if k == 0 else missed
+            found.error[now] = np.where(np.isfinite(excess), excess * accuracy, np.nan)
+            now, starts = now[bad], starts[bad]
+            if not now.size:
+                break
+            coarse = MemberRuns(fine.samples.of_members(bad), fine.counts[bad])
+            for name, values in zip(self._names, self._values(coarse.samples), strict=True):
+                found.values[name][now] = values
+            found.level[now], found.steps[now] = level, coarse.counts[:, STEPS]
+        found.status[now] = MISSED
+        return missed
+
+    def _starts_of(self, numbers: np.ndarray) -> np.ndarray:
+        """The states at t = 0 of members with any numbers, ascending."""
+        cuts = np.flatnonzero(np.diff(numbers // CHUNK)) + 1
+        return np.concatenate([self._starts(part) for part in np.split(numbers, cuts)])
+
+    def _run_alone(self, found: EndValues, numbers: np.ndarray) -> None:
+        """Run members one by one, each with a search for its own settings."""
+        for number in numbers:
+            member = self._variation.member(int(number))
+            scene = member.scene_with_start(self._simulation.scene)
+            simulation = prepare(scene, self._accuracy, self._simulation.method.name)
+            result = simulation.compute_first()
+            if result.status == Status.INTERRUPTED:
+                raise KeyboardInterrupt
+            kept = result.status == Status.COMPLETED and result.met is not False
+            missed = result.status == Status.COMPLETED and not kept
+            found.status[number] = MISSED if missed else str(result.status)
+            found.steps[number] = result.cost.steps
+            found.level[number] = found.error[number] = np.nan
+            for name in self._names:
+                end = result.ledger.series(name)[0][-1]
+                found.values[name][number] = end if kept else np.nan
+
+
+def tolerance_at(simulation: Simulation, scales: ToleranceScales, level: float) -> Tolerance:
+    """The setting of members at a level of their errors."""
+    setting = setting_at(simulation.layout, simulation.method, scales, level, NEAR_ALONE)
+    assert isinstance(setting, Tolerance)
+    return setting
