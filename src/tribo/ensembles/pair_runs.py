@@ -1,10 +1,13 @@
 """Members of a scene of two asperites: run by one compiled loop, checked, and refined.
 
-All members are run with one setting.  It is the loosest with which nearly all members of a sample
-agree with finer runs.  Then members are run again with a finer setting: the sample, and those that
-took the most evaluations, batch by batch, until a batch has none that misses its accuracy.  A
-member that does is delivered from the finer run, once that agrees with a still finer one, or else
-from a run of its own with a search for its settings.
+All members are run by one method with one setting: the cheapest of those with which nearly all
+members of a sample agree with finer runs.  Methods are the pair's collocation and, where the ledger
+follows from the motion by conservation of energy, explicit ones with members in lanes.
+
+Then members are run again with a finer setting: the sample, and those that took the most
+evaluations, batch by batch, until a batch has none that misses its accuracy.  A member that does is
+delivered from the finer run, once that agrees with a still finer one, or else from a run of its own
+with a search for its settings.
 """
 
 from __future__ import annotations
@@ -12,7 +15,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property, partial
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -25,11 +28,13 @@ from tribo.accuracy.scales import FLOOR, ToleranceScales, tolerance_scales
 from tribo.ensembles.end_values import MISSED, EndValues
 from tribo.ensembles.members import Variation
 from tribo.ensembles.threads import in_threads
+from tribo.integrators.nystrom_tableaux import RKN8, RKN12
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import COMPLETED, Status
 from tribo.pair.members import CODE, EVALUATIONS, STEPS
 from tribo.prepared import Simulation
 from tribo.run.initial_state import InitialState
+from tribo.run.lane_members import PairLanes, has_lanes
 from tribo.run.ledger import assemble
 from tribo.run.members import MemberRuns, MemberSamples, PairMembers
 from tribo.simulation import prepare
@@ -41,17 +46,59 @@ SAMPLE = 64
 # Members of the sample that may miss the accuracy with the setting of all: to refine one in 32
 # costs less than shorter steps for the others.
 MAY_MISS = 2
-# Levels that are tried, from the loosest: in units of the accuracy, each a quarter of the last.
-LEVELS = 4.0 ** np.arange(6, -12, -1)
-# Level of a run that checks another, relative to that: its error is two digits smaller.
+# Levels that are tried, from the loosest, in units of the accuracy.
+LEVELS = 2.0 ** np.arange(12, -24, -1)
+# Level of a run that checks another, relative to that or to the accuracy: its error is two digits
+# smaller.
 FINER = 1e-2
 # Largest difference of a run from a finer one, in units of the accuracy.  The rest is for the error
 # of the finer run, and for members that have larger errors than those of the sample.
 KEPT = 0.5
-# Members that are checked at least, by their evaluations: one in so many.
-CHECKED = 64
+# Members that are checked at least, by their evaluations: one in so many, which takes 2 % of the
+# time.
+CHECKED = 256
+# Longest step of members in lanes, as a fraction of the time to the next encounter.
+NEAR_IN_LANES = 1.0
+# Time of an evaluation of all forces in lanes, relative to that of the collocation: 7 and 15 ns, as
+# measured on cases A and C of the paper.
+COST_IN_LANES = 0.47
 # Times that a member is refined before it gets a run of its own.
 REFINEMENTS = 3
+
+
+class Loop(Protocol):
+    """Runs members with a setting."""
+
+    def run(self, tolerance: Tolerance, starts: np.ndarray) -> MemberRuns:
+        """Run members from `starts` (members, 2 coordinates), in this thread."""
+
+
+class Way(NamedTuple):
+    """A way to run members.
+
+    Attributes
+    ----------
+    method : str
+        Its name.
+    loop : Loop
+        Runs them.
+    near : float
+        The longest step, as a fraction of the time to the next encounter.
+    cost : float
+        Time of an evaluation, relative to that of the collocation.
+    """
+
+    method: str
+    loop: Loop
+    near: float
+    cost: float
+
+
+class Common(NamedTuple):
+    """The setting of all members: a way to run them, and its level."""
+
+    way: Way
+    level: float
 
 
 class Part(NamedTuple):
@@ -102,9 +149,17 @@ class PairRuns:
         self._threads = threads
         self._progress = progress
         self._layout = simulation.layout
-        times = np.array([0.0, simulation.scene.duration])
-        self._members = PairMembers(simulation.integrator.pair, times)
+        pair, duration = simulation.integrator.pair, simulation.scene.duration
+        collocation = PairMembers(pair, np.array([0.0, duration]))
+        self._exact = Way(simulation.method.name, collocation, NEAR_ALONE, 1.0)
+        self._ways = [self._exact]
+        if has_lanes(pair):
+            self._ways += [
+                Way(name, PairLanes(pair, method, duration), NEAR_IN_LANES, COST_IN_LANES)
+                for name, method in (("rkn8", RKN8), ("rkn12", RKN12))
+            ]
         self._initial = InitialState(self._layout)
+        self._tolerances: dict[tuple[float, float], Tolerance] = {}
 
     def run(self, count: int) -> EndValues:
         """Run the members from 0 to `count`; after an interrupt those that are complete are kept.
@@ -115,10 +170,10 @@ class PairRuns:
         interrupted = False
         chunks = [range(k, min(k + CHUNK, count)) for k in range(0, count, CHUNK)]
         try:
-            level = self._level(count)
+            common = self._common(count)
             # Values are drawn in this thread: distributions need not be safe in others.
             starts = map(self._starts, chunks)
-            for part in in_threads(partial(self._run_chunk, level), starts, self._threads):
+            for part in in_threads(partial(self._run_chunk, common), starts, self._threads):
                 parts.append(part)
                 self._report(sum(len(each.counts) for each in parts))
         except KeyboardInterrupt:
@@ -126,15 +181,18 @@ class PairRuns:
             interrupted = True
             if not parts:
                 raise
-        found = self._collected(parts, level)
+        found = self._collected(parts, common)
         found.interrupted = interrupted
         if not interrupted:
-            self._check(found, np.concatenate([part.counts for part in parts]), level)
+            self._check(found, np.concatenate([part.counts for part in parts]), common)
         return found
 
-    def tolerance(self, level: float) -> Tolerance:
-        """The setting of a level."""
-        return tolerance_at(self._simulation, self._scales, level)
+    def _run(self, way: Way, level: float, starts: np.ndarray) -> MemberRuns:
+        tolerance = self._tolerances.get((level, way.near))
+        if tolerance is None:
+            tolerance = tolerance_at(self._simulation, self._scales, level, way.near)
+            self._tolerances[level, way.near] = tolerance
+        return way.loop.run(tolerance, starts)
 
     def _report(self, done: int) -> None:
         if self._progress is not None:
@@ -151,8 +209,8 @@ class PairRuns:
         starts = self._initial.of_members(last + 1 - first, values)
         return starts[np.asarray(numbers) - first]
 
-    def _run_chunk(self, level: float, starts: np.ndarray) -> Part:
-        runs = self._members.run(self.tolerance(level), starts)
+    def _run_chunk(self, common: Common, starts: np.ndarray) -> Part:
+        runs = self._run(*common, starts)
         return Part(self._values(runs.samples), runs.counts)
 
     def _values(self, samples: MemberSamples) -> list[np.ndarray]:
@@ -160,17 +218,32 @@ class PairRuns:
         ledger, members = assemble(self._layout, samples), samples.members
         return [ledger.series(name)[0][-members:] for name in self._names]
 
-    def _level(self, count: int) -> float:
-        """The loosest level with which at most MAY_MISS members of the sample miss the accuracy."""
+    def _common(self, count: int) -> Common:
+        """The cheapest setting with which at most MAY_MISS of the sample miss the accuracy."""
         starts = self._starts(range(min(SAMPLE, count)))
-        accuracy = strictest(self._accuracy)
-        exact = self._members.run(self.tolerance(LEVELS[-1] * accuracy), starts)
-        good = exact.counts[:, CODE] == COMPLETED
-        for level in accuracy * LEVELS:
-            excess = self._excess(exact, self._members.run(self.tolerance(level), starts))
-            if np.sum(~(excess[good] <= KEPT)) <= MAY_MISS:
-                return float(level)
-        return max(FLOOR, float(accuracy * LEVELS[-1]))
+        exact = self._run(self._exact, LEVELS[-1] * strictest(self._accuracy), starts)
+        finest = Common(self._exact, max(FLOOR, FINER * strictest(self._accuracy)))
+        best, cost = finest, np.inf
+        for way in self._ways:
+            common, evaluations = self._loosest(way, exact, starts)
+            if way.cost * evaluations < cost:
+                best, cost = common, way.cost * evaluations
+        return best
+
+    def _loosest(self, way: Way, exact: MemberRuns, starts: np.ndarray) -> tuple[Common, float]:
+        """The loosest setting that nearly all of the sample allow, and its evaluations."""
+        known = exact.counts[:, CODE] == COMPLETED
+        levels = np.maximum(LEVELS * strictest(self._accuracy), FLOOR)
+        evaluations = np.inf
+        too_loose, good = -1, levels.size - 1
+        while good - too_loose > 1:
+            k = (good + too_loose) // 2
+            runs = self._run(way, levels[k], starts)
+            if np.sum(~(self._excess(exact, runs)[known] <= KEPT)) <= MAY_MISS:
+                good, evaluations = k, float(runs.counts[:, EVALUATIONS].sum())
+            else:
+                too_loose = k
+        return Common(way, float(levels[good])), evaluations
 
     def _excess(self, fine: MemberRuns, other: MemberRuns) -> np.ndarray:
         """The largest difference of each member, in units of its accuracy; infinite if unknown."""
@@ -178,7 +251,7 @@ class PairRuns:
         complete = (fine.counts[:, CODE] == COMPLETED) & (other.counts[:, CODE] == COMPLETED)
         return np.where(complete & np.isfinite(excess), excess, np.inf)
 
-    def _collected(self, parts: list[Part], level: float) -> EndValues:
+    def _collected(self, parts: list[Part], common: Common) -> EndValues:
         """The parts side by side."""
         counts = np.concatenate([part.counts for part in parts])
         values = {
@@ -188,15 +261,18 @@ class PairRuns:
         members = len(counts)
         status = np.full(members, str(Status.COMPLETED), dtype=object)
         unknown = np.full(members, np.nan)
-        attributes: dict[str, str | float] = {"scales": json.dumps(list(vars(self._scales).values()))}
-        levels = np.full(members, level)
+        attributes: dict[str, str | float] = {
+            "method": common.way.method,
+            "scales": json.dumps(list(vars(self._scales).values())),
+        }
+        levels = np.full(members, common.level)
         return EndValues(values, status, counts[:, STEPS], levels, unknown, attributes)
 
-    def _check(self, found: EndValues, counts: np.ndarray, level: float) -> None:
+    def _check(self, found: EndValues, counts: np.ndarray, common: Common) -> None:
         """Check members against finer runs, and refine those that miss their accuracy."""
         stopped = np.flatnonzero(counts[:, CODE] != COMPLETED)
         for numbers in self._batches(counts):
-            missed = self._refine(found, numbers, level)
+            missed = self._refine(found, numbers, common)
             if not missed:
                 break
         self._run_alone(found, stopped)
@@ -213,17 +289,17 @@ class PairRuns:
             yield np.sort(order[:size])
             order, size = order[size:], 2 * size
 
-    def _refine(self, found: EndValues, numbers: np.ndarray, level: float) -> int:
+    def _refine(self, found: EndValues, numbers: np.ndarray, common: Common) -> int:
         """Check some members and refine those that miss; how many did."""
         chunks = [numbers[k : k + CHUNK] for k in range(0, numbers.size, CHUNK)]
         members = ((chunk, self._starts_of(chunk)) for chunk in chunks)
-        refine = partial(self._refine_chunk, found, level)
+        refine = partial(self._refine_chunk, found, common)
         missed = sum(in_threads(refine, members, self._threads))
         self._run_alone(found, numbers[found.status[numbers] == MISSED])
         return missed
 
     def _refine_chunk(
-        self, found: EndValues, level: float, members: tuple[np.ndarray, np.ndarray]
+        self, found: EndValues, common: Common, members: tuple[np.ndarray, np.ndarray]
     ) -> int:
         """Refine members, by numbers and starts; how many missed.  Those that still do get MISSED.
 
@@ -232,10 +308,11 @@ class PairRuns:
         now, starts = members
         accuracy = strictest(self._accuracy)
         missed = 0
-        coarse = self._members.run(self.tolerance(level), starts)
+        coarse = self._run(*common, starts)
+        level = min(common.level, accuracy)
         for k in range(REFINEMENTS + 1):
             level = max(FLOOR, FINER * level)
-            fine = self._members.run(self.tolerance(level), starts)
+            fine = self._run(self._exact, level, starts)
             excess = self._excess(fine, coarse)
             bad = ~(excess <= KEPT)
             missed = int(bad.sum()) if k == 0 else missed
@@ -274,8 +351,10 @@ class PairRuns:
                 found.values[name][number] = end if kept else np.nan
 
 
-def tolerance_at(simulation: Simulation, scales: ToleranceScales, level: float) -> Tolerance:
+def tolerance_at(
+    simulation: Simulation, scales: ToleranceScales, level: float, near: float
+) -> Tolerance:
     """The setting of members at a level of their errors."""
-    setting = setting_at(simulation.layout, simulation.method, scales, level, NEAR_ALONE)
+    setting = setting_at(simulation.layout, simulation.method, scales, level, near)
     assert isinstance(setting, Tolerance)
     return setting

@@ -28,28 +28,32 @@ from tribo.kernels.simd import (
 from tribo.kernels.simd_arrays import load, rows_of, store
 from tribo.kernels.simd_functions import reduced
 from tribo.kernels.status import COMPLETED, PAUSED
-from tribo.pair.forces import contact_of, distance, encounter_rate_of, swing_accelerations
+from tribo.pair.forces import contact_of, distance, swing_accelerations
 from tribo.pair.loop import ENERGY
 from tribo.pair.members import CODE, EVALUATIONS, STEPS
-from tribo.pair.step import J_Y, Q1, Q2, S, V1, V2, X1, X2, Y1, Y2, J, K
+from tribo.pair.step import Q1, Q2, V1, V2, X1, X2, Y1, Y2, J, K, S
 
 # Registers in flight.
 GROUPS = 2
 
-# Rows of a register's memory, behind Q1 to J: the time, the next step, the rate of encounters, the
-# steps that were tried and those accepted, and the accelerations at the stages, three rows each.
-T, H, RATE, TRIALS, ACCEPTED, F = range(J + 1, J + 7)
+# Rows of a register's memory, behind Q1 to J: the time, the next step, the numbers of steps that
+# were tried and accepted, and the accelerations at the stages, three rows each.
+T, H, TRIALS, ACCEPTED, F = range(J + 1, J + 6)
 
-# Largest swing of a member in a lane [rad]: sine and cosine are exact up to a million quarter turns.
+# Largest swing of a member in a lane [rad]: up to a million quarter turns are reduced exactly.
 LARGEST_SWING = 1e6
 
 # Bounds on the ratio of a step to the one before it, and the part of the growth that an error
 # allows.
 LEAST_GROWTH, MOST_GROWTH, CAUTION = 0.2, 4.0, 0.85
 
+# A step is rejected if it is longer than this times the way to an encounter at its end.  Its start
+# limits it too, and the error estimate sees the force at its end.
+LARGEST_APPROACH = 3.0
+
 # Places in the limits: reciprocal tolerances of the rates, the first step, the largest part of the
-# way to an encounter, and the time of the end.
-UNIT1, UNIT2, UNITK, FIRST, NEAR, END = range(6)
+# way to an encounter, the time of the end, and the largest number of steps that are tried.
+UNIT1, UNIT2, UNITK, FIRST, NEAR, END, MOST_TRIALS = range(7)
 
 # Column of a record where the accelerations at the start stand until its member is loaded.
 START = J + 1
@@ -59,8 +63,9 @@ def coefficients(method: Nystrom) -> np.ndarray:
     """The table of a method, in the order in which a step reads it."""
     stages = method.c.size
     rows = [np.append(method.c[i], method.a[i, :i]) for i in range(1, stages)]
-    return np.concatenate([*rows, *np.column_stack([method.b, method.v, method.ev[:-1]]),
-                           method.ev[-1:]])
+    return np.concatenate(
+        [*rows, *np.column_stack([method.b, method.v, method.ev[:-1]]), method.ev[-1:]]
+    )
 
 
 @inlined
@@ -150,7 +155,7 @@ def end_step(pair, potential, work, base, limits, table, at, stages):
     error = error + absolute(h * (errork + last * fk)) * limits[0, UNITK]
     later = rate_of_encounters(pair, potential, r, new1, new2, rate1, rate2, ratek)
     # An encounter that the step would jump counts as an error; NaN is less than nothing.
-    error = where_less(h * later, 1.0, error, 1e30)
+    error = where_less(h * later, LARGEST_APPROACH, error, 1e30)
     growth = CAUTION / sqrt(sqrt(sqrt(error + 1e-30)))
     growth = where_less(broadcast(LEAST_GROWTH), growth, growth, LEAST_GROWTH)  # of NaN too
     growth = where_less(growth, MOST_GROWTH, growth, MOST_GROWTH)
@@ -171,7 +176,7 @@ def end_step(pair, potential, work, base, limits, table, at, stages):
     store(work, base + TRIALS, trials)
     store(work, base + ACCEPTED, load(work, base + ACCEPTED) + (error < 1.0))
     outside = (absolute(new1) > LARGEST_SWING) + (absolute(new2) > LARGEST_SWING)
-    return (load(work, base + T) >= limits[0, END]) + outside + (trials > limits[0, END + 1])
+    return (load(work, base + T) >= limits[0, END]) + outside + (trials > limits[0, MOST_TRIALS])
 
 
 @kernel
@@ -290,7 +295,7 @@ def pair_members_in_lanes(
     tables : ndarray, (n, 8)
         :func:`coefficients` of the method, row by row.
     bounds : ndarray, (1, 8)
-        UNIT1 to END, and the largest number of trials.
+        UNIT1 to MOST_TRIALS.
     starts : ndarray, (members, 2 coordinates)
         y of the scene's layout at t = 0, for each member.
     samples : ndarray, (2, members, COLUMNS)

@@ -10,11 +10,7 @@ from tribo.integrators.step_control import Tolerance
 from tribo.kernels.compiled import EntryPoint, time_loop
 from tribo.pair.loop import COLUMNS
 from tribo.pair.members import pair_members
-from tribo.pair.step import LIMITS, STATE, OF_V1, OF_V2, OF_J
-from tribo.pair.step import FIRST as FIRST_STEP
-from tribo.pair.lanes import coefficients, pair_members_in_lanes, GROUPS, F, UNIT1, UNIT2, UNITK, FIRST, NEAR, END
-from tribo.kernels.simd import LANES
-from tribo.integrators.nystrom import Nystrom
+from tribo.pair.step import LIMITS, STATE
 from tribo.plugins.compile_errors import compiling
 from tribo.plugins.sources import source_stamp
 from tribo.run.pair_adapter import Factors, Pair, PairSamples
@@ -133,54 +129,4 @@ class PairMembers:
             np.empty((times.size + 1, COLUMNS)),
             np.empty((times.size, members, COLUMNS)),
             np.empty((members, 3), np.int64),
-        )
-
-
-class PairLanes:
-    """Runs members of a scene of two asperites in lanes, by an explicit method, in threads.
-
-    Parameters
-    ----------
-    pair : Pair
-        The scene, for which `has_lanes` is true.
-    method : Nystrom
-        Of which order.
-    duration : float
-        Of the runs [time].
-    """
-
-    def __init__(self, pair: Pair, method: Nystrom, duration: float) -> None:
-        self._pair = pair
-        self._times = np.array([0.0, duration])
-        self._stages = method.c.size
-        flat = coefficients(method)
-        self._table = np.zeros((-(-flat.size // LANES), LANES))
-        self._table.flat[: flat.size] = flat
-        loop = time_loop(pair_members_in_lanes, source_stamp(pair.layout.plugins), nogil=True)
-        with compiling(loop, pair.layout.named_plugins):
-            self._loop = EntryPoint(loop, pair.scene_arguments, self._arguments(np.zeros((1, 8)), 1))
-
-    def run(self, tolerance, starts):
-        limits = self._pair.limits(tolerance)
-        bounds = np.zeros((1, LANES))
-        bounds[0, [UNIT1, UNIT2, UNITK]] = 1.0 / limits[0, [OF_V1, OF_V2, OF_J]]
-        bounds[0, FIRST] = limits[0, FIRST_STEP]
-        bounds[0, NEAR] = tolerance.encounter_fraction
-        bounds[0, END] = self._times[1]
-        bounds[0, END + 1] = MOST_STEPS
-        arguments = self._arguments(bounds, len(starts))
-        arguments[3][...] = starts
-        self._loop(*arguments)
-        return MemberRuns(MemberSamples(self._times, arguments[4], self._pair.factors), arguments[5])
-
-    def _arguments(self, bounds, members):
-        return (
-            np.zeros((GROUPS * (F + 3 * self._stages), LANES)),
-            self._table,
-            bounds,
-            np.empty((members, self._pair.layout.start.size)),
-            np.empty((2, members, COLUMNS)),
-            np.empty((members, 3), np.int64),
-            np.empty((GROUPS, LANES), np.int64),
-            self._stages,
         )
