@@ -85,8 +85,8 @@ def test_members_in_lanes_alone(case, method):
 def test_neither_threads_nor_number_change_a_member():
     """Members of several chunks and blocks of draws."""
     scene = scene_of("A")
-    many = ensemble(scene, 5000, STARTS, keep=KEEP, threads=1)
-    two = ensemble(scene, 5000, STARTS, keep=KEEP, threads=2)
+    many = ensemble(scene, 20_000, STARTS, keep=KEEP, threads=1)
+    two = ensemble(scene, 20_000, STARTS, keep=KEEP, threads=2)
     few = ensemble(scene, 300, STARTS, keep=KEEP)
     for name in [*KEEP, "level", "steps", "seed", *STARTS]:
         np.testing.assert_array_equal(many[name], two[name])
@@ -194,7 +194,7 @@ def test_an_interrupt_keeps_the_members_that_are_complete():
         if done >= 2:
             raise KeyboardInterrupt
 
-    data = ensemble(scene_of("A"), 9000, STARTS, keep=["upper.w1"], progress=stop)
+    data = ensemble(scene_of("A"), 20_000, STARTS, keep=["upper.w1"], progress=stop)
     assert data.attrs["status"] == "Interrupted"
     assert data.sizes["member"] == pair_runs.CHUNK
     warm = tribo.Surface("upper", langevin=tribo.Langevin(0.6, 0.3))

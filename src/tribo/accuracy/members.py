@@ -14,10 +14,8 @@ from tribo.run.members import MemberSamples
 from tribo.run.totals import Group
 
 
-def excess_of_members(
-    layout: Layout, fine: MemberSamples, other: MemberSamples, accuracy: Accuracy
-) -> np.ndarray:
-    """The largest difference of each member from its finer run, in units of the accuracy.
+class FineMembers:
+    """Members that others are compared with.
 
     Errors are relative to the scales of the member, as those of a single run.
 
@@ -25,30 +23,44 @@ def excess_of_members(
     ----------
     layout : Layout
         The scene.
-    fine, other : MemberSamples
-        The same members at the same times.
+    fine : MemberSamples
+        Their samples.
     accuracy : float or mapping
         The relative error of everything, or of each observable named.
-
-    Returns
-    -------
-    ndarray, (members,)
-        NaN where a value is not finite.
     """
-    names = observables(accuracy)
-    group = Group(layout, fine, (layout.together,))
-    mine = columns_of(layout, group, names)
-    theirs = columns_of(layout, Group(layout, other, (layout.together,)), names)
-    tops = _largest(mine, fine.members)
-    gaps = _largest(mine.minus(theirs), fine.members)
-    scales = _scales(layout, group, tops, fine.members)
-    worst = np.zeros(fine.members)
-    for name in names or mine.names:
-        relative = accuracy[name] if isinstance(accuracy, Mapping) else accuracy
-        scale = relative * scales[KINDS[name.rpartition(".")[2]]]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            worst = np.maximum(worst, np.where(gaps[name] == 0.0, 0.0, gaps[name] / scale))
-    return worst
+
+    def __init__(self, layout: Layout, fine: MemberSamples, accuracy: Accuracy) -> None:
+        self._layout = layout
+        self._accuracy = accuracy
+        self._names = observables(accuracy)
+        self._members = fine.members
+        group = Group(layout, fine, (layout.together,))
+        self._columns = columns_of(layout, group, self._names)
+        self._scales = _scales(layout, group, _largest(self._columns, fine.members), fine.members)
+
+    def excess(self, other: MemberSamples) -> np.ndarray:
+        """The largest difference of each member in another run, in units of the accuracy.
+
+        Parameters
+        ----------
+        other : MemberSamples
+            The same members at the same times.
+
+        Returns
+        -------
+        ndarray, (members,)
+            NaN where a value is not finite.
+        """
+        accuracy, group = self._accuracy, Group(self._layout, other, (self._layout.together,))
+        theirs = columns_of(self._layout, group, self._names)
+        gaps = _largest(self._columns.minus(theirs), self._members)
+        worst = np.zeros(self._members)
+        for name in self._names or self._columns.names:
+            relative = accuracy[name] if isinstance(accuracy, Mapping) else accuracy
+            scale = relative * self._scales[KINDS[name.rpartition(".")[2]]]
+            with np.errstate(divide="ignore", invalid="ignore"):
+                worst = np.maximum(worst, np.where(gaps[name] == 0.0, 0.0, gaps[name] / scale))
+        return worst
 
 
 def _largest(columns: Columns, members: int) -> dict[str, np.ndarray]:

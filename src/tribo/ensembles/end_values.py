@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 # The status of a member whose accuracy is out of reach.
 MISSED = "AccuracyMissed"
+# Of an array of names of statuses.
+STATUS_TYPE = f"U{max(map(len, [MISSED, *Status]))}"
 
 
 @dataclass(eq=False)
@@ -113,7 +115,7 @@ def _coordinates(
     coordinates: dict[str, Variable] = {
         "member": (("member",), np.arange(count), {"long_name": "member"}),
         "seed": (("member",), variation.seeds(0, count), {"long_name": "seed of the member"}),
-        "status": (("member",), found.status.astype(str), {"long_name": "end of its run"}),
+        "status": (("member",), found.status, {"long_name": "end of its run"}),
         "time": ((), simulation.scene.duration, end),
     }
     values = {

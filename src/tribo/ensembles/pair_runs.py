@@ -23,9 +23,9 @@ from tribo import interrupts
 from tribo.accuracy.cheapest_setting import NEAR_ALONE
 from tribo.accuracy.comparison import strictest
 from tribo.accuracy.levels import setting_at
-from tribo.accuracy.members import excess_of_members
+from tribo.accuracy.members import FineMembers
 from tribo.accuracy.scales import FLOOR, ToleranceScales, tolerance_scales
-from tribo.ensembles.end_values import MISSED, EndValues
+from tribo.ensembles.end_values import MISSED, STATUS_TYPE, EndValues
 from tribo.ensembles.members import Variation
 from tribo.ensembles.threads import in_threads
 from tribo.integrators.nystrom_tableaux import RKN8, RKN12
@@ -39,8 +39,8 @@ from tribo.run.ledger import assemble
 from tribo.run.members import MemberRuns, MemberSamples, PairMembers
 from tribo.simulation import prepare
 
-# Members that a thread runs in one call: some 10 ms, after which it can be interrupted.
-CHUNK = 2048
+# Members that a thread runs in one call: some 30 ms, after which it can be interrupted.
+CHUNK = 8192
 # Members by which the setting is chosen, the first ones: their share of a million is nothing.
 SAMPLE = 64
 # Members of the sample that may miss the accuracy with the setting of all: to refine one in 32
@@ -222,34 +222,37 @@ class PairRuns:
         """The cheapest setting with which at most MAY_MISS of the sample miss the accuracy."""
         starts = self._starts(range(min(SAMPLE, count)))
         exact = self._run(self._exact, LEVELS[-1] * strictest(self._accuracy), starts)
+        known = exact.counts[:, CODE] == COMPLETED
+        fine = self._fine(exact)
         finest = Common(self._exact, max(FLOOR, FINER * strictest(self._accuracy)))
         best, cost = finest, np.inf
         for way in self._ways:
-            common, evaluations = self._loosest(way, exact, starts)
+            common, evaluations = self._loosest(way, fine, known, starts)
             if way.cost * evaluations < cost:
                 best, cost = common, way.cost * evaluations
         return best
 
-    def _loosest(self, way: Way, exact: MemberRuns, starts: np.ndarray) -> tuple[Common, float]:
-        """The loosest setting that nearly all of the sample allow, and its evaluations."""
-        known = exact.counts[:, CODE] == COMPLETED
+    def _loosest(
+        self, way: Way, fine: FineMembers, known: np.ndarray, starts: np.ndarray
+    ) -> tuple[Common, float]:
+        """The loosest setting that nearly all `known` members of the sample allow, and its cost.
+
+        The cost is in evaluations.
+        """
         levels = np.maximum(LEVELS * strictest(self._accuracy), FLOOR)
         evaluations = np.inf
         too_loose, good = -1, levels.size - 1
         while good - too_loose > 1:
             k = (good + too_loose) // 2
             runs = self._run(way, levels[k], starts)
-            if np.sum(~(self._excess(exact, runs)[known] <= KEPT)) <= MAY_MISS:
+            if np.sum(~(_excess(fine, runs)[known] <= KEPT)) <= MAY_MISS:
                 good, evaluations = k, float(runs.counts[:, EVALUATIONS].sum())
             else:
                 too_loose = k
         return Common(way, float(levels[good])), evaluations
 
-    def _excess(self, fine: MemberRuns, other: MemberRuns) -> np.ndarray:
-        """The largest difference of each member, in units of its accuracy; infinite if unknown."""
-        excess = excess_of_members(self._layout, fine.samples, other.samples, self._accuracy)
-        complete = (fine.counts[:, CODE] == COMPLETED) & (other.counts[:, CODE] == COMPLETED)
-        return np.where(complete & np.isfinite(excess), excess, np.inf)
+    def _fine(self, runs: MemberRuns) -> FineMembers:
+        return FineMembers(self._layout, runs.samples, self._accuracy)
 
     def _collected(self, parts: list[Part], common: Common) -> EndValues:
         """The parts side by side."""
@@ -259,7 +262,7 @@ class PairRuns:
             for k, name in enumerate(self._names)
         }
         members = len(counts)
-        status = np.full(members, str(Status.COMPLETED), dtype=object)
+        status = np.full(members, str(Status.COMPLETED), dtype=STATUS_TYPE)
         unknown = np.full(members, np.nan)
         attributes: dict[str, str | float] = {
             "method": common.way.method,
@@ -313,7 +316,8 @@ class PairRuns:
         for k in range(REFINEMENTS + 1):
             level = max(FLOOR, FINER * level)
             fine = self._run(self._exact, level, starts)
-            excess = self._excess(fine, coarse)
+            excess = _excess(self._fine(fine), coarse)
+            excess[fine.counts[:, CODE] != COMPLETED] = np.inf
             bad = ~(excess <= KEPT)
             missed = int(bad.sum()) if k == 0 else missed
             found.error[now] = np.where(np.isfinite(excess), excess * accuracy, np.nan)
@@ -349,6 +353,12 @@ class PairRuns:
             for name in self._names:
                 end = result.ledger.series(name)[0][-1]
                 found.values[name][number] = end if kept else np.nan
+
+
+def _excess(fine: FineMembers, runs: MemberRuns) -> np.ndarray:
+    """The largest difference of each member, in units of its accuracy; infinite if unknown."""
+    excess = fine.excess(runs.samples)
+    return np.where((runs.counts[:, CODE] == COMPLETED) & np.isfinite(excess), excess, np.inf)
 
 
 def tolerance_at(

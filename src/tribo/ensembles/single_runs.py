@@ -10,7 +10,7 @@ import numpy as np
 
 from tribo import interrupts
 from tribo.accuracy.plan import Plan
-from tribo.ensembles.end_values import MISSED, EndValues
+from tribo.ensembles.end_values import MISSED, STATUS_TYPE, EndValues
 from tribo.ensembles.members import Member, Variation
 from tribo.ensembles.runner import JOBS, Engine, run_jobs
 from tribo.kernels.status import Status
@@ -102,7 +102,7 @@ class SingleRuns:
         unknown = np.full(len(ends), np.nan)
         return EndValues(
             {name: np.array([end.values[k] for end in ends]) for k, name in enumerate(self._names)},
-            np.array([end.status for end in ends], dtype=object),
+            np.array([end.status for end in ends], dtype=STATUS_TYPE),
             np.array([end.steps for end in ends]),
             unknown,
             unknown.copy(),
