@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 import tribo
 from support.sliding import CUTOFF, long_slide, scene
+from tribo.kernels.compiled import shared_kernel
 from tribo.kernels.neighbours import refresh
 from tribo.kernels.records import X, Y
 from tribo.run import contacts, general_loop
@@ -52,6 +53,12 @@ def places(draw):
     return upper, lower, box
 
 
+@shared_kernel
+def update(model, neighbours):
+    """What a time loop does before it computes contact."""
+    refresh(model, neighbours)
+
+
 @settings(max_examples=60)
 @given(places(), st.floats(-100.0, 100.0))
 def test_a_list_has_every_pair_within_reach(given_places, slide):
@@ -68,9 +75,9 @@ def test_a_list_has_every_pair_within_reach(given_places, slide):
     for shift in (0.0, slide):
         layout.model.bobs[[[X], [Y]], columns] = world[:, :2].T
         layout.model.bobs[X, columns[: len(upper)]] += shift
-        refresh(layout.model, neighbours)
+        update(layout.model, neighbours)
         neighbours = general_loop.with_room(neighbours)
-        refresh(layout.model, neighbours)
+        update(layout.model, neighbours)
         now = np.column_stack([*layout.model.bobs[[[X], [Y]], columns], layout.depths])
         needed = pairs_within(now, len(upper), CUTOFF, box)
         wide = pairs_within(now, len(upper), CUTOFF + 2.01 * layout.skin, box)

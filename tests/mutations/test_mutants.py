@@ -24,6 +24,7 @@ PATTERNS = [
     "kernels/fields.py",
     "kernels/kinematics.py",
     "kernels/langevin.py",
+    "kernels/levers.py",
     "kernels/neighbours.py",
     "kernels/powers.py",
     "kernels/samples.py",
@@ -32,10 +33,14 @@ PATTERNS = [
     "model/fields.py",
     "pair/*.py",
     "run/accounts.py",
+    "run/batch.py",
     "run/contacts.py",
     "run/layout.py",
     "run/ledger.py",
+    "run/model_tables.py",
     "run/motion.py",
+    "run/scene_records.py",
+    "run/start.py",
     "run/totals.py",
 ]
 FILES = [

@@ -32,7 +32,7 @@ from support.package import SOURCE
 from support.registers import registers_as_arrays
 
 ALL = SCENES | PAIRS
-IDENTITIES_ALONE = ("open", "twisting", "waves", "damped")
+IDENTITIES_ALONE = ("held", "open", "swinging", "twisting", "waves", "damped")
 NO_REFERENCE = {"surfaces": {}, "blocks": {}, "system": {}, "scales": {"energy": 0.5}}
 WEAK = COULOMB | {"strength": 1e-15}
 SOLVED = 1e-10  # relative error of a step of the independent solver: the checks allow 1e-7
@@ -481,7 +481,7 @@ CHECKS: dict[str, Callable[[], str]] = (
         "equal steps": equal_steps,
     }
 )
-for _scene in ("slid", "pulled", "lattice", "open", "twisting"):
+for _scene in ("slid", "pulled", "lattice", "open", "twisting", "held", "swinging"):
     CHECKS[f"midpoint, {_scene}"] = Steps(_scene, "midpoint", 0.05, 2, 1e-3)
 for _scene in ("slid", "pulled", "lattice", "twisting"):
     CHECKS[f"kahan-li-6, {_scene}"] = Steps(_scene, "kahan-li-6", 0.25, 6, 1e-5)
@@ -500,6 +500,8 @@ for _scene in ("slid", "pulled", "slid, slowly"):
     CHECKS[f"encounters, {_scene}"] = Encounters(_scene)
 CHECKS["verlet, open"] = Steps("open", "verlet", 0.05, 2, 1e-5)  # its identities are exact
 CHECKS["verlet and midpoint, damped"] = Agrees("damped", "verlet", "midpoint", 0.05, 1e-3)
+for _scene in ("held", "swinging"):
+    CHECKS[f"verlet and midpoint, {_scene}"] = Agrees(_scene, "verlet", "midpoint", 0.05, 1e-3)
 CHECKS["rk4, slid"] = Steps("slid", "rk4", 0.1, 4, 1e-4)
 CHECKS["rk4, slid, streamed"] = Limited(
     CHECKS["rk4, slid"], {"streamed_ledger.SERIES_BYTES": 0, "streamed_ledger.PORTION_BYTES": 0}

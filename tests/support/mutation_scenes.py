@@ -1,5 +1,7 @@
 """Short scenes that between them reach every equation, as tables of scene files."""
 
+import math
+
 from support.random_scenes import POTENTIALS
 
 COULOMB = {"potential": "coulomb", "strength": 0.4}
@@ -137,10 +139,21 @@ SCENES = {
         duration=0.6,
     ),
     # Without a solution by other means: the identities alone.
+    "held": scene(
+        {"drive": "bars"},
+        {
+            "drive": "free",
+            "asperite": LOWER["asperite"] | {"kappa": math.inf},
+            "initial": {"theta": 3.6, "phi": 0.2},
+        },
+    ),
     "open": scene(
         {"drive": "free", "langevin": {"gamma": 0.4, "velocity": [-0.5, -0.2]}},
         {"langevin": {"gamma": 0.3, "velocity": [-0.3, 1.0]}} | TURNING,
         field=[CORRUGATION | {"on": ["upper", "lower"], "velocity": [0.4, 0.1]}],
+    ),
+    "swinging": scene(
+        {"drive": "free", "langevin": {"gamma": 0.4, "on": "swing"}}, {"bars": "free"}
     ),
     "twisting": scene(
         {"bars": "free", "bath": bath((0.3, 1.5), torsional=[{"inertia": 0.4, "frequency": 1.1}])},

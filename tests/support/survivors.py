@@ -31,23 +31,13 @@ EQUIVALENT = {
     "run/totals.py: System.applied: f.account >= 0 -> f.account >= 1": (
         "the first slots are those of contact; no field has slot 0"
     ),
-    "integrators/time_loops.py: equal_steps: zero_rows(3, model.asperites.shape[1]) -> "
-    "zero_rows(4, model.asperites.shape[1])": "one more row of memory, not used",
-    "integrators/time_loops.py: adaptive_steps: zero_rows(3, model.asperites.shape[1]) -> "
-    "zero_rows(4, model.asperites.shape[1])": "one more row of memory, not used",
     "kernels/samples.py: initial_state: 0 if splits else n -> 1 if splits else n": (
         "splitting methods do not read the acceleration of a state: one number of memory"
     ),
 }
 
 # Results, costs or statuses may change, and no check notices: each of these is a gap.
-OPEN: set[str] = {
-    # No scene of mutants has driven bars, rigid asperites or a reservoir on the swing.
-    "kernels/blocks.py: is_fixed: fixed is None -> fixed is not None",
-    "run/accounts.py: _thermal: Account(about + swing, jx, jy, pseudo) -> "
-    "Account(about - swing, jx, jy, pseudo)",
-    "run/model_tables.py: _refer_to_bars: a['pivot'] ** 2 -> a['pivot'] ** 3",
-}
+OPEN: set[str] = set()
 
 # Functions that uncompiled code cannot reach -> where they are tested.
 NEEDS_COMPILER = {

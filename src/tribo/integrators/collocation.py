@@ -16,11 +16,12 @@ import numpy as np
 
 from tribo.integrators.linear_combinations import add, add_twice, combine, combine_twice, largest
 from tribo.integrators.step_control import EPSILON, all_finite, evaluate_rates, growth_factor
-from tribo.kernels.compiled import expanded, kernel, owning_kernel
+from tribo.kernels.compiled import expanded, kernel
 from tribo.kernels.equations_of_motion import equations_of_motion
 from tribo.kernels.powers import all_powers
-from tribo.kernels.samples import copy, copy_rows, copy_state
-from tribo.kernels.simd_arrays import zero_row, zero_rows
+from tribo.kernels.records import Model
+from tribo.kernels.samples import State, copy, copy_rows, copy_state
+from tribo.kernels.simd_arrays import room
 from tribo.kernels.status import COMPLETED, NOT_CONVERGED, NOT_FINITE
 
 # Sweeps through the nodes after which an iteration has not converged.
@@ -63,8 +64,8 @@ class Collocation(NamedTuple):
     pole: np.ndarray  # (nodes,) 1 / product over k of c_j - c_k, of the barycentric formula
     last: np.ndarray  # (nodes,) weights of the integral of the polynomial's highest term
 
-    def workspace(self, model, state):
-        """The arrays that a step needs."""
+    def workspace(self, model: Model, state: State) -> Nodes:
+        """The arrays that a step needs, for Python."""
         return empty_nodes(self.c.size, state)
 
     def step(self, model, neighbours, clock, h, end, state, work):
@@ -93,16 +94,15 @@ class Collocation(NamedTuple):
         return error <= 1.0, growth, math.isfinite(error)
 
 
-@owning_kernel
-def empty_nodes(count, state):
+def empty_nodes(count: int, state: State) -> Nodes:
     """Room for that many nodes."""
     n = state.acceleration.size
     return Nodes(
-        zero_rows(count, n),
-        zero_rows(count, state.s.size),
-        zero_row(2 * n),
-        zero_row(n),
-        zero_row(n),
+        room((count, n)),
+        room((count, state.s.size)),
+        room((2 * n,)),
+        room((n,)),
+        room((n,)),
     )
 
 

@@ -17,11 +17,12 @@ import numpy as np
 
 from tribo.integrators.linear_combinations import add, add_twice, combine, combine_twice, largest
 from tribo.integrators.step_control import evaluate_rates, growth_factor
-from tribo.kernels.compiled import expanded, kernel, owning_kernel
+from tribo.kernels.compiled import expanded, kernel
 from tribo.kernels.equations_of_motion import equations_of_motion
 from tribo.kernels.powers import all_powers
-from tribo.kernels.samples import copy, copy_rows, copy_state
-from tribo.kernels.simd_arrays import zero_row, zero_rows
+from tribo.kernels.records import Model
+from tribo.kernels.samples import State, copy, copy_rows, copy_state
+from tribo.kernels.simd_arrays import room
 
 
 class Stages(NamedTuple):
@@ -51,8 +52,8 @@ class Nystrom(NamedTuple):
     ev: np.ndarray  # (stages + 1,) of velocities and accounts; the last at the end of the step
     order: float  # of the error estimate as a power of h
 
-    def workspace(self, model, state):
-        """The arrays that a step needs."""
+    def workspace(self, model: Model, state: State) -> Stages:
+        """The arrays that a step needs, for Python."""
         return empty_stages(self.c.size, model, state)
 
     def trial(self, model, neighbours, clock, h, end, state, new, tolerance, work):
@@ -67,32 +68,24 @@ class Nystrom(NamedTuple):
         return error <= 1.0, growth_factor(error, self.order), math.isfinite(error)
 
 
-@owning_kernel
-def empty_stages(count, model, state):
+def empty_stages(count: int, model: Model, state: State) -> Stages:
     """Room for that many stages."""
     n = state.acceleration.size
     asperites = model.bobs.shape[1]
     return Stages(
-        zero_rows(count, n),
-        zero_rows(count + 1, n),
-        zero_rows(count + 1, state.s.size),
-        np.empty((count, model.bobs.shape[0], asperites)),
-        np.empty((count, stored_rows(model), asperites)),
-        zero_row(n),
+        room((count, n)),
+        room((count + 1, n)),
+        room((count + 1, state.s.size)),
+        room((count, model.bobs.shape[0], asperites)),
+        room((count, stored_rows(model), asperites)),
+        room((n,)),
     )
 
 
-@kernel
-def rows_of_table(table):
-    """Number of rows of a table; 0 without one."""
-    return 0 if table is None else table.shape[0]
-
-
-@kernel
-def stored_rows(model):
+def stored_rows(model: Model) -> int:
     """Number of rows of all tables of forces that depend on positions but that of the bobs."""
-    rows = rows_of_table(model.drive) + rows_of_table(model.inner)
-    return rows + rows_of_table(model.external) + rows_of_table(model.internal)
+    tables = model.drive, model.inner, model.external, model.internal
+    return sum(len(table) for table in tables if table is not None)
 
 
 @kernel
@@ -147,7 +140,7 @@ def evaluate_stages(method, model, neighbours, clock, h, end, state, new, work):
     f = work.accelerations
     for i in range(1, last):
         place = work.q[i]
-        combine_twice(q, h, method.c[i], v, method.a[i, :i], f, place)
+        combine_twice(q, h, method.c[i], v, method.a[i][:i], f, place)
         equations_of_motion(model, neighbours, clock.t + method.c[i] * h, place, v, f[i])
         store_forces(model, work, i)
     add_twice(new.y[:n], new.y_low[:n], h, v, new.y_low[n:], method.b, f)

@@ -2,18 +2,16 @@
 
 import numpy as np
 
-from tribo.kernels.compiled import inlined, kernel, owning_kernel
+from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.simd import LANES, where_less
-from tribo.kernels.simd_arrays import block, set_block, zero_rows
+from tribo.kernels.simd_arrays import block, room, set_block
 from tribo.kernels.simd_functions import sine_cosine
 
 
-@owning_kernel
-def empty_rotations(table):
+def empty_rotations(table: np.ndarray | None) -> np.ndarray:
     """Room for the rotations of the columns of a table, and for their time."""
-    if table is None:
-        return np.empty((3, 0))
-    rotations = zero_rows(3, table.shape[1] + LANES)
+    columns = 0 if table is None else table.shape[1] + LANES
+    rotations = room((3, columns))
     rotations[:] = np.nan
     return rotations
 

@@ -11,9 +11,10 @@ import numpy as np
 
 from tribo.integrators.linear_combinations import add, combine, largest
 from tribo.integrators.step_control import evaluate_rates, growth_factor
-from tribo.kernels.compiled import expanded, owning_kernel
-from tribo.kernels.samples import copy, copy_state
-from tribo.kernels.simd_arrays import zero_row, zero_rows
+from tribo.kernels.compiled import expanded
+from tribo.kernels.records import Model
+from tribo.kernels.samples import State, copy, copy_state
+from tribo.kernels.simd_arrays import room
 from tribo.kernels.status import COMPLETED
 
 ERROR_ORDER = 8.0  # power of h as which the combined error estimate of DOP853 grows
@@ -34,8 +35,8 @@ class RungeKutta(NamedTuple):
     b: np.ndarray  # (stages,)
     c: np.ndarray  # (stages,)
 
-    def workspace(self, model, state):
-        """The arrays that a step needs."""
+    def workspace(self, model: Model, state: State) -> Stages:
+        """The arrays that a step needs, for Python."""
         return empty_stages(self.b.size, state)
 
     def step(self, model, neighbours, clock, h, end, state, work):
@@ -58,8 +59,8 @@ class EmbeddedRungeKutta(NamedTuple):
     e5: np.ndarray  # (stages,)
     e3: np.ndarray  # (stages,)
 
-    def workspace(self, model, state):
-        """The arrays that a step needs."""
+    def workspace(self, model: Model, state: State) -> Stages:
+        """The arrays that a step needs, for Python."""
         return empty_stages(self.b.size, state)
 
     def trial(self, model, neighbours, clock, h, end, state, new, tolerance, work):
@@ -76,20 +77,18 @@ class EmbeddedRungeKutta(NamedTuple):
         return error <= 1.0, growth_factor(error, ERROR_ORDER), math.isfinite(error)
 
 
-@owning_kernel
-def empty_stages(count, state):
+def empty_stages(count: int, state: State) -> Stages:
     """Room for that many stages."""
-    return Stages(
-        zero_rows(count, state.y.size), zero_rows(count, state.s.size), zero_row(state.y.size)
-    )
+    coordinates, accounts = state.y.size, state.s.size
+    return Stages(room((count, coordinates)), room((count, accounts)), room((coordinates,)))
 
 
 @expanded
 def evaluate_stages(method, model, neighbours, clock, h, state, work):
     """Rates of change at all stages."""
     n = state.acceleration.size
-    copy(state.y[n:], work.derivatives[0, :n])
-    copy(state.acceleration, work.derivatives[0, n:])
+    copy(state.y[n:], work.derivatives[0][:n])
+    copy(state.acceleration, work.derivatives[0][n:])
     copy(state.power, work.powers[0])
     y = work.y
     for i in range(1, method.b.size):

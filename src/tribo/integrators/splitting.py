@@ -36,8 +36,9 @@ from tribo.integrators.step_control import (
     time_left,
     update_encounter,
 )
+from tribo.kernels.array_pointers import pointers
 from tribo.kernels.blocks import clear, coordinates, is_fixed
-from tribo.kernels.compiled import inlined, kernel, owning_kernel
+from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.equations_of_motion import (
     accelerate,
     accelerate_block,
@@ -60,10 +61,11 @@ from tribo.kernels.records import (
     NU_START,
     PHI_START,
     SIN_PHI,
+    Model,
 )
-from tribo.kernels.samples import copy
+from tribo.kernels.samples import State, copy
 from tribo.kernels.simd import LANES
-from tribo.kernels.simd_arrays import add_block, block, set_block, zero_row, zero_rows
+from tribo.kernels.simd_arrays import add_block, block, room, set_block
 from tribo.kernels.simd_functions import sine_cosine
 from tribo.kernels.status import (
     BOBS_COINCIDE,
@@ -83,11 +85,36 @@ WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18.0
 ITERATIONS = 3
 
 
+class Work(NamedTuple):
+    """Room for what a step computes."""
+
+    acceleration: np.ndarray  # (coordinates,)
+    middle: np.ndarray  # (coordinates,) velocities in the middle of a kick
+    power: np.ndarray  # (accounts,)
+    speeds: np.ndarray  # (3, asperites)
+    rotations: np.ndarray  # (3, asperites + 1), see `set_rotations`
+    bath: np.ndarray
+    torsional: np.ndarray
+
+
 class Splitting(NamedTuple):
     """A step as alternating drifts and kicks, drifts first and last, in fractions of the step."""
 
     drifts: np.ndarray  # (kicks + 1,), a palindrome
     kicks: np.ndarray  # (kicks,), a palindrome
+
+    def workspace(self, model: Model, state: State) -> Work:
+        """The arrays that a step needs, for Python."""
+        n = state.y.size // 2
+        return Work(
+            room((n,)),
+            room((n,)),
+            room(state.s.shape),
+            room((3, model.asperites.shape[1])),
+            empty_rotations(model.asperites),
+            empty_rotations(model.bath),
+            empty_rotations(model.torsional),
+        )
 
 
 def composed(*first: float) -> Splitting:
@@ -294,32 +321,6 @@ def kick(model, t, tau, q, v, accounts, work):
         add_block(accounts, m, tau * block(power, m))
 
 
-class Work(NamedTuple):
-    """Room for what a step computes."""
-
-    acceleration: np.ndarray  # (coordinates,)
-    middle: np.ndarray  # (coordinates,) velocities in the middle of a kick
-    power: np.ndarray  # (accounts,)
-    speeds: np.ndarray  # (3, asperites)
-    rotations: np.ndarray  # (3, asperites + 1), see `set_rotations`
-    bath: np.ndarray
-    torsional: np.ndarray
-
-
-@owning_kernel
-def empty_work(model, state):
-    """Room for a step."""
-    return Work(
-        zero_row(state.y.size // 2),
-        zero_row(state.y.size // 2),
-        zero_row(state.s.size),
-        zero_rows(3, model.asperites.shape[1]),
-        empty_rotations(model.asperites),
-        empty_rotations(model.bath),
-        empty_rotations(model.torsional),
-    )
-
-
 @kernel
 def begin(model, neighbours, clock, state, work):
     """The encounter rate and the works of the ends at the start of a run; a status."""
@@ -379,14 +380,22 @@ def take_step(model, neighbours, splitting, clock, h, state, work, noise):
             kick(model, t, 0.5 * tau, q, v, s, work)
         else:
             kick(model, t, tau, q, v, s, work)
-    clock.drift_lag = splitting.drifts[-1] * h
+    clock.drift_lag = splitting.drifts[splitting.kicks.size] * h
 
 
-@kernel
-def take_steps(
-    model, neighbours, splitting, step, clock, state, times, record, budget, noise, work
+def splitting_steps(
+    model, neighbours, splitting, step, clocks, state, times, record, budget, noise, work
 ):
-    """Integrate through the sample times; see :func:`splitting_steps`."""
+    """Integrate through the sample times in equal steps of at most `step`; return a status.
+
+    PAUSED after `budget` steps: call again to continue.  The drift that ends a step is done
+    together with the one that begins the next.  `noise` is a random Generator.
+    """
+    clock = clocks[0]
+    model, neighbours, splitting, state, times, record, work = pointers(
+        (model, neighbours, splitting, state, times, record, work)
+    )
+    last = times[times.size - 1]
     clear(model.friction)
     clear(model.swing_friction)
     if clock.evaluations == 0:
@@ -402,7 +411,7 @@ def take_steps(
         if left == 0.0:
             return COMPLETED if all_finite(state.y) else NOT_FINITE
         h, landing = equal_step(clock, left, step)
-        status = equal_step_status(clock, h, times[-1])
+        status = equal_step_status(clock, h, last)
         if status != COMPLETED:
             return status
         take_step(model, neighbours, splitting, clock, h, state, work, noise)
@@ -411,17 +420,3 @@ def take_steps(
         if updated and not all_finite(state.y):
             return NOT_FINITE
     return PAUSED
-
-
-def splitting_steps(
-    model, neighbours, splitting, step, clocks, state, times, record, budget, noise
-):
-    """Integrate through the sample times in equal steps of at most `step`; return a status.
-
-    PAUSED after `budget` steps: call again to continue.  The drift that ends a step is done
-    together with the one that begins the next.  `noise` is a random Generator.
-    """
-    work = empty_work(model, state)
-    return take_steps(
-        model, neighbours, splitting, step, clocks[0], state, times, record, budget, noise, work
-    )

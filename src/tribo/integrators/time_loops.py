@@ -3,7 +3,7 @@
 A method is a NamedTuple of coefficients.  The loops find these functions by its class, when they
 are compiled, as kernels find those of a plug-in:
 
-    workspace(model, state)   the arrays that a step needs
+    workspace(model, state)   for Python: the arrays that a step needs
     step(...)                 for :func:`equal_steps`: advance the state in place to the time `end`;
                               returns COMPLETED, or the status with which the run stops
     trial(...)                for :func:`adaptive_steps`: try a step and estimate its error; returns
@@ -34,12 +34,11 @@ from tribo.integrators.step_control import (
     underflow_status,
     update_encounter,
 )
-from tribo.kernels.compiled import kernel
+from tribo.kernels.array_pointers import pointers
 from tribo.kernels.neighbours import crowded
 from tribo.kernels.numba_passes import LINKED
 from tribo.kernels.plugin_methods import method_of_named_tuples
-from tribo.kernels.samples import copy_state, empty_state
-from tribo.kernels.simd_arrays import zero_rows
+from tribo.kernels.samples import copy_state
 from tribo.kernels.status import COMPLETED, NOT_FINITE, PAUSED
 
 
@@ -49,12 +48,6 @@ def _find_by_class(name: str, **options: Any) -> Callable[[Any], Any]:
     return method_of_named_tuples(name, jit_options=options, strict=False)
 
 
-@_find_by_class("workspace", _nrt=True)
-def _workspace(self, model, state):
-    return self.instance_class.workspace
-
-
-# Without reference counting, steps of a pair of asperites take 5 to 10 % less time.
 @_find_by_class("step", _nrt=False)
 def _step(self, model, neighbours, clock, h, end, state, work):
     return self.instance_class.step
@@ -65,32 +58,19 @@ def _trial(self, model, neighbours, clock, h, end, state, new, tolerance, work):
     return self.instance_class.trial
 
 
-def equal_steps(model, neighbours, method, step, clocks, state, times, record, budget):
+def equal_steps(
+    model, neighbours, method, step, clocks, state, times, record, budget, work, speeds
+):
     """Integrate through the sample times in equal steps of at most `step`; return a status.
 
     Between two samples the steps are equal, and as few as `step` allows.  The run stops where a
     step would jump an encounter.  PAUSED after `budget` steps: call again to continue.
     """
-    return take_equal_steps(
-        model,
-        neighbours,
-        method,
-        step,
-        clocks[0],
-        state,
-        times,
-        record,
-        budget,
-        method.workspace(model, state),
-        zero_rows(3, model.asperites.shape[1]),
+    clock = clocks[0]
+    model, neighbours, method, state, times, record, work, speeds = pointers(
+        (model, neighbours, method, state, times, record, work, speeds)
     )
-
-
-@kernel
-def take_equal_steps(
-    model, neighbours, method, step, clock, state, times, record, budget, work, speeds
-):
-    """Integrate through the sample times; see :func:`equal_steps`."""
+    last = times[times.size - 1]
     status = initialize(model, neighbours, clock, state, speeds)
     if status != COMPLETED:
         return status
@@ -101,7 +81,7 @@ def take_equal_steps(
         if left == 0.0:
             return COMPLETED
         h, landing = equal_step(clock, left, step)
-        status = equal_step_status(clock, h, times[-1])
+        status = equal_step_status(clock, h, last)
         if status != COMPLETED:
             return status
         goal = times[clock.sample]
@@ -116,34 +96,20 @@ def take_equal_steps(
     return PAUSED
 
 
-def adaptive_steps(model, neighbours, method, tolerance, clocks, state, times, record, budget):
+def adaptive_steps(
+    model, neighbours, method, tolerance, clocks, state, times, record, budget, work, speeds, new
+):
     """Integrate through the sample times with local errors within `tolerance`; return a status.
 
     No step carries a pair of bobs farther towards its next encounter than the clock allows, by
     the speeds at its start, nor past it by the speeds at its end.  PAUSED after `budget` trials:
     call again to continue.
     """
-    return take_adaptive_steps(
-        model,
-        neighbours,
-        method,
-        tolerance,
-        clocks[0],
-        state,
-        times,
-        record,
-        budget,
-        method.workspace(model, state),
-        zero_rows(3, model.asperites.shape[1]),
-        empty_state(state),
+    clock = clocks[0]
+    model, neighbours, method, tolerance, state, times, record, work, speeds, new = pointers(
+        (model, neighbours, method, tolerance, state, times, record, work, speeds, new)
     )
-
-
-@kernel
-def take_adaptive_steps(
-    model, neighbours, method, tolerance, clock, state, times, record, budget, work, speeds, new
-):
-    """Integrate through the sample times; see :func:`adaptive_steps`."""
+    last = times[times.size - 1]
     status = initialize(model, neighbours, clock, state, speeds)
     if status != COMPLETED:
         return status
@@ -154,7 +120,7 @@ def take_adaptive_steps(
         if left == 0.0:
             return COMPLETED
         h, landing = next_step(clock, clock.encounter_rate, left)
-        if step_underflows(h, landing, times[-1]):
+        if step_underflows(h, landing, last):
             return underflow_status(clock)
         end = end_of_step(clock, times[clock.sample], h, landing)
         within, growth, finite = method.trial(

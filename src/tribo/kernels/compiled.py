@@ -35,7 +35,6 @@ expanded = njit(**_options, inline="always")
 owning_kernel = njit(**_options, **LINKED, _nrt=True)
 # Kernels that Python calls too.
 shared_kernel = njit(**_options, _nrt=False)
-shared_owning_kernel = njit(**_options, _nrt=True)
 
 # A file of the disk cache with the code of a time loop: source, name, the stamps of package and
 # plug-ins, line, and version of Python.
@@ -74,10 +73,15 @@ def time_loop(loop: FunctionType, stamp: str | None, nogil: bool = False) -> Cal
         The loop, compiled at the first call with arguments of new types.
     """
     if stamp is None or config.DISABLE_JIT:  # type: ignore[attr-defined]
-        return njit(error_model="numpy", nogil=nogil)(loop)
+        return _loop(nogil)(loop)
     compiled = _named(loop, f"{package_stamp()}_{stamp}", nogil)
     remove_stale(loop)
     return compiled
+
+
+def _loop(nogil: bool) -> Any:
+    """The compiler of a time loop; threads run it at the same time with `nogil`."""
+    return njit(**_options, _nrt=False, nogil=nogil, pipeline_class=LoopCompiler)
 
 
 def _named(loop: FunctionType, stamps: str, nogil: bool = False) -> Any:
@@ -85,7 +89,7 @@ def _named(loop: FunctionType, stamps: str, nogil: bool = False) -> Any:
     name = f"{loop.__name__}_{stamps}"
     clone = FunctionType(loop.__code__, loop.__globals__, name, loop.__defaults__)
     clone.__qualname__ = name
-    compiled: Any = njit(error_model="numpy", nogil=nogil, pipeline_class=LoopCompiler)(clone)
+    compiled: Any = _loop(nogil)(clone)
     # With no folder that can be written, each process compiles.
     with suppress(RuntimeError):
         compiled._cache = KernelCache(clone)

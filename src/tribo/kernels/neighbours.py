@@ -209,7 +209,7 @@ def refresh(model, neighbours):
             one = model.surfaces[neighbours.pairs[k, 0]]
             other = model.surfaces[neighbours.pairs[k, 1]]
             used = list_pair(model, model.box, neighbours, one, other, k, used)
-        start[-1] = used
+        start[start.size - 1] = used
         for i in range(bobs.shape[1]):
             neighbours.place[i, 0] = bobs[X, i]
             neighbours.place[i, 1] = bobs[Y, i]
@@ -221,4 +221,5 @@ def crowded(neighbours):
     """Whether the list needs more room than it has."""
     if neighbours is None:
         return False
-    return neighbours.start[-1] > neighbours.index.size
+    start = neighbours.start
+    return start[start.size - 1] > neighbours.index.size

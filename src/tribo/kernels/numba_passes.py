@@ -6,13 +6,15 @@ is optimised five times, and most of its machine code is never run.  Here a kern
 front end leaves it until the time loop that contains it is optimised.
 """
 
+import ctypes
 from typing import Any
 
 from numba import _dynfunc  # type: ignore[attr-defined]
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, DefaultPassBuilder, StateDict
 from numba.core.compiler_machinery import PassManager, register_pass
-from numba.core.typed_passes import NativeLowering
+from numba.core.typed_passes import NativeLowering, NopythonRewrites
+from numba.core.untyped_passes import InlineClosureLikes, MakeFunctionToJitFunction, WithLifting
 
 
 class LinkedLibrary(JITCodeLibrary):
@@ -68,6 +70,10 @@ class LoopLibrary(JITCodeLibrary):
         passes.run(self._final_module, builder)
 
 
+# What a call of a kernel from Python leads to: a function of CPython that raises TypeError.
+WRONG_CALL = ctypes.cast(ctypes.pythonapi.PyErr_BadArgument, ctypes.c_void_p).value
+
+
 @register_pass(mutates_CFG=True, analysis_only=False)
 class LinkedLowering(NativeLowering):
     """Lower a kernel to code for its callers."""
@@ -83,8 +89,9 @@ class LinkedLowering(NativeLowering):
         library.finalize()
         lowered = state["cr"]
         description = lowered.fndesc
+        entry, module = WRONG_CALL, description.lookup_module()
         mark = _dynfunc.make_function(
-            description.lookup_module(), description.qualname, "", 0, lowered.env, (library,)
+            module, description.qualname, "", entry, lowered.env, (library,)
         )
         context.insert_user_function(mark, description, [library])
         state["cr"] = lowered._replace(cfunc=mark)
@@ -104,17 +111,22 @@ class LoopLowering(NativeLowering):
         return super().run_pass(state)
 
 
+# Passes for `with` blocks, closures, generator expressions, and arithmetic of whole arrays.
+UNNEEDED = WithLifting, InlineClosureLikes, MakeFunctionToJitFunction, NopythonRewrites
+
+
 class KernelCompiler(CompilerBase):
     """numba's compiler of kernels (numba.njit takes it as pipeline_class)."""
 
     lowering: type[NativeLowering] = LinkedLowering
 
     def define_pipelines(self) -> list[PassManager]:
-        """numba's passes, of which the last but one is replaced."""
+        """numba's passes without those for what kernels do not have; the last one is ours."""
         passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
         changed = PassManager("kernel")
         for each, description in passes.passes:
-            changed.add_pass(self.lowering if each is NativeLowering else each, description)
+            if each not in UNNEEDED:
+                changed.add_pass(self.lowering if each is NativeLowering else each, description)
         changed.finalize()
         return [changed]
 

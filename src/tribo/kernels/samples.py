@@ -12,11 +12,11 @@ from tribo.kernels.baths import (
     oscillator_energy,
     torsional_slot,
 )
-from tribo.kernels.compiled import kernel, owning_kernel
+from tribo.kernels.compiled import kernel
 from tribo.kernels.contact import contact_energy, pair_energy
 from tribo.kernels.fields import field_energy
 from tribo.kernels.records import ALONG_X, ALONG_Y
-from tribo.kernels.simd_arrays import room, with_spare_lanes, zero_row, zero_rows
+from tribo.kernels.simd_arrays import room, with_spare_lanes
 from tribo.kernels.springs import spring_energies
 
 SPRINGS, BATH, TORSIONAL, WITHIN, MOMENTUM_X, MOMENTUM_Y, STORED = range(7)
@@ -80,18 +80,9 @@ def copy_rows(source, target):
         copy(source[i], target[i])
 
 
-@owning_kernel
-def empty_state(state):
-    """Room for another state like this one."""
-    return State(
-        zero_row(state.y.size),
-        zero_row(state.y_low.size),
-        zero_row(state.s.size),
-        zero_row(state.s_low.size),
-        zero_row(state.acceleration.size),
-        zero_row(state.power.size),
-        zero_rows(state.memory.shape[0], state.memory.shape[1]),
-    )
+def empty_state(state: State) -> State:
+    """Room for another state like this one, for Python."""
+    return State(*(room(array.shape) for array in state))
 
 
 @kernel
@@ -169,7 +160,7 @@ def write_sample(model, neighbours, clock, state, record):
     for m in range(record.stored.shape[1]):
         for j in range(STORED):
             record.stored[k, m, j] = 0.0
-    spring_energies(model, model.springs, record.stored[k, :, SPRINGS])
+    spring_energies(model, model.springs, record.stored[k], SPRINGS)
     energies_within(model, model.within, neighbours, record.stored[k])
     bath_energies(model, model.bath, q, v, record.stored[k])
     torsional_energies(model, model.torsional, clock.t, q, v, record.stored[k])

@@ -14,7 +14,8 @@ from numba import config, types
 from numba.core import cgutils
 from numba.extending import intrinsic, models, overload, register_model
 
-from tribo.kernels.compiled import inlined, owning_kernel
+from tribo.kernels.array_pointers import PointerType
+from tribo.kernels.compiled import inlined
 from tribo.kernels.simd import _FLOAT, _INDEX, _VECTOR, LANES, first, lanes
 
 
@@ -24,20 +25,6 @@ def room(shape: tuple[int, ...]) -> np.ndarray:
     array = np.zeros(size + 2 * LANES)
     first = -(array.ctypes.data // 8) % LANES
     return array[first : first + size].reshape(shape)
-
-
-@owning_kernel
-def zero_row(n):
-    """The same with one row, for kernels; what fills blocks must be finite, so it is zero too."""
-    array = np.zeros(n + 2 * LANES)
-    first = -(array.ctypes.data // 8) % LANES
-    return array[first : first + n]
-
-
-@owning_kernel
-def zero_rows(count, n):
-    """The same with several rows, for kernels."""
-    return zero_row(count * n).reshape(count, n)
 
 
 def with_spare_lanes(values: np.ndarray) -> np.ndarray:
@@ -143,11 +130,18 @@ def _masked(builder, name: str, result, arguments: list):
 
 
 def _is_row(array, dtype=types.float64) -> bool:
-    return isinstance(array, types.Array) and array.ndim == 1 and array.dtype == dtype
+    arrays = types.Array, PointerType
+    return isinstance(array, arrays) and array.ndim == 1 and array.dtype == dtype
+
+
+def _data(context, builder, kind, array):
+    if isinstance(kind, PointerType):
+        return cgutils.create_struct_proxy(kind)(context, builder, array).data
+    return context.make_array(kind)(context, builder, array).data
 
 
 def _address(context, builder, kind, array, i):
-    data = context.make_array(kind)(context, builder, array).data
+    data = _data(context, builder, kind, array)
     return builder.bitcast(builder.gep(data, [i]), _VECTOR.as_pointer())
 
 
@@ -179,12 +173,12 @@ def set_block(typing_context, array, i, x):
 
 def _elements(context, builder, kind, array, index_kind, index, i, n):
     """Addresses of the elements that a list of numbers names from place i on, and their mask."""
-    place = context.make_array(index_kind)(context, builder, index).data
+    place = _data(context, builder, index_kind, index)
     place = builder.bitcast(builder.gep(place, [i]), _INTEGERS.as_pointer())
     mask = first(builder, n)
     zeros = ir.Constant(_INTEGERS, [0] * LANES)
     numbers = _masked(builder, f"load.v{LANES}i64.p0", _INTEGERS, [place, _ALIGNED, mask, zeros])
-    data = context.make_array(kind)(context, builder, array).data
+    data = _data(context, builder, kind, array)
     start = builder.ptrtoint(data, ir.IntType(64))
     start = builder.insert_element(zeros, start, ir.Constant(_INDEX, 0))
     everywhere = ir.Constant(ir.VectorType(_INDEX, LANES), [0] * LANES)

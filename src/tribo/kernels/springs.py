@@ -45,8 +45,8 @@ def spring_forces(model, springs):
 
 
 @kernel
-def spring_energies(model, springs, stored):
-    """Add the energy of each surface's springs to (surfaces,) `stored`."""
+def spring_energies(model, springs, stored, slot):
+    """Add the energy of each surface's springs to (surfaces, slots) `stored`."""
     if springs is not None:
         for k in range(springs.chains.shape[0]):
             chain = springs.chains[k]
@@ -58,4 +58,4 @@ def spring_energies(model, springs, stored):
                 x = stretches(model.displaced, ALONG_X, rest_x, i, j)
                 y = stretches(model.displaced, ALONG_Y, rest_y, i, j)
                 stiffness = block(springs.table[STIFFNESS], chain.first + m)
-                stored[chain.surface] += sum_of_lanes(0.5 * stiffness * (x * x + y * y))
+                stored[chain.surface, slot] += sum_of_lanes(0.5 * stiffness * (x * x + y * y))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import time
+from typing import Any
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from tribo.integrators.methods import Method
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.compiled import collector_paused, time_loop
 from tribo.kernels.records import CLOCK, Neighbours
-from tribo.kernels.samples import STORED, Record, State, initial_state
+from tribo.kernels.samples import STORED, Record, State, empty_state, initial_state
 from tribo.kernels.simd_arrays import room, with_spare_lanes
 from tribo.plugins.compile_errors import compiling
 from tribo.plugins.sources import source_stamp
@@ -77,8 +78,14 @@ class GeneralLoop:
         self._recorded = np.concatenate([core, coordinates + core]), places.s
         self._neighbours = layout.neighbours()
         self._noise: tuple[np.random.Generator, ...] = ()
+        work = method.coefficients.workspace(layout.model, self.state)
         if method.splits:
             self._noise = (np.random.default_rng([layout.scene.seed, 2]),)
+        speeds = room((3, layout.model.asperites.shape[1]))
+        self._scratch: tuple[tuple[Any, ...] | np.ndarray, ...]
+        self._scratch = (work,) if method.splits else (work, speeds)
+        if method.adaptive:
+            self._scratch += (empty_state(self.state),)
         self._constants = (method.coefficients, _in_blocks(setting, layout))
         self.compiled = time_loop(method.loop, source_stamp(layout.plugins))
 
@@ -106,6 +113,7 @@ class GeneralLoop:
             Record(*columns, *self._recorded),  # type: ignore[call-arg]
             budget,
             *self._noise,
+            *self._scratch,
         )
         return code
 

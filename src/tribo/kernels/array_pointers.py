@@ -1,0 +1,207 @@
+"""Arrays inside of time loops: pointers with a shape.
+
+numba's arrays have nine numbers or more.  Each function is typed and compiled with all of them,
+for every array of every tuple that it takes.  A time loop turns its arrays into pointers once, by
+:func:`pointers`; the kernels that it calls take a third of the time to compile, and indices are
+not searched for negative ones.  ``x[i]``, ``x[i, j]``, ``x[:n]``, ``x[n:]``, ``x.size`` and
+``x.shape`` mean what they mean for arrays; nothing else is there.
+"""
+
+import operator
+from typing import Any
+
+from llvmlite import ir
+from numba import config, types
+from numba.core import cgutils
+from numba.core.imputils import lower_builtin, lower_getattr
+from numba.core.typing.templates import (
+    AbstractTemplate,
+    AttributeTemplate,
+    infer_getattr,
+    infer_global,
+    signature,
+)
+from numba.extending import intrinsic, models, register_model
+
+# Tuples of these modules have arrays for kernels; those of plug-ins stay what their authors expect.
+OURS = ("tribo.kernels.", "tribo.integrators.")
+
+
+class PointerType(types.Type):
+    """The type of a C-contiguous array without its owner."""
+
+    def __init__(self, dtype: types.Type, ndim: int) -> None:
+        self.dtype, self.ndim = dtype, ndim
+        super().__init__(name=f"Pointer({dtype}, {ndim})")
+
+
+@register_model(PointerType)
+class _Model(models.StructModel):
+    def __init__(self, manager, kind) -> None:
+        shape = types.UniTuple(types.intp, kind.ndim)
+        super().__init__(manager, kind, [("data", types.CPointer(kind.dtype)), ("shape", shape)])
+
+
+def _type_of(kind: Any) -> Any:
+    """The type with pointers instead of arrays."""
+    if isinstance(kind, types.Array) and kind.layout == "C":
+        return PointerType(kind.dtype, kind.ndim)
+    if isinstance(kind, types.BaseNamedTuple):
+        if not kind.instance_class.__module__.startswith(OURS):
+            return kind
+        return types.BaseTuple.from_types([_type_of(each) for each in kind], kind.instance_class)
+    if isinstance(kind, types.BaseTuple):
+        return types.BaseTuple.from_types([_type_of(each) for each in kind])
+    return kind
+
+
+def _make(context, builder, kind: PointerType, data, shape: list) -> Any:
+    made = cgutils.create_struct_proxy(kind)(context, builder)
+    made.data = data
+    made.shape = cgutils.pack_array(builder, shape)
+    return made._getvalue()
+
+
+def _value_of(context, builder, kind, value):
+    """The value with pointers instead of arrays."""
+    new = _type_of(kind)
+    if new == kind:
+        return value
+    if isinstance(kind, types.Array):
+        array = context.make_array(kind)(context, builder, value)
+        return _make(context, builder, new, array.data, cgutils.unpack_tuple(builder, array.shape))
+    members = cgutils.unpack_tuple(builder, value)
+    pairs = zip(kind, members, strict=True)
+    converted = [_value_of(context, builder, each, member) for each, member in pairs]
+    return context.make_tuple(builder, new, converted)
+
+
+def _pointers(typing_context, arrays):
+    """A tuple of arrays, or of such tuples, with pointers in their place.
+
+    The caller of the kernel that calls this must keep the arrays.
+    """
+
+    def build(context, builder, sig, args):
+        return _value_of(context, builder, sig.args[0], args[0])
+
+    return _type_of(arrays)(arrays), build
+
+
+def _unchanged(arrays):
+    """The same for Python."""
+    return arrays
+
+
+pointers: Any = _unchanged if config.DISABLE_JIT else intrinsic(_pointers)  # type: ignore[attr-defined]
+
+
+def _part(array: PointerType, at: Any) -> types.Type | None:
+    """The type of ``array[at]``; None where it has none."""
+    if isinstance(at, types.SliceType):
+        return array if array.ndim == 1 and not at.has_step else None
+    indices = at.types if isinstance(at, types.BaseTuple) else (at,)
+    for index in indices:
+        if not isinstance(index, types.Integer) or getattr(index, "literal_value", 0) < 0:
+            return None
+    if len(indices) > array.ndim:
+        return None
+    left = array.ndim - len(indices)
+    return PointerType(array.dtype, left) if left else array.dtype
+
+
+@infer_global(operator.getitem)
+class _GetItem(AbstractTemplate):
+    def generic(self, args, kws):
+        array, at = args
+        if isinstance(array, PointerType):
+            part = _part(array, at)
+            return None if part is None else signature(part, array, at)
+        return None
+
+
+@infer_global(operator.setitem)
+class _SetItem(AbstractTemplate):
+    def generic(self, args, kws):
+        array, at, _ = args
+        if isinstance(array, PointerType) and _part(array, at) == array.dtype:
+            return signature(types.none, array, at, array.dtype)
+        return None
+
+
+@infer_getattr
+class _Attributes(AttributeTemplate):
+    key = PointerType
+
+    def resolve_size(self, array):
+        return types.intp
+
+    def resolve_shape(self, array):
+        return types.UniTuple(types.intp, array.ndim)
+
+
+def _read(context, builder, kind, value):
+    """Data and shape."""
+    array = cgutils.create_struct_proxy(kind)(context, builder, value)
+    return array.data, cgutils.unpack_tuple(builder, array.shape)
+
+
+@lower_getattr(PointerType, "shape")
+def _shape(context, builder, kind, value):
+    return builder.extract_value(value, 1)
+
+
+@lower_getattr(PointerType, "size")
+def _size(context, builder, kind, value):
+    _, (size, *others) = _read(context, builder, kind, value)
+    for length in others:
+        size = builder.mul(size, length)
+    return size
+
+
+def _locate(context, builder, kind, value, index_kinds, indices):
+    """The address of a part, and its shape."""
+    data, shape = _read(context, builder, kind, value)
+    place = None
+    for index_kind, index in zip(index_kinds, indices, strict=True):
+        index = context.cast(builder, index, index_kind, types.intp)
+        length, shape = shape[0], shape[1:]
+        place = index if place is None else builder.add(builder.mul(place, length), index)
+    for length in shape:
+        place = builder.mul(place, length)
+    return builder.gep(data, [place]), shape
+
+
+def _indices(builder, kind, at):
+    if isinstance(kind, types.BaseTuple):
+        return kind.types, cgutils.unpack_tuple(builder, at)
+    return (kind,), [at]
+
+
+@lower_builtin(operator.getitem, PointerType, types.Integer)
+@lower_builtin(operator.getitem, PointerType, types.BaseTuple)
+def _get(context, builder, sig, args):
+    array, at = sig.args
+    place, shape = _locate(context, builder, array, args[0], *_indices(builder, at, args[1]))
+    if isinstance(sig.return_type, PointerType):
+        return _make(context, builder, sig.return_type, place, shape)
+    return context.unpack_value(builder, array.dtype, place)
+
+
+@lower_builtin(operator.getitem, PointerType, types.SliceType)
+def _slice(context, builder, sig, args):
+    data, (length,) = _read(context, builder, sig.args[0], args[0])
+    part = context.make_helper(builder, sig.args[1], args[1])
+    last = ir.Constant(part.stop.type, 2**63 - 1)
+    stop = builder.select(builder.icmp_signed("==", part.stop, last), length, part.stop)
+    place = builder.gep(data, [part.start])
+    return _make(context, builder, sig.return_type, place, [builder.sub(stop, part.start)])
+
+
+@lower_builtin(operator.setitem, PointerType, types.Integer, types.Any)
+@lower_builtin(operator.setitem, PointerType, types.BaseTuple, types.Any)
+def _set(context, builder, sig, args):
+    array, at, _ = sig.args
+    place, _ = _locate(context, builder, array, args[0], *_indices(builder, at, args[1]))
+    context.pack_value(builder, array.dtype, args[2], place)
+    return context.get_dummy_value()
