@@ -1,8 +1,9 @@
 """Members of a scene of two asperites: run by one compiled loop, checked, and refined.
 
-All members are run by one method with one setting: the cheapest of those with which nearly all
-members of a sample agree with finer runs.  Methods are the pair's collocation and, where the ledger
-follows from the motion by conservation of energy, explicit ones with members in lanes.
+All members are run by one method with one setting: the cheapest of those with which the members of
+a sample agree with finer runs, in the quantities that are kept.  Methods are the pair's collocation
+and, where the ledger follows from the motion by conservation of energy, explicit ones with members
+in lanes.
 
 Then members are run again with a finer setting: the sample, and those that took the most
 evaluations, batch by batch, until a batch has none that misses its accuracy.  A member that does is
@@ -13,7 +14,7 @@ with a search for its settings.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property, partial
 from typing import NamedTuple, Protocol
 
@@ -43,17 +44,16 @@ from tribo.simulation import prepare
 CHUNK = 8192
 # Members by which the setting is chosen, the first ones: their share of a million is nothing.
 SAMPLE = 64
-# Members of the sample that may miss the accuracy with the setting of all: to refine one in 32
-# costs less than shorter steps for the others.
-MAY_MISS = 2
 # Levels that are tried, from the loosest, in units of the accuracy.
-LEVELS = 2.0 ** np.arange(12, -24, -1)
+LEVELS = 2.0 ** np.arange(14.0, -24.0, -0.5)
 # Level of a run that checks another, relative to that or to the accuracy: its error is two digits
 # smaller.
 FINER = 1e-2
-# Largest difference of a run from a finer one, in units of the accuracy.  The rest is for the error
-# of the finer run, and for members that have larger errors than those of the sample.
-KEPT = 0.5
+# Largest difference of a run from a finer one, in units of the accuracy: the rest is for the error
+# of the finer run.
+KEPT = 0.9
+# The same of the members by which the setting is chosen: others may have larger errors.
+CHOSEN = 0.5
 # Members that are checked at least, by their evaluations: one in so many, which takes 2 % of the
 # time.
 CHECKED = 256
@@ -143,7 +143,8 @@ class PairRuns:
     ) -> None:
         assert simulation.integrator.pair is not None and simulation.accuracy is not None
         self._simulation = simulation
-        self._accuracy = simulation.accuracy
+        asked = simulation.accuracy
+        self._accuracy = asked if isinstance(asked, Mapping) else dict.fromkeys(names, asked)
         self._variation = variation
         self._names = names
         self._threads = threads
@@ -219,7 +220,7 @@ class PairRuns:
         return [ledger.series(name)[0][-members:] for name in self._names]
 
     def _common(self, count: int) -> Common:
-        """The cheapest setting with which at most MAY_MISS of the sample miss the accuracy."""
+        """The cheapest setting that keeps the accuracy of the sample."""
         starts = self._starts(range(min(SAMPLE, count)))
         exact = self._run(self._exact, LEVELS[-1] * strictest(self._accuracy), starts)
         known = exact.counts[:, CODE] == COMPLETED
@@ -235,7 +236,7 @@ class PairRuns:
     def _loosest(
         self, way: Way, fine: FineMembers, known: np.ndarray, starts: np.ndarray
     ) -> tuple[Common, float]:
-        """The loosest setting that nearly all `known` members of the sample allow, and its cost.
+        """The loosest setting that all `known` members of the sample allow, and its cost.
 
         The cost is in evaluations.
         """
@@ -245,7 +246,7 @@ class PairRuns:
         while good - too_loose > 1:
             k = (good + too_loose) // 2
             runs = self._run(way, levels[k], starts)
-            if np.sum(~(_excess(fine, runs)[known] <= KEPT)) <= MAY_MISS:
+            if np.all(_excess(fine, runs)[known] <= CHOSEN):
                 good, evaluations = k, float(runs.counts[:, EVALUATIONS].sum())
             else:
                 too_loose = k
@@ -338,10 +339,11 @@ class PairRuns:
 
     def _run_alone(self, found: EndValues, numbers: np.ndarray) -> None:
         """Run members one by one, each with a search for its own settings."""
+        shared = self._simulation
         for number in numbers:
             member = self._variation.member(int(number))
-            scene = member.scene_with_start(self._simulation.scene)
-            simulation = prepare(scene, self._accuracy, self._simulation.method.name)
+            scene = member.scene_with_start(shared.scene)
+            simulation = prepare(scene, shared.accuracy, shared.method.name)
             result = simulation.compute_first()
             if result.status == Status.INTERRUPTED:
                 raise KeyboardInterrupt
