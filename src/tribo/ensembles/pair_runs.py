@@ -58,7 +58,7 @@ CHOSEN = 0.5
 # time.
 CHECKED = 256
 # Longest step of members in lanes, as a fraction of the time to the next encounter.
-NEAR_IN_LANES = 1.0
+NEAR_IN_LANES = 1.25
 # Time of an evaluation of all forces in lanes, relative to that of the collocation: 7 and 15 ns, as
 # measured on cases A and C of the paper.
 COST_IN_LANES = 0.47

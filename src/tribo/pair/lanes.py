@@ -18,6 +18,7 @@ from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.simd import (
     LANES,
     absolute,
+    any_below,
     broadcast,
     lane,
     sqrt,
@@ -26,7 +27,7 @@ from tribo.kernels.simd import (
     with_lane,
 )
 from tribo.kernels.simd_arrays import load, rows_of, store
-from tribo.kernels.simd_functions import reduced
+from tribo.kernels.simd_functions import near_zero, reduced
 from tribo.kernels.status import COMPLETED, PAUSED
 from tribo.pair.forces import contact_of, distance, swing_accelerations
 from tribo.pair.loop import ENERGY
@@ -39,6 +40,9 @@ GROUPS = 2
 # Rows of a register's memory, behind Q1 to J: the time, the next step, the numbers of steps that
 # were tried and accepted, and the accelerations at the stages, three rows each.
 T, H, TRIALS, ACCEPTED, F = range(J + 1, J + 6)
+
+# Largest swing whose sine and cosine need no reduction [rad].
+QUARTER_PI = 0.785
 
 # Largest swing of a member in a lane [rad]: up to a million quarter turns are reduced exactly.
 LARGEST_SWING = 1e6
@@ -78,8 +82,13 @@ def coefficients(method: Nystrom) -> np.ndarray:
 @inlined
 def accelerations(pair, potential, t, q1, q2, k):
     """q1'', q2'', k'' and the distance."""
-    sin1, cos1 = reduced(q1)
-    sin2, cos2 = reduced(q2)
+    near = where_less(absolute(q1), QUARTER_PI, absolute(q2), QUARTER_PI)
+    if any_below(0, LANES, 0.0 - near, -QUARTER_PI):
+        sin1, cos1 = reduced(q1)
+        sin2, cos2 = reduced(q2)
+    else:  # the same bits, in half the time
+        sin1, cos1 = near_zero(q1)
+        sin2, cos2 = near_zero(q2)
     contact = contact_of(pair, potential, t, k, sin1, cos1, sin2, cos2)
     f1, f2 = swing_accelerations(pair, contact, q1, q2)
     return f1, f2, contact.fx, contact.r
@@ -117,10 +126,9 @@ def evaluate_stage(pair, potential, work, base, limits, table, at, i):
 @inlined
 def rate_of_encounters(pair, potential, r, q1, q2, v1, v2, j):
     """Rates of encounters [1 / time]; see :func:`tribo.pair.forces.encounter_rate_of`."""
-    omega1 = sqrt(v1 * v1 + pair.omega_squared1 * q1 * q1)
-    omega2 = sqrt(v2 * v2 + pair.omega_squared2 * q2 * q2)
-    velocity = pair.velocity_x + pair.mobility * j
-    speed = sqrt(velocity * velocity + pair.velocity_y * pair.velocity_y)
+    omega1 = absolute(v1) + math.sqrt(pair.omega_squared1) * absolute(q1)
+    omega2 = absolute(v2) + math.sqrt(pair.omega_squared2) * absolute(q2)
+    speed = absolute(pair.velocity_x + pair.mobility * j)
     speed = speed + (abs(pair.arm1) * omega1 + abs(pair.arm2) * omega2)
     clear = r
     for i in range(LANES):
