@@ -180,7 +180,7 @@ ARRAYS = {
     "swing_friction": lambda scene, s: is_damped(s, "swing"),
     "pivots": lambda scene, s: isinstance(s.drive, tribo.DrivenBars),
     "fixed": lambda scene, s: np.all(np.isinf(s.asperite.kappa)),
-    "turning": lambda scene, s: s.bars == "clamped" and np.any(np.nan_to_num(s.initial.nu) != 0.0),
+    "turning": lambda scene, s: is_turning(s),
     "fields": lambda scene, s: bool(scene.fields),
     "external": lambda scene, s: bool(scene.fields),
     "within": lambda scene, s: len(scene.interactions) > 1,
@@ -192,6 +192,12 @@ ARRAYS = {
     "ends": lambda scene, s: False,
     "end_forces": lambda scene, s: False,
 }
+
+
+def is_turning(surface: tribo.Surface) -> bool:
+    """Whether clamped bars rotate uniformly."""
+    nu = surface.initial.nu
+    return surface.bars == "clamped" and nu is not None and bool(np.any(nu != 0.0))
 
 
 def is_damped(surface: tribo.Surface, on: str) -> bool:
