@@ -34,6 +34,7 @@ from tribo.run.notes import (
     stop_notes,
 )
 from tribo.run.result import Cost, Known, Result
+from tribo.run.samples import Samples
 from tribo.run.state import digest_of, state_of
 from tribo.run.streamed_ledger import StreamedLedger, exceeds_memory
 from tribo.validation import InputError, TriboWarning
@@ -61,6 +62,8 @@ class Simulation:
         Why the method was chosen; empty where it was given.
     compile_seconds : float
         Time to compile the time loop, or to load it from disk [s].
+    integrator : Integrator
+        As given.
     """
 
     def __init__(self, plan: Plan, integrator: Integrator) -> None:
@@ -71,7 +74,7 @@ class Simulation:
         self.accuracy = plan.accuracy
         self.why = plan.why
         self.compile_seconds = integrator.compile_seconds
-        self._integrator = integrator
+        self.integrator = integrator
         step = plan.setting if isinstance(plan.setting, float) and plan.accuracy is None else None
         start = digest_of(integrator.origin)
         self._settings = settings_of(plan.method, plan.accuracy, step, start)
@@ -130,13 +133,19 @@ class Simulation:
         runs: list[Integration] = []
         for setting, times in zip(settings, self._stops, strict=True):
             if not runs or runs[-1].status not in ABORTED:
-                runs.append(self._integrator(setting, times, y))
+                runs.append(self.integrator(setting, times, y))
         return self._estimated_result(runs)
 
     def compute_first(self) -> Result:
         """As :meth:`first_result`, without warnings: for callers that report what falls short."""
         runs = self.plan.tuned.runs if self.plan.tuned is not None else ()
         return self._estimated_result(runs) if runs else self.compute()
+
+    @property
+    def empty_ledger(self) -> Ledger:
+        """The ledger of one sample of zeros, which has all names."""
+        layout = self.layout
+        return assemble(layout, Samples.at_zero(layout.core, layout.accounts, len(layout.parts)))
 
     @property
     def settings(self) -> Plan:
@@ -164,7 +173,7 @@ class Simulation:
     @cached_property
     def _single_setting(self) -> Setting | None:
         """The plan's `single`, found when first needed."""
-        return single_setting(self.plan, self._integrator)
+        return single_setting(self.plan, self.integrator)
 
     @cached_property
     def _single(self) -> tuple[Setting, np.ndarray]:
@@ -179,7 +188,7 @@ class Simulation:
             return self._streamed_run(y)
         layout, seconds, ratio = self.layout, self.compile_seconds, self._digit_ratio
         setting, times = self._single
-        run = self._integrator(setting, times, y)
+        run = self.integrator(setting, times, y)
         notes = passage_notes(layout, run)
         if self.plan.tuned is None:
             notes += drive_notes(layout, assemble(layout, run.samples.ends()))
@@ -197,7 +206,7 @@ class Simulation:
     def _streamed_run(self, y: np.ndarray) -> Result:
         """A run without an error estimate, of which not all samples are kept."""
         streamed = StreamedLedger(self.layout)
-        run = self._integrator(self.plan.setting, self.plan.times, y, streamed)
+        run = self.integrator(self.plan.setting, self.plan.times, y, streamed)
         note = "of the asperites' series only the first and the last sample are kept"
         ledger = streamed.with_ends(run.samples)
         notes = (*passage_notes(self.layout, run), *drive_notes(self.layout, ledger), note)

@@ -138,13 +138,13 @@ def test_an_interrupt_ends_all_runs():
     """One interrupt is enough, and a result without error estimates says so."""
     runs = []
     simulation = tribo.prepare(case("A"), accuracy=1e-6)
-    integrate = simulation._integrator
+    integrate = simulation.integrator
 
     def interrupted(*given):
         runs.append(replace(integrate(*given), status=Status.INTERRUPTED))
         return runs[-1]
 
-    simulation._integrator = interrupted
+    simulation.integrator = interrupted
     with pytest.warns(tribo.TriboWarning, match="Interrupted"):
         result = simulation.run()
     assert len(runs) == 1 and result.status == "Interrupted" and not result.met

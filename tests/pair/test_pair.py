@@ -274,7 +274,7 @@ def test_in_pieces_as_in_one(samples):
     """A run that pauses continues with the same bits."""
     scene = replace(pair(tribo.Coulomb(0.3), DRIVES[1]), output=tribo.Output(samples=samples))
     integrator = integrator_for(lay_out(scene), RADAU)
-    layout, own = integrator.layout, integrator._pair
+    layout, own = integrator.layout, integrator.pair
     whole = integrator(pilot(integrator.layout), scene.times)
     loop = time_loop(pair_collocation, source_stamp(layout.plugins))
     own._evaluations[0] = 0

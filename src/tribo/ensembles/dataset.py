@@ -127,15 +127,24 @@ def _coordinates(collected: Collected) -> dict[str, Variable]:
     }
     times = runner.simulation.scene.times
     coordinates["time"] = (("time",), times, {"units": "time", "long_name": "time"})
-    for key, size in runner.variation.sizes.items():
-        values = np.array([np.broadcast_to(m.values[key], (size,)) for m in members])
+    values = {
+        key: np.array([np.broadcast_to(m.values[key], (size,)) for m in members])
+        for key, size in runner.variation.sizes.items()
+    }
+    return coordinates | varied_coordinates(values)
+
+
+def varied_coordinates(varied: Mapping[str, np.ndarray]) -> dict[str, Variable]:
+    """The varied values (members, size) of each quantity."""
+    coordinates: dict[str, Variable] = {}
+    for key, values in varied.items():
         surface, _, kind = key.rpartition(".")
         if kind == VELOCITY:
             about = {"units": UNITS["velocity"], "long_name": "initial velocity of the surface"}
             coordinates[key] = (("member", "axis"), values, about)
             coordinates["axis"] = (("axis",), np.array(["x", "y"]), {"long_name": "axis"})
         else:
-            quantity = QUANTITIES[kind]
+            quantity = QUANTITIES["theta" if kind == "swing" else kind]
             about = {"units": quantity.units, "long_name": f"initial {quantity.long_name}"}
             coordinates[key] = (("member", f"{surface}_asperite"), values, about)
     return coordinates

@@ -1,8 +1,8 @@
 """The members of an ensemble: initial values, velocities and seeds.
 
-A member is determined by its number and the seed of the ensemble.  Each quantity that is drawn, and
-the noise and thermal starts of the member's scene, have seeds of their own, which are children of
-the ensemble's seed.  So neither the number of members nor the order of their runs changes any.
+A member is determined by its number and the seed of the ensemble.  Quantities and seeds are drawn
+for whole blocks of members, each quantity and block with a seed that is a child of the ensemble's.
+So neither the number of members nor the order of their runs changes any.
 The children are those of numpy.random.SeedSequence, after M. E. O'Neill's seed_seq.
 """
 
@@ -21,6 +21,8 @@ from tribo.model.surface import Initial
 from tribo.validation import LARGEST_NUMBER, InputError, inside, is_list, short_repr
 
 VELOCITY = "velocity"
+# Numbers that are drawn at once, of one quantity: calls of a distribution take about 0.1 ms.
+BLOCK = 4096
 
 
 @runtime_checkable
@@ -59,6 +61,20 @@ class Member:
             replace(s, velocity=tuple(self.values.get(f"{s.name}.{VELOCITY}", s.velocity)))
             for s in scene.surfaces
         ]
+        return replace(scene, surfaces=tuple(surfaces), seed=self.seed)
+
+    def scene_with_start(self, scene: Scene) -> Scene:
+        """The scene with all values of the member."""
+        surfaces = []
+        for surface in self.scene(scene).surfaces:
+            own: dict[str, np.ndarray | None] = {
+                name: self.values[key]
+                for name in (each.name for each in fields(Initial))
+                if (key := f"{surface.name}.{name}") in self.values
+            }
+            if "theta" in own or "swing" in own:  # one replaces the other
+                own = {"theta": None, "swing": None, **own}
+            surfaces.append(replace(surface, initial=replace(surface.initial, **own)))
         return replace(scene, surfaces=tuple(surfaces), seed=self.seed)
 
     @property
@@ -116,6 +132,8 @@ class Variation:
                 "is empty, and nothing in the scene is drawn: all members would be the same; vary "
                 'an initial value, as "surface.theta", or give a reservoir or a bath a temperature',
             )
+        self._last_seeds: tuple[int, np.ndarray] = (-1, np.empty(0))
+        self._last_draws: dict[str, tuple[int, np.ndarray]] = {}
         self.own_scenes = random or any(key in self._velocity_y for key in vary)
 
     @property
@@ -125,31 +143,58 @@ class Variation:
 
     def member(self, number: int) -> Member:
         """A member by its number, from 0 on."""
-        values = {key: self._value(key, number) for key in self.sizes}
-        (seed,) = self._sequence(number).generate_state(1, np.uint64)
-        return Member(number, int(seed >> np.uint64(1)), values)  # integers in files are signed
+        values = {key: self.rows(key, number, number + 1)[0] for key in self.sizes}
+        return Member(number, int(self.seeds(number, number + 1)[0]), values)
 
-    def _sequence(self, number: int, key: str = "") -> np.random.SeedSequence:
-        return np.random.SeedSequence(self.seed, spawn_key=(number, *key.encode()))
+    def seeds(self, start: int, stop: int) -> np.ndarray:
+        """The seeds of the scenes of some members, (members,)."""
+        blocks = range(start // BLOCK, -(-stop // BLOCK))
+        found = np.concatenate([self._seeds_of(block) for block in blocks])
+        return found[start - blocks.start * BLOCK : stop - blocks.start * BLOCK]
 
-    def _value(self, key: str, number: int) -> np.ndarray:
-        """A member's values of one quantity."""
-        value = self._arrays[key][number] if key in self._arrays else self._draw(key, number)
-        if key in self._velocity_y and value.size == 1:  # its x component
-            return np.array([value[0], self._velocity_y[key]])
-        return value
+    def rows(self, key: str, start: int, stop: int) -> np.ndarray:
+        """The values of one quantity in some members, (members, 1) or (members, size)."""
+        if key in self._arrays:
+            rows = self._arrays[key][start:stop]
+        else:
+            each = self._members_in_block(key)
+            blocks = range(start // each, -(-stop // each))
+            found = np.concatenate([self._draw(key, block) for block in blocks])
+            rows = found[start - blocks.start * each : stop - blocks.start * each]
+        if key in self._velocity_y and rows.shape[1] == 1:  # its x component
+            return np.column_stack([rows, np.full(len(rows), self._velocity_y[key])])
+        return rows
 
-    def _draw(self, key: str, number: int) -> np.ndarray:
-        """A member's random values of one quantity."""
-        rng = np.random.default_rng(self._sequence(number, key))
-        size = self.sizes[key]
+    def _members_in_block(self, key: str) -> int:
+        return max(1, BLOCK // self.sizes[key])
+
+    def _sequence(self, block: int, key: str = "") -> np.random.SeedSequence:
+        return np.random.SeedSequence(self.seed, spawn_key=(block, *key.encode()))
+
+    def _seeds_of(self, block: int) -> np.ndarray:
+        """The seeds of a block of members."""
+        if self._last_seeds[0] != block:
+            seeds = self._sequence(block).generate_state(BLOCK, np.uint64)
+            self._last_seeds = block, seeds >> np.uint64(1)  # integers in files are signed
+        return self._last_seeds[1]
+
+    def _draw(self, key: str, block: int) -> np.ndarray:
+        """The random values of one quantity in a block of members."""
+        known = self._last_draws.get(key)
+        if known is not None and known[0] == block:
+            return known[1]
+        rng = np.random.default_rng(self._sequence(block, key))
+        size, members = self.sizes[key], self._members_in_block(key)
         wanted = 1 if key in self._velocity_y else size
         with inside("vary"):
-            drawn = self._distributions[key].rvs(size=wanted, random_state=rng)
-            value = _numbers(key, drawn).ravel()
-            if value.size not in (1, size):
-                raise InputError(key, f"must draw 1 or {size} numbers, got {value.size}")
-        return value
+            drawn = self._distributions[key].rvs(size=members * wanted, random_state=rng)
+            value = _numbers(key, drawn)
+            if value.size not in (members, members * size):
+                got = value.size / members
+                raise InputError(key, f"must draw 1 or {size} numbers, got {got:g}")
+        rows = value.reshape(members, -1)
+        self._last_draws[key] = block, rows
+        return rows
 
 
 def _size(scene: Scene, key: str) -> int:

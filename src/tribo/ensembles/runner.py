@@ -5,7 +5,7 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
@@ -67,12 +67,16 @@ class Job(NamedTuple):
     estimate: bool
 
 
+AnyJob = TypeVar("AnyJob")
+Found = TypeVar("Found")
+
+
 class Mapper(Protocol):
     """An engine that has no more than ``map``."""
 
     def map(
-        self, function: Callable[[Job], list[Outcome]], jobs: Iterable[Job], /
-    ) -> Iterable[list[Outcome]]:
+        self, function: Callable[[AnyJob], list[Found]], jobs: Iterable[AnyJob], /
+    ) -> Iterable[list[Found]]:
         """The function's values, in the order of the jobs."""
 
 
@@ -220,20 +224,22 @@ class Runner:
                 Job(text, plan, self.names, members[k : k + size], own_scenes, estimate)
                 for k in range(0, len(members), size)
             ]
-            yield from _run_jobs(self._engine, jobs)
+            yield from run_jobs(self._engine, run_job, jobs)
             return
         simulation = from_settings(self.simulation.scene, plan)
         for member in members:
             yield run_member(simulation, self.names, member, own_scenes, estimate)
 
 
-def _run_jobs(engine: Engine, jobs: list[Job]) -> Iterator[Outcome]:
-    """Outcomes of all jobs, in order."""
+def run_jobs(
+    engine: Engine, run: Callable[[AnyJob], list[Found]], jobs: list[AnyJob]
+) -> Iterator[Found]:
+    """The outcomes of all jobs, in order."""
     if not isinstance(engine, Executor) and not hasattr(engine, "submit"):
-        for outcomes in engine.map(run_job, jobs):
+        for outcomes in engine.map(run, jobs):
             yield from outcomes
         return
-    futures = [engine.submit(run_job, job) for job in jobs]
+    futures = [engine.submit(run, job) for job in jobs]
     try:
         for future in futures:
             yield from future.result()

@@ -166,9 +166,9 @@ class Search(Integrator):
         self._own = start is None
         start = self.layout.start if start is None else start
         self._times, self._began = times, time.perf_counter()
-        if self._pair is not None:
+        if self.pair is not None:
             assert isinstance(setting, Tolerance)
-            run = self._pair.integrate(setting, start, times, None, Limit(self))
+            run = self.pair.integrate(setting, start, times, None, Limit(self))
         else:
             loop = GeneralLoop(self.layout, self.method, setting, start, self._first_step)
             run = self._integrated(loop, times)

@@ -80,6 +80,12 @@ def contact_at(pair, potential, t, q1, q2, k):
     """The contact force at eight times and places."""
     sin1, cos1 = sine_cosine(q1)
     sin2, cos2 = sine_cosine(q2)
+    return contact_of(pair, potential, t, k, sin1, cos1, sin2, cos2)
+
+
+@inlined
+def contact_of(pair, potential, t, k, sin1, cos1, sin2, cos2):
+    """The contact force at eight times and directions of the rods."""
     dx, dy = bob_separation(pair, t, k, sin1, cos1, sin2, cos2)
     square = dx * dx + (dy * dy + pair.z_squared)
     r = sqrt(square)

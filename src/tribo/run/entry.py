@@ -86,7 +86,7 @@ class Entry(Motion):
         """Change of the translational kinetic energy."""
         velocity, mass = self.batch.velocity, self.batch.asperites.mass
         kinetic = mass * (velocity[0] * self.vx + velocity[1] * self.vy) + self.moving
-        return np.asarray(kinetic - kinetic[0])
+        return self.samples.change(kinetic)
 
     @cached_property
     def energy(self) -> np.ndarray:
@@ -97,7 +97,7 @@ class Entry(Motion):
     @cached_property
     def internal(self) -> np.ndarray:
         """Change of the internal energy."""
-        return self.energy - self.energy[0]
+        return self.samples.change(self.energy)
 
     def bob_speed(self, frame: np.ndarray) -> np.ndarray:
         """The speed of the bob in a frame that moves with a velocity (2,)."""

@@ -72,6 +72,31 @@ class InitialState:
             _reset_bars(self._layout, y)
         return y
 
+    def of_members(self, members: int, values: Mapping[str, np.ndarray]) -> np.ndarray:
+        """The states of many members, with angles and rates of pendulums from arrays.
+
+        Parameters
+        ----------
+        members : int
+            How many there are.
+        values : mapping
+            "surface.theta" (or swing, omega) -> (members, 1) or (members, asperites).
+
+        Returns
+        -------
+        ndarray, (members, 2 coordinates)
+
+        Raises
+        ------
+        InputError
+            A name cannot be used.
+        """
+        y = np.tile(self._layout.start, (members, 1))
+        for key, rows in values.items():
+            slots, rest, count = _slots(self._layout, key)
+            y[:, np.atleast_1d(slots)] = np.broadcast_to(rows, (members, count)) - rest
+        return y
+
     def _follow(self, name: str, start: Start, y: np.ndarray) -> None:
         """Let theta follow phi, as in :class:`tribo.Initial`, where it is given nowhere."""
         given = [key for key in (f"{name}.theta", f"{name}.swing") if key in start]

@@ -40,6 +40,8 @@ class Integrator:
     ----------
     compile_seconds : float
         Time to compile the loop, or to load it from disk.
+    pair : Pair or None
+        The loop of a pair of asperites, where the method provides one.
 
     Raises
     ------
@@ -63,9 +65,9 @@ class Integrator:
         self.origin = origin
         self._journal = journal
         pair = origin is None and has_pair_loop(layout, method)
-        self._pair = Pair(layout, method, first_step) if pair else None
-        if self._pair is not None:
-            self.compile_seconds = self._pair.compile_seconds
+        self.pair = Pair(layout, method, first_step) if pair else None
+        if self.pair is not None:
+            self.compile_seconds = self.pair.compile_seconds
         else:
             self.compile_seconds = compile_loop(layout, method)
 
@@ -100,9 +102,9 @@ class Integrator:
         checkpoints = None
         if self._journal is not None and streamed is None:
             checkpoints = self._journal.integration(key_of(setting, times, start))
-        if self._pair is not None:
+        if self.pair is not None:
             assert isinstance(setting, Tolerance)
-            return self._pair.integrate(setting, start, times, self._progress, checkpoints, most)
+            return self.pair.integrate(setting, start, times, self._progress, checkpoints, most)
         first = self._first_step
         if isinstance(setting, Tolerance):
             first = first_step_at(setting, first, self.method.order)

@@ -127,8 +127,8 @@ class PairSamples(Samples):
         When they were recorded.
     record : ndarray, (times, COLUMNS)
         Rows of the loop's record.
-    first : ndarray, (COLUMNS,)
-        The first row of the run.
+    first : ndarray, (COLUMNS,) or (times, COLUMNS)
+        The first row of the run, or that of each row's run.
     factors : Factors
         Of the scene's layout.
     """
@@ -201,7 +201,7 @@ class PairSamples(Samples):
     def _arcs(self) -> np.ndarray:
         """Integrals of q omega sin q: the powers of the end forces are multiples of it."""
         q = self._record[:, [Q1, Q2]]
-        first = self._first[[Q1, Q2]]
+        first = self._first[..., [Q1, Q2]]
         return (np.sin(q) - q * np.cos(q)) - (np.sin(first) - first * np.cos(first))
 
     @cached_property
@@ -235,6 +235,10 @@ class Pair:
         True: the loop chooses its steps.
     clocks : ndarray, (1,)
         How far the run has come.
+    rows : ndarray, (ROWS, 8)
+        The loop's memory; the first rows are the method's table.
+    factors : Factors
+        From the loop's record to the layout.
     compile_seconds : float
         Time taken to compile the loop, or to load it from disk.
     """
@@ -247,12 +251,12 @@ class Pair:
         mobility = _mobility(layout)
         potential = layout.model.contacts[0].potential
         self._first_step, self._order = FIRST_STEP_FACTOR * first_step, method.order
-        self.clocks, self._rows = np.zeros(1, CLOCK), np.zeros((ROWS, LANES))
+        self.clocks, self.rows = np.zeros(1, CLOCK), np.zeros((ROWS, LANES))
         assert isinstance(method.coefficients, Collocation)
-        self._rows[:LIMITS] = table(method.coefficients)
+        self.rows[:LIMITS] = table(method.coefficients)
         self.factors = _factors(layout, mobility)
         # The loop's first arguments, the same in each call.
-        self._fixed = (_record(layout, mobility), potential, self._rows, self.clocks)
+        self._fixed = (_record(layout, mobility), potential, self.rows, self.clocks)
         self._evaluations = self.clocks["evaluations"]  # the loop begins a run where this is 0
         self._tolerance: Tolerance | None = None  # from which the rows' limits were made
         self._start = layout.start
@@ -278,7 +282,7 @@ class Pair:
         began = time.perf_counter()
         if self._tolerance is not tolerance:
             self._tolerance = tolerance
-            self._rows[LIMITS:STATE] = self.limits(tolerance)
+            self.rows[LIMITS:STATE] = self.limits(tolerance)
             self.clocks["encounter_fraction"] = tolerance.encounter_fraction
         self._evaluations[0] = 0
         self._start = start
@@ -291,7 +295,7 @@ class Pair:
                 self._evaluations[0] = 0  # from the start again, to the same end
             return integrate(self, times, columns=(record,), most=most)
         seconds, clock = time.perf_counter() - began, self.clocks.tobytes()
-        rows = self._rows[STATE:].copy()
+        rows = self.rows[STATE:].copy()
         return Integration(
             lambda: self.samples(times, (record,)),
             Status.COMPLETED,
@@ -299,6 +303,11 @@ class Pair:
             seconds,
             lambda: _memory(np.frombuffer(clock, CLOCK), rows),
         )
+
+    @property
+    def scene_arguments(self) -> tuple[Any, ...]:
+        """The scene and its potential, the loop's first arguments."""
+        return self._fixed[:2]
 
     def room(self, samples: int) -> Columns:
         """Arrays for so many samples."""
@@ -314,12 +323,12 @@ class Pair:
 
     def memory(self) -> Memory:
         """All that another loop of this kind needs to continue."""
-        return _memory(self.clocks, self._rows[STATE:].copy())
+        return _memory(self.clocks, self.rows[STATE:].copy())
 
     def restore(self, memory: Memory) -> None:
         """Continue where another loop of this kind was."""
         set_numbers(self.clocks, memory["clock"])
-        self._rows[STATE:] = memory["pair"]
+        self.rows[STATE:] = memory["pair"]
 
     def limits(self, tolerance: Tolerance) -> np.ndarray:
         """The loop's own limits (2, 8), with which all of the layout's tolerances are met."""

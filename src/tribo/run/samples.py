@@ -59,5 +59,9 @@ class Samples:
         with np.errstate(over="ignore", invalid="ignore"):
             return function(self.s)
 
+    def change(self, series: np.ndarray) -> np.ndarray:
+        """A series of these samples less its value at the start of the run."""
+        return np.asarray(series - series[0])
+
     def _rows(self, selected: np.ndarray) -> Samples:
         return Samples(*(getattr(self, f.name)[selected] for f in fields(Samples)))

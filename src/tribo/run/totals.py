@@ -102,7 +102,7 @@ class Whole(Group):
         if slot >= 0:
             return boost + integrals.s[:, slot]
         # Surfaces keep their momentum, or a constraint provides its change.
-        return boost + (self._bulk - self._bulk[0]) if self._record.drive == BARS else boost
+        return boost + self.samples.change(self._bulk) if self._record.drive == BARS else boost
 
     def applied(self, integrals: Integrals) -> np.ndarray:
         """The work of outside agents."""
@@ -115,7 +115,7 @@ class Whole(Group):
         vx, vy = self._layout.scene.surfaces[self._index].velocity
         lag_x, lag_y = self._lag
         moving = self._mass * (vx * lag_x + vy * lag_y) + self._bulk
-        return np.asarray(moving - moving[0])
+        return self.samples.change(moving)
 
     @cached_property
     @_with_infinities
@@ -123,7 +123,7 @@ class Whole(Group):
         """The change of the internal energy: of all energy that is not bulk kinetic."""
         within = self._total(lambda e: e.moving + e.internal) - self._bulk
         within = within + self._stored[:, [SPRINGS, BATH, TORSIONAL, WITHIN]].sum(axis=1)
-        return np.asarray(within - within[0])
+        return self.samples.change(within)
 
     @property
     def _record(self) -> np.record:
@@ -209,7 +209,7 @@ class System:
         """The change of the total energy; that of bobs at one place is infinite."""
         potential = self.samples.contact + self.samples.field
         changes = (w.change_of_kinetic + w.change_of_internal for w in self._wholes)
-        return np.asarray(sum(changes) + (potential - potential[0]))
+        return np.asarray(sum(changes) + self.samples.change(potential))
 
     def applied(self, integrals: Integrals) -> np.ndarray:
         """The work of drives, ends, reservoirs and moving fields."""

@@ -1,0 +1,93 @@
+"""Differences of many runs of one scene from finer runs, in units of the accuracy of each."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from tribo.accuracy.comparison import Accuracy, observables
+from tribo.accuracy.scales import ENERGIES, EPSILON, KINDS, mean_velocity
+from tribo.run.columns import Columns, columns_of
+from tribo.run.layout import Layout
+from tribo.run.members import MemberSamples
+from tribo.run.totals import Group
+
+
+class FineMembers:
+    """Members that others are compared with.
+
+    Errors are relative to the scales of the member, as those of a single run.
+
+    Parameters
+    ----------
+    layout : Layout
+        The scene.
+    fine : MemberSamples
+        Their samples.
+    accuracy : float or mapping
+        The relative error of everything, or of each observable named.
+    """
+
+    def __init__(self, layout: Layout, fine: MemberSamples, accuracy: Accuracy) -> None:
+        self._layout = layout
+        self._accuracy = accuracy
+        self._names = observables(accuracy)
+        self._members = fine.members
+        group = Group(layout, fine, (layout.together,))
+        self._columns = columns_of(layout, group, self._names)
+        self._scales = _scales(layout, group, _largest(self._columns, fine.members), fine.members)
+
+    def excess(self, other: MemberSamples) -> np.ndarray:
+        """The largest difference of each member in another run, in units of the accuracy.
+
+        Parameters
+        ----------
+        other : MemberSamples
+            The same members at the same times.
+
+        Returns
+        -------
+        ndarray, (members,)
+            NaN where a value is not finite.
+        """
+        accuracy, group = self._accuracy, Group(self._layout, other, (self._layout.together,))
+        theirs = columns_of(self._layout, group, self._names)
+        gaps = _largest(self._columns.minus(theirs), self._members)
+        worst = np.zeros(self._members)
+        for name in self._names or self._columns.names:
+            relative = accuracy[name] if isinstance(accuracy, Mapping) else accuracy
+            scale = relative * self._scales[KINDS[name.rpartition(".")[2]]]
+            with np.errstate(divide="ignore", invalid="ignore"):
+                worst = np.maximum(worst, np.where(gaps[name] == 0.0, 0.0, gaps[name] / scale))
+        return worst
+
+
+def _largest(columns: Columns, members: int) -> dict[str, np.ndarray]:
+    """The largest magnitude of each quantity in each member, over times and asperites."""
+    each = np.maximum.reduceat(np.abs(columns.values), columns.starts, axis=1)
+    tops = each.reshape(-1, members, each.shape[1]).max(axis=0)
+    return dict(zip(columns.names, tops.T, strict=True))
+
+
+def _scales(
+    layout: Layout, group: Group, tops: dict[str, np.ndarray], members: int
+) -> dict[str, np.ndarray | float]:
+    """The scales of each member, as :class:`tribo.accuracy.scales.Scales` for a single run."""
+    (entry,) = group.entries
+
+    def largest(series: np.ndarray) -> np.ndarray:
+        each = np.abs(series).reshape(-1, members, series.shape[1])
+        return np.asarray(each.max(axis=(0, 2)))
+
+    energies = {name: tops[name] for name in ENERGIES if name in tops}
+    works = np.max([top for name, top in energies.items() if name.startswith("w")], axis=0)
+    internal, a = largest(entry.energy), layout.together.asperites
+    energy = np.max(list(energies.values()), axis=0)
+    return {
+        "rate": np.maximum(tops["omega"], tops["nu"]),
+        "length": float(np.max(a.l1 + a.l2)),
+        "velocity": largest(entry.bob_speed(mean_velocity(layout))),
+        "energy": np.where(works > EPSILON * internal, energy, internal),
+        "angle": 1.0,
+    }

@@ -1,0 +1,46 @@
+"""Many runs of a pair, one after another, without Python between them."""
+
+from tribo.kernels.compiled import kernel
+from tribo.pair.loop import COLUMNS, pair_collocation
+
+# The loop of a single run, for callers that are compiled.
+integrate_pair = kernel(pair_collocation)
+
+# Columns of the counts of members: a code of a status, steps, and evaluations of all forces.
+CODE, STEPS, EVALUATIONS = range(3)
+
+
+def pair_members(
+    pairs, potential, rows, clocks, starts, start, times, record, samples, counts, budget
+):
+    """Integrate each member from its own start; a member has the bits of a single run.
+
+    Parameters
+    ----------
+    pairs, potential, rows, clocks, times
+        As for :func:`tribo.pair.loop.pair_collocation`.
+    starts : ndarray, (members, 2 coordinates)
+        y of the scene's layout at t = 0, for each member.
+    start : ndarray, (2 coordinates,)
+        Memory for the start of one member.
+    record : ndarray, (times + 1, COLUMNS)
+        Memory for the samples of one member.
+    samples : ndarray, (times, members, COLUMNS)
+        Filled in with the samples; those of a member that did not complete have no meaning.
+    counts : ndarray, (members, 3), of int64
+        Filled in: status, steps, evaluations.
+    budget : int
+        Steps after which a member is left with the status PAUSED.
+    """
+    clock = clocks[0]
+    for member in range(starts.shape[0]):
+        for i in range(start.size):
+            start[i] = starts[member, i]
+        clock.evaluations = 0
+        code = integrate_pair(pairs, potential, rows, clocks, start, times, record, budget)
+        counts[member, CODE] = code
+        counts[member, STEPS] = clock.steps
+        counts[member, EVALUATIONS] = clock.evaluations
+        for k in range(times.size):
+            for m in range(COLUMNS):
+                samples[k, member, m] = record[k, m]

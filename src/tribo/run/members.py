@@ -1,0 +1,132 @@
+"""Many runs of one scene of two asperites, which differ in their starts, and their samples."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from tribo.integrators.step_control import Tolerance
+from tribo.kernels.compiled import EntryPoint, time_loop
+from tribo.pair.loop import COLUMNS
+from tribo.pair.members import pair_members
+from tribo.pair.step import LIMITS, STATE
+from tribo.plugins.compile_errors import compiling
+from tribo.plugins.sources import source_stamp
+from tribo.run.pair_adapter import Factors, Pair, PairSamples
+
+# Steps after which a member is left to a run of its own, which is guarded against no progress.
+MOST_STEPS = 2048
+
+
+class MemberSamples(PairSamples):
+    """The samples of several runs: a row for each time and member, all members of a time together.
+
+    Parameters
+    ----------
+    t : ndarray, (times,)
+        When they were recorded; the first is the start of the runs.
+    record : ndarray, (times, members, COLUMNS)
+        Rows of the loop's record.
+    factors : Factors
+        Of the scene's layout.
+
+    Attributes
+    ----------
+    members : int
+        How many there are.
+    """
+
+    def __init__(self, t: np.ndarray, record: np.ndarray, factors: Factors) -> None:
+        self._shape = record.shape[:2]
+        self.members = record.shape[1]
+        rows = record.reshape(-1, COLUMNS)
+        first = np.tile(record[0], (t.size, 1))
+        super().__init__(np.repeat(t, self._shape[1]), rows, first, factors)
+
+    def change(self, series: np.ndarray) -> np.ndarray:
+        """A series of these samples less each member's value at the start of its run."""
+        each = series.reshape(*self._shape, *series.shape[1:])
+        return np.asarray((each - each[0]).reshape(series.shape))
+
+    def of_members(self, selected: np.ndarray) -> MemberSamples:
+        """The samples of some members, by their indices or a mask."""
+        t = self.t[:: self.members]
+        record = self._record.reshape(*self._shape, COLUMNS)[:, selected]
+        return MemberSamples(t, np.ascontiguousarray(record), self._factors)
+
+
+class Memory(NamedTuple):
+    """Arrays of the loop over members, in the order of its arguments."""
+
+    clocks: np.ndarray
+    starts: np.ndarray
+    start: np.ndarray
+    times: np.ndarray
+    record: np.ndarray
+    samples: np.ndarray
+    counts: np.ndarray
+
+
+class MemberRuns(NamedTuple):
+    """The runs of some members.
+
+    Attributes
+    ----------
+    samples : MemberSamples
+        At all times.
+    counts : ndarray, (members, 3)
+        Columns of :mod:`tribo.pair.members`.
+    """
+
+    samples: MemberSamples
+    counts: np.ndarray
+
+
+class PairMembers:
+    """Runs members of a scene of two asperites, in threads.
+
+    Parameters
+    ----------
+    pair : Pair
+        The scene and the loop of its single runs.
+    times : ndarray, (times,)
+        When to record; the first is 0.
+
+    Raises
+    ------
+    InputError
+        If the potential does not compile.
+    """
+
+    def __init__(self, pair: Pair, times: np.ndarray) -> None:
+        self._pair = pair
+        self._times = times
+        examples = (pair.rows, *self._memory(1), MOST_STEPS)
+        loop = time_loop(pair_members, source_stamp(pair.layout.plugins), nogil=True)
+        with compiling(loop, pair.layout.named_plugins):
+            self._loop = EntryPoint(loop, pair.scene_arguments, examples)
+
+    def run(self, tolerance: Tolerance, starts: np.ndarray) -> MemberRuns:
+        """Run members from `starts` (members, 2 coordinates), in this thread."""
+        rows = self._pair.rows.copy()
+        rows[LIMITS:STATE] = self._pair.limits(tolerance)
+        memory = self._memory(len(starts))
+        memory.clocks["encounter_fraction"] = tolerance.encounter_fraction
+        memory.starts[...] = starts
+        self._loop(rows, *memory, MOST_STEPS)
+        samples = MemberSamples(self._times, memory.samples, self._pair.factors)
+        return MemberRuns(samples, memory.counts)
+
+    def _memory(self, members: int) -> Memory:
+        """Memory for so many members."""
+        size, times = self._pair.layout.start.size, self._times
+        return Memory(
+            np.zeros_like(self._pair.clocks),
+            np.empty((members, size)),
+            np.empty(size),
+            times,
+            np.empty((times.size + 1, COLUMNS)),
+            np.empty((times.size, members, COLUMNS)),
+            np.empty((members, 3), np.int64),
+        )

@@ -1,0 +1,221 @@
+"""Ends of many members: the same bits as single runs, and no error beyond the accuracy."""
+
+import json
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
+from multiprocessing import get_context
+
+import numpy as np
+import pytest
+from scipy import stats
+
+import tribo
+from tribo import Initial, InputError, Output, ensemble, paper
+from tribo.accuracy.cheapest_setting import NEAR_ALONE
+from tribo.ensembles import pair_runs
+from tribo.integrators.nystrom_tableaux import RKN8, RKN12
+from tribo.run.initial_state import InitialState
+from tribo.run.lane_members import PairLanes, has_lanes
+
+KEEP = [f"{s}.{q}" for s in ("upper", "lower") for q in ("w1", "w2", "delta_e_int", "omega")]
+KEEP += ["upper.W", "contact_energy", "total_energy_change"]
+STARTS = {"upper.theta": stats.uniform(0.0, 0.2), "lower.theta": stats.norm(np.pi, 0.01)}
+
+
+def scene_of(case, accuracy=1e-6):
+    """A case of the paper with start and end alone."""
+    numerics = tribo.Numerics(accuracy=accuracy)
+    return replace(paper.scene(case), numerics=numerics, output=Output(samples=2))
+
+
+def scales_of(result):
+    """The scale of energies of a run."""
+    tables = result.ledger.surfaces.values()
+    names = [n for t in tables for n in t if n.startswith(("w", "delta_"))]
+    return max(float(np.abs(t[n]).max()) for t in tables for n in names)
+
+
+@pytest.mark.parametrize("case", ["A", "C"])
+def test_members_are_single_runs(case):
+    """Bit for bit, by the loop of single runs with the setting that the data set names.
+
+    With a motion along y there is no other way than the collocation.
+    """
+    scene = scene_of(case)
+    upper, lower = scene.surfaces
+    scene = replace(scene, surfaces=(replace(upper, velocity=(upper.velocity[0], 1e-3)), lower))
+    data = ensemble(scene, 100, STARTS, keep=KEEP)
+    assert data.attrs["method"] == "gauss-radau-15"
+    simulation = tribo.prepare(scene)
+    names = ("upper.theta", "lower.theta")
+    for member in (0, 7, 99):
+        start = {name: float(data[name][member, 0]) for name in names}
+        scales = tribo.accuracy.scales.ToleranceScales(*json.loads(data.attrs["scales"]))
+        tolerance = pair_runs.tolerance_at(
+            simulation, scales, float(data["level"][member]), NEAR_ALONE
+        )
+        y = InitialState(simulation.layout)(start)
+        run = simulation.integrator(tolerance, simulation.layout.times, y)
+        ledger = tribo.run.ledger.assemble(simulation.layout, run.samples)
+        assert run.steps == data["steps"][member]
+        for name in KEEP:
+            np.testing.assert_array_equal(data[name][member], ledger.series(name)[0][-1], name)
+
+
+@pytest.mark.parametrize("case", ["A", "C"])
+@pytest.mark.parametrize("method", [RKN8, RKN12])
+def test_members_in_lanes_alone(case, method):
+    """The same bits in any lane and company; the last of the crowd fill no register."""
+    simulation = tribo.prepare(scene_of(case))
+    pair, duration = simulation.integrator.pair, simulation.scene.duration
+    assert has_lanes(pair)
+    starts = np.tile(simulation.layout.start, (45, 1))
+    starts[:, 0] = np.linspace(-1.2, 0.4, 45)
+    loop, tolerance = PairLanes(pair, method, duration), simulation.plan.setting
+    crowd = loop.run(tolerance, starts)
+    assert np.all(crowd.counts[:, 0] == 0)
+    for member in (0, 8, 17, 44):
+        alone = loop.run(tolerance, starts[member : member + 1])
+        together = crowd.samples.of_members(np.array([member]))
+        np.testing.assert_array_equal(alone.samples.y, together.y)
+        np.testing.assert_array_equal(alone.samples.s, together.s)
+        np.testing.assert_array_equal(alone.counts[0], crowd.counts[member])
+
+
+def test_neither_threads_nor_number_change_a_member():
+    """Members of several chunks and blocks of draws."""
+    scene = scene_of("A")
+    many = ensemble(scene, 20_000, STARTS, keep=KEEP, threads=1)
+    two = ensemble(scene, 20_000, STARTS, keep=KEEP, threads=2)
+    few = ensemble(scene, 300, STARTS, keep=KEEP)
+    for name in [*KEEP, "level", "steps", "seed", *STARTS]:
+        np.testing.assert_array_equal(many[name], two[name])
+        np.testing.assert_array_equal(many[name][:300], few[name])
+
+
+@pytest.mark.parametrize("accuracy", [1e-6, 1e-10])
+@pytest.mark.parametrize("case", ["A", "B", "C", "D"])
+def test_errors_are_within_the_accuracy(case, accuracy):
+    """Against runs of single members at a finer accuracy."""
+    data = ensemble(scene_of(case, accuracy), 200, STARTS, keep=KEEP)
+    assert set(data["status"].values) == {"completed"}
+    exact = tribo.prepare(scene_of(case, 1e-2 * accuracy))
+    for member in range(0, 200, 9):
+        start = {name: float(data[name][member, 0]) for name in STARTS}
+        run = exact.run(start)
+        scale = scales_of(run)
+        for name in KEEP:
+            if not name.endswith("omega"):
+                error = np.abs(data[name][member] - run.ledger.series(name)[0][-1]).max()
+                assert error <= accuracy * scale, name
+
+
+def test_closer_members_than_those_of_the_sample_are_refined():
+    """Members behind the first ones swing a hundred times faster, and need finer settings."""
+    scene = scene_of("A")
+    rates = np.full(300, 0.0)
+    rates[[150, 222]] = 3.0, -4.0
+    data = ensemble(scene, 300, {"upper.omega": rates}, keep=KEEP)
+    assert data["level"][150] < data["level"][0] or np.isnan(data["level"][150])
+    exact = tribo.prepare(replace(scene, numerics=tribo.Numerics(accuracy=1e-11)))
+    for member in (0, 150, 222):
+        run = exact.run({"upper.omega": float(rates[member])})
+        assert run.met
+        error = np.abs(data["upper.w1"][member] - run["upper"].w1[-1]).max()
+        assert data["status"][member] == "completed"
+        assert error <= 1e-6 * scales_of(run)
+
+
+def test_members_that_coincide_stop_by_name():
+    """They have no values, and neither have they an effect on others."""
+    scene = scene_of("A")
+    upper, lower = scene.surfaces
+    touching = replace(upper, bob=lower.bob, initial=Initial(theta=0.3))
+    scene = replace(scene, surfaces=(touching, lower))
+    swings = np.array([0.3, 0.0, 0.4, 0.5])
+    data = ensemble(scene, 4, {"upper.theta": swings}, keep=["upper.w1"], method="gauss-radau-15")
+    assert data["status"].values[1] == "BobsCoincide"
+    assert np.isnan(data["upper.w1"][1]).all()
+    assert np.isfinite(data["upper.w1"][[0, 2, 3]]).all()
+
+
+def test_other_scenes_and_engines():
+    """Members of noisy scenes are runs of the member's scene; engines give the same bits."""
+    warm = tribo.Surface("upper", shape=(3, 1), langevin=tribo.Langevin(0.6, 0.3))
+    scene = tribo.Scene((warm,), (), 4.0, output=Output(samples=5))
+    keep = ["upper.w_T", "upper.delta_E_int", "total_energy_change"]
+    vary = {"upper.velocity": [0.1, 0.2, 0.3]}
+    data = ensemble(scene, 3, vary, seed=3, step=0.05, keep=keep)
+    with ProcessPoolExecutor(2, get_context("spawn")) as pool:
+        there = ensemble(scene, 3, vary, seed=3, step=0.05, keep=keep, engine=pool)
+    for name in keep:
+        np.testing.assert_array_equal(data[name], there[name])
+    own = replace(warm, velocity=(0.3, 0.0))
+    seed, ends = int(data["seed"][2]), Output(samples=2)
+    run = tribo.simulate(replace(scene, surfaces=(own,), seed=seed, output=ends), step=0.05)
+    np.testing.assert_array_equal(data["upper.w_T"][2], run["upper"].w_T[-1])
+    np.testing.assert_array_equal(data["upper.delta_E_int"][2], run["upper"].delta_E_int[-1])
+    assert data["upper.w_T"].dims == ("member", "upper_asperite")
+
+
+def test_a_member_of_another_scene_gets_the_settings_it_needs():
+    """A member that misses the accuracy with the plan's settings has a search of its own."""
+    row = {"shape": (2, 1), "spacing": (3.0, 0.0)}
+    upper = tribo.Surface("upper", bob=(-1.0, 0.5), velocity=(0.5, 0.0), **row)
+    lower = tribo.Surface("lower", facing="up", **row)
+    scene = tribo.Scene((upper, lower), tribo.Coulomb(0.2), 4.0)
+    data = ensemble(scene, 3, {"upper.omega": [0.0, 3.0, -5.0]}, keep=["upper.w1"])
+    assert set(data["status"].values) == {"completed"}
+    for member, omega in enumerate([0.0, 3.0, -5.0]):
+        surface = replace(upper, initial=Initial(omega=omega))
+        run = tribo.simulate(replace(scene, surfaces=(surface, lower)), accuracy=1e-10)
+        error = np.abs(data["upper.w1"][member] - run["upper"].w1[-1]).max()
+        assert error <= 1e-6 * scales_of(run)
+
+
+def test_a_data_set_of_ends_is_a_file(tmp_path):
+    """Whole, with the starts as coordinates."""
+    data = ensemble(scene_of("A"), 70, STARTS, keep=["upper.theta", "upper.w1"])
+    data.to_netcdf(tmp_path / "ends.nc")
+    import xarray
+
+    with xarray.open_dataset(tmp_path / "ends.nc") as again:
+        assert again["upper.theta_end"].dims == ("member", "upper_asperite")
+        np.testing.assert_array_equal(again["upper.theta"], data["upper.theta"])
+        np.testing.assert_array_equal(again["upper.theta_end"], data["upper.theta_end"])
+    assert np.isfinite(data["error"]).all()
+    assert float(data["error"].max()) <= 1e-6
+
+
+def test_an_interrupt_keeps_the_members_that_are_complete():
+    """In whole chunks, of both kinds of scenes."""
+
+    def stop(done):
+        if done >= 2:
+            raise KeyboardInterrupt
+
+    data = ensemble(scene_of("A"), 20_000, STARTS, keep=["upper.w1"], progress=stop)
+    assert data.attrs["status"] == "Interrupted"
+    assert data.sizes["member"] == pair_runs.CHUNK
+    warm = tribo.Surface("upper", langevin=tribo.Langevin(0.6, 0.3))
+    scene = tribo.Scene((warm,), (), 4.0)
+    data = ensemble(scene, 9, step=0.05, keep=["upper.w_T"], progress=stop)
+    assert data.sizes["member"] == 2
+
+
+@pytest.mark.parametrize(
+    ("settings", "field", "words"),
+    [
+        ({"keep": "upper.w1"}, "keep", "must list quantities"),
+        ({"keep": []}, "keep", "must list quantities"),
+        ({"keep": ["w1"]}, "keep.w1", "must be a quantity of a surface"),
+        ({"keep": ["upper.w9"]}, "keep.upper.w9", "must be a quantity of a surface"),
+        ({"keep": ["upper.w1"], "threads": 0}, "threads", "at least 1"),
+        ({"keep": ["upper.w1"], "half_width": {"upper.W": 0.1}}, "half_width", "cannot go with"),
+    ],
+)
+def test_refusals(settings, field, words):
+    """By the name of the argument."""
+    with pytest.raises(InputError, match=words) as refused:
+        ensemble(scene_of("A"), 3, STARTS, **settings)
+    assert refused.value.field == field
