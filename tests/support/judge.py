@@ -359,6 +359,18 @@ class Thermal(NamedTuple):
         return ""
 
 
+class Ledgers(NamedTuple):
+    """What runs with different ledgers keep is the same."""
+
+    scene: str
+    method: str
+
+    def __call__(self):
+        from support import ledgers  # builds scenes, which takes the package
+
+        return "; ".join(ledgers.wrong_with(self.scene, self.method)[:1])
+
+
 def waves(*numbers):
     """A field that depends on both coordinates, as a plug-in of a new class without a force."""
 
@@ -516,6 +528,11 @@ CHECKS["listed pairs"] = Limited(CHECKS["all pairs"], LISTS)
 CHECKS["listed pairs, verlet"] = Limited(Steps("rows", "verlet", 0.02, 2, 1e-3), LISTS)
 for _scene in ("forced on free", "free on free"):
     CHECKS[f"pair, {_scene}"] = AsPair(_scene, 1e-8, 1e-7)
+for _scene in ("arms alike", "pulled and loaded", "driven bars", "rigid asperites", "reservoirs"):
+    CHECKS[f"ledgers, {_scene}"] = Ledgers(_scene, "verlet")
+for _method in ("verlet", "midpoint"):
+    _scene = "springs, baths and a moving field"
+    CHECKS[f"ledgers, {_scene}, {_method}"] = Ledgers(_scene, _method)
 # Longer than the rest.  They reach the functions that the check named here reaches.
 COSTS = {
     "dop853, slid": Efficient("slid, slowly", "dop853", 1e-7, 2450),

@@ -116,17 +116,17 @@ def complaints(
         yield "there is no work"
 
 
+def wrong_with(name: str, method: str) -> list[str]:
+    """What is wrong with the runs of one scene."""
+    scene, kinds = (SCENES | NOISY)[name], ("asperites", "surfaces", "none")
+    return list(complaints(*(run(scene, kind, method=method, **STEPPED) for kind in kinds)))
+
+
 def main() -> None:
     """Print what is wrong."""
     cases = [(name, method) for name in SCENES for method in METHODS]
-    cases += [(name, "verlet") for name in NOISY]
-    for name, method in cases:
-        scene = (SCENES | NOISY)[name]
-        results = [
-            run(scene, ledger, method=method, **STEPPED)
-            for ledger in ("asperites", "surfaces", "none")
-        ]
-        for complaint in complaints(*results):
+    for name, method in [*cases, *((name, "verlet") for name in NOISY)]:
+        for complaint in wrong_with(name, method):
             print(f"{name} by {method}: {complaint}")
 
 

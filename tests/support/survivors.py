@@ -15,6 +15,17 @@ EQUIVALENT = {
     ),
     "kernels/equations_of_motion.py: accelerate_block: s.dof_x >= 0 -> s.dof_x >= 1": AFTER_SWINGS,
     "kernels/equations_of_motion.py: accelerate_block: s.dof_y >= 0 -> s.dof_y >= 1": AFTER_SWINGS,
+    "integrators/bath_substep.py: push_bar: slot < 0 -> slot < 1": (
+        "the first slots are those of contact; no bath and no reservoir has slot 0"
+    ),
+    "kernels/powers.py: set_drive_powers: s.acc_drive >= 0 -> s.acc_drive >= 1": (
+        "the first slots are those of contact; no drive has slot 0"
+    ),
+    "kernels/powers.py: powers_in_ledger: "
+    "powers_of_block(model, ledger, s, i, 1.0, t, q, v, power) -> "
+    "powers_of_block(model, ledger, s, i, 2.0, t, q, v, power)": (
+        "only whether the torsion springs count matters: any number but 0 says that they do"
+    ),
     "kernels/neighbours.py: sort_into_cells: max(extent_z / nz, reach) -> "
     "max(extent_z * nz, reach)": (
         "wider cells hold all pairs within reach, which are then sorted: only the cost changes"

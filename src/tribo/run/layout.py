@@ -122,8 +122,9 @@ class Layout:
     @cached_property
     def accounted_parts(self) -> tuple[slice, ...]:
         """The place of each surface in `accounted`."""
-        stops = np.cumsum(self.surfaces.account_stride).tolist()
-        return tuple(slice(*pair) for pair in zip([0, *stops[:-1]], stops, strict=True))
+        counts = self.surfaces.account_stride
+        stops = np.cumsum(counts)
+        return tuple(map(slice, (stops - counts).tolist(), stops.tolist()))
 
     @cached_property
     def accounted_batches(self) -> tuple[tuple[Batch, ...], ...]:
