@@ -33,7 +33,12 @@ APART = (
     "rigid asperites",
     "swing langevin",
     "neighbour list",
+    "sums alone",
+    "no ledger",
 )
+
+# What of the works these keep.
+LEDGERS = {"sums alone": "surfaces", "no ledger": "none"}
 
 # The effects that are measured alone and together.
 TOGETHER = (
@@ -61,6 +66,7 @@ def scene(effects: frozenset[str]) -> tribo.Scene:
     """The scene with these effects; without any, two forced rows with Coulomb contact."""
     count = LONG_ROW if "long rows" in effects else ROW
     row = {"shape": (count, 1), "asperite": tribo.Asperite(kappa=20.0)}
+    (ledger,) = {LEDGERS[name] for name in effects & LEDGERS.keys()} or {"asperites"}
     periodic = tribo.Periodic(x=3.0 * count) if "periodic" in effects else tribo.Periodic()
     return tribo.Scene(
         (
@@ -73,7 +79,7 @@ def scene(effects: frozenset[str]) -> tribo.Scene:
         fields=[tribo.Field(tribo.Corrugation(0.01, 1.0), on=("upper",))]
         if "field" in effects
         else [],
-        output=tribo.Output(samples=2),
+        output=tribo.Output(samples=2, ledger=ledger),
     )
 
 

@@ -15,8 +15,6 @@ EQUIVALENT = {
     ),
     "kernels/equations_of_motion.py: accelerate_block: s.dof_x >= 0 -> s.dof_x >= 1": AFTER_SWINGS,
     "kernels/equations_of_motion.py: accelerate_block: s.dof_y >= 0 -> s.dof_y >= 1": AFTER_SWINGS,
-    "kernels/equations_of_motion.py: add_end_torques: s.acc_user_ends >= 0 -> "
-    "s.acc_user_ends >= 1": "the first slots are those of contact; no user's ends have slot 0",
     "kernels/neighbours.py: sort_into_cells: max(extent_z / nz, reach) -> "
     "max(extent_z * nz, reach)": (
         "wider cells hold all pairs within reach, which are then sorted: only the cost changes"

@@ -15,6 +15,7 @@ import numpy as np
 from tribo.accuracy.scales import EPSILON, KINDS, Scales, kind_of, largest
 from tribo.run.layout import Layout
 from tribo.run.ledger import Ledger, assemble
+from tribo.run.quantities import needs_accounts
 from tribo.run.samples import Samples
 from tribo.validation import InputError
 
@@ -41,6 +42,10 @@ def check_observables(layout: Layout, names: Iterable[str], field: str = "accura
     sample = Samples.at_zero(layout.core, layout.accounts, len(layout.parts))
     reported = assemble(layout, sample)
     for name in names:
+        if needs_accounts(str(name).rpartition(".")[2]) and layout.model.ledger is None:
+            raise InputError(
+                f"{field}.{name}", 'is not kept; works need another output.ledger, as "asperites"'
+            )
         if not reported.series(str(name)):
             raise InputError(
                 f"{field}.{name}",

@@ -13,8 +13,10 @@ from tribo.accuracy.scales import EPSILON, largest
 from tribo.kernels.samples import BATH, SPRINGS, TORSIONAL, WITHIN
 from tribo.model.fields import Corrugation
 from tribo.run.accounts import APPLIED, EXTERNAL, FORCES, Accounts
+from tribo.run.batch import Batch
 from tribo.run.entry import Entry
 from tribo.run.layout import Layout
+from tribo.run.samples import Samples
 
 # Roundings of a term: those of the rates in it, of their squares, of products and of the sum.
 TERM_ROUNDINGS = 4.0
@@ -65,10 +67,15 @@ def rounding_of_terms(layout: Layout, entry: Entry, steps: int) -> dict[str, flo
     steps
         of the run
     """
-    samples, sums = entry.samples, _sums_of_works(entry)
+    samples, sums = entry.samples, _sums_of_works(entry.samples, layout.accounted)
+    if layout.model.sums is not None:  # over lanes, of each surface
+        whole = [sums[:, part].sum(axis=1) for part in layout.accounted_parts]
+        sums, parts = np.stack(whole, axis=1), [slice(k, k + 1) for k in range(len(whole))]
+    else:
+        parts = list(layout.parts.values())
     terms = dict(zip(SUMS, sums.max(axis=(0, 1)).tolist(), strict=True))
     external, agents = sums[:, :, -2], sums[:, :, -1]
-    terms["W"] = max(largest(external[:, part].sum(axis=1)) for part in layout.parts.values())
+    terms["W"] = max(largest(external[:, part].sum(axis=1)) for part in parts)
     terms["W_ps"] = terms["W"]
     applied = agents.sum(axis=1)
     for field in layout.model.fields or ():
@@ -80,9 +87,9 @@ def rounding_of_terms(layout: Layout, entry: Entry, steps: int) -> dict[str, flo
     return {name: count * magnitude for name, magnitude in terms.items()}
 
 
-def _sums_of_works(entry: Entry) -> np.ndarray:
+def _sums_of_works(samples: Samples, batch: Batch) -> np.ndarray:
     """The magnitudes of the terms of all accounts, summed: (times, asperites, sums)."""
-    terms = np.abs(entry.samples.linear("terms", lambda s: _terms(Accounts(entry.batch, s))))
+    terms = np.abs(samples.linear("terms", lambda s: _terms(Accounts(batch, s))))
     return (terms.reshape(-1, TERMS) @ MEMBERS).reshape(*terms.shape[:2], -1)
 
 

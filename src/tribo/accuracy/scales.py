@@ -87,12 +87,13 @@ def scales_of(layout: Layout, tops: Mapping[str, float], speed: float, internal:
         the largest internal energy
     """
     energies = {name: tops[name] for name in ENERGIES if name in tops}
-    works = max(top for name, top in energies.items() if name.startswith("w"))
+    highest = max(energies.values())
+    works = max((top for name, top in energies.items() if name.startswith("w")), default=highest)
     return Scales(
         rate=max(tops["omega"], tops["nu"]),
         length=_longest_rod(layout),
         velocity=speed,
-        energy=max(energies.values()) if works > EPSILON * internal else internal,
+        energy=highest if works > EPSILON * internal else internal,
     )
 
 
@@ -172,7 +173,7 @@ class ToleranceScales:
 def first_guess(layout: Layout) -> ToleranceScales:
     """Scales for a first, coarse run, from the start of the scene."""
     a = layout.together.asperites
-    relative = _relative_velocity(layout)
+    relative = _relative_velocity(layout, layout.together)
     frequency = np.sqrt(a.kappa / a.inertia)
     omega = np.max(np.abs(layout.start[layout.coordinates :][: layout.scene.count]))
     velocity = float(np.max(np.hypot(relative[:, 0], relative[:, 1])) + np.max(a.l1) * omega)
@@ -182,11 +183,12 @@ def first_guess(layout: Layout) -> ToleranceScales:
     return ToleranceScales(velocity, energy, energy / velocity, rate, rate, 1.0)
 
 
-def _relative_velocity(layout: Layout) -> np.ndarray:
+def _relative_velocity(layout: Layout, batch: Batch) -> np.ndarray:
     """Initial velocity of each asperite relative to the mean of the surfaces' (asperites, 2)."""
-    own = layout.velocity - layout.velocity[0]  # exact where all surfaces move fast
-    mean = np.mean([own[part.start] for part in layout.parts.values()], axis=0)
-    return np.asarray(own - mean)
+    first = layout.velocity[0]  # less this all is exact where all surfaces move fast
+    starts = [part.start for part in layout.parts.values()]
+    mean = np.mean([layout.velocity[start] - first for start in starts], axis=0)
+    return np.asarray((batch.velocity.T - first) - mean)
 
 
 def tolerance_scales(layout: Layout, samples: Samples) -> ToleranceScales:
@@ -196,7 +198,8 @@ def tolerance_scales(layout: Layout, samples: Samples) -> ToleranceScales:
     """
     guess = first_guess(layout)
     batch, motion = layout.together, Motion(layout, layout.together, samples)
-    velocity = max(guess.velocity, _fastest_of(batch, motion, _relative_velocity(layout).T))
+    relative = _relative_velocity(layout, batch)
+    velocity = max(guess.velocity, _fastest_of(batch, motion, relative.T))
     torsion = motion.swing - motion.phi
     internal = internal_energy(batch.asperites, motion.omega, motion.nu, torsion)
     highest, change = largest(internal), largest(internal - internal[0])
@@ -205,13 +208,13 @@ def tolerance_scales(layout: Layout, samples: Samples) -> ToleranceScales:
     top = np.max(np.abs(samples.s), axis=0, initial=0.0)
     # Works in the laboratory are reported at the scene's times; in between they may be far larger.
     reported = samples.s[np.isin(samples.t, layout.times)]
-    work = max(float(np.max(top * weights)), _work_of_impulses(layout, reported))
+    work = max(largest(top * weights), _work_of_impulses(layout, reported))
     # Where nothing does work, the change of an energy is round-off.
-    energy = max(work, change) if work > 0.0 else highest
+    energy = max(work, change) if work > 0.0 or top.size == 0 else highest
     return ToleranceScales(
         velocity=velocity,
         energy=energy or guess.energy,
-        impulse=float(np.max(top[weights == 0.0])) or guess.impulse,
+        impulse=largest(top[weights == 0.0]) or guess.impulse,
         rate=max(spin, turn) or guess.rate,
         spin=spin or guess.spin,
         twist=twist or guess.twist,
@@ -240,7 +243,7 @@ WITHOUT_ARM = {"acc_contact": (2, 3), "acc_drive": (2,)}
 def _account_weights(layout: Layout) -> np.ndarray:
     """The factor that makes a work of each account; 0 for impulses. Shape (accounts,)."""
     weights = np.ones(layout.accounts)
-    a = layout.together.asperites
+    a = layout.accounted.asperites
     length = a.l1 + a.l2
     for name, offsets in IMPULSES.items():
         present = getattr(a, name) >= 0
@@ -253,7 +256,8 @@ def _account_weights(layout: Layout) -> np.ndarray:
 
 def _work_of_impulses(layout: Layout, s: np.ndarray) -> float:
     """The largest V . J of an impulse J, where V is relative to the surfaces' mean velocity."""
-    a, velocity = layout.together.asperites, _relative_velocity(layout)
+    a = layout.accounted.asperites
+    velocity = _relative_velocity(layout, layout.accounted)
     highest = 0.0
     for name, offsets in IMPULSES.items():
         present = getattr(a, name) >= 0

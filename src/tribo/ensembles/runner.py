@@ -18,7 +18,7 @@ from tribo.model.scene import Scene
 from tribo.model.scene_file import scene_from
 from tribo.model.scene_writer import scene_text
 from tribo.prepared import Simulation
-from tribo.run.quantities import BLOCK_QUANTITIES, SYSTEM_QUANTITIES
+from tribo.run.quantities import BLOCK_QUANTITIES, SYSTEM_QUANTITIES, needs_accounts
 from tribo.run.result import Result
 from tribo.run.streamed_ledger import exceeds_memory
 from tribo.simulation import from_settings
@@ -86,7 +86,13 @@ Engine = Executor | Mapper
 def total_names(scene: Scene) -> list[str]:
     """Names of the series of the surfaces as wholes and of the system."""
     blocks = [f"{s.name}.{name}" for s in scene.surfaces for name in BLOCK_QUANTITIES]
-    return [*blocks, *SYSTEM_QUANTITIES]
+    return _kept(scene, [*blocks, *SYSTEM_QUANTITIES])
+
+
+def _kept(scene: Scene, names: list[str]) -> list[str]:
+    """The names that do not need a ledger which the scene does without."""
+    none = scene.output.ledger == "none"
+    return [name for name in names if not (none and needs_accounts(name.rpartition(".")[2]))]
 
 
 def sum_names(scene: Scene) -> list[str]:
@@ -96,7 +102,7 @@ def sum_names(scene: Scene) -> list[str]:
         fields = any(surface.name in item.on for item in scene.fields)
         kinds = WORKS + ("w_field",) * fields + ("w_T", "heat") * bool(surface.langevin)
         names += [f"{surface.name}.{kind}" for kind in kinds]
-    return names
+    return _kept(scene, names)
 
 
 def check_engine(engine: Engine | None) -> None:

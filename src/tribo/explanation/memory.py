@@ -9,7 +9,7 @@ import numpy as np
 from tribo.integrators.methods import Method
 from tribo.kernels.samples import STORED
 from tribo.run.layout import Layout
-from tribo.run.quantities import ASPERITE_QUANTITIES, OPTIONAL_QUANTITIES
+from tribo.run.quantities import reported
 from tribo.run.streamed_ledger import PORTION_BYTES, exceeds_memory
 
 # Bytes of a number.
@@ -73,8 +73,8 @@ def _raw_sample(layout: Layout) -> int:
 def _ledger_row(layout: Layout) -> int:
     """Bytes of one time of the ledger."""
     optional = any(s.langevin for s in layout.scene.surfaces) or bool(layout.scene.fields)
-    names = len(ASPERITE_QUANTITIES) + (len(OPTIONAL_QUANTITIES) if optional else 0)
-    return NUMBER * names * layout.scene.count
+    names = reported(layout.scene.output.ledger, optional, optional).asperites
+    return NUMBER * len(names) * layout.scene.count
 
 
 def _bytes_of(item: Any) -> int:

@@ -135,6 +135,7 @@ class Explanation:
             "degrees_of_freedom": self.degrees_of_freedom,
             "coordinates": self.coordinates,
             "contact": vars(self.contact),
+            "ledger": self.scene.output.ledger,
             "method": self.method,
             "why": self.why,
             "accuracy": self.accuracy,
@@ -164,6 +165,7 @@ class Explanation:
         sentences = [
             f"Degrees of freedom: {self.degrees_of_freedom} ({', '.join(made_of)}).",
             f"Contact: {self._contact()}.",
+            *self._ledger(),
             f"Method: {self.method}, {self._request()}, {reason_of_method(self.scene, self.why)}.",
             f"Cost: about {_rounded(cost.force_evaluations)} force evaluations, "
             f"{_time(cost.seconds)} on this machine, {_bytes(cost.memory_bytes)} of memory. "
@@ -180,6 +182,11 @@ class Explanation:
         names = ", ".join(self.contact.scalar)
         how = f"one after another (scalar) for {names}" if names else "eight at once (lanes)"
         return f"{place} {self.contact.pairs:,}; forces are computed {how}"
+
+    def _ledger(self) -> list[str]:
+        kept = {"surfaces": "sums of works over each surface", "none": "no works are computed"}
+        ledger = self.scene.output.ledger
+        return [f"Ledger: {kept[ledger]}."] if ledger in kept else []
 
     def _request(self) -> str:
         step = "steps of its own" if self.step is None else f"steps of {self.step:.3g}"

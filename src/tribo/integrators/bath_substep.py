@@ -15,7 +15,7 @@ from tribo.kernels.compiled import kernel
 from tribo.kernels.kinematics import end_force
 from tribo.kernels.langevin import thermal_kick
 from tribo.kernels.levers import pivot_length
-from tribo.kernels.powers import momentum
+from tribo.kernels.powers import momentum, place_of
 from tribo.kernels.records import (
     ALONG_X,
     ALONG_Y,
@@ -50,8 +50,10 @@ def push_bar(model, s, i, px, py, v, accounts, slot):
     v[i] -= a[L2, i] * along / a[INERTIA, i]
     v[x] += px / a[MASS, i]
     v[y] += py / a[MASS, i]
-    stride = s.stop - s.start
-    k = slot + local
+    if slot < 0:
+        return
+    stride = s.account_stride
+    k = place_of(s, slot, i)
     accounts[k] += px
     accounts[k + stride] += py
     vx = 0.5 * (vx + v[x])
@@ -62,7 +64,7 @@ def push_bar(model, s, i, px, py, v, accounts, slot):
     accounts[k + 3 * stride] += px * vx + py * vy + pivot * swept
     if is_fixed(model.fixed, s):
         x, y = end_force(-a[L2, i] * along, a[BAR_LENGTH, i], a[SIN_PHI, i], a[COS_PHI, i])
-        k = s.acc_ends + local + 2 * stride
+        k = place_of(s, s.acc_ends + 2 * stride, i)
         accounts[k] += x
         accounts[k + stride] += y
         accounts[k + 2 * stride] += x * vx + y * vy
@@ -112,7 +114,7 @@ def rotate_torsional(model, torsional, tau, q, v, accounts, rotations):
             first = s.first_torsional
             count = s.torsionals
             if count > 0:
-                account = s.acc_internal + 2 * (s.stop - s.start)
+                account = s.acc_internal + 2 * s.account_stride
                 for i in range(s.start, s.end):
                     slot = torsional_slot(s, i)
                     j = s.dof_phi + i - s.start
@@ -121,7 +123,8 @@ def rotate_torsional(model, torsional, tau, q, v, accounts, rotations):
                     )
                     nu = v[j]
                     v[j] -= gained / model.asperites[I2, i]
-                    accounts[account + i - s.start] -= gained * 0.5 * (nu + v[j])
+                    if s.acc_internal >= 0:
+                        accounts[place_of(s, account, i)] -= gained * 0.5 * (nu + v[j])
 
 
 @kernel
@@ -137,7 +140,9 @@ def damp_swings(model, swing_friction, tau, v, accounts, noise):
                     omega = v[i]
                     gained = thermal_kick(gamma, s.temperature, mobility, omega, tau, noise)
                     v[i] += gained * mobility
-                    accounts[s.acc_swing + i - s.start] += gained * 0.5 * (omega + v[i])
+                    if s.acc_swing >= 0:
+                        m = place_of(s, s.acc_swing, i)
+                        accounts[m] += gained * 0.5 * (omega + v[i])
 
 
 @kernel
@@ -167,9 +172,10 @@ def thermalise(model, friction, tau, v, accounts, noise):
             after_x, after_y = momentum(model, s, v, v)
             px = after_x - before_x
             py = after_y - before_y
-            accounts[s.acc_block] += (
-                0.5 * (px * (before_x + after_x) + py * (before_y + after_y)) / s.total_mass
-            )
+            if s.acc_block >= 0:
+                accounts[s.acc_block] += (
+                    0.5 * (px * (before_x + after_x) + py * (before_y + after_y)) / s.total_mass
+                )
 
 
 @kernel

@@ -155,13 +155,14 @@ def evaluate_stages(method, model, neighbours, clock, h, end, state, new, work):
 @expanded
 def evaluate_powers(method, model, t, h, state, work):
     """Powers at all stages where they have a weight; leaves the forces at the end in place."""
-    n = state.acceleration.size
-    for m in range(method.with_power.size):
-        i = method.with_power[m]
-        restore_forces(model, work, i)
-        combine(state.y[n:], h, method.r[i], work.accelerations, work.v)
-        all_powers(model, t + method.c[i] * h, work.q[i], work.v, work.powers[i])
-    restore_forces(model, work, 0)
+    if model.ledger is not None:
+        n = state.acceleration.size
+        for m in range(method.with_power.size):
+            i = method.with_power[m]
+            restore_forces(model, work, i)
+            combine(state.y[n:], h, method.r[i], work.accelerations, work.v)
+            all_powers(model, t + method.c[i] * h, work.q[i], work.v, work.powers[i])
+        restore_forces(model, work, 0)
 
 
 @expanded

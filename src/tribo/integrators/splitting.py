@@ -50,7 +50,7 @@ from tribo.kernels.equations_of_motion import (
 from tribo.kernels.kinematics import end_force, rotational_power
 from tribo.kernels.levers import lever_of_bar, pivot_lengths
 from tribo.kernels.neighbours import crowded, refresh
-from tribo.kernels.powers import block_powers, field_powers, powers_of_block
+from tribo.kernels.powers import place_of, powers_of_block, shared_powers
 from tribo.kernels.records import (
     BAR_LENGTH,
     COS_PHI,
@@ -140,8 +140,8 @@ def add_end_impulses(model, s, i, impulse, vx, vy, accounts):
     a = model.asperites
     sin = block(a[SIN_PHI], i)
     x, y = end_force(impulse, block(a[BAR_LENGTH], i), sin, block(a[COS_PHI], i))
-    stride = s.stop - s.start
-    k = s.acc_ends + 2 * stride + i - s.start
+    stride = s.account_stride
+    k = place_of(s, s.acc_ends + 2 * stride, i)
     add_block(accounts, k, x)
     add_block(accounts, k + stride, y)
     add_block(accounts, k + 2 * stride, x * vx + y * vy)
@@ -164,8 +164,8 @@ def settle_end_works(model, q, accounts, arcs):
                 force = block(a[KAPPA], i) / block(a[BAR_LENGTH], i)
                 swept = s.facing * force * (arc - block(arcs, i))
                 work = lever_of_bar(model, model.pivots, i) * swept
-                m = s.acc_ends + i - s.start
-                stride = s.stop - s.start
+                m = place_of(s, s.acc_ends, i)
+                stride = s.account_stride
                 add_block(accounts, m, -work)
                 add_block(accounts, m + stride, work)
                 add_block(accounts, m + 4 * stride, pivot_lengths(model.pivots, i) * swept)
@@ -179,8 +179,8 @@ def add_turning_end_works(model, s, i, twist, rate, impulse, t, tau, vx, vy, acc
     stiffness = block(a[KAPPA], i)
     bar_length = block(a[BAR_LENGTH], i)
     nu = block(a[NU_START], i)
-    stride = s.stop - s.start
-    k = s.acc_ends + i - s.start
+    stride = s.account_stride
+    k = place_of(s, s.acc_ends, i)
     turning = 0.5 * nu * impulse
     add_block(accounts, k, -turning)
     add_block(accounts, k + stride, -turning)
@@ -314,9 +314,8 @@ def kick(model, t, tau, q, v, accounts, work):
             kick_slot(s.dof_phi, s, i, tau, acceleration, v, middle)
             kick_slot(s.dof_x, s, i, tau, acceleration, v, middle)
             kick_slot(s.dof_y, s, i, tau, acceleration, v, middle)
-            powers_of_block(model, s, i, 0.0, t, q, middle, power)
-    field_powers(model, model.fields, t, power)
-    block_powers(model, middle, v, power)
+            powers_of_block(model, model.ledger, s, i, 0.0, t, q, middle, power)
+    shared_powers(model, model.ledger, t, middle, v, power)
     for m in range(0, power.size, LANES):
         add_block(accounts, m, tau * block(power, m))
 

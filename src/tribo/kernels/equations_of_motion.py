@@ -210,7 +210,7 @@ def end_force_sums(end_forces, i):
 def add_end_torques(model, end_forces, s, i, t, q, acceleration):
     """Add the torques of a plug-in's forces on the ends of bars to phi''."""
     if end_forces is not None:
-        if s.acc_user_ends >= 0:
+        if s.user_ends == 1:
             sin, cos = sine_cosine(bar_angles(model, s, i, t, q))
             half = 0.5 * block(model.asperites[BAR_LENGTH], i)
             x = block(end_forces[RIGHT_X], i) - block(end_forces[LEFT_X], i)

@@ -20,6 +20,9 @@ laboratory, work = (about) + V . J + (pseudowork); no digits are lost where V is
     block      of a surface: pseudowork of all external forces at the centre of all its masses
 
 The accounts of a group stand one after another, each with a slot for every asperite of the surface.
+Where a scene asks for sums over surfaces, each has a slot for every lane, in which the powers of a
+surface's blocks are added up; contact and drive then have their levers in the work about the centre
+of mass.  Without a ledger there are none.
 """
 
 from numba import literal_unroll
@@ -58,7 +61,7 @@ from tribo.kernels.records import (
     Y,
 )
 from tribo.kernels.simd import LANES, broadcast, sum_of_lanes
-from tribo.kernels.simd_arrays import block, set_block
+from tribo.kernels.simd_arrays import add_block, block, set_block
 from tribo.kernels.simd_functions import sine_cosine
 
 # Number of accounts in each group; POINT is that of internal, field and thermal.
@@ -66,14 +69,29 @@ CONTACT, SLIDE, DRIVE, ENDS, USER_ENDS, POINT, SWING = 4, 2, 4, 5, 8, 4, 1
 
 
 @inlined
-def set_four(power, s, slot, i, first, second, third, fourth):
+def place_of(s, slot, i):
+    """Place of asperite i in an account that begins at `slot`."""
+    return slot + ((i - s.start) & s.account_mask)
+
+
+@inlined
+def set_power(sums, power, s, slot, i, x):
+    """Set the powers of a block in an account, or add them to those of the blocks before it."""
+    k = place_of(s, slot, i)
+    if sums is None or i == s.start:
+        set_block(power, k, x)
+    else:
+        add_block(power, k, x)
+
+
+@inlined
+def set_four(sums, power, s, slot, i, first, second, third, fourth):
     """Set the powers of a block's four accounts of a group."""
-    stride = s.stop - s.start
-    k = slot + i - s.start
-    set_block(power, k, first)
-    set_block(power, k + stride, second)
-    set_block(power, k + 2 * stride, third)
-    set_block(power, k + 3 * stride, fourth)
+    stride = s.account_stride
+    set_power(sums, power, s, slot, i, first)
+    set_power(sums, power, s, slot + stride, i, second)
+    set_power(sums, power, s, slot + 2 * stride, i, third)
+    set_power(sums, power, s, slot + 3 * stride, i, fourth)
 
 
 @inlined
@@ -99,9 +117,9 @@ def clamped_ends(model, s, i, t, q, omega, vx, vy, power):
     ty = block(model.bobs[TY], i)
     with_bar = rotational_power(-lever_of_bar(model, model.pivots, i), omega, tx, ty, x, y)
     turning = -0.5 * torque * block(a[NU_START], i)
-    stride = s.stop - s.start
-    set_four(power, s, s.acc_ends, i, turning + with_bar, turning - with_bar, x, y)
-    set_block(power, s.acc_ends + i - s.start + 4 * stride, x * vx + y * vy)
+    k = s.acc_ends
+    set_four(model.sums, power, s, k, i, turning + with_bar, turning - with_bar, x, y)
+    set_power(model.sums, power, s, k + 4 * s.account_stride, i, x * vx + y * vy)
 
 
 @kernel
@@ -127,11 +145,11 @@ def custom_end_powers(model, end_forces, s, i, t, q, v, power):
             left = left_x * (x - tip_x) + left_y * (y - tip_y)
             right = right_x * (x + tip_x) + right_y * (y + tip_y)
             k = s.acc_user_ends
-            set_four(power, s, k, i, left, right, left_x, left_y)
+            set_four(model.sums, power, s, k, i, left, right, left_x, left_y)
             left = left_x * vx + left_y * vy
             right = right_x * vx + right_y * vy
-            k += 4 * (s.stop - s.start)
-            set_four(power, s, k, i, right_x, right_y, left, right)
+            k += 4 * s.account_stride
+            set_four(model.sums, power, s, k, i, right_x, right_y, left, right)
 
 
 @inlined
@@ -143,7 +161,7 @@ def set_bob_powers(model, table, slot, s, i, omega, vx, vy, power):
             tx = block(model.bobs[TX], i)
             ty = block(model.bobs[TY], i)
             about = rotational_power(lever_of_bob(model, model.pivots, i), omega, tx, ty, x, y)
-            set_four(power, s, slot, i, x, y, about, x * vx + y * vy)
+            set_four(model.sums, power, s, slot, i, x, y, about, x * vx + y * vy)
 
 
 @inlined
@@ -155,15 +173,16 @@ def set_bar_powers(model, table, slot, s, i, omega, vx, vy, power):
             tx = block(model.bobs[TX], i)
             ty = block(model.bobs[TY], i)
             about = rotational_power(-lever_of_bar(model, model.pivots, i), omega, tx, ty, x, y)
-            set_four(power, s, slot, i, x, y, about, x * vx + y * vy)
+            set_four(model.sums, power, s, slot, i, x, y, about, x * vx + y * vy)
 
 
 @inlined
-def set_swing_powers(swing_friction, s, i, omega, power):
+def set_swing_powers(model, swing_friction, s, i, omega, power):
     """Set the power of the Langevin friction on the swings."""
     if swing_friction is not None:
         if s.acc_swing >= 0:
-            set_block(power, s.acc_swing + i - s.start, block(swing_friction[0], i) * omega)
+            x = block(swing_friction[0], i) * omega
+            set_power(model.sums, power, s, s.acc_swing, i, x)
 
 
 @inlined
@@ -179,39 +198,61 @@ def set_internal_powers(model, s, i, omega, vx, vy, power):
         about = about + rotational_power(lever, omega, tx, ty, bob_x, bob_y)
         x = x + bob_x
         y = y + bob_y
-        set_four(power, s, s.acc_internal, i, x, y, about, x * vx + y * vy)
+        set_four(model.sums, power, s, s.acc_internal, i, x, y, about, x * vx + y * vy)
 
 
 @inlined
-def powers_of_block(model, s, i, torsion, t, q, v, power):
-    """Set the powers of a block's accounts, forces in place.
+def set_contact_powers(model, sums, s, i, omega, power):
+    """Set the powers of contact; in sums the work about the centre of mass, with its lever."""
+    x = block(model.bobs[FX], i)
+    y = block(model.bobs[FY], i)
+    along_x = x * omega * block(model.bobs[TX], i)
+    along_y = y * omega * block(model.bobs[TY], i)
+    if sums is not None:
+        lever = lever_of_bob(model, model.pivots, i)
+        along_x = lever * along_x
+        along_y = lever * along_y
+    set_four(sums, power, s, s.acc_contact, i, x, y, along_x, along_y)
+
+
+@inlined
+def set_drive_powers(model, sums, s, i, omega, vx, vy, power):
+    """Set the powers of f2, but of the reaction of driven bars, which the ledger finds.
+
+    In sums the work about the centre of mass has its lever.
+    """
+    if s.acc_drive >= 0 and s.drive != BARS:
+        x, y = vectors(model.drive, i)
+        about = omega * (block(model.bobs[TX], i) * x + block(model.bobs[TY], i) * y)
+        if sums is not None:
+            about = lever_of_bar(model, model.pivots, i) * about
+        set_four(sums, power, s, s.acc_drive, i, x, y, about, x * vx + y * vy)
+
+
+@inlined
+def powers_of_block(model, ledger, s, i, torsion, t, q, v, power):
+    """Set the powers of a block's accounts, forces in place, if there is a ledger.
 
     `torsion` is 0 where the torsion springs, and the ends that hold them, are integrated
     separately; the ends that hold rigid asperites never are.
     """
-    b = model.bobs
-    omega = block(v, i)
-    vx, vy = velocities_of_centres(model, model.pivots, s, i, v)
-    tx = block(b[TX], i)
-    ty = block(b[TY], i)
-    x = block(b[FX], i)
-    y = block(b[FY], i)
-    set_four(power, s, s.acc_contact, i, x, y, x * omega * tx, y * omega * ty)
-    if s.acc_slide >= 0:
-        k = s.acc_slide + i - s.start
-        set_block(power, k, x * vx)
-        set_block(power, k + s.stop - s.start, y * vy)
-    if s.acc_drive >= 0 and s.drive != BARS:  # the ledger finds the reaction of driven bars
-        x, y = vectors(model.drive, i)
-        about = omega * (tx * x + ty * y)
-        set_four(power, s, s.acc_drive, i, x, y, about, x * vx + y * vy)
-    if s.acc_ends >= 0 and (torsion != 0.0 or is_fixed(model.fixed, s)):
-        clamped_ends(model, s, i, t, q, omega, vx, vy, power)
-    set_bob_powers(model, model.external, s.acc_field, s, i, omega, vx, vy, power)
-    set_internal_powers(model, s, i, omega, vx, vy, power)
-    set_bar_powers(model, model.friction, s.acc_thermal, s, i, omega, vx, vy, power)
-    set_swing_powers(model.swing_friction, s, i, omega, power)
-    custom_end_powers(model, model.end_forces, s, i, t, q, v, power)
+    if ledger is not None:
+        omega = block(v, i)
+        vx, vy = velocities_of_centres(model, model.pivots, s, i, v)
+        set_contact_powers(model, model.sums, s, i, omega, power)
+        if s.acc_slide >= 0:
+            k = s.acc_slide
+            set_power(model.sums, power, s, k, i, block(model.bobs[FX], i) * vx)
+            k += s.account_stride
+            set_power(model.sums, power, s, k, i, block(model.bobs[FY], i) * vy)
+        set_drive_powers(model, model.sums, s, i, omega, vx, vy, power)
+        if s.acc_ends >= 0 and (torsion != 0.0 or is_fixed(model.fixed, s)):
+            clamped_ends(model, s, i, t, q, omega, vx, vy, power)
+        set_bob_powers(model, model.external, s.acc_field, s, i, omega, vx, vy, power)
+        set_internal_powers(model, s, i, omega, vx, vy, power)
+        set_bar_powers(model, model.friction, s.acc_thermal, s, i, omega, vx, vy, power)
+        set_swing_powers(model, model.swing_friction, s, i, omega, power)
+        custom_end_powers(model, model.end_forces, s, i, t, q, v, power)
 
 
 @kernel
@@ -238,10 +279,10 @@ def torsional_powers(model, torsional, t, q, v, power):
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
             if s.torsionals > 0:
-                slot = s.acc_internal + 2 * (s.stop - s.start)
+                slot = s.acc_internal + 2 * s.account_stride
                 for i in range(s.start, s.end):
                     torque = torsional_torque(model, torsional, s, i, t, q)
-                    power[slot + i - s.start] += torque * v[s.dof_phi + i - s.start]
+                    power[place_of(s, slot, i)] += torque * v[s.dof_phi + i - s.start]
 
 
 @kernel
@@ -278,6 +319,14 @@ def external_force(model, s):
 
 
 @inlined
+def shared_powers(model, ledger, t, v, of_bath, power):
+    """Set the powers of the accounts that are of no asperite, if there is a ledger."""
+    if ledger is not None:
+        field_powers(model, model.fields, t, power)
+        block_powers(model, v, of_bath, power)
+
+
+@inlined
 def block_powers(model, v, of_bath, power):
     """Set the power of each surface's external force at the velocity of its centre of mass.
 
@@ -294,10 +343,16 @@ def block_powers(model, v, of_bath, power):
 @inlined
 def all_powers(model, t, q, v, power):
     """Set the powers of all accounts."""
-    for k in range(model.surfaces.shape[0]):
-        s = model.surfaces[k]
-        for i in range(s.start, s.stop, LANES):
-            powers_of_block(model, s, i, 1.0, t, q, v, power)
-    field_powers(model, model.fields, t, power)
-    torsional_powers(model, model.torsional, t, q, v, power)
-    block_powers(model, v, v, power)
+    powers_in_ledger(model, model.ledger, t, q, v, power)
+
+
+@inlined
+def powers_in_ledger(model, ledger, t, q, v, power):
+    """Set the powers of all accounts, if there is a ledger."""
+    if ledger is not None:
+        for k in range(model.surfaces.shape[0]):
+            s = model.surfaces[k]
+            for i in range(s.start, s.stop, LANES):
+                powers_of_block(model, ledger, s, i, 1.0, t, q, v, power)
+        shared_powers(model, ledger, t, v, v, power)
+        torsional_powers(model, model.torsional, t, q, v, power)

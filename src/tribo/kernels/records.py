@@ -29,7 +29,7 @@ ASPERITE = np.dtype(
         ("phi", "f8"),  # the bar's angle at t = 0; with nu, the motion of a clamped bar
         ("nu", "f8"),
         ("surface", "i4"),
-        ("stride", "i4"),  # from one account of a group to the next: asperites of the surface
+        ("stride", "i4"),  # from one account of a group to the next
         ("dof_x", "i4"),  # slots in the vector of coordinates; the swing's slot is the index
         ("dof_y", "i4"),
         ("dof_phi", "i4"),
@@ -103,6 +103,7 @@ SURFACE = np.dtype(
         ("vy", "f8"),
         ("turning", "i8"),  # 1 where clamped bars turn
         ("drive", "i8"),  # FORCED, FREE, RIGID, PULLED, CUSTOM, BARS
+        ("user_ends", "i8"),  # 1 where a plug-in exerts the forces on the ends of bars
         ("fixed", "i8"),  # 1 where pendulums are fixed to their bars: rigid asperites
         ("mass", "f8"),  # of all its asperites
         ("total_mass", "f8"),  # of all its asperites and their baths
@@ -125,6 +126,8 @@ SURFACE = np.dtype(
         ("dof_y", "i8"),
         ("dof_phi", "i8"),
         ("dof_bath", "i8"),
+        ("account_stride", "i8"),  # from one account of a group to the next
+        ("account_mask", "i8"),  # of an asperite's place in its surface: its place in an account
         ("acc_contact", "i8"),
         ("acc_slide", "i8"),
         ("acc_drive", "i8"),
@@ -280,6 +283,8 @@ class Model(NamedTuple):
     asperites: np.ndarray  # (rows, n), see CONSTANTS
     surfaces: Any  # recarray of SURFACE
     core: int  # number of the asperites' coordinates, before those of baths
+    ledger: Any  # True, or None where no works are kept
+    sums: Any  # True where accounts are sums over asperites; or None
     contacts: tuple  # of Contact between different surfaces
     within: Any  # tuple of Contact among the bobs of one surface, or None
     calculators: Any  # tuple of Calculator, or None

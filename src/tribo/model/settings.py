@@ -12,6 +12,7 @@ from tribo.validation import (
     POSITIVE,
     InputError,
     boolean,
+    choice,
     inside,
     integer,
     must_be,
@@ -22,11 +23,13 @@ from tribo.validation import (
 # Range of accuracies.  Round-off grows to about the first in a run; above the second an error
 # estimate means little.
 FINEST, COARSEST = 1e-13, 0.1
+# Of what the works and pseudoworks are kept.
+LEDGERS = ("asperites", "surfaces", "none")
 
 
 @dataclass(frozen=True)
 class Output:
-    """The times to record: evenly spaced samples, both ends included, or listed times.
+    """The times to record, evenly spaced with both ends or listed, and the works that are kept.
 
     Attributes
     ----------
@@ -34,18 +37,24 @@ class Output:
         Number of evenly spaced samples, at least 2.
     times : list of float, optional
         Increasing times instead of `samples` [time]; start and end of the run are always added.
+    ledger : str
+        Works and pseudoworks of each asperite, "asperites", their sums over each surface,
+        "surfaces", or none of them, "none".  A run does not compute what is not kept.
 
     Raises
     ------
     InputError
-        If `samples` is too small or too large, or `times` do not increase.
+        If `samples` is too small or too large, `times` do not increase, or `ledger` is none of
+        these words.
     """
 
     samples: int = 401
     times: tuple[float, ...] | None = None
+    ledger: str = "asperites"
 
     def __post_init__(self) -> None:
         integer("samples", self.samples, 2, LARGEST_COUNT)
+        choice("ledger", self.ledger, LEDGERS)
         if self.times is not None:
             times = vector("times", self.times, unit="time")
             if times.size == 0 or np.any(np.diff(times) <= 0.0) or times[0] < 0.0:

@@ -8,6 +8,7 @@ import numpy as np
 
 from tribo.plotting.style import COLUMN, INK, POINTS_PER_INCH, drawing_on
 from tribo.run.result import Result
+from tribo.validation import must_be
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -82,9 +83,17 @@ def work_curves(
     -------
     matplotlib.axes.Axes
         The label of each line is the name of the work in the ledger, as "w1_ps".
+
+    Raises
+    ------
+    InputError
+        The result has no works of single asperites.
     """
     from matplotlib.ticker import MaxNLocator
 
+    ledger = result.scene.output.ledger
+    if ledger != "asperites":
+        raise must_be("output.ledger", '"asperites" for works of single asperites', ledger)
     series = result[surface]
     span = span or (float(result.t[0]), float(result.t[-1]))
     lines: dict[str, Line2D] = {}

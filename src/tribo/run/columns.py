@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from tribo.run.accounts import Integrals
 from tribo.run.layout import Layout
-from tribo.run.ledger import OF_SURFACE
-from tribo.run.quantities import BLOCK_QUANTITIES, SYSTEM_QUANTITIES
+from tribo.run.quantities import BLOCK_QUANTITIES, Quantity, needs_accounts, reported
 from tribo.run.totals import Group, Linear, System, Whole
 
 
@@ -67,7 +66,8 @@ def columns_of(layout: Layout, group: Group, names: Iterable[str] = ()) -> Colum
     def together(s: np.ndarray) -> np.ndarray:
         integrals = Integrals(s)
         values = [of.value(each, integrals) for item, of in linear for each in item.sources]
-        return np.concatenate([value.reshape(len(s), -1) for value in values], axis=1)
+        none = np.empty((len(s), 0))
+        return np.concatenate([none, *(value.reshape(len(s), -1) for value in values)], axis=1)
 
     values = [group.samples.linear("columns", together)]
     series = (item.of(each) for item in rest for each in item.sources)
@@ -93,17 +93,21 @@ def _items(layout: Layout, group: Group) -> list[Item]:
     (entry,) = group.entries
     wholes = tuple(Whole(layout, samples, k, entry) for k in range(len(layout.parts)))
     system = System(layout, samples, wholes)
-    reported = OF_SURFACE[any(field for _, field, _ in effects), any(bath for *_, bath in effects)]
-    items = []
-    for name, quantity in (reported | SYSTEM_QUANTITIES).items():
-        sources: Sequence[Group | System] = (group,)
-        if name in BLOCK_QUANTITIES:
-            sources = wholes
-        elif name in SYSTEM_QUANTITIES:
-            sources = (system,)
-        width = layout.scene.count if sources[0] is group else len(sources)
-        items.append(Item(name, quantity.of, sources, width))
-    return items
+    found = reported(
+        layout.scene.output.ledger,
+        any(field for _, field, _ in effects),
+        any(reservoir for *_, reservoir in effects),
+    )
+    of_each: list[tuple[Mapping[str, Quantity], Sequence[Group | System], int]] = [
+        (found.asperites, (group,), layout.scene.count),
+        (found.blocks, wholes, len(wholes)),
+        (found.system, (system,), 1),
+    ]
+    return [
+        Item(name, quantity.of, sources, width)
+        for quantities, sources, width in of_each
+        for name, quantity in quantities.items()
+    ]
 
 
 def _with(layout: Layout, columns: Columns, names: Iterable[str]) -> Columns:
@@ -113,7 +117,9 @@ def _with(layout: Layout, columns: Columns, names: Iterable[str]) -> Columns:
         if surface:
             start = int(columns.starts[columns.names.index(name)])
             index = layout.effects[surface][0]
-            part = slice(index, index + 1) if name in BLOCK_QUANTITIES else layout.parts[surface]
+            sums = needs_accounts(name) and layout.model.sums is not None
+            whole = name in BLOCK_QUANTITIES or sums
+            part = slice(index, index + 1) if whole else layout.parts[surface]
             own = columns.values[:, start + part.start : start + part.stop]
             columns = Columns(
                 (*columns.names, full),

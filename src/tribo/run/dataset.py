@@ -17,7 +17,7 @@ from tribo.model.scene import Scene
 from tribo.model.scene_writer import scene_text
 from tribo.run.identity import plugin_stamps, version
 from tribo.run.ledger import Ledger
-from tribo.run.quantities import QUANTITIES, UNITS, Table
+from tribo.run.quantities import QUANTITIES, SUMMED_QUANTITIES, UNITS, Table
 from tribo.run.state import State
 from tribo.validation import InputError
 
@@ -55,7 +55,8 @@ def _series(
     variables: dict[str, Variable] = {}
     for key, values in table.items():
         name = f"{surface}.{key}" if surface else key
-        quantity = QUANTITIES[key]
+        is_sum = key in SUMMED_QUANTITIES and len(dimensions) == 1
+        quantity = SUMMED_QUANTITIES[key] if is_sum else QUANTITIES[key]
         about = {"units": quantity.units, "long_name": quantity.long_name}
         variables[name] = (dimensions, values, about)
         bound = bounds.get(name, bounds[key])

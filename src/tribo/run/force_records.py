@@ -18,18 +18,19 @@ Records = np.recarray[Any, Any]  # whose fields are read as attributes
 
 
 def fields_on_surfaces(
-    scene: Scene, origin: np.ndarray, accounts: int
+    scene: Scene, origin: np.ndarray, accounts: int | None
 ) -> tuple[tuple[FieldOn, ...] | None, int]:
     """The external fields; each moving field has an account for the work of moving it.
 
-    The first is that with number `accounts`; their number with these is returned too.
+    The first is that with number `accounts`; their number with these is returned too.  None: there
+    are no accounts.
     """
     names = [surface.name for surface in scene.surfaces]
     velocity = np.array(scene.surfaces[0].velocity)
-    fields = []
+    fields, count = [], accounts or 0
     for item in scene.fields:
         drift = np.array(item.velocity)
-        moves = bool(np.any(drift != 0.0))
+        moves = accounts is not None and bool(np.any(drift != 0.0))
         fields.append(
             FieldOn(
                 potential=item.potential,
@@ -38,11 +39,11 @@ def fields_on_surfaces(
                 velocity=velocity - drift,
                 drift=drift,
                 anchor=np.zeros(2),
-                account=accounts if moves else -1,
+                account=count if moves else -1,
             )
         )
-        accounts += moves
-    return tuple(fields) or None, accounts
+        count += moves
+    return tuple(fields) or None, count
 
 
 def _in_frame_of(field: Field, origin: np.ndarray) -> np.ndarray:

@@ -110,6 +110,28 @@ class Layout:
             for index, surface in enumerate(self.scene.surfaces)
         }
 
+    @cached_property
+    def accounted(self) -> Batch:
+        """Those that have the accounts: all asperites, or lanes that stand for their sums."""
+        if self.model.sums is None:
+            return self.together
+        lanes = slots.lanes_of_surfaces(self.scene, self.surfaces).view(np.recarray)
+        velocities = np.array([surface.velocity for surface in self.scene.surfaces])
+        return batch_of(lanes, self.surfaces, velocities[lanes["surface"]])
+
+    @cached_property
+    def accounted_parts(self) -> tuple[slice, ...]:
+        """The place of each surface in `accounted`."""
+        stops = np.cumsum(self.surfaces.account_stride).tolist()
+        return tuple(slice(*pair) for pair in zip([0, *stops[:-1]], stops, strict=True))
+
+    @cached_property
+    def accounted_batches(self) -> tuple[tuple[Batch, ...], ...]:
+        """Those of each surface that have the accounts."""
+        if self.model.sums is None:
+            return self.batches
+        return tuple(batches_of(self.accounted, part) for part in self.accounted_parts)
+
     @property
     def anchors(self) -> np.ndarray:
         """Displacement of each pulling stage and each field at t = 0, (surfaces + fields, 2)."""
@@ -180,12 +202,15 @@ def lay_out(scene: Scene) -> Layout:
     }
     asperites, physics = scene_records(scene, parts)
     origin = np.array(scene.surfaces[0].first_bob[:2])
-    sliding = np.array(slots.slide(scene))
-    fields, shared = fields_on_surfaces(scene, origin, int(np.sum(sliding)))
+    kept = scene.output.ledger != "none"
+    sliding = slots.slide(scene) & kept
+    fields, shared = fields_on_surfaces(scene, origin, int(np.sum(sliding)) if kept else None)
     physics["acc_block"] = np.where(sliding, np.cumsum(sliding) - 1, -1)
     mine = slots.number(scene, physics, shared, width=1)
     theirs = slots.number(scene, physics, shared, LANES)
-    slots.give_slots(asperites, mine.surfaces)
+    slots.give_slots(asperites, mine.surfaces, ("dof_", "acc_"))
+    if scene.output.ledger == "surfaces":
+        slots.without_accounts(asperites)
     start = start_of(asperites, scene, parts, mine)
     places = slots.places(mine, theirs, shared)
     depths = [resting_bobs(scene, k)[:, 2] for k in range(len(scene.surfaces))]

@@ -17,27 +17,9 @@ from typing import Any
 import numpy as np
 
 from tribo.run.layout import Layout
-from tribo.run.quantities import (
-    ASPERITE_QUANTITIES,
-    BLOCK_QUANTITIES,
-    FIELD_QUANTITIES,
-    QUANTITIES,
-    RESERVOIR_QUANTITIES,
-    SYSTEM_QUANTITIES,
-    Table,
-)
+from tribo.run.quantities import QUANTITIES, Quantity, Reported, Table, needs_accounts, reported
 from tribo.run.samples import Samples
 from tribo.run.totals import System, Whole
-
-# The quantities of a surface and of its asperites, by whether it has a field and a reservoir.
-OF_SURFACE = {
-    (field, reservoir): ASPERITE_QUANTITIES
-    | (FIELD_QUANTITIES if field else {})
-    | (RESERVOIR_QUANTITIES if reservoir else {})
-    | BLOCK_QUANTITIES
-    for field in (False, True)
-    for reservoir in (False, True)
-}
 
 
 class Series(Mapping[str, np.ndarray]):
@@ -62,7 +44,7 @@ class Series(Mapping[str, np.ndarray]):
         known = self._known.get(name)
         if known is None:
             if name not in self._names:
-                raise KeyError(name)
+                raise KeyError(self._absence(name))
             known = self._known[name] = self._compute(name)
         return known
 
@@ -72,8 +54,13 @@ class Series(Mapping[str, np.ndarray]):
         try:
             return self[name]
         except KeyError:
-            names = ", ".join(self._names)
-            raise AttributeError(f"no quantity {name!r}; there are {names}") from None
+            raise AttributeError(self._absence(name)) from None
+
+    def _absence(self, name: str) -> str:
+        """Why there is no such series."""
+        if needs_accounts(name) and not any(map(needs_accounts, self._names)):
+            return f'"{name}" is not kept; works need another output.ledger, as "asperites"'
+        return f"no quantity {name!r}; there are {', '.join(self._names)}"
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *self._names]
@@ -178,19 +165,18 @@ class Assembled(Ledger):
     def of(self, surface: str) -> Series:
         """All series of a surface.  Raises KeyError if there is no such surface."""
         if surface not in self._series:
-            index, field, reservoir = self._layout.effects[surface]
+            index = self._layout.effects[surface][0]
             whole = self._wholes[surface] = Whole(self._layout, self._samples, index)
-            compute = partial(series_of, whole)
-            self._series[surface] = Series(OF_SURFACE[field, reservoir], compute)
+            found = self._reported(surface)
+            every = {**found.asperites, **found.blocks}
+            self._series[surface] = Series(every, partial(series_of, every, whole))
         return self._series[surface]
 
     @cached_property
     def surfaces(self) -> dict[str, Series]:  # type: ignore[override]
         """Surface -> quantity -> (times, asperites)."""
         return {
-            name: Series(
-                [k for k in self.of(name) if k not in BLOCK_QUANTITIES], self.of(name).__getitem__
-            )
+            name: Series(self._reported(name).asperites, self.of(name).__getitem__)
             for name in self._layout.parts
         }
 
@@ -198,12 +184,20 @@ class Assembled(Ledger):
     def blocks(self) -> dict[str, Series]:  # type: ignore[override]
         """Surface -> quantity of the surface as a whole -> (times,)."""
         parts = self._layout.parts
-        return {name: Series(BLOCK_QUANTITIES, self.of(name).__getitem__) for name in parts}
+        return {
+            name: Series(self._reported(name).blocks, self.of(name).__getitem__) for name in parts
+        }
 
     @cached_property
     def system(self) -> Series:  # type: ignore[override]
         """Quantity of the system -> (times,)."""
-        return Series(SYSTEM_QUANTITIES, partial(series_of, self._system))
+        found = reported(self._layout.scene.output.ledger, False, False).system
+        return Series(found, partial(series_of, found, self._system))
+
+    def _reported(self, surface: str) -> Reported:
+        """The quantities of a surface and of its asperites."""
+        _, field, reservoir = self._layout.effects[surface]
+        return reported(self._layout.scene.output.ledger, field, reservoir)
 
     @cached_property
     def _system(self) -> System:
@@ -216,9 +210,9 @@ class Assembled(Ledger):
         return Assembled(self._layout, self._samples.ends()).rows(slice(-1, None))
 
 
-def series_of(source: Whole | System, name: str) -> np.ndarray:
+def series_of(quantities: Mapping[str, Quantity], source: Whole | System, name: str) -> np.ndarray:
     """The series of a quantity of a surface or of the system."""
-    return QUANTITIES[name].of(source)
+    return quantities[name].of(source)
 
 
 def assemble(layout: Layout, samples: Samples) -> Assembled:

@@ -31,6 +31,8 @@ def model_tables(
         asperites=_constants(scene, asperites, places.columns, n),
         surfaces=numbering.surfaces.view(np.recarray),
         core=numbering.core,
+        ledger=None if scene.output.ledger == "none" else True,
+        sums=True if scene.output.ledger == "surfaces" else None,
         contacts=(),
         within=None,
         calculators=None,

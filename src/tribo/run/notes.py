@@ -63,7 +63,9 @@ def passage_notes(layout: Layout, run: Integration) -> tuple[str, ...]:
 def drive_notes(layout: Layout, ledger: Ledger) -> tuple[str, ...]:
     """A note on every surface at rest on whose swinging bars a forced drive does work."""
     surfaces = layout.scene.surfaces
-    works = {s.name: float(np.sum(ledger.surfaces[s.name]["w2"][-1])) for s in surfaces}
+    if layout.model.ledger is None:
+        return ()
+    works = {s.name: float(np.sum(ledger.of(s.name)["w2"][-1])) for s in surfaces}
     at_rest = [s.name for s in surfaces if isinstance(s.drive, Forced) and s.velocity == (0.0, 0.0)]
     others = sum(work for name, work in works.items() if name not in at_rest)
     return tuple(

@@ -89,6 +89,7 @@ def is_pair(layout: Layout) -> bool:
     a, surfaces = layout.asperites, layout.surfaces
     return (
         a.size == surfaces.size == 2
+        and layout.scene.output.ledger == "asperites"
         and all(item is None for item in extra)
         and layout.rows == 0
         and len(model.contacts[0].pairs) == 1

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -52,6 +53,10 @@ def _each(value: Callable[[Entry], np.ndarray]) -> Callable[[Group], np.ndarray]
 
 def _accounted(name: str) -> Linear:
     return Linear(lambda group, integrals: group.accounted(integrals, name))
+
+
+def _summed(name: str) -> Linear:
+    return Linear(lambda whole, integrals: whole.summed(integrals, name))
 
 
 # Of each asperite, in the order in which they are reported.
@@ -129,3 +134,56 @@ SYSTEM_QUANTITIES = {
     ),
 }
 QUANTITIES = ASPERITE_QUANTITIES | OPTIONAL_QUANTITIES | BLOCK_QUANTITIES | SYSTEM_QUANTITIES
+
+
+def needs_accounts(name: str) -> bool:
+    """Whether a quantity is a work, a pseudowork or the heat."""
+    return name in QUANTITIES and isinstance(QUANTITIES[name].of, Linear)
+
+
+# The sums over the asperites of a surface, by the names of what is summed.
+SUMMED_QUANTITIES = {
+    name: Quantity(quantity.kind, f"{quantity.long_name}, all asperites", _summed(name))
+    for name, quantity in (ASPERITE_QUANTITIES | OPTIONAL_QUANTITIES).items()
+    if needs_accounts(name)
+}
+
+
+@dataclass(frozen=True)
+class Reported:
+    """The quantities that a scene reports, by name.
+
+    Attributes
+    ----------
+    asperites, blocks, system : dict
+        Of each asperite, of each surface as a whole, and of the system.
+    """
+
+    asperites: Mapping[str, Quantity]
+    blocks: Mapping[str, Quantity]
+    system: Mapping[str, Quantity]
+
+
+@cache
+def reported(ledger: str, field: bool, reservoir: bool) -> Reported:
+    """The quantities that are reported.
+
+    Parameters
+    ----------
+    ledger : str
+        Of what works are kept: "asperites", "surfaces" or "none".
+    field, reservoir : bool
+        Whether a field acts on the surface, and whether it has a reservoir.
+    """
+    own = ASPERITE_QUANTITIES | (FIELD_QUANTITIES if field else {})
+    own |= RESERVOIR_QUANTITIES if reservoir else {}
+    if ledger == "asperites":
+        return Reported(own, BLOCK_QUANTITIES, SYSTEM_QUANTITIES)
+    motion, whole, system = (
+        {name: each for name, each in table.items() if not needs_accounts(name)}
+        for table in (own, BLOCK_QUANTITIES, SYSTEM_QUANTITIES)
+    )
+    if ledger == "none":
+        return Reported(motion, whole, system)
+    sums = {name: each for name, each in SUMMED_QUANTITIES.items() if name in own}
+    return Reported(motion, BLOCK_QUANTITIES | sums, SYSTEM_QUANTITIES)

@@ -6,7 +6,7 @@ import numpy as np
 
 from tribo.kernels.records import BARS
 from tribo.run.accounts import FORCES, Accounts
-from tribo.run.batch import batches_of
+from tribo.run.batch import Batch
 from tribo.run.layout import Layout
 from tribo.run.motion import about_pivots
 from tribo.run.samples import Samples
@@ -18,28 +18,40 @@ def add_reactions(layout: Layout, samples: Samples, run: Samples) -> None:
     The impulse is M (v_cm - v_cm(0)) less all other impulses, the pseudowork the change of kinetic
     energy less all other pseudoworks.  In the frame of the bars f2 does no work.
     """
-    for k, part in enumerate(layout.parts.values()):
-        if layout.surfaces[k].drive == BARS:
-            for batch in batches_of(layout.together, part):
-                first, later = (
-                    (each.y[:, batch.place], each.y[:, layout.core :][:, batch.place])
-                    for each in (run.first(), samples)
-                )
-                _add(Accounts(batch, samples.s), samples.s, first, later)
+    for index in range(len(layout.parts)):
+        if layout.surfaces[index].drive == BARS and layout.surfaces[index].acc_drive >= 0:
+            changes = [_changes(layout, batch, samples, run) for batch in layout.batches[index]]
+            if layout.model.sums is not None:
+                changes = [_in_first_lane(changes, layout.surfaces[index].account_stride)]
+            for batch, change in zip(layout.accounted_batches[index], changes, strict=True):
+                _add(Accounts(batch, samples.s), samples.s, change)
 
 
-def _add(
-    forces: Accounts,
-    s: np.ndarray,
-    first: tuple[np.ndarray, np.ndarray],
-    later: tuple[np.ndarray, np.ndarray],
-) -> None:
-    """The same of one batch, from its swings and their rates at the start and at samples."""
+def _changes(layout: Layout, batch: Batch, samples: Samples, run: Samples) -> np.ndarray:
+    """Changes of momentum along x and y and of kinetic energy, (3, times, asperites)."""
+    a = batch.asperites
+    (vx0, vy0), (vx, vy) = (
+        about_pivots(a, each.y[:, batch.place], each.y[:, layout.core :][:, batch.place])[2:]
+        for each in (run.first(), samples)
+    )
+    kinetic = 0.5 * a.mass * (vx**2 + vy**2 - vx0**2 - vy0**2)
+    return np.stack([a.mass * (vx - vx0), a.mass * (vy - vy0), kinetic])
+
+
+def _in_first_lane(changes: list[np.ndarray], lanes: int) -> np.ndarray:
+    """The sums over asperites as those of the first of some lanes, (3, times, lanes)."""
+    found = np.zeros((*changes[0].shape[:2], lanes))
+    found[:, :, 0] = sum(np.sum(change, axis=2) for change in changes)
+    return found
+
+
+def _add(forces: Accounts, s: np.ndarray, change: np.ndarray) -> None:
+    """Set the accounts of one batch, from the changes of its momenta and kinetic energy."""
     a = forces.batch.asperites
     others = [forces[name] for name in FORCES if name != "w2"]
-    _, _, vx, vy = about_pivots(a, *later)
-    _, _, vx0, vy0 = about_pivots(a, *first)
-    pseudo = 0.5 * a.mass * (vx**2 + vy**2 - vx0**2 - vy0**2) - sum(f.pseudo for f in others)
-    s[:, a.acc_drive] = a.mass * (vx - vx0) - sum(f.jx for f in others)
-    s[:, a.acc_drive + a.stride] = a.mass * (vy - vy0) - sum(f.jy for f in others)
+    px, py, kinetic = change
+    pseudo = kinetic - sum(f.pseudo for f in others)
+    s[:, a.acc_drive] = px - sum(f.jx for f in others)
+    s[:, a.acc_drive + a.stride] = py - sum(f.jy for f in others)
+    s[:, a.acc_drive + 2 * a.stride] = pseudo  # minus the work about the centre of mass
     s[:, a.acc_drive + 3 * a.stride] = pseudo

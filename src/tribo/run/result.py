@@ -229,10 +229,10 @@ class Result:
         if self.status != Status.COMPLETED:
             lines.append(f"  {MEANINGS[self.status]}")
         for name, block in self.ledger.at_end().blocks.items():
-            lines.append(
-                f"  {name:>10}: work {block['W'][-1]: .6g}, pseudowork {block['W_ps'][-1]: .6g}, "
-                f"internal energy {block['delta_E_int'][-1]:+.6g}"
-            )
+            works = "works are not kept, "
+            if "W" in block:
+                works = f"work {block['W'][-1]: .6g}, pseudowork {block['W_ps'][-1]: .6g}, "
+            lines.append(f"  {name:>10}: {works}internal energy {block['delta_E_int'][-1]:+.6g}")
         return "\n".join(lines + [f"  note: {note}" for note in self.notes])
 
     def _digits(self) -> str:

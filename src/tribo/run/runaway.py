@@ -23,9 +23,12 @@ def up_to_runaway(layout: Layout, run: Integration) -> Integration:
     """The run, or its part up to the first sample at which its energy has run away.
 
     That is where the energy exceeds RUNAWAY times that at the start, and its change differs from
-    the applied work by more than any applied work and any energy of contact so far.
+    the applied work by more than any applied work and any energy of contact so far.  Without a
+    ledger it is not known.
     """
     samples = run.samples
+    if layout.model.ledger is None:
+        return run
     with np.errstate(over="ignore", invalid="ignore"):  # an energy may exceed all numbers
         energy = _energy(layout, samples)
         grown = energy > RUNAWAY * energy[0]

@@ -6,7 +6,7 @@ import numpy as np
 
 from tribo.kernels import records
 from tribo.kernels.records import BARS, CUSTOM, FORCED, FREE, PULLED, RIGID
-from tribo.model.drives import DrivenBars, Forced, Free, Pulled
+from tribo.model.drives import DrivenBars, Ends, Forced, Free, Pulled
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 
@@ -58,6 +58,7 @@ def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
     record["torsionals"] = surface.bath.inertias.size
     record["facing"] = surface.facing_sign
     record["fixed"] = surface.asperite.is_rigid
+    record["user_ends"] = isinstance(surface.bars, Ends)
     record["vx"] = surface.velocity[0] - first.velocity[0]
     record["vy"] = surface.velocity[1] - first.velocity[1]
     drive = surface.drive

@@ -14,10 +14,12 @@ import numpy as np
 from tribo.kernels import records
 from tribo.kernels.powers import CONTACT, DRIVE, ENDS, POINT, SLIDE, SWING, USER_ENDS
 from tribo.kernels.records import BARS, CUSTOM, PULLED, RIGID
+from tribo.kernels.simd import LANES
 from tribo.model.drives import DrivenBars, Ends
 from tribo.model.scene import Scene
+from tribo.model.surface import Surface
 
-# Groups of accounts, one number an asperite each, and the number of accounts in each group.
+# Groups of accounts, one number an asperite or a lane each, and how many accounts each group has.
 GROUPS = {
     "acc_contact": CONTACT,
     "acc_slide": SLIDE,
@@ -81,13 +83,13 @@ def _whole(sizes: np.ndarray, width: int) -> np.ndarray:
 
 
 def _slots(
-    wanted: list[bool] | np.ndarray, surfaces: np.ndarray, first: int, width: int = 1
+    wanted: list[bool] | np.ndarray, sizes: np.ndarray, first: int
 ) -> tuple[np.ndarray, int]:
     """First slot of each surface, -1 where none is wanted, and the first slot after them.
 
-    Every asperite of a surface has `width` slots.
+    A surface where they are wanted has as many slots as `sizes` say.
     """
-    sizes = np.where(wanted, width * (surfaces["stop"] - surfaces["start"]), 0)
+    sizes = np.where(wanted, sizes, 0)
     stops = first + np.cumsum(sizes)
     return np.where(wanted, stops - sizes, -1), int(stops[-1])
 
@@ -103,23 +105,33 @@ def _number_coordinates(scene: Scene, surfaces: np.ndarray, stop: int) -> int:
         ("dof_x", [scene.slides_along_x(s) or isinstance(s.drive, DrivenBars) for s in own]),
         ("dof_y", [scene.slides_along_y(s) or isinstance(s.drive, DrivenBars) for s in own]),
     ):
-        surfaces[name], stop = _slots(wanted, surfaces, stop)
+        surfaces[name], stop = _slots(wanted, surfaces["stop"] - surfaces["start"], stop)
     return stop
 
 
-def slide(scene: Scene) -> list[bool]:
+def slide(scene: Scene) -> np.ndarray:
     """Whether the centres of mass of each surface can leave their uniform motion."""
-    return [scene.slides_along_x(s) or scene.slides_along_y(s) for s in scene.surfaces]
+    own = scene.surfaces
+    return np.array([scene.slides_along_x(s) or scene.slides_along_y(s) for s in own])
 
 
 def _number_accounts(scene: Scene, surfaces: np.ndarray, stop: int) -> int:
-    """Assign the asperites' slots of s, from `stop` on; returns the number of all."""
-    own = scene.surfaces
+    """Assign the slots of s that asperites have, from `stop` on; returns the number of all.
+
+    Sums over surfaces have accounts for what follows, asperite by asperite, from other accounts:
+    the work of drives on arms of different shapes, and the pseudowork of contact on driven bars.
+    """
+    own, ledger = scene.surfaces, scene.output.ledger
+    sums, bars = ledger == "surfaces", surfaces["drive"] == BARS
+    size = surfaces["stop"] - surfaces["start"]
+    surfaces["account_stride"] = np.minimum(size, LANES) if sums else size
+    surfaces["account_mask"] = LANES - 1 if sums else -1
     wanted = {
         "acc_contact": [True for _ in own],
-        "acc_slide": slide(scene),
+        "acc_slide": slide(scene) | (bars & sums),
         "acc_drive": np.isin(surfaces["drive"], (RIGID, PULLED, CUSTOM, BARS))
-        | (surfaces["loaded"] == 1),
+        | (surfaces["loaded"] == 1)
+        | (sums & np.array([np.ptp(arm_ratios(s)) > 0.0 for s in own])),
         "acc_ends": [
             s.bars == "clamped" and bool(np.any(s.asperite.for_each(s.count)["kappa"] > 0.0))
             for s in own
@@ -136,19 +148,50 @@ def _number_accounts(scene: Scene, surfaces: np.ndarray, stop: int) -> int:
         "acc_swing": [s.swing_reservoir is not None for s in own],
     }
     for name, width in GROUPS.items():
-        surfaces[name], stop = _slots(wanted[name], surfaces, stop, width)
+        present = wanted[name] if ledger != "none" else np.zeros(len(own), bool)
+        surfaces[name], stop = _slots(present, width * surfaces["account_stride"], stop)
     return stop
 
 
-def give_slots(asperites: np.ndarray, surfaces: np.ndarray) -> None:
-    """Set every asperite's slots from its surface's."""
+def give_slots(asperites: np.ndarray, surfaces: np.ndarray, groups: tuple[str, ...]) -> None:
+    """Set every asperite's slots of some groups, as "dof_" and "acc_", from its surface's."""
     own = surfaces[asperites["surface"]]
-    place = np.arange(asperites.size) - own["start"]
-    asperites["stride"] = own["stop"] - own["start"]
+    place = np.arange(asperites.size) - np.searchsorted(asperites["surface"], asperites["surface"])
+    asperites["stride"] = own["account_stride"]
     for name in records.ASPERITE.names or ():
-        if name.startswith(("dof_", "acc_")):
+        if name.startswith(groups):
             each = 2 * own["oscillators"] + own["torsionals"] if name == "dof_bath" else 1
             asperites[name] = np.where(own[name] >= 0, own[name] + each * place, -1)
+
+
+def without_accounts(asperites: np.ndarray) -> None:
+    """Let asperites have no accounts of their own."""
+    for name in GROUPS:
+        asperites[name] = -1
+
+
+def arm_ratios(surface: Surface) -> np.ndarray:
+    """l2 / l1 of each asperite."""
+    each = surface.asperite.for_each(surface.count)
+    return np.asarray(each["l2"] / each["l1"])
+
+
+def lanes_of_surfaces(scene: Scene, surfaces: np.ndarray) -> np.ndarray:
+    """Asperites that stand for the sums over the lanes of each surface, in place of its own.
+
+    Their works have the levers already; a drive without accounts has that of contact.
+    """
+    counts = surfaces["account_stride"]
+    asperites = np.zeros(int(np.sum(counts)), records.ASPERITE)
+    asperites["surface"] = np.repeat(np.arange(len(surfaces)), counts)
+    asperites["l1"], asperites["facing"] = 1.0, 1.0
+    ratios = [arm_ratios(surface)[0] for surface in scene.surfaces]
+    asperites["l2"] = np.repeat(np.where(surfaces["acc_drive"] >= 0, 1.0, ratios), counts)
+    for name in records.ASPERITE.names or ():
+        if name.startswith("dof_"):
+            asperites[name] = -1
+    give_slots(asperites, surfaces, ("acc_",))
+    return asperites
 
 
 @dataclass(frozen=True)
@@ -183,9 +226,10 @@ def places(samples: Numbering, kernels: Numbering, shared: int) -> Places:
             if here[name] >= 0:
                 q[here[name] + each] = there[name] + each
         _place_baths(here, there, each[:, None], q)
+        each = np.arange(here["account_stride"])
         for name, width in GROUPS.items():
             for k in range(width if here[name] >= 0 else 0):
-                stride = there["stop"] - there["start"]
+                stride = there["account_stride"]
                 s[here[name] + k * each.size + each] = there[name] + k * stride + each
     return Places(np.concatenate(columns), q, s)
 

@@ -200,6 +200,8 @@ def continued(layout: Layout, state: State) -> tuple[Layout, Origin]:
         raise InputError("start", f"must be a tribo.State, got {type(state).__name__}")
     old, new = plain_table(state.scene), plain_table(layout.scene)
     same_scene = first_difference(_physics(old), _physics(new)) is None
+    # Works go on only where the same ones are kept.
+    same_scene = same_scene and state.scene.output.ledger == layout.scene.output.ledger
     other = first_difference(_places(old), _places(new))
     if other is not None:
         raise InputError("start", f"must be a state of this scene, but {other}")

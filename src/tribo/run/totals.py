@@ -86,6 +86,11 @@ class Whole(Group):
             return super().entries
         return tuple(self._among.part(batch) for batch in self.batches)
 
+    def summed(self, integrals: Integrals, name: str) -> np.ndarray:
+        """The sum over the asperites of a work, a pseudowork or the heat."""
+        every = (integrals.of(batch) for batch in self._accounted)
+        return _sum(accounted(each, name) for each in every)
+
     def work(self, integrals: Integrals) -> np.ndarray:
         """The work of external forces."""
         return self._sum_over(integrals, EXTERNAL, Account.work)
@@ -130,6 +135,11 @@ class Whole(Group):
         return float(self._record.total_mass)
 
     @property
+    def _accounted(self) -> tuple[Batch, ...]:
+        """The asperites, or lanes that stand for their sums, with accounts."""
+        return self._layout.accounted_batches[self._index]
+
+    @property
     def _stored(self) -> np.ndarray:
         return self.samples.stored[:, self._index]
 
@@ -154,7 +164,7 @@ class Whole(Group):
         part: Callable[[Account, np.ndarray], Part],
     ) -> np.ndarray:
         """A part of the accounts of some forces."""
-        every = [integrals.of(batch) for batch in self.batches]
+        every = [integrals.of(batch) for batch in self._accounted]
         return _sum(
             each.whole(sum(part(each[name], each.batch.velocity) for name in names))
             for each in every

@@ -1,0 +1,119 @@
+"""Contact in lanes agrees with one pair after another, for built-in potentials and for a user's."""
+
+from typing import NamedTuple
+
+import numba
+import numpy as np
+import pytest
+
+import tribo
+from tribo.explanation import summary
+from tribo.kernels.compiled import shared_kernel
+from tribo.kernels.potential_in_lanes import force_in_lanes, is_vectorized
+from tribo.kernels.simd import LANES
+from tribo.kernels.simd_arrays import load, rows_of, store
+from tribo.potentials import BUILT_IN, as_potential, expression, scaled, sum_of, with_cutoff
+from tribo.run.layout import lay_out
+
+# Largest difference, relative to the force nearby: a few ulp of the largest term of a formula.
+ROUND_OFF = 2e-14
+
+LJ = tribo.LennardJones(0.3, 0.5)
+# A potential of each kind, with its parameters; those of powers that are not whole are scalar.
+POTENTIALS = {
+    "coulomb": tribo.Coulomb(0.2),
+    "yukawa": tribo.Yukawa(0.2, 0.7),
+    "plummer": tribo.Plummer(0.2, 0.1),
+    "morse": tribo.Morse(0.4, 1.6, 0.7),
+    "lennard-jones": LJ,
+    "weeks-chandler-andersen": tribo.WeeksChandlerAndersen(0.3, 0.5),
+    "buckingham": tribo.Buckingham(2.0, 0.3, 0.1),
+    "born-mayer": tribo.BornMayer(2.0, 0.3),
+    "mie": tribo.Mie(0.3, 0.5, 12.0, 6.0),
+    "switched": with_cutoff(LJ, 2.0),
+    "force-shifted": with_cutoff(LJ, 2.0, "force-shift"),
+    "shifted": with_cutoff(LJ, 2.0, "shift"),
+    "truncated": with_cutoff(LJ, 2.0, "truncate"),
+    "sum": sum_of(LJ, tribo.Coulomb(0.2)),
+    "scaled": scaled(LJ, -2.0),
+    "expression": expression("a * exp(-r / b) / r", a=0.2, b=0.9),
+}
+SCALAR = {"mie"}
+
+
+@shared_kernel
+def forces(potential, places, charges, out):
+    """Forces at eight distances: together in row 0 of `out`, one after another in row 1."""
+    r = load(rows_of(places), 0)
+    others = load(rows_of(charges), 0)
+    end = potential.range()
+    store(rows_of(out), 0, force_in_lanes(potential, r, end, 1.3, others, 0, LANES))
+    for i in range(LANES):
+        out[1, i] = potential.force_between(places[0, i], 1.3, charges[0, i])
+
+
+def assert_alike(potential):
+    """The forces agree to round-off of the largest force nearby, at all distances in reach."""
+    rng = np.random.default_rng(4)
+    for _ in range(200):
+        r = rng.uniform(0.3, min(3.0, potential.range()), (1, LANES))
+        charges = rng.uniform(-1.0, 1.5, (1, LANES))
+        out = np.empty((2, LANES))
+        forces(potential, r, charges, out)
+        pairs = list(zip(r[0].tolist(), charges[0].tolist(), strict=True))
+        written = [potential.force_between(x, 1.3, charge) for x, charge in pairs]
+        # Of a force that passes through zero the digits are those of its terms.
+        near = [[potential.force_between(f * x, 1.3, q) for f in (0.9, 1.0, 1.1)] for x, q in pairs]
+        scale = np.max(np.abs(near), axis=1)
+        assert np.max(np.abs(out[0] - out[1]) / scale) < ROUND_OFF
+        assert np.max(np.abs(out[1] - written) / scale) < ROUND_OFF
+
+
+def test_every_built_in_is_here():
+    """No formula of a new built-in is left out."""
+    assert {type(potential) for potential in POTENTIALS.values()} >= set(BUILT_IN.values())
+
+
+@pytest.mark.parametrize("name", POTENTIALS)
+def test_lanes_agree_with_scalars(name):
+    """In lanes, compiled for one distance, and as Python."""
+    potential = as_potential(POTENTIALS[name])
+    assert is_vectorized(numba.typeof(potential)) == (name not in SCALAR)
+    assert_alike(potential)
+
+
+class Soft(NamedTuple):
+    """A user's potential: a charged repulsion that ends softly."""
+
+    height: float
+    width: float
+
+    def energy(self, r):
+        """U of a bell with a tail."""
+        return self.height / np.sqrt(1.0 + (r / self.width) ** 2) * np.exp(-r)
+
+    def coupling(self, one, other):
+        """As of charges."""
+        return one * other
+
+
+class Ripple(NamedTuple):
+    """A user's potential that needs a sine."""
+
+    height: float
+
+    def energy(self, r):
+        """A ripple."""
+        return self.height * np.sin(r) / r
+
+
+@pytest.mark.parametrize(
+    ("potential", "arithmetic"), [(Soft(0.3, 0.5), "lanes"), (Ripple(0.3), "scalar")]
+)
+def test_a_users_potential(potential, arithmetic):
+    """It is computed in lanes where its formula allows, and an explanation says whether it is."""
+    assert_alike(as_potential(potential))
+    scene = tribo.Scene(
+        (tribo.Surface("upper"), tribo.Surface("lower", facing="up")), potential, 1.0
+    )
+    assert summary.contact(lay_out(scene)).arithmetic == arithmetic
