@@ -57,7 +57,7 @@ class Member:
     values: dict[str, np.ndarray]
 
     def scene(self, scene: Scene) -> Scene:
-        """The scene with the member's seed, velocities and numbers; angles and rates are its own."""
+        """The scene with the member's seed, velocities and numbers, but its own start."""
         surfaces = [
             replace(s, velocity=tuple(self.values.get(f"{s.name}.{VELOCITY}", s.velocity)))
             for s in scene.surfaces
