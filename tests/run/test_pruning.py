@@ -180,6 +180,7 @@ ARRAYS = {
     "swing_friction": lambda scene, s: is_damped(s, "swing"),
     "pivots": lambda scene, s: isinstance(s.drive, tribo.DrivenBars),
     "fixed": lambda scene, s: np.all(np.isinf(s.asperite.kappa)),
+    "turning": lambda scene, s: s.bars == "clamped" and np.any(np.nan_to_num(s.initial.nu) != 0.0),
     "fields": lambda scene, s: bool(scene.fields),
     "external": lambda scene, s: bool(scene.fields),
     "within": lambda scene, s: len(scene.interactions) > 1,

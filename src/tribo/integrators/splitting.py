@@ -205,7 +205,7 @@ def add_turning_end_works(model, s, i, twist, rate, impulse, t, tau, vx, vy, acc
 
 
 @inlined
-def drift_clamped(model, s, i, t, tau, q, v, accounts, turn):
+def drift_clamped(model, turning, s, i, t, tau, q, v, accounts, turn):
     """Pendulums on bars that rotate uniformly or rest."""
     a = model.asperites
     nu = block(a[NU_START], i)
@@ -218,7 +218,9 @@ def drift_clamped(model, s, i, t, tau, q, v, accounts, turn):
         impulse = block(a[INERTIA], i) * (rate - new_rate)
         vx = coordinates(s.dof_x, s, i, v)
         vy = coordinates(s.dof_y, s, i, v)
-        if s.turning == 0:
+        if turning is None:
+            add_end_impulses(model, s, i, impulse, vx, vy, accounts)
+        elif s.turning == 0:
             add_end_impulses(model, s, i, impulse, vx, vy, accounts)
         else:
             add_turning_end_works(model, s, i, twist, rate, impulse, t, tau, vx, vy, accounts)
@@ -266,7 +268,7 @@ def drift(model, now, tau, q, v, accounts, rotations):
             if s.dof_phi >= 0:
                 drift_free(model, s, i, tau, q, v, turn)
             elif not is_fixed(model.fixed, s):
-                drift_clamped(model, s, i, now - tau, tau, q, v, accounts, turn)
+                drift_clamped(model, model.turning, s, i, now - tau, tau, q, v, accounts, turn)
             move(s.dof_x, s, i, tau, q, v)
             move(s.dof_y, s, i, tau, q, v)
             place_block(model, s, i, now, q)

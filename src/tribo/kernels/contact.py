@@ -278,8 +278,11 @@ class Encounter(NamedTuple):
 
 
 @kernel
-def thermal_energy(model):
-    """The largest k_B T of a surface with noise; 0 without noise."""
+def thermal_energy(model, friction, swing_friction):
+    """The largest k_B T of a surface with noise; None where no surface has a reservoir."""
+    if friction is None:
+        if swing_friction is None:
+            return None
     energy = 0.0
     for k in range(model.surfaces.shape[0]):
         if model.surfaces[k].gamma + model.surfaces[k].swing_gamma > 0.0:
@@ -324,7 +327,9 @@ def encounter_of_contact(model, contact, neighbours, speeds, thermal, found):
                 clearance = min(clearance, own)
                 faster = speed / own
                 if faster > rate:
-                    if can_matter(potential, r, charges[i], charges[j], thermal):
+                    if thermal is None:
+                        rate = faster
+                    elif can_matter(potential, r, charges[i], charges[j], thermal):
                         rate = faster
                     elif faster > ignored:
                         ignored, first, second = faster, i, j
@@ -356,7 +361,7 @@ def next_encounter(model, neighbours, speeds):
     Encounter
     """
     found = Encounter(0.0, np.inf, np.inf, 0.0, -1, -1)
-    thermal = thermal_energy(model)
+    thermal = thermal_energy(model, model.friction, model.swing_friction)
     for contact in literal_unroll(model.contacts):
         found = encounter_of_contact(model, contact, neighbours, speeds, thermal, found)
     return encounter_within(model, model.within, neighbours, speeds, thermal, found)

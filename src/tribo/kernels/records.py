@@ -299,6 +299,7 @@ class Model(NamedTuple):
     swing_friction: Any  # (1, n), scratch: the same torque on each swing; or None
     pivots: Any  # (1, n), see `kernels.levers`; None without driven bars
     fixed: Any  # True, or None where no asperites are rigid
+    turning: Any  # True, or None where no clamped bars turn
     end_forces: Any  # (4, n), scratch: a plug-in's forces on the ends of each bar; or None
     box: Any  # Box, or None
     springs: Any  # Springs, or None

@@ -47,6 +47,7 @@ def model_tables(
         swing_friction=room((1, n)) if on_swings else None,
         pivots=_pivots(asperites, places.columns, n),
         fixed=True if any(s.asperite.is_rigid for s in scene.surfaces) else None,
+        turning=True if np.any(numbering.surfaces["turning"]) else None,
         end_forces=None,
         box=Box(scene.periodic.x or 0.0, scene.periodic.z or 0.0) if scene.periodic else None,
         springs=lattice,
