@@ -13,7 +13,7 @@ heyoka integrates the motion alone, as its fastest way: works follow by conserva
 momentum, by the same formulas as in benchmarks/pair.py.  Runs are interleaved, and the fastest of
 each counts.
 
-    python benchmarks/ensemble.py [--json] [--rounds 5] [--members 100000] [--cases AC]
+    python benchmarks/ensemble.py [--json] [--rounds 5] [--members 200000] [--cases AC]
 """
 
 import argparse
@@ -199,7 +199,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--json", action="store_true")
     parser.add_argument("--rounds", type=int, default=5)
-    parser.add_argument("--members", type=int, default=100_000)
+    parser.add_argument("--members", type=int, default=200_000)
     parser.add_argument("--cases", default="AC")
     options = parser.parse_args()
     rows = measure(options.cases, options.members, options.rounds)

@@ -1,4 +1,4 @@
-"""The commands: `run`, `paper`, `explain`, `accuracy`, `check` and `atlas`."""
+"""The commands: `run`, `ensemble`, `paper`, `explain`, `accuracy`, `check` and `atlas`."""
 
 from __future__ import annotations
 
@@ -41,6 +41,7 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
     _add_run(commands.add_parser("run", help="simulate a scene file and print its end state"))
+    _add_ensemble(commands.add_parser("ensemble", help="run a scene from many starts"))
     _add_paper(commands.add_parser("paper", help="compare the paper's cases with its numbers"))
     _add_explain(commands.add_parser("explain", help="say what a run will do and cost"))
     _add_accuracy(commands.add_parser("accuracy", help="measure error against time per method"))
@@ -66,6 +67,28 @@ def _add_run(run: argparse.ArgumentParser) -> None:
     )
     run.add_argument("--json", action="store_true", help="print only the end state, as JSON")
     run.set_defaults(command=_run)
+
+
+def _add_ensemble(ensemble: argparse.ArgumentParser) -> None:
+    _add_scene(ensemble)
+    ensemble.add_argument(
+        "--vary",
+        action="append",
+        default=[],
+        metavar="KEY=DISTRIBUTION",
+        help="what differs between members, as 'upper.theta=normal(0,0.1)' or "
+        "'interaction.strength=uniform(0.1,0.2)'; may be repeated",
+    )
+    ensemble.add_argument("-n", type=int, required=True, help="number of members")
+    ensemble.add_argument(
+        "--keep",
+        required=True,
+        metavar="NAMES",
+        help="quantities at the end, with commas, as upper.w1,contact_energy",
+    )
+    ensemble.add_argument("--seed", type=int, default=0, help="of the ensemble (default: 0)")
+    ensemble.add_argument("--out", type=Path, metavar="FILE", help="write all members as NetCDF")
+    ensemble.set_defaults(command=_ensemble)
 
 
 def _add_scene(command: argparse.ArgumentParser) -> None:
@@ -152,6 +175,23 @@ def _run(options: argparse.Namespace) -> int:
         result = simulate(scene, progress=progress, out=options.out, resume=options.resume)
     print(result.to_json() if options.json else result)
     return COMPLETED if result.status == "completed" else STOPPED
+
+
+def _ensemble(options: argparse.Namespace) -> int:
+    from tribo.ensembles import ensemble
+    from tribo.ensembles.command_line import summary, varied
+
+    if options.out is not None:
+        checked_target("--out", options.out)
+    vary = dict(varied(text) for text in options.vary)
+    keep = options.keep.split(",")
+    scene = _scene(options)
+    with _ProgressBar(options.n, "members") as progress:
+        data = ensemble(scene, options.n, vary, options.seed, keep=keep, progress=progress)
+    if options.out is not None:
+        data.to_netcdf(options.out)
+    print(summary(data, keep))
+    return COMPLETED if data.attrs["status"] == "completed" else STOPPED
 
 
 def _scene(options: argparse.Namespace) -> Scene:
@@ -291,8 +331,9 @@ def _parameter(text: str) -> tuple[str, object]:
 class _ProgressBar:
     """A progress bar on a terminal, and no output elsewhere."""
 
-    def __init__(self, duration: float) -> None:
+    def __init__(self, duration: float, unit: str = "t") -> None:
         self.duration = duration
+        self._unit = unit
         self._bar: Any = None
 
     def __enter__(self) -> _ProgressBar:
@@ -302,7 +343,7 @@ class _ProgressBar:
         if self._bar is None:
             from tqdm import tqdm
 
-            self._bar = tqdm(total=self.duration, disable=None, leave=False, unit="t")
+            self._bar = tqdm(total=self.duration, disable=None, leave=False, unit=self._unit)
         self._bar.n = t
         self._bar.refresh()
 

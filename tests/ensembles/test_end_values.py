@@ -219,3 +219,31 @@ def test_refusals(settings, field, words):
     with pytest.raises(InputError, match=words) as refused:
         ensemble(scene_of("A"), 3, STARTS, **settings)
     assert refused.value.field == field
+
+
+def test_parameters_by_dotted_keys():
+    """A member is the run of the scene with its numbers."""
+    scene = scene_of("A")
+    vary = {
+        "upper.asperite.kappa": stats.uniform(1.0, 0.5),
+        "interaction.strength": [0.2, 0.15, 0.1],
+        "upper.theta": [0.0, 0.1, 0.2],
+    }
+    data = ensemble(scene, 3, vary, keep=["upper.w1", "lower.delta_e_int"])
+    assert data["upper.asperite.kappa"].dims == ("member",)
+    assert len(set(data["upper.asperite.kappa"].values.tolist())) == 3
+    upper, lower = scene.surfaces
+    for member in range(3):
+        kappa = float(data["upper.asperite.kappa"][member])
+        asperite = replace(upper.asperite, kappa=kappa)
+        start = Initial(theta=vary["upper.theta"][member])
+        own = replace(upper, asperite=asperite, initial=start)
+        (contact,) = scene.interactions
+        strong = replace(contact, potential=tribo.Coulomb(vary["interaction.strength"][member]))
+        one = replace(scene, surfaces=(own, lower), interactions=(strong,))
+        run = tribo.simulate(one, accuracy=1e-10)
+        for name in ("upper.w1", "lower.delta_e_int"):
+            error = np.abs(data[name][member] - run.ledger.series(name)[0][-1]).max()
+            assert error <= 1e-6 * scales_of(run)
+    with pytest.raises(InputError, match="number of the scene"):
+        ensemble(scene, 3, {"upper.asperite.colour": [1.0, 2.0, 3.0]}, keep=["upper.w1"])

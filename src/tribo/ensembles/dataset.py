@@ -15,6 +15,7 @@ from tribo.ensembles.members import VELOCITY
 from tribo.ensembles.runner import Runner, SettingsCheck
 from tribo.kernels.status import Status
 from tribo.model.scene_writer import scene_text
+from tribo.model.surface import UNITS as UNITS_OF_START
 from tribo.run.dataset import Variable
 from tribo.run.quantities import ASPERITE_QUANTITIES, OPTIONAL_QUANTITIES, QUANTITIES, UNITS
 
@@ -143,6 +144,8 @@ def varied_coordinates(varied: Mapping[str, np.ndarray]) -> dict[str, Variable]:
             about = {"units": UNITS["velocity"], "long_name": "initial velocity of the surface"}
             coordinates[key] = (("member", "axis"), values, about)
             coordinates["axis"] = (("axis",), np.array(["x", "y"]), {"long_name": "axis"})
+        elif kind not in UNITS_OF_START:
+            coordinates[key] = (("member",), values[:, 0], {"long_name": key})
         else:
             quantity = QUANTITIES["theta" if kind == "swing" else kind]
             about = {"units": quantity.units, "long_name": f"initial {quantity.long_name}"}

@@ -15,6 +15,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tribo.ensembles.parameters import is_parameter, with_parameters
 from tribo.integrators.methods import noisy
 from tribo.model.scene import Scene
 from tribo.model.surface import Initial
@@ -56,12 +57,14 @@ class Member:
     values: dict[str, np.ndarray]
 
     def scene(self, scene: Scene) -> Scene:
-        """The scene with the member's seed and velocities, but its own initial angles and rates."""
+        """The scene with the member's seed, velocities and numbers, but its own start."""
         surfaces = [
             replace(s, velocity=tuple(self.values.get(f"{s.name}.{VELOCITY}", s.velocity)))
             for s in scene.surfaces
         ]
-        return replace(scene, surfaces=tuple(surfaces), seed=self.seed)
+        numbers = {key: float(v[0]) for key, v in self.values.items() if is_parameter(scene, key)}
+        moved = replace(scene, surfaces=tuple(surfaces), seed=self.seed)
+        return with_parameters(moved, numbers) if numbers else moved
 
     def scene_with_start(self, scene: Scene) -> Scene:
         """The scene with all values of the member."""
@@ -80,7 +83,8 @@ class Member:
     @property
     def start(self) -> dict[str, float | np.ndarray]:
         """Initial angles and rates, as ``Simulation.run`` takes them."""
-        initial = {key: v for key, v in self.values.items() if not key.endswith(f".{VELOCITY}")}
+        names = [each.name for each in fields(Initial)]
+        initial = {key: v for key, v in self.values.items() if key.rpartition(".")[2] in names}
         return {key: v if v.size > 1 else float(v[0]) for key, v in initial.items()}
 
 
@@ -134,7 +138,8 @@ class Variation:
             )
         self._last_seeds: tuple[int, np.ndarray] = (-1, np.empty(0))
         self._last_draws: dict[str, tuple[int, np.ndarray]] = {}
-        self.own_scenes = random or any(key in self._velocity_y for key in vary)
+        of_start = [f"{s.name}.{each.name}" for s in scene.surfaces for each in fields(Initial)]
+        self.own_scenes = random or any(key not in of_start for key in vary)
 
     @property
     def lengths(self) -> dict[str, int]:
@@ -205,8 +210,12 @@ def _size(scene: Scene, key: str) -> int:
         return 2
     if known and quantity in [f.name for f in fields(Initial)]:
         return scene.initial_value(key)[0].count
+    if is_parameter(scene, str(key)):
+        return 1
     raise InputError(
-        str(key), 'must be "surface.theta", or phi, omega, nu or velocity of a surface'
+        str(key),
+        'must be "surface.theta", or phi, omega, nu or velocity of a surface, or a number of the '
+        'scene, as "surface.asperite.kappa" or "interaction.strength"',
     )
 
 
