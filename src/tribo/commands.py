@@ -82,9 +82,9 @@ def _add_ensemble(ensemble: argparse.ArgumentParser) -> None:
     ensemble.add_argument("-n", type=int, required=True, help="number of members")
     ensemble.add_argument(
         "--keep",
-        required=True,
         metavar="NAMES",
-        help="quantities at the end, with commas, as upper.w1,contact_energy",
+        help="quantities at the end, with commas, as upper.w1,contact_energy (default: means of "
+        "all, over time)",
     )
     ensemble.add_argument("--seed", type=int, default=0, help="of the ensemble (default: 0)")
     ensemble.add_argument("--out", type=Path, metavar="FILE", help="write all members as NetCDF")
@@ -179,18 +179,19 @@ def _run(options: argparse.Namespace) -> int:
 
 def _ensemble(options: argparse.Namespace) -> int:
     from tribo.ensembles import ensemble
-    from tribo.ensembles.command_line import summary, varied
+    from tribo.ensembles.command_line import summary, summary_of_means, varied
+    from tribo.files import replace_file
 
     if options.out is not None:
         checked_target("--out", options.out)
     vary = dict(varied(text) for text in options.vary)
-    keep = options.keep.split(",")
+    keep = None if options.keep is None else options.keep.split(",")
     scene = _scene(options)
     with _ProgressBar(options.n, "members") as progress:
         data = ensemble(scene, options.n, vary, options.seed, keep=keep, progress=progress)
     if options.out is not None:
-        data.to_netcdf(options.out)
-    print(summary(data, keep))
+        replace_file(options.out, bytes(data.to_netcdf(engine="h5netcdf")))
+    print(summary_of_means(data) if keep is None else summary(data, keep))
     return COMPLETED if data.attrs["status"] == "completed" else STOPPED
 
 

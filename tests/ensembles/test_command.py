@@ -27,6 +27,21 @@ def test_the_file_has_the_members(tmp_path, capsys):
             np.testing.assert_array_equal(file[name], data[name])
 
 
+def test_means_over_time(tmp_path, capsys):
+    """Without --keep: the means of tribo.ensemble, and those at the end in print."""
+    scene = paper.scene("A")
+    path, out = tmp_path / "a.toml", tmp_path / "a.nc"
+    path.write_text(scene_text(scene), encoding="utf-8")
+    arguments = ["ensemble", str(path), "--vary", "upper.theta=normal(0,0.1)", "-n", "4"]
+    assert main([*arguments, "--out", str(out)]) == 0
+    data = ensemble(scene, 4, {"upper.theta": stats.norm(0.0, 0.1)})
+    with xarray.open_dataset(out) as file:
+        np.testing.assert_array_equal(file["upper.W_mean"], data["upper.W_mean"])
+    lines = capsys.readouterr().out.splitlines()
+    (row,) = (line.split() for line in lines if line.startswith("upper.W "))
+    assert float(row[1]) == pytest.approx(float(data["upper.W_mean"][-1]), rel=1e-5)
+
+
 @pytest.mark.parametrize(
     "text", ["upper.theta", "upper.theta=cauchy(0,1)", "upper.theta=uniform(1,0)", "x=normal(0)"]
 )

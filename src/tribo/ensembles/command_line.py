@@ -50,6 +50,17 @@ def varied(text: str) -> tuple[str, Any]:
     return found["key"], distribution(first, second)
 
 
+def summary_of_means(data: xarray.Dataset) -> str:
+    """The means at the end, with the half-widths of their 95 % intervals."""
+    lines = [f"{data.sizes['member']} members", f"{'quantity':<28} {'mean':>13} {'half-width':>13}"]
+    for name in map(str, data.data_vars):
+        if name.endswith("_half_width") and f"{(of := name[:-11])}_mean" in data:
+            mean, half_width = (float(data[f"{of}_{what}"][-1]) for what in ("mean", "half_width"))
+            lines.append(f"{of:<28} {mean:>13.6g} {half_width:>13.2g}")
+    lines.append(f"{data.attrs['seconds']:.2f} s by {data.attrs['method']}")
+    return "\n".join(lines)
+
+
 def summary(data: xarray.Dataset, names: list[str]) -> str:
     """The numbers of members by status, and mean and standard deviation of each quantity."""
     statuses, counts = np.unique(data["status"].values, return_counts=True)
