@@ -16,18 +16,19 @@ from support.forked import Server
 # Failing examples of any profile are kept here and are tried first from then on.
 FAILURES = DirectoryBasedExampleDatabase(Path(__file__).parents[1] / ".hypothesis" / "examples")
 
-# The same examples each time. No deadline: the first example may compile a kernel.
+# The same examples each time, few of them, since many compile a time loop of their own.  No
+# deadline for the same reason.
 settings.register_profile(
     "repeatable",
     deadline=None,
     derandomize=True,
-    max_examples=25,
+    max_examples=12,
     suppress_health_check=[HealthCheck.too_slow],
 )
 # hypothesis accepts a database beside derandomize only as a change of other settings.
 settings.register_profile("ci", settings.get_profile("repeatable"), database=FAILURES)
-# Other examples each time: pytest --hypothesis-profile=search
-settings.register_profile("search", settings.get_profile("ci"), derandomize=False)
+# Other examples each time, and more: pytest --hypothesis-profile=search
+settings.register_profile("search", settings.get_profile("ci"), derandomize=False, max_examples=50)
 settings.load_profile("ci")
 
 
