@@ -16,6 +16,8 @@ from tribo.ensembles import pair_runs
 from tribo.integrators.nystrom_tableaux import RKN8, RKN12
 from tribo.run.initial_state import InitialState
 from tribo.run.lane_members import PairLanes, has_lanes
+from tribo.run.ledger import assemble
+from tribo.run.members import PairMembers
 
 KEEP = [f"{s}.{q}" for s in ("upper", "lower") for q in ("w1", "w2", "delta_e_int", "omega")]
 KEEP += ["upper.W", "contact_energy", "total_energy_change"]
@@ -80,6 +82,30 @@ def test_members_in_lanes_alone(case, method):
         np.testing.assert_array_equal(alone.samples.y, together.y)
         np.testing.assert_array_equal(alone.samples.s, together.s)
         np.testing.assert_array_equal(alone.counts[0], crowd.counts[member])
+
+
+@pytest.mark.parametrize("case", ["A", "B", "C", "D"])
+@pytest.mark.parametrize("method", [RKN8, RKN12])
+def test_formulas_of_lanes_are_the_integrated_accounts(case, method):
+    """Every quantity at the end, against the collocation, which integrates the accounts."""
+    simulation = tribo.prepare(scene_of(case, 1e-11))
+    layout, pair, times = simulation.layout, simulation.integrator.pair, simulation.layout.times
+    assert has_lanes(pair)
+    starts = np.tile(layout.start, (9, 1))
+    starts[:, 0] = np.linspace(-0.3, 0.3, 9)
+    tolerance = simulation.plan.setting
+    found = PairLanes(pair, method, simulation.scene.duration).run(tolerance, starts)
+    wanted = PairMembers(pair, times).run(tolerance, starts)
+    ledgers = [assemble(layout, runs.samples) for runs in (found, wanted)]
+    for name in KEEP:
+        one, other = (ledger.series(name)[0][-9:] for ledger in ledgers)
+        np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-9, err_msg=name)
+
+
+@pytest.mark.parametrize("case", ["A", "C"])
+def test_lanes_are_chosen(case):
+    """Where they agree with the collocation they cost less."""
+    assert ensemble(scene_of(case), 70, STARTS, keep=KEEP).attrs["method"] == "rkn8"
 
 
 def test_neither_threads_nor_number_change_a_member():
