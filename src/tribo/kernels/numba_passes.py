@@ -37,25 +37,25 @@ class LinkedLibrary(JITCodeLibrary):
 
     def _get_module_for_linking(self) -> Any:
         """The code of this kernel and of all that it calls, each once."""
-        whole = super()._get_module_for_linking().clone()
-        # Callers come first, since LLVM leaves out functions without a caller so far.
-        for library in self._called():
+        whole = None
+        for library in self._called():  # callers first, since LLVM leaves out what nobody calls yet
             own = JITCodeLibrary._get_module_for_linking(library)
-            whole.link_in(own, preserve=True)
+            if whole is None:
+                whole = own.clone()
+            else:
+                whole.link_in(own, preserve=True)
         return whole
 
     def _called(self) -> list[JITCodeLibrary]:
-        """The libraries of all kernels that this one calls, each after its first caller."""
-        found: list[JITCodeLibrary] = []
-        callers: list[JITCodeLibrary] = [self]
-        for caller in callers:
-            if isinstance(caller, LinkedLibrary):
-                new = [
-                    each for each in dict.fromkeys(caller._linking_libraries) if each not in found
-                ]
-                found += new
-                callers += new
-        return found
+        """This library and those of all kernels that it calls, each after its first caller."""
+        found: dict[JITCodeLibrary, None] = {self: None}
+        waiting: list[JITCodeLibrary] = [self]
+        for library in waiting:
+            if isinstance(library, LinkedLibrary):
+                new = [each for each in library._linking_libraries if each not in found]
+                found.update(dict.fromkeys(new))
+                waiting += dict.fromkeys(new)
+        return list(found)
 
 
 class LoopLibrary(JITCodeLibrary):

@@ -250,18 +250,6 @@ def clear_lane(work, base, i):
 
 
 @kernel
-def fill_lane(work, g, size, i, waiting, limits, samples, running):
-    """Put member `waiting`, if there is one, into a lane; the number of the one that waits then."""
-    clear_lane(work, g * size, i)
-    if waiting == samples.shape[1]:
-        running[g, i] = -1
-        return waiting
-    running[g, i] = waiting
-    load_member(work, g * size, i, waiting, limits, samples)
-    return waiting + 1
-
-
-@kernel
 def write_end(pair, potential, work, base, i, m, limits, samples, counts, stages):
     """Write the end of the member in lane i, and its accounts.
 
@@ -346,7 +334,12 @@ def pair_members_in_lanes(
     waiting = 0
     for g in range(GROUPS):
         for i in range(LANES):
-            waiting = fill_lane(work, g, size, i, waiting, limits, samples, running)
+            running[g, i] = -1
+            clear_lane(work, g * size, i)
+            if waiting < members:
+                running[g, i] = waiting
+                load_member(work, g * size, i, waiting, limits, samples)
+                waiting += 1
     left = members
     while left > 0:
         at = 0
@@ -364,4 +357,9 @@ def pair_members_in_lanes(
                             pair, potential, work, g * size, i, m, limits, samples, counts, stages
                         )
                         left -= 1
-                        waiting = fill_lane(work, g, size, i, waiting, limits, samples, running)
+                        running[g, i] = -1
+                        clear_lane(work, g * size, i)
+                        if waiting < members:
+                            running[g, i] = waiting
+                            load_member(work, g * size, i, waiting, limits, samples)
+                            waiting += 1
