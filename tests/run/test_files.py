@@ -247,11 +247,11 @@ def test_killed_at_random(kills, tmp_path):
                 time.sleep(rng.uniform(0.2, 2.0))
                 killed += process.poll() is None
                 process.kill()
-        if process.returncode == 0:
+        assert process.returncode != 0 or out.exists()
+        if out.exists():  # a kill may come between the last rename and the end of the program
             ends += 1
             assert same_end(whole, tribo.load_result(out))
             out.unlink()
-    assert not out.exists()
 
 
 PLUGIN = """
