@@ -12,7 +12,7 @@ import tribo
 from tribo import Coulomb, InputError, Output, Scene, Surface
 from tribo.cli import main
 from tribo.run.contact_probe import ContactProbe
-from tribo.viewer import contents, html
+from tribo.viewer import contents
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 # No sandbox, as in containers; no request of the browser's own.

@@ -271,7 +271,6 @@ class Result:
         """
         dataset.save(self, as_path(path))
 
-
     def to_html(self, path: str | Path) -> Path:
         """Write a page that plays the run in a browser: one file that loads nothing else.
 

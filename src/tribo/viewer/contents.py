@@ -81,7 +81,7 @@ def _drawn(result: Result, surface: Surface, frames: np.ndarray) -> dict[str, An
     table = result[surface.name]
     missing = [name for name in PLACES if name not in table]
     if missing:
-        raise InputError("output", f"a page needs the places of asperites, but {missing[0]} is not kept")
+        raise InputError("output", f"must keep {missing[0]}: a page shows places of asperites")
     if len(table[PLACES[0]]) != len(result.t):
         raise InputError(
             "output.samples",

@@ -9,9 +9,9 @@ from importlib.resources import files
 from pathlib import Path
 
 from tribo.files import replace_file
-from tribo.viewer.contents import contents
 from tribo.run.result import Result, without_nan
 from tribo.validation import as_path
+from tribo.viewer.contents import contents
 
 # The scripts, in the order in which they need one another.
 SCRIPTS = ("run.js", "drawing.js", "curves.js", "player.js")
