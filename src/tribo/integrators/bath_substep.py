@@ -8,10 +8,10 @@ Each adds its own work, by the mean of the velocities before and after.
 B. Leimkuhler, C. Matthews, Appl. Math. Res. Express 2013 (2013) 34, for the noise.
 """
 
-from tribo.integrators.rotations import rotated, rotation_of, set_rotations
+from tribo.integrators.rotations import changes, rotation_of, set_rotations
 from tribo.kernels.baths import first_slot, torsional_slot
 from tribo.kernels.blocks import is_fixed
-from tribo.kernels.compiled import kernel
+from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.kinematics import end_force
 from tribo.kernels.langevin import thermal_kick
 from tribo.kernels.levers import pivot_length
@@ -70,19 +70,39 @@ def push_bar(model, s, i, px, py, v, accounts, slot):
         accounts[k + 2 * stride] += x * vx + y * vy
 
 
+@inlined
+def rotate_oscillators(q, v, k, centre, turn):
+    """Rotate eight oscillators about a place; returns their rates, and how these changed."""
+    x = block(q, k)
+    rate = block(v, k)
+    change, change_of_rate = changes(x - centre, rate, turn)
+    rate = rate + change_of_rate
+    set_block(q, k, x + change)
+    set_block(v, k, rate)
+    return rate, change_of_rate
+
+
 @kernel
-def rotate_oscillators(q, v, start, count, centre, table, first, rotations):
-    """Rotate `count` oscillators about a place; returns the momentum that they gained."""
-    gained = broadcast(0.0)
-    for m in range(0, count, LANES):
-        x = block(q, start + m) - centre
-        rate = block(v, start + m)
-        new, new_rate = rotated(x, rate, rotation_of(rotations, first + m))
-        set_block(q, start + m, centre + new)
-        set_block(v, start + m, new_rate)
-        mass = block(table[OSCILLATOR_MASS], first + m)
-        gained = gained + mass * (new_rate - rate)
-    return sum_of_lanes(gained)
+def rotate_bath_of(model, bath, s, i, q, v, accounts, rotations):
+    """Rotate the oscillators of bar i, which takes up the opposite of the momentum they gain."""
+    momentum_x = broadcast(0.0)
+    momentum_y = broadcast(0.0)
+    slot = first_slot(s, i)
+    for m in range(0, s.oscillators, LANES):
+        turn = rotation_of(rotations, s.first_oscillator + m)
+        mass = block(bath[OSCILLATOR_MASS], s.first_oscillator + m)
+        rate, _ = rotate_oscillators(q, v, slot + m, model.displaced[ALONG_X, i], turn)
+        momentum_x = momentum_x + mass * rate
+        k = slot + s.oscillators + m
+        rate, _ = rotate_oscillators(q, v, k, model.displaced[ALONG_Y, i], turn)
+        momentum_y = momentum_y + mass * rate
+    after_x = sum_of_lanes(momentum_x)
+    after_y = sum_of_lanes(momentum_y)
+    px = model.bath_momentum[ALONG_X, i] - after_x
+    py = model.bath_momentum[ALONG_Y, i] - after_y
+    model.bath_momentum[ALONG_X, i] = after_x
+    model.bath_momentum[ALONG_Y, i] = after_y
+    push_bar(model, s, i, px, py, v, accounts, s.acc_internal)
 
 
 @kernel
@@ -92,16 +112,9 @@ def rotate_bath(model, bath, tau, q, v, accounts, rotations):
         set_rotations(bath[OSCILLATOR_FREQUENCY], tau, rotations)
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
-            first = s.first_oscillator
-            count = s.oscillators
-            if count > 0:
+            if s.oscillators > 0:
                 for i in range(s.start, s.end):
-                    slot = first_slot(s, i)
-                    x = model.displaced[ALONG_X, i]
-                    y = model.displaced[ALONG_Y, i]
-                    px = rotate_oscillators(q, v, slot, count, x, bath, first, rotations)
-                    py = rotate_oscillators(q, v, slot + count, count, y, bath, first, rotations)
-                    push_bar(model, s, i, -px, -py, v, accounts, s.acc_internal)
+                    rotate_bath_of(model, bath, s, i, q, v, accounts, rotations)
 
 
 @kernel
@@ -118,9 +131,12 @@ def rotate_torsional(model, torsional, tau, q, v, accounts, rotations):
                 for i in range(s.start, s.end):
                     slot = torsional_slot(s, i)
                     j = s.dof_phi + i - s.start
-                    gained = rotate_oscillators(
-                        q, v, slot, count, q[j], torsional, first, rotations
-                    )
+                    gain = broadcast(0.0)
+                    for m in range(0, count, LANES):
+                        turn = rotation_of(rotations, first + m)
+                        _, change = rotate_oscillators(q, v, slot + m, q[j], turn)
+                        gain = gain + block(torsional[OSCILLATOR_MASS], first + m) * change
+                    gained = sum_of_lanes(gain)
                     nu = v[j]
                     v[j] -= gained / model.asperites[I2, i]
                     if s.acc_internal >= 0:
@@ -154,7 +170,7 @@ def thermalise(model, friction, tau, v, accounts, noise):
             s = model.surfaces[k]
             if s.gamma == 0.0:
                 continue
-            before_x, before_y = momentum(model, s, v, v)
+            before_x, before_y = momentum(model, s, v)
             for i in range(s.start, s.end):
                 tx = model.bobs[TX, i]
                 ty = model.bobs[TY, i]
@@ -169,7 +185,7 @@ def thermalise(model, friction, tau, v, accounts, noise):
                 px = along * tx - side * ty
                 py = along * ty + side * tx
                 push_bar(model, s, i, px, py, v, accounts, s.acc_thermal)
-            after_x, after_y = momentum(model, s, v, v)
+            after_x, after_y = momentum(model, s, v)
             px = after_x - before_x
             py = after_y - before_y
             if s.acc_block >= 0:

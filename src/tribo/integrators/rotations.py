@@ -26,10 +26,13 @@ def rotation(frequency, tau):
 
 
 @inlined
-def rotated(x, rate, turn):
-    """Harmonic oscillators after a rotation; rounding of cos^2 + sin^2 causes no energy drift."""
+def changes(x, rate, turn):
+    """How a rotation changes harmonic oscillators, and their rates.
+
+    Rounding of cos^2 + sin^2 causes no energy drift.
+    """
     versine, over, times = turn
-    return x - versine * x + over * rate, rate - versine * rate - times * x
+    return over * rate - versine * x, 0.0 - (versine * rate + times * x)
 
 
 @kernel

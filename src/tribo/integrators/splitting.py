@@ -20,8 +20,8 @@ import numpy as np
 
 from tribo.integrators.bath_substep import bath_substep
 from tribo.integrators.rotations import (
+    changes,
     empty_rotations,
-    rotated,
     rotation,
     rotation_of,
     set_rotations,
@@ -37,6 +37,7 @@ from tribo.integrators.step_control import (
     update_encounter,
 )
 from tribo.kernels.array_pointers import pointers
+from tribo.kernels.baths import set_bath_momenta
 from tribo.kernels.blocks import clear, coordinates, is_fixed
 from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.equations_of_motion import (
@@ -50,7 +51,7 @@ from tribo.kernels.equations_of_motion import (
 from tribo.kernels.kinematics import end_force, rotational_power
 from tribo.kernels.levers import lever_of_bar, pivot_lengths
 from tribo.kernels.neighbours import crowded, refresh
-from tribo.kernels.powers import place_of, powers_of_block, shared_powers
+from tribo.kernels.powers import Powers, place_of, powers_of_block, shared_powers
 from tribo.kernels.records import (
     BAR_LENGTH,
     COS_PHI,
@@ -90,7 +91,7 @@ class Work(NamedTuple):
 
     acceleration: np.ndarray  # (coordinates,)
     middle: np.ndarray  # (coordinates,) velocities in the middle of a kick
-    power: np.ndarray  # (accounts,)
+    accounts: np.ndarray  # (accounts,)
     speeds: np.ndarray  # (3, asperites)
     rotations: np.ndarray  # (3, asperites + 1), see `set_rotations`
     bath: np.ndarray
@@ -187,7 +188,9 @@ def add_turning_end_works(model, s, i, twist, rate, impulse, t, tau, vx, vy, acc
     for m in range(NODES.size):
         weight = WEIGHTS[m] * tau
         turn = rotation(block(a[FREQUENCY], i), NODES[m] * tau)
-        now, now_rate = rotated(twist, rate, turn)
+        change, change_of_rate = changes(twist, rate, turn)
+        now = twist + change
+        now_rate = rate + change_of_rate
         phi = block(a[PHI_START], i) + nu * (t + NODES[m] * tau)
         sin, cos = sine_cosine(phi)
         x, y = end_force(stiffness * now, bar_length, sin, cos)
@@ -213,9 +216,9 @@ def drift_clamped(model, turning, s, i, t, tau, q, v, accounts, turn):
     omega = block(v, i)
     twist = old - (block(a[PHI_START], i) + nu * t)
     rate = omega - nu
-    new, new_rate = rotated(twist, rate, turn)
+    change, change_of_rate = changes(twist, rate, turn)
     if s.acc_ends >= 0:
-        impulse = block(a[INERTIA], i) * (rate - new_rate)
+        impulse = 0.0 - block(a[INERTIA], i) * change_of_rate
         vx = coordinates(s.dof_x, s, i, v)
         vy = coordinates(s.dof_y, s, i, v)
         if turning is None:
@@ -224,8 +227,8 @@ def drift_clamped(model, turning, s, i, t, tau, q, v, accounts, turn):
             add_end_impulses(model, s, i, impulse, vx, vy, accounts)
         else:
             add_turning_end_works(model, s, i, twist, rate, impulse, t, tau, vx, vy, accounts)
-    set_block(q, i, old + ((new - twist) + nu * tau))
-    set_block(v, i, omega + (new_rate - rate))
+    set_block(q, i, old + (change + nu * tau))
+    set_block(v, i, omega + change_of_rate)
 
 
 @inlined
@@ -238,11 +241,9 @@ def drift_free(model, s, i, tau, q, v, turn):
     nu = block(v, k)
     inertia = block(model.asperites[INERTIA], i)
     i2 = block(model.asperites[I2], i)
-    new, new_rate = rotated(swing - phi, omega - nu, turn)
+    change, change_of_rate = changes(swing - phi, omega - nu, turn)
     share = i2 / (inertia + i2)
     mean = (inertia * omega + i2 * nu) / (inertia + i2)
-    change = new - (swing - phi)
-    change_of_rate = new_rate - (omega - nu)
     set_block(q, i, swing + (mean * tau + share * change))
     set_block(q, k, phi + (mean * tau - (1.0 - share) * change))
     set_block(v, i, omega + share * change_of_rate)
@@ -305,7 +306,7 @@ def kick(model, t, tau, q, v, accounts, work):
     """The forces in place act for tau; their works are added at the mid-kick velocities."""
     acceleration = work.acceleration
     middle = work.middle
-    power = work.power
+    power = Powers(accounts, model.sums, tau)
     drive_forces(model, t, q)
     settle_custom_forces(model, model.drives, model.ends, t, tau, q, v, work)
     for k in range(model.surfaces.shape[0]):
@@ -317,9 +318,7 @@ def kick(model, t, tau, q, v, accounts, work):
             kick_slot(s.dof_x, s, i, tau, acceleration, v, middle)
             kick_slot(s.dof_y, s, i, tau, acceleration, v, middle)
             powers_of_block(model, model.ledger, s, i, 0.0, t, q, middle, power)
-    shared_powers(model, model.ledger, t, middle, v, power)
-    for m in range(0, power.size, LANES):
-        add_block(accounts, m, tau * block(power, m))
+    shared_powers(model, model.ledger, t, middle, power)
 
 
 @kernel
@@ -333,11 +332,9 @@ def begin(model, neighbours, clock, state, work):
         return BOBS_COINCIDE
     clock.encounter_rate = rate
     # The first call sets what works are counted from; the accounts stay as they are.
-    copy(state.s, work.power)
+    copy(state.s, work.accounts)
     settle_end_works(model, state.y[:n], state.s, state.memory[0])
-    for m in range(state.s.size):
-        state.s[m] = work.power[m]
-        work.power[m] = 0.0
+    copy(work.accounts, state.s)
     return COMPLETED
 
 
@@ -399,6 +396,7 @@ def splitting_steps(
     last = times[times.size - 1]
     clear(model.friction)
     clear(model.swing_friction)
+    set_bath_momenta(model, model.bath, state.y[state.y.size // 2 :])
     if clock.evaluations == 0:
         status = begin(model, neighbours, clock, state, work)
         if status != COMPLETED:
