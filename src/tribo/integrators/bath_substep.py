@@ -10,11 +10,11 @@ B. Leimkuhler, C. Matthews, Appl. Math. Res. Express 2013 (2013) 34, for the noi
 
 from tribo.integrators.rotations import changes, rotation_of, set_rotations
 from tribo.kernels.baths import first_slot, torsional_slot
-from tribo.kernels.blocks import is_fixed
+from tribo.kernels.blocks import coordinates, is_fixed, set_vectors, vectors
 from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.kinematics import end_force
 from tribo.kernels.langevin import thermal_kick
-from tribo.kernels.levers import pivot_length
+from tribo.kernels.levers import pivot_lengths
 from tribo.kernels.powers import momentum, place_of
 from tribo.kernels.records import (
     ALONG_X,
@@ -31,43 +31,47 @@ from tribo.kernels.records import (
     TX,
     TY,
 )
-from tribo.kernels.simd import LANES, broadcast, sum_of_lanes
-from tribo.kernels.simd_arrays import block, set_block
+from tribo.kernels.simd import LANES, broadcast, sum_of_lanes, with_lane
+from tribo.kernels.simd_arrays import add_block, block, set_block
 from tribo.kernels.user_forces import velocity_of_bar
 
 
-@kernel
-def push_bar(model, s, i, px, py, v, accounts, slot):
-    """Give momentum (px, py) to bar i, frozen in place, and add to the accounts from `slot` on."""
+@inlined
+def push_bars(model, s, i, px, py, v, accounts, slot):
+    """Give momenta (px, py) to a block of bars, frozen in place.
+
+    The works are added to the accounts from `slot` on.
+    """
     a = model.asperites
-    along = model.bobs[TX, i] * px + model.bobs[TY, i] * py
-    local = i - s.start
-    x = s.dof_x + local
-    y = s.dof_y + local
-    omega = v[i]
-    vx = v[x]
-    vy = v[y]
-    v[i] -= a[L2, i] * along / a[INERTIA, i]
-    v[x] += px / a[MASS, i]
-    v[y] += py / a[MASS, i]
+    along = block(model.bobs[TX], i) * px + block(model.bobs[TY], i) * py
+    omega = block(v, i)
+    change = 0.0 - block(a[L2], i) * along / block(a[INERTIA], i)
+    change_x = px / block(a[MASS], i)
+    change_y = py / block(a[MASS], i)
+    vx = coordinates(s.dof_x, s, i, v) + 0.5 * change_x
+    vy = coordinates(s.dof_y, s, i, v) + 0.5 * change_y
+    set_block(v, i, omega + change)
+    add_block(v, s.dof_x + i - s.start, change_x)
+    add_block(v, s.dof_y + i - s.start, change_y)
     if slot < 0:
         return
     stride = s.account_stride
     k = place_of(s, slot, i)
-    accounts[k] += px
-    accounts[k + stride] += py
-    vx = 0.5 * (vx + v[x])
-    vy = 0.5 * (vy + v[y])
-    swept = along * 0.5 * (omega + v[i])
-    pivot = pivot_length(model.pivots, i)
-    accounts[k + 2 * stride] -= (a[L2, i] + pivot) * swept
-    accounts[k + 3 * stride] += px * vx + py * vy + pivot * swept
+    swept = along * (omega + 0.5 * change)
+    pivot = pivot_lengths(model.pivots, i)
+    add_block(accounts, k, px)
+    add_block(accounts, k + stride, py)
+    add_block(accounts, k + 2 * stride, 0.0 - (block(a[L2], i) + pivot) * swept)
+    add_block(accounts, k + 3 * stride, px * vx + py * vy + pivot * swept)
     if is_fixed(model.fixed, s):
-        x, y = end_force(-a[L2, i] * along, a[BAR_LENGTH, i], a[SIN_PHI, i], a[COS_PHI, i])
+        torque = 0.0 - block(a[L2], i) * along
+        x, y = end_force(
+            torque, block(a[BAR_LENGTH], i), block(a[SIN_PHI], i), block(a[COS_PHI], i)
+        )
         k = place_of(s, s.acc_ends + 2 * stride, i)
-        accounts[k] += x
-        accounts[k + stride] += y
-        accounts[k + 2 * stride] += x * vx + y * vy
+        add_block(accounts, k, x)
+        add_block(accounts, k + stride, y)
+        add_block(accounts, k + 2 * stride, x * vx + y * vy)
 
 
 @inlined
@@ -83,38 +87,51 @@ def rotate_oscillators(q, v, k, centre, turn):
 
 
 @kernel
-def rotate_bath_of(model, bath, s, i, q, v, accounts, rotations):
-    """Rotate the oscillators of bar i, which takes up the opposite of the momentum they gain."""
-    momentum_x = broadcast(0.0)
-    momentum_y = broadcast(0.0)
+def rotate_bath_of(model, bath, s, i, q, v, rotations):
+    """Rotate the oscillators of bar i; returns their momentum after it."""
+    px = broadcast(0.0)
+    py = broadcast(0.0)
+    x = model.displaced[ALONG_X, i]
+    y = model.displaced[ALONG_Y, i]
+    count = s.oscillators
+    first = s.first_oscillator
     slot = first_slot(s, i)
-    for m in range(0, s.oscillators, LANES):
-        turn = rotation_of(rotations, s.first_oscillator + m)
-        mass = block(bath[OSCILLATOR_MASS], s.first_oscillator + m)
-        rate, _ = rotate_oscillators(q, v, slot + m, model.displaced[ALONG_X, i], turn)
-        momentum_x = momentum_x + mass * rate
-        k = slot + s.oscillators + m
-        rate, _ = rotate_oscillators(q, v, k, model.displaced[ALONG_Y, i], turn)
-        momentum_y = momentum_y + mass * rate
-    after_x = sum_of_lanes(momentum_x)
-    after_y = sum_of_lanes(momentum_y)
-    px = model.bath_momentum[ALONG_X, i] - after_x
-    py = model.bath_momentum[ALONG_Y, i] - after_y
-    model.bath_momentum[ALONG_X, i] = after_x
-    model.bath_momentum[ALONG_Y, i] = after_y
-    push_bar(model, s, i, px, py, v, accounts, s.acc_internal)
+    for m in range(0, count, LANES):
+        turn = rotation_of(rotations, first + m)
+        mass = block(bath[OSCILLATOR_MASS], first + m)
+        rate, _ = rotate_oscillators(q, v, slot + m, x, turn)
+        px = px + mass * rate
+        rate, _ = rotate_oscillators(q, v, slot + count + m, y, turn)
+        py = py + mass * rate
+    return sum_of_lanes(px), sum_of_lanes(py)
+
+
+@kernel
+def rotate_baths_of(model, bath, s, first, q, v, accounts, rotations):
+    """Rotate the oscillators of a block of bars, which take up the opposite momentum."""
+    after_x = broadcast(0.0)
+    after_y = broadcast(0.0)
+    for i in range(first, min(first + LANES, s.end)):
+        px, py = rotate_bath_of(model, bath, s, i, q, v, rotations)
+        after_x = with_lane(after_x, i - first, px)
+        after_y = with_lane(after_y, i - first, py)
+    before_x, before_y = vectors(model.bath_momentum, first)
+    set_vectors(model.bath_momentum, first, after_x, after_y)
+    px = before_x - after_x
+    py = before_y - after_y
+    push_bars(model, s, first, px, py, v, accounts, s.acc_internal)
 
 
 @kernel
 def rotate_bath(model, bath, tau, q, v, accounts, rotations):
-    """Rotate all oscillators exactly, bars frozen; the bars take up the opposite momentum."""
+    """Rotate all oscillators exactly, bars frozen."""
     if bath is not None:
         set_rotations(bath[OSCILLATOR_FREQUENCY], tau, rotations)
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
             if s.oscillators > 0:
-                for i in range(s.start, s.end):
-                    rotate_bath_of(model, bath, s, i, q, v, accounts, rotations)
+                for i in range(s.start, s.stop, LANES):
+                    rotate_baths_of(model, bath, s, i, q, v, accounts, rotations)
 
 
 @kernel
@@ -162,29 +179,39 @@ def damp_swings(model, swing_friction, tau, v, accounts, noise):
 
 
 @kernel
+def thermal_impulse(model, s, i, tau, v, noise):
+    """The momentum that bar i receives from the reservoir, along the bar's arc and across it."""
+    a = model.asperites
+    tx = model.bobs[TX, i]
+    ty = model.bobs[TY, i]
+    vx, vy = velocity_of_bar(model, s, i, v)
+    x = vx - s.reservoir_x
+    y = vy - s.reservoir_y
+    across = 1.0 / a[MASS, i]
+    arc = across + a[L2, i] * a[L2, i] / a[INERTIA, i]
+    heat = s.temperature
+    along = thermal_kick(s.gamma, heat, arc, tx * x + ty * y, tau, noise)
+    side = thermal_kick(s.gamma, heat, across, tx * y - ty * x, tau, noise)
+    return along * tx - side * ty, along * ty + side * tx
+
+
+@kernel
 def thermalise(model, friction, tau, v, accounts, noise):
-    """Langevin friction and noise on the frozen bars, exactly: along the bar's arc and across."""
+    """Langevin friction and noise on the frozen bars, exactly."""
     if friction is not None:
-        a = model.asperites
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
             if s.gamma == 0.0:
                 continue
             before_x, before_y = momentum(model, s, v)
-            for i in range(s.start, s.end):
-                tx = model.bobs[TX, i]
-                ty = model.bobs[TY, i]
-                vx, vy = velocity_of_bar(model, s, i, v)
-                x = vx - s.reservoir_x
-                y = vy - s.reservoir_y
-                across = 1.0 / a[MASS, i]
-                arc = across + a[L2, i] * a[L2, i] / a[INERTIA, i]
-                heat = s.temperature
-                along = thermal_kick(s.gamma, heat, arc, tx * x + ty * y, tau, noise)
-                side = thermal_kick(s.gamma, heat, across, tx * y - ty * x, tau, noise)
-                px = along * tx - side * ty
-                py = along * ty + side * tx
-                push_bar(model, s, i, px, py, v, accounts, s.acc_thermal)
+            for first in range(s.start, s.stop, LANES):
+                impulse_x = broadcast(0.0)
+                impulse_y = broadcast(0.0)
+                for i in range(first, min(first + LANES, s.end)):
+                    px, py = thermal_impulse(model, s, i, tau, v, noise)
+                    impulse_x = with_lane(impulse_x, i - first, px)
+                    impulse_y = with_lane(impulse_y, i - first, py)
+                push_bars(model, s, first, impulse_x, impulse_y, v, accounts, s.acc_thermal)
             after_x, after_y = momentum(model, s, v)
             px = after_x - before_x
             py = after_y - before_y

@@ -32,7 +32,7 @@ def changes(x, rate, turn):
     Rounding of cos^2 + sin^2 causes no energy drift.
     """
     versine, over, times = turn
-    return over * rate - versine * x, 0.0 - (versine * rate + times * x)
+    return over * rate - versine * x, -versine * rate - times * x
 
 
 @kernel

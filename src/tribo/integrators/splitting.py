@@ -302,23 +302,43 @@ def settle_custom_forces(model, drives, ends, t, tau, q, v, work):
 
 
 @inlined
-def kick(model, t, tau, q, v, accounts, work):
-    """The forces in place act for tau; their works are added at the mid-kick velocities."""
+def kick_block(model, s, i, t, tau, q, v, work, power):
+    """Kick a block of asperites, and add works at the mid-kick velocities."""
     acceleration = work.acceleration
     middle = work.middle
+    kick_slot(s.start, s, i, tau, acceleration, v, middle)
+    kick_slot(s.dof_phi, s, i, tau, acceleration, v, middle)
+    kick_slot(s.dof_x, s, i, tau, acceleration, v, middle)
+    kick_slot(s.dof_y, s, i, tau, acceleration, v, middle)
+    powers_of_block(model, model.ledger, s, i, 0.0, t, q, middle, power)
+
+
+@inlined
+def kick(model, t, tau, q, v, accounts, work):
+    """Contact, fields and springs, in place, and the drive act for tau."""
     power = Powers(accounts, model.sums, tau)
     drive_forces(model, t, q)
     settle_custom_forces(model, model.drives, model.ends, t, tau, q, v, work)
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         for i in range(s.start, s.stop, LANES):
-            accelerate_block(model, s, i, 0.0, t, q, acceleration)
-            kick_slot(s.start, s, i, tau, acceleration, v, middle)
-            kick_slot(s.dof_phi, s, i, tau, acceleration, v, middle)
-            kick_slot(s.dof_x, s, i, tau, acceleration, v, middle)
-            kick_slot(s.dof_y, s, i, tau, acceleration, v, middle)
-            powers_of_block(model, model.ledger, s, i, 0.0, t, q, middle, power)
-    shared_powers(model, model.ledger, t, middle, power)
+            accelerate_block(model, s, i, 0.0, t, q, work.acceleration)
+            kick_block(model, s, i, t, tau, q, v, work, power)
+    shared_powers(model, model.ledger, t, work.middle, power)
+
+
+@inlined
+def repeat_kick(model, drives, ends, t, tau, q, v, accounts, work):
+    """The same forces act again for tau; those of plug-ins are for the velocities of now."""
+    if drives is not None or ends is not None:
+        kick(model, t, tau, q, v, accounts, work)
+        return
+    power = Powers(accounts, model.sums, tau)
+    for k in range(model.surfaces.shape[0]):
+        s = model.surfaces[k]
+        for i in range(s.start, s.stop, LANES):
+            kick_block(model, s, i, t, tau, q, v, work, power)
+    shared_powers(model, model.ledger, t, work.middle, power)
 
 
 @kernel
@@ -375,7 +395,7 @@ def take_step(model, neighbours, splitting, clock, h, state, work, noise):
         if has_substep(model):
             kick(model, t, 0.5 * tau, q, v, s, work)
             bath_substep(model, tau, q, v, s, work.bath, work.torsional, noise)
-            kick(model, t, 0.5 * tau, q, v, s, work)
+            repeat_kick(model, model.drives, model.ends, t, 0.5 * tau, q, v, s, work)
         else:
             kick(model, t, tau, q, v, s, work)
     clock.drift_lag = splitting.drifts[splitting.kicks.size] * h
