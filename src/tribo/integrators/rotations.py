@@ -8,10 +8,10 @@ from tribo.kernels.simd_arrays import block, room, set_block
 from tribo.kernels.simd_functions import sine_cosine
 
 
-def empty_rotations(table: np.ndarray | None) -> np.ndarray:
-    """Room for the rotations of the columns of a table, and for their time."""
+def empty_rotations(table: np.ndarray | None, times: int) -> np.ndarray:
+    """Room for the rotations of the columns of a table in some times, and for these times."""
     columns = 0 if table is None else table.shape[1] + LANES
-    rotations = room((3, columns))
+    rotations = room((times, 3, columns))
     rotations[:] = np.nan
     return rotations
 

@@ -93,8 +93,8 @@ class Work(NamedTuple):
     middle: np.ndarray  # (coordinates,) velocities in the middle of a kick
     accounts: np.ndarray  # (accounts,)
     speeds: np.ndarray  # (3, asperites)
-    rotations: np.ndarray  # (3, asperites + 1), see `set_rotations`
-    bath: np.ndarray
+    rotations: np.ndarray  # (1, 3, asperites + 8), see `set_rotations`
+    bath: np.ndarray  # (kicks, 3, oscillators + 8), since rotations take longer than their use
     torsional: np.ndarray
 
 
@@ -112,9 +112,9 @@ class Splitting(NamedTuple):
             room((n,)),
             room(state.s.shape),
             room((3, model.asperites.shape[1])),
-            empty_rotations(model.asperites),
-            empty_rotations(model.bath),
-            empty_rotations(model.torsional),
+            empty_rotations(model.asperites, 1),
+            empty_rotations(model.bath, self.kicks.size),
+            empty_rotations(model.torsional, self.kicks.size),
         )
 
 
@@ -363,7 +363,7 @@ def arrive(model, neighbours, clock, state, work):
     """Do the drift that the last step left, for a sample."""
     n = state.y.size // 2
     q = state.y[:n]
-    drift(model, clock.t, clock.drift_lag, q, state.y[n:], state.s, work.rotations)
+    drift(model, clock.t, clock.drift_lag, q, state.y[n:], state.s, work.rotations[0])
     clock.drift_lag = 0.0
     settle_end_works(model, q, state.s, state.memory[0])
     refresh(model, neighbours)
@@ -388,13 +388,13 @@ def take_step(model, neighbours, splitting, clock, h, state, work, noise):
         tau = splitting.kicks[m] * h
         ahead = splitting.drifts[m] * h
         t += ahead
-        drift(model, t, clock.drift_lag + ahead, q, v, s, work.rotations)
+        drift(model, t, clock.drift_lag + ahead, q, v, s, work.rotations[0])
         clock.drift_lag = 0.0
         forces(model, neighbours, t)
         clock.evaluations += 1
         if has_substep(model):
             kick(model, t, 0.5 * tau, q, v, s, work)
-            bath_substep(model, tau, q, v, s, work.bath, work.torsional, noise)
+            bath_substep(model, tau, q, v, s, work.bath[m], work.torsional[m], noise)
             repeat_kick(model, model.drives, model.ends, t, 0.5 * tau, q, v, s, work)
         else:
             kick(model, t, tau, q, v, s, work)
