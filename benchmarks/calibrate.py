@@ -3,8 +3,7 @@
 Evaluations for an error of 1e-6, and their growth with every digit, are medians over a few small
 scenes, of the runs of tribo.work_precision.  For methods that integrate bath oscillators exactly
 they are also measured with fast baths.  Nanoseconds of an evaluation are those of a pair, of a grid
-and of a pair with a large bath, by the time of the processor: the smallest of several rounds, with
-the methods interleaved.
+and of a pair with a large bath: the smallest of several rounds, with the methods interleaved.
 
     python benchmarks/calibrate.py [--json]
 
@@ -14,7 +13,6 @@ the table WITH_FAST_BATH and the first numbers of PAIR.
 
 import argparse
 import json
-import time
 from dataclasses import replace
 from statistics import median
 
@@ -128,11 +126,9 @@ def nanoseconds(scene: tribo.Scene, names: list[str]) -> dict[str, float]:
             layout, method = run_by.layout, METHODS[name]
             level = 1e-8 if method.adaptive else 0.1**method.order
             setting = setting_at(layout, method, acc.first_guess(layout), level)
-            began = time.thread_time_ns()
             run = run_by(setting, scene.times)
-            taken = time.thread_time_ns() - began
             if run.status == "completed":
-                least[name] = min(least[name], taken / run.evaluations)
+                least[name] = min(least[name], 1e9 * run.seconds / run.evaluations)
     return least
 
 
