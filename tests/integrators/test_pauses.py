@@ -8,6 +8,7 @@ import pytest
 import tribo.run.contacts
 from tribo import (
     Asperite,
+    Bath,
     Coulomb,
     Forced,
     Free,
@@ -131,6 +132,19 @@ def test_refusal_of_a_step(monkeypatch, name):
         return integrate.integrate(loop, layout.scene.times)
 
     assert_same(monkeypatch, run, "EncounterJumped")
+
+
+def test_pauses_with_baths(monkeypatch):
+    """The momentum of warm baths on several bars, which splitting methods keep between kicks."""
+    bath = Bath(masses=(0.2, 0.1), frequencies=(1.0, 3.0), temperature=0.1)
+    bars = Surface("one", drive="free", shape=(9, 1), bath=bath)
+    layout = lay_out(Scene([bars], [], 3.0, output=Output(samples=4)))
+
+    def run():
+        loop = GeneralLoop(layout, METHODS["verlet"], 0.03, layout.start, 0.0)
+        return integrate.integrate(loop, layout.scene.times)
+
+    assert_same(monkeypatch, run, "completed")
 
 
 @pytest.mark.parametrize("level", [1e-3, 1e-9])

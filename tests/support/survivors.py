@@ -15,7 +15,7 @@ EQUIVALENT = {
     ),
     "kernels/equations_of_motion.py: accelerate_block: s.dof_x >= 0 -> s.dof_x >= 1": AFTER_SWINGS,
     "kernels/equations_of_motion.py: accelerate_block: s.dof_y >= 0 -> s.dof_y >= 1": AFTER_SWINGS,
-    "integrators/bath_substep.py: push_bar: slot < 0 -> slot < 1": (
+    "integrators/bath_substep.py: push_bars: slot < 0 -> slot < 1": (
         "the first slots are those of contact; no bath and no reservoir has slot 0"
     ),
     "kernels/powers.py: set_drive_powers: s.acc_drive >= 0 -> s.acc_drive >= 1": (

@@ -61,7 +61,15 @@ def scene_bytes(layout: Layout, method: Method, stages: int) -> int:
     coordinates, accounts = layout.room
     state = NUMBER * vectors * (2 * coordinates + accounts)
     tables = (layout.model, layout.neighbours(), layout.asperites, layout.surfaces)
-    return state + _bytes_of(tables)
+    return state + _bytes_of(tables) + _bytes_of_rotations(layout, method, stages)
+
+
+def _bytes_of_rotations(layout: Layout, method: Method, stages: int) -> int:
+    """Bytes of what splitting methods keep of their baths' rotations in each kick of a step."""
+    if not method.splits:
+        return 0
+    baths = (layout.model.bath, layout.model.torsional)
+    return 3 * stages * sum(table[0].nbytes for table in baths if table is not None)
 
 
 def _raw_sample(layout: Layout) -> int:

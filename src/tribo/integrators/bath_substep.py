@@ -8,13 +8,13 @@ Each adds its own work, by the mean of the velocities before and after.
 B. Leimkuhler, C. Matthews, Appl. Math. Res. Express 2013 (2013) 34, for the noise.
 """
 
-from tribo.integrators.rotations import rotated, rotation_of, set_rotations
+from tribo.integrators.rotations import changes, rotation_of, set_rotations
 from tribo.kernels.baths import first_slot, torsional_slot
-from tribo.kernels.blocks import is_fixed
-from tribo.kernels.compiled import kernel
+from tribo.kernels.blocks import coordinates, is_fixed, set_vectors, vectors
+from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.kinematics import end_force
 from tribo.kernels.langevin import thermal_kick
-from tribo.kernels.levers import pivot_length
+from tribo.kernels.levers import pivot_lengths
 from tribo.kernels.powers import momentum, place_of
 from tribo.kernels.records import (
     ALONG_X,
@@ -31,77 +31,107 @@ from tribo.kernels.records import (
     TX,
     TY,
 )
-from tribo.kernels.simd import LANES, broadcast, sum_of_lanes
-from tribo.kernels.simd_arrays import block, set_block
+from tribo.kernels.simd import LANES, broadcast, sum_of_lanes, with_lane
+from tribo.kernels.simd_arrays import add_block, block, set_block
 from tribo.kernels.user_forces import velocity_of_bar
 
 
-@kernel
-def push_bar(model, s, i, px, py, v, accounts, slot):
-    """Give momentum (px, py) to bar i, frozen in place, and add to the accounts from `slot` on."""
+@inlined
+def push_bars(model, s, i, px, py, v, accounts, slot):
+    """Give momenta (px, py) to a block of bars, frozen in place.
+
+    The works are added to the accounts from `slot` on.
+    """
     a = model.asperites
-    along = model.bobs[TX, i] * px + model.bobs[TY, i] * py
-    local = i - s.start
-    x = s.dof_x + local
-    y = s.dof_y + local
-    omega = v[i]
-    vx = v[x]
-    vy = v[y]
-    v[i] -= a[L2, i] * along / a[INERTIA, i]
-    v[x] += px / a[MASS, i]
-    v[y] += py / a[MASS, i]
+    along = block(model.bobs[TX], i) * px + block(model.bobs[TY], i) * py
+    omega = block(v, i)
+    change = 0.0 - block(a[L2], i) * along / block(a[INERTIA], i)
+    change_x = px / block(a[MASS], i)
+    change_y = py / block(a[MASS], i)
+    vx = coordinates(s.dof_x, s, i, v) + 0.5 * change_x
+    vy = coordinates(s.dof_y, s, i, v) + 0.5 * change_y
+    set_block(v, i, omega + change)
+    add_block(v, s.dof_x + i - s.start, change_x)
+    add_block(v, s.dof_y + i - s.start, change_y)
     if slot < 0:
         return
     stride = s.account_stride
     k = place_of(s, slot, i)
-    accounts[k] += px
-    accounts[k + stride] += py
-    vx = 0.5 * (vx + v[x])
-    vy = 0.5 * (vy + v[y])
-    swept = along * 0.5 * (omega + v[i])
-    pivot = pivot_length(model.pivots, i)
-    accounts[k + 2 * stride] -= (a[L2, i] + pivot) * swept
-    accounts[k + 3 * stride] += px * vx + py * vy + pivot * swept
+    swept = along * (omega + 0.5 * change)
+    pivot = pivot_lengths(model.pivots, i)
+    add_block(accounts, k, px)
+    add_block(accounts, k + stride, py)
+    add_block(accounts, k + 2 * stride, 0.0 - (block(a[L2], i) + pivot) * swept)
+    add_block(accounts, k + 3 * stride, px * vx + py * vy + pivot * swept)
     if is_fixed(model.fixed, s):
-        x, y = end_force(-a[L2, i] * along, a[BAR_LENGTH, i], a[SIN_PHI, i], a[COS_PHI, i])
+        torque = 0.0 - block(a[L2], i) * along
+        x, y = end_force(
+            torque, block(a[BAR_LENGTH], i), block(a[SIN_PHI], i), block(a[COS_PHI], i)
+        )
         k = place_of(s, s.acc_ends + 2 * stride, i)
-        accounts[k] += x
-        accounts[k + stride] += y
-        accounts[k + 2 * stride] += x * vx + y * vy
+        add_block(accounts, k, x)
+        add_block(accounts, k + stride, y)
+        add_block(accounts, k + 2 * stride, x * vx + y * vy)
+
+
+@inlined
+def rotate_oscillators(q, v, k, centre, turn):
+    """Rotate eight oscillators about a place; returns their rates, and how these changed."""
+    x = block(q, k)
+    rate = block(v, k)
+    change, change_of_rate = changes(x - centre, rate, turn)
+    rate = rate + change_of_rate
+    set_block(q, k, x + change)
+    set_block(v, k, rate)
+    return rate, change_of_rate
 
 
 @kernel
-def rotate_oscillators(q, v, start, count, centre, table, first, rotations):
-    """Rotate `count` oscillators about a place; returns the momentum that they gained."""
-    gained = broadcast(0.0)
+def rotate_bath_of(model, bath, s, i, q, v, rotations):
+    """Rotate the oscillators of bar i; returns their momentum after it."""
+    px = broadcast(0.0)
+    py = broadcast(0.0)
+    x = model.displaced[ALONG_X, i]
+    y = model.displaced[ALONG_Y, i]
+    count = s.oscillators
+    first = s.first_oscillator
+    slot = first_slot(s, i)
     for m in range(0, count, LANES):
-        x = block(q, start + m) - centre
-        rate = block(v, start + m)
-        new, new_rate = rotated(x, rate, rotation_of(rotations, first + m))
-        set_block(q, start + m, centre + new)
-        set_block(v, start + m, new_rate)
-        mass = block(table[OSCILLATOR_MASS], first + m)
-        gained = gained + mass * (new_rate - rate)
-    return sum_of_lanes(gained)
+        turn = rotation_of(rotations, first + m)
+        mass = block(bath[OSCILLATOR_MASS], first + m)
+        rate, _ = rotate_oscillators(q, v, slot + m, x, turn)
+        px = px + mass * rate
+        rate, _ = rotate_oscillators(q, v, slot + count + m, y, turn)
+        py = py + mass * rate
+    return sum_of_lanes(px), sum_of_lanes(py)
+
+
+@kernel
+def rotate_baths_of(model, bath, s, first, q, v, accounts, rotations):
+    """Rotate the oscillators of a block of bars, which take up the opposite momentum."""
+    after_x = broadcast(0.0)
+    after_y = broadcast(0.0)
+    for i in range(first, min(first + LANES, s.end)):
+        px, py = rotate_bath_of(model, bath, s, i, q, v, rotations)
+        after_x = with_lane(after_x, i - first, px)
+        after_y = with_lane(after_y, i - first, py)
+    before_x, before_y = vectors(model.bath_momentum, first)
+    set_vectors(model.bath_momentum, first, after_x, after_y)
+    px = before_x - after_x
+    py = before_y - after_y
+    push_bars(model, s, first, px, py, v, accounts, s.acc_internal)
 
 
 @kernel
 def rotate_bath(model, bath, tau, q, v, accounts, rotations):
-    """Rotate all oscillators exactly, bars frozen; the bars take up the opposite momentum."""
+    """Rotate all oscillators exactly, bars frozen."""
     if bath is not None:
         set_rotations(bath[OSCILLATOR_FREQUENCY], tau, rotations)
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
-            first = s.first_oscillator
-            count = s.oscillators
-            if count > 0:
-                for i in range(s.start, s.end):
-                    slot = first_slot(s, i)
-                    x = model.displaced[ALONG_X, i]
-                    y = model.displaced[ALONG_Y, i]
-                    px = rotate_oscillators(q, v, slot, count, x, bath, first, rotations)
-                    py = rotate_oscillators(q, v, slot + count, count, y, bath, first, rotations)
-                    push_bar(model, s, i, -px, -py, v, accounts, s.acc_internal)
+            if s.oscillators > 0:
+                for i in range(s.start, s.stop, LANES):
+                    rotate_baths_of(model, bath, s, i, q, v, accounts, rotations)
 
 
 @kernel
@@ -118,9 +148,12 @@ def rotate_torsional(model, torsional, tau, q, v, accounts, rotations):
                 for i in range(s.start, s.end):
                     slot = torsional_slot(s, i)
                     j = s.dof_phi + i - s.start
-                    gained = rotate_oscillators(
-                        q, v, slot, count, q[j], torsional, first, rotations
-                    )
+                    gain = broadcast(0.0)
+                    for m in range(0, count, LANES):
+                        turn = rotation_of(rotations, first + m)
+                        _, change = rotate_oscillators(q, v, slot + m, q[j], turn)
+                        gain = gain + block(torsional[OSCILLATOR_MASS], first + m) * change
+                    gained = sum_of_lanes(gain)
                     nu = v[j]
                     v[j] -= gained / model.asperites[I2, i]
                     if s.acc_internal >= 0:
@@ -146,30 +179,40 @@ def damp_swings(model, swing_friction, tau, v, accounts, noise):
 
 
 @kernel
+def thermal_impulse(model, s, i, tau, v, noise):
+    """The momentum that bar i receives from the reservoir, along the bar's arc and across it."""
+    a = model.asperites
+    tx = model.bobs[TX, i]
+    ty = model.bobs[TY, i]
+    vx, vy = velocity_of_bar(model, s, i, v)
+    x = vx - s.reservoir_x
+    y = vy - s.reservoir_y
+    across = 1.0 / a[MASS, i]
+    arc = across + a[L2, i] * a[L2, i] / a[INERTIA, i]
+    heat = s.temperature
+    along = thermal_kick(s.gamma, heat, arc, tx * x + ty * y, tau, noise)
+    side = thermal_kick(s.gamma, heat, across, tx * y - ty * x, tau, noise)
+    return along * tx - side * ty, along * ty + side * tx
+
+
+@kernel
 def thermalise(model, friction, tau, v, accounts, noise):
-    """Langevin friction and noise on the frozen bars, exactly: along the bar's arc and across."""
+    """Langevin friction and noise on the frozen bars, exactly."""
     if friction is not None:
-        a = model.asperites
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
             if s.gamma == 0.0:
                 continue
-            before_x, before_y = momentum(model, s, v, v)
-            for i in range(s.start, s.end):
-                tx = model.bobs[TX, i]
-                ty = model.bobs[TY, i]
-                vx, vy = velocity_of_bar(model, s, i, v)
-                x = vx - s.reservoir_x
-                y = vy - s.reservoir_y
-                across = 1.0 / a[MASS, i]
-                arc = across + a[L2, i] * a[L2, i] / a[INERTIA, i]
-                heat = s.temperature
-                along = thermal_kick(s.gamma, heat, arc, tx * x + ty * y, tau, noise)
-                side = thermal_kick(s.gamma, heat, across, tx * y - ty * x, tau, noise)
-                px = along * tx - side * ty
-                py = along * ty + side * tx
-                push_bar(model, s, i, px, py, v, accounts, s.acc_thermal)
-            after_x, after_y = momentum(model, s, v, v)
+            before_x, before_y = momentum(model, s, v)
+            for first in range(s.start, s.stop, LANES):
+                impulse_x = broadcast(0.0)
+                impulse_y = broadcast(0.0)
+                for i in range(first, min(first + LANES, s.end)):
+                    px, py = thermal_impulse(model, s, i, tau, v, noise)
+                    impulse_x = with_lane(impulse_x, i - first, px)
+                    impulse_y = with_lane(impulse_y, i - first, py)
+                push_bars(model, s, first, impulse_x, impulse_y, v, accounts, s.acc_thermal)
+            after_x, after_y = momentum(model, s, v)
             px = after_x - before_x
             py = after_y - before_y
             if s.acc_block >= 0:

@@ -8,10 +8,10 @@ from tribo.kernels.simd_arrays import block, room, set_block
 from tribo.kernels.simd_functions import sine_cosine
 
 
-def empty_rotations(table: np.ndarray | None) -> np.ndarray:
-    """Room for the rotations of the columns of a table, and for their time."""
+def empty_rotations(table: np.ndarray | None, times: int) -> np.ndarray:
+    """Room for the rotations of the columns of a table in some times, and for these times."""
     columns = 0 if table is None else table.shape[1] + LANES
-    rotations = room((3, columns))
+    rotations = room((times, 3, columns))
     rotations[:] = np.nan
     return rotations
 
@@ -26,10 +26,13 @@ def rotation(frequency, tau):
 
 
 @inlined
-def rotated(x, rate, turn):
-    """Harmonic oscillators after a rotation; rounding of cos^2 + sin^2 causes no energy drift."""
+def changes(x, rate, turn):
+    """How a rotation changes harmonic oscillators, and their rates.
+
+    Rounding of cos^2 + sin^2 causes no energy drift.
+    """
     versine, over, times = turn
-    return x - versine * x + over * rate, rate - versine * rate - times * x
+    return over * rate - versine * x, -versine * rate - times * x
 
 
 @kernel

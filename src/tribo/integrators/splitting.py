@@ -20,8 +20,8 @@ import numpy as np
 
 from tribo.integrators.bath_substep import bath_substep
 from tribo.integrators.rotations import (
+    changes,
     empty_rotations,
-    rotated,
     rotation,
     rotation_of,
     set_rotations,
@@ -37,6 +37,7 @@ from tribo.integrators.step_control import (
     update_encounter,
 )
 from tribo.kernels.array_pointers import pointers
+from tribo.kernels.baths import set_bath_momenta
 from tribo.kernels.blocks import clear, coordinates, is_fixed
 from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.equations_of_motion import (
@@ -50,7 +51,7 @@ from tribo.kernels.equations_of_motion import (
 from tribo.kernels.kinematics import end_force, rotational_power
 from tribo.kernels.levers import lever_of_bar, pivot_lengths
 from tribo.kernels.neighbours import crowded, refresh
-from tribo.kernels.powers import place_of, powers_of_block, shared_powers
+from tribo.kernels.powers import Powers, place_of, powers_of_block, shared_powers
 from tribo.kernels.records import (
     BAR_LENGTH,
     COS_PHI,
@@ -90,10 +91,10 @@ class Work(NamedTuple):
 
     acceleration: np.ndarray  # (coordinates,)
     middle: np.ndarray  # (coordinates,) velocities in the middle of a kick
-    power: np.ndarray  # (accounts,)
+    accounts: np.ndarray  # (accounts,)
     speeds: np.ndarray  # (3, asperites)
-    rotations: np.ndarray  # (3, asperites + 1), see `set_rotations`
-    bath: np.ndarray
+    rotations: np.ndarray  # (1, 3, asperites + 8), see `set_rotations`
+    bath: np.ndarray  # (kicks, 3, oscillators + 8), since rotations take longer than their use
     torsional: np.ndarray
 
 
@@ -111,9 +112,9 @@ class Splitting(NamedTuple):
             room((n,)),
             room(state.s.shape),
             room((3, model.asperites.shape[1])),
-            empty_rotations(model.asperites),
-            empty_rotations(model.bath),
-            empty_rotations(model.torsional),
+            empty_rotations(model.asperites, 1),
+            empty_rotations(model.bath, self.kicks.size),
+            empty_rotations(model.torsional, self.kicks.size),
         )
 
 
@@ -187,7 +188,9 @@ def add_turning_end_works(model, s, i, twist, rate, impulse, t, tau, vx, vy, acc
     for m in range(NODES.size):
         weight = WEIGHTS[m] * tau
         turn = rotation(block(a[FREQUENCY], i), NODES[m] * tau)
-        now, now_rate = rotated(twist, rate, turn)
+        change, change_of_rate = changes(twist, rate, turn)
+        now = twist + change
+        now_rate = rate + change_of_rate
         phi = block(a[PHI_START], i) + nu * (t + NODES[m] * tau)
         sin, cos = sine_cosine(phi)
         x, y = end_force(stiffness * now, bar_length, sin, cos)
@@ -213,9 +216,9 @@ def drift_clamped(model, turning, s, i, t, tau, q, v, accounts, turn):
     omega = block(v, i)
     twist = old - (block(a[PHI_START], i) + nu * t)
     rate = omega - nu
-    new, new_rate = rotated(twist, rate, turn)
+    change, change_of_rate = changes(twist, rate, turn)
     if s.acc_ends >= 0:
-        impulse = block(a[INERTIA], i) * (rate - new_rate)
+        impulse = 0.0 - block(a[INERTIA], i) * change_of_rate
         vx = coordinates(s.dof_x, s, i, v)
         vy = coordinates(s.dof_y, s, i, v)
         if turning is None:
@@ -224,8 +227,8 @@ def drift_clamped(model, turning, s, i, t, tau, q, v, accounts, turn):
             add_end_impulses(model, s, i, impulse, vx, vy, accounts)
         else:
             add_turning_end_works(model, s, i, twist, rate, impulse, t, tau, vx, vy, accounts)
-    set_block(q, i, old + ((new - twist) + nu * tau))
-    set_block(v, i, omega + (new_rate - rate))
+    set_block(q, i, old + (change + nu * tau))
+    set_block(v, i, omega + change_of_rate)
 
 
 @inlined
@@ -238,11 +241,9 @@ def drift_free(model, s, i, tau, q, v, turn):
     nu = block(v, k)
     inertia = block(model.asperites[INERTIA], i)
     i2 = block(model.asperites[I2], i)
-    new, new_rate = rotated(swing - phi, omega - nu, turn)
+    change, change_of_rate = changes(swing - phi, omega - nu, turn)
     share = i2 / (inertia + i2)
     mean = (inertia * omega + i2 * nu) / (inertia + i2)
-    change = new - (swing - phi)
-    change_of_rate = new_rate - (omega - nu)
     set_block(q, i, swing + (mean * tau + share * change))
     set_block(q, k, phi + (mean * tau - (1.0 - share) * change))
     set_block(v, i, omega + share * change_of_rate)
@@ -301,25 +302,43 @@ def settle_custom_forces(model, drives, ends, t, tau, q, v, work):
 
 
 @inlined
-def kick(model, t, tau, q, v, accounts, work):
-    """The forces in place act for tau; their works are added at the mid-kick velocities."""
+def kick_block(model, s, i, t, tau, q, v, work, power):
+    """Kick a block of asperites, and add works at the mid-kick velocities."""
     acceleration = work.acceleration
     middle = work.middle
-    power = work.power
+    kick_slot(s.start, s, i, tau, acceleration, v, middle)
+    kick_slot(s.dof_phi, s, i, tau, acceleration, v, middle)
+    kick_slot(s.dof_x, s, i, tau, acceleration, v, middle)
+    kick_slot(s.dof_y, s, i, tau, acceleration, v, middle)
+    powers_of_block(model, model.ledger, s, i, 0.0, t, q, middle, power)
+
+
+@inlined
+def kick(model, t, tau, q, v, accounts, work):
+    """Contact, fields and springs, in place, and the drive act for tau."""
+    power = Powers(accounts, model.sums, tau)
     drive_forces(model, t, q)
     settle_custom_forces(model, model.drives, model.ends, t, tau, q, v, work)
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         for i in range(s.start, s.stop, LANES):
-            accelerate_block(model, s, i, 0.0, t, q, acceleration)
-            kick_slot(s.start, s, i, tau, acceleration, v, middle)
-            kick_slot(s.dof_phi, s, i, tau, acceleration, v, middle)
-            kick_slot(s.dof_x, s, i, tau, acceleration, v, middle)
-            kick_slot(s.dof_y, s, i, tau, acceleration, v, middle)
-            powers_of_block(model, model.ledger, s, i, 0.0, t, q, middle, power)
-    shared_powers(model, model.ledger, t, middle, v, power)
-    for m in range(0, power.size, LANES):
-        add_block(accounts, m, tau * block(power, m))
+            accelerate_block(model, s, i, 0.0, t, q, work.acceleration)
+            kick_block(model, s, i, t, tau, q, v, work, power)
+    shared_powers(model, model.ledger, t, work.middle, power)
+
+
+@inlined
+def repeat_kick(model, drives, ends, t, tau, q, v, accounts, work):
+    """The same forces act again for tau; those of plug-ins are for the velocities of now."""
+    if drives is not None or ends is not None:
+        kick(model, t, tau, q, v, accounts, work)
+        return
+    power = Powers(accounts, model.sums, tau)
+    for k in range(model.surfaces.shape[0]):
+        s = model.surfaces[k]
+        for i in range(s.start, s.stop, LANES):
+            kick_block(model, s, i, t, tau, q, v, work, power)
+    shared_powers(model, model.ledger, t, work.middle, power)
 
 
 @kernel
@@ -333,11 +352,9 @@ def begin(model, neighbours, clock, state, work):
         return BOBS_COINCIDE
     clock.encounter_rate = rate
     # The first call sets what works are counted from; the accounts stay as they are.
-    copy(state.s, work.power)
+    copy(state.s, work.accounts)
     settle_end_works(model, state.y[:n], state.s, state.memory[0])
-    for m in range(state.s.size):
-        state.s[m] = work.power[m]
-        work.power[m] = 0.0
+    copy(work.accounts, state.s)
     return COMPLETED
 
 
@@ -346,7 +363,7 @@ def arrive(model, neighbours, clock, state, work):
     """Do the drift that the last step left, for a sample."""
     n = state.y.size // 2
     q = state.y[:n]
-    drift(model, clock.t, clock.drift_lag, q, state.y[n:], state.s, work.rotations)
+    drift(model, clock.t, clock.drift_lag, q, state.y[n:], state.s, work.rotations[0])
     clock.drift_lag = 0.0
     settle_end_works(model, q, state.s, state.memory[0])
     refresh(model, neighbours)
@@ -371,14 +388,14 @@ def take_step(model, neighbours, splitting, clock, h, state, work, noise):
         tau = splitting.kicks[m] * h
         ahead = splitting.drifts[m] * h
         t += ahead
-        drift(model, t, clock.drift_lag + ahead, q, v, s, work.rotations)
+        drift(model, t, clock.drift_lag + ahead, q, v, s, work.rotations[0])
         clock.drift_lag = 0.0
         forces(model, neighbours, t)
         clock.evaluations += 1
         if has_substep(model):
             kick(model, t, 0.5 * tau, q, v, s, work)
-            bath_substep(model, tau, q, v, s, work.bath, work.torsional, noise)
-            kick(model, t, 0.5 * tau, q, v, s, work)
+            bath_substep(model, tau, q, v, s, work.bath[m], work.torsional[m], noise)
+            repeat_kick(model, model.drives, model.ends, t, 0.5 * tau, q, v, s, work)
         else:
             kick(model, t, tau, q, v, s, work)
     clock.drift_lag = splitting.drifts[splitting.kicks.size] * h
@@ -399,6 +416,7 @@ def splitting_steps(
     last = times[times.size - 1]
     clear(model.friction)
     clear(model.swing_friction)
+    set_bath_momenta(model, model.bath, state.y[state.y.size // 2 :])
     if clock.evaluations == 0:
         status = begin(model, neighbours, clock, state, work)
         if status != COMPLETED:

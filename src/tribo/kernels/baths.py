@@ -136,16 +136,17 @@ def torsional_accelerations(model, torsional, t, q, acceleration):
 
 
 @kernel
-def bath_momentum(model, bath, s, v):
-    """Momentum of a surface's bath in the surface's first frame."""
-    px = 0.0
-    py = 0.0
+def set_bath_momenta(model, bath, v):
+    """Set the momentum of the bath on each bar, in the surface's first frame."""
     if bath is not None:
-        first = s.first_oscillator
-        count = s.oscillators
-        if count > 0:
-            for i in range(s.start, s.end):
-                slot = first_slot(s, i)
-                px += oscillator_momentum(bath, first, count, v, slot)
-                py += oscillator_momentum(bath, first, count, v, slot + count)
-    return px, py
+        for k in range(model.surfaces.shape[0]):
+            s = model.surfaces[k]
+            first = s.first_oscillator
+            count = s.oscillators
+            if count > 0:
+                for i in range(s.start, s.end):
+                    slot = first_slot(s, i)
+                    px = oscillator_momentum(bath, first, count, v, slot)
+                    py = oscillator_momentum(bath, first, count, v, slot + count)
+                    model.bath_momentum[ALONG_X, i] = px
+                    model.bath_momentum[ALONG_Y, i] = py

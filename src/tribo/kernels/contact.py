@@ -29,7 +29,7 @@ from tribo.kernels.simd import (
     where_less,
     with_lane,
 )
-from tribo.kernels.simd_arrays import block, gather, scatter, set_block
+from tribo.kernels.simd_arrays import add_block, block, gather, scatter, set_block
 
 # Square of a distance below which the squares of its components lose digits to underflow.
 SQUARE_IS_SAFE = 1e-280
@@ -123,9 +123,10 @@ def without_others(force, species, partners, neighbours, is_listed, m, high):
 
 @inlined
 def add_row(model, contact, fx, fy, neighbours, i, start, stop, is_listed):
-    """Add the forces between bob i and its candidates to the rows fx and fy of a table.
+    """Add the forces of bob i on its candidates to the rows fx and fy of a table.
 
-    Blocks of bobs begin at a multiple of eight, blocks of a list anywhere.
+    Returns the force of the candidates on bob i.  Blocks of bobs begin at a multiple of eight,
+    blocks of a list anywhere.
     """
     xs = model.bobs[X]
     ys = model.bobs[Y]
@@ -153,8 +154,7 @@ def add_row(model, contact, fx, fy, neighbours, i, start, stop, is_listed):
         y = candidates(fy, neighbours, is_listed, m, high) - f * dy
         set_candidates(fx, neighbours, is_listed, m, high, x)
         set_candidates(fy, neighbours, is_listed, m, high, y)
-    fx[i] += sum_of_lanes(sum_x)
-    fy[i] += sum_of_lanes(sum_y)
+    return sum_of_lanes(sum_x), sum_of_lanes(sum_y)
 
 
 @inlined
@@ -163,9 +163,17 @@ def add_contact(model, contact, fx, fy, neighbours):
     for k in range(contact.pairs.shape[0]):
         one = model.surfaces[contact.pairs[k, 0]]
         other = model.surfaces[contact.pairs[k, 1]]
-        for i in range(one.start, one.end):
-            start, stop, is_listed = row_of(contact, k, one, other, i, neighbours)
-            add_row(model, contact, fx, fy, neighbours, i, start, stop, is_listed)
+        for first in range(one.start, one.end, LANES):
+            # Numbers that are stored one by one delay the next load of the block.
+            own_x = broadcast(0.0)
+            own_y = broadcast(0.0)
+            for i in range(first, min(first + LANES, one.end)):
+                start, stop, is_listed = row_of(contact, k, one, other, i, neighbours)
+                x, y = add_row(model, contact, fx, fy, neighbours, i, start, stop, is_listed)
+                own_x = with_lane(own_x, i - first, x)
+                own_y = with_lane(own_y, i - first, y)
+            add_block(fx, first, own_x)
+            add_block(fy, first, own_y)
 
 
 @inlined

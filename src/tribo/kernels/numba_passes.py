@@ -38,7 +38,8 @@ class LinkedLibrary(JITCodeLibrary):
     def _get_module_for_linking(self) -> Any:
         """The code of this kernel and of all that it calls, each once."""
         whole = None
-        for library in self._called():  # callers first, since LLVM leaves out what nobody calls yet
+        # Callers first: LLVM leaves out functions without a caller.
+        for library in self._called():
             own = JITCodeLibrary._get_module_for_linking(library)
             if whole is None:
                 whole = own.clone()

@@ -25,9 +25,12 @@ surface's blocks are added up; contact and drive then have their levers in the w
 of mass.  Without a ledger there are none.
 """
 
+from typing import Any, NamedTuple
+
+import numpy as np
 from numba import literal_unroll
 
-from tribo.kernels.baths import bath_momentum, torsional_torque
+from tribo.kernels.baths import set_bath_momenta, torsional_torque
 from tribo.kernels.blocks import coordinates, is_fixed, vectors
 from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.equations_of_motion import (
@@ -74,24 +77,49 @@ def place_of(s, slot, i):
     return slot + ((i - s.start) & s.account_mask)
 
 
+class Powers(NamedTuple):
+    """Where powers are written: as they are, or as the works that they do in a time."""
+
+    accounts: np.ndarray  # (accounts,)
+    sums: Any  # as in Model
+    tau: Any  # [time], to add works; None to set powers
+
+
 @inlined
-def set_power(sums, power, s, slot, i, x):
-    """Set the powers of a block in an account, or add them to those of the blocks before it."""
-    k = place_of(s, slot, i)
-    if sums is None or i == s.start:
-        set_block(power, k, x)
+def write_block(accounts, sums, tau, k, begins, x):
+    """Write the powers of a block from place k on; `begins` where they are a surface's first."""
+    if tau is not None:
+        add_block(accounts, k, tau * x)
+    elif sums is None or begins:
+        set_block(accounts, k, x)
     else:
-        add_block(power, k, x)
+        add_block(accounts, k, x)
 
 
 @inlined
-def set_four(sums, power, s, slot, i, first, second, third, fourth):
-    """Set the powers of a block's four accounts of a group."""
+def write_one(accounts, tau, k, x):
+    """Write one power at place k."""
+    if tau is None:
+        accounts[k] = x
+    else:
+        accounts[k] += tau * x
+
+
+@inlined
+def set_power(power, s, slot, i, x):
+    """Write the powers of a block in an account."""
+    k = place_of(s, slot, i)
+    write_block(power.accounts, power.sums, power.tau, k, i == s.start, x)
+
+
+@inlined
+def set_four(power, s, slot, i, first, second, third, fourth):
+    """The same of four accounts in a row."""
     stride = s.account_stride
-    set_power(sums, power, s, slot, i, first)
-    set_power(sums, power, s, slot + stride, i, second)
-    set_power(sums, power, s, slot + 2 * stride, i, third)
-    set_power(sums, power, s, slot + 3 * stride, i, fourth)
+    set_power(power, s, slot, i, first)
+    set_power(power, s, slot + stride, i, second)
+    set_power(power, s, slot + 2 * stride, i, third)
+    set_power(power, s, slot + 3 * stride, i, fourth)
 
 
 @inlined
@@ -118,8 +146,8 @@ def clamped_ends(model, s, i, t, q, omega, vx, vy, power):
     with_bar = rotational_power(-lever_of_bar(model, model.pivots, i), omega, tx, ty, x, y)
     turning = -0.5 * torque * block(a[NU_START], i)
     k = s.acc_ends
-    set_four(model.sums, power, s, k, i, turning + with_bar, turning - with_bar, x, y)
-    set_power(model.sums, power, s, k + 4 * s.account_stride, i, x * vx + y * vy)
+    set_four(power, s, k, i, turning + with_bar, turning - with_bar, x, y)
+    set_power(power, s, k + 4 * s.account_stride, i, x * vx + y * vy)
 
 
 @kernel
@@ -145,11 +173,11 @@ def custom_end_powers(model, end_forces, s, i, t, q, v, power):
             left = left_x * (x - tip_x) + left_y * (y - tip_y)
             right = right_x * (x + tip_x) + right_y * (y + tip_y)
             k = s.acc_user_ends
-            set_four(model.sums, power, s, k, i, left, right, left_x, left_y)
+            set_four(power, s, k, i, left, right, left_x, left_y)
             left = left_x * vx + left_y * vy
             right = right_x * vx + right_y * vy
             k += 4 * s.account_stride
-            set_four(model.sums, power, s, k, i, right_x, right_y, left, right)
+            set_four(power, s, k, i, right_x, right_y, left, right)
 
 
 @inlined
@@ -161,7 +189,7 @@ def set_bob_powers(model, table, slot, s, i, omega, vx, vy, power):
             tx = block(model.bobs[TX], i)
             ty = block(model.bobs[TY], i)
             about = rotational_power(lever_of_bob(model, model.pivots, i), omega, tx, ty, x, y)
-            set_four(model.sums, power, s, slot, i, x, y, about, x * vx + y * vy)
+            set_four(power, s, slot, i, x, y, about, x * vx + y * vy)
 
 
 @inlined
@@ -173,7 +201,7 @@ def set_bar_powers(model, table, slot, s, i, omega, vx, vy, power):
             tx = block(model.bobs[TX], i)
             ty = block(model.bobs[TY], i)
             about = rotational_power(-lever_of_bar(model, model.pivots, i), omega, tx, ty, x, y)
-            set_four(model.sums, power, s, slot, i, x, y, about, x * vx + y * vy)
+            set_four(power, s, slot, i, x, y, about, x * vx + y * vy)
 
 
 @inlined
@@ -182,7 +210,7 @@ def set_swing_powers(model, swing_friction, s, i, omega, power):
     if swing_friction is not None:
         if s.acc_swing >= 0:
             x = block(swing_friction[0], i) * omega
-            set_power(model.sums, power, s, s.acc_swing, i, x)
+            set_power(power, s, s.acc_swing, i, x)
 
 
 @inlined
@@ -198,7 +226,7 @@ def set_internal_powers(model, s, i, omega, vx, vy, power):
         about = about + rotational_power(lever, omega, tx, ty, bob_x, bob_y)
         x = x + bob_x
         y = y + bob_y
-        set_four(model.sums, power, s, s.acc_internal, i, x, y, about, x * vx + y * vy)
+        set_four(power, s, s.acc_internal, i, x, y, about, x * vx + y * vy)
 
 
 @inlined
@@ -212,7 +240,7 @@ def set_contact_powers(model, sums, s, i, omega, power):
         lever = lever_of_bob(model, model.pivots, i)
         along_x = lever * along_x
         along_y = lever * along_y
-    set_four(sums, power, s, s.acc_contact, i, x, y, along_x, along_y)
+    set_four(power, s, s.acc_contact, i, x, y, along_x, along_y)
 
 
 @inlined
@@ -226,7 +254,7 @@ def set_drive_powers(model, sums, s, i, omega, vx, vy, power):
         about = omega * (block(model.bobs[TX], i) * x + block(model.bobs[TY], i) * y)
         if sums is not None:
             about = lever_of_bar(model, model.pivots, i) * about
-        set_four(sums, power, s, s.acc_drive, i, x, y, about, x * vx + y * vy)
+        set_four(power, s, s.acc_drive, i, x, y, about, x * vx + y * vy)
 
 
 @inlined
@@ -242,9 +270,9 @@ def powers_of_block(model, ledger, s, i, torsion, t, q, v, power):
         set_contact_powers(model, model.sums, s, i, omega, power)
         if s.acc_slide >= 0:
             k = s.acc_slide
-            set_power(model.sums, power, s, k, i, block(model.bobs[FX], i) * vx)
+            set_power(power, s, k, i, block(model.bobs[FX], i) * vx)
             k += s.account_stride
-            set_power(model.sums, power, s, k, i, block(model.bobs[FY], i) * vy)
+            set_power(power, s, k, i, block(model.bobs[FY], i) * vy)
         set_drive_powers(model, model.sums, s, i, omega, vx, vy, power)
         if s.acc_ends >= 0 and (torsion != 0.0 or is_fixed(model.fixed, s)):
             clamped_ends(model, s, i, t, q, omega, vx, vy, power)
@@ -261,7 +289,7 @@ def field_powers(model, fields, t, power):
     if fields is not None:
         for field in literal_unroll(fields):
             if field.account >= 0:
-                power[field.account] = 0.0
+                total = 0.0
                 shift_x, shift_y = field_shift(field, t)
                 for k in range(field.surfaces.shape[0]):
                     s = model.surfaces[field.surfaces[k]]
@@ -269,7 +297,8 @@ def field_powers(model, fields, t, power):
                         x = model.bobs[X, i] + shift_x
                         y = model.bobs[Y, i] + shift_y
                         fx, fy = field.potential.force_at(x, y)
-                        power[field.account] += fx * field.drift[0] + fy * field.drift[1]
+                        total += fx * field.drift[0] + fy * field.drift[1]
+                write_one(power.accounts, power.tau, field.account, total)
 
 
 @kernel
@@ -286,19 +315,16 @@ def torsional_powers(model, torsional, t, q, v, power):
 
 
 @kernel
-def momentum(model, s, v, of_bath):
-    """Momentum of a surface and its bath in the surface's first frame.
-
-    The velocities of the asperites are read from `v`, those of the bath from `of_bath`.
-    """
-    px, py = bath_momentum(model, model.bath, s, of_bath)
-    x = broadcast(0.0)
-    y = broadcast(0.0)
+def momentum(model, s, v):
+    """Momentum of a surface and its bath in its first frame; see :func:`set_bath_momenta`."""
+    px = broadcast(0.0)
+    py = broadcast(0.0)
     for i in range(s.start, s.stop, LANES):
         mass = block(model.asperites[MASS], i)
-        x = x + mass * coordinates(s.dof_x, s, i, v)
-        y = y + mass * coordinates(s.dof_y, s, i, v)
-    return px + sum_of_lanes(x), py + sum_of_lanes(y)
+        x, y = vectors(model.bath_momentum, i)
+        px = px + (x + mass * coordinates(s.dof_x, s, i, v))
+        py = py + (y + mass * coordinates(s.dof_y, s, i, v))
+    return sum_of_lanes(px), sum_of_lanes(py)
 
 
 @inlined
@@ -319,40 +345,40 @@ def external_force(model, s):
 
 
 @inlined
-def shared_powers(model, ledger, t, v, of_bath, power):
+def shared_powers(model, ledger, t, v, power):
     """Set the powers of the accounts that are of no asperite, if there is a ledger."""
     if ledger is not None:
         field_powers(model, model.fields, t, power)
-        block_powers(model, v, of_bath, power)
+        block_powers(model, v, power)
 
 
 @inlined
-def block_powers(model, v, of_bath, power):
-    """Set the power of each surface's external force at the velocity of its centre of mass.
-
-    For the velocities see :func:`momentum`.
-    """
+def block_powers(model, v, power):
+    """Set the power of each surface's external force at the velocity of its centre of mass."""
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         if s.acc_block >= 0:
             fx, fy = external_force(model, s)
-            px, py = momentum(model, s, v, of_bath)
-            power[s.acc_block] = (fx * px + fy * py) / s.total_mass
+            px, py = momentum(model, s, v)
+            x = (fx * px + fy * py) / s.total_mass
+            write_one(power.accounts, power.tau, s.acc_block, x)
 
 
 @inlined
-def all_powers(model, t, q, v, power):
+def all_powers(model, t, q, v, accounts):
     """Set the powers of all accounts."""
-    powers_in_ledger(model, model.ledger, t, q, v, power)
+    powers_in_ledger(model, model.ledger, t, q, v, accounts)
 
 
 @inlined
-def powers_in_ledger(model, ledger, t, q, v, power):
+def powers_in_ledger(model, ledger, t, q, v, accounts):
     """Set the powers of all accounts, if there is a ledger."""
     if ledger is not None:
+        power = Powers(accounts, model.sums, None)
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
             for i in range(s.start, s.stop, LANES):
                 powers_of_block(model, ledger, s, i, 1.0, t, q, v, power)
-        shared_powers(model, ledger, t, v, v, power)
-        torsional_powers(model, model.torsional, t, q, v, power)
+        set_bath_momenta(model, model.bath, v)
+        shared_powers(model, ledger, t, v, power)
+        torsional_powers(model, model.torsional, t, q, v, accounts)

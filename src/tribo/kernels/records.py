@@ -304,6 +304,7 @@ class Model(NamedTuple):
     box: Any  # Box, or None
     springs: Any  # Springs, or None
     bath: Any  # (2, oscillators), see OSCILLATOR_MASS; or None
+    bath_momentum: Any  # (2, n), scratch: of the oscillators on each bar; or None
     torsional: Any  # (2, oscillators) whose masses are inertias; or None
     fields: Any  # tuple of FieldOn, or None
     drives: Any  # tuple of Custom, or None

@@ -7,9 +7,9 @@ from numba import literal_unroll
 
 from tribo.kernels.baths import (
     bar_angle,
-    bath_momentum,
     first_slot,
     oscillator_energy,
+    oscillator_momentum,
     torsional_slot,
 )
 from tribo.kernels.compiled import kernel
@@ -113,9 +113,8 @@ def bath_energies(model, bath, q, v, stored):
                     energy = oscillator_energy(bath, first, count, q, v, m, x)
                     energy += oscillator_energy(bath, first, count, q, v, m + count, y)
                     stored[k, BATH] += energy
-            px, py = bath_momentum(model, bath, s, v)
-            stored[k, MOMENTUM_X] = px
-            stored[k, MOMENTUM_Y] = py
+                    stored[k, MOMENTUM_X] += oscillator_momentum(bath, first, count, v, m)
+                    stored[k, MOMENTUM_Y] += oscillator_momentum(bath, first, count, v, m + count)
 
 
 @kernel

@@ -52,6 +52,7 @@ def model_tables(
         box=Box(scene.periodic.x or 0.0, scene.periodic.z or 0.0) if scene.periodic else None,
         springs=lattice,
         bath=bath,
+        bath_momentum=None if bath is None else room((2, n)),
         torsional=torsional,
         fields=None,
         drives=None,
