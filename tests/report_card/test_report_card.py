@@ -56,6 +56,9 @@ PARAMETERS = {
         {"epsilon": 0.2, "sigma": 2.0, "n": 50.0, "m": 6.0},
     ],
     "plummer": [{"strength": 1.0, "softening": 0.1}, {"strength": -1.0, "softening": 10.0}],
+    "hertz": [{"A": 2.0, "d": 1.3}, {"A": 1e-18, "d": 1e-9}],
+    "soft-sphere": [{"epsilon": 1.0, "sigma": 2.0, "n": 9.5}],
+    "gaussian": [{"height": 1.0, "width": 0.3}, {"height": -2.0, "width": 20.0}],
     "sum": [{"of": [LJ, COULOMB]}, {"of": [LJ | {"cutoff": 2.5}, COULOMB | {"cutoff": 4.0}]}],
     "scaled": [{"factor": -2.0, "of": LJ}],
     "ase-dimer": [
