@@ -13,7 +13,7 @@ ROUND_OFF = 1e-12
 
 def check_agreement(scan: PotentialScan) -> list[Check]:
     """Compare arrays and compiled code with the potential's methods, one distance at a time."""
-    r = np.concatenate([scan.r, scan.special])
+    r = scan.everywhere
     r = r[r < scan.cutoff]
     with np.errstate(all="ignore"):
         energy = np.array([float(scan.python_energy(np.float64(x))) for x in r])
