@@ -276,7 +276,7 @@ def test_third_law():
 
 
 class OfScalars(NamedTuple):
-    """A potential that takes no arrays."""
+    """A potential that takes no arrays, which no run needs."""
 
     strength: float
 
@@ -289,8 +289,28 @@ class OfScalars(NamedTuple):
 
 def test_arrays():
     arrays, compiled = check_agreement(PotentialScan(as_potential(OfScalars(1.0))))
-    assert compiled.passed and not arrays.passed
+    assert compiled.passed and arrays.passed
     assert "np.where" in arrays.note
+
+
+class OfTheLargest(NamedTuple):
+    """An array of energies is that of its largest distance."""
+
+    strength: float
+
+    def energy(self, r):
+        return self.strength / np.max(r) + 0.0 * r
+
+    def force(self, r):
+        return self.strength / (r * r)
+
+
+def test_wrong_arrays():
+    scan = PotentialScan(as_potential(Flawed()))
+    scan.potential = OfTheLargest(1.0)
+    scan.potential = as_potential(scan.potential)
+    arrays, _ = check_agreement(scan)
+    assert not arrays.passed and arrays.advice
 
 
 # --- a stale cache -------------------------------------------------------------------------------
@@ -353,7 +373,7 @@ def test_a_derivative_of_pieces():
         return x**3 if x < 1.0 else (x**2 if x < 1.5 else np.nan)
 
     r = np.array([0.99, 1.01, 1.49])
-    found, uncertainty = derivative(pieces, r, 0.1 * r)
+    found, uncertainty = derivative(np.vectorize(pieces, otypes=[np.longdouble]), r, 0.1 * r)
     assert np.all(uncertainty < 1e-12)
     assert np.all(np.abs(found - [3.0 * 0.99**2, 2.0 * 1.01, 2.0 * 1.49]) <= 3.0 * uncertainty)
 

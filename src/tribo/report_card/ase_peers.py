@@ -27,7 +27,8 @@ ROUND_OFF = 1e-12
 # Number of distances at which energies and forces are compared.
 DISTANCES = 40
 
-# Largest distance compared [typical distance]: the energy at FAR, by which ASE shifts, is round-off.
+# Largest distance compared [typical distance]: there, the energy at FAR, by which ASE shifts U, is
+# below round-off.
 WIDEST = 30.0
 
 # Cutoff of a calculator that needs one [length of the potential]: beyond all distances compared.

@@ -24,8 +24,8 @@ TRUSTED = 10.0
 # Least fraction of the distances at which they must be compared.
 KNOWN = 0.9
 
-# Largest distance from r at which the energy is evaluated [r].
-REACH = 0.1
+# Largest distance from r at which the energy is evaluated [r, and typical distance].
+REACH, LONGEST = 0.1, 0.8
 
 # Number of differences, each over half the distance of the one before.
 LEVELS = 12
@@ -46,9 +46,7 @@ MINIMUM = 1e-9
 Function = Callable[[np.ndarray], np.ndarray]  # of distances
 
 
-def derivative(
-    function: Function, r: ArrayLike, reach: ArrayLike
-) -> tuple[np.ndarray, np.ndarray]:
+def derivative(function: Function, r: ArrayLike, reach: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
     """Derivative of a function of one distance, in extended precision, and its uncertainty.
 
     SciPy starts with differences over `reach` and halves them until its estimates agree.  A spline
@@ -74,7 +72,9 @@ def derivative(
     --------
     scipy.differentiate.derivative
     """
-    place, length = np.broadcast_arrays(np.longdouble(r), np.longdouble(reach))
+    place, length = np.broadcast_arrays(
+        np.asarray(r, np.longdouble), np.asarray(reach, np.longdouble)
+    )
     best, uncertainty = np.full(place.shape, np.nan), np.full(place.shape, np.inf)
     for shorter in SHORTER:
         found = differentiate.derivative(
@@ -97,7 +97,7 @@ def curves(scan: PotentialScan) -> Curves:
     """Energy, force, and |F + dU/dr| with the uncertainty of dU/dr."""
     r, end = np.sort(np.concatenate([scan.r, scan.random])), scan.cutoff
     energy, force = scan.compiled(r)
-    reach = REACH * r
+    reach = np.minimum(REACH * r, LONGEST * scan.length)
     reach = np.where(r < end, np.minimum(reach, 0.9 * np.abs(end - r)), reach)
     with np.errstate(all="ignore"):
         slope, uncertainty = derivative(scan.python_energies, r, reach)

@@ -266,8 +266,8 @@ class PotentialScan:
         nearest = max(self.length / WIDEST, least)
         farthest = min(self.length * WIDEST, largest, 1.1 * self.cutoff)
         low = self._end_of(
-            lambda r, energy, force: ~(
-                (np.abs(energy) > CORE * unit) | (np.abs(force) > LARGEST_NUMBER)
+            lambda r, energy, force: (
+                ~((np.abs(energy) > CORE * unit) | (np.abs(force) > LARGEST_NUMBER))
             ),
             self.length,
             nearest,
@@ -275,7 +275,7 @@ class PotentialScan:
         if math.isfinite(self.cutoff) or math.isfinite(largest):
             return low, farthest
         high = self._end_of(
-            lambda r, energy, force: np.abs(force) * r <= VANISHED * unit, farthest, self.length
+            lambda r, energy, force: ~(np.abs(force) * r > VANISHED * unit), farthest, self.length
         )
         return low, max(high, 2.0 * self.length)
 

@@ -26,7 +26,7 @@ from tribo.report_card.scan import PotentialScan
 LEVELS = 32
 
 # Largest acceptable jump, kink and bend, relative to the scale of the potential.
-JUMP, KINK, BEND = 1e-9, 1e-4, 1e-2
+JUMP, KINK, BEND = 1e-9, 1e-3, 1e-2
 
 # Unit of distance of kinks and bends [cells]: about r, or less where cells are finer.
 LENGTH = 60.0
