@@ -407,6 +407,9 @@ FORMULAE = [
     ("log(1 + a*r)*sqrt(r*r + +a) - r**-a", {"a": 0.7}),
     ("q*q/sqrt(r**2 + s**2)/(1 + r)/2**r", {"q": 3.0, "s": 0.2}),
     ("(r - a)/(r + a) - (a/r - r/a)**3", {"a": 0.9}),
+    ("a*max(1 - r/d, 0)**2.5 - min(r, d)**3/r", {"a": 2.0, "d": 2.1}),
+    ("sqrt(max(d - r, 0))*(d - r)**2 + r", {"d": 2.1}),
+    ("a*(d - r)**3 if r < d else -a*log(r/d)**2", {"a": 2.0, "d": 2.1}),
 ]
 
 
@@ -414,7 +417,7 @@ FORMULAE = [
 def test_expressions_and_their_derivatives(text, parameters):
     """Energy and force equal the expression and its derivative in 50 digits, to round-off."""
     potential = expression(text, **parameters)
-    names = {name: getattr(mpmath, name) for name in ("pi", *FUNCTIONS)}
+    names = {name: getattr(mpmath, name) for name in ("pi", *FUNCTIONS)} | {"max": max, "min": min}
     names |= {name: mpmath.mpf(value) for name, value in parameters.items()}
 
     def exact(r):
@@ -436,6 +439,8 @@ REFUSED = [
     ("s*(lambda: r)()", "not '(lambda: r)()'"),
     ("[r][0]*1", "not '[r][0]'"),
     ("s*r if r else 2/r", "not 's*r if r else 2/r'"),
+    ("where(r, s*r, 2/r)", "where(r < d, a, b) only, not 'where(r, s*r, 2/r)'"),
+    ("max(s)*r", "max(a, b) and where(r < d, a, b) only, not 'max(s)'"),
     ("exp(r, r)", "not 'exp(r, r)'"),
     ("exp(x=r)", "not 'exp(x=r)'"),
     ("exp*r", "not 'exp'"),

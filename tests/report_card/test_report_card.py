@@ -5,6 +5,7 @@ other properties must pass.
 """
 
 import json
+import shlex
 from typing import NamedTuple
 
 import numpy as np
@@ -12,14 +13,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tribo import report_card
 from tribo.cli import main
 from tribo.potentials import (
     BUILT_IN,
     LennardJones,
     Morse,
     as_potential,
-    from_calculator,
     with_cutoff,
 )
 from tribo.potentials.cutoff import AT_CUTOFF
@@ -112,22 +111,16 @@ def test_built_in(name, parameters, tmp_path):
         assert "minimum" in lines
 
 
-@pytest.fixture
-def no_runs(monkeypatch):
-    """A card without the runs, each of which compiles a time loop."""
-    monkeypatch.setattr(report_card, "check_motion", lambda scan: [])
-
-
 @pytest.mark.parametrize("name", [name for name in PARAMETERS if name not in RUN])
-def test_built_in_without_runs(name, tmp_path, no_runs):
-    """All of the card but the runs."""
+def test_built_in_without_runs(name, tmp_path, no_runs, uncompiled):
+    """All of the card but the runs, and without compiled code, which test_lanes compares."""
     report = check(from_table({"potential": name} | PARAMETERS[name][0], tmp_path))
     assert report.passed, str(report)
     assert len(report.checks) >= 8
 
 
 @pytest.mark.parametrize("at_cutoff", AT_CUTOFF)
-def test_cutoffs(at_cutoff, no_runs):
+def test_cutoffs(at_cutoff, no_runs, uncompiled):
     """Each cutoff is as smooth as declared, and has no bound where it declares nothing."""
     report = check(with_cutoff(LennardJones(1.0, 1.0), 2.5, at_cutoff))
     assert report.passed, str(report)
@@ -378,7 +371,7 @@ def test_a_derivative_of_pieces():
     assert np.all(np.abs(found - [3.0 * 0.99**2, 2.0 * 1.01, 2.0 * 1.49]) <= 3.0 * uncertainty)
 
 
-def test_a_noisy_energy_is_not_judged():
+def test_a_noisy_energy_is_not_judged(uncompiled):
     """A noisy energy has no derivative to ten digits: the check fails and says so."""
 
     class Noisy(NamedTuple):
@@ -486,9 +479,17 @@ def test_wrong_input(run, tmp_path, arguments, message):
 
 
 def test_other_objects_are_refused():
-    for value in (3.0, from_calculator("ase.calculators.emt:EMT")):
-        with pytest.raises(InputError, match=r"^potential: "):
-            check(value)
+    with pytest.raises(InputError, match=r"^potential: "):
+        check(3.0)
+
+
+def test_a_calculator_of_all_bobs(run, no_runs, uncompiled):
+    """The refusal has a command that gives a card."""
+    status, _, err = run("ase", "calculator=ase.calculators.emt:EMT")
+    assert status == 2 and err.startswith("tribo: potential: must be a potential of pairs")
+    suggested = shlex.split(err.partition("tribo check ")[2])
+    assert suggested[0] == "ase-dimer"
+    assert run(*suggested)[1].startswith("table ")
 
 
 class Odd(NamedTuple):
