@@ -30,6 +30,9 @@ POTENTIALS = {
     "buckingham": tribo.Buckingham(2.0, 0.3, 0.1),
     "born-mayer": tribo.BornMayer(2.0, 0.3),
     "mie": tribo.Mie(0.3, 0.5, 12.0, 6.0),
+    "hertz": tribo.Hertz(2.0, 1.3),
+    "soft-sphere": tribo.SoftSphere(0.2, 0.5, 9.5),
+    "gaussian": tribo.Gaussian(-0.3, 0.6),
     "switched": with_cutoff(LJ, 2.0),
     "force-shifted": with_cutoff(LJ, 2.0, "force-shift"),
     "shifted": with_cutoff(LJ, 2.0, "shift"),
@@ -38,7 +41,7 @@ POTENTIALS = {
     "scaled": scaled(LJ, -2.0),
     "expression": expression("a * exp(-r / b) / r", a=0.2, b=0.9),
 }
-SCALAR = {"mie"}
+SCALAR = {"mie", "soft-sphere"}
 
 
 @shared_kernel

@@ -19,10 +19,13 @@ from tribo.potentials import (
     BornMayer,
     Buckingham,
     Coulomb,
+    Gaussian,
+    Hertz,
     LennardJones,
     Mie,
     Morse,
     Plummer,
+    SoftSphere,
     WeeksChandlerAndersen,
     Yukawa,
     as_potential,
@@ -78,6 +81,12 @@ def weeks_chandler_andersen(r, p):
     return [*lennard_jones(r, p), p.epsilon] if inside else [mpmath.mpf(0)]
 
 
+def hertz(r, p):
+    """The round-off is that of 1 - r/d, so r/d is a term."""
+    overlap = max(1 - r / p.d, mpmath.mpf(0))
+    return [p.A * r / p.d, p.A * (overlap ** mpmath.mpf(2.5) - r / p.d)]
+
+
 DEPTH, LENGTH = numbers(1e-3, 1e3), numbers(0.1, 3.0)
 REGISTRY = {
     "coulomb": Entry(st.builds(Coulomb, st.floats(-5.0, 5.0)), lambda r, p: [p.strength / r], True),
@@ -103,6 +112,15 @@ REGISTRY = {
     "buckingham": Entry(
         st.builds(Buckingham, DEPTH, LENGTH, DEPTH),
         lambda r, p: [p.A * mpmath.exp(-r / p.rho), -p.C / r**6],
+    ),
+    "hertz": Entry(st.builds(Hertz, DEPTH, LENGTH), hertz),
+    "soft-sphere": Entry(
+        st.builds(SoftSphere, DEPTH, LENGTH, st.floats(3.0, 20.0)),
+        lambda r, p: [p.epsilon * (p.sigma / r) ** p.n],
+    ),
+    "gaussian": Entry(
+        st.builds(Gaussian, st.floats(-5.0, 5.0), LENGTH),
+        lambda r, p: [p.height * mpmath.exp(-((r / p.width) ** 2) / 2)],
     ),
 }
 
@@ -200,6 +218,8 @@ def test_relations_between_potentials():
     plain = with_cutoff(jones, 2.0 ** (1 / 6) * 0.9, "shift")
     assert core.energy(r) == pytest.approx(plain.energy(r), abs=1e-14)
     assert core.force(r) == pytest.approx(plain.force(r), abs=1e-14)
+    twelve, six = SoftSphere(1.2, 0.9, 12.0), SoftSphere(1.2, 0.9, 6.0)
+    assert twelve.force(r) - six.force(r) == pytest.approx(jones.force(r), rel=1e-12, abs=1e-12)
     assert Plummer(0.4, 0.5).energy(0.0) == pytest.approx(0.8)
 
 
@@ -387,6 +407,9 @@ FORMULAE = [
     ("log(1 + a*r)*sqrt(r*r + +a) - r**-a", {"a": 0.7}),
     ("q*q/sqrt(r**2 + s**2)/(1 + r)/2**r", {"q": 3.0, "s": 0.2}),
     ("(r - a)/(r + a) - (a/r - r/a)**3", {"a": 0.9}),
+    ("a*max(1 - r/d, 0)**2.5 - min(r, d)**3/r", {"a": 2.0, "d": 2.1}),
+    ("sqrt(max(d - r, 0))*(d - r)**2 + r", {"d": 2.1}),
+    ("a*(d - r)**3 if r < d else -a*log(r/d)**2", {"a": 2.0, "d": 2.1}),
 ]
 
 
@@ -394,7 +417,7 @@ FORMULAE = [
 def test_expressions_and_their_derivatives(text, parameters):
     """Energy and force equal the expression and its derivative in 50 digits, to round-off."""
     potential = expression(text, **parameters)
-    names = {name: getattr(mpmath, name) for name in ("pi", *FUNCTIONS)}
+    names = {name: getattr(mpmath, name) for name in ("pi", *FUNCTIONS)} | {"max": max, "min": min}
     names |= {name: mpmath.mpf(value) for name, value in parameters.items()}
 
     def exact(r):
@@ -416,6 +439,8 @@ REFUSED = [
     ("s*(lambda: r)()", "not '(lambda: r)()'"),
     ("[r][0]*1", "not '[r][0]'"),
     ("s*r if r else 2/r", "not 's*r if r else 2/r'"),
+    ("where(r, s*r, 2/r)", "where(r < d, a, b) only, not 'where(r, s*r, 2/r)'"),
+    ("max(s)*r", "max(a, b) and where(r < d, a, b) only, not 'max(s)'"),
     ("exp(r, r)", "not 'exp(r, r)'"),
     ("exp(x=r)", "not 'exp(x=r)'"),
     ("exp*r", "not 'exp'"),

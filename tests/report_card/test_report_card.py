@@ -5,6 +5,7 @@ other properties must pass.
 """
 
 import json
+import shlex
 from typing import NamedTuple
 
 import numpy as np
@@ -12,14 +13,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tribo import report_card
 from tribo.cli import main
 from tribo.potentials import (
     BUILT_IN,
     LennardJones,
     Morse,
     as_potential,
-    from_calculator,
     with_cutoff,
 )
 from tribo.potentials.cutoff import AT_CUTOFF
@@ -56,6 +55,9 @@ PARAMETERS = {
         {"epsilon": 0.2, "sigma": 2.0, "n": 50.0, "m": 6.0},
     ],
     "plummer": [{"strength": 1.0, "softening": 0.1}, {"strength": -1.0, "softening": 10.0}],
+    "hertz": [{"A": 2.0, "d": 1.3}, {"A": 1e-18, "d": 1e-9}],
+    "soft-sphere": [{"epsilon": 1.0, "sigma": 2.0, "n": 9.5}],
+    "gaussian": [{"height": 1.0, "width": 0.3}, {"height": -2.0, "width": 20.0}],
     "sum": [{"of": [LJ, COULOMB]}, {"of": [LJ | {"cutoff": 2.5}, COULOMB | {"cutoff": 4.0}]}],
     "scaled": [{"factor": -2.0, "of": LJ}],
     "ase-dimer": [
@@ -109,22 +111,16 @@ def test_built_in(name, parameters, tmp_path):
         assert "minimum" in lines
 
 
-@pytest.fixture
-def no_runs(monkeypatch):
-    """A card without the runs, each of which compiles a time loop."""
-    monkeypatch.setattr(report_card, "check_motion", lambda scan: [])
-
-
 @pytest.mark.parametrize("name", [name for name in PARAMETERS if name not in RUN])
-def test_built_in_without_runs(name, tmp_path, no_runs):
-    """All of the card but the runs."""
+def test_built_in_without_runs(name, tmp_path, no_runs, uncompiled):
+    """All of the card but the runs, and without compiled code, which test_lanes compares."""
     report = check(from_table({"potential": name} | PARAMETERS[name][0], tmp_path))
     assert report.passed, str(report)
     assert len(report.checks) >= 8
 
 
 @pytest.mark.parametrize("at_cutoff", AT_CUTOFF)
-def test_cutoffs(at_cutoff, no_runs):
+def test_cutoffs(at_cutoff, no_runs, uncompiled):
     """Each cutoff is as smooth as declared, and has no bound where it declares nothing."""
     report = check(with_cutoff(LennardJones(1.0, 1.0), 2.5, at_cutoff))
     assert report.passed, str(report)
@@ -273,7 +269,7 @@ def test_third_law():
 
 
 class OfScalars(NamedTuple):
-    """A potential that takes no arrays."""
+    """A potential that takes no arrays, which no run needs."""
 
     strength: float
 
@@ -286,8 +282,28 @@ class OfScalars(NamedTuple):
 
 def test_arrays():
     arrays, compiled = check_agreement(PotentialScan(as_potential(OfScalars(1.0))))
-    assert compiled.passed and not arrays.passed
+    assert compiled.passed and arrays.passed
     assert "np.where" in arrays.note
+
+
+class OfTheLargest(NamedTuple):
+    """An array of energies is that of its largest distance."""
+
+    strength: float
+
+    def energy(self, r):
+        return self.strength / np.max(r) + 0.0 * r
+
+    def force(self, r):
+        return self.strength / (r * r)
+
+
+def test_wrong_arrays():
+    scan = PotentialScan(as_potential(Flawed()))
+    scan.potential = OfTheLargest(1.0)
+    scan.potential = as_potential(scan.potential)
+    arrays, _ = check_agreement(scan)
+    assert not arrays.passed and arrays.advice
 
 
 # --- a stale cache -------------------------------------------------------------------------------
@@ -350,12 +366,12 @@ def test_a_derivative_of_pieces():
         return x**3 if x < 1.0 else (x**2 if x < 1.5 else np.nan)
 
     r = np.array([0.99, 1.01, 1.49])
-    found, uncertainty = derivative(pieces, r, 0.1 * r)
+    found, uncertainty = derivative(np.vectorize(pieces, otypes=[np.longdouble]), r, 0.1 * r)
     assert np.all(uncertainty < 1e-12)
     assert np.all(np.abs(found - [3.0 * 0.99**2, 2.0 * 1.01, 2.0 * 1.49]) <= 3.0 * uncertainty)
 
 
-def test_a_noisy_energy_is_not_judged():
+def test_a_noisy_energy_is_not_judged(uncompiled):
     """A noisy energy has no derivative to ten digits: the check fails and says so."""
 
     class Noisy(NamedTuple):
@@ -463,9 +479,17 @@ def test_wrong_input(run, tmp_path, arguments, message):
 
 
 def test_other_objects_are_refused():
-    for value in (3.0, from_calculator("ase.calculators.emt:EMT")):
-        with pytest.raises(InputError, match=r"^potential: "):
-            check(value)
+    with pytest.raises(InputError, match=r"^potential: "):
+        check(3.0)
+
+
+def test_a_calculator_of_all_bobs(run, no_runs, uncompiled):
+    """The refusal has a command that gives a card."""
+    status, _, err = run("ase", "calculator=ase.calculators.emt:EMT")
+    assert status == 2 and err.startswith("tribo: potential: must be a potential of pairs")
+    suggested = shlex.split(err.partition("tribo check ")[2])
+    assert suggested[0] == "ase-dimer"
+    assert run(*suggested)[1].startswith("table ")
 
 
 class Odd(NamedTuple):

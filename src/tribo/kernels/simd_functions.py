@@ -211,7 +211,14 @@ for _function in (np.minimum, min):
 def _where(condition, x, y):
     if isinstance(condition, LanesType):
         return lambda condition, x, y: where_less(0.5, condition, x, y)
+    # Of numbers, numba alone would make an array without dimensions.
+    if isinstance(condition, types.Boolean) and _are_numbers(x, y):
+        return lambda condition, x, y: x if condition else y
     return None
+
+
+def _are_numbers(*kinds: types.Type) -> bool:
+    return all(isinstance(kind, types.Number) for kind in kinds)
 
 
 @overload(operator.pow, prefer_literal=True, **_options)

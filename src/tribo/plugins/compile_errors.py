@@ -121,7 +121,9 @@ def _try(plugin: NamedTuple, field: str, method: str) -> None:
             raise InputError(
                 field,
                 f"{error.problem}; without a {derived}(self, ...) it is called with complex "
-                "numbers, which numpy's functions take",
+                "numbers, which numpy's functions take; it is differentiated instead where it has "
+                "assignments, if and return only, with arithmetic, functions of numpy or math, "
+                "np.where, np.maximum, np.minimum, min and max",
             ) from None
 
 

@@ -11,11 +11,14 @@ from tribo.potentials.cutoff import ForceShifted, Shifted, Switched, Truncated
 from tribo.potentials.dimers import from_dimer
 from tribo.potentials.expression import expression
 from tribo.potentials.from_ase import from_calculator
+from tribo.potentials.gaussian import Gaussian
+from tribo.potentials.hertz import Hertz
 from tribo.potentials.lennard_jones import LennardJones
 from tribo.potentials.mie import Mie
 from tribo.potentials.morse import Morse
 from tribo.potentials.plummer import Plummer
 from tribo.potentials.registry import BUILT_IN, as_potential, scaled, sum_of, with_cutoff
+from tribo.potentials.soft_sphere import SoftSphere
 from tribo.potentials.spline import Table, from_csv, from_points, tabulated
 from tribo.potentials.sum import Scaled, Sum
 from tribo.potentials.tables import named
@@ -31,12 +34,15 @@ __all__ = [
     "Buckingham",
     "Coulomb",
     "ForceShifted",
+    "Gaussian",
+    "Hertz",
     "LennardJones",
     "Mie",
     "Morse",
     "Plummer",
     "Scaled",
     "Shifted",
+    "SoftSphere",
     "Sum",
     "Switched",
     "Table",

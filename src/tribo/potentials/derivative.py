@@ -1,8 +1,9 @@
 """Symbolic derivatives of expressions, and of energies whose class defines no force.
 
-An energy is differentiated from its source if that is a formula: assignments to names and a
-return, with arithmetic and functions of numpy or math.  Other energies are differentiated by a
-complex step, which costs several times as much.
+An energy is differentiated from its source if that is a formula: assignments to names, ``if`` and
+return, with arithmetic, functions of numpy or math, and a choice between two values by
+``np.where``, ``min``, ``max`` or a conditional expression.  Other energies are differentiated by a
+complex step, which costs several times as much and allows no comparison of r.
 """
 
 from __future__ import annotations
@@ -27,6 +28,17 @@ FUNCTIONS = {
     "cosh": "sinh(u)",
     "tanh": "1/cosh(u)**2",
 }
+# Functions that choose between two values, and the comparison by which they take the first one.
+CHOICES: dict[str, type[ast.cmpop]] = {
+    "max": ast.Gt,
+    "maximum": ast.Gt,
+    "min": ast.Lt,
+    "minimum": ast.Lt,
+}
+# Functions whose derivative is infinite at zero, where a choice of zero may put their argument.
+SINGULAR = ("log", "sqrt")
+# The name of np.where in the force that is made from an energy.
+WHERE = "_where_of_numpy"
 
 
 class NoFormulaError(Exception):
@@ -34,10 +46,20 @@ class NoFormulaError(Exception):
 
 
 class Rules:
-    """The rules of differentiation by a variable, and the names that depend on it."""
+    """The rules of differentiation by a variable, and the names that depend on it.
 
-    def __init__(self, variable: str) -> None:
+    Parameters
+    ----------
+    variable : str
+    where : str
+        The name of ``numpy.where`` in derivatives.
+    """
+
+    def __init__(self, variable: str, where: str = "where") -> None:
         self.variable = variable
+        self.where = where
+        # The derivatives, by name, that are zero for one choice between two values.
+        self.chosen: set[str] = set()
         # The name of the derivative of each name that depends on the variable.
         self.derivatives: dict[str, str] = {}
 
@@ -61,7 +83,19 @@ class Rules:
             case ast.UnaryOp(ast.USub() | ast.UAdd() as op, operand):
                 return ast.UnaryOp(op, self.derivative(operand))
             case ast.Call(ast.Name() | ast.Attribute() as function, [u], []):
-                return multiply(_of_function(function, u), self.derivative(u))
+                argument = self._inside(u) if _name(function) in SINGULAR else u
+                return multiply(_of_function(function, argument), self.derivative(u))
+            case ast.Call(ast.Name() | ast.Attribute() as function, [u, v], []):
+                if _name(function) not in CHOICES:
+                    raise NoFormulaError
+                test = ast.Compare(u, [CHOICES[_name(function)]()], [v])
+                return self._choice(test, self.derivative(u), self.derivative(v))
+            case ast.Call(ast.Name() | ast.Attribute() as function, [test, u, v], []):
+                if _name(function) != "where":
+                    raise NoFormulaError
+                return self._choice(test, self.derivative(u), self.derivative(v))
+            case ast.IfExp(test, u, v):
+                return ast.IfExp(test, self.derivative(u), self.derivative(v))
             case ast.BinOp(u, ast.Pow(), v):
                 return self._of_power(u, v)
             case ast.BinOp(u, ast.Mult(), v):
@@ -76,17 +110,41 @@ class Rules:
                 return add(self.derivative(u), self.derivative(v), op)
         raise NoFormulaError
 
+    def _choice(self, test: ast.expr, u: ast.expr, v: ast.expr) -> ast.expr:
+        """One of two values, both of them floats."""
+        parts = [
+            ast.Constant(float(x.value))
+            if isinstance(x, ast.Constant) and isinstance(x.value, (int, float))
+            else x
+            for x in (u, v)
+        ]
+        return ast.Call(ast.Name(self.where), [test, *parts], [])
+
+    def _inside(self, u: ast.expr) -> ast.expr:
+        """The argument u of an infinite slope, or 1 where the derivative of u is zero.
+
+        The square root of max(1 - r, 0) has an infinite slope beyond r = 1, to be multiplied by 0.
+        """
+        inner = self.derivative(u)
+        if not _names(inner) & {self.where, *self.chosen}:
+            return u
+        test = ast.Compare(inner, [ast.Eq()], [ast.Constant(0.0)])
+        return self._choice(test, ast.Constant(1.0), u)
+
     def _of_power(self, u: ast.expr, v: ast.expr) -> ast.expr:
         less: ast.expr = substitute("v - 1", v=v)
+        base = self._inside(u)
         if isinstance(v, ast.Constant) and isinstance(v.value, (int, float)):
             less = ast.Constant(v.value - 1)
-        base = multiply(substitute("v*u**w", u=u, v=v, w=less), self.derivative(u))
-        return add(base, multiply(substitute("u**v*log(u)", u=u, v=v), self.derivative(v)))
+            base = u if v.value >= 1 else base
+        slope = substitute("v*u**w", u=base, v=v, w=less)
+        first = multiply(slope, self.derivative(u))
+        return add(first, multiply(substitute("u**v*log(u)", u=u, v=v), self.derivative(v)))
 
 
 def _of_function(function: ast.Name | ast.Attribute, u: ast.expr) -> ast.expr:
     """The derivative of a function at u, with functions of the same library."""
-    name = function.id if isinstance(function, ast.Name) else function.attr
+    name = _name(function)
     if name not in FUNCTIONS:
         raise NoFormulaError
     rule = ast.parse(FUNCTIONS[name], mode="eval").body
@@ -95,6 +153,10 @@ def _of_function(function: ast.Name | ast.Attribute, u: ast.expr) -> ast.expr:
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
                 node.func = ast.Attribute(function.value, node.func.id, ast.Load())
     return substitute(rule, u=u)
+
+
+def _name(function: ast.Name | ast.Attribute) -> str:
+    return function.id if isinstance(function, ast.Name) else function.attr
 
 
 def multiply(u: ast.expr, v: ast.expr) -> ast.expr:
@@ -159,33 +221,75 @@ def _force(definition: ast.FunctionDef, energy: FunctionType) -> FunctionType:
     arguments = [argument.arg for argument in definition.args.args]
     if len(arguments) != 2 or len(definition.args.args) != energy.__code__.co_argcount:
         raise NoFormulaError
-    rules = Rules(arguments[1])
+    rules = Rules(arguments[1], WHERE)
+    body = _slopes(definition.body, rules, arguments, energy.__globals__)
+    head = ", ".join(arguments)
+    tree = ast.Module([ast.parse(f"def force({head}): pass").body[0]], [])
+    tree.body[0].body = body  # type: ignore[attr-defined]
+    (code,) = _codes(compile(ast.unparse(ast.fix_missing_locations(tree)), "<force>", "exec"))
+    force = FunctionType(code, energy.__globals__ | {WHERE: np.where}, "force")
+    force.__module__ = __name__
+    return force
+
+
+def _slopes(
+    statements: list[ast.stmt], rules: Rules, arguments: list[str], names: dict[str, object]
+) -> list[ast.stmt]:
+    """The statements, each with the derivative of the name that it assigns, or of its result."""
     body: list[ast.stmt] = []
-    for statement in definition.body:
+    for statement in statements:
         match statement:
-            case ast.Expr(ast.Constant(str())):
+            case ast.Expr(ast.Constant(str())) | ast.Pass():
                 pass
             case ast.Assign([ast.Name(name)], value) if name not in arguments:
-                _check(value, rules, energy.__globals__)
+                _check(value, rules, names)
                 slope = rules.derivative(value)
                 varies = rules.varies(value)
                 rules.derivatives.pop(name, None)
                 if varies:
                     rules.derivatives[name] = f"derivative_of_{name}"
+                    if not rules.chosen.isdisjoint(_names(slope)) or rules.where in _names(slope):
+                        rules.chosen.add(rules.derivatives[name])
                     body.append(_assigned(rules.derivatives[name], slope))
                 body.append(_assigned(name, value))
-            case ast.Return(ast.expr() as value) if statement is definition.body[-1]:
-                _check(value, rules, energy.__globals__)
+            case ast.Return(ast.expr() as value):
+                _check(value, rules, names)
                 slope = rules.derivative(value)
                 body.append(ast.Return(ast.UnaryOp(ast.USub(), slope)))
+            case ast.If(test, then, otherwise):
+                body.append(_branches(test, (then, otherwise), rules, arguments, names))
             case _:
                 raise NoFormulaError
-    head = ", ".join(arguments)
-    text = f"def force({head}):\n" + "".join(f"    {ast.unparse(line)}\n" for line in body)
-    (code,) = _codes(compile(text, "<force>", "exec"))
-    force = FunctionType(code, energy.__globals__, "force")
-    force.__module__ = __name__
-    return force
+    return body
+
+
+def _branches(
+    test: ast.expr,
+    branches: tuple[list[ast.stmt], list[ast.stmt]],
+    rules: Rules,
+    arguments: list[str],
+    names: dict[str, object],
+) -> ast.If:
+    """An ``if`` whose branches end with the derivatives of the same names."""
+    before = dict(rules.derivatives)
+    bodies, after = [], []
+    for branch in branches:
+        rules.derivatives = dict(before)
+        bodies.append(_slopes(branch, rules, arguments, names))
+        after.append(rules.derivatives)
+    rules.derivatives = after[0] | after[1]
+    rules.chosen |= set(rules.derivatives.values()) - set(before.values())
+    for body, own in zip(bodies, after, strict=True):
+        zero = ast.Constant(0.0)
+        missing = rules.derivatives.keys() - own.keys()
+        body += [_assigned(rules.derivatives[name], zero) for name in sorted(missing)]
+        body.append(ast.Pass())
+    return ast.If(test, *bodies)
+
+
+def _names(node: ast.AST) -> set[str]:
+    """Every name in an expression."""
+    return {part.id for part in ast.walk(node) if isinstance(part, ast.Name)}
 
 
 def _assigned(name: str, value: ast.expr) -> ast.Assign:
@@ -198,6 +302,8 @@ def _check(node: ast.AST, rules: Rules, names: dict[str, object]) -> None:
         if isinstance(part, ast.Call) and rules.varies(part):
             match part.func:
                 case ast.Attribute(ast.Name(library)) if names.get(library) in (np, math):
+                    pass
+                case ast.Name("min" | "max" as name) if name not in names:
                     pass
                 case _:
                     raise NoFormulaError

@@ -13,11 +13,18 @@ from functools import cache
 
 from tribo.plugins import classes as plugins
 from tribo.plugins import sources
-from tribo.potentials.derivative import FUNCTIONS, OPERATORS, Rules
+from tribo.potentials.derivative import CHOICES, FUNCTIONS, OPERATORS, Rules
 from tribo.potentials.mixins import Potential
 from tribo.potentials.registry import as_potential
 from tribo.validation import InputError, short_repr
 
+# The functions that an expression may have, and their names in numpy.
+IN_NUMPY = {name: name for name in (*FUNCTIONS, *CHOICES, "where")} | {
+    "min": "minimum",
+    "max": "maximum",
+}
+# Comparisons in the first argument of where, and in "... if ... else ...".
+COMPARISONS = (ast.Lt, ast.LtE, ast.Gt, ast.GtE)
 # Names that a parameter cannot have: those of a potential's methods and of a scene file's keys.
 RESERVED = (
     *("energy", "force", "feature", "clearance", "coupling", "energy_between", "force_between"),
@@ -66,7 +73,8 @@ def expression(text: str, /, **parameters: float) -> Potential:
     ----------
     text : str
         An expression of ``+ - * / **``, brackets, numbers, ``r``, ``pi``, parameters, and the
-        functions exp, log, sqrt, sin, cos, tan, sinh, cosh and tanh.
+        functions exp, log, sqrt, sin, cos, tan, sinh, cosh and tanh.  It may choose between two
+        values: ``min(a, b)``, ``max(a, b)``, ``where(r < d, a, b)`` or ``a if r < d else b``.
     **parameters : float
         A number for each parameter.
 
@@ -97,7 +105,7 @@ def is_expression(text: str) -> bool:
 def class_of(text: str) -> type:
     """The class whose energy is the expression and whose fields are its parameters."""
     tree = _parsed(text)
-    fields = [name for name in _names(tree) if name not in ("r", "pi", *FUNCTIONS)]
+    fields = [name for name in _names(tree) if name not in ("r", "pi", *IN_NUMPY)]
     for name in fields:
         if name in RESERVED or name.startswith("_"):
             raise _refusal(text, f'another name for the parameter "{name}"')
@@ -121,7 +129,19 @@ def _parsed(text: str) -> ast.expr:
     except (ValueError, RecursionError, MemoryError):
         raise _refusal(text, "valid syntax") from None
     _check(tree, text)
-    return tree
+    return _without_if(tree)
+
+
+def _without_if(tree: ast.expr) -> ast.expr:
+    """The tree with where(test, a, b) for every "a if test else b"."""
+
+    class Replace(ast.NodeTransformer):
+        def visit_IfExp(self, node: ast.IfExp) -> ast.expr:
+            parts = [self.visit(part) for part in (node.test, node.body, node.orelse)]
+            return ast.copy_location(ast.Call(ast.Name("where"), parts, []), node)
+
+    result: ast.expr = ast.parse(ast.unparse(Replace().visit(tree)), mode="eval").body
+    return result
 
 
 def _check(node: ast.expr, text: str) -> None:
@@ -136,7 +156,15 @@ def _check(node: ast.expr, text: str) -> None:
             _check(operand, text)
         case ast.Call(ast.Name(name), [argument], []) if name in FUNCTIONS:
             _check(argument, text)
-        case ast.Name(name) if name not in FUNCTIONS:
+        case ast.Call(ast.Name(name), [one, other], []) if name in CHOICES:
+            _check(one, text)
+            _check(other, text)
+        case ast.Call(
+            ast.Name("where"), [ast.Compare(left, [op], [right]), one, other], []
+        ) | ast.IfExp(ast.Compare(left, [op], [right]), one, other) if isinstance(op, COMPARISONS):
+            for part in (left, right, one, other):
+                _check(part, text)
+        case ast.Name(name) if name not in IN_NUMPY:
             pass
         case ast.Constant(float() | int() as value) if not isinstance(value, bool):
             if not math.isfinite(value):
@@ -146,7 +174,8 @@ def _check(node: ast.expr, text: str) -> None:
 
             raise _refusal(
                 text,
-                f"arithmetic, r, pi, parameters and {', '.join(FUNCTIONS)} only, "
+                f"arithmetic, r, pi, parameters, {', '.join(FUNCTIONS)}, min(a, b), max(a, b) and "
+                "where(r < d, a, b) only, "
                 f"not {short_repr(found)} at its character {node.col_offset + 1}",
             )
 
@@ -169,8 +198,8 @@ def _compiled(tree: ast.expr) -> str:
         def visit_Name(self, node: ast.Name) -> ast.expr:
             if node.id == "r":
                 return node
-            if node.id == "pi" or node.id in FUNCTIONS:
-                return ast.Attribute(ast.Name("np"), node.id)
+            if node.id == "pi" or node.id in IN_NUMPY:
+                return ast.Attribute(ast.Name("np"), IN_NUMPY.get(node.id, node.id))
             return ast.Attribute(ast.Name("self"), node.id)
 
     return ast.unparse(Rename().visit(ast.parse(ast.unparse(tree), mode="eval").body))

@@ -39,11 +39,14 @@ from tribo.potentials.buckingham import Buckingham
 from tribo.potentials.coulomb import Coulomb
 from tribo.potentials.cutoff import AT_CUTOFF, Switched
 from tribo.potentials.derivative import force_from
+from tribo.potentials.gaussian import Gaussian
+from tribo.potentials.hertz import Hertz
 from tribo.potentials.lennard_jones import LennardJones
 from tribo.potentials.mie import Mie
 from tribo.potentials.mixins import Potential
 from tribo.potentials.morse import Morse
 from tribo.potentials.plummer import Plummer
+from tribo.potentials.soft_sphere import SoftSphere
 from tribo.potentials.spline import Table, from_points
 from tribo.potentials.sum import Scaled, Sum
 from tribo.potentials.weeks_chandler_andersen import WeeksChandlerAndersen
@@ -134,6 +137,9 @@ BUILT_IN: dict[str, type] = {
     "weeks-chandler-andersen": complete(WeeksChandlerAndersen),
     "mie": complete(Mie),
     "plummer": complete(Plummer),
+    "hertz": complete(Hertz),
+    "soft-sphere": complete(SoftSphere),
+    "gaussian": complete(Gaussian),
 }
 for _cls in (Sum, Scaled, Table, *AT_CUTOFF.values()):
     complete(_cls)

@@ -27,6 +27,10 @@ ROUND_OFF = 1e-12
 # Number of distances at which energies and forces are compared.
 DISTANCES = 40
 
+# Largest distance compared [typical distance]: there, the energy at FAR, by which ASE shifts U, is
+# below round-off.
+WIDEST = 30.0
+
 # Cutoff of a calculator that needs one [length of the potential]: beyond all distances compared.
 FAR = 1e4
 
@@ -92,7 +96,7 @@ def check_ase(
         if peer is None:
             return []
         calculator = peer(scan.potential)
-    r = scan.r[scan.r < scan.cutoff]
+    r = scan.r[scan.r < min(scan.cutoff, WIDEST * scan.length)]
     r = r[:: max(1, r.size // DISTANCES)]
     try:
         with np.errstate(all="ignore"):

@@ -14,6 +14,33 @@ from tribo.run.result import without_nan
 
 EPSILON = float(np.finfo(float).eps)
 
+_CONTINUOUS = "make {} there, or declare smoothness() (inside a range: smoothness_within()) = {}"
+_AT_END = "let {} end at zero (as with_cutoff does), mend range(), or declare smoothness() = {}"
+# What to change where a check fails.
+ADVICE = {
+    "finite": "mend the energy there, or declare domain(), the distances for which it is valid",
+    "force": "mend force() or energy(); without force(), the energy is differentiated",
+    "minimum": "mend minimum(), which returns r, U and d2U/dr2, or energy()",
+    "jumps of energy": _CONTINUOUS.format("the energy continuous", -1),
+    "jumps of force": _CONTINUOUS.format("the force continuous", 0),
+    "kinks of force": _CONTINUOUS.format("the slope of the force continuous", 1),
+    "energy at the cutoff": _AT_END.format("the energy", -1),
+    "force at the cutoff": _AT_END.format("the force", 0),
+    "slope at the cutoff": _AT_END.format("the slope of the force", 1),
+    "limits": "let force() vanish where the energy is constant, or declare domain()",
+    "third law": "make coupling(one, other) symmetric in the two bobs",
+    "translation": "let energy() and force() depend on r and the parameters only",
+    "mirror": "let energy() and force() depend on r and the parameters only",
+    "work": "mend force() or energy(); without force(), the energy is differentiated",
+    "closed loop": "let energy() and force() depend on r and the parameters only",
+    "arrays": "compute each value from its own r: np.maximum instead of np.max",
+    "compiled": "avoid what Python and numba compute differently, as globals that change; "
+    "try again after tribo cache --clear",
+    "ase": "compare the parameters and their units, eV and Angstrom, or the calculator's cutoff",
+}
+# The same for checks by a run, which have the names of methods.
+ADVICE_FOR_RUNS = "declare the smoothness() that the force has, and in feature() a shorter length"
+
 
 @dataclass(frozen=True)
 class Check:
@@ -50,6 +77,11 @@ class Check:
         return not self.failed and (self.bound is None or self.value <= self.bound)
 
     @property
+    def advice(self) -> str:
+        """What to change if the check failed; empty if it passed."""
+        return "" if self.passed else ADVICE.get(self.name, ADVICE_FOR_RUNS)
+
+    @property
     def grade(self) -> float | None:
         """Decimal digits lost, log10(error / machine epsilon); None if the error is not finite."""
         if not math.isfinite(self.value):
@@ -68,6 +100,7 @@ class Check:
             "where": self.where,
             "looked_at": self.compared,
             "says": self.note,
+            "advice": self.advice,
         }
 
 
@@ -179,6 +212,8 @@ class Report:
                 lines.append(f"{margin}worst at r = {check.where:.9g}")
             if check.note:
                 lines.append(f"{margin}{check.note}")
+            if check.advice:
+                lines.append(f"{margin}to mend it: {check.advice}")
         return "\n".join([*lines, "", self._verdict()])
 
     def _verdict(self) -> str:

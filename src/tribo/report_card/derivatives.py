@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy import differentiate
 
-from tribo.report_card.card import Check, Curves
+from tribo.report_card.card import EPSILON, Check, Curves
 from tribo.report_card.scan import PotentialScan
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 # Largest acceptable |F + dU/dr|, relative to the scale of the force.
 BOUND = 1e-10
@@ -21,14 +24,14 @@ TRUSTED = 10.0
 # Least fraction of the distances at which they must be compared.
 KNOWN = 0.9
 
-# Largest distance from r at which the energy is evaluated [r, or the typical distance].
-REACH = 0.1
+# Largest distance from r at which the energy is evaluated [r, and typical distance].
+REACH, LONGEST = 0.1, 0.8
 
 # Number of differences, each over half the distance of the one before.
 LEVELS = 12
 
 # Distances at which differences begin [reach].
-SHORTER = (1.0, 1.0 / 16.0, 1.0 / 256.0)
+SHORTER = (1.0, 1.0 / 16.0, 1.0 / 256.0, 1.0 / 4096.0)
 
 # Relative difference of two successive estimates of a derivative that ends the sequence.
 AGREEMENT = 1e-13
@@ -40,20 +43,21 @@ WEIGHTS = 4e-15
 # Largest acceptable relative error of a declared minimum.
 MINIMUM = 1e-9
 
-Rule = Callable[[Any], Any]  # of a distance h, something whose limit at h = 0 is wanted
+Function = Callable[[np.ndarray], np.ndarray]  # of distances
 
 
-def derivative(function: Rule, r: Any, reach: Any) -> tuple[np.ndarray, np.ndarray]:
+def derivative(function: Function, r: ArrayLike, reach: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
     """Derivative of a function of one distance, in extended precision, and its uncertainty.
 
     SciPy starts with differences over `reach` and halves them until its estimates agree.  A spline
     or the end of a table within that distance spoils the first differences, so shorter ones are
-    tried too, and the estimate with the least uncertainty counts.
+    tried too, and the estimate with the least uncertainty counts.  The uncertainty includes the
+    round-off of energies in double precision, as functions of ``math`` have it.
 
     Parameters
     ----------
     function : callable
-        Takes one ``numpy.longdouble`` and returns a number.
+        Takes an array of ``numpy.longdouble`` and returns one.
     r : array_like
         Where the derivative is wanted.
     reach : array_like
@@ -68,17 +72,21 @@ def derivative(function: Rule, r: Any, reach: Any) -> tuple[np.ndarray, np.ndarr
     --------
     scipy.differentiate.derivative
     """
-    place, length = np.broadcast_arrays(np.longdouble(r), np.longdouble(reach))
+    place, length = np.broadcast_arrays(
+        np.asarray(r, np.longdouble), np.asarray(reach, np.longdouble)
+    )
     best, uncertainty = np.full(place.shape, np.nan), np.full(place.shape, np.inf)
     for shorter in SHORTER:
         found = differentiate.derivative(
-            np.vectorize(function, otypes=[np.longdouble]),
+            function,
             place,
             initial_step=length * shorter,
             maxiter=LEVELS,
             tolerances={"atol": 0.0, "rtol": AGREEMENT},
         )
-        doubt = np.float64(found.error + WEIGHTS * np.abs(found.df))
+        shortest = length * shorter * 0.5 ** (found.nit - 1.0)
+        round_off = EPSILON * np.abs(function(place)) / shortest
+        doubt = np.float64(found.error + WEIGHTS * np.abs(found.df) + round_off)
         better = doubt < uncertainty
         best = np.where(better, np.float64(found.df), best)
         uncertainty = np.where(better, doubt, uncertainty)
@@ -87,17 +95,18 @@ def derivative(function: Rule, r: Any, reach: Any) -> tuple[np.ndarray, np.ndarr
 
 def curves(scan: PotentialScan) -> Curves:
     """Energy, force, and |F + dU/dr| with the uncertainty of dU/dr."""
-    r, end = scan.r, scan.cutoff
-    reach = REACH * np.minimum(r, scan.length)
+    r, end = np.sort(np.concatenate([scan.r, scan.random])), scan.cutoff
+    energy, force = scan.compiled(r)
+    reach = np.minimum(REACH * r, LONGEST * scan.length)
     reach = np.where(r < end, np.minimum(reach, 0.9 * np.abs(end - r)), reach)
     with np.errstate(all="ignore"):
-        slope, uncertainty = derivative(scan.python_energy, r, reach)
+        slope, uncertainty = derivative(scan.python_energies, r, reach)
         scale = scan.scale(r)
         return Curves(
             r=r,
-            energy=scan.energy,
-            force=scan.force,
-            disagreement=np.abs(scan.force + slope) / scale,
+            energy=energy,
+            force=force,
+            disagreement=np.abs(force + slope) / scale,
             uncertainty=uncertainty / scale,
             bound=BOUND,
             cutoff=end,
@@ -115,7 +124,7 @@ def check_force(found: Curves) -> Check:
     best = float(np.median(found.uncertainty[known])) if known.any() else math.inf
     return Check(
         "force",
-        f"force and -dU/dr, whose uncertainty is {best:.1e}",
+        f"force and -dU/dr, whose uncertainty is {best:.1e}, at {found.r.size} distances",
         float(errors[worst]),
         BOUND,
         float(found.r[worst]),
@@ -132,8 +141,9 @@ def check_minimum(scan: PotentialScan) -> list[Check]:
     if not math.isfinite(r):
         return []
     with np.errstate(all="ignore"):
-        first = float(derivative(scan.python_energy, r, REACH * r)[0])
-        second = -float(derivative(scan.python_force, r, REACH * r)[0])
+        forces = np.vectorize(scan.python_force, otypes=[np.longdouble])
+        first = float(derivative(scan.python_energies, r, REACH * r)[0])
+        second = -float(derivative(forces, r, REACH * r)[0])
         energy = float(scan.python_energy(np.float64(r)))
     scale = max(abs(depth), float(scan.scale(r)) * r)
     errors = {

@@ -23,18 +23,12 @@ ENERGY, FORCE, BOUND = "#0b62a4", "#d55e00", "#a50f15"
 # Typical values shown above zero and below.
 DEPTHS = 2.5
 
-# Energy that is too small to be shown [typical energy].
-FAINT = 0.01
-
-# Largest distance shown [typical distance].
-WIDEST = 12.0
-
 # Lower end of the axis of the disagreement, which is relative.
 FLOOR = 1e-17
 
 
 def card_figure(report: Report) -> Figure:
-    """Draw energy and force where they are of typical size, and the disagreement everywhere.
+    """Draw energy, force and their disagreement at all distances of the card.
 
     Parameters
     ----------
@@ -48,7 +42,6 @@ def card_figure(report: Report) -> Figure:
     from matplotlib.figure import Figure
 
     curves = report.curves
-    ends = _shown_distances(curves)
     with style():
         figure = Figure(figsize=(COLUMN, 1.35 * COLUMN), layout="constrained")
         energy, force, disagreement = figure.subplots(3, 1)
@@ -57,45 +50,42 @@ def card_figure(report: Report) -> Figure:
         _disagreement(disagreement, curves)
         energy.set_title(report.potential, fontsize=8.0, wrap=True)
         energy.tick_params(labelbottom=False)
-        for ax in (energy, force):
-            ax.set_xlim(*ends)
-        for ax in (force, disagreement):
-            ax.set_xlabel("$r$")
+        force.tick_params(labelbottom=False)
+        for ax in (energy, force, disagreement):
+            _distances(ax, curves)
+        disagreement.set_xlabel("$r$")
         if math.isfinite(curves.cutoff):
-            _cutoff(
-                (energy, force, disagreement),
-                curves.cutoff,
-                labelled=ends[0] < curves.cutoff < ends[1],
-            )
+            _cutoff((energy, force, disagreement), curves.cutoff)
         figure.align_ylabels([energy, force, disagreement])
     return figure
 
 
-def _cutoff(all_axes: tuple[Axes, Axes, Axes], cutoff: float, labelled: bool) -> None:
+def _distances(ax: Axes, curves: Curves) -> None:
+    """Show all distances of the card, evenly in log r."""
+    from matplotlib.ticker import LogLocator, NullFormatter
+
+    ax.set_xscale("log")
+    few = curves.r[-1] / curves.r[0] < 100.0
+    ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if few else (1.0,)))
+    if few:
+        ax.xaxis.set_major_formatter(lambda r, _: f"{r:g}")
+    ax.xaxis.set_minor_formatter(NullFormatter())
+    ax.set_xlim(curves.r[0], curves.r[-1])
+
+
+def _cutoff(all_axes: tuple[Axes, Axes, Axes], cutoff: float) -> None:
     """Draw a line at the cutoff, with its name in the first Axes."""
     for ax in all_axes:
         ax.axvline(cutoff, color=INK, linewidth=0.7, linestyle=(0, (4, 2)))
-    if labelled:
-        top: Any = {"xytext": (-3, -4), "textcoords": "offset points", "ha": "right", "va": "top"}
-        edge = all_axes[0].get_xaxis_transform()
-        all_axes[0].annotate("cutoff", (cutoff, 1.0), xycoords=edge, fontsize=7.5, **top)
+    top: Any = {"xytext": (-3, -4), "textcoords": "offset points", "ha": "right", "va": "top"}
+    edge = all_axes[0].get_xaxis_transform()
+    all_axes[0].annotate("cutoff", (cutoff, 1.0), xycoords=edge, fontsize=7.5, **top)
 
 
 def _unit(curves: Curves, values: np.ndarray) -> float:
     """The largest magnitude at the typical distance and beyond; 1 if all is zero."""
     outer = values[(curves.r >= curves.length) & np.isfinite(values)]
     return float(np.max(np.abs(outer), initial=0.0)) or 1.0
-
-
-def _shown_distances(curves: Curves) -> tuple[float, float]:
-    """Distances between which the energy is within the scale and not faint."""
-    size = np.abs(np.nan_to_num(curves.energy)) / _unit(curves, curves.energy)
-    seen = (size > FAINT) & (size < DEPTHS)
-    low = float(np.min(curves.r[seen & (curves.r <= curves.length)], initial=curves.length))
-    high = float(np.max(curves.r[seen], initial=1.2 * curves.length))
-    if math.isfinite(curves.cutoff):
-        high = max(high, 1.05 * curves.cutoff)
-    return low - 0.05 * (high - low), min(high, WIDEST * curves.length)
 
 
 def _curve(ax: Axes, curves: Curves, values: np.ndarray, colour: str, label: str) -> None:
@@ -111,22 +101,13 @@ def _curve(ax: Axes, curves: Curves, values: np.ndarray, colour: str, label: str
 
 def _disagreement(ax: Axes, curves: Curves) -> None:
     """Draw |F + dU/dr|, relative, with the uncertainty of dU/dr in grey and the bound in red."""
-    from matplotlib.ticker import LogLocator, NullFormatter
-
     least = 0.1 * EPSILON  # smaller values are shown there
-    ax.set_xscale("log")
     ax.set_yscale("log")
-    few = curves.r[-1] / curves.r[0] < 100.0
-    ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if few else (1.0,)))
-    if few:
-        ax.xaxis.set_major_formatter(lambda r, _: f"{r:g}")
-    ax.xaxis.set_minor_formatter(NullFormatter())
     known = np.nan_to_num(np.maximum(curves.uncertainty, FLOOR), posinf=1.0)
     ax.fill_between(curves.r, FLOOR, known, color="0.85", linewidth=0.0)
     ax.plot(curves.r, np.maximum(curves.disagreement, least), ".", color=INK, markersize=1.6)
     ax.axhline(curves.bound, color=BOUND, linewidth=0.8)
     top = float(np.nanmax(curves.disagreement, initial=curves.bound))
-    ax.set_xlim(curves.r[0], curves.r[-1])
     ax.set_ylim(FLOOR, 30.0 * min(top, 1e3))
     ax.set_ylabel("relative $|F + dU/dr|$")
     style: Any = {"xytext": (4, 3), "textcoords": "offset points", "fontsize": 7.5, "color": BOUND}

@@ -22,7 +22,7 @@ OCTAVES = 996
 
 def check_finite(scan: PotentialScan) -> Check:
     """Check that energy and force are finite at all distances of the scan."""
-    r = np.concatenate([scan.edges, scan.r, scan.special])
+    r = np.concatenate([scan.edges, scan.everywhere])
     energy, force = scan.compiled(r)
     bad = ~(np.isfinite(energy) & np.isfinite(force))
     worst = r[int(np.argmax(bad))] if bad.any() else None

@@ -7,7 +7,7 @@ the kernels and the disk cache that runs use.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,20 +23,37 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
 # Cells of equal ratio between the smallest and the largest distance.
-CELLS = 400
+CELLS = 500
 
 # Finer cells around the typical distance: in each length over which the force changes, and on
 # either side.
 CELLS_PER_FEATURE, FINE_CELLS = 8, 80
 
-# How far distances reach beyond the potential's own lengths, inward and outward [ratio].
-INWARD, OUTWARD = 3.0, 6.0
+# Energy at which the core begins that no bob reaches [typical energy].
+CORE = 1e3
 
-# How far distances reach from the typical one at most, whatever the lengths are [ratio].
+# |F| r of a force that has vanished [typical energy].
+VANISHED = 1e-16
+
+# How far distances reach from the typical one at most, inward and outward [ratio].
 WIDEST = 1e3
+
+# Distances among which the typical one is searched, and how far they reach beyond the potential's
+# own lengths, inward and outward [ratio], and without any [length].
+SEARCHED = 8000
+AROUND_OWN, WITHOUT_OWN = 1e3, 1e20
+
+# Distances on either side of a minimum at which the force must have one sign, as round-off has not.
+SAME_SIGN = 6
+
+# Times that an interval with an end of the distances is divided, and its parts each time.
+DIVISIONS, PARTS = 3, 200
 
 # Cells on either side over which a scale is the largest value.
 AROUND = 3
+
+# Factor by which |F| r must exceed its value at the smallest distance for a maximum.
+STEEPER = 1.01
 
 # Largest typical distance where there is a cutoff [cutoff].
 NEAR_CUTOFF = 0.6
@@ -48,8 +65,15 @@ SMALLEST_SCALE = 1e-280
 # is fainter, its digits do not matter.
 FAINT = 1e-30
 
+# Seed of the random distances.
+SEED = 5
+
 # Bobs of each surface in checks of groups.
 GROUP = 3
+
+
+# Of distances, energies and forces: where it holds.
+Condition = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 
 
 class PotentialScan:
@@ -70,6 +94,8 @@ class PotentialScan:
         Middles of the cells [length].
     energy, force : ndarray, (n,)
         Compiled U and -dU/dr at `r`, for charges of 1.
+    random : ndarray, (n,)
+        A random distance in each cell [length].
     special : ndarray
         Distances where a mistake is likely: parameters, their sums and multiples, whole and half
         numbers, the ends [length].
@@ -90,22 +116,23 @@ class PotentialScan:
         self.potential = potential
         self.cutoff = float(potential.range())
         self._probes = {count: _contact_probe(potential, count) for count in (1, GROUP)}
-        lengths = self._own_lengths()
-        low, high = lengths[0] / INWARD, lengths[-1] * OUTWARD
-        if math.isfinite(self.cutoff):
-            high = 1.1 * self.cutoff
         self.domain = _domain(potential)
-        low, high = self._within(low, high)
-        self.length = self._typical(low, high)
-        self.low = self._without_overflow(max(low, self.length / WIDEST))
-        self.high = min(high, self.length * WIDEST)
+        self.length = self._typical()
+        self.low, self.high = self._felt()
         self.edges = self._edges()
         self.r = np.sqrt(self.edges[:-1] * self.edges[1:])
         self.energy, self.force = self.compiled(self.r)
+        chance = np.random.default_rng(SEED).uniform(size=self.r.size)
+        self.random = self.edges[:-1] + chance * np.diff(self.edges)
         self.special = np.array(sorted(self._special()))
         self._scale = self._running_scale()
 
     # --- values ----------------------------------------------------------------------------------
+
+    @property
+    def everywhere(self) -> np.ndarray:
+        """All distances of the scan: middles of cells, random and special ones."""
+        return np.concatenate([self.r, self.random, self.special])
 
     def in_python(self, r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """U and -dU/dr between charges of 1 by the potential's methods, on an array."""
@@ -127,6 +154,16 @@ class PotentialScan:
             return self.potential.force_between(r, 1.0, 1.0)
         except Exception:
             return np.nan
+
+    def python_energies(self, r: np.ndarray) -> np.ndarray:
+        """U(r) in the precision of r: of the whole array, or one by one if it takes no arrays."""
+        try:
+            energies = np.asarray(self.potential.energy_between(r, 1.0, 1.0))
+            if energies.shape == r.shape:
+                return energies
+        except Exception:
+            pass
+        return np.asarray(np.vectorize(self.python_energy, otypes=[r.dtype])(r))
 
     def compiled(self, r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """U and -dU/dr at each r, in the shape of r: two bobs at a distance r along x."""
@@ -175,45 +212,86 @@ class PotentialScan:
 
     # --- distances -------------------------------------------------------------------------------
 
-    def _own_lengths(self) -> list[float]:
-        """Lengths that the potential declares, else its minima, else 1; in ascending order."""
-        declared = sorted({x for part in _parts(self.potential) for x in _declared_lengths(part)})
-        if declared:
-            return declared
-        return self._turning_points(np.geomspace(1e-20, 1e20, 20 * CELLS)) or [1.0]
+    def _typical(self) -> float:
+        """The first minimum, the largest |F| r, or where |F| r begins to fall faster.
 
-    def _turning_points(self, r: np.ndarray) -> list[float]:
-        """Distances at which repulsion turns into attraction: minima of the energy."""
-        _, force = self.compiled(r)
-        turns = np.flatnonzero((force[:-1] > 0.0) & (force[1:] < 0.0))
-        return [float(x) for x in r[turns]]
-
-    def _within(self, low: float, high: float) -> tuple[float, float]:
-        """The ends of the declared domain where it has any, else `low` and `high`."""
-        least, largest = self.domain
-        low = least if least > 0.0 else min(low, 0.5 * high)
-        high = largest if math.isfinite(largest) else max(high, 2.0 * low)
-        if math.isfinite(self.cutoff):
-            high = min(high, 1.1 * self.cutoff)
+        Without any of these, the largest length that the potential declares; else 1.
+        """
+        lengths = sorted({x for part in _parts(self.potential) for x in _declared_lengths(part)})
+        low, high = 1.0 / WITHOUT_OWN, WITHOUT_OWN
+        if lengths:
+            low, high = lengths[0] / AROUND_OWN, lengths[-1] * AROUND_OWN
+        low, high = max(low, self.domain[0]), min(high, self.domain[1], self.cutoff)
         if not low < high:
             raise InputError("domain", f"must not be empty, got r from {low:g} to {high:g}")
-        return low, high
+        r = np.geomspace(low, high, SEARCHED)
+        turn = self._turning_point(r)
+        if turn is not None:
+            return turn
+        found = self._knee(r) or (lengths[-1] if lengths else 1.0)
+        return min(max(found, low), high if math.isinf(self.cutoff) else NEAR_CUTOFF * self.cutoff)
 
-    def _typical(self, low: float, high: float) -> float:
-        """The first minimum; without one the middle, in ratio."""
-        turns = self._turning_points(np.geomspace(low, high, CELLS))
-        middle = math.sqrt(low * high)
-        if math.isfinite(self.cutoff):
-            middle = min(middle, max(NEAR_CUTOFF * self.cutoff, low))
-        return turns[0] if turns else middle
+    def _turning_point(self, r: np.ndarray) -> float | None:
+        """The first distance at which repulsion turns into attraction: a minimum of the energy."""
+        signs = np.sign(np.nan_to_num(self.compiled(r)[1]))
+        windows = np.lib.stride_tricks.sliding_window_view(signs, 2 * SAME_SIGN)
+        repulsion, attraction = windows[:, :SAME_SIGN], windows[:, SAME_SIGN:]
+        turns = np.flatnonzero((repulsion.min(axis=1) > 0.0) & (attraction.max(axis=1) < 0.0))
+        if not turns.size:
+            return None
+        before, after = r[turns[0] + SAME_SIGN - 1 : turns[0] + SAME_SIGN + 1]
+        return self._end_of(lambda x, energy, force: force > 0.0, before, after)
 
-    def _without_overflow(self, low: float) -> float:
-        """The smallest distance from which on energy and force do not overflow."""
-        if self.domain[0] > 0.0:
-            return low
-        r = np.geomspace(low, self.length, CELLS)
-        huge = np.any(np.abs(self.compiled(r)) > LARGEST_NUMBER, axis=0)
-        return float(r[min(int(np.flatnonzero(huge)[-1]) + 1, CELLS - 1)]) if huge.any() else low
+    def _knee(self, r: np.ndarray) -> float | None:
+        """Where |F| r is largest, or its exponent falls by 1 from that at small distances."""
+        torque = r * np.abs(self.compiled(r)[1])
+        valid = (torque > 0.0) & (torque < LARGEST_NUMBER)
+        r, torque = r[valid], torque[valid]
+        if r.size < 3:
+            return None
+        largest = int(np.argmax(torque))
+        if largest > 0 and torque[largest] > STEEPER * torque[0]:
+            return float(r[largest])
+        exponent = np.diff(np.log(torque)) / np.diff(np.log(r))
+        knee = np.flatnonzero(exponent < exponent[0] - 1.0)
+        return float(r[knee[0]]) if knee.size else None
+
+    def _felt(self) -> tuple[float, float]:
+        """Distances between the core, or the smallest of all, and where the force has vanished."""
+        near = self.length * np.geomspace(0.9, 1.1, 9)
+        energy, force = np.abs(self.compiled(near[near < self.cutoff]))
+        with np.errstate(all="ignore"):
+            unit = float(np.nanmax(energy + force * self.length))
+        least, largest = self.domain
+        nearest = max(self.length / WIDEST, least)
+        farthest = min(self.length * WIDEST, largest, 1.1 * self.cutoff)
+        low = self._end_of(
+            lambda r, energy, force: (
+                ~((np.abs(energy) > CORE * unit) | (np.abs(force) > LARGEST_NUMBER))
+            ),
+            self.length,
+            nearest,
+        )
+        if math.isfinite(self.cutoff) or math.isfinite(largest):
+            return low, farthest
+        high = self._end_of(
+            lambda r, energy, force: ~(np.abs(force) * r > VANISHED * unit), farthest, self.length
+        )
+        return low, max(high, 2.0 * self.length)
+
+    def _end_of(self, wanted: Condition, start: float, stop: float) -> float:
+        """The last distance on the way from `start` to `stop` up to which a condition holds."""
+        for _ in range(DIVISIONS):
+            r = np.geomspace(start, stop, PARTS)
+            r[[0, -1]] = start, stop
+            holds = wanted(r, *self.compiled(r))
+            first = int(np.argmin(holds))
+            if holds[first]:
+                return stop
+            if first == 0:
+                return start
+            start, stop = float(r[first - 1]), float(r[first])
+        return start
 
     def _edges(self) -> np.ndarray:
         """Cells of equal ratio, and finer ones around the typical distance of a short feature.
@@ -259,10 +337,13 @@ def _parts(potential: Any) -> Iterator[Any]:
 
 
 def _declared_lengths(part: Any) -> list[float]:
-    """The distance of a potential's minimum and the lengths over which its force changes."""
+    """Distances that a potential declares: minimum, feature, range and the ends of its domain."""
     if not hasattr(part, "energy"):
         return []
-    lengths = list(part.feature()) if hasattr(part, "feature") else []
+    lengths: list[float] = []
+    for name in ("feature", "domain"):
+        lengths += getattr(part, name)() if hasattr(part, name) else ()
+    lengths += [part.range()] if hasattr(part, "range") else []
     if hasattr(part, "minimum"):
         lengths.append(part.minimum()[0])
     return [float(x) for x in lengths if 0.0 < x < math.inf]

@@ -1,0 +1,63 @@
+"""Hertz:  U = A (1 - r/d)^(5/2) below d, else 0.
+
+L. D. Landau, E. M. Lifshitz, Theory of Elasticity, Pergamon 1970, section 9.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+
+class Hertz(NamedTuple):
+    """U = A (1 - r/d)^(5/2) below d, else 0: the contact of two elastic spheres.
+
+    Two equal spheres of diameter d, Young's modulus E and Poisson's ratio nu have
+    A = 2 E d^3 / (15 (1 - nu^2)).
+
+    Attributes
+    ----------
+    A : float
+        Energy at r = 0 [energy], not negative.
+    d : float
+        Distance below which the spheres touch [length], positive.
+
+    References
+    ----------
+    L. D. Landau, E. M. Lifshitz, Theory of Elasticity, Pergamon 1970, section 9.
+    """
+
+    A: float
+    d: float
+
+    def energy(self, r):
+        """U(r)."""
+        overlap = np.maximum(1.0 - r / self.d, 0.0)
+        return self.A * overlap * overlap * np.sqrt(overlap)
+
+    def force(self, r):
+        """-dU/dr."""
+        overlap = np.maximum(1.0 - r / self.d, 0.0)
+        return 2.5 * self.A / self.d * overlap * np.sqrt(overlap)
+
+    def feature(self):
+        """Length over which the force changes, and the distance beyond which it is weak."""
+        return 0.25 * self.d, self.d
+
+    def range(self):
+        """Distance from which U and force are zero."""
+        return self.d
+
+    def smoothness(self):
+        """At d the third derivative of U is infinite."""
+        return 2
+
+    def smoothness_within(self):
+        """Below d it is smooth."""
+        return float("inf")
+
+    def constraints(self):
+        """Each constraint: the parameter, whether it is met, and the message if not."""
+        return (
+            ("A", self.A >= 0.0, "must not be negative [energy]"),
+            ("d", self.d > 0.0, "must be positive [length]"),
+        )

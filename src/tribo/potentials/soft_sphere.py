@@ -1,0 +1,56 @@
+"""Soft spheres:  U = epsilon (sigma/r)^n.
+
+W. G. Hoover et al., J. Chem. Phys. 52 (1970) 4931.
+"""
+
+from typing import NamedTuple
+
+
+class SoftSphere(NamedTuple):
+    """U = epsilon (sigma/r)^n: a repulsion by an inverse power, smooth at every r.
+
+    Attributes
+    ----------
+    epsilon : float
+        Energy at sigma [energy], not negative.
+    sigma : float
+        Length [length], positive.
+    n : float
+        Power, positive.
+
+    References
+    ----------
+    W. G. Hoover et al., J. Chem. Phys. 52 (1970) 4931.
+    """
+
+    epsilon: float
+    sigma: float
+    n: float
+
+    def energy(self, r):
+        """U(r)."""
+        return self.epsilon * (self.sigma / r) ** self.n
+
+    def force(self, r):
+        """-dU/dr."""
+        return self.n * self.epsilon * (self.sigma / r) ** self.n / r
+
+    def feature(self):
+        """Length over which the force changes, and the distance beyond which it is weak."""
+        return 2.0 * self.sigma / max(self.n, 2.0), 2.0 * self.sigma
+
+    def smoothness(self):
+        """All derivatives are continuous."""
+        return float("inf")
+
+    def range(self):
+        """It is zero at no finite distance."""
+        return float("inf")
+
+    def constraints(self):
+        """Each constraint: the parameter, whether it is met, and the message if not."""
+        return (
+            ("epsilon", self.epsilon >= 0.0, "must not be negative [energy]"),
+            ("sigma", self.sigma > 0.0, "must be positive [length]"),
+            ("n", self.n > 0.0, "must be positive"),
+        )
