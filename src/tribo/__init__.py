@@ -65,6 +65,7 @@ _HOME = {
     "Field": "tribo.model.fields",
     "Forced": "tribo.model.drives",
     "Free": "tribo.model.drives",
+    "FrictionForce": "tribo.run.friction",
     "incommensurate_rows": "tribo.model.rows",
     "Initial": "tribo.model.surface",
     "InputError": "tribo.validation",

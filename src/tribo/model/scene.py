@@ -127,6 +127,7 @@ class Scene:
         put(self, "fields", self._checked_fields())
         put(self, "periodic", as_periodic(self.periodic))
         self._check_period()
+        self._check_series()
         times = self.output.times
         if times is not None and times[-1] > self.duration:
             raise InputError(
@@ -193,6 +194,17 @@ class Scene:
                         f"got {reach:g}",
                     )
 
+    def _check_series(self) -> None:
+        """Refuse series of forces with noise where their impulses are not kept."""
+        if "forces" in self.output.series and self.output.ledger != "asperites":
+            for surface in self.surfaces:
+                if surface.noisy_forces:
+                    raise InputError(
+                        "output.series",
+                        f'"forces" needs output.ledger = "asperites", got "{self.output.ledger}": '
+                        f'{surface.noisy_forces[0]} of "{surface.name}" has noise',
+                    )
+
     def _refuse_two_for_one_pair(self, interactions: tuple[Interaction, ...]) -> None:
         seen: dict[tuple[int, int], list[set[str] | None]] = {}
         for i, interaction in enumerate(interactions):
@@ -250,6 +262,10 @@ class Scene:
     def has_contact_within(self, surface: Surface) -> bool:
         """Whether the bobs of the surface interact with one another."""
         return any(i.between == (surface.name, surface.name) for i in self.interactions)
+
+    def has_field(self, surface: Surface) -> bool:
+        """Whether an external field acts on the bobs of the surface."""
+        return any(surface.name in item.on for item in self.fields)
 
     @property
     def count(self) -> int:
@@ -311,7 +327,7 @@ class Scene:
 
     def has_uncancelled_forces(self, surface: Surface) -> bool:
         """Whether forces that the drive does not cancel act on the surface's asperites."""
-        fields = any(surface.name in item.on for item in self.fields)
+        fields = self.has_field(surface)
         lattice = bool(surface.springs) or surface.bath.masses.size > 0
         lattice = lattice or self.has_contact_within(surface)
         return fields or lattice or bool(surface.bar_reservoir) or isinstance(surface.bars, Ends)

@@ -206,6 +206,15 @@ class Surface:
             raise InputError("langevin.on", 'must be "bar" where asperite.kappa = inf, got "swing"')
 
     @property
+    def noisy_forces(self) -> tuple[str, ...]:
+        """The forces on its asperites that have white noise."""
+        if not self.langevin or self.langevin.temperature == 0.0:
+            return ()
+        if self.swing_reservoir:
+            return ("f2",) if isinstance(self.drive, DrivenBars) else ()
+        return ("f_T", "fL", "fR") if self.asperite.is_rigid else ("f_T",)
+
+    @property
     def bar_reservoir(self) -> Langevin | None:
         """The Langevin reservoir at the bars, if there is one."""
         return self.langevin if self.langevin and self.langevin.on == "bar" else None
