@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from tribo.model.drives import Custom, DrivenBars, Ends, Forced, Pulled
+from tribo.model.drives import Custom, DrivenBars, Ends, Forced, Pulled, Pushed
 from tribo.model.fields import Field
 from tribo.model.interaction import Interaction, Periodic, as_periodic
 from tribo.model.settings import Numerics, Output
@@ -43,6 +43,7 @@ class Effect(StrEnum):
         "forces on the ends of clamped bars that have a torsion spring to hold",
     )
     PULL = "pull", "springs to a moving stage"
+    PUSH = "push", "a force on each bar that is constant, or grows"
     LOAD = "load", "a force that presses the surfaces together"
     OWN_DRIVE = "own drive", "forces f2 of the user's own"
     OWN_ENDS = "own ends", "forces of the user's own on the ends of bars"
@@ -297,6 +298,8 @@ class Scene:
                 present.add(Effect.SLIDING)
             if isinstance(s.drive, Pulled):
                 present.add(Effect.PULL)
+            if isinstance(s.drive, Pushed):
+                present.add(Effect.PUSH)
             if s.drive.load is not None:
                 present.add(Effect.LOAD)
             if isinstance(s.drive, Custom):
@@ -345,7 +348,7 @@ class Scene:
         """Whether the y of the surface's centres of mass are degrees of freedom, likewise."""
         if isinstance(surface.drive, DrivenBars):
             return False
-        pressed = surface.drive.load is not None or isinstance(surface.drive, Custom)
+        pressed = surface.drive.load is not None or isinstance(surface.drive, (Custom, Pushed))
         return pressed or self.has_uncancelled_forces(surface)
 
     @property
