@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from tribo.explanation import Explanation, explain
     from tribo.model.asperite import Asperite
     from tribo.model.bath import Bath
-    from tribo.model.drives import Custom, DrivenBars, Ends, Forced, Free, Pulled
+    from tribo.model.drives import Custom, DrivenBars, Ends, Forced, Free, Pulled, Pushed
     from tribo.model.fields import Corrugation, Field
     from tribo.model.interaction import Interaction, Periodic
     from tribo.model.langevin import Langevin
@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     )
     from tribo.prepared import Simulation
     from tribo.report_card import check
+    from tribo.run.friction import FrictionForce
     from tribo.run.result import Result, load_result
     from tribo.run.state import State
     from tribo.simulation import prepare, simulate
@@ -68,6 +69,7 @@ _HOME = {
     "Field": "tribo.model.fields",
     "Forced": "tribo.model.drives",
     "Free": "tribo.model.drives",
+    "FrictionForce": "tribo.run.friction",
     "Gaussian": "tribo.potentials",
     "Hertz": "tribo.potentials",
     "incommensurate_rows": "tribo.model.rows",
@@ -87,6 +89,7 @@ _HOME = {
     "Plummer": "tribo.potentials",
     "prepare": "tribo.simulation",
     "Pulled": "tribo.model.drives",
+    "Pushed": "tribo.model.drives",
     "Result": "tribo.run.result",
     "Roughness": "tribo.model.roughness",
     "Scene": "tribo.model.scene",

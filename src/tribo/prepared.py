@@ -144,8 +144,7 @@ class Simulation:
     @property
     def empty_ledger(self) -> Ledger:
         """The ledger of one sample of zeros, which has all names."""
-        layout = self.layout
-        return assemble(layout, Samples.at_zero(layout.core, layout.accounts, len(layout.parts)))
+        return assemble(self.layout, Samples.at_zero(self.layout))
 
     @property
     def settings(self) -> Plan:

@@ -29,6 +29,7 @@ from tribo import (
     Output,
     Periodic,
     Pulled,
+    Pushed,
     Scene,
     Springs,
     Surface,
@@ -78,6 +79,7 @@ EFFECTS = {
     "free": {"drive": Free},
     "rigid": {"drive": partial(Free, rigid=True)},
     "pulled": {"drive": partial(Pulled, stiffness=2.0, speed=1.5)},
+    "pushed": {"drive": partial(Pushed, force=(0.6, 0.0), rate=(0.4, 0.0))},
     "custom": {"drive": partial(Custom, force=Push(1.5))},
     "driven bars": {"drive": DrivenBars, "load": None, "end forces": False, "on": "swing"},
     "rigid asperites": {

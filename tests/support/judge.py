@@ -479,6 +479,39 @@ def named_plugins():
     return ""
 
 
+def further_series() -> str:
+    """The sum of all forces changes the momentum, that of all energies with the total energy."""
+    tribo = importlib.import_module("tribo")
+    scene = importlib.import_module("support.everything").everything(0.4)
+    bath = tribo.Bath((0.1, 0.2), (1.3, 2.0), inertias=(0.3,), torsional_frequencies=(1.5,))
+    push = tribo.Pushed(force=(0.4, -0.2), rate=(0.5, 0.7))
+    upper, lower = scene.surfaces
+    surfaces = (replace(upper, bath=bath), replace(lower, drive=push, velocity=(0.0, 0.3)))
+    output = tribo.Output(samples=41, series=("forces", "energies"))
+    scene = replace(scene, surfaces=surfaces, output=output)
+    result = tribo.simulate(scene, method="verlet", step=0.01)
+    total = result.system["contact_energy"] + result.system["field_energy"]
+    for name, masses in (("upper", np.array([3.0, 3.5])), ("lower", 3.0)):
+        table = result[name]
+        for axis in "xy":
+            keys = [k for k in table if k.startswith("f") and k.endswith(f"_{axis}")]
+            force, velocity = sum(table[k] for k in keys), table[f"v{axis}_cm"]
+            impulse = np.sum(force[:-2:2] + 4.0 * force[1:-1:2] + force[2::2], axis=0) / 300.0
+            if np.max(np.abs(masses * (velocity[-1] - velocity[0]) - impulse)) > 1e-4:
+                return f"momentum of {name} along {axis}"
+        for key, values in table.items():
+            if key.startswith(("k_", "e_")):
+                total = total + (values if values.ndim == 1 else values.sum(axis=1))
+        heat = table.k_bath + table.e_bath
+        if np.any(table.k_bath <= 0.0) or np.any(table.e_bath < -1e-15):
+            return f"energies of the bath of {name}"
+        if name == "upper" and abs(heat[0] - 0.5 * 2.0 * 0.3 * 0.4**2) > 1e-12:
+            return "kinetic energy of the bath at the start"
+    if np.max(np.abs(total - total[0] - result.system["total_energy_change"])) > 1e-12:
+        return "sum of all energies"
+    return ""
+
+
 def without_reservoirs(table):
     """The table as the independent solver takes it."""
     surfaces = [{k: v for k, v in s.items() if k != "langevin"} for s in table["surface"]]
@@ -491,6 +524,7 @@ CHECKS: dict[str, Callable[[], str]] = (
     | {
         "named plug-ins": named_plugins,
         "equal steps": equal_steps,
+        "further series": further_series,
     }
 )
 for _scene in ("slid", "pulled", "lattice", "open", "twisting", "held", "swinging"):

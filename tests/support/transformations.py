@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from tribo import Coulomb, DrivenBars, Interaction, LennardJones, Morse, Pulled
+from tribo import Coulomb, DrivenBars, Interaction, LennardJones, Morse, Pulled, Pushed
 from tribo.model.fields import Corrugation
 
 
@@ -110,6 +110,9 @@ def drive_in_units(drive, length, mass, time):
     """The same drive in other units."""
     if drive.load is not None:
         drive = replace(drive, load=drive.load * (mass * length / time**2))
+    if isinstance(drive, Pushed):
+        force, unit = np.array([drive.force, drive.rate]), mass * length / time**2
+        return replace(drive, force=force[0] * unit, rate=force[1] * (unit / time))
     if isinstance(drive, Pulled):
         stiffness, speed = drive.stiffness * (mass / time**2), drive.speed * (length / time)
         drive = replace(drive, stiffness=stiffness, speed=speed)

@@ -39,14 +39,13 @@ WALK = 2.0
 
 def check_observables(layout: Layout, names: Iterable[str], field: str = "accuracy") -> None:
     """Refuse names of quantities that the scene does not report.  Raises InputError."""
-    sample = Samples.at_zero(layout.core, layout.accounts, len(layout.parts))
-    reported = assemble(layout, sample)
+    reported = assemble(layout, Samples.at_zero(layout))
     for name in names:
         if needs_accounts(str(name).rpartition(".")[2]) and layout.model.ledger is None:
             raise InputError(
                 f"{field}.{name}", 'is not kept; works need another output.ledger, as "asperites"'
             )
-        if not reported.series(str(name)):
+        if str(name).rpartition(".")[2] not in KINDS or not reported.series(str(name)):
             raise InputError(
                 f"{field}.{name}",
                 'is not a reported quantity; give one, as "w1", or one of a surface, as '

@@ -19,8 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-# Probability that an interval contains the exact mean.
-CONFIDENCE = 0.95
+from tribo.run.intervals import student
 
 
 class Interval(NamedTuple):
@@ -28,13 +27,6 @@ class Interval(NamedTuple):
 
     mean: np.ndarray
     half_width: np.ndarray
-
-
-def student(degrees: int) -> float:
-    """The quantile t of Student's distribution at the end of a two-sided interval."""
-    from scipy.special import stdtrit
-
-    return float(stdtrit(degrees, 0.5 * (1.0 + CONFIDENCE)))
 
 
 def interval(values: np.ndarray, first_stage: int | None = None) -> Interval:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -74,7 +75,7 @@ def _bytes_of_rotations(layout: Layout, method: Method, stages: int) -> int:
 
 def _raw_sample(layout: Layout) -> int:
     """Bytes of one sample of a time loop."""
-    own = 2 * layout.core + layout.accounts + 2
+    own = 2 * layout.core + layout.accounts + 2 + math.prod(layout.sampled_baths)
     return NUMBER * (own + STORED * len(layout.scene.surfaces))
 
 
@@ -82,7 +83,8 @@ def _ledger_row(layout: Layout) -> int:
     """Bytes of one time of the ledger."""
     optional = any(s.langevin for s in layout.scene.surfaces) or bool(layout.scene.fields)
     names = reported(layout.scene.output.ledger, optional, optional).asperites
-    return NUMBER * len(names) * layout.scene.count
+    further = sum(s.count * len(layout.further[s.name]) for s in layout.scene.surfaces)
+    return NUMBER * (len(names) * layout.scene.count + further)
 
 
 def _bytes_of(item: Any) -> int:

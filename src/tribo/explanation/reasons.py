@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from tribo.model.drives import Custom, DrivenBars, Ends, Forced, Pulled
+from tribo.model.drives import Custom, DrivenBars, Ends, Forced, Pulled, Pushed
 from tribo.model.interaction import Interaction
 from tribo.model.scene import Effect, Scene
 from tribo.model.surface import Surface
@@ -22,6 +22,7 @@ ABSENT = {
     Effect.TURNING_BARS: "all bars are clamped",
     Effect.CLAMPED_ENDS: "no clamped bar holds a torsion spring",
     Effect.PULL: 'no drive is "pulled"',
+    Effect.PUSH: 'no drive is "push"',
     Effect.LOAD: "no drive has a load",
     Effect.OWN_DRIVE: "no drive is a plug-in",
     Effect.OWN_ENDS: "no bars have a plug-in",
@@ -159,6 +160,9 @@ PRESENT: dict[Effect, Callable[[Scene], Named]] = {
     Effect.CLAMPED_ENDS: _surfaces("bars", _clamped),
     Effect.PULL: _surfaces(
         "drive.stiffness", lambda s: s.drive.stiffness if isinstance(s.drive, Pulled) else None
+    ),
+    Effect.PUSH: _surfaces(
+        "drive.force", lambda s: list(s.drive.force) if isinstance(s.drive, Pushed) else None
     ),
     Effect.LOAD: _surfaces("drive.load", lambda s: s.drive.load),
     Effect.OWN_DRIVE: _surfaces(

@@ -69,6 +69,16 @@ def oscillator_energy(table, first, count, q, v, start, centre):
 
 
 @kernel
+def oscillator_kinetic(table, first, count, v, start):
+    """Kinetic energy of oscillators."""
+    energy = broadcast(0.0)
+    for m in range(0, count, LANES):
+        rate = block(v, start + m)
+        energy = energy + 0.5 * block(table[OSCILLATOR_MASS], first + m) * rate * rate
+    return sum_of_lanes(energy)
+
+
+@kernel
 def oscillator_momentum(table, first, count, v, start):
     """Momentum of oscillators."""
     momentum = broadcast(0.0)

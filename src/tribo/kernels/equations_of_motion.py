@@ -31,6 +31,7 @@ from tribo.kernels.records import (
     PHI_START,
     PRESENT,
     PULLED,
+    PUSHED,
     RIGHT_X,
     RIGHT_Y,
     RIGID,
@@ -159,9 +160,11 @@ def drive_block(model, s, i, t, q):
     elif s.drive == PULLED:
         bar = coordinates(s.dof_x, s, i, q) - block(model.asperites[L2], i) * block(b[TY], i)
         gx = s.stiffness * ((s.anchor + s.speed * t) - bar)
+    elif s.drive == PUSHED:
+        gx = broadcast(s.push + s.push_rate * t)
     else:
         gx = broadcast(0.0)
-    gy = broadcast(s.load) if s.loaded else -fy
+    gy = broadcast(s.load + s.load_rate * t) if s.loaded else -fy
     present = block(model.asperites[PRESENT], i)
     set_vectors(model.drive, i, present * gx, present * gy)
 

@@ -91,7 +91,7 @@ CONSTANTS = (
     PRESENT,
 ) = range(len(CONSTANTS))
 
-FORCED, FREE, RIGID, PULLED, CUSTOM, BARS = range(6)
+FORCED, FREE, RIGID, PULLED, CUSTOM, BARS, PUSHED = range(7)
 
 SURFACE = np.dtype(
     [
@@ -102,13 +102,16 @@ SURFACE = np.dtype(
         ("vx", "f8"),  # its initial velocity, relative to the first surface's
         ("vy", "f8"),
         ("turning", "i8"),  # 1 where clamped bars turn
-        ("drive", "i8"),  # FORCED, FREE, RIGID, PULLED, CUSTOM, BARS
+        ("drive", "i8"),  # FORCED, FREE, RIGID, PULLED, CUSTOM, BARS, PUSHED
         ("user_ends", "i8"),  # 1 where a plug-in exerts the forces on the ends of bars
         ("fixed", "i8"),  # 1 where pendulums are fixed to their bars: rigid asperites
         ("mass", "f8"),  # of all its asperites
         ("total_mass", "f8"),  # of all its asperites and their baths
-        ("loaded", "i8"),  # 1 where a load takes the place of -f1_y
-        ("load", "f8"),  # the y force on each bar
+        ("loaded", "i8"),  # 1 where a load or a push takes the place of -f1_y
+        ("load", "f8"),  # the y force on each bar at t = 0
+        ("load_rate", "f8"),  # and its growth
+        ("push", "f8"),  # the x force on each pushed bar at t = 0
+        ("push_rate", "f8"),  # and its growth
         ("stiffness", "f8"),  # of the pulling spring
         ("speed", "f8"),  # of the pulling stage, relative to the surface's initial velocity
         ("anchor", "f8"),  # displacement of the pulling stage at t = 0

@@ -9,9 +9,12 @@ from tribo.kernels.baths import (
     bar_angle,
     first_slot,
     oscillator_energy,
+    oscillator_kinetic,
     oscillator_momentum,
+    pull,
     torsional_slot,
 )
+from tribo.kernels.blocks import clear
 from tribo.kernels.compiled import kernel
 from tribo.kernels.contact import contact_energy, pair_energy
 from tribo.kernels.fields import field_energy
@@ -20,6 +23,9 @@ from tribo.kernels.simd_arrays import room, with_spare_lanes
 from tribo.kernels.springs import spring_energies
 
 SPRINGS, BATH, TORSIONAL, WITHIN, MOMENTUM_X, MOMENTUM_Y, STORED = range(7)
+
+# Rows of what samples may have of the baths: their force on each bar, and their kinetic energy.
+PULL_X, PULL_Y, KINETIC, BATH_ROWS = range(4)
 
 
 class State(NamedTuple):
@@ -59,6 +65,7 @@ class Record(NamedTuple):
     contact: np.ndarray  # (times,) energy of all contacts
     field: np.ndarray  # (times,) energy in all external fields
     stored: np.ndarray  # (times, surfaces, STORED) energies within, and the baths' momentum
+    baths: np.ndarray  # (times, BATH_ROWS, n) the bath of each bar; empty where not asked for
     y_places: np.ndarray  # (2 coordinates,) where the kernels have them
     s_places: np.ndarray  # (accounts,) the same
 
@@ -144,6 +151,36 @@ def torsional_energies(model, torsional, t, q, v, stored):
 
 
 @kernel
+def write_baths(model, bath, q, v, record):
+    """Record the force of the bath on each bar, and the bath's kinetic energy, with 0 elsewhere."""
+    if bath is not None:
+        for k in range(model.surfaces.shape[0]):
+            s = model.surfaces[k]
+            first = s.first_oscillator
+            count = s.oscillators
+            for i in range(s.start, s.end):
+                m = first_slot(s, i)
+                x = model.displaced[ALONG_X, i]
+                y = model.displaced[ALONG_Y, i]
+                record[PULL_X, i] = pull(bath, first, count, q, m, x)
+                record[PULL_Y, i] = pull(bath, first, count, q, m + count, y)
+                energy = oscillator_kinetic(bath, first, count, v, m)
+                record[KINETIC, i] = energy + oscillator_kinetic(bath, first, count, v, m + count)
+
+
+@kernel
+def add_torsional_kinetic(model, torsional, v, record):
+    """Add the kinetic energy of the torsional oscillators on each bar."""
+    if torsional is not None:
+        for k in range(model.surfaces.shape[0]):
+            s = model.surfaces[k]
+            for i in range(s.start, s.end):
+                m = torsional_slot(s, i)
+                energy = oscillator_kinetic(torsional, s.first_torsional, s.torsionals, v, m)
+                record[KINETIC, i] += energy
+
+
+@kernel
 def write_sample(model, neighbours, clock, state, record):
     """Record the state as the next sample; the bobs are in place."""
     k = clock.sample
@@ -163,4 +200,8 @@ def write_sample(model, neighbours, clock, state, record):
     energies_within(model, model.within, neighbours, record.stored[k])
     bath_energies(model, model.bath, q, v, record.stored[k])
     torsional_energies(model, model.torsional, clock.t, q, v, record.stored[k])
+    if record.baths.shape[1] > 0:
+        clear(record.baths[k])
+        write_baths(model, model.bath, q, v, record.baths[k])
+        add_torsional_kinetic(model, model.torsional, v, record.baths[k])
     clock.sample += 1

@@ -12,7 +12,7 @@ from typing import Any, Self
 
 from tribo.plugins import classes as plugins
 from tribo.plugins.unloaded import left
-from tribo.validation import NOT_NEGATIVE, InputError, boolean, choice, known_keys, number
+from tribo.validation import NOT_NEGATIVE, InputError, boolean, choice, known_keys, number, vector
 
 # Signatures of the methods that plug-ins need, as messages quote them.
 FORCE_ON_BAR = "force_on_bar(self, t, x, y, vx, vy, fx, fy)"
@@ -106,6 +106,34 @@ class Pulled(Drive):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Pushed(Drive):
+    """f2 = force + rate t: a force on each bar that is constant, or grows at a rate.
+
+    With it the force at which a surface comes off is found.  Takes keywords only.
+
+    Attributes
+    ----------
+    load : float, optional
+        Force N on each asperite towards the other surface [force], in place of f2_y.
+    force : (float, float)
+        Force on each bar at t = 0, x and y [force].
+    rate : (float, float)
+        Its growth [force / time].
+    """
+
+    force: tuple[float, float] = (0.0, 0.0)
+    rate: tuple[float, float] = (0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name, unit in (("force", "force"), ("rate", "force / time")):
+            values = vector(name, getattr(self, name), size=2, unit=unit)
+            object.__setattr__(self, name, tuple(values.tolist()))
+            if self.load is not None and values[1] != 0.0:
+                raise InputError(name, f"must be zero along y beside a load, got {values[1]:g}")
+
+
+@dataclass(frozen=True, kw_only=True)
 class DrivenBars(Drive):
     """The centres of the bars move uniformly with the surface's initial velocity, or stand.
 
@@ -170,8 +198,10 @@ KINDS: dict[str, type[Drive]] = {
     "forced": Forced,
     "free": Free,
     "pulled": Pulled,
+    "push": Pushed,
     "bars": DrivenBars,
 }
+SETTINGS = ("kind", "load", "rigid", "stiffness", "speed", "force", "rate")
 
 
 def as_drive(value: object, folder: Path = Path()) -> Drive:
@@ -189,11 +219,11 @@ def as_drive(value: object, folder: Path = Path()) -> Drive:
         cls = plugins.class_named("kind", name, folder)
         plugins.check_class(cls, "kind", FORCE_ON_BAR)
         return Custom(load=load, force=plugins.instance(cls, parameters))
-    table = known_keys(value, ["kind", "load", "rigid", "stiffness", "speed"], ["kind"])
+    table = known_keys(value, SETTINGS, ["kind"])
     kind = KINDS[choice("kind", table.pop("kind"), KINDS)]
     if kind is DrivenBars and "rigid" in table:
         raise InputError("rigid", 'cannot go with kind = "bars": driven bars move as one anyway')
-    required = ["stiffness", "speed"] if kind is Pulled else []
+    required = {Pulled: ["stiffness", "speed"], Pushed: ["force"]}.get(kind, [])
     return kind(**known_keys(table, kind.__dataclass_fields__, required))
 
 
@@ -203,7 +233,8 @@ def as_table(drive: Drive) -> dict[str, Any]:
         table = {"kind": plugins.name_of(drive.force, {})} | drive.force._asdict()
         return table if drive.load is None else table | {"load": drive.load}
     kind = next(name for name, cls in KINDS.items() if cls is type(drive))
-    settings = {name: getattr(drive, name) for name in drive.__dataclass_fields__}
+    values = ((name, getattr(drive, name)) for name in drive.__dataclass_fields__)
+    settings = {name: list(v) if isinstance(v, tuple) else v for name, v in values}
     return {"kind": kind} | {k: v for k, v in settings.items() if v is not None and v is not False}
 
 

@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from tribo.model.drives import Custom, DrivenBars, Ends, Forced, Pulled
+from tribo.model.drives import Custom, DrivenBars, Ends, Forced, Pulled, Pushed
 from tribo.model.fields import Field
 from tribo.model.interaction import Interaction, Periodic, as_periodic
 from tribo.model.settings import Numerics, Output
@@ -43,6 +43,7 @@ class Effect(StrEnum):
         "forces on the ends of clamped bars that have a torsion spring to hold",
     )
     PULL = "pull", "springs to a moving stage"
+    PUSH = "push", "a force on each bar that is constant, or grows"
     LOAD = "load", "a force that presses the surfaces together"
     OWN_DRIVE = "own drive", "forces f2 of the user's own"
     OWN_ENDS = "own ends", "forces of the user's own on the ends of bars"
@@ -127,6 +128,7 @@ class Scene:
         put(self, "fields", self._checked_fields())
         put(self, "periodic", as_periodic(self.periodic))
         self._check_period()
+        self._check_series()
         times = self.output.times
         if times is not None and times[-1] > self.duration:
             raise InputError(
@@ -193,6 +195,17 @@ class Scene:
                         f"got {reach:g}",
                     )
 
+    def _check_series(self) -> None:
+        """Refuse series of forces with noise where their impulses are not kept."""
+        if "forces" in self.output.series and self.output.ledger != "asperites":
+            for surface in self.surfaces:
+                if surface.noisy_forces:
+                    raise InputError(
+                        "output.series",
+                        f'"forces" needs output.ledger = "asperites", got "{self.output.ledger}": '
+                        f'{surface.noisy_forces[0]} of "{surface.name}" has noise',
+                    )
+
     def _refuse_two_for_one_pair(self, interactions: tuple[Interaction, ...]) -> None:
         seen: dict[tuple[int, int], list[set[str] | None]] = {}
         for i, interaction in enumerate(interactions):
@@ -251,6 +264,10 @@ class Scene:
         """Whether the bobs of the surface interact with one another."""
         return any(i.between == (surface.name, surface.name) for i in self.interactions)
 
+    def has_field(self, surface: Surface) -> bool:
+        """Whether an external field acts on the bobs of the surface."""
+        return any(surface.name in item.on for item in self.fields)
+
     @property
     def count(self) -> int:
         """Number of asperites."""
@@ -281,6 +298,8 @@ class Scene:
                 present.add(Effect.SLIDING)
             if isinstance(s.drive, Pulled):
                 present.add(Effect.PULL)
+            if isinstance(s.drive, Pushed):
+                present.add(Effect.PUSH)
             if s.drive.load is not None:
                 present.add(Effect.LOAD)
             if isinstance(s.drive, Custom):
@@ -311,7 +330,7 @@ class Scene:
 
     def has_uncancelled_forces(self, surface: Surface) -> bool:
         """Whether forces that the drive does not cancel act on the surface's asperites."""
-        fields = any(surface.name in item.on for item in self.fields)
+        fields = self.has_field(surface)
         lattice = bool(surface.springs) or surface.bath.masses.size > 0
         lattice = lattice or self.has_contact_within(surface)
         return fields or lattice or bool(surface.bar_reservoir) or isinstance(surface.bars, Ends)
@@ -329,7 +348,7 @@ class Scene:
         """Whether the y of the surface's centres of mass are degrees of freedom, likewise."""
         if isinstance(surface.drive, DrivenBars):
             return False
-        pressed = surface.drive.load is not None or isinstance(surface.drive, Custom)
+        pressed = surface.drive.load is not None or isinstance(surface.drive, (Custom, Pushed))
         return pressed or self.has_uncancelled_forces(surface)
 
     @property

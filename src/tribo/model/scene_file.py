@@ -69,7 +69,7 @@ def scene_from(table: dict[str, Any], folder: Path = Path()) -> Scene:
     if not isinstance(surfaces, list):
         raise must_be("surface", "[[surface]] tables, one for each surface", surfaces)
     with inside("output"):
-        output = Output(**known_keys(table.get("output", {}), ["samples", "times", "ledger"]))
+        output = Output(**known_keys(table.get("output", {}), [f.name for f in fields_of(Output)]))
     with inside("numerics"):
         keys = [item.name for item in fields_of(Numerics)]
         numerics = Numerics(**known_keys(table.get("numerics", {}), keys))

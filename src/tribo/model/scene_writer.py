@@ -37,6 +37,8 @@ def scene_table(scene: Scene) -> dict[str, Any]:
     table["output"] = _table_of(scene.output)
     if scene.output.times is not None:
         del table["output"]["samples"]
+    if not scene.output.series:
+        del table["output"]["series"]
     table["numerics"] = _table_of(scene.numerics)
     table["periodic"] = _table_of(scene.periodic)
     table["interaction"] = [

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import json
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +16,7 @@ from tribo.validation import (
     choice,
     inside,
     integer,
+    is_list,
     must_be,
     number,
     vector,
@@ -25,6 +27,8 @@ from tribo.validation import (
 FINEST, COARSEST = 1e-13, 0.1
 # Of what the works and pseudoworks are kept.
 LEDGERS = ("asperites", "surfaces", "none")
+# Groups of further series that are reported on request.
+SERIES = ("forces", "energies")
 
 
 @dataclass(frozen=True)
@@ -40,19 +44,23 @@ class Output:
     ledger : str
         Works and pseudoworks of each asperite, "asperites", their sums over each surface,
         "surfaces", or none of them, "none".  A run does not compute what is not kept.
+    series : tuple of str
+        Further series: "forces" on every asperite, "energies" of every kind, or both.
 
     Raises
     ------
     InputError
-        If `samples` is too small or too large, `times` do not increase, or `ledger` is none of
-        these words.
+        If `samples` is too small or too large, `times` do not increase, or `ledger` or `series`
+        are none of these words.
     """
 
     samples: int = 401
     times: tuple[float, ...] | None = None
     ledger: str = "asperites"
+    series: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "series", _words("series", self.series, SERIES))
         integer("samples", self.samples, 2, LARGEST_COUNT)
         choice("ledger", self.ledger, LEDGERS)
         if self.times is not None:
@@ -106,6 +114,14 @@ class Numerics:
             number("step", self.step, POSITIVE, "time")
             if self.accuracy is not None:
                 raise InputError("accuracy", "cannot go with a step; give one or the other")
+
+
+def _words(field: str, value: object, words: Sequence[str]) -> tuple[str, ...]:
+    """A list of words, each once."""
+    if not is_list(value):
+        raise must_be(field, f"a list of words, as {json.dumps(words)}", value)
+    given = [choice(f"{field}[{i}]", word, words) for i, word in enumerate(value)]
+    return tuple(word for word in words if word in given)
 
 
 def check_accuracy(value: object) -> float | dict[str, float]:

@@ -113,8 +113,8 @@ class Surface:
         x, y, z of the resting bobs [length], instead of `bob`, `shape`, `spacing` and `depth`.
     drive : Drive or str or dict
         What holds or moves the surface: :class:`Forced`, :class:`Free`, :class:`Pulled`,
-        :class:`DrivenBars`, :class:`Custom`; or "forced", "free", "bars", or its table in a scene
-        file.
+        :class:`Pushed`, :class:`DrivenBars`, :class:`Custom`; or "forced", "free", "bars", or its
+        table in a scene file.
     bars : str or Ends
         "clamped", "free", or :class:`Ends` for a user's forces on the ends of the bars.
     springs : Springs or dict
@@ -204,6 +204,15 @@ class Surface:
                 raise InputError(f"initial.{name}", "must be zero where asperite.kappa = inf")
         if self.swing_reservoir is not None:
             raise InputError("langevin.on", 'must be "bar" where asperite.kappa = inf, got "swing"')
+
+    @property
+    def noisy_forces(self) -> tuple[str, ...]:
+        """The forces on its asperites that have white noise."""
+        if not self.langevin or self.langevin.temperature == 0.0:
+            return ()
+        if self.swing_reservoir:
+            return ("f2",) if isinstance(self.drive, DrivenBars) else ()
+        return ("f_T", "fL", "fR") if self.asperite.is_rigid else ("f_T",)
 
     @property
     def bar_reservoir(self) -> Langevin | None:

@@ -18,6 +18,9 @@ from tribo.validation import inside
 SKIN = 0.3
 # Pairs of bobs up to which every pair is visited, rather than a neighbour list.
 UNLISTED_PAIRS = 4096
+# Room of a neighbour list, in units of what it needed when it had too little: bobs that approach
+# one another need somewhat more soon after.
+EXTRA_ROOM = 1.5
 
 
 def lay_out_contacts(
@@ -95,6 +98,16 @@ def neighbours(model: Model, rows: int, skin: float) -> Neighbours:
         place=np.full((model.asperites.shape[1], 2), np.nan),
         skin=skin,
         made=np.zeros(1, np.int64),
+    )
+
+
+def with_room(neighbours: Neighbours | None) -> Neighbours | None:
+    """The same list, or an empty one with more room if it had too little."""
+    if neighbours is None or neighbours.start[-1] <= neighbours.index.size:
+        return neighbours
+    room = int(EXTRA_ROOM * neighbours.start[-1])
+    return neighbours._replace(
+        index=np.zeros(room, np.int64), place=np.full_like(neighbours.place, np.nan)
     )
 
 

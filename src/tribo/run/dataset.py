@@ -17,7 +17,7 @@ from tribo.model.scene import Scene
 from tribo.model.scene_writer import scene_text
 from tribo.run.identity import plugin_stamps, version
 from tribo.run.ledger import Ledger
-from tribo.run.quantities import QUANTITIES, SUMMED_QUANTITIES, UNITS, Table
+from tribo.run.quantities import EVERY_QUANTITY, SUMMED_QUANTITIES, UNITS, Table
 from tribo.run.state import State
 from tribo.validation import InputError
 
@@ -56,7 +56,7 @@ def _series(
     for key, values in table.items():
         name = f"{surface}.{key}" if surface else key
         is_sum = key in SUMMED_QUANTITIES and len(dimensions) == 1
-        quantity = SUMMED_QUANTITIES[key] if is_sum else QUANTITIES[key]
+        quantity = SUMMED_QUANTITIES[key] if is_sum else EVERY_QUANTITY[key]
         about = {"units": quantity.units, "long_name": quantity.long_name}
         variables[name] = (dimensions, values, about)
         bound = bounds.get(name, bounds[key])
@@ -179,7 +179,7 @@ def ledger_of(data: xarray.Dataset, scene: Scene) -> Ledger:
     system: dict[str, np.ndarray] = {}
     for name, variable in data.data_vars.items():
         surface, _, key = str(name).rpartition(".")
-        if key not in QUANTITIES or str(name).startswith(STATE):
+        if key not in EVERY_QUANTITY or str(name).startswith(STATE):
             continue  # an error estimate, or the state
         if not surface:
             system[key] = variable.values

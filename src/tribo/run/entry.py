@@ -9,7 +9,7 @@ import numpy as np
 from tribo.kernels.kinematics import bar_position, bob_position, bob_velocity
 from tribo.run.batch import Batch
 from tribo.run.layout import Layout
-from tribo.run.motion import Motion, internal_energy, swing_direction
+from tribo.run.motion import Motion, internal_energies, swing_direction
 from tribo.run.samples import Samples
 
 Position = tuple[np.ndarray, np.ndarray]  # x and y
@@ -88,11 +88,23 @@ class Entry(Motion):
         kinetic = mass * (velocity[0] * self.vx + velocity[1] * self.vy) + self.moving
         return self.samples.change(kinetic)
 
+    @property
+    def translation(self) -> np.ndarray:
+        """The translational kinetic energy."""
+        vx, vy = self.velocity
+        return np.asarray(0.5 * self.batch.asperites.mass * (vx**2 + vy**2))
+
+    @property
+    def energies(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The kinetic energies of pendulum and bar about their centres, and that of the torsion."""
+        a = self.batch.asperites
+        return internal_energies(a, self.omega, self.nu, self.swing - self.phi)
+
     @cached_property
     def energy(self) -> np.ndarray:
         """The internal energy."""
-        a = self.batch.asperites
-        return internal_energy(a, self.omega, self.nu, self.swing - self.phi)
+        swing, bar, spring = self.energies
+        return swing + bar + spring
 
     @cached_property
     def internal(self) -> np.ndarray:

@@ -11,18 +11,15 @@ import numpy as np
 from tribo.integrators.methods import Method
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.compiled import collector_paused, time_loop
-from tribo.kernels.records import CLOCK, Neighbours
+from tribo.kernels.records import CLOCK
 from tribo.kernels.samples import STORED, Record, State, empty_state, initial_state
 from tribo.kernels.simd_arrays import room, with_spare_lanes
 from tribo.plugins.compile_errors import compiling
 from tribo.plugins.sources import source_stamp
+from tribo.run.contacts import with_room
 from tribo.run.integrate import Columns, Memory, Setting
 from tribo.run.layout import Layout
 from tribo.run.samples import Samples
-
-# Room of a neighbour list, in units of what it needed when it had too little: bobs that approach
-# one another need somewhat more soon after.
-EXTRA_ROOM = 1.5
 
 
 class GeneralLoop:
@@ -98,6 +95,7 @@ class GeneralLoop:
             np.empty(samples),
             np.empty(samples),
             np.zeros((samples, surfaces, STORED)),
+            np.empty((samples, *self.layout.sampled_baths)),
         )
 
     def advance(self, times: np.ndarray, columns: Columns, budget: int) -> int:
@@ -191,13 +189,3 @@ def set_numbers(clocks: np.ndarray, numbers: np.ndarray) -> None:
     """Set the fields of a clock from :func:`numbers_of`."""
     for name, value in zip(CLOCK.names or (), numbers, strict=True):
         clocks[name] = value
-
-
-def with_room(neighbours: Neighbours | None) -> Neighbours | None:
-    """The same list, or an empty one with more room if it had too little."""
-    if neighbours is None or neighbours.start[-1] <= neighbours.index.size:
-        return neighbours
-    room = int(EXTRA_ROOM * neighbours.start[-1])
-    return neighbours._replace(
-        index=np.zeros(room, np.int64), place=np.full_like(neighbours.place, np.nan)
-    )

@@ -10,6 +10,7 @@ import numpy as np
 
 from tribo.kernels import records
 from tribo.kernels.records import Model, Neighbours
+from tribo.kernels.samples import BATH_ROWS
 from tribo.kernels.simd import LANES
 from tribo.kernels.simd_arrays import room
 from tribo.model.drives import Custom as CustomDrive
@@ -19,6 +20,7 @@ from tribo.potentials.from_ase import Call, Live
 from tribo.run import contacts, slots
 from tribo.run.batch import Batch, batch_of, batches_of
 from tribo.run.force_records import fields_on_surfaces, user_forces
+from tribo.run.further_series import further_series
 from tribo.run.identity import loaded
 from tribo.run.model_tables import model_tables
 from tribo.run.scene_records import resting_bobs, scene_records
@@ -109,6 +111,19 @@ class Layout:
             )
             for index, surface in enumerate(self.scene.surfaces)
         }
+
+    @cached_property
+    def further(self) -> dict[str, frozenset[str]]:
+        """Surface -> the names of further series that are asked for."""
+        return {s.name: further_series(self.scene, s) for s in self.scene.surfaces}
+
+    @property
+    def sampled_baths(self) -> tuple[int, int]:
+        """The shape of what a sample has of the baths, (0, 0) where no series needs it."""
+        bathed = self.model.bath is not None or self.model.torsional is not None
+        if self.scene.output.series and bathed:
+            return BATH_ROWS, self.model.asperites.shape[1]
+        return 0, 0
 
     @cached_property
     def accounted(self) -> Batch:

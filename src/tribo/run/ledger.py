@@ -16,8 +16,10 @@ from typing import Any
 
 import numpy as np
 
+from tribo.run.forces import Forces
+from tribo.run.further_series import system_names
 from tribo.run.layout import Layout
-from tribo.run.quantities import QUANTITIES, Quantity, Reported, Table, needs_accounts, reported
+from tribo.run.quantities import EVERY_QUANTITY, Quantity, Reported, Table, needs_accounts, reported
 from tribo.run.samples import Samples
 from tribo.run.totals import System, Whole
 
@@ -116,7 +118,7 @@ class Ledger:
     def names(self) -> list[str]:
         """The quantities of which there are series."""
         tables = [*self.surfaces.values(), *self.blocks.values(), self.system]
-        return [name for name in QUANTITIES if any(name in table for table in tables)]
+        return [name for name in EVERY_QUANTITY if any(name in table for table in tables)]
 
     def of(self, surface: str) -> Series:
         """All series of a surface.  Raises KeyError if there is no such surface."""
@@ -160,13 +162,15 @@ class Assembled(Ledger):
         self._samples = samples
         # Neither wholes nor series refer to the ledger: all is released without a collection.
         self._wholes: dict[str, Whole] = {}
+        self._forces = Forces(layout, samples)
         self._series: dict[str, Series] = {}
 
     def of(self, surface: str) -> Series:
         """All series of a surface.  Raises KeyError if there is no such surface."""
         if surface not in self._series:
             index = self._layout.effects[surface][0]
-            whole = self._wholes[surface] = Whole(self._layout, self._samples, index)
+            whole = Whole(self._layout, self._samples, index, forces=self._forces)
+            self._wholes[surface] = whole
             found = self._reported(surface)
             every = {**found.asperites, **found.blocks}
             self._series[surface] = Series(every, partial(series_of, every, whole))
@@ -191,13 +195,16 @@ class Assembled(Ledger):
     @cached_property
     def system(self) -> Series:  # type: ignore[override]
         """Quantity of the system -> (times,)."""
-        found = reported(self._layout.scene.output.ledger, False, False).system
+        scene = self._layout.scene
+        further = frozenset(system_names(scene))
+        found = reported(scene.output.ledger, False, False, further).system
         return Series(found, partial(series_of, found, self._system))
 
     def _reported(self, surface: str) -> Reported:
         """The quantities of a surface and of its asperites."""
         _, field, reservoir = self._layout.effects[surface]
-        return reported(self._layout.scene.output.ledger, field, reservoir)
+        ledger, further = self._layout.scene.output.ledger, self._layout.further[surface]
+        return reported(ledger, field, reservoir, further)
 
     @cached_property
     def _system(self) -> System:
@@ -206,8 +213,8 @@ class Assembled(Ledger):
         return System(self._layout, self._samples, tuple(self._wholes.values()))
 
     def at_end(self) -> Ledger:
-        """The ledger at the last time alone, from the first and the last sample."""
-        return Assembled(self._layout, self._samples.ends()).rows(slice(-1, None))
+        """The ledger at the last time alone, from the samples that it needs."""
+        return Assembled(self._layout, self._samples.last_interval()).rows(slice(-1, None))
 
 
 def series_of(quantities: Mapping[str, Quantity], source: Whole | System, name: str) -> np.ndarray:

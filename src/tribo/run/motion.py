@@ -133,9 +133,17 @@ def swing_direction(facing: np.ndarray, swing: np.ndarray) -> tuple[np.ndarray, 
     return facing * np.cos(swing), facing * np.sin(swing)
 
 
+def internal_energies(
+    asperites: Asperites, omega: np.ndarray, nu: np.ndarray, torsion: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """1/2 I omega^2, 1/2 i2 nu^2 and 1/2 kappa (theta - rest - phi)^2, each (times, asperites)."""
+    a = asperites
+    return 0.5 * a.inertia * omega**2, 0.5 * a.i2 * nu**2, 0.5 * a.kappa * torsion**2
+
+
 def internal_energy(
     asperites: Asperites, omega: np.ndarray, nu: np.ndarray, torsion: np.ndarray
 ) -> np.ndarray:
-    """1/2 I omega^2 + 1/2 i2 nu^2 + 1/2 kappa (theta - rest - phi)^2, (times, asperites)."""
-    a = asperites
-    return np.asarray(0.5 * (a.inertia * omega**2 + a.i2 * nu**2 + a.kappa * torsion**2))
+    """Their sum."""
+    swing, bar, spring = internal_energies(asperites, omega, nu, torsion)
+    return np.asarray(swing + bar + spring)

@@ -166,6 +166,11 @@ class PairSamples(Samples):
         """Zeros, (times, 2, STORED)."""
         return np.zeros((self.t.size, 2, STORED))
 
+    @property
+    def baths(self) -> np.ndarray:  # type: ignore[override]
+        """Empty, (times, 0, 0)."""
+        return np.empty((self.t.size, 0, 0))
+
     def linear(self, key: Hashable, function: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
         """The value of a linear function of `s`, from the record's columns that it depends on."""
         factors = self._factors.linear.get(key)

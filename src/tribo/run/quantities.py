@@ -8,7 +8,9 @@ from functools import cache
 
 import numpy as np
 
+from tribo.kernels.samples import SPRINGS, WITHIN
 from tribo.run.entry import Entry
+from tribo.run.forces import FORCES
 from tribo.run.totals import Group, Linear, System, Whole
 
 Table = Mapping[str, np.ndarray]  # quantity -> its series
@@ -20,6 +22,7 @@ UNITS = {
     "length": "length",
     "velocity": "length time^-1",
     "energy": "energy",
+    "force": "force",
 }
 
 
@@ -133,12 +136,56 @@ SYSTEM_QUANTITIES = {
         "energy", "work of drives, ends, reservoirs and moving fields", Linear(System.applied)
     ),
 }
+# Those that have an accuracy.
 QUANTITIES = ASPERITE_QUANTITIES | OPTIONAL_QUANTITIES | BLOCK_QUANTITIES | SYSTEM_QUANTITIES
 
 
 def needs_accounts(name: str) -> bool:
     """Whether a quantity is a work, a pseudowork or the heat."""
     return name in QUANTITIES and isinstance(QUANTITIES[name].of, Linear)
+
+
+def _force(name: str, axis: int) -> Callable[[Whole], np.ndarray]:
+    return lambda whole: whole.force(name, axis)
+
+
+# Of each asperite on request, without an accuracy.
+FURTHER_OF_ASPERITES = {
+    f"{name}_{along}": Quantity("force", f"{along} of the {force.meaning}", _force(name, axis))
+    for name, force in FORCES.items()
+    for axis, along in enumerate("xy")
+} | {
+    "k_trans": Quantity("energy", "translational kinetic energy", _each(lambda e: e.translation)),
+    "k_swing": Quantity(
+        "energy", "kinetic energy of the pendulum's rotation", _each(lambda e: e.energies[0])
+    ),
+    "k_bar": Quantity(
+        "energy", "kinetic energy of the bar's rotation", _each(lambda e: e.energies[1])
+    ),
+    "e_torsion": Quantity("energy", "energy of the torsion spring", _each(lambda e: e.energies[2])),
+}
+# Of each surface as a whole, likewise.
+FURTHER_OF_SURFACES = {
+    "friction_force": Quantity(
+        "force", "x of the contact force on the surface", lambda whole: whole.friction_force
+    ),
+    "e_springs": Quantity(
+        "energy", "energy of the lattice springs", lambda whole: whole.stored(SPRINGS)
+    ),
+    "e_within": Quantity(
+        "energy", "energy of contact within the surface", lambda whole: whole.stored(WITHIN)
+    ),
+    "k_bath": Quantity("energy", "kinetic energy of the bath", lambda whole: whole.kinetic_of_bath),
+    "e_bath": Quantity(
+        "energy", "potential energy of the bath", lambda whole: whole.potential_of_bath
+    ),
+    "heat_bath": Quantity("energy", "heat given to the bath", lambda whole: whole.heat_of_bath),
+}
+# Of the whole system, likewise.
+FURTHER_OF_SYSTEM = {
+    "field_energy": Quantity("energy", "potential energy in fields", System.field_energy)
+}
+EVERY_QUANTITY = QUANTITIES | FURTHER_OF_ASPERITES | FURTHER_OF_SURFACES | FURTHER_OF_SYSTEM
 
 
 # The sums over the asperites of a surface, by the names of what is summed.
@@ -165,7 +212,9 @@ class Reported:
 
 
 @cache
-def reported(ledger: str, field: bool, reservoir: bool) -> Reported:
+def reported(
+    ledger: str, field: bool, reservoir: bool, further: frozenset[str] = frozenset()
+) -> Reported:
     """The quantities that are reported.
 
     Parameters
@@ -174,7 +223,20 @@ def reported(ledger: str, field: bool, reservoir: bool) -> Reported:
         Of what works are kept: "asperites", "surfaces" or "none".
     field, reservoir : bool
         Whether a field acts on the surface, and whether it has a reservoir.
+    further : frozenset of str
+        The names of those that are reported on request.
     """
+    usual = _usual(ledger, field, reservoir)
+    asked = (
+        {name: each for name, each in table.items() if name in further}
+        for table in (FURTHER_OF_ASPERITES, FURTHER_OF_SURFACES, FURTHER_OF_SYSTEM)
+    )
+    tables = zip((usual.asperites, usual.blocks, usual.system), asked, strict=True)
+    return Reported(*({**table, **more} for table, more in tables))
+
+
+def _usual(ledger: str, field: bool, reservoir: bool) -> Reported:
+    """The quantities that are reported without being asked for."""
     own = ASPERITE_QUANTITIES | (FIELD_QUANTITIES if field else {})
     own |= RESERVOIR_QUANTITIES if reservoir else {}
     if ledger == "asperites":

@@ -17,11 +17,12 @@ import numpy as np
 from tribo.kernels.status import MEANINGS, Status
 from tribo.model.scene import Scene
 from tribo.run import dataset
+from tribo.run.friction import BLOCKS, FrictionForce, average
 from tribo.run.identity import Identity, opened
 from tribo.run.ledger import Ledger, Series
 from tribo.run.quantities import Table
 from tribo.run.state import State
-from tribo.validation import as_path
+from tribo.validation import InputError, as_path
 
 if TYPE_CHECKING:
     import xarray
@@ -168,6 +169,40 @@ class Result:
             "take_state": Known(self.state()),
         }
 
+    def friction_force(
+        self, surface: str, after: float = 0.0, blocks: int = BLOCKS
+    ) -> FrictionForce:
+        """The time average of the friction force on a surface, and its spread.
+
+        The friction force is the x component of the sum of all contact forces f1; the scene's
+        output must ask for the series "forces".
+
+        Parameters
+        ----------
+        surface : str
+            Name of the surface.
+        after : float
+            When the average begins, to leave out the run-in [time].
+        blocks : int
+            Number of blocks of equal length whose averages give the interval; each must be much
+            longer than the time over which the force is correlated.
+
+        Returns
+        -------
+        FrictionForce
+            ``mean``, ``half_width`` of its 95 % interval, and ``spread``, the standard deviation
+            over time [force].
+
+        Raises
+        ------
+        InputError
+            The forces were not recorded, or there are too few samples.
+        """
+        series = self[surface]
+        if "friction_force" not in series:
+            raise InputError("output.series", 'does not contain "forces"; add it, and run again')
+        return average(self.t, series["friction_force"], after, blocks)
+
     def state(self) -> State:
         """The full state at the end, from which :func:`tribo.simulate` continues.
 
@@ -205,7 +240,15 @@ class Result:
             },
             "system": {key: float(values[-1]) for key, values in ledger.system.items()},
             "error_estimate": dict(self.error_estimate),
+            **self._friction(),
         }
+
+    def _friction(self) -> dict[str, Any]:
+        """The friction force on every surface, where forces are reported at enough times."""
+        if "forces" not in self.scene.output.series or self.t.size <= 2 * BLOCKS:
+            return {}
+        averages = {name: self.friction_force(name) for name in self.ledger.blocks}
+        return {"friction_force": {name: each._asdict() for name, each in averages.items()}}
 
     @property
     def shortcoming(self) -> str:

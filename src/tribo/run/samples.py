@@ -8,6 +8,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from tribo.kernels.samples import STORED
+from tribo.run.layout import Layout
 
 
 @dataclass(eq=False)
@@ -23,13 +24,15 @@ class Samples:
     contact: np.ndarray  # (times,) energy of contacts between surfaces
     field: np.ndarray  # (times,) energy in external fields
     stored: np.ndarray  # (times, surfaces, STORED)
+    baths: np.ndarray  # (times, BATH_ROWS, columns), or (times, 0, 0) where no series needs it
 
     @classmethod
-    def at_zero(cls, coordinates: int, accounts: int, surfaces: int) -> Samples:
+    def at_zero(cls, layout: Layout) -> Samples:
         """One sample at t = 0, of which all values are zero."""
         one = np.zeros(1)
-        y, s = np.zeros((1, 2 * coordinates)), np.zeros((1, accounts))
-        return cls(one, y, s, one, one, np.zeros((1, surfaces, STORED)))
+        y, s = np.zeros((1, 2 * layout.core)), np.zeros((1, layout.accounts))
+        stored = np.zeros((1, len(layout.parts), STORED))
+        return cls(one, y, s, one, one, stored, np.zeros((1, *layout.sampled_baths)))
 
     def at(self, times: np.ndarray) -> Samples:
         """The samples whose times are among `times`, which ascend."""
@@ -44,6 +47,10 @@ class Samples:
         """The last sample alone."""
         return self._rows(np.array([-1]))
 
+    def last_interval(self) -> Samples:
+        """The first sample and the last two."""
+        return self._rows(np.unique([0, max(self.t.size - 2, 0), self.t.size - 1]))
+
     def ends(self) -> Samples:
         """The first and the last sample."""
         return self._rows(np.unique([0, self.t.size - 1]))
@@ -51,7 +58,7 @@ class Samples:
     def then(self, *later: Samples) -> Samples:
         """These samples, followed by `later` ones of runs with the same start."""
         values = ([getattr(each, f.name) for each in (self, *later)] for f in fields(Samples))
-        return Samples(*map(np.concatenate, values))
+        return Samples(*map(_joined, values))
 
     def linear(self, key: Hashable, function: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
         """The value of a linear function of `s`, which `key` tells from others of the layout."""
@@ -65,3 +72,11 @@ class Samples:
 
     def _rows(self, selected: np.ndarray) -> Samples:
         return Samples(*(getattr(self, f.name)[selected] for f in fields(Samples)))
+
+
+def _joined(parts: list[np.ndarray]) -> np.ndarray:
+    """Arrays one after another; NaN where the first ones do not have what the last has."""
+    shape = parts[-1].shape[1:]
+    return np.concatenate(
+        [p if p.shape[1:] == shape else np.full((len(p), *shape), np.nan) for p in parts]
+    )

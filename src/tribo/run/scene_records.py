@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from tribo.kernels import records
-from tribo.kernels.records import BARS, CUSTOM, FORCED, FREE, PULLED, RIGID
-from tribo.model.drives import DrivenBars, Ends, Forced, Free, Pulled
+from tribo.kernels.records import BARS, CUSTOM, FORCED, FREE, PULLED, PUSHED, RIGID
+from tribo.model.drives import DrivenBars, Ends, Forced, Free, Pulled, Pushed
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 
@@ -73,6 +73,10 @@ def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
         record["drive"] = PULLED
         record["stiffness"] = drive.stiffness
         record["speed"] = drive.speed - surface.velocity[0]
+    elif isinstance(drive, Pushed):
+        record["drive"], record["loaded"] = PUSHED, 1
+        record["push"], record["load"] = drive.force
+        record["push_rate"], record["load_rate"] = drive.rate
     else:
         record["drive"] = CUSTOM
     if drive.load is not None:

@@ -13,7 +13,7 @@ import numpy as np
 
 from tribo.kernels import records
 from tribo.kernels.powers import CONTACT, DRIVE, ENDS, POINT, SLIDE, SWING, USER_ENDS
-from tribo.kernels.records import BARS, CUSTOM, PULLED, RIGID
+from tribo.kernels.records import BARS, CUSTOM, PULLED, PUSHED, RIGID
 from tribo.kernels.simd import LANES
 from tribo.model.drives import DrivenBars, Ends
 from tribo.model.scene import Scene
@@ -129,7 +129,7 @@ def _number_accounts(scene: Scene, surfaces: np.ndarray, stop: int) -> int:
     wanted = {
         "acc_contact": [True for _ in own],
         "acc_slide": slide(scene) | (bars & sums),
-        "acc_drive": np.isin(surfaces["drive"], (RIGID, PULLED, CUSTOM, BARS))
+        "acc_drive": np.isin(surfaces["drive"], (RIGID, PULLED, CUSTOM, BARS, PUSHED))
         | (surfaces["loaded"] == 1)
         | (sums & np.array([np.ptp(arm_ratios(s)) > 0.0 for s in own])),
         "acc_ends": [

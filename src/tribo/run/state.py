@@ -99,7 +99,7 @@ class State:
         return cls(
             t=float(arrays["t"]),
             surfaces=surfaces,
-            first=Samples(**below("first_", arrays)),
+            first=Samples(**{"baths": np.empty((1, 0, 0))} | below("first_", arrays)),
             memory=below("memory_", arrays),
             method=method,
             scene=scene,

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
+from tribo.kernels.force_probe import ROWS
 from tribo.run.layout import Layout
 from tribo.run.ledger import Ledger, assemble
 from tribo.run.quantities import ASPERITE_QUANTITIES, OPTIONAL_QUANTITIES, Table
@@ -66,4 +69,7 @@ def _joined(tables: list[Table]) -> Table:
 def _sample_bytes(layout: Layout) -> int:
     """Bytes of one sample, raw and as the ledger."""
     reported = len(ASPERITE_QUANTITIES) + len(OPTIONAL_QUANTITIES)
-    return 8 * (2 * layout.core + layout.accounts + 2 * reported * layout.scene.count)
+    raw = 2 * layout.core + layout.accounts + math.prod(layout.sampled_baths)
+    if "forces" in layout.scene.output.series:
+        raw += ROWS * layout.model.asperites.shape[1]
+    return 8 * (raw + 2 * reported * layout.scene.count)

@@ -8,10 +8,19 @@ from functools import cached_property
 import numpy as np
 
 from tribo.kernels.records import BARS
-from tribo.kernels.samples import BATH, MOMENTUM_X, MOMENTUM_Y, SPRINGS, TORSIONAL, WITHIN
+from tribo.kernels.samples import (
+    BATH,
+    KINETIC,
+    MOMENTUM_X,
+    MOMENTUM_Y,
+    SPRINGS,
+    TORSIONAL,
+    WITHIN,
+)
 from tribo.run.accounts import APPLIED, EXTERNAL, Account, Integrals, Part, accounted
 from tribo.run.batch import Batch
 from tribo.run.entry import Entry
+from tribo.run.forces import Forces
 from tribo.run.layout import Layout
 from tribo.run.samples import Samples
 
@@ -70,14 +79,22 @@ class Whole(Group):
         Of the surface.
     among : Entry, optional
         The motion of all asperites, if it is known.
+    forces : Forces, optional
+        The forces on all asperites, where they are reported.
     """
 
     def __init__(
-        self, layout: Layout, samples: Samples, index: int, among: Entry | None = None
+        self,
+        layout: Layout,
+        samples: Samples,
+        index: int,
+        among: Entry | None = None,
+        forces: Forces | None = None,
     ) -> None:
         super().__init__(layout, samples, layout.batches[index])
         self._index = index
         self._among = among
+        self._forces = forces
 
     @cached_property
     def entries(self) -> tuple[Entry, ...]:
@@ -124,6 +141,52 @@ class Whole(Group):
         within = self._total(lambda e: e.moving + e.internal) - self._bulk
         within = within + self._stored[:, [SPRINGS, BATH, TORSIONAL, WITHIN]].sum(axis=1)
         return self.samples.change(within)
+
+    def force(self, name: str, axis: int) -> np.ndarray:
+        """A force on each asperite along x or y, axis 0 or 1, (times, asperites)."""
+        assert self._forces is not None
+        forces, index = self._forces, self._index
+        return _side_by_side([forces.of(entry, index, name, axis) for entry in self.entries])
+
+    @property
+    def friction_force(self) -> np.ndarray:
+        """The x component of the contact force on the surface."""
+        return np.asarray(np.sum(self.force("f1", 0), axis=1))
+
+    def stored(self, place: int) -> np.ndarray:
+        """A stored energy, SPRINGS or WITHIN."""
+        return self._stored[:, place]
+
+    @property
+    def heat_of_bath(self) -> np.ndarray:
+        """The change of the bath's energy, in the surface's first frame."""
+        return self.samples.change(self._bath_energy)
+
+    @property
+    def kinetic_of_bath(self) -> np.ndarray:
+        """The kinetic energy of the bath in the laboratory."""
+        vx, vy = self._layout.scene.surfaces[self._index].velocity
+        stored = self._stored
+        moving = vx * stored[:, MOMENTUM_X] + vy * stored[:, MOMENTUM_Y]
+        mass = self._mass - float(self._record.mass)
+        return np.asarray(self._own_kinetic_of_bath + moving + 0.5 * mass * (vx**2 + vy**2))
+
+    @property
+    def potential_of_bath(self) -> np.ndarray:
+        """The potential energy of the bath."""
+        return np.asarray(self._bath_energy - self._own_kinetic_of_bath)
+
+    @property
+    def _bath_energy(self) -> np.ndarray:
+        """The energy of the bath, in the surface's first frame."""
+        return np.asarray(self._stored[:, [BATH, TORSIONAL]].sum(axis=1))
+
+    @property
+    def _own_kinetic_of_bath(self) -> np.ndarray:
+        """The kinetic energy of the bath, in the surface's first frame."""
+        part = list(self._layout.parts.values())[self._index]
+        columns = self._layout.places.columns[part]
+        return np.asarray(self.samples.baths[:, KINETIC, columns].sum(axis=1))
 
     @property
     def _record(self) -> np.record:
@@ -203,6 +266,10 @@ class System:
     def contact_energy(self) -> np.ndarray:
         """The potential energy of contacts between surfaces."""
         return self.samples.contact
+
+    def field_energy(self) -> np.ndarray:
+        """The potential energy in external fields."""
+        return self.samples.field
 
     @_with_infinities
     def change_of_energy(self) -> np.ndarray:

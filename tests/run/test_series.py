@@ -1,0 +1,205 @@
+"""Series on request: forces and energies against independent equations, sums and the ledger."""
+
+import json
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import tribo
+from support import reference
+from support.continued import chain, pair
+from support.everything import everything
+from tribo.model.scene_writer import scene_table
+from tribo.run.layout import lay_out
+
+BOTH = ("forces", "energies")
+
+
+def asking(scene, *series, **output):
+    """The scene with further series."""
+    return replace(scene, output=replace(scene.output, series=series, **output))
+
+
+@pytest.fixture(scope="module")
+def result():
+    """A run with contact between and within, a field, a pull, a load, springs and a bath."""
+    scene = everything(2.0, samples=201)
+    fields = (replace(scene.fields[0], velocity=(0.0, 0.0)),)
+    return tribo.simulate(asking(replace(scene, fields=fields), *BOTH), method="verlet", step=0.002)
+
+
+def vectors(table, name):
+    """x and y of a force, (2, times, asperites); zeros where there is none."""
+    zero = np.zeros(table.theta.shape)
+    return np.array([table.get(f"{name}_{axis}", zero) for axis in "xy"])
+
+
+def test_forces_are_those_of_the_reference(result):
+    """At every time, from the equations of another program; the bath's by the momentum below."""
+    model = reference.Model(scene_table(result.scene))
+    theirs = {"f_within": "within", "f_field": "field", "f_spring": "f_int"}
+    tables = [result["upper"], result["lower"]]
+
+    def joined(name):
+        return np.concatenate([table[name] for table in tables], axis=1)
+
+    bars, bobs = ([joined(f"{axis}_{place}") for axis in "xy"] for place in ("bar", "bob"))
+    rest = np.repeat([surface.rest for surface in model.surfaces], 2)
+    phi, twist = joined("phi"), joined("theta") - joined("phi") - rest
+    for k in range(0, 201, 20):
+        r1, r2 = np.array([each[k] for each in bobs]), np.array([each[k] for each in bars])
+        motion = SimpleNamespace(r1=r1, r2=r2, s=r2[:, model.owner], phi=phi[k], twist=twist[k])
+        expected = model.forces(result.t[k], motion)
+        for name in ("f1", "f2", "fL", "fR", *theirs):
+            found = np.concatenate([vectors(table, name)[:, k] for table in tables], axis=1)
+            assert found == pytest.approx(getattr(expected, theirs.get(name, name)), abs=1e-12)
+
+
+def test_forces_change_the_momentum(result):
+    """Simpson's rule over the sum of all of them; the fastest bath moves by 1/60 turn a sample."""
+    step = result.t[1] - result.t[0]
+    for name, masses in (("upper", np.array([3.0, 3.5])), ("lower", 3.0)):
+        table = result[name]
+        names = {key[:-2] for key in table if key.startswith("f") and key.endswith("_x")}
+        total = sum(vectors(table, key) for key in names)
+        panels = step / 3.0 * (total[:, :-2:2] + 4.0 * total[:, 1:-1:2] + total[:, 2::2])
+        impulse = np.cumsum(panels, axis=1)
+        velocity = np.array([table.vx_cm, table.vy_cm])
+        assert masses * (velocity[:, 2::2] - velocity[:, :1]) == pytest.approx(impulse, abs=2e-6)
+        assert np.max(np.abs(impulse)) > 0.1
+    assert np.max(np.abs(result["lower"].f_bath_x)) > 1e-3
+    assert np.array_equal(result["upper"].friction_force, result["upper"].f1_x.sum(axis=1))
+
+
+def test_energies_close_against_the_ledger(result):
+    """Their sum changes as the total energy does, to round-off, and each part as its account."""
+    total = result.system["contact_energy"] + result.system["field_energy"]
+    for surface in result.scene.surfaces:
+        table = result[surface.name]
+        parts = {key: table[key] for key in ("k_trans", "k_swing", "k_bar", "e_torsion")}
+        total = total + sum(each.sum(axis=1) for each in parts.values())
+        total = total + sum(table.get(f"e_{k}", 0.0) for k in ("springs", "within", "bath"))
+        total = total + table.get("k_bath", 0.0)
+        internal = parts["k_swing"] + parts["k_bar"] + parts["e_torsion"]
+        assert internal - internal[0] == pytest.approx(table.delta_e_int, abs=1e-13)
+        translation = parts["k_trans"] - parts["k_trans"][0]
+        assert translation == pytest.approx(table.delta_k_trans, abs=1e-13)
+    change = result.system["total_energy_change"]
+    assert total - total[0] == pytest.approx(change, abs=1e-13) and np.max(np.abs(change)) > 1.0
+    lower = result["lower"]
+    assert lower.heat_bath == pytest.approx(lower.k_bath + lower.e_bath, abs=1e-15)
+    assert lower.heat_bath[-1] > 1e-3 and lower.k_bath[-1] != lower.e_bath[-1]
+
+
+def test_names_follow_the_effects(result):
+    """Forces and energies that a surface cannot have are no series, and none are by default."""
+    upper, lower = result["upper"], result["lower"]
+    assert "f_spring_x" in upper and "f_spring_x" not in lower and "f_T_x" not in upper
+    assert "k_bath" in lower and "k_bath" not in upper and "e_within" not in lower
+    plain = tribo.simulate(everything(1.0, samples=5), method="verlet", step=0.01)
+    assert "f1_x" not in plain["upper"] and "field_energy" not in plain.system
+    assert plain.ledger._samples.baths.size == 0
+    with pytest.raises(tribo.InputError, match=r'output\.series: does not contain "forces"'):
+        plain.friction_force("upper")
+
+
+def test_noise_has_means():
+    """f_T is its impulse over the interval; the end alone says the same; runs continue."""
+    scene = asking(chain((1.0, 2.0, 4.0)), *BOTH)
+    how = {"method": "verlet", "step": 0.02}
+    whole = tribo.simulate(scene, **how)
+    upper = whole["upper"]
+    names = [key[:-2] for key in upper if key.startswith("f") and key.endswith("_x")]
+    assert np.all(np.isnan(upper.f_T_x[0])) and np.all(np.isfinite(upper.f_T_x[1:]))
+    assert all(np.all(np.isfinite(vectors(upper, name))) for name in names if name != "f_T")
+    accounts = whole.ledger._samples.s[:, lay_out(scene).asperites.acc_thermal[:4]]
+    mean = np.diff(accounts, axis=0) / np.diff(whole.t)[:, None]
+    assert np.array_equal(upper.f_T_x[1:], mean)
+    assert whole.end["surfaces"]["upper"]["f_T_x"] == upper.f_T_x[-1].tolist()
+    half = tribo.simulate(asking(chain((1.0, 2.0))), **how)
+    rest = tribo.simulate(scene, **how, start=half.state())
+    for key in ("f_T_x", "f_bath_x", "f1_x", "k_bath", "heat_bath"):
+        assert np.array_equal(rest["upper"][key][1:], upper[key][3:]), key
+    with pytest.raises(tribo.InputError, match=r'series: "forces" needs output.ledger = "asper'):
+        asking(scene, "forces", ledger="none")
+
+
+def test_reactions_and_rigid_asperites():
+    """f2 on driven bars and the ends of rigid asperites balance what acts on them."""
+    surfaces = (
+        tribo.Surface(
+            "upper",
+            bob=(-1.0, 0.7),
+            velocity=(0.5, 0.0),
+            drive=tribo.DrivenBars(),
+            initial=tribo.Initial(swing=0.3, omega=-0.4),
+        ),
+        tribo.Surface(
+            "lower", facing="up", drive=tribo.Free(), asperite=tribo.Asperite(kappa=math.inf)
+        ),
+    )
+    output = tribo.Output(samples=201, series=BOTH)
+    scene = tribo.Scene(surfaces, tribo.Morse(D=0.1, alpha=2.0, r0=0.5), 2.0, output=output)
+    result = tribo.simulate(scene, method="verlet", step=0.002)
+    for name in ("upper", "lower"):
+        table = result[name]
+        total = sum(vectors(table, force) for force in ("f1", "f2", "fL", "fR"))
+        velocity = np.array([table.vx_cm, table.vy_cm])
+        slope = np.gradient(velocity, result.t, axis=1)
+        assert 3.0 * slope[:, 2:-2] == pytest.approx(total[:, 2:-2], abs=1e-3)
+        assert np.max(np.abs(total)) > 0.05
+    # The couple of the ends holds the pendulum against the forces on bob and bar.
+    lower = result["lower"]
+    torque = 3.0 * vectors(lower, "fR")[1]
+    arm = np.array([lower.x_bob - lower.x_cm, lower.y_bob - lower.y_cm])
+    force = vectors(lower, "f1")
+    opposite = arm[0] * force[1] - arm[1] * force[0]
+    bar = np.array([lower.x_bar - lower.x_cm, lower.y_bar - lower.y_cm])
+    drive = vectors(lower, "f2")
+    opposite = opposite + bar[0] * drive[1] - bar[1] * drive[0]
+    assert torque == pytest.approx(-opposite, abs=1e-12) and np.max(np.abs(torque)) > 0.01
+
+
+def test_friction_force(result, tmp_path):
+    """Mean, interval and spread, in the JSON and from a file; too few samples are refused."""
+    found = result.friction_force("upper")
+    force = result["upper"].friction_force
+    assert found.mean == pytest.approx(np.trapezoid(force, result.t) / 2.0)
+    assert found.spread == pytest.approx(np.std(force), rel=0.05) and found.half_width > 0.0
+    blocks = force[:-1].reshape(10, 20).mean(axis=1)
+    assert found.half_width == pytest.approx(2.262 * np.std(blocks, ddof=1) / 10**0.5, rel=0.02)
+    after = result.friction_force("upper", after=1.0, blocks=5)
+    assert after.mean == pytest.approx(np.trapezoid(force[100:], result.t[100:]))
+    end = json.loads(result.to_json())
+    assert end["friction_force"]["upper"]["mean"] == found.mean
+    assert end["blocks"]["upper"]["friction_force"] == force[-1]
+    assert end["error_estimate"]["f1_x"] is None
+    result.save(tmp_path / "result.nc")
+    loaded = tribo.load_result(tmp_path / "result.nc")
+    assert loaded.friction_force("upper") == found
+    assert np.array_equal(loaded["lower"].f_bath_y, result["lower"].f_bath_y)
+    with pytest.raises(tribo.InputError, match="blocks: must be at most 100 for 201 samples"):
+        result.friction_force("upper", blocks=101)
+
+
+def test_pairs_and_accuracies(tmp_path):
+    """The loop for a pair reports them too; an accuracy of a force is refused."""
+    scene = asking(replace(pair(), output=tribo.Output(samples=41)), *BOTH)
+    result = tribo.simulate(scene, accuracy=1e-6)
+    assert result.met and result["upper"].f1_x == pytest.approx(-result["lower"].f1_x, abs=1e-15)
+    # The contact force is minus the slope of the contact energy along the path of the bobs.
+    across = result["upper"].x_bob - result["lower"].x_bob
+    along = result["upper"].y_bob - result["lower"].y_bob
+    r = np.hypot(across, along)
+    assert result["upper"].f1_x == pytest.approx(0.2 * across / r**3, rel=1e-12)
+    with pytest.raises(tribo.InputError, match=r"accuracy\.upper\.f1_x: is not a reported"):
+        tribo.simulate(scene, accuracy={"upper.f1_x": 1e-3})
+    scene.save(tmp_path / "scene.toml")
+    assert tribo.load_scene(tmp_path / "scene.toml").output.series == BOTH
+    with pytest.raises(tribo.InputError, match=r'series\[0\]: must be "forces" or "energies"'):
+        tribo.Output(series=["force"])
+    with pytest.raises(tribo.InputError, match="series: must be a list of words"):
+        tribo.Output(series="forces")
