@@ -8,9 +8,10 @@ The children are those of numpy.random.SeedSequence, after M. E. O'Neill's seed_
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import hashlib
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Protocol, runtime_checkable
+from typing import NamedTuple, Protocol, Self, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -36,6 +37,37 @@ class Distribution(Protocol):
 
 # The values of a quantity: an array with a row for each member, or a distribution.
 Source = Distribution | ArrayLike
+
+
+class Members(NamedTuple):
+    """Some members; it can be pickled.
+
+    Attributes
+    ----------
+    numbers : ndarray, (members,)
+        From 0 on.
+    seeds : ndarray, (members,)
+        Of their scenes.
+    values : dict
+        "surface.theta" -> (members, asperites); "surface.velocity" -> (members, 2); a number of
+        the scene -> (members, 1).
+    """
+
+    numbers: np.ndarray
+    seeds: np.ndarray
+    values: dict[str, np.ndarray]
+
+    def member(self, index: int) -> Member:
+        """One of them, by its place among these."""
+        values = {key: rows[index] for key, rows in self.values.items()}
+        return Member(int(self.numbers[index]), int(self.seeds[index]), values)
+
+    @classmethod
+    def joined(cls, parts: Sequence[Self]) -> Self:
+        """Members one after another."""
+        numbers, seeds, values = zip(*parts, strict=True)
+        both = {key: np.concatenate([each[key] for each in values]) for key in values[0]}
+        return cls(np.concatenate(numbers), np.concatenate(seeds), both)
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,7 +156,7 @@ class Variation:
         self.sizes: dict[str, int] = {}
         with inside("vary"):
             for key, source in vary.items():
-                size = self.sizes[key] = _size(scene, key)
+                size = self.sizes[key] = size_of(scene, key)
                 if isinstance(source, Distribution):
                     self._distributions[key] = source
                 else:
@@ -150,6 +182,19 @@ class Variation:
         """A member by its number, from 0 on."""
         values = {key: self.rows(key, number, number + 1)[0] for key in self.sizes}
         return Member(number, int(self.seeds(number, number + 1)[0]), values)
+
+    def members(self, start: int, stop: int) -> Members:
+        """The members from one number to another."""
+        values = {
+            key: np.broadcast_to(self.rows(key, start, stop), (stop - start, size))
+            for key, size in self.sizes.items()
+        }
+        return Members(np.arange(start, stop), self.seeds(start, stop), values)
+
+    def identity(self) -> dict[str, str]:
+        """What tells the values of each quantity from others: a digest of the first of them."""
+        some = min([BLOCK, *self.lengths.values()])
+        return {key: _digest(self._arrays.get(key, self.rows(key, 0, some))) for key in self.sizes}
 
     def seeds(self, start: int, stop: int) -> np.ndarray:
         """The seeds of the scenes of some members, (members,)."""
@@ -202,7 +247,7 @@ class Variation:
         return rows
 
 
-def _size(scene: Scene, key: str) -> int:
+def size_of(scene: Scene, key: str) -> int:
     """The length of a quantity's rows: one number for each asperite, or two of a velocity."""
     name, _, quantity = str(key).rpartition(".")
     known = name in [s.name for s in scene.surfaces]
@@ -235,6 +280,10 @@ def _rows(key: str, source: Source, size: int) -> np.ndarray:
             key, f"must be of shape (members,) or (members, {size}), got {np.shape(table)}"
         )
     return table
+
+
+def _digest(values: np.ndarray) -> str:
+    return hashlib.blake2b(np.ascontiguousarray(values).tobytes(), digest_size=8).hexdigest()
 
 
 def _numbers(key: str, value: object) -> np.ndarray:
