@@ -155,10 +155,11 @@ def _most_members(
     n: int | None, half_width: Mapping[str, float] | None, variation: Variation
 ) -> int:
     """The largest number of members, for which arrays have values.  Raises InputError."""
-    if n is None and half_width is None:
-        raise InputError("n", 'is missing; give it, or half_width={"surface.W": 1e-2}')
     lengths = variation.lengths
-    most = min([MOST_MEMBERS, *lengths.values()]) if n is None else integer("n", n, 2)
+    if n is None and half_width is None and not lengths:
+        raise InputError("n", 'is missing; give it, or half_width={"surface.W": 1e-2}')
+    largest = [] if half_width is None else [MOST_MEMBERS]
+    most = min([*largest, *lengths.values()]) if n is None else integer("n", n, 2)
     for key, length in lengths.items():
         if length != most:
             raise InputError(f"vary.{key}", f"must have values for {most} members, got {length}")

@@ -78,6 +78,7 @@ def kept_ensemble(
         return opened(target.path)
     runs = planned_runs(simulation, kept, variation, count, threads)
     attributes = attributes_of(simulation, variation.seed) | {
+        "n": count,
         "keep": json.dumps(kept.names),
         "own_scenes": json.dumps(variation.own_scenes),
     }

@@ -1,7 +1,8 @@
 """Members of a scene of two asperites: run by one compiled loop, checked, and refined.
 
 All members are run by one method with one setting (:mod:`tribo.ensembles.pair_plan`).  The first
-members, and all that took more evaluations than the plan says, are run again with a finer setting.
+members, one in so many of the others, and all that took more evaluations than the plan says, are
+run again with a finer setting.
 A member that misses its accuracy is delivered from the finer run, once that agrees with a still
 finer one, or else from a run of its own with a search for its settings.
 
@@ -41,6 +42,8 @@ MOST_SAMPLES = 2**17
 # Members by which the setting is chosen, the first ones, which are all checked: their share of a
 # million is nothing.
 SAMPLE = 64
+# One member in so many is checked beside them, whatever its evaluations: 2 % of the time.
+CHECKED = 256
 # Level of a run that checks another, relative to that or to the accuracy: its error is two digits
 # smaller.
 FINER = 1e-2
@@ -183,7 +186,8 @@ class PairRuns:
             np.full(complete.size, np.nan),
         )
         many = runs.counts[:, EVALUATIONS] > plan.most_evaluations
-        checked = complete & (many | (members.numbers < SAMPLE))
+        some = (members.numbers < SAMPLE) | (members.numbers % CHECKED == 0)
+        checked = complete & (many | some)
         if checked.any():
             self._refine(found, np.flatnonzero(checked), runs, starts)
         return found
