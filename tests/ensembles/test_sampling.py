@@ -19,7 +19,7 @@ def test_draws_have_their_distribution(distribution):
     """By the test of Kolmogorov and Smirnov, over blocks, and independent between quantities."""
     vary = {"upper.theta": distribution, "upper.omega": distribution}
     variation = Variation(paper.scene("A"), vary, seed=5)
-    one, other = (variation.rows(key, 100, 20_100)[:, 0] for key in vary)
+    one, other = (variation.rows(key, np.arange(100, 20_100))[:, 0] for key in vary)
     for line in (one, other):
         assert stats.kstest(line, distribution.cdf).pvalue > 1e-3
         ranks = stats.rankdata(line)

@@ -8,6 +8,8 @@ from collections.abc import Callable, Iterator
 from functools import lru_cache
 from typing import NamedTuple
 
+import numpy as np
+
 from tribo import interrupts
 from tribo.accuracy.plan import Plan
 from tribo.ensembles.engines import Engine, in_threads, run_jobs
@@ -90,7 +92,7 @@ def run_members(
     """
     chunks = range(store.done, count, runs.chunk)
     # Values are drawn in this thread: distributions need not be safe in others.
-    members = (variation.members(k, min(k + runs.chunk, count)) for k in chunks)
+    members = (variation.members(np.arange(k, min(k + runs.chunk, count))) for k in chunks)
     try:
         for some, found in _parts(runs, variation, members, engine, threads):
             store.add(some, found)

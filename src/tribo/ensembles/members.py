@@ -9,7 +9,7 @@ The children are those of numpy.random.SeedSequence, after M. E. O'Neill's seed_
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import NamedTuple, Protocol, Self, runtime_checkable
 
@@ -180,37 +180,43 @@ class Variation:
 
     def member(self, number: int) -> Member:
         """A member by its number, from 0 on."""
-        values = {key: self.rows(key, number, number + 1)[0] for key in self.sizes}
-        return Member(number, int(self.seeds(number, number + 1)[0]), values)
+        return self.members(np.array([number])).member(0)
 
-    def members(self, start: int, stop: int) -> Members:
-        """The members from one number to another."""
+    def members(self, numbers: np.ndarray) -> Members:
+        """The members with some numbers, ascending."""
         values = {
-            key: np.broadcast_to(self.rows(key, start, stop), (stop - start, size))
+            key: np.broadcast_to(self.rows(key, numbers), (numbers.size, size))
             for key, size in self.sizes.items()
         }
-        return Members(np.arange(start, stop), self.seeds(start, stop), values)
+        return Members(numbers, self.seeds(numbers), values)
+
+    def sample(self, count: int, size: int) -> Members:
+        """So many of `count` members, or all if they are fewer: the first, or with arrays, which
+        may be in order, at equal distances.
+        """
+        size = min(size, count)
+        numbers = np.arange(size)
+        return self.members(numbers * count // size if self._arrays else numbers)
 
     def identity(self) -> dict[str, str]:
         """What tells the values of each quantity from others: a digest of the first of them."""
         some = min([BLOCK, *self.lengths.values()])
-        return {key: _digest(self._arrays.get(key, self.rows(key, 0, some))) for key in self.sizes}
+        return {
+            key: _digest(self._arrays.get(key, self.rows(key, np.arange(some))))
+            for key in self.sizes
+        }
 
-    def seeds(self, start: int, stop: int) -> np.ndarray:
+    def seeds(self, numbers: np.ndarray) -> np.ndarray:
         """The seeds of the scenes of some members, (members,)."""
-        blocks = range(start // BLOCK, -(-stop // BLOCK))
-        found = np.concatenate([self._seeds_of(block) for block in blocks])
-        return found[start - blocks.start * BLOCK : stop - blocks.start * BLOCK]
+        return _of_blocks(numbers, BLOCK, self._seeds_of)
 
-    def rows(self, key: str, start: int, stop: int) -> np.ndarray:
+    def rows(self, key: str, numbers: np.ndarray) -> np.ndarray:
         """The values of one quantity in some members, (members, 1) or (members, size)."""
         if key in self._arrays:
-            rows = self._arrays[key][start:stop]
+            rows = self._arrays[key][numbers]
         else:
             each = self._members_in_block(key)
-            blocks = range(start // each, -(-stop // each))
-            found = np.concatenate([self._draw(key, block) for block in blocks])
-            rows = found[start - blocks.start * each : stop - blocks.start * each]
+            rows = _of_blocks(numbers, each, lambda block: self._draw(key, block))
         if key in self._velocity_y and rows.shape[1] == 1:  # its x component
             return np.column_stack([rows, np.full(len(rows), self._velocity_y[key])])
         return rows
@@ -245,6 +251,15 @@ class Variation:
         rows = value.reshape(members, -1)
         self._last_draws[key] = block, rows
         return rows
+
+
+def _of_blocks(numbers: np.ndarray, size: int, values: Callable[[int], np.ndarray]) -> np.ndarray:
+    """Values by ascending numbers, from those of whole blocks of numbers."""
+    blocks, firsts = np.unique(numbers // size, return_index=True)
+    parts = np.split(numbers, firsts[1:])
+    return np.concatenate(
+        [values(int(block))[part % size] for block, part in zip(blocks, parts, strict=True)]
+    )
 
 
 def size_of(scene: Scene, key: str) -> int:

@@ -58,7 +58,7 @@ def _cheapest(
     runs: PairRuns, variation: Variation, count: int, scales: tuple[float, ...]
 ) -> PairPlan:
     """The cheapest setting that keeps the accuracy of the sample."""
-    starts = runs.starts(variation.members(0, min(SAMPLE, count)))
+    starts = runs.starts(variation.sample(count, SAMPLE))
     levels = np.maximum(LEVELS * runs.strictest, FLOOR)
     fine = runs.run(runs.exact, levels[-1], scales, starts)
     known = fine.counts[:, CODE] == COMPLETED
@@ -79,14 +79,12 @@ def _cheapest(
 
 def _most(runs: PairRuns, variation: Variation, count: int, threads: int, plan: PairPlan) -> int:
     """The evaluations above which members are checked; -1 for all."""
-    pilot, piece = min(PILOT, count), min(PIECE, runs.chunk)
-    pieces = [variation.members(k, min(k + piece, pilot)) for k in range(0, pilot, piece)]
-    starts = np.concatenate([runs.starts(members) for members in pieces])
+    starts, piece = runs.starts(variation.sample(count, PILOT)), min(PIECE, runs.chunk)
 
     def counts_from(some: np.ndarray) -> np.ndarray:
         return runs.run(plan.method, plan.level, plan.scales, some).counts
 
-    cuts = range(piece, pilot, piece)
+    cuts = range(piece, len(starts), piece)
     counts = np.concatenate(list(in_threads(counts_from, np.split(starts, cuts), threads)))
     evaluations = counts[:, EVALUATIONS]
     complete = np.flatnonzero(counts[:, CODE] == COMPLETED)
