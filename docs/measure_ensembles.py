@@ -51,15 +51,12 @@ def encounters(points: int) -> xarray.Dataset:
 
 def draw(data: xarray.Dataset, path: Path) -> None:
     """The gain of internal energy by phase and energy."""
-    most = float(np.abs(data["gain"]).max())
     with drawing_on(None, WIDE, 0.62 * WIDE) as ax:
         image = ax.pcolormesh(
             data["phase"] / np.pi,
             data["energy"],
             data["gain"],
-            cmap="RdBu_r",
-            vmin=-most,
-            vmax=most,
+            cmap="viridis",
             rasterized=True,
         )
         ax.figure.colorbar(image, label="internal energy gained")
