@@ -222,10 +222,10 @@ def assert_same_far_and_fast(scene, u, **numerics):
 FAST = st.sampled_from([(1e6, -1e6), (-1e6, 1e6)])
 
 
-@given(scenes(potential=coulombs()) | lattice_scenes() | open_scenes(), FAST)
+@given(all_scenes(), FAST)
 def test_far_and_fast(scene, u):
     """With steps that are chosen."""
-    assert_same_far_and_fast(scene, u, accuracy=1e-12)
+    assert_same_far_and_fast(scene, u, method="dop853", accuracy=1e-12)
 
 
 @given(scenes(potential=coulombs()), FAST)

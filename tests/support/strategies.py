@@ -9,6 +9,7 @@ import math
 from dataclasses import replace
 
 import numpy as np
+from hypothesis import Phase, given, seed, settings
 from hypothesis import strategies as st
 
 from tribo import (
@@ -35,6 +36,8 @@ from tribo.model.springs import Springs
 DURATION = 5.0
 SAMPLES = 33
 ACCURACY = 1e-9
+# Scenes of each strategy that all tests share, unless they search: each compiles a time loop.
+SHARED = 4
 REST = {"down": 0.0, "up": math.pi}
 
 
@@ -229,8 +232,27 @@ def surfaces(
     return rigid_asperites(surface) if infinite else surface
 
 
+def shared(strategy: st.SearchStrategy[Scene]) -> st.SearchStrategy[Scene]:
+    """A few scenes of the strategy, the same for all tests; in a search, the strategy itself."""
+    return st.sampled_from(drawn(strategy)) if settings.default.derandomize else strategy
+
+
+def drawn(strategy: st.SearchStrategy[Scene]) -> list[Scene]:
+    """The first scenes of a strategy."""
+    scenes = []
+
+    @settings(max_examples=SHARED, database=None, phases=[Phase.generate])
+    @seed(0)
+    @given(strategy)
+    def collect(scene):
+        scenes.append(scene)
+
+    collect()
+    return scenes[:SHARED]
+
+
 @st.composite
-def scenes(draw, potential=None, drive=None, field=None, **of_surfaces):
+def any_scenes(draw, potential=None, drive=None, field=None, **of_surfaces):
     """Two or three surfaces that pass each other; the keywords restrict what they can be."""
     drive = drives() if drive is None else drive
     names = draw(st.sampled_from([("upper", "lower"), ("upper", "lower", "third")]))
@@ -241,6 +263,11 @@ def scenes(draw, potential=None, drive=None, field=None, **of_surfaces):
         fields=() if field is None else draw(field(names)),
         output=Output(samples=SAMPLES),
     )
+
+
+def scenes(**restricted):
+    """Two or three surfaces that pass each other."""
+    return shared(any_scenes(**restricted))
 
 
 def lattice_scenes(**restricted):
