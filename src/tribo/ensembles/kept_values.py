@@ -193,6 +193,7 @@ def attributes_of(simulation: Simulation, seed: int) -> dict[str, str | float]:
         "numpy_version": np.__version__,
         "scene": scene_text(simulation.scene),
         "method": plan.method,
+        "method_alone": plan.method,
         "step": json.dumps(plan.setting if plan.tuned is None else None),
         "accuracy": json.dumps(plan.accuracy),
         "seed": str(seed),

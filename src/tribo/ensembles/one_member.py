@@ -50,8 +50,8 @@ def ensemble_member(data: xarray.Dataset, number: int) -> xarray.Dataset:
     keep = json.loads(attributes["keep"])
     pairs = PairPlan.from_attributes(attributes) if "scales" in attributes else None
     scene = scene_from(tomllib.loads(attributes["scene"]))
-    method = "gauss-radau-15" if pairs is not None else attributes["method"]
-    simulation = planned(scene, method, json.loads(attributes["step"]))
+    # The method of a pair's lanes takes the place of `method`, which found the scales.
+    simulation = planned(scene, attributes["method_alone"], json.loads(attributes["step"]))
     kept = Kept.checked(simulation, keep, "time" in data.dims)
     one = data.isel(member=found)
     names = [str(name) for name in one.coords if "." in str(name)]
