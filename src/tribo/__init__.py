@@ -12,6 +12,8 @@ if TYPE_CHECKING:
 
     from tribo import paper, plotting, potentials
     from tribo.ensembles import ensemble
+    from tribo.ensembles.one_member import ensemble_member
+    from tribo.ensembles.sampling import grid
     from tribo.explanation import Explanation, explain
     from tribo.model.asperite import Asperite
     from tribo.model.bath import Bath
@@ -64,6 +66,7 @@ _HOME = {
     "Ends": "tribo.model.drives",
     "DrivenBars": "tribo.model.drives",
     "ensemble": "tribo.ensembles",
+    "ensemble_member": "tribo.ensembles.one_member",
     "explain": "tribo.explanation",
     "Explanation": "tribo.explanation",
     "Field": "tribo.model.fields",
@@ -72,6 +75,7 @@ _HOME = {
     "FrictionForce": "tribo.run.friction",
     "Gaussian": "tribo.potentials",
     "Hertz": "tribo.potentials",
+    "grid": "tribo.ensembles.sampling",
     "incommensurate_rows": "tribo.model.rows",
     "Initial": "tribo.model.surface",
     "InputError": "tribo.validation",

@@ -77,18 +77,42 @@ def _add_ensemble(ensemble: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="KEY=DISTRIBUTION",
-        help="what differs between members, as 'upper.theta=normal(0,0.1)' or "
-        "'interaction.strength=uniform(0.1,0.2)'; may be repeated",
+        help="what differs between members, as 'upper.theta=normal(0,0.1)', "
+        "'interaction.strength=uniform(0.1,0.2)' or 'upper.theta=grid(-1,1,1000)'; may be repeated",
     )
-    ensemble.add_argument("-n", type=int, required=True, help="number of members")
+    ensemble.add_argument("-n", type=int, help="number of members; with grids that of their points")
     ensemble.add_argument(
         "--keep",
         metavar="NAMES",
         help="quantities at the end, with commas, as upper.w1,contact_energy (default: means of "
         "all, over time)",
     )
+    ensemble.add_argument(
+        "--at",
+        choices=["end", "samples"],
+        default="end",
+        help="keep quantities at the end, or at all times of the scene's output (default: end)",
+    )
+    ensemble.add_argument(
+        "--statistics",
+        action="store_true",
+        help="of the kept quantities, means, covariances, quantiles and histograms in place of the "
+        "members",
+    )
     ensemble.add_argument("--seed", type=int, default=0, help="of the ensemble (default: 0)")
-    ensemble.add_argument("--out", type=Path, metavar="FILE", help="write all members as NetCDF")
+    ensemble.add_argument(
+        "--out",
+        type=Path,
+        metavar="FILE",
+        help="write all members or statistics as NetCDF; with --keep, FILE.part keeps what is "
+        "reached while the members are run, and if they are interrupted",
+    )
+    ensemble.add_argument(
+        "--resume",
+        action="store_true",
+        help="continue FILE.part, to the same bits as without the pause; print the result if FILE "
+        "is complete",
+    )
     ensemble.set_defaults(command=_ensemble)
 
 
@@ -196,19 +220,32 @@ def _run(options: argparse.Namespace) -> int:
 
 def _ensemble(options: argparse.Namespace) -> int:
     from tribo.ensembles import ensemble
-    from tribo.ensembles.command_line import summary, summary_of_means, varied
+    from tribo.ensembles.command_line import grid_points, summary, varied
     from tribo.files import replace_file
 
+    if options.resume and (options.out is None or options.keep is None):
+        raise InputError("--resume", "needs --keep NAMES and --out FILE")
     if options.out is not None:
         checked_target("--out", options.out)
-    vary = dict(varied(text) for text in options.vary)
+    vary = varied(options.vary)
     keep = None if options.keep is None else options.keep.split(",")
     scene = _scene(options)
-    with _ProgressBar(options.n, "members") as progress:
-        data = ensemble(scene, options.n, vary, options.seed, keep=keep, progress=progress)
-    if options.out is not None:
+    with _ProgressBar(options.n or grid_points(vary), "members") as progress:
+        data = ensemble(
+            scene,
+            options.n,
+            vary,
+            options.seed,
+            keep=keep,
+            progress=progress,
+            at=options.at,
+            statistics=options.statistics,
+            out=None if keep is None else options.out,
+            resume=options.resume,
+        )
+    if options.out is not None and keep is None:
         replace_file(options.out, bytes(data.to_netcdf(engine="h5netcdf")))
-    print(summary_of_means(data) if keep is None else summary(data, keep))
+    print(summary(data))
     return COMPLETED if data.attrs["status"] == "completed" else STOPPED
 
 

@@ -5,8 +5,9 @@ import pytest
 import xarray
 from scipy import stats
 
-from tribo import ensemble, paper
+from tribo import ensemble, grid, paper
 from tribo.cli import main
+from tribo.ensembles import pair_runs
 from tribo.model.scene_writer import scene_text
 
 
@@ -27,6 +28,52 @@ def test_the_file_has_the_members(tmp_path, capsys):
             np.testing.assert_array_equal(file[name], data[name])
 
 
+def test_statistics_of_a_grid(tmp_path, capsys):
+    """In a file that a second command only reads; other arguments are refused by name."""
+    path, out = tmp_path / "a.toml", tmp_path / "a.nc"
+    path.write_text(scene_text(paper.scene("A")), encoding="utf-8")
+    vary = ["--vary", "upper.theta=grid(0,0.2,5)", "--vary", "upper.omega=grid(-1,1,3)"]
+    command = ["ensemble", str(path), *vary, "--keep", "upper.w1", "--statistics", "--resume"]
+    command += ["--out", str(out)]
+    assert main(command) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[:2] == ["completed: 15 of 15 members", "15 completed"]
+    plane = grid({"upper.theta": np.linspace(0.0, 0.2, 5), "upper.omega": [-1.0, 0.0, 1.0]})
+    data = ensemble(paper.scene("A"), vary=plane, keep=["upper.w1"])
+    (row,) = (line.split() for line in lines if line.startswith("upper.w1 "))
+    assert float(row[1]) == pytest.approx(float(data["upper.w1"].mean()), rel=1e-5)
+    assert main(command) == 0
+    assert capsys.readouterr().out.splitlines()[:-1] == lines[:-1]
+    assert main([*command, "--seed", "1"]) == 2
+    assert "settings.seed was 0, is 1" in capsys.readouterr().err
+    mixed = ["--vary", "lower.omega=normal(0,1)"]
+    assert main([*command, *mixed]) == 2
+    assert "cannot mix grid(...)" in capsys.readouterr().err
+    assert main(["ensemble", str(path), *vary, "--resume"]) == 2
+    assert "--resume: needs --keep NAMES and --out FILE" in capsys.readouterr().err
+
+
+def test_an_interrupt_keeps_the_file(tmp_path, capsys, monkeypatch):
+    """Exit status 1, and the number of members that FILE.part has."""
+    monkeypatch.setattr(pair_runs, "CHUNK", 64)
+    path, out = tmp_path / "a.toml", tmp_path / "a.nc"
+    path.write_text(scene_text(paper.scene("A")), encoding="utf-8")
+
+    def stop(bar, done):
+        raise KeyboardInterrupt
+
+    command = ["ensemble", str(path), "--vary", "upper.theta=normal(0,0.1)", "-n", "200"]
+    command += ["--keep", "upper.w1", "--out", str(out), "--resume"]
+    with monkeypatch.context() as context:
+        context.setattr("tribo.commands._ProgressBar.__call__", stop)
+        assert main(command) == 1
+    assert capsys.readouterr().out.startswith("Interrupted: 64 of 200 members\n64 completed\n")
+    assert not out.exists()
+    assert main(command) == 0
+    assert capsys.readouterr().out.startswith("completed: 200 of 200 members\n")
+    assert out.exists()
+
+
 def test_means_over_time(tmp_path, capsys):
     """Without --keep: the means of tribo.ensemble, and those at the end in print."""
     scene = paper.scene("A")
@@ -43,7 +90,14 @@ def test_means_over_time(tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
-    "text", ["upper.theta", "upper.theta=cauchy(0,1)", "upper.theta=uniform(1,0)", "x=normal(0)"]
+    "text",
+    [
+        "upper.theta",
+        "upper.theta=cauchy(0,1)",
+        "upper.theta=uniform(1,0)",
+        "x=normal(0)",
+        "x=grid(0,1,1.5)",
+    ],
 )
 def test_refusals(text, tmp_path, capsys):
     """Exit status 2 and the form that is wanted."""

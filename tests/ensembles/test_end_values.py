@@ -137,14 +137,14 @@ def test_errors_are_within_the_accuracy(case, accuracy):
 
 
 def test_closer_members_than_those_of_the_sample_are_refined():
-    """Members behind the first ones swing a hundred times faster, and need finer settings."""
+    """Members that are not in the sample swing a hundred times faster, and need finer settings."""
     scene = scene_of("A")
     rates = np.full(300, 0.0)
-    rates[[150, 222]] = 3.0, -4.0
+    rates[[151, 222]] = 3.0, -4.0
     data = ensemble(scene, 300, {"upper.omega": rates}, keep=KEEP)
-    assert data["level"][150] < data["level"][0] or np.isnan(data["level"][150])
+    assert data["level"][151] < data["level"][0] or np.isnan(data["level"][151])
     exact = tribo.prepare(replace(scene, numerics=tribo.Numerics(accuracy=1e-11)))
-    for member in (0, 150, 222):
+    for member in (0, 151, 222):
         run = exact.run({"upper.omega": float(rates[member])})
         assert run.met
         error = np.abs(data["upper.w1"][member] - run["upper"].w1[-1]).max()
@@ -209,7 +209,7 @@ def test_a_data_set_of_ends_is_a_file(tmp_path):
         assert again["upper.theta_end"].dims == ("member", "upper_asperite")
         np.testing.assert_array_equal(again["upper.theta"], data["upper.theta"])
         np.testing.assert_array_equal(again["upper.theta_end"], data["upper.theta_end"])
-    assert np.isfinite(data["error"]).all()
+    assert np.isfinite(data["error"][: pair_runs.SAMPLE]).all()
     assert float(data["error"].max()) <= 1e-6
 
 

@@ -1,6 +1,7 @@
-"""Averages over many runs from seeded starts, and confidence intervals of the averages.
+"""Many runs of a scene, which differ in their starts, their numbers, or their noise.
 
-They serve chaotic motion and thermal noise, where single trajectories are not reproducible.
+Means serve chaotic motion and thermal noise, where single trajectories are not reproducible.  Kept
+quantities of each member, or their statistics, serve maps and distributions.
 """
 
 from __future__ import annotations
@@ -8,30 +9,18 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tribo.ensembles.dataset import Collected, dataset
-from tribo.ensembles.end_values import checked_names, end_dataset
-from tribo.ensembles.intervals import members_needed
+from tribo.ensembles.engines import Engine, check_engine
+from tribo.ensembles.kept_ensemble import Wanted, kept_ensemble
+from tribo.ensembles.means import checked_half_width, means
 from tribo.ensembles.members import Source, Variation
-from tribo.ensembles.pair_runs import PairRuns
-from tribo.ensembles.runner import (
-    FIRST_STAGE,
-    Engine,
-    Runner,
-    SettingsCheck,
-    check_engine,
-    sum_names,
-    total_names,
-)
-from tribo.ensembles.single_runs import SingleRuns
-from tribo.kernels.status import Status
+from tribo.ensembles.planned import planned
+from tribo.ensembles.runner import Runner
+from tribo.ensembles.sampling import Sampler, sampled
 from tribo.model.scene import Scene
-from tribo.model.settings import Output
-from tribo.prepared import Simulation
-from tribo.simulation import prepare
-from tribo.validation import POSITIVE, InputError, inside, integer, number, short_repr
+from tribo.validation import InputError, integer, short_repr
 
 if TYPE_CHECKING:
     import xarray
@@ -52,8 +41,13 @@ def ensemble(
     progress: Callable[[int], None] | None = None,
     keep: Sequence[str] | None = None,
     threads: int | None = None,
+    at: str = "end",
+    statistics: bool = False,
+    out: str | Path | None = None,
+    resume: bool = False,
+    sampler: Sampler | None = None,
 ) -> xarray.Dataset:
-    """Run a scene from many starts, and average its ledger over the members or keep its end.
+    """Run a scene from many starts; keep quantities of each member, their statistics, or means.
 
     Parameters
     ----------
@@ -61,19 +55,20 @@ def ensemble(
         The scene.  All members share its heights; each has a seed of its own for noise and thermal
         starts.
     n : int, optional
-        Number of members, at least 2.  With `half_width`, the largest number.
+        Number of members, at least 2.  With `half_width`, the largest number.  By default that of
+        the arrays in `vary`.
     vary : mapping, optional
         What differs between members: "surface.theta" (or phi, omega, nu), "surface.velocity", or a
         number of the scene as "surface.asperite.kappa", "surface.langevin.temperature" (or of its
         drive or bath) or "interaction.strength" ->
         an array of shape (n,), (n, asperites) or, for velocities, (n, 2); or a distribution with
         ``rvs(size=, random_state=)``, as those of scipy.stats, from which each asperite of each
-        member draws.
+        member draws.  :func:`tribo.grid` makes the arrays of a grid.
     seed : int
-        The seed of the ensemble.  A member depends on it and on the member's number alone.
+        The seed of the ensemble.  A member depends on it and on the member's number.
     engine : executor, optional
-        Runs the members; it has ``submit`` or ``map`` as concurrent.futures defines them.  Without
-        it they are run in this process.
+        Runs the members in other processes: it has ``submit`` or ``map`` as concurrent.futures
+        defines them, or is a client of dask.distributed.
     half_width : mapping, optional
         Quantity of a surface as a whole or of the system, as "upper.W" -> the largest half-width
         of the 95 % interval of its mean, at any recorded time, in units of the scale of energies.
@@ -83,19 +78,38 @@ def ensemble(
     progress : callable, optional
         Called with the number of members that have been run.
     keep : sequence of str, optional
-        Quantities of which each member's value at the end is kept, and nothing else: "upper.w1" or
-        "contact_energy".  It makes the members of a scene of one asperite on one run thousands of
-        times faster.
+        Quantities of each member that are kept, and nothing else: "upper.w1" or "contact_energy".
+        It makes the members of a scene of one asperite on one run thousands of times faster.
     threads : int, optional
         Threads that run such members; by default one for each core.  Values do not depend on it.
+    at : {"end", "samples"}
+        Whether quantities are kept at the end of each run or at all times of the scene's output.
+    statistics : bool
+        Return statistics of the kept quantities in place of the members, for more members than
+        memory holds.
+    out : str or Path, optional
+        A NetCDF file for the data set, with `keep`.  Until it is complete, ``out`` with ``.part``
+        behind its name has the members so far, or with `statistics` their sums, also if the
+        ensemble is interrupted.  Values of the data set are then read from the file when used.
+    resume : bool
+        Continue ``out.part``, to the bits of an ensemble without a pause; begin if there is no such
+        file, and only read ``out`` if that is complete.
+    sampler : scipy.stats.qmc.QMCEngine, optional
+        Its points take the place of random numbers in all distributions of `vary`, which need
+        ``ppf``; one dimension for each number that a member draws.
 
     Returns
     -------
     xarray.Dataset
-        With `keep`, each quantity under its name (member, asperite) or (member,), and for each
+        With `keep`, each quantity under its name (member, [time,] [asperite]), and for each
         member its ``status``, ``steps``, ``level`` of the tolerances, and ``error`` where it was
         measured.  Values of members that did not complete are NaN.  A quantity whose start is
         varied is ``upper.theta_end``.
+
+        With `statistics`, for each quantity ``upper.w1_mean`` ([time,] [asperite]),
+        ``upper.w1_half_width`` of the 95 % interval of the mean, ``upper.w1_variance``,
+        ``upper.w1_quantile`` (probability, ...), and a histogram: ``upper.w1_count`` (..., bin)
+        between the values in ``upper.w1_edge``; and the ``covariance`` of all values.
 
         Without `keep`, for each quantity, as ``upper.W`` (member, time): ``upper.W_mean`` and
         ``upper.W_half_width`` (time,).  The effect of the step or of the tolerances on the mean is
@@ -105,140 +119,48 @@ def ensemble(
     Raises
     ------
     InputError
-        An argument cannot be used, the half-width takes too many members, or fewer than two
-        members reach the end.
+        An argument cannot be used, the half-width takes too many members, fewer than two members
+        reach the end, or the file is of another ensemble.
     """
     began = time.perf_counter()
     if not isinstance(scene, Scene):
         raise InputError("scene", f"must be a tribo.Scene, got {short_repr(scene)}")
     scene = scene.with_heights()
-    wanted = None if half_width is None else _check_half_width(scene, half_width)
-    variation = Variation(scene, {} if vary is None else vary, integer("seed", seed, 0))
+    wanted = None if half_width is None else checked_half_width(scene, half_width)
+    source = {} if vary is None else vary
+    if sampler is not None:
+        _check_alone("half_width", half_width, "sampler")
+        source = sampled(sampler, n, scene, source)
+    variation = Variation(scene, source, integer("seed", seed, 0))
     most = _most_members(n, wanted, variation)
     check_engine(engine)
-    if keep is not None:
-        if half_width is not None:
-            raise InputError("half_width", "cannot go with keep; give one or the other")
-        return _end_values(scene, variation, most, keep, method, step, engine, threads, progress)
-    runner = Runner(_prepared(scene, method, step), variation, engine, progress)
-    first_stage, needed = _run_members(runner, wanted, most)
-    check = SettingsCheck() if runner.interrupted else runner.check_settings()
-    collected = Collected(runner, check, wanted, first_stage, needed)
-    return dataset(collected, time.perf_counter() - began)
-
-
-def _end_values(
-    scene: Scene,
-    variation: Variation,
-    count: int,
-    keep: Sequence[str],
-    method: str | None,
-    step: float | None,
-    engine: Engine | None,
-    threads: int | None,
-    progress: Callable[[int], None] | None,
-) -> xarray.Dataset:
-    """The kept quantities at the ends of all members."""
-    began = time.perf_counter()
     threads = os.cpu_count() or 1 if threads is None else integer("threads", threads, 1)
-    simulation = _prepared(replace(scene, output=Output(samples=2)), method, step)
-    names = checked_names(simulation, keep)
-    runs: PairRuns | SingleRuns
-    if simulation.integrator.pair is not None and not variation.own_scenes:
-        runs = PairRuns(simulation, variation, names, threads, progress)
-    else:
-        runs = SingleRuns(simulation, variation, names, engine, progress)
-    found = runs.run(count)
-    return end_dataset(simulation, variation, found, time.perf_counter() - began)
+    if keep is not None:
+        _check_alone("half_width", half_width, "keep")
+        what = Wanted(keep, at, statistics, out, resume)
+        simulation = planned(what.scene(scene), method, step)
+        return kept_ensemble(simulation, variation, most, what, engine, threads, progress)
+    Wanted.check_absent(at, statistics, out, resume)
+    return means(
+        Runner(planned(scene, method, step), variation, engine, progress), wanted, most, began
+    )
 
 
-def _run_members(
-    runner: Runner, half_width: Mapping[str, float] | None, most: int
-) -> tuple[int | None, float]:
-    """Run as many members as are wanted; members of the first stage, and the number needed."""
-    if half_width is None:
-        runner.add(most)
-        return None, 0.0
-    _check_series(runner, half_width)
-    runner.add(min(FIRST_STAGE, most))
-    first_stage = runner.completed
-    return first_stage, 0.0 if runner.interrupted else _add_second_stage(runner, half_width, most)
-
-
-def _check_half_width(scene: Scene, half_width: Mapping[str, float]) -> dict[str, float]:
-    """The half-widths wanted, by quantity.  Raises InputError."""
-    if not isinstance(half_width, Mapping) or not half_width:
-        raise InputError(
-            "half_width",
-            f'must map quantities, as {{"upper.W": 1e-2}}, got {short_repr(half_width)}',
-        )
-    known = total_names(scene) + sum_names(scene)
-    for name in half_width:
-        if name not in known:
-            raise InputError(f"half_width.{name}", f"must be one of {', '.join(known)}")
-    with inside("half_width"):
-        return {name: number(name, value, POSITIVE) for name, value in half_width.items()}
+def _check_alone(field: str, value: object, other: str) -> None:
+    if value is not None:
+        raise InputError(field, f"cannot go with {other}; give one or the other")
 
 
 def _most_members(
     n: int | None, half_width: Mapping[str, float] | None, variation: Variation
 ) -> int:
     """The largest number of members, for which arrays have values.  Raises InputError."""
-    if n is None and half_width is None:
-        raise InputError("n", 'is missing; give it, or half_width={"surface.W": 1e-2}')
     lengths = variation.lengths
-    most = min([MOST_MEMBERS, *lengths.values()]) if n is None else integer("n", n, 2)
+    if n is None and half_width is None and not lengths:
+        raise InputError("n", 'is missing; give it, or half_width={"surface.W": 1e-2}')
+    largest = [] if half_width is None else [MOST_MEMBERS]
+    most = min([*largest, *lengths.values()]) if n is None else integer("n", n, 2)
     for key, length in lengths.items():
         if length != most:
             raise InputError(f"vary.{key}", f"must have values for {most} members, got {length}")
     return integer("n", most, 2)
-
-
-def _prepared(scene: Scene, method: str | None, step: float | None) -> Simulation:
-    """The scene, with the method and settings of all members.  Raises InputError."""
-    simulation = prepare(scene, method=method, step=step)
-    if simulation.accuracy is None:
-        return simulation
-    result = simulation.compute_first()
-    if result.status == Status.INTERRUPTED:
-        raise KeyboardInterrupt
-    if not result.met:
-        completed = result.status == Status.COMPLETED
-        why = result.notes[-1] if completed else f"the run ends by {result.status}"
-        raise InputError(
-            "step",
-            f"is missing, and accuracy does not find one: {why}; give a method and a step, or an "
-            "accuracy that can be kept in the scene's numerics",
-        )
-    return simulation
-
-
-def _check_series(runner: Runner, half_width: Mapping[str, float]) -> None:
-    """Refuse quantities whose series members do not keep."""
-    for name in half_width:
-        if name not in runner.names:
-            raise InputError(
-                f"half_width.{name}",
-                "is a sum over asperites, whose series are too long to keep; give fewer samples",
-            )
-
-
-def _add_second_stage(runner: Runner, half_width: Mapping[str, float], most: int) -> float:
-    """Add as many members as Stein's rule requires by the spread of the first; their number."""
-    scale = max(outcome.scale for outcome in runner.outcomes if outcome.completed)
-    first = runner.complete_values
-    needed = {
-        name: members_needed(first[:, runner.names.index(name)], value * scale)
-        for name, value in half_width.items()
-    }
-    name = max(needed, key=lambda key: needed[key])
-    if needed[name] > most:
-        raise InputError(
-            f"half_width.{name}",
-            f"would take {needed[name]:.0f} members by the spread of the first {len(first)}, and "
-            f"at most {most} are allowed; give a larger half-width or a larger n",
-        )
-    while runner.completed < needed[name] and len(runner.members) < most and not runner.interrupted:
-        missing = int(needed[name]) - runner.completed
-        runner.add(min(missing, most - len(runner.members)))
-    return needed[name]

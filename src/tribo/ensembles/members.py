@@ -8,9 +8,10 @@ The children are those of numpy.random.SeedSequence, after M. E. O'Neill's seed_
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import hashlib
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Protocol, runtime_checkable
+from typing import NamedTuple, Protocol, Self, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -36,6 +37,37 @@ class Distribution(Protocol):
 
 # The values of a quantity: an array with a row for each member, or a distribution.
 Source = Distribution | ArrayLike
+
+
+class Members(NamedTuple):
+    """Some members; it can be pickled.
+
+    Attributes
+    ----------
+    numbers : ndarray, (members,)
+        From 0 on.
+    seeds : ndarray, (members,)
+        Of their scenes.
+    values : dict
+        "surface.theta" -> (members, asperites); "surface.velocity" -> (members, 2); a number of
+        the scene -> (members, 1).
+    """
+
+    numbers: np.ndarray
+    seeds: np.ndarray
+    values: dict[str, np.ndarray]
+
+    def member(self, index: int) -> Member:
+        """One of them, by its place among these."""
+        values = {key: rows[index] for key, rows in self.values.items()}
+        return Member(int(self.numbers[index]), int(self.seeds[index]), values)
+
+    @classmethod
+    def joined(cls, parts: Sequence[Self]) -> Self:
+        """Members one after another."""
+        numbers, seeds, values = zip(*parts, strict=True)
+        both = {key: np.concatenate([each[key] for each in values]) for key in values[0]}
+        return cls(np.concatenate(numbers), np.concatenate(seeds), both)
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,7 +156,7 @@ class Variation:
         self.sizes: dict[str, int] = {}
         with inside("vary"):
             for key, source in vary.items():
-                size = self.sizes[key] = _size(scene, key)
+                size = self.sizes[key] = size_of(scene, key)
                 if isinstance(source, Distribution):
                     self._distributions[key] = source
                 else:
@@ -148,24 +180,43 @@ class Variation:
 
     def member(self, number: int) -> Member:
         """A member by its number, from 0 on."""
-        values = {key: self.rows(key, number, number + 1)[0] for key in self.sizes}
-        return Member(number, int(self.seeds(number, number + 1)[0]), values)
+        return self.members(np.array([number])).member(0)
 
-    def seeds(self, start: int, stop: int) -> np.ndarray:
+    def members(self, numbers: np.ndarray) -> Members:
+        """The members with some numbers, ascending."""
+        values = {
+            key: np.broadcast_to(self.rows(key, numbers), (numbers.size, size))
+            for key, size in self.sizes.items()
+        }
+        return Members(numbers, self.seeds(numbers), values)
+
+    def sample(self, count: int, size: int) -> Members:
+        """So many of `count` members, or all if they are fewer: the first, or with arrays, which
+        may be in order, at equal distances.
+        """
+        size = min(size, count)
+        numbers = np.arange(size)
+        return self.members(numbers * count // size if self._arrays else numbers)
+
+    def identity(self) -> dict[str, str]:
+        """What tells the values of each quantity from others: a digest of the first of them."""
+        some = min([BLOCK, *self.lengths.values()])
+        return {
+            key: _digest(self._arrays.get(key, self.rows(key, np.arange(some))))
+            for key in self.sizes
+        }
+
+    def seeds(self, numbers: np.ndarray) -> np.ndarray:
         """The seeds of the scenes of some members, (members,)."""
-        blocks = range(start // BLOCK, -(-stop // BLOCK))
-        found = np.concatenate([self._seeds_of(block) for block in blocks])
-        return found[start - blocks.start * BLOCK : stop - blocks.start * BLOCK]
+        return _of_blocks(numbers, BLOCK, self._seeds_of)
 
-    def rows(self, key: str, start: int, stop: int) -> np.ndarray:
+    def rows(self, key: str, numbers: np.ndarray) -> np.ndarray:
         """The values of one quantity in some members, (members, 1) or (members, size)."""
         if key in self._arrays:
-            rows = self._arrays[key][start:stop]
+            rows = self._arrays[key][numbers]
         else:
             each = self._members_in_block(key)
-            blocks = range(start // each, -(-stop // each))
-            found = np.concatenate([self._draw(key, block) for block in blocks])
-            rows = found[start - blocks.start * each : stop - blocks.start * each]
+            rows = _of_blocks(numbers, each, lambda block: self._draw(key, block))
         if key in self._velocity_y and rows.shape[1] == 1:  # its x component
             return np.column_stack([rows, np.full(len(rows), self._velocity_y[key])])
         return rows
@@ -202,7 +253,16 @@ class Variation:
         return rows
 
 
-def _size(scene: Scene, key: str) -> int:
+def _of_blocks(numbers: np.ndarray, size: int, values: Callable[[int], np.ndarray]) -> np.ndarray:
+    """Values by ascending numbers, from those of whole blocks of numbers."""
+    blocks, firsts = np.unique(numbers // size, return_index=True)
+    parts = np.split(numbers, firsts[1:])
+    return np.concatenate(
+        [values(int(block))[part % size] for block, part in zip(blocks, parts, strict=True)]
+    )
+
+
+def size_of(scene: Scene, key: str) -> int:
     """The length of a quantity's rows: one number for each asperite, or two of a velocity."""
     name, _, quantity = str(key).rpartition(".")
     known = name in [s.name for s in scene.surfaces]
@@ -235,6 +295,10 @@ def _rows(key: str, source: Source, size: int) -> np.ndarray:
             key, f"must be of shape (members,) or (members, {size}), got {np.shape(table)}"
         )
     return table
+
+
+def _digest(values: np.ndarray) -> str:
+    return hashlib.blake2b(np.ascontiguousarray(values).tobytes(), digest_size=8).hexdigest()
 
 
 def _numbers(key: str, value: object) -> np.ndarray:

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import Executor
-from typing import NamedTuple, Protocol, TypeVar
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from tribo import interrupts
 from tribo.accuracy.plan import Plan
 from tribo.accuracy.scales import reported_scales
+from tribo.ensembles.engines import Engine, run_jobs
 from tribo.ensembles.members import Member, Variation
 from tribo.kernels.status import MEANINGS, Status
 from tribo.model.scene import Scene
@@ -22,7 +22,7 @@ from tribo.run.quantities import BLOCK_QUANTITIES, SYSTEM_QUANTITIES, needs_acco
 from tribo.run.result import Result
 from tribo.run.streamed_ledger import exceeds_memory
 from tribo.simulation import from_settings
-from tribo.validation import InputError, short_repr
+from tribo.validation import InputError
 
 # Members whose spread determines the number of all, and which are run again to check the settings:
 # at 15 degrees of freedom the quantile of Student's distribution is 9 % above that of the normal.
@@ -67,22 +67,6 @@ class Job(NamedTuple):
     estimate: bool
 
 
-AnyJob = TypeVar("AnyJob")
-Found = TypeVar("Found")
-
-
-class Mapper(Protocol):
-    """An engine that has no more than ``map``."""
-
-    def map(
-        self, function: Callable[[AnyJob], list[Found]], jobs: Iterable[AnyJob], /
-    ) -> Iterable[list[Found]]:
-        """The function's values, in the order of the jobs."""
-
-
-Engine = Executor | Mapper
-
-
 def total_names(scene: Scene) -> list[str]:
     """Names of the series of the surfaces as wholes and of the system."""
     blocks = [f"{s.name}.{name}" for s in scene.surfaces for name in BLOCK_QUANTITIES]
@@ -103,14 +87,6 @@ def sum_names(scene: Scene) -> list[str]:
         kinds = WORKS + ("w_field",) * fields + ("w_T", "heat") * bool(surface.langevin)
         names += [f"{surface.name}.{kind}" for kind in kinds]
     return _kept(scene, names)
-
-
-def check_engine(engine: Engine | None) -> None:
-    """Refuse an engine that takes no jobs; None runs the members in this process."""
-    if engine is not None and not (hasattr(engine, "submit") or hasattr(engine, "map")):
-        raise InputError(
-            "engine", f"must have submit or map, as an executor has, got {short_repr(engine)}"
-        )
 
 
 class Runner:
@@ -224,28 +200,12 @@ class Runner:
                 Job(text, plan, self.names, members[k : k + size], own_scenes, estimate)
                 for k in range(0, len(members), size)
             ]
-            yield from run_jobs(self._engine, run_job, jobs)
+            for outcomes in run_jobs(self._engine, run_job, jobs):
+                yield from outcomes
             return
         simulation = from_settings(self.simulation.scene, plan)
         for member in members:
             yield run_member(simulation, self.names, member, own_scenes, estimate)
-
-
-def run_jobs(
-    engine: Engine, run: Callable[[AnyJob], list[Found]], jobs: list[AnyJob]
-) -> Iterator[Found]:
-    """The outcomes of all jobs, in order."""
-    if not isinstance(engine, Executor) and not hasattr(engine, "submit"):
-        for outcomes in engine.map(run, jobs):
-            yield from outcomes
-        return
-    futures = [engine.submit(run, job) for job in jobs]
-    try:
-        for future in futures:
-            yield from future.result()
-    finally:
-        for future in futures:
-            future.cancel()
 
 
 def run_job(job: Job) -> list[Outcome]:

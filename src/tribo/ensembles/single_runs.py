@@ -1,156 +1,99 @@
-"""Members of any scene, each a run of its own, of which only the end is kept."""
+"""Members of any scene, each a run of its own."""
 
 from __future__ import annotations
 
-import tomllib
-from collections.abc import Callable, Iterator, Sequence
-from typing import NamedTuple
-
 import numpy as np
 
-from tribo import interrupts
-from tribo.accuracy.plan import Plan
-from tribo.ensembles.end_values import MISSED, STATUS_TYPE, EndValues
-from tribo.ensembles.members import Member, Variation
-from tribo.ensembles.runner import JOBS, Engine, run_jobs
+from tribo.ensembles.kept_values import MISSED, STATUS_TYPE, UNKNOWN, Kept, KeptValues
+from tribo.ensembles.members import Members
 from tribo.kernels.status import Status
-from tribo.model.scene_file import scene_from
-from tribo.model.scene_writer import scene_text
 from tribo.prepared import Simulation
 from tribo.run.result import Result
 from tribo.simulation import from_settings, prepare
-
-
-class End(NamedTuple):
-    """The end of one member's run.
-
-    Attributes
-    ----------
-    status : str
-        How it ended.
-    values : list of ndarray
-        (asperites,) or a number for each name; NaN where the run did not complete.
-    steps : int
-        Of the run.
-    """
-
-    status: str
-    values: list[np.ndarray]
-    steps: int
-
-
-class EndJob(NamedTuple):
-    """Some members and how they are run; it can be pickled."""
-
-    scene: str  # as text
-    plan: Plan
-    names: list[str]
-    members: list[Member]
-    own_scenes: bool
+from tribo.validation import InputError
 
 
 class SingleRuns:
-    """Runs the members of an ensemble one by one, in this process or by an engine.
+    """Runs members of an ensemble one by one.
 
     Parameters
     ----------
     simulation : Simulation
-        Of the ensemble's scene; its plan is tried first for every member.
-    variation : Variation
-        The differences between members.
-    names : sequence of str
-        Of the quantities that are kept.
-    engine : executor, optional
-        Runs the members.
-    progress : callable, optional
-        Called with the number of members that have been run.
+        Of the ensemble's scene; its settings are tried first for every member.
+    kept : Kept
+        What is kept.
+    own_scenes : bool
+        Whether members differ in more than initial angles and rates.
+
+    Attributes
+    ----------
+    chunk : int
+        Members that are run in one call.
+    plan : None
+        There is none beside that of the simulation.
     """
 
-    def __init__(
-        self,
-        simulation: Simulation,
-        variation: Variation,
-        names: Sequence[str],
-        engine: Engine | None,
-        progress: Callable[[int], None] | None,
-    ) -> None:
-        self._simulation = simulation
-        self._variation = variation
-        self._names = list(names)
-        self._engine = engine
-        self._progress = progress
+    chunk = 1
+    plan = None
 
-    def run(self, count: int) -> EndValues:
-        """Run the members from 0 to `count`; after an interrupt those that are complete are kept.
+    def __init__(self, simulation: Simulation, kept: Kept, own_scenes: bool) -> None:
+        self.simulation = simulation
+        self.kept = kept
+        self._own_scenes = own_scenes
 
-        Raises KeyboardInterrupt if there are none.
+    def compute(self, members: Members) -> KeptValues:
+        """Run some members by the settings of all.
+
+        Those that miss their accuracy have the status UNKNOWN.
         """
-        ends: list[End] = []
-        interrupted = False
+        found = nothing(self.kept, members.numbers.size)
+        for index in range(members.numbers.size):
+            member, simulation = members.member(index), self.simulation
+            if self._own_scenes:
+                scene = member.scene(simulation.scene)
+                simulation = from_settings(scene, simulation.settings)
+            result = simulation.compute(member.start)
+            if result.status != Status.COMPLETED or result.met is not False:
+                _take(found, index, result, self.kept)
+        return found
+
+
+def nothing(kept: Kept, members: int) -> KeptValues:
+    """The values of members that have not been run."""
+    shapes = zip(kept.names, kept.shapes, strict=True)
+    return KeptValues(
+        {name: np.full((members, *shape), np.nan) for name, shape in shapes},
+        np.full(members, UNKNOWN, dtype=STATUS_TYPE),
+        np.zeros(members, np.int64),
+        np.full(members, np.nan),
+        np.full(members, np.nan),
+    )
+
+
+def run_alone(simulation: Simulation, kept: Kept, members: Members, found: KeptValues) -> None:
+    """Run the members whose status is UNKNOWN, each with a search for its own settings."""
+    for index in np.flatnonzero(found.status == UNKNOWN):
+        scene = members.member(int(index)).scene_with_start(simulation.scene)
+        found.level[index] = found.error[index] = np.nan
         try:
-            for end in self._ends(count):
-                if end.status == Status.INTERRUPTED:
-                    raise KeyboardInterrupt
-                ends.append(end)
-                if self._progress is not None:
-                    self._progress(len(ends))
-        except KeyboardInterrupt:
-            interrupts.answer()
-            interrupted = True
-            if not ends:
-                raise
-        unknown = np.full(len(ends), np.nan)
-        return EndValues(
-            {name: np.array([end.values[k] for end in ends]) for k, name in enumerate(self._names)},
-            np.array([end.status for end in ends], dtype=STATUS_TYPE),
-            np.array([end.steps for end in ends]),
-            unknown,
-            unknown.copy(),
-            interrupted=interrupted,
-        )
-
-    def _ends(self, count: int) -> Iterator[End]:
-        """The ends of the members' runs, in the members' order."""
-        plan, own_scenes = self._simulation.settings, self._variation.own_scenes
-        if self._engine is None:
-            simulation = from_settings(self._simulation.scene, plan)
-            for number in range(count):
-                yield end_of(simulation, self._names, self._variation.member(number), own_scenes)
-            return
-        members = [self._variation.member(number) for number in range(count)]
-        text, size = scene_text(self._simulation.scene), -(-count // JOBS)
-        jobs = [
-            EndJob(text, plan, self._names, members[k : k + size], own_scenes)
-            for k in range(0, count, size)
-        ]
-        yield from run_jobs(self._engine, run_end_job, jobs)
+            own = prepare(scene, simulation.accuracy, simulation.method.name)
+        except InputError:  # the accuracy is out of reach
+            found.status[index] = MISSED
+            for values in found.values.values():
+                values[index] = np.nan
+        else:
+            _take(found, int(index), own.compute_first(), kept)
 
 
-def run_end_job(job: EndJob) -> list[End]:
-    """Run the members of a job, in a process that may not have the scene yet."""
-    simulation = from_settings(scene_from(tomllib.loads(job.scene)), job.plan)
-    return [end_of(simulation, job.names, member, job.own_scenes) for member in job.members]
-
-
-def end_of(simulation: Simulation, names: list[str], member: Member, own_scene: bool) -> End:
-    """Run one member; with a search for its own settings where those of all miss its accuracy."""
-    shared = simulation
-    if own_scene:
-        simulation = from_settings(member.scene(simulation.scene), simulation.settings)
-    result = simulation.compute(member.start)
-    if result.status == Status.COMPLETED and result.met is False:
-        scene = member.scene_with_start(shared.scene)
-        result = prepare(scene, shared.accuracy, shared.method.name).compute_first()
-    status = str(result.status)
-    if result.status == Status.COMPLETED and result.met is False:
-        status = MISSED
-    return End(status, _values(result, names, status), result.cost.steps)
-
-
-def _values(result: Result, names: list[str], status: str) -> list[np.ndarray]:
-    """The quantities at the end; NaN where the run did not complete."""
-    ledger = result.ledger.at_end()
-    values = [np.asarray(ledger.series(name)[0][-1]) for name in names]
-    if status != Status.COMPLETED:
-        return [np.full_like(value, np.nan) for value in values]
-    return values
+def _take(found: KeptValues, index: int, result: Result, kept: Kept) -> None:
+    """Fill in one member.  Raises KeyboardInterrupt if its run was interrupted."""
+    if result.status == Status.INTERRUPTED:
+        raise KeyboardInterrupt
+    completed = result.status == Status.COMPLETED
+    found.status[index] = MISSED if completed and result.met is False else str(result.status)
+    found.steps[index] = result.cost.steps
+    known = found.status[index] == Status.COMPLETED
+    ledger = result.ledger if kept.at_samples else result.ledger.at_end()
+    for name in kept.names:
+        series = ledger.series(name)[0] if known else np.full(1, np.nan)
+        found.values[name][index] = series if known and kept.at_samples else series[-1]

@@ -1,0 +1,148 @@
+"""Runs of the members of which named quantities are kept: in threads, or by an engine."""
+
+from __future__ import annotations
+
+import pickle
+import tomllib
+from collections.abc import Callable, Iterator
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from tribo import interrupts
+from tribo.accuracy.plan import Plan
+from tribo.ensembles.engines import Engine, in_threads, run_jobs
+from tribo.ensembles.kept_values import Kept, KeptValues
+from tribo.ensembles.members import Members, Variation
+from tribo.ensembles.pair_plan import pair_plan
+from tribo.ensembles.pair_runs import PairPlan, PairRuns
+from tribo.ensembles.single_runs import SingleRuns, run_alone
+from tribo.ensembles.stores import Store
+from tribo.model.scene_file import scene_from
+from tribo.model.scene_writer import scene_text
+from tribo.prepared import Simulation
+from tribo.simulation import from_settings
+
+KeptRuns = PairRuns | SingleRuns
+
+# Ensembles that a process of an engine has ready at the same time.
+MOST_READY = 4
+
+
+class Setup(NamedTuple):
+    """All that a process of an engine needs to run members; it can be pickled."""
+
+    scene: str  # as text, from which plug-ins are loaded there
+    plan: Plan
+    kept: Kept
+    own_scenes: bool
+    pairs: PairPlan | None
+
+
+def kept_runs(
+    simulation: Simulation, kept: Kept, own_scenes: bool, plan: PairPlan | None = None
+) -> KeptRuns:
+    """The fastest way to run members of a scene, with the plan of all if that is known."""
+    if simulation.integrator.pair is None or simulation.accuracy is None or own_scenes:
+        return SingleRuns(simulation, kept, own_scenes)
+    runs = PairRuns(simulation, kept)
+    if plan is not None:
+        runs.plan = plan
+    return runs
+
+
+def planned_runs(
+    simulation: Simulation, kept: Kept, variation: Variation, count: int, threads: int
+) -> KeptRuns:
+    """Runs of an ensemble of `count` members."""
+    runs = kept_runs(simulation, kept, variation.own_scenes)
+    if isinstance(runs, PairRuns):
+        runs.plan = pair_plan(runs, variation, count, threads)
+    return runs
+
+
+def run_members(
+    runs: KeptRuns,
+    variation: Variation,
+    count: int,
+    store: Store,
+    engine: Engine | None,
+    threads: int,
+    progress: Callable[[int], None] | None,
+) -> bool:
+    """Run the members from `store.done` to `count`, in order; whether they were interrupted.
+
+    Parameters
+    ----------
+    runs : PairRuns or SingleRuns
+        Runs them.
+    variation : Variation
+        The differences between members.
+    count : int
+        Of members.
+    store : Store
+        Takes the members.  After an interrupt it has those that are complete.
+    engine : executor, optional
+        Runs them in other processes.
+    threads : int
+        Of this process, which run them without an engine.
+    progress : callable, optional
+        Called with the number of members that the store has.
+    """
+    chunks = range(store.done, count, runs.chunk)
+    # Values are drawn in this thread: distributions need not be safe in others.
+    members = (variation.members(np.arange(k, min(k + runs.chunk, count))) for k in chunks)
+    try:
+        for some, found in _parts(runs, variation, members, engine, threads):
+            store.add(some, found)
+            if progress is not None:
+                progress(store.done)
+    except KeyboardInterrupt:
+        interrupts.answer()
+        return True
+    return False
+
+
+def _parts(
+    runs: KeptRuns,
+    variation: Variation,
+    members: Iterator[Members],
+    engine: Engine | None,
+    threads: int,
+) -> Iterator[tuple[Members, KeptValues]]:
+    """Chunks of members and what is kept of them, in order."""
+    if engine is not None:
+        text, plan = scene_text(runs.simulation.scene), runs.simulation.settings
+        setup = pickle.dumps(Setup(text, plan, runs.kept, variation.own_scenes, runs.plan))
+        yield from run_jobs(engine, run_job, ((setup, some) for some in members))
+        return
+    if isinstance(runs, SingleRuns):
+        threads = 1  # Python runs between its members
+
+    def compute(some: Members) -> tuple[Members, KeptValues]:
+        return some, runs.compute(some)
+
+    for some, found in in_threads(compute, members, threads):
+        run_alone(runs.simulation, runs.kept, some, found)
+        yield some, found
+
+
+def run_job(job: tuple[bytes, Members]) -> tuple[Members, KeptValues]:
+    """Run some members, in a process that may not have the scene yet."""
+    setup, members = job
+    return members, complete(_ready(setup), members)
+
+
+def complete(runs: KeptRuns, members: Members) -> KeptValues:
+    """Run some members in this thread, also those that need settings of their own."""
+    found = runs.compute(members)
+    run_alone(runs.simulation, runs.kept, members, found)
+    return found
+
+
+@lru_cache(MOST_READY)
+def _ready(setup: bytes) -> KeptRuns:
+    scene, plan, kept, own_scenes, pairs = pickle.loads(setup)
+    simulation = from_settings(scene_from(tomllib.loads(scene)), plan)
+    return kept_runs(simulation, kept, own_scenes, pairs)

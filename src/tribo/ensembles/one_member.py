@@ -1,0 +1,64 @@
+"""One member of an ensemble alone."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from tribo.ensembles.kept_runs import complete, kept_runs
+from tribo.ensembles.kept_values import Kept, kept_dataset
+from tribo.ensembles.members import Members
+from tribo.ensembles.pair_runs import PairPlan
+from tribo.ensembles.planned import planned
+from tribo.model.scene_file import scene_from
+from tribo.validation import InputError, integer, short_repr
+
+if TYPE_CHECKING:
+    import xarray
+
+
+def ensemble_member(data: xarray.Dataset, number: int) -> xarray.Dataset:
+    """Run one member of an ensemble again, alone.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        As :func:`tribo.ensemble` returns it with `keep`, or from its file.
+    number : int
+        Of the member, from 0 on.
+
+    Returns
+    -------
+    xarray.Dataset
+        That of this member, bit for bit as in `data`, by the same version on the same machine.
+
+    Raises
+    ------
+    InputError
+        The data set has no members with kept quantities, or not that member.
+    """
+    attributes = dict(data.attrs)
+    if "keep" not in attributes or "member" not in data.coords:
+        raise InputError("data", "must have members, as tribo.ensemble(..., keep=...) returns them")
+    integer("number", number, 0)
+    found = np.flatnonzero(data["member"].values == number)
+    if found.size != 1:
+        raise InputError("number", f"must be that of a member, got {short_repr(number)}")
+    keep = json.loads(attributes["keep"])
+    pairs = PairPlan.from_attributes(attributes) if "scales" in attributes else None
+    scene = scene_from(tomllib.loads(attributes["scene"]))
+    # The method of a pair's lanes takes the place of `method`, which found the scales.
+    simulation = planned(scene, attributes["method_alone"], json.loads(attributes["step"]))
+    kept = Kept.checked(simulation, keep, "time" in data.dims)
+    one = data.isel(member=found)
+    names = [str(name) for name in one.coords if "." in str(name)]
+    members = Members(
+        one["member"].values,
+        one["seed"].values,
+        {name: one[name].values.reshape(1, -1) for name in names},
+    )
+    runs = kept_runs(simulation, kept, json.loads(attributes["own_scenes"]), pairs)
+    return kept_dataset(kept, simulation, members, complete(runs, members), attributes)

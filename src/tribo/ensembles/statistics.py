@@ -1,0 +1,194 @@
+"""Statistics of more members than memory holds: moments, quantiles and histograms.
+
+Means and covariances are merged block by block.  With n_a, mean_a and sum of products S_a of one
+block, and d = mean_b - mean_a,
+
+    mean = mean_a + d n_b / n ,   S = S_a + S_b + d d^T n_a n_b / n ,   n = n_a + n_b .
+
+T. F. Chan, G. H. Golub, R. J. LeVeque, The American Statistician 37 (1983) 242.
+
+Quantiles and histograms come from counts in bins of equal width in asinh((x - centre) / unit),
+where centre and unit are mean and standard deviation of the first block.  So the bins are as wide
+as a fraction of the standard deviation near the centre, and as a fraction of the distance from it
+far away, and cover all numbers.  This is the idea of DDSketch (C. Masson, J. E. Rim, H. K. Lee,
+Proc. VLDB Endow. 12 (2019) 2195), whose bins are relative to zero.  Counts are integers, so their
+sums do not depend on any order.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields
+
+import numpy as np
+
+from tribo.ensembles.kept_values import Kept, Tally
+
+# Bins for a unit of asinh: a bin near the centre is 1/256 of a standard deviation wide.
+FINE = 256
+# Fine bins in one of a histogram: 1/16 of a standard deviation.
+COARSE = 16
+# Members that are merged at once, at least: the merge of one costs as much as that of some 1000.
+BLOCK = 1024
+# Numbers of a column's bins in the keys of all columns: asinh of the largest double is 710.
+BINS = 2**20
+# Probabilities of the quantiles that are reported; 0 and 1 are the smallest and largest value.
+PROBABILITIES = np.array([0.0, 1e-3, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 0.999, 1.0])
+
+
+@dataclass(eq=False)
+class Moments:
+    """Sums over the complete members, of columns at each time.
+
+    A column is a quantity of the system, of a surface, or of one asperite.
+
+    Attributes
+    ----------
+    count : ndarray, ()
+        Of members.
+    mean, lowest, highest : ndarray, (times, columns)
+        Of the members.
+    products : ndarray, (times, columns, columns)
+        Sums of products of deviations from the means.
+    centre, unit : ndarray, (times, columns)
+        Of the bins.
+    keys, counts : ndarray, (bins,)
+        The occupied bins, ascending, and the members in each; the key is the index of the time and
+        column times `BINS`, plus that of the bin, which begins at -BINS / 2.
+    """
+
+    count: np.ndarray
+    mean: np.ndarray
+    lowest: np.ndarray
+    highest: np.ndarray
+    products: np.ndarray
+    centre: np.ndarray
+    unit: np.ndarray
+    keys: np.ndarray
+    counts: np.ndarray
+
+    @classmethod
+    def of(cls, values: np.ndarray, like: Moments | None = None) -> Moments:
+        """Those of values (members, times, columns), with the bins of `like`."""
+        mean = values.mean(axis=0)
+        off = values - mean
+        products = np.matmul(np.moveaxis(off, 0, 2), np.moveaxis(off, 0, 1))
+        if like is None:
+            spread = np.std(values, axis=0)
+            centre, unit = mean, np.where(spread > 0.0, spread, np.where(mean, np.abs(mean), 1.0))
+        else:
+            centre, unit = like.centre, like.unit
+        bins = np.floor(FINE * np.arcsinh((values - centre) / unit)).astype(np.int64) + BINS // 2
+        columns = BINS * np.arange(mean.size).reshape(mean.shape)
+        keys, counts = np.unique(bins + columns, return_counts=True)
+        lowest, highest = values.min(axis=0), values.max(axis=0)
+        count = np.array(len(values))
+        return cls(count, mean, lowest, highest, products, centre, unit, keys, counts)
+
+    def merged(self, other: Moments) -> Moments:
+        """Those of both; `other` has the same bins."""
+        count = self.count + other.count
+        off = other.mean - self.mean
+        share = other.count / count
+        between = off[:, :, None] * off[:, None, :] * (self.count * share)
+        keys, places = np.unique(np.append(self.keys, other.keys), return_inverse=True)
+        counts = np.zeros(keys.size, np.int64)
+        np.add.at(counts, places, np.append(self.counts, other.counts))
+        return Moments(
+            count,
+            self.mean + off * share,
+            np.minimum(self.lowest, other.lowest),
+            np.maximum(self.highest, other.highest),
+            self.products + other.products + between,
+            self.centre,
+            self.unit,
+            keys,
+            counts,
+        )
+
+    @property
+    def covariance(self) -> np.ndarray:
+        """Between columns, (times, columns, columns); NaN of fewer than two members."""
+        if self.count < 2:
+            return np.full_like(self.products, np.nan)
+        return self.products / (self.count - 1)
+
+    def edges(self, bins: np.ndarray, column: int) -> np.ndarray:
+        """Lower edges of bins of one time and column, from its index among all."""
+        centre, unit = self.centre.flat[column], self.unit.flat[column]
+        return centre + unit * np.sinh((bins - BINS // 2) / FINE)
+
+    def bins_of(self, column: int) -> tuple[np.ndarray, np.ndarray]:
+        """The occupied bins of one time and column, and their counts."""
+        first, last = np.searchsorted(self.keys, [BINS * column, BINS * (column + 1)])
+        return self.keys[first:last] - BINS * column, self.counts[first:last]
+
+    def quantiles(self) -> np.ndarray:
+        """Values at the PROBABILITIES, (probabilities, times, columns).
+
+        They are in the bin of the exact ones.
+        """
+        found = np.empty((PROBABILITIES.size, self.mean.size))
+        ranks = PROBABILITIES * (self.count - 1)
+        for column in range(self.mean.size):
+            bins, counts = self.bins_of(column)
+            until = np.cumsum(counts)
+            place = np.minimum(np.searchsorted(until, ranks, "right"), bins.size - 1)
+            inside = (ranks - (until - counts)[place] + 0.5) / counts[place]
+            low, high = (self.edges(bins[place] + k, column) for k in (0, 1))
+            found[:, column] = low + np.clip(inside, 0.0, 1.0) * (high - low)
+        shape = (PROBABILITIES.size, *self.mean.shape)
+        found = np.clip(found.reshape(shape), self.lowest, self.highest)
+        found[0], found[-1] = self.lowest, self.highest
+        return found
+
+
+@dataclass(eq=False)
+class Statistics:
+    """Statistics of members that arrive in order.
+
+    Attributes
+    ----------
+    kept : Kept
+        What is kept of each member.
+    moments : Moments or None
+        Of the blocks that are merged.
+    waiting : list of ndarray
+        Values (members, times, columns) that will be merged with the next block.
+    tally : Tally
+        Counts of the members.
+    """
+
+    kept: Kept
+    moments: Moments | None = None
+    waiting: list[np.ndarray] = field(default_factory=list)
+    tally: Tally = field(default_factory=Tally)
+
+    def add(self, values: dict[str, np.ndarray], complete: np.ndarray) -> None:
+        """Take in the complete ones of some members."""
+        size = int(complete.sum())
+        times = self.kept.times
+        parts = [values[name][complete].reshape(size, times, -1) for name in self.kept.names]
+        self.waiting.append(np.concatenate(parts, axis=2))
+        if sum(map(len, self.waiting)) >= BLOCK:
+            self.merge()
+
+    def merge(self) -> None:
+        """Merge the members that wait."""
+        values = np.concatenate(self.waiting) if self.waiting else np.empty(0)
+        self.waiting.clear()
+        if len(values):
+            block = Moments.of(values, self.moments)
+            self.moments = block if self.moments is None else self.moments.merged(block)
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """All sums, for a file."""
+        found = {"waiting": np.concatenate(self.waiting)} if self.waiting else {}
+        if self.moments is not None:
+            found |= {each.name: getattr(self.moments, each.name) for each in fields(Moments)}
+        return found
+
+    def restore(self, arrays: dict[str, np.ndarray]) -> None:
+        """Continue from the sums in a file."""
+        self.waiting = [arrays["waiting"]] if "waiting" in arrays else []
+        if "mean" in arrays:
+            self.moments = Moments(*(arrays[each.name] for each in fields(Moments)))
