@@ -15,8 +15,11 @@ from tribo.interrupts import STOPPED, answer, report_by
 from tribo.validation import InputError, TriboWarning, must_be
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from tribo.atlas import Row
     from tribo.model.scene import Scene
+    from tribo.work_precision import MeansPrecision, WorkPrecision
 
 # The exit status of a run that completed, or of a check that passed.
 COMPLETED = 0
@@ -234,21 +237,42 @@ def _explain(options: argparse.Namespace) -> int:
 
 
 def _accuracy(options: argparse.Namespace) -> int:
-    from tribo.work_precision import work_precision
+    from tribo.integrators.methods import noisy
+    from tribo.work_precision import means_precision, work_precision
 
     scene = _scene(options)
     _check_figure(options.figure)
-    report = (lambda name: print(name, file=sys.stderr)) if sys.stderr.isatty() else None
-    diagram = work_precision(
-        scene, options.methods, options.observables or (), options.seconds, progress=report
-    )
-    if options.figure is not None:
-        diagram.save_figure(options.figure)
-    print(diagram.to_json() if options.json else diagram)
-    if not diagram.rows:
+    observables = options.observables or ()
+    found: MeansPrecision | WorkPrecision
+    if noisy(scene):
+        for option in ("methods", "figure"):
+            if getattr(options, option) is not None:
+                raise InputError(f"--{option}", "cannot go with a scene that has thermal noise")
+        found = means_precision(scene, observables, options.seconds, _keep_for_interrupt(options))
+    else:
+        progress = (lambda name: print(name, file=sys.stderr)) if sys.stderr.isatty() else None
+        report = _keep_for_interrupt(options)
+        found = work_precision(
+            scene, options.methods, observables, options.seconds, progress, report
+        )
+        if options.figure is not None and found.rows:
+            found.save_figure(options.figure)
+    print(found.to_json() if options.json else found)
+    if not found.rows:
         print("tribo: no run ended in time; give more --seconds", file=sys.stderr)
-        return STOPPED
-    return COMPLETED
+    return COMPLETED if found.rows and found.status == "completed" else STOPPED
+
+
+def _keep_for_interrupt(
+    options: argparse.Namespace,
+) -> Callable[[MeansPrecision | WorkPrecision], None]:
+    """Lets what was measured be printed where an interrupt ends the program."""
+
+    def keep(found: MeansPrecision | WorkPrecision) -> None:
+        if found.rows:
+            report_by(lambda: print(found.to_json() if options.json else found, flush=True))
+
+    return keep
 
 
 def _check(options: argparse.Namespace) -> int:
