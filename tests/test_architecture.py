@@ -59,6 +59,7 @@ ORDER = [
     "work_precision",
     "ensembles",
     "explanation",
+    "viewer",
     "plotting",
     "simulation",
     "prepared",
