@@ -53,6 +53,7 @@ def of_this_package(name):
 ORDER = [
     "cli",
     "commands",
+    "scene_options",
     "paper",
     "report_card",
     "atlas",

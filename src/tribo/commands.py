@@ -5,18 +5,27 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-import tomllib
 import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tribo.files import checked_target
 from tribo.interrupts import STOPPED, answer, report_by
-from tribo.validation import InputError, TriboWarning, must_be
+from tribo.scene_options import (
+    add_scene,
+    add_set,
+    as_number,
+    load,
+    load_with_values,
+    parsed,
+    split,
+    with_samples,
+)
+from tribo.validation import InputError, TriboWarning
 
 if TYPE_CHECKING:
     from tribo.atlas import Row
-    from tribo.model.scene import Scene
+    from tribo.run.result import Result
 
 # The exit status of a run that completed, or of a check that passed.
 COMPLETED = 0
@@ -51,7 +60,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _add_run(run: argparse.ArgumentParser) -> None:
-    _add_scene(run)
+    add_scene(run)
     run.add_argument(
         "--out",
         type=Path,
@@ -66,11 +75,21 @@ def _add_run(run: argparse.ArgumentParser) -> None:
         "is complete",
     )
     run.add_argument("--json", action="store_true", help="print only the end state, as JSON")
+    run.add_argument(
+        "--accuracy", metavar="A", help="largest relative error, as 1e-6 (default: the file's)"
+    )
+    run.add_argument("--method", metavar="M", help="method (default: the file's, or the fastest)")
+    run.add_argument("--step", metavar="H", help="step, in place of an accuracy")
+    run.add_argument("--samples", metavar="N", help="number of evenly spaced times to record")
+    add_set(run)
+    run.add_argument(
+        "--figure", type=Path, metavar="FILE", help="draw the works on the first asperite"
+    )
     run.set_defaults(command=_run)
 
 
 def _add_ensemble(ensemble: argparse.ArgumentParser) -> None:
-    _add_scene(ensemble)
+    add_scene(ensemble)
     ensemble.add_argument(
         "--vary",
         action="append",
@@ -91,18 +110,6 @@ def _add_ensemble(ensemble: argparse.ArgumentParser) -> None:
     ensemble.set_defaults(command=_ensemble)
 
 
-def _add_scene(command: argparse.ArgumentParser) -> None:
-    command.add_argument(
-        "scene",
-        type=Path,
-        metavar="SCENE.toml",
-        help="the scene file; if it names a plug-in, the code of that runs too",
-    )
-    command.add_argument(
-        "--no-plugins", action="store_true", help="refuse a scene file that names code"
-    )
-
-
 def _add_paper(paper: argparse.ArgumentParser) -> None:
     paper.add_argument("case", nargs="?", choices=list("ABCDE"), help="one case (default: all)")
     paper.add_argument("--json", action="store_true", help="print the comparison as JSON")
@@ -111,13 +118,15 @@ def _add_paper(paper: argparse.ArgumentParser) -> None:
 
 
 def _add_explain(explain: argparse.ArgumentParser) -> None:
-    _add_scene(explain)
+    add_scene(explain)
+    add_set(explain)
     explain.add_argument("--json", action="store_true", help="print the explanation as JSON")
     explain.set_defaults(command=_explain)
 
 
 def _add_accuracy(accuracy: argparse.ArgumentParser) -> None:
-    _add_scene(accuracy)
+    add_scene(accuracy)
+    add_set(accuracy)
     accuracy.add_argument("--json", action="store_true", help="print the rows as JSON")
     accuracy.add_argument(
         "--figure", type=Path, metavar="FILE", help="draw error against time and evaluations"
@@ -170,11 +179,32 @@ def _run(options: argparse.Namespace) -> int:
         raise InputError("--resume", "needs --out FILE")
     if options.out is not None:
         checked_target("--out", options.out)
-    scene = _scene(options)
+    _check_figure(options.figure)
+    accuracy, step = (as_number(f"--{n}", getattr(options, n)) for n in ("accuracy", "step"))
+    scene = with_samples(load_with_values(options), options.samples)
     with _ProgressBar(scene.duration) as progress:
-        result = simulate(scene, progress=progress, out=options.out, resume=options.resume)
+        result = simulate(
+            scene,
+            accuracy,
+            options.method,
+            step,
+            progress=progress,
+            out=options.out,
+            resume=options.resume,
+        )
+    if options.figure is not None:
+        _draw(result, options.figure)
     print(result.to_json() if options.json else result)
     return COMPLETED if result.status == "completed" else STOPPED
+
+
+def _draw(result: Result, path: Path) -> None:
+    """Draw the works on the first asperite, or its angle where works are not kept."""
+    from tribo import plotting
+
+    name = result.scene.surfaces[0].name
+    kept = "w" in result.ledger.surfaces[name]
+    plotting.save((plotting.work_curves if kept else plotting.angle_curve)(result, name), path)
 
 
 def _ensemble(options: argparse.Namespace) -> int:
@@ -186,22 +216,13 @@ def _ensemble(options: argparse.Namespace) -> int:
         checked_target("--out", options.out)
     vary = dict(varied(text) for text in options.vary)
     keep = None if options.keep is None else options.keep.split(",")
-    scene = _scene(options)
+    scene = load(options)
     with _ProgressBar(options.n, "members") as progress:
         data = ensemble(scene, options.n, vary, options.seed, keep=keep, progress=progress)
     if options.out is not None:
         replace_file(options.out, bytes(data.to_netcdf(engine="h5netcdf")))
     print(summary_of_means(data) if keep is None else summary(data, keep))
     return COMPLETED if data.attrs["status"] == "completed" else STOPPED
-
-
-def _scene(options: argparse.Namespace) -> Scene:
-    """The scene in the file, whose code is refused if that is wanted."""
-    from tribo.model.scene_file import load_scene
-    from tribo.plugins.unloaded import Code, code
-
-    with code(Code.REFUSE if options.no_plugins else Code.LOAD):
-        return load_scene(options.scene)
 
 
 def _paper(options: argparse.Namespace) -> int:
@@ -228,7 +249,7 @@ def _paper(options: argparse.Namespace) -> int:
 def _explain(options: argparse.Namespace) -> int:
     from tribo.explanation import explain
 
-    explanation = explain(_scene(options))
+    explanation = explain(load_with_values(options))
     print(explanation.to_json() if options.json else explanation)
     return COMPLETED
 
@@ -236,7 +257,7 @@ def _explain(options: argparse.Namespace) -> int:
 def _accuracy(options: argparse.Namespace) -> int:
     from tribo.work_precision import work_precision
 
-    scene = _scene(options)
+    scene = load_with_values(options)
     _check_figure(options.figure)
     report = (lambda name: print(name, file=sys.stderr)) if sys.stderr.isatty() else None
     diagram = work_precision(
@@ -315,18 +336,9 @@ def _check_figure(path: Path | None) -> None:
 
 
 def _parameter(text: str) -> tuple[str, object]:
-    """A name and its value: a number, else a value of TOML, else a word."""
-    name, sign, value = text.partition("=")
-    if not sign:
-        raise must_be("parameter", "NAME=VALUE", text)
-    try:
-        return name, float(value)
-    except ValueError:
-        pass
-    try:
-        return name, tomllib.loads(f"value = {value}")["value"]
-    except tomllib.TOMLDecodeError:
-        return name, value
+    """A name and its value."""
+    name, value = split("parameter", text)
+    return name, parsed(value)
 
 
 class _ProgressBar:
