@@ -1,4 +1,4 @@
-"""The commands: `run`, `ensemble`, `paper`, `explain`, `accuracy`, `check` and `atlas`."""
+"""The commands: `run`, `sweep`, `ensemble`, `paper`, `explain`, `accuracy`, `check` and `atlas`."""
 
 from __future__ import annotations
 
@@ -7,10 +7,11 @@ import json
 import sys
 import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from tribo.files import checked_target
 from tribo.interrupts import STOPPED, answer, report_by
+from tribo.progress import ProgressBar
 from tribo.scene_options import (
     add_scene,
     add_set,
@@ -50,6 +51,7 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
     _add_run(commands.add_parser("run", help="simulate a scene file and print its end state"))
+    _add_sweep(commands.add_parser("sweep", help="run a scene with every combination of values"))
     _add_ensemble(commands.add_parser("ensemble", help="run a scene from many starts"))
     _add_paper(commands.add_parser("paper", help="compare the paper's cases with its numbers"))
     _add_explain(commands.add_parser("explain", help="say what a run will do and cost"))
@@ -75,11 +77,7 @@ def _add_run(run: argparse.ArgumentParser) -> None:
         "is complete",
     )
     run.add_argument("--json", action="store_true", help="print only the end state, as JSON")
-    run.add_argument(
-        "--accuracy", metavar="A", help="largest relative error, as 1e-6 (default: the file's)"
-    )
-    run.add_argument("--method", metavar="M", help="method (default: the file's, or the fastest)")
-    run.add_argument("--step", metavar="H", help="step, in place of an accuracy")
+    _add_numerics(run)
     run.add_argument("--samples", metavar="N", help="number of evenly spaced times to record")
     add_set(run)
     run.add_argument(
@@ -88,9 +86,50 @@ def _add_run(run: argparse.ArgumentParser) -> None:
     run.set_defaults(command=_run)
 
 
-def _add_ensemble(ensemble: argparse.ArgumentParser) -> None:
-    add_scene(ensemble)
-    ensemble.add_argument(
+def _add_sweep(sweep: argparse.ArgumentParser) -> None:
+    add_scene(sweep)
+    sweep.add_argument(
+        "--set",
+        action="append",
+        required=True,
+        metavar="KEY=VALUES",
+        help="values with commas between them, as 'upper.drive.load=0.1,0.2,0.4'; if repeated, "
+        "every combination is run",
+    )
+    sweep.add_argument("--members", type=int, metavar="N", help="runs of each point (default: 1)")
+    _add_vary(sweep)
+    sweep.add_argument(
+        "--keep",
+        metavar="NAMES",
+        help="quantities at the end, with commas (default: those of whole surfaces)",
+    )
+    sweep.add_argument("--seed", type=int, default=0, help="of the members (default: 0)")
+    _add_numerics(sweep)
+    sweep.add_argument(
+        "--processes", type=int, default=1, metavar="N", help="points at a time (default: 1)"
+    )
+    sweep.add_argument(
+        "--out",
+        type=Path,
+        metavar="FILE",
+        help="write all points as NetCDF; FILE.part keeps those that are finished",
+    )
+    sweep.add_argument("--resume", action="store_true", help="go on with the points in FILE.part")
+    sweep.set_defaults(command=_sweep)
+
+
+def _add_numerics(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--accuracy", metavar="A", help="largest relative error, as 1e-6 (default: the file's)"
+    )
+    command.add_argument(
+        "--method", metavar="M", help="method (default: the file's, or the fastest)"
+    )
+    command.add_argument("--step", metavar="H", help="step, in place of an accuracy")
+
+
+def _add_vary(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
         "--vary",
         action="append",
         default=[],
@@ -98,6 +137,11 @@ def _add_ensemble(ensemble: argparse.ArgumentParser) -> None:
         help="what differs between members, as 'upper.theta=normal(0,0.1)' or "
         "'interaction.strength=uniform(0.1,0.2)'; may be repeated",
     )
+
+
+def _add_ensemble(ensemble: argparse.ArgumentParser) -> None:
+    add_scene(ensemble)
+    _add_vary(ensemble)
     ensemble.add_argument("-n", type=int, required=True, help="number of members")
     ensemble.add_argument(
         "--keep",
@@ -182,7 +226,7 @@ def _run(options: argparse.Namespace) -> int:
     _check_figure(options.figure)
     accuracy, step = (as_number(f"--{n}", getattr(options, n)) for n in ("accuracy", "step"))
     scene = with_samples(load_with_values(options), options.samples)
-    with _ProgressBar(scene.duration) as progress:
+    with ProgressBar(scene.duration, "t") as progress:
         result = simulate(
             scene,
             accuracy,
@@ -207,6 +251,14 @@ def _draw(result: Result, path: Path) -> None:
     plotting.save((plotting.work_curves if kept else plotting.angle_curve)(result, name), path)
 
 
+def _sweep(options: argparse.Namespace) -> int:
+    from tribo.sweeps.command_line import run_sweep, summary
+
+    data = run_sweep(options)
+    print(summary(data, options.out))
+    return COMPLETED if set(data["status"].values.flat) == {"completed"} else STOPPED
+
+
 def _ensemble(options: argparse.Namespace) -> int:
     from tribo.ensembles import ensemble
     from tribo.ensembles.command_line import summary, summary_of_means, varied
@@ -217,7 +269,7 @@ def _ensemble(options: argparse.Namespace) -> int:
     vary = dict(varied(text) for text in options.vary)
     keep = None if options.keep is None else options.keep.split(",")
     scene = load(options)
-    with _ProgressBar(options.n, "members") as progress:
+    with ProgressBar(options.n, "members") as progress:
         data = ensemble(scene, options.n, vary, options.seed, keep=keep, progress=progress)
     if options.out is not None:
         replace_file(options.out, bytes(data.to_netcdf(engine="h5netcdf")))
@@ -339,27 +391,3 @@ def _parameter(text: str) -> tuple[str, object]:
     """A name and its value."""
     name, value = split("parameter", text)
     return name, parsed(value)
-
-
-class _ProgressBar:
-    """A progress bar on a terminal, and no output elsewhere."""
-
-    def __init__(self, duration: float, unit: str = "t") -> None:
-        self.duration = duration
-        self._unit = unit
-        self._bar: Any = None
-
-    def __enter__(self) -> _ProgressBar:
-        return self
-
-    def __call__(self, t: float) -> None:
-        if self._bar is None:
-            from tqdm import tqdm
-
-            self._bar = tqdm(total=self.duration, disable=None, leave=False, unit=self._unit)
-        self._bar.n = t
-        self._bar.refresh()
-
-    def __exit__(self, *error: object) -> None:
-        if self._bar is not None:
-            self._bar.close()
