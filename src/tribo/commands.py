@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from tribo.files import checked_target
 from tribo.interrupts import STOPPED, answer, report_by
-from tribo.progress import ProgressBar
+from tribo.progress import Reported
 from tribo.scene_options import (
     add_scene,
     add_set,
@@ -226,16 +226,8 @@ def _run(options: argparse.Namespace) -> int:
     _check_figure(options.figure)
     accuracy, step = (as_number(f"--{n}", getattr(options, n)) for n in ("accuracy", "step"))
     scene = with_samples(load_with_values(options), options.samples)
-    with ProgressBar(scene.duration, "t") as progress:
-        result = simulate(
-            scene,
-            accuracy,
-            options.method,
-            step,
-            progress=progress,
-            out=options.out,
-            resume=options.resume,
-        )
+    method, resume = options.method, options.resume
+    result = simulate(scene, accuracy, method, step, out=options.out, resume=resume)
     if options.figure is not None:
         _draw(result, options.figure)
     print(result.to_json() if options.json else result)
@@ -269,7 +261,7 @@ def _ensemble(options: argparse.Namespace) -> int:
     vary = dict(varied(text) for text in options.vary)
     keep = None if options.keep is None else options.keep.split(",")
     scene = load(options)
-    with ProgressBar(options.n, "members") as progress:
+    with Reported(None, options.n, "members") as progress:
         data = ensemble(scene, options.n, vary, options.seed, keep=keep, progress=progress)
     if options.out is not None:
         replace_file(options.out, bytes(data.to_netcdf(engine="h5netcdf")))

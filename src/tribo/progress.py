@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Callable
 from typing import Any
@@ -25,34 +26,28 @@ class ProgressBar:
         What is to be reached.
     unit : str
         Its unit.
-    everywhere : bool
-        Whether to show it also where stderr is neither a terminal nor a notebook.
     """
 
-    def __init__(self, total: float, unit: str, everywhere: bool = False) -> None:
+    def __init__(self, total: float, unit: str) -> None:
         self._total = total
         self._unit = unit
-        self._everywhere = everywhere
-        self._began = time.perf_counter()
+        self._began = time.time()
         self._bar: Any = None
 
     def __call__(self, reached: float) -> None:
         """Show what is reached."""
         if self._bar is None:
-            if time.perf_counter() - self._began < DELAY:
+            if time.time() - self._began < DELAY:
                 return
             from tqdm.auto import tqdm
 
-            disable = False if self._everywhere else None
-            self._bar = tqdm(total=self._total, disable=disable, leave=False, unit=self._unit)
-            self._bar.start_t = time.time() - (time.perf_counter() - self._began)
+            self._bar = tqdm(total=self._total, leave=False, unit=self._unit)
+            self._bar.start_t = self._began
         self._bar.n = reached
         self._bar.refresh()
 
-    def __enter__(self) -> ProgressBar:
-        return self
-
-    def __exit__(self, *error: object) -> None:
+    def close(self) -> None:
+        """Remove the bar."""
         if self._bar is not None:
             self._bar.close()
 
@@ -78,11 +73,11 @@ class Reported:
     def __init__(self, progress: Shown, total: float, unit: str) -> None:
         self._bar: ProgressBar | None = None
         self._function: Callable[[float], None] | None = None
-        if progress is None or progress is True:
-            self._bar = ProgressBar(total, unit, everywhere=progress is True)
+        if progress is True or (progress is None and _is_watched()):
+            self._bar = ProgressBar(total, unit)
         elif callable(progress):
             self._function = progress
-        elif progress is not False:
+        elif progress not in (None, False):
             raise must_be("progress", "a function, True, False or None", progress)
 
     def __enter__(self) -> Callable[[float], None] | None:
@@ -90,4 +85,9 @@ class Reported:
 
     def __exit__(self, *error: object) -> None:
         if self._bar is not None:
-            self._bar.__exit__()
+            self._bar.close()
+
+
+def _is_watched() -> bool:
+    """Whether stderr is a terminal, or this is a notebook."""
+    return "ipykernel" in sys.modules or bool(sys.stderr and sys.stderr.isatty())
