@@ -27,6 +27,7 @@ from tribo.validation import InputError, TriboWarning
 if TYPE_CHECKING:
     from tribo.atlas import Row
     from tribo.run.result import Result
+    from tribo.work_precision import WorkPrecision
 
 # The exit status of a run that completed, or of a check that passed.
 COMPLETED = 0
@@ -303,17 +304,25 @@ def _accuracy(options: argparse.Namespace) -> int:
 
     scene = load_with_values(options)
     _check_figure(options.figure)
-    report = (lambda name: print(name, file=sys.stderr)) if sys.stderr.isatty() else None
+    found: list[WorkPrecision] = []
+
+    def report() -> None:
+        """Print what was measured where an interrupt ends the program."""
+        for diagram in found[-1:]:
+            print(diagram.to_json() if options.json else diagram, flush=True)
+        print("tribo: interrupted", file=sys.stderr)
+
+    report_by(report)
+    tell = (lambda name: print(name, file=sys.stderr)) if sys.stderr.isatty() else None
     diagram = work_precision(
-        scene, options.methods, options.observables or (), options.seconds, progress=report
+        scene, options.methods, options.observables or (), options.seconds, tell, found.append
     )
     if options.figure is not None:
         diagram.save_figure(options.figure)
     print(diagram.to_json() if options.json else diagram)
     if not diagram.rows:
         print("tribo: no run ended in time; give more --seconds", file=sys.stderr)
-        return STOPPED
-    return COMPLETED
+    return COMPLETED if diagram.rows and diagram.status == "completed" else STOPPED
 
 
 def _check(options: argparse.Namespace) -> int:
