@@ -17,7 +17,7 @@ LEAST = 1e-16
 SHOWN = {
     "completed, accuracy not met": "not met",
     "completed, error above its estimate": "wrong",
-    "Interrupted": "slow",
+    "NoProgress": "costly",
 }
 
 
@@ -49,7 +49,7 @@ def by_method() -> Iterator[list[str]]:
 
 def stability() -> Iterator[list[str]]:
     """Every method: how many scenes it completes, refuses, stops at, or leaves unfinished."""
-    kinds = ("completed", "not met", "stopped", "slow", "refused", "wrong")
+    kinds = ("completed", "not met", "stopped", "costly", "refused", "wrong")
     yield ["method", *kinds]
     runs = [cell for data in measured().values() for cell in data["methods"]]
     for method in METHODS:
@@ -59,14 +59,20 @@ def stability() -> Iterator[list[str]]:
 
 def _kind(cell: dict[str, Any]) -> str:
     """The outcome of a run by a method in one word."""
-    outcome = cell["outcome"]
-    known = {"completed", "refused"}
+    outcome = _outcome(cell)
+    known = {"completed", "refused", "costly"}
     return SHOWN.get(outcome, outcome if outcome in known else "stopped")
+
+
+def _outcome(cell: dict[str, Any]) -> str:
+    """The outcome of a run; a refusal of too many steps is one of cost, as `NoProgress` is."""
+    too_many = cell["outcome"] == "refused" and cell["why"].startswith("accuracy: would take")
+    return "costly" if too_many else cell["outcome"]
 
 
 def _cell(cell: dict[str, Any]) -> str:
     """Force evaluations of a run that completed, or its outcome."""
-    outcome = cell["outcome"]
+    outcome = _outcome(cell)
     if outcome == "completed":
         return _power(cell["evaluations"])
     return SHOWN.get(outcome, outcome)

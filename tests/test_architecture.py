@@ -60,6 +60,7 @@ ORDER = [
     "ensembles",
     "work_precision",
     "explanation",
+    "viewer",
     "plotting",
     "scene_options",
     "simulation",

@@ -183,7 +183,7 @@ def corrugated(surface, duration, samples):
     return Scene([surface], [], duration, fields=fields, output=Output(samples=samples))
 
 
-@pytest.mark.parametrize("eta", [0.7, 2.5])
+@pytest.mark.parametrize("eta", [pytest.param(0.7, marks=pytest.mark.slow), 2.5])
 def test_prandtl_tomlinson(eta):
     """A slow tip is always in equilibrium: k (X - x) = A q sin q x; from eta = 1 on it jumps.
 

@@ -112,8 +112,13 @@ def test_methods_that_choose_their_steps(method):
     assert_agrees(rich_scene(1), method)
 
 
+# One of each time loop, and one whose equations are implicit; the others are in the slow set.
+FOR_ALL = ("verlet", "midpoint", "dop853", "gauss-radau-15")
+SLOW = [pytest.param(m, marks=pytest.mark.slow) for m in METHODS if m not in FOR_ALL]
+
+
 @needs_compiler
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", [*FOR_ALL, *SLOW])
 def test_driven_bars_and_rigid_asperites(method):
     """By each method; damped, on bars and on swings, where the method takes reservoirs."""
     scene = constrained_scene(1, damping=0.2)
