@@ -1,4 +1,4 @@
-"""The commands: run, sweep, ensemble, paper, explain, accuracy, check, atlas and view."""
+"""The commands: their options, and what each prints."""
 
 from __future__ import annotations
 
@@ -10,12 +10,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tribo.files import checked_target
-from tribo.interrupts import STOPPED, answer, report_by
+from tribo.interrupts import COMPLETED, STOPPED, answer, report_by
 from tribo.progress import Reported
 from tribo.scene_options import (
+    add_numerics,
     add_scene,
     add_set,
+    add_vary,
     as_number,
+    check_figure,
     load,
     load_with_values,
     parsed,
@@ -25,14 +28,8 @@ from tribo.scene_options import (
 from tribo.validation import InputError, TriboWarning
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from tribo.atlas import Row
     from tribo.run.result import Result
-    from tribo.work_precision import MeansPrecision, WorkPrecision
-
-# The exit status of a run that completed, or of a check that passed.
-COMPLETED = 0
 
 
 def run_command(arguments: list[str] | None) -> int:
@@ -81,7 +78,7 @@ def _add_run(run: argparse.ArgumentParser) -> None:
         "is complete",
     )
     run.add_argument("--json", action="store_true", help="print only the end state, as JSON")
-    _add_numerics(run)
+    add_numerics(run)
     run.add_argument("--samples", metavar="N", help="number of evenly spaced times to record")
     add_set(run)
     run.add_argument(
@@ -101,14 +98,14 @@ def _add_sweep(sweep: argparse.ArgumentParser) -> None:
         "every combination is run",
     )
     sweep.add_argument("--members", type=int, metavar="N", help="runs of each point (default: 1)")
-    _add_vary(sweep)
+    add_vary(sweep)
     sweep.add_argument(
         "--keep",
         metavar="NAMES",
         help="quantities at the end, with commas (default: those of whole surfaces)",
     )
     sweep.add_argument("--seed", type=int, default=0, help="of the members (default: 0)")
-    _add_numerics(sweep)
+    add_numerics(sweep)
     sweep.add_argument(
         "--processes", type=int, default=1, metavar="N", help="points at a time (default: 1)"
     )
@@ -122,30 +119,9 @@ def _add_sweep(sweep: argparse.ArgumentParser) -> None:
     sweep.set_defaults(command=_sweep)
 
 
-def _add_numerics(command: argparse.ArgumentParser) -> None:
-    command.add_argument(
-        "--accuracy", metavar="A", help="largest relative error, as 1e-6 (default: the file's)"
-    )
-    command.add_argument(
-        "--method", metavar="M", help="method (default: the file's, or the fastest)"
-    )
-    command.add_argument("--step", metavar="H", help="step, in place of an accuracy")
-
-
-def _add_vary(command: argparse.ArgumentParser) -> None:
-    command.add_argument(
-        "--vary",
-        action="append",
-        default=[],
-        metavar="KEY=DISTRIBUTION",
-        help="what differs between members, as 'upper.theta=normal(0,0.1)' or "
-        "'interaction.strength=uniform(0.1,0.2)'; may be repeated",
-    )
-
-
 def _add_ensemble(ensemble: argparse.ArgumentParser) -> None:
     add_scene(ensemble)
-    _add_vary(ensemble)
+    add_vary(ensemble)
     ensemble.add_argument("-n", type=int, required=True, help="number of members")
     ensemble.add_argument(
         "--keep",
@@ -192,22 +168,6 @@ def _add_accuracy(accuracy: argparse.ArgumentParser) -> None:
     accuracy.set_defaults(command=_accuracy)
 
 
-def _add_view(view: argparse.ArgumentParser) -> None:
-    view.add_argument(
-        "scene",
-        type=Path,
-        metavar="SCENE.toml|FILE.nc",
-        help="a scene file, which is run, or the file of a run",
-    )
-    view.add_argument(
-        "-o", "--out", type=Path, required=True, metavar="PAGE.html", help="the page to write"
-    )
-    view.add_argument(
-        "--no-plugins", action="store_true", help="refuse a scene file that names code"
-    )
-    view.set_defaults(command=_view)
-
-
 def _add_check(check: argparse.ArgumentParser) -> None:
     check.add_argument(
         "potential",
@@ -236,6 +196,22 @@ def _add_atlas(atlas: argparse.ArgumentParser) -> None:
     atlas.set_defaults(command=_atlas)
 
 
+def _add_view(view: argparse.ArgumentParser) -> None:
+    view.add_argument(
+        "scene",
+        type=Path,
+        metavar="SCENE.toml|FILE.nc",
+        help="a scene file, which is run, or the file of a run",
+    )
+    view.add_argument(
+        "-o", "--out", type=Path, required=True, metavar="PAGE.html", help="the page to write"
+    )
+    view.add_argument(
+        "--no-plugins", action="store_true", help="refuse a scene file that names code"
+    )
+    view.set_defaults(command=_view)
+
+
 def _run(options: argparse.Namespace) -> int:
     from tribo.simulation import simulate
 
@@ -243,7 +219,7 @@ def _run(options: argparse.Namespace) -> int:
         raise InputError("--resume", "needs --out FILE")
     if options.out is not None:
         checked_target("--out", options.out)
-    _check_figure(options.figure)
+    check_figure(options.figure)
     accuracy, step = (as_number(f"--{n}", getattr(options, n)) for n in ("accuracy", "step"))
     scene = with_samples(load_with_values(options), options.samples)
     method, resume = options.method, options.resume
@@ -264,11 +240,9 @@ def _draw(result: Result, path: Path) -> None:
 
 
 def _sweep(options: argparse.Namespace) -> int:
-    from tribo.sweeps.command_line import run_sweep, summary
+    from tribo.sweeps.command_line import run_sweep
 
-    data = run_sweep(options)
-    print(summary(data, options.out))
-    return COMPLETED if set(data["status"].values.flat) == {"completed"} else STOPPED
+    return run_sweep(options)
 
 
 def _ensemble(options: argparse.Namespace) -> int:
@@ -332,49 +306,16 @@ def _view(options: argparse.Namespace) -> int:
 
 
 def _accuracy(options: argparse.Namespace) -> int:
-    from tribo.integrators.methods import noisy
-    from tribo.work_precision import means_precision, work_precision
+    from tribo.work_precision.command_line import run_accuracy
 
-    scene = load_with_values(options)
-    _check_figure(options.figure)
-    observables = options.observables or ()
-    found: MeansPrecision | WorkPrecision
-    if noisy(scene):
-        for option in ("methods", "figure"):
-            if getattr(options, option) is not None:
-                raise InputError(f"--{option}", "cannot go with a scene that has thermal noise")
-        found = means_precision(scene, observables, options.seconds, _keep_for_interrupt(options))
-    else:
-        progress = (lambda name: print(name, file=sys.stderr)) if sys.stderr.isatty() else None
-        report = _keep_for_interrupt(options)
-        found = work_precision(
-            scene, options.methods, observables, options.seconds, progress, report
-        )
-        if options.figure is not None and found.rows:
-            found.save_figure(options.figure)
-    print(found.to_json() if options.json else found)
-    if not found.rows:
-        print("tribo: no run ended in time; give more --seconds", file=sys.stderr)
-    return COMPLETED if found.rows and found.status == "completed" else STOPPED
-
-
-def _keep_for_interrupt(
-    options: argparse.Namespace,
-) -> Callable[[MeansPrecision | WorkPrecision], None]:
-    """Lets what was measured be printed where an interrupt ends the program."""
-
-    def keep(found: MeansPrecision | WorkPrecision) -> None:
-        if found.rows:
-            report_by(lambda: print(found.to_json() if options.json else found, flush=True))
-
-    return keep
+    return run_accuracy(options)
 
 
 def _check(options: argparse.Namespace) -> int:
     from tribo.potentials.tables import from_table
     from tribo.report_card import check
 
-    _check_figure(options.figure)
+    check_figure(options.figure)
     table = {"potential": options.potential} | dict(map(_parameter, options.parameters))
     report = check(from_table(table, Path.cwd()))
     if options.figure is not None:
@@ -423,14 +364,6 @@ def _print_atlas(options: argparse.Namespace, rows: list[Row], count: int) -> in
     else:
         print(f"{declared} of {count} scenes as declared", flush=True)
     return COMPLETED if declared == count else STOPPED
-
-
-def _check_figure(path: Path | None) -> None:
-    """Raise InputError before the work for a figure that could not be written."""
-    if path is not None:
-        from tribo.plotting.style import figure_path
-
-        checked_target("--figure", figure_path("--figure", path))
 
 
 def _parameter(text: str) -> tuple[str, object]:

@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from tribo.files import checked_target
 from tribo.validation import LARGEST_COUNT, InputError, integer, must_be
 
 if TYPE_CHECKING:
@@ -37,6 +38,29 @@ def add_set(command: argparse.ArgumentParser) -> None:
         metavar="KEY=VALUE",
         help="a value in place of the file's, as 'upper.drive.load=0.4', 'upper.theta=0.1', "
         "'interaction.strength=0.3' or 'duration=20'; may be repeated",
+    )
+
+
+def add_numerics(command: argparse.ArgumentParser) -> None:
+    """Add an accuracy, a method and a step."""
+    command.add_argument(
+        "--accuracy", metavar="A", help="largest relative error, as 1e-6 (default: the file's)"
+    )
+    command.add_argument(
+        "--method", metavar="M", help="method (default: the file's, or the fastest)"
+    )
+    command.add_argument("--step", metavar="H", help="step, in place of an accuracy")
+
+
+def add_vary(command: argparse.ArgumentParser) -> None:
+    """Add what differs between members of an ensemble."""
+    command.add_argument(
+        "--vary",
+        action="append",
+        default=[],
+        metavar="KEY=DISTRIBUTION",
+        help="what differs between members, as 'upper.theta=normal(0,0.1)' or "
+        "'interaction.strength=uniform(0.1,0.2)'; may be repeated",
     )
 
 
@@ -116,3 +140,11 @@ def as_number(option: str, text: str | None) -> float | None:
     if not math.isfinite(value):
         raise must_be(option, "a number", text)
     return value
+
+
+def check_figure(path: Path | None) -> None:
+    """Raise InputError before the work for a figure that could not be written."""
+    if path is not None:
+        from tribo.plotting.style import figure_path
+
+        checked_target("--figure", figure_path("--figure", path))

@@ -10,7 +10,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tribo.scene_options import as_number, load, parsed_list, split
+from tribo.interrupts import COMPLETED, STOPPED
+from tribo.scene_options import (
+    as_number,
+    load,
+    parsed_list,
+    split,
+)
 from tribo.validation import InputError, integer
 
 if TYPE_CHECKING:
@@ -18,6 +24,13 @@ if TYPE_CHECKING:
 
 # Most points, and quantities, that a summary shows.
 LINES, COLUMNS = 20, 5
+
+
+def run_sweep(options: argparse.Namespace) -> int:
+    """Run the sweep and print its points; the exit status."""
+    data = found_by(options)
+    print(summary(data, options.out))
+    return COMPLETED if set(data["status"].values.flat) == {"completed"} else STOPPED
 
 
 def values_of(texts: list[str]) -> dict[str, list[object]]:
@@ -31,7 +44,7 @@ def values_of(texts: list[str]) -> dict[str, list[object]]:
     return values
 
 
-def run_sweep(options: argparse.Namespace) -> xarray.Dataset:
+def found_by(options: argparse.Namespace) -> xarray.Dataset:
     """The data set of the sweep that the options describe.  Raises InputError."""
     from tribo.ensembles.command_line import varied
     from tribo.sweeps import sweep
