@@ -71,9 +71,9 @@ def test_noted_times_are_right(tables):
     found = 0
     for case, run in runs.items():
         for row in tables[case]:
-            if ".." in row.t or "agrees with t = " not in row.note:
+            if ".." in row.t or "agrees at t = " not in row.note:
                 continue
-            time = float(row.note.split("agrees with t = ")[1].split(" in place of ")[0])
+            time = float(row.note.split("agrees at t = ")[1].partition(";")[0])
             half = 0.5 * 10.0 ** Decimal(row.printed).as_tuple().exponent
             assert abs(float(run.at(row.quantity, time)) - float(row.printed)) <= half * 1.000001
             found += 1
@@ -88,8 +88,16 @@ def test_moving_table_is_a_boost(attractive, still):
 
 
 def test_report(tables):
-    """The text has a line for each row and a total for each case."""
-    lines = paper.report(tables).splitlines()
+    """The text says what it shows, has a line for each row, totals, and why numbers differ."""
+    text = paper.report(tables)
+    lines = text.splitlines()
+    assert lines[0].startswith("What J. D. Brown prints")
+    assert max(map(len, lines)) <= 100 and "Fig " not in text and "Elec20" not in text
+    assert sum(line.startswith("  fig. 11 ") for line in lines) == 4
+    assert "agrees at t = 14.9997 or 23.2003" in text
+    assert "76 of 103 printed numbers agree." in lines
+    closing = text[text.rindex("Why 27 of 103 numbers differ, by at most 1.5 %") :]
+    assert "the paper's conclusions" in closing.replace("\n", " ")
     for case, rows in tables.items():
         agree = sum(row.agrees for row in rows)
         title = f"{case}  {paper.CASES[case]}: {agree} of {len(rows)} printed numbers agree"

@@ -12,9 +12,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tribo.paper.cases import CASES, END, LAST, Run
+from tribo.paper.cases import END, LAST, Run
 from tribo.paper.published_values import agrees, published, unit
 
+# Notes on numbers that differ: before the times, or the step, with which they agree, and before
+# the number that follows from others.
+AT = "agrees at t = "
+BY_METHOD = "agrees with the paper's method at a step of "
+FROM_POSITIONS = "the positions and angles that the paper prints for these times give "
 # Steps at which the paper's method is compared with its numbers [time].
 STEPS = (0.002, 0.005, 0.01, 0.02, 0.05, 0.1)
 
@@ -132,7 +137,7 @@ def _from_positions(run: Run, row: dict[str, str], printed_rows: list[dict[str, 
     own = shift + arm[row["quantity"]] * turn
     if agrees(own, row["printed"]):
         return []
-    return [f"the positions and angles that the paper prints for these times give {own:.4f}"]
+    return [f"{FROM_POSITIONS}{own:.4f}"]
 
 
 def _change(run: Run, quantity: str, times: tuple[float, ...]) -> float:
@@ -152,7 +157,7 @@ _SHIFTS = [
 
 def _explanations(run: Run, quantity: str, times: tuple[float, ...], printed: str) -> list[str]:
     """Explanations of a printed number: a time before rounding, or the error of the method."""
-    notes = []
+    hits = []
     for k, t in enumerate(times):
         near = [round(t + shift, 4) for shift in _SHIFTS if t + shift <= LAST]
         moved = run.at(quantity, np.array(near)) - float(run.at(quantity, t))
@@ -160,10 +165,11 @@ def _explanations(run: Run, quantity: str, times: tuple[float, ...], printed: st
         changed = _change(run, quantity, times) + sign * moved
         hit = next((n for n, c in zip(near, changed, strict=True) if agrees(c, printed)), None)
         if hit is not None:
-            notes.append(f"agrees with t = {hit:.10g} in place of {t:g}")
+            hits.append(f"{hit:.10g}")
+    notes = [f"{AT}{' or '.join(hits)}"] if hits else []
     step = next((h for h in STEPS if agrees(_by_midpoint(run, quantity, times, h), printed)), None)
     if step is not None:
-        notes.append(f"agrees with the paper's method at a step of {step:g}")
+        notes.append(f"{BY_METHOD}{step:g}")
     neither = (
         "neither a time that rounds to the printed one nor the paper's method gives this number"
     )
@@ -250,30 +256,3 @@ def _ranges(numbers: list[int]) -> str:
         else:
             ranges.append([n])
     return ", ".join(str(r[0]) if len(r) == 1 else f"{r[0]} to {r[-1]}" for r in ranges)
-
-
-def report(tables: dict[str, list[Row]]) -> str:
-    """The tables of `compare` as text, as ``tribo paper`` prints them."""
-    lines = []
-    for case, rows in tables.items():
-        agreeing = sum(row.agrees for row in rows)
-        lines += [f"{case}  {CASES[case]}: {agreeing} of {len(rows)} printed numbers agree", ""]
-        lines.append(
-            f"  {'where':<30} {'t':<11} {'quantity':<29} {'printed':>9} "
-            f"{'computed':>14} {'error':>8}"
-        )
-        for row in rows:
-            computed = row.computed if isinstance(row.computed, str) else f"{row.computed:.8f}"
-            error = "" if row.error is None else f"{row.error:.0e}"
-            verdict = "agrees" if row.agrees else "DIFFERS"
-            lines.append(
-                f"  {row.where:<30} {row.t:<11} {row.quantity:<29} {row.printed:>9} "
-                f"{computed:>14} {error:>8}  {verdict}"
-            )
-            if row.note and (not row.agrees or row.t != "end" or "also prints" in row.note):
-                lines.append(f"      {row.note}")
-        ends = next((row.note for row in rows if row.t == "end" and "end time" in row.note), "")
-        lines += [f"  {ends}" if ends else "", ""]
-    total = [row for rows in tables.values() for row in rows]
-    lines.append(f"{sum(row.agrees for row in total)} of {len(total)} printed numbers agree.")
-    return "\n".join(lines)
