@@ -121,7 +121,9 @@ def test_summary_gives_the_reasons(tables):
     causes = {cause: sum(row.cause == cause for row in differing) for cause in Cause}
     assert causes == {Cause.TIME: 25, Cause.STEP: 1, Cause.EVENT: 1, Cause.UNKNOWN: 0}
     paragraph = " ".join(paper.report(tables).split("\n\n")[-1].split())
-    assert paragraph.startswith("76 of 103 printed numbers agree. Why 27 differ: 25 agree at ")
+    assert paragraph.startswith(
+        "76 of 103 printed numbers agree. Why 27 differ, by at most 1.5 %: 25 agree at "
+    )
     assert " 1 has the error of the paper's " in paragraph
     assert paragraph.endswith("and so do its conclusions about work and pseudowork.")
     wrong = [replace(row, agrees=False) if row.t == "end" else row for row in tables["D"]]

@@ -75,7 +75,8 @@ def summary(tables: Mapping[str, Sequence[Row]]) -> str:
     agreeing = len(rows) - len(differing)
     sentences = [f"{agreeing} of {len(rows)} printed numbers agree."]
     if differing:
-        sentences.append(f"Why {len(differing)} differ:")
+        off = max(map(_relative_difference, differing))
+        sentences.append(f"Why {len(differing)} differ, by at most {100.0 * off:.1f} %:")
         causes = Counter(row.cause or Cause.UNKNOWN for row in differing)
         sentences += [MEANINGS[cause].format(causes[cause]) for cause in Cause if causes[cause]]
     unlike = sum(row.unlike_its_own for row in differing)
@@ -91,6 +92,13 @@ def summary(tables: Mapping[str, Sequence[Row]]) -> str:
             "conclusions about work and pseudowork."
         )
     return " ".join(sentences)
+
+
+def _relative_difference(row: Row) -> float:
+    """The difference of a computed number from the printed one, in units of that."""
+    if not isinstance(row.computed, float) or float(row.printed) == 0.0:
+        return 0.0
+    return abs(row.computed / float(row.printed) - 1.0)
 
 
 # What each cause of a difference means, after the count of the numbers that differ by it.
