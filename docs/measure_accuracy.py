@@ -115,9 +115,10 @@ def _kept(name: str) -> tuple[WorkPrecision, list[dict[str, Any]]]:
     """The runs measured on a scene, and the chosen methods."""
     table = json.loads((FOLDER / f"accuracy_{name}.json").read_text(encoding="utf-8"))
     own = table.pop("chosen")
-    runs = tuple(Row(**row) for row in table.pop("rows"))
-    reference = Reference(**table.pop("reference"))
-    return WorkPrecision(runs, reference, **table), own
+    runs = tuple(Row(**row) for row in table["rows"])
+    automatic = {item["error"]: item["automatic_method"] for item in table["cheapest"]}
+    reference = Reference(**table["reference"])
+    return WorkPrecision(runs, reference, table["compile_seconds"], automatic), own
 
 
 def chosen() -> Iterator[list[str]]:

@@ -186,9 +186,10 @@ def test_run_that_stops(run, tmp_path, name):
 def test_paper(capsys):
     """The table of a case as text and as JSON."""
     assert main(["paper", "D"]) == 0
-    lines = capsys.readouterr().out.splitlines()
-    assert lines[0] == "D  free sliding, attractive: 8 of 8 printed numbers agree"
-    assert lines[-1] == "8 of 8 printed numbers agree."
+    out = capsys.readouterr().out
+    assert out.startswith('Numbers printed in J. David Brown, "Work Done by Sliding Friction"')
+    assert "\nD  free sliding, attractive: 8 of 8 printed numbers agree\n" in out
+    assert "\n8 of 8 printed numbers agree. All numbers that the paper prints for the end" in out
     assert main(["paper", "A", "--json"]) == 0
     table = strictly(capsys.readouterr().out)
     assert list(table) == ["A"]
@@ -258,3 +259,54 @@ def test_output_travels_with_the_file(run, tmp_path):
     assert loaded.accuracy == 1e-4
     assert loaded.scene.output == Output(times=(0.5, 1.0))
     assert loaded.scene.numerics == Numerics(accuracy=1e-4)
+
+
+def test_values_in_place_of_the_file(run, tmp_path):
+    """Options of `run` are those of `simulate`; --set changes the scene that is saved."""
+    options = ["--set", "upper.velocity=0.4", "--set", "interaction.strength=.3"]
+    options += ["--accuracy", "1e-5", "--samples", "11", "--out", str(tmp_path / "run.nc")]
+    figure = tmp_path / "works.svg"
+    status, _, err = run("output = { times = [0.5] }\n" + SCENE, *options, "--figure", str(figure))
+    loaded = tribo.load_result(tmp_path / "run.nc")
+    assert status == 0 and err == ""
+    assert loaded.accuracy == 1e-5 and loaded.t.size == 11
+    assert loaded.scene.surfaces[0].velocity == (0.4, 0.0)
+    assert loaded.scene.interactions[0].potential.strength == 0.3
+    assert "<svg" in figure.read_text()[:500]
+    status, out, _ = run(SCENE, "--method", "midpoint", "--step", "0.01", "--json")
+    end = strictly(out)
+    assert status == 0 and (end["method"], end["steps"]) == ("midpoint", 400)
+
+
+WRONG = [
+    (["--set", "upper.velocity"], "--set: must be KEY=VALUE, got 'upper.velocity'"),
+    (["--set", "uper.theta=1"], '--set uper.theta: is not a known key; did you mean "upper.theta"'),
+    (["--set", "upper.theta=much"], "--set upper.theta: must be a number [rad], got 'much'"),
+    (["--set", "duration=1", "--set", "duration=2"], "--set duration: is given twice"),
+    (["--accuracy", "much"], "--accuracy: must be a number, got 'much'"),
+    (["--accuracy", "2"], "accuracy: must be from 1e-13 to 0.1"),
+    (["--accuracy", "1e-6", "--step", "0.1"], "accuracy: cannot go with a step"),
+    (["--method", "euler"], "method: must be"),
+    (["--step", "-1"], "step: must be positive"),
+    (["--samples", "1"], "--samples: must be an integer of at least 2, got 1"),
+    (["--figure", "works.gif"], "--figure: must end on"),
+]
+
+
+@pytest.mark.parametrize(("options", "problem"), WRONG, ids=[" ".join(w[0]) for w in WRONG])
+def test_wrong_values(run, monkeypatch, options, problem):
+    """One line that names the option and what would do, before anything is compiled."""
+    for place in ("tribo.run.loop_selection.Pair", "tribo.run.loop_selection.compile_loop"):
+        monkeypatch.setattr(place, lambda *arguments: pytest.fail("compiled"))
+    status, out, err = run(SCENE, *options)
+    assert status == 2 and out == ""
+    assert err.startswith(f"tribo: {problem}") and err.count("\n") == 1
+
+
+def test_set_on_explain(tmp_path, capsys):
+    """`explain` takes --set too: a load is one more effect."""
+    path = tmp_path / "scene.toml"
+    path.write_text(SCENE)
+    for options, present in (([], False), (["--set", "upper.drive.load=0.4"], True)):
+        assert main(["explain", str(path), "--json", *options]) == 0
+        assert ("load" in strictly(capsys.readouterr().out)["effects"]) == present

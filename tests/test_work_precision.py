@@ -1,16 +1,32 @@
-"""Error against cost: the front, the reference, the figure and the JSON."""
+"""Error against cost: the front, the reference, the figure, the JSON; means where noise acts."""
 
 import json
+from dataclasses import replace
 from itertools import pairwise
+from types import SimpleNamespace
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 import tribo
+from tribo import interrupts
 from tribo import work_precision as module
 from tribo.cli import main
-from tribo.work_precision import Reference, Row, WorkPrecision, with_front, work_precision
+from tribo.integrators.methods import METHODS
+from tribo.kernels.status import Status
+from tribo.run.layout import lay_out
+from tribo.work_precision import (
+    MeanRow,
+    MeansPrecision,
+    Reference,
+    Row,
+    WorkPrecision,
+    means_precision,
+    measure,
+    with_front,
+    work_precision,
+)
 
 FLOOR = 1e-9
 ERRORS = st.sampled_from([1e-11, 1e-10, 1e-9, 1e-6, 1e-3, 1.0])  # some cannot be told apart
@@ -62,19 +78,146 @@ def test_figure(tmp_path):
         assert list(curve.get_xdata()) == [getattr(row, cost) for row in rows]
         assert list(curve.get_ydata()) == [row.error for row in rows]
         assert found.plot(cost, ax) is ax
+    found = replace(found, automatic={1e-3: "rkn8", 1e-6: "verlet"})
+    (rings,) = (ln for ln in found.plot().get_lines() if ln.get_label() == "automatic choice")
+    assert list(rings.get_xdata()) == [rows[2].seconds] and list(rings.get_ydata()) == [1e-3]
     found.save_figure(str(tmp_path / "figure.png"))
     assert (tmp_path / "figure.png").stat().st_size > 5000
 
 
 def test_json():
-    """As documented for programs: rows, reference and times of compilation."""
+    """As documented for programs: rows, reference, times of compilation and the cheapest runs."""
     row = Row("rkn8", 0.1, 1e-3, 100, 0.5, True)
-    found = WorkPrecision((row,), Reference("dop853", 1e-14, 1.0), {"rkn8": 2.0})
-    assert json.loads(found.to_json()) == {
-        "rows": [row.__dict__],
+    finer = Row("rkn8", 0.01, 1e-4, 150, 0.8, True)
+    other = Row("dop853", 0.1, 1e-3, 50, 0.7)
+    found = WorkPrecision(
+        (row, finer, other), Reference("dop853", 1e-14, 1.0), {"rkn8": 2.0}, {1e-3: "dop853"}
+    )
+    table = json.loads(found.to_json())
+    cheapest = table.pop("cheapest")
+    assert table == {
+        "rows": [row.__dict__, finer.__dict__, other.__dict__],
         "reference": {"method": "dop853", "error": 1e-14, "seconds": 1.0},
         "compile_seconds": {"rkn8": 2.0},
+        "status": "completed",
     }
+    assert [item["error"] for item in cheapest] == [1e-3, 1e-6, 1e-9, 1e-12]
+    assert cheapest[0] == {
+        "error": 1e-3,
+        "method": "rkn8",
+        "setting": 0.1,
+        "force_evaluations": 100,
+        "seconds": 0.5,
+        "digit_more": 1.5,
+        "automatic_method": "dop853",
+        "automatic_seconds": 0.7,
+    }
+    assert set(cheapest[1].values()) == {1e-6, None}
+
+
+def test_conclusion():
+    """The text ends with the cheapest run for each error, and what one digit more takes."""
+    rows = tuple(Row("rkn8", 10.0**-k, 10.0**-k, 10 * k, 1e-3 * k) for k in range(1, 9))
+    chosen = {1e-3: "rkn8", 1e-6: "verlet"}
+    found = WorkPrecision(rows, Reference("dop853", 1e-14, 1.0), {"rkn8": 1.0}, chosen)
+    assert str(found).splitlines()[-4:] == [
+        "error 1e-03: rkn8 at level 0.001 is the cheapest, 30 evaluations, 0.003 s; one digit more "
+        "takes 1.33 times as many; tribo chooses it too",
+        "error 1e-06: rkn8 at level 1e-06 is the cheapest, 60 evaluations, 0.006 s; one digit more "
+        "takes 1.17 times as many; tribo chooses verlet",
+        "error 1e-09: no run reached it",
+        "error 1e-12: no run reached it",
+    ]
+    assert found.cheapest(1e-8).digit_more is None
+    assert found.automatic_rows == [rows[2]]
+
+
+@pytest.fixture
+def interrupted(monkeypatch):
+    """Let the second method be interrupted after its first run; nothing is compiled."""
+    monkeypatch.setattr(interrupts, "_report", [])
+    truth = None, None, Reference("gauss-radau-15", 1e-13, 1.0)
+    monkeypatch.setattr(measure, "_reference", lambda *given: truth)
+    stand_in = SimpleNamespace(compile_seconds=0.0)
+    monkeypatch.setattr(measure, "integrator_for", lambda layout, method: stand_in)
+    curves = iter([2, 1])
+
+    def curve(*given):
+        for k in range(next(curves)):
+            yield Row("rkn8", 0.1**k, 0.01**k, 10, 0.1)
+        if not curves.__length_hint__():
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(measure, "_curve", curve)
+
+
+def test_finished_runs_survive_an_interrupt(interrupted, tmp_path, capsys):
+    """They are printed, with status 1; also where the program is ended while it compiles."""
+    tribo.Scene((tribo.Surface("upper"),), (), 1.0).save(tmp_path / "scene.toml")
+    command = ["accuracy", str(tmp_path / "scene.toml"), "--json", "--methods", "rkn8", "rk4"]
+    assert main(command) == 1
+    table = json.loads(capsys.readouterr().out)
+    assert len(table["rows"]) == 3 and table["status"] == "Interrupted"
+    interrupts.report()  # as before the second method was compiled
+    table = json.loads(capsys.readouterr().out)
+    assert len(table["rows"]) == 2 and table["status"] == "Interrupted"
+
+
+def test_a_run_that_is_interrupted_ends_its_method(monkeypatch):
+    """It is no run that stopped early, after which a finer one follows."""
+    monkeypatch.setattr(measure, "setting_at", lambda *given: 0.1)
+    monkeypatch.setattr(measure, "reported_scales", lambda *given: None)
+    layout = lay_out(tribo.Scene((tribo.Surface("upper"),), (), 1.0))
+
+    def run(setting, times):
+        return SimpleNamespace(status=Status.INTERRUPTED)
+
+    run.layout, run.method = layout, METHODS["rk4"]
+    with pytest.raises(KeyboardInterrupt):
+        list(measure._curve(run, None, None, (), 1e-12, 1e9))
+
+
+def noisy():
+    """Two asperites on reservoirs, without contact."""
+    warm = {"langevin": tribo.Langevin(0.6, 0.3), "asperite": tribo.Asperite(m2=0.5)}
+    upper = tribo.Surface("upper", shape=(2, 1), spacing=(5.0, 0.0), **warm)
+    numerics = tribo.Numerics(method="verlet", step=0.05)
+    return tribo.Scene((upper,), (), 2.0, output=tribo.Output(samples=3), numerics=numerics)
+
+
+def test_means_with_noise():
+    """The half-width is that of an ensemble, and four times the members halve it."""
+    (row,) = means_precision(noisy(), ["upper.W"], seconds=1e-9).rows
+    few, many = (tribo.ensemble(noisy(), n)["upper.W_half_width"] for n in (16, 64))
+    scale = float(few.max()) / row.half_width
+    assert (row.method, row.setting, row.members) == ("verlet", 0.05, 16)
+    assert row.force_evaluations == 16 * tribo.simulate(noisy()).cost.force_evaluations
+    halved = row.scaled_to(0.5 * row.half_width)
+    assert halved.members == 64
+    assert 0.6 < float(many.max()) / (scale * halved.half_width) < 1.6
+    assert halved.force_evaluations == 4 * row.force_evaluations
+    with pytest.raises(tribo.InputError, match=r"observables: must be one of upper\.W, "):
+        means_precision(noisy(), ["upper.work"], seconds=1e-9)
+
+
+def test_the_command_with_noise(tmp_path, monkeypatch, capsys):
+    """It prints the ensembles and what half-widths take; a figure and methods are refused."""
+    noisy().save(tmp_path / "scene.toml")
+    command = ["accuracy", str(tmp_path / "scene.toml")]
+    assert main([*command, "--figure", str(tmp_path / "a.png")]) == 2
+    assert "--figure: cannot go with a scene that has thermal noise" in capsys.readouterr().err
+    found = MeansPrecision((MeanRow("verlet", 0.05, 16, 0.2, 0.05, 160, 0.1),))
+    monkeypatch.setattr(module, "means_precision", lambda *given: found)
+    assert main([*command, "--json"]) == 0
+    table = json.loads(capsys.readouterr().out)
+    assert [row["members"] for row in table["rows"]] == [16]
+    cheapest = [(row["half_width"], row["members"]) for row in table["cheapest"]]
+    assert cheapest == [(0.1, 64), (0.01, 6400), (0.001, 640000)]
+    lines = str(found).splitlines()
+    assert lines[-4].startswith(
+        "half-width 0.1: 64 members by verlet at step 0.05, 640 evaluations"
+    )
+    assert lines[-3].endswith("; the step's bias of 0.05 is larger")
 
 
 def test_no_run_in_time(tmp_path, monkeypatch, capsys):

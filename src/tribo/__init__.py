@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from tribo.run.result import Result, load_result
     from tribo.run.state import State
     from tribo.simulation import prepare, simulate
+    from tribo.sweeps import sweep
     from tribo.validation import InputError, TriboWarning
 
 # The module of each public name; it is imported when the name is first used.
@@ -104,6 +105,7 @@ _HOME = {
     "State": "tribo.run.state",
     "Springs": "tribo.model.springs",
     "Surface": "tribo.model.surface",
+    "sweep": "tribo.sweeps",
     "TriboWarning": "tribo.validation",
     "WeeksChandlerAndersen": "tribo.potentials",
     "with_cutoff": "tribo.potentials",

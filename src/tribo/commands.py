@@ -1,25 +1,35 @@
-"""The commands: `run`, `ensemble`, `paper`, `explain`, `accuracy`, `check`, `atlas`, `view`."""
+"""The commands: their options, and what each prints."""
 
 from __future__ import annotations
 
 import argparse
 import json
 import sys
-import tomllib
 import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from tribo.files import checked_target
-from tribo.interrupts import STOPPED, answer, report_by
-from tribo.validation import InputError, TriboWarning, must_be
+from tribo.interrupts import COMPLETED, STOPPED, answer, report_by
+from tribo.progress import Reported
+from tribo.scene_options import (
+    add_numerics,
+    add_scene,
+    add_set,
+    add_vary,
+    as_number,
+    check_figure,
+    load,
+    load_with_values,
+    parsed,
+    split,
+    with_samples,
+)
+from tribo.validation import InputError, TriboWarning
 
 if TYPE_CHECKING:
     from tribo.atlas import Row
-    from tribo.model.scene import Scene
-
-# The exit status of a run that completed, or of a check that passed.
-COMPLETED = 0
+    from tribo.run.result import Result
 
 
 def run_command(arguments: list[str] | None) -> int:
@@ -41,6 +51,7 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
     _add_run(commands.add_parser("run", help="simulate a scene file and print its end state"))
+    _add_sweep(commands.add_parser("sweep", help="run a scene with every combination of values"))
     _add_ensemble(commands.add_parser("ensemble", help="run a scene from many starts"))
     _add_paper(commands.add_parser("paper", help="compare the paper's cases with its numbers"))
     _add_explain(commands.add_parser("explain", help="say what a run will do and cost"))
@@ -52,7 +63,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _add_run(run: argparse.ArgumentParser) -> None:
-    _add_scene(run)
+    add_scene(run)
     run.add_argument(
         "--out",
         type=Path,
@@ -67,19 +78,50 @@ def _add_run(run: argparse.ArgumentParser) -> None:
         "is complete",
     )
     run.add_argument("--json", action="store_true", help="print only the end state, as JSON")
+    add_numerics(run)
+    run.add_argument("--samples", metavar="N", help="number of evenly spaced times to record")
+    add_set(run)
+    run.add_argument(
+        "--figure", type=Path, metavar="FILE", help="draw the works on the first asperite"
+    )
     run.set_defaults(command=_run)
 
 
-def _add_ensemble(ensemble: argparse.ArgumentParser) -> None:
-    _add_scene(ensemble)
-    ensemble.add_argument(
-        "--vary",
+def _add_sweep(sweep: argparse.ArgumentParser) -> None:
+    add_scene(sweep)
+    sweep.add_argument(
+        "--set",
         action="append",
-        default=[],
-        metavar="KEY=DISTRIBUTION",
-        help="what differs between members, as 'upper.theta=normal(0,0.1)', "
-        "'interaction.strength=uniform(0.1,0.2)' or 'upper.theta=grid(-1,1,1000)'; may be repeated",
+        required=True,
+        metavar="KEY=VALUES",
+        help="values with commas between them, as 'upper.drive.load=0.1,0.2,0.4'; if repeated, "
+        "every combination is run",
     )
+    sweep.add_argument("--members", type=int, metavar="N", help="runs of each point (default: 1)")
+    add_vary(sweep)
+    sweep.add_argument(
+        "--keep",
+        metavar="NAMES",
+        help="quantities at the end, with commas (default: those of whole surfaces)",
+    )
+    sweep.add_argument("--seed", type=int, default=0, help="of the members (default: 0)")
+    add_numerics(sweep)
+    sweep.add_argument(
+        "--processes", type=int, default=1, metavar="N", help="points at a time (default: 1)"
+    )
+    sweep.add_argument(
+        "--out",
+        type=Path,
+        metavar="FILE",
+        help="write all points as NetCDF; FILE.part keeps those that are finished",
+    )
+    sweep.add_argument("--resume", action="store_true", help="go on with the points in FILE.part")
+    sweep.set_defaults(command=_sweep)
+
+
+def _add_ensemble(ensemble: argparse.ArgumentParser) -> None:
+    add_scene(ensemble)
+    add_vary(ensemble)
     ensemble.add_argument("-n", type=int, help="number of members; with grids that of their points")
     ensemble.add_argument(
         "--keep",
@@ -116,18 +158,6 @@ def _add_ensemble(ensemble: argparse.ArgumentParser) -> None:
     ensemble.set_defaults(command=_ensemble)
 
 
-def _add_scene(command: argparse.ArgumentParser) -> None:
-    command.add_argument(
-        "scene",
-        type=Path,
-        metavar="SCENE.toml",
-        help="the scene file; if it names a plug-in, the code of that runs too",
-    )
-    command.add_argument(
-        "--no-plugins", action="store_true", help="refuse a scene file that names code"
-    )
-
-
 def _add_paper(paper: argparse.ArgumentParser) -> None:
     paper.add_argument("case", nargs="?", choices=list("ABCDE"), help="one case (default: all)")
     paper.add_argument("--json", action="store_true", help="print the comparison as JSON")
@@ -136,13 +166,15 @@ def _add_paper(paper: argparse.ArgumentParser) -> None:
 
 
 def _add_explain(explain: argparse.ArgumentParser) -> None:
-    _add_scene(explain)
+    add_scene(explain)
+    add_set(explain)
     explain.add_argument("--json", action="store_true", help="print the explanation as JSON")
     explain.set_defaults(command=_explain)
 
 
 def _add_accuracy(accuracy: argparse.ArgumentParser) -> None:
-    _add_scene(accuracy)
+    add_scene(accuracy)
+    add_set(accuracy)
     accuracy.add_argument("--json", action="store_true", help="print the rows as JSON")
     accuracy.add_argument(
         "--figure", type=Path, metavar="FILE", help="draw error against time and evaluations"
@@ -158,22 +190,6 @@ def _add_accuracy(accuracy: argparse.ArgumentParser) -> None:
         "--seconds", type=float, default=30.0, help="time for all runs together (default: 30)"
     )
     accuracy.set_defaults(command=_accuracy)
-
-
-def _add_view(view: argparse.ArgumentParser) -> None:
-    view.add_argument(
-        "scene",
-        type=Path,
-        metavar="SCENE.toml|FILE.nc",
-        help="a scene file, which is run, or the file of a run",
-    )
-    view.add_argument(
-        "-o", "--out", type=Path, required=True, metavar="PAGE.html", help="the page to write"
-    )
-    view.add_argument(
-        "--no-plugins", action="store_true", help="refuse a scene file that names code"
-    )
-    view.set_defaults(command=_view)
 
 
 def _add_check(check: argparse.ArgumentParser) -> None:
@@ -204,6 +220,22 @@ def _add_atlas(atlas: argparse.ArgumentParser) -> None:
     atlas.set_defaults(command=_atlas)
 
 
+def _add_view(view: argparse.ArgumentParser) -> None:
+    view.add_argument(
+        "scene",
+        type=Path,
+        metavar="SCENE.toml|FILE.nc",
+        help="a scene file, which is run, or the file of a run",
+    )
+    view.add_argument(
+        "-o", "--out", type=Path, required=True, metavar="PAGE.html", help="the page to write"
+    )
+    view.add_argument(
+        "--no-plugins", action="store_true", help="refuse a scene file that names code"
+    )
+    view.set_defaults(command=_view)
+
+
 def _run(options: argparse.Namespace) -> int:
     from tribo.simulation import simulate
 
@@ -211,11 +243,30 @@ def _run(options: argparse.Namespace) -> int:
         raise InputError("--resume", "needs --out FILE")
     if options.out is not None:
         checked_target("--out", options.out)
-    scene = _scene(options)
-    with _ProgressBar(scene.duration) as progress:
-        result = simulate(scene, progress=progress, out=options.out, resume=options.resume)
+    check_figure(options.figure)
+    accuracy, step = (as_number(f"--{n}", getattr(options, n)) for n in ("accuracy", "step"))
+    scene = with_samples(load_with_values(options), options.samples)
+    method, resume = options.method, options.resume
+    result = simulate(scene, accuracy, method, step, out=options.out, resume=resume)
+    if options.figure is not None:
+        _draw(result, options.figure)
     print(result.to_json() if options.json else result)
     return COMPLETED if result.status == "completed" else STOPPED
+
+
+def _draw(result: Result, path: Path) -> None:
+    """Draw the works on the first asperite, or its angle where works are not kept."""
+    from tribo import plotting
+
+    name = result.scene.surfaces[0].name
+    kept = "w" in result.ledger.surfaces[name]
+    plotting.save((plotting.work_curves if kept else plotting.angle_curve)(result, name), path)
+
+
+def _sweep(options: argparse.Namespace) -> int:
+    from tribo.sweeps.command_line import run_sweep
+
+    return run_sweep(options)
 
 
 def _ensemble(options: argparse.Namespace) -> int:
@@ -229,8 +280,8 @@ def _ensemble(options: argparse.Namespace) -> int:
         checked_target("--out", options.out)
     vary = varied(options.vary)
     keep = None if options.keep is None else options.keep.split(",")
-    scene = _scene(options)
-    with _ProgressBar(options.n or grid_points(vary), "members") as progress:
+    scene = load(options)
+    with Reported(None, options.n or grid_points(vary), "members") as progress:
         data = ensemble(
             scene,
             options.n,
@@ -247,15 +298,6 @@ def _ensemble(options: argparse.Namespace) -> int:
         replace_file(options.out, bytes(data.to_netcdf(engine="h5netcdf")))
     print(summary(data))
     return COMPLETED if data.attrs["status"] == "completed" else STOPPED
-
-
-def _scene(options: argparse.Namespace) -> Scene:
-    """The scene in the file, whose code is refused if that is wanted."""
-    from tribo.model.scene_file import load_scene
-    from tribo.plugins.unloaded import Code, code
-
-    with code(Code.REFUSE if options.no_plugins else Code.LOAD):
-        return load_scene(options.scene)
 
 
 def _paper(options: argparse.Namespace) -> int:
@@ -282,7 +324,7 @@ def _paper(options: argparse.Namespace) -> int:
 def _explain(options: argparse.Namespace) -> int:
     from tribo.explanation import explain
 
-    explanation = explain(_scene(options))
+    explanation = explain(load_with_values(options))
     print(explanation.to_json() if options.json else explanation)
     return COMPLETED
 
@@ -293,9 +335,7 @@ def _view(options: argparse.Namespace) -> int:
 
     checked_target("--out", options.out)
     if options.scene.suffix == ".toml":
-        scene = _scene(options)
-        with _ProgressBar(scene.duration) as progress:
-            result = simulate(scene, progress=progress)
+        result = simulate(load(options))
     else:
         result = load_result(options.scene)
     print(result.to_html(options.out))
@@ -303,28 +343,16 @@ def _view(options: argparse.Namespace) -> int:
 
 
 def _accuracy(options: argparse.Namespace) -> int:
-    from tribo.work_precision import work_precision
+    from tribo.work_precision.command_line import run_accuracy
 
-    scene = _scene(options)
-    _check_figure(options.figure)
-    report = (lambda name: print(name, file=sys.stderr)) if sys.stderr.isatty() else None
-    diagram = work_precision(
-        scene, options.methods, options.observables or (), options.seconds, progress=report
-    )
-    if options.figure is not None:
-        diagram.save_figure(options.figure)
-    print(diagram.to_json() if options.json else diagram)
-    if not diagram.rows:
-        print("tribo: no run ended in time; give more --seconds", file=sys.stderr)
-        return STOPPED
-    return COMPLETED
+    return run_accuracy(options)
 
 
 def _check(options: argparse.Namespace) -> int:
     from tribo.potentials.tables import from_table
     from tribo.report_card import check
 
-    _check_figure(options.figure)
+    check_figure(options.figure)
     table = {"potential": options.potential} | dict(map(_parameter, options.parameters))
     report = check(from_table(table, Path.cwd()))
     if options.figure is not None:
@@ -375,48 +403,7 @@ def _print_atlas(options: argparse.Namespace, rows: list[Row], count: int) -> in
     return COMPLETED if declared == count else STOPPED
 
 
-def _check_figure(path: Path | None) -> None:
-    """Raise InputError before the work for a figure that could not be written."""
-    if path is not None:
-        from tribo.plotting.style import figure_path
-
-        checked_target("--figure", figure_path("--figure", path))
-
-
 def _parameter(text: str) -> tuple[str, object]:
-    """A name and its value: a number, else a value of TOML, else a word."""
-    name, sign, value = text.partition("=")
-    if not sign:
-        raise must_be("parameter", "NAME=VALUE", text)
-    try:
-        return name, float(value)
-    except ValueError:
-        pass
-    try:
-        return name, tomllib.loads(f"value = {value}")["value"]
-    except tomllib.TOMLDecodeError:
-        return name, value
-
-
-class _ProgressBar:
-    """A progress bar on a terminal, and no output elsewhere."""
-
-    def __init__(self, duration: float, unit: str = "t") -> None:
-        self.duration = duration
-        self._unit = unit
-        self._bar: Any = None
-
-    def __enter__(self) -> _ProgressBar:
-        return self
-
-    def __call__(self, t: float) -> None:
-        if self._bar is None:
-            from tqdm import tqdm
-
-            self._bar = tqdm(total=self.duration, disable=None, leave=False, unit=self._unit)
-        self._bar.n = t
-        self._bar.refresh()
-
-    def __exit__(self, *error: object) -> None:
-        if self._bar is not None:
-            self._bar.close()
+    """A name and its value."""
+    name, value = split("parameter", text)
+    return name, parsed(value)

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 # Seconds for an answer before the program is ended.
 PATIENCE = 0.25
+# The exit status of a run that completed, and of a check that passed.
+COMPLETED = 0
 # The exit status of a run that stopped early, and of a check that failed.
 STOPPED = 1
 

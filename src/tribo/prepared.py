@@ -17,6 +17,7 @@ from tribo.accuracy.comparison import (
 from tribo.accuracy.estimate import excess_of_request
 from tribo.accuracy.levels import fine_level
 from tribo.accuracy.plan import Plan, single_setting
+from tribo.accuracy.search import MOST_SEARCHED
 from tribo.accuracy.stop_times import StopTimes
 from tribo.kernels.status import Status
 from tribo.run.identity import settings_of, version
@@ -27,6 +28,7 @@ from tribo.run.ledger import Ledger, assemble
 from tribo.run.loop_selection import Integrator
 from tribo.run.notes import (
     approach_notes,
+    budget_notes,
     calculator_notes,
     drive_notes,
     passage_notes,
@@ -221,6 +223,8 @@ class Simulation:
             bounds, excess = self._errors(runs[-3:])
             met = excess <= 1.0
             notes = () if met else (*approach_notes(self.layout, fine), self._missed(excess))
+            open_budget = budget_notes(self.layout, assemble(self.layout, fine.samples), bounds)
+            met, notes = met and not open_budget, (*notes, *open_budget)
         notes = (*drive_notes(self.layout, assemble(self.layout, fine.samples.ends())), *notes)
         known = met if len(runs) > 1 or fine.status != Status.COMPLETED else None
         layout, seconds, ratio = self.layout, self.compile_seconds, self._digit_ratio
@@ -251,6 +255,11 @@ class Simulation:
             why = "the settings were found from the scene's own start, which kept it"
         elif tuned.stopped is not None:
             why = f"with tolerances that could keep it, runs stop as {tuned.stopped}"
+        elif tuned.gave_up:
+            why = (
+                f"finding the settings would take more than {MOST_SEARCHED:.0f} times the "
+                "evaluations of the run; name the observables that matter, or accept more"
+            )
         elif tuned.amplification is None:
             why = "the search for settings was interrupted"
         else:

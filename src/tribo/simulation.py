@@ -17,13 +17,14 @@ from tribo.integrators import methods
 from tribo.kernels.status import Status
 from tribo.model.scene import Scene
 from tribo.prepared import Simulation, with_warning
+from tribo.progress import Reported, Shown
 from tribo.run.identity import identity_of, refuse_other, settings_of, version
 from tribo.run.integrate import Progress
 from tribo.run.journal import PART, Journal
 from tribo.run.layout import Layout, lay_out
-from tribo.run.result import Result, load_result
+from tribo.run.result import Result, load_result, netcdf_path
 from tribo.run.state import Origin, State, continued, digest_of
-from tribo.validation import InputError, as_path, boolean, inside
+from tribo.validation import InputError, as_path, boolean, inside, must_be
 
 
 def prepare(
@@ -70,6 +71,8 @@ def prepare(
         The settings do not go together or do not suit the scene, the accuracy is out of reach, or
         a plug-in cannot be compiled.
     """
+    if progress is not None and not callable(progress):
+        raise must_be("progress", "a function", progress)
     layout, choice, origin = _chosen(scene, accuracy, method, step, start, allow_unresolved)
     integrator = integrator_for(layout, choice.method, progress, origin)
     return Simulation(make_plan(choice, integrator), integrator)
@@ -127,7 +130,7 @@ def simulate(
     accuracy: Accuracy | None = None,
     method: str | None = None,
     step: float | None = None,
-    progress: Progress | None = None,
+    progress: Shown = None,
     start: State | None = None,
     out: str | Path | None = None,
     resume: bool = False,
@@ -137,9 +140,12 @@ def simulate(
 
     Parameters
     ----------
-    scene, accuracy, method, step, progress, start, allow_unresolved
+    scene, accuracy, method, step, start, allow_unresolved
         As for :func:`prepare`.  A run from ``result.state()`` by the same method and step gives bit
         for bit what a run without the pause gives that records the same times.
+    progress : callable or bool, optional
+        Called with the time reached, a few times a second.  Without it a bar appears on a terminal
+        or in a notebook after a second; True shows it elsewhere too, False never.
     out : str or Path, optional
         A NetCDF file for the result.  While the run goes on, ``out`` with ``.part`` behind its name
         keeps what is reached, also of a run that is interrupted.
@@ -161,11 +167,14 @@ def simulate(
     TriboWarning
         The run stops early, or its error estimates exceed the accuracy.
     """
-    if out is None:
-        simulation = prepare(scene, accuracy, method, step, progress, start, allow_unresolved)
-        return with_warning(simulation.compute_first())
     layout, choice, origin = _chosen(scene, accuracy, method, step, start, allow_unresolved)
-    return with_warning(_run_to_file(as_path(out), resume, layout, choice, origin, progress))
+    with Reported(progress, layout.scene.duration, "t") as report:
+        if out is None:
+            integrator = integrator_for(layout, choice.method, report, origin)
+            result = Simulation(make_plan(choice, integrator), integrator).compute_first()
+        else:
+            result = _run_to_file(as_path(out), resume, layout, choice, origin, report)
+    return with_warning(result)
 
 
 def _run_to_file(
@@ -177,7 +186,7 @@ def _run_to_file(
     progress: Progress | None,
 ) -> Result:
     """Run with a journal beside a file, which the result replaces once it is complete."""
-    path = checked_target("out", path)
+    path = checked_target("out", netcdf_path("out", path))
     part = path.with_name(path.name + PART)
     settings = settings_of(choice.method.name, choice.accuracy, choice.step, digest_of(origin))
     identity = identity_of(layout.scene, settings, version())

@@ -13,7 +13,14 @@ from support.hard_scenes import simulate
 from tribo import paper
 from tribo.accuracy.estimate import estimate
 from tribo.accuracy.roundoff import rounding_of_terms
-from tribo.accuracy.scales import Scales, first_guess, reported_scales, tolerance_scales
+from tribo.accuracy.scales import (
+    KINDS,
+    Scales,
+    first_guess,
+    kind_of,
+    reported_scales,
+    tolerance_scales,
+)
 from tribo.run.entry import Entry
 from tribo.run.layout import lay_out
 from tribo.run.ledger import assemble
@@ -138,7 +145,7 @@ def test_rounding_of_terms_in_a_fast_frame():
 
 def test_diverged_runs_know_nothing():
     """Where one quantity differs by its scale, each may be off by its own."""
-    scales = Scales(rate=1.0, length=1.0, velocity=1.0, energy=2.0)
+    scales = Scales(rate=1.0, length=1.0, velocity=1.0, energy=2.0, total=2.0)
 
     def bounds(apart):
         """Estimates of two energies, the first of which differs from the coarser run."""
@@ -168,3 +175,26 @@ def test_no_interactions_in_plain_python():
     """No bob is on its way to an encounter, as in compiled code."""
     plain = os.environ | {"NUMBA_DISABLE_JIT": "1"}
     subprocess.run([sys.executable, "-c", UNCOMPILED], env=plain, check=True)
+
+
+def test_energies_of_a_surface_have_a_scale_of_their_own():
+    """It is the largest of them, and at least that of asperites."""
+    row = {"shape": (6, 1), "spacing": (20.0, 0.0)}
+    upper = tribo.Surface("upper", bob=(-2.0, 0.0), velocity=(0.5, 0.0), **row)
+    lower = tribo.Surface("lower", facing="up", **row)
+    scene = tribo.Scene((upper, lower), tribo.Coulomb(0.2), 8.0, output=tribo.Output(samples=9))
+    result = tribo.simulate(scene, method="verlet", step=0.01)
+    scales = reported_scales(lay_out(scene), result.ledger)
+    tables = [result["upper"], result["lower"], result.system]
+    each, whole = (
+        max(
+            np.max(np.abs(series))
+            for table in tables
+            for name, series in table.items()
+            if KINDS[name] == kind and name != "contact_energy"
+        )
+        for kind in ("energy", "total")
+    )
+    assert (scales.energy, scales.total) == (each, whole) and whole > 3.0 * each
+    assert scales.of(kind_of("upper.W")) == scales.of(kind_of("contact_energy")) == scales.total
+    assert scales.of(kind_of("upper.w2")) == scales.energy

@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from tribo.kernels.status import Status
 from tribo.potentials.cutoff import AT_CUTOFF
 from tribo.run.integrate import Integration
 from tribo.run.layout import lay_out
+from tribo.run.notes import budget_notes
 
 FEW = tribo.Output(samples=9)
 
@@ -252,3 +254,47 @@ def test_work_of_calculators():
     run = Integration(lambda: None, Status.COMPLETED, np.array([3, 7]), 1.0, {})
     assert levels.work(layout, run) == 7 * 2
     assert levels.work(replace(layout, calculator_calls=(None,)), run) == 7 * (2 + levels.CALL)
+
+
+class Wrong(NamedTuple):
+    """A force that is half too large at short range."""
+
+    strength: float
+
+    def energy(self, r):
+        return self.strength / r
+
+    def force(self, r):
+        return self.strength / r**2 * np.where(r < 1.0, 1.5, 1.0)
+
+
+def test_an_energy_budget_that_stays_open():
+    """With a user's force that is not conservative the accuracy is not met, and a note says why."""
+    scene = replace(case("A"), interactions=Wrong(0.2))
+    with pytest.warns(tribo.TriboWarning, match="the energy budget does not close: .* of Wrong is"):
+        result = tribo.simulate(scene, accuracy=1e-6, method="verlet")
+    assert result.status == "completed" and result.met is False
+    ledger, bounds = result.ledger, result.error_estimate
+    gap = np.max(np.abs(ledger.system["total_energy_change"] - ledger.system["applied_work"]))
+    assert gap > 1e-3
+    layout = lay_out(scene)
+    (note,) = budget_notes(layout, ledger, bounds)
+    assert f"differ by {gap:.1e}" in note
+    wide = bounds | {"applied_work": 1.01 * gap}
+    assert budget_notes(layout, ledger, wide) == ()
+    assert budget_notes(lay_out(case("A")), ledger, bounds) == ()
+
+
+def test_a_search_ends_before_it_costs_ten_runs(monkeypatch):
+    """It delivers what it found, and says why it looked no further."""
+    monkeypatch.setattr(search, "MOST_SEARCHED", 4.0)
+    monkeypatch.setattr(search, "FIRST", 1e4)
+    simulation = tribo.prepare(case("A"), accuracy=1e-10)
+    result = simulation.compute_first()
+    tuned = simulation.plan.tuned
+    assert tuned.gave_up and not tuned.met
+    assert sum(run.evaluations for run in tuned.runs) <= 4.0 * tuned.runs[-1].evaluations
+    assert "finding the settings would take more than 10 times" in result.notes[-1]
+    monkeypatch.setattr(search, "MOST_SEARCHED", 10.0)
+    tuned = tribo.prepare(case("A"), accuracy=1e-10).plan.tuned
+    assert tuned.met and not tuned.gave_up and len(tuned.runs) > 4

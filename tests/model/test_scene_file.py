@@ -109,8 +109,11 @@ def test_defaults_are_those_of_python():
 def test_round_trip(scene, seed):
     """Saving and loading keeps every part of a scene to the last bit."""
     scene = replace(scene, seed=seed, title='A "title", with = signs\nand lines')
-    assert scene_table(again(scene)) == scene_table(scene)
-    assert_same_layout(again(scene), scene)
+    loaded = again(scene)
+    assert loaded == scene and hash(loaded) == hash(scene)
+    assert replace(loaded, seed=seed + 1) != scene
+    assert scene_table(loaded) == scene_table(scene)
+    assert_same_layout(loaded, scene)
 
 
 SCENES = {
@@ -150,7 +153,9 @@ ENDS = {"cutoff": 2.5}, {"cutoff": 2.5, "at_cutoff": "shift"}, {"cutoff": 2.5, "
 @pytest.mark.parametrize("name", SCENES)
 def test_round_trip_of_a_scene(tmp_path, name):
     """Saving and loading keeps each setting of a scene."""
-    scene = replace(scene_from(tomllib.loads(SHORT)), **SCENES[name])
+    plain = scene_from(tomllib.loads(SHORT))
+    scene = replace(plain, **SCENES[name])
+    assert again(scene, tmp_path) == scene != plain
     assert scene_table(again(scene, tmp_path)) == scene_table(scene)
     assert again(scene, tmp_path).output == scene.output
     assert again(scene, tmp_path).numerics == scene.numerics
@@ -165,6 +170,7 @@ def test_round_trip_of_a_surface(tmp_path, name):
     assert scene_table(again(scene, tmp_path)) == scene_table(scene)
     assert_same_layout(again(scene, tmp_path), scene)
     plain = scene_from(tomllib.loads(SHORT))
+    assert again(scene, tmp_path) == scene != plain
     assert scene_table(scene)["surface"][1] != scene_table(plain)["surface"][1]
 
 
@@ -175,6 +181,7 @@ def test_round_trip_of_a_cutoff(tmp_path, end):
     table["interaction"] |= end
     scene = scene_from(table)
     assert scene_table(again(scene, tmp_path)) == scene_table(scene)
+    assert again(scene, tmp_path) == scene
     assert {"cutoff", "at_cutoff"} <= set(scene_table(scene)["interaction"][0])
 
 
@@ -249,7 +256,7 @@ def test_plugin_lies_beside_the_file(tmp_path, monkeypatch):
     scene.save(tmp_path / "saved.toml")
     saved = tribo.load_scene(tmp_path / "saved.toml")
     assert type(saved.interactions[0].potential) is type(potential)
-    assert scene_table(saved) == scene_table(scene)
+    assert scene_table(saved) == scene_table(scene) and saved == scene
 
 
 def test_file_is_replaced_or_left_alone(tmp_path):

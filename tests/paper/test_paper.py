@@ -1,12 +1,16 @@
 """The paper's numbers beside the computed ones: no row is missing, and the notes are right."""
 
 import csv
+from dataclasses import replace
 from decimal import Decimal
 from importlib.resources import files
 
 import pytest
 
 from tribo import paper
+from tribo.paper.comparison import Cause
+from tribo.paper.figures import FIGURES
+from tribo.paper.published_values import FIGURE_LABELS
 
 # Numbers that agree, of 103; the others come from rounded times, or from the paper's method.
 AGREE = 76
@@ -71,9 +75,9 @@ def test_noted_times_are_right(tables):
     found = 0
     for case, run in runs.items():
         for row in tables[case]:
-            if ".." in row.t or "agrees with t = " not in row.note:
+            if ".." in row.t or not row.note.startswith("agrees at "):
                 continue
-            time = float(row.note.split("agrees with t = ")[1].split(" in place of ")[0])
+            time = float(row.note.removeprefix("agrees at "))
             half = 0.5 * 10.0 ** Decimal(row.printed).as_tuple().exponent
             assert abs(float(run.at(row.quantity, time)) - float(row.printed)) <= half * 1.000001
             found += 1
@@ -88,8 +92,10 @@ def test_moving_table_is_a_boost(attractive, still):
 
 
 def test_report(tables):
-    """The text has a line for each row and a total for each case."""
-    lines = paper.report(tables).splitlines()
+    """The text says what it is, has a line for each row and a total for each case, and fits."""
+    text = paper.report(tables)
+    lines = text.splitlines()
+    assert "tribo computes" in lines[0] and max(map(len, lines)) <= 120
     for case, rows in tables.items():
         agree = sum(row.agrees for row in rows)
         title = f"{case}  {paper.CASES[case]}: {agree} of {len(rows)} printed numbers agree"
@@ -97,3 +103,28 @@ def test_report(tables):
     assert sum("DIFFERS" in line for line in lines) == 103 - sum(
         row.agrees for rows in tables.values() for row in rows
     )
+    assert sum(line.startswith("          agrees at 14.9997 or 23.2003;") for line in lines) == 1
+
+
+def test_report_numbers_figures(tables):
+    """Figures have the numbers that they have in print, which those drawn here have too."""
+    text = paper.report(tables)
+    assert not [label for label in FIGURE_LABELS if label in text]
+    assert "  fig. 3  20.0       theta " in text and "  fig. 11 13.0..25.9 delta x_bob" in text
+    assert [figure.name[:5] for figure in FIGURES] == [f"fig{n:02}" for n in range(1, 12)]
+    assert len(FIGURE_LABELS) == len(FIGURES)
+
+
+def test_summary_gives_the_reasons(tables):
+    """The last paragraph counts the differences by their causes."""
+    differing = [row for rows in tables.values() for row in rows if not row.agrees]
+    causes = {cause: sum(row.cause == cause for row in differing) for cause in Cause}
+    assert causes == {Cause.TIME: 25, Cause.STEP: 1, Cause.EVENT: 1, Cause.UNKNOWN: 0}
+    paragraph = " ".join(paper.report(tables).split("\n\n")[-1].split())
+    assert paragraph.startswith(
+        "76 of 103 printed numbers agree. Why 27 differ, by at most 1.5 %: 25 agree at "
+    )
+    assert " 1 has the error of the paper's " in paragraph
+    assert paragraph.endswith("and so do its conclusions about work and pseudowork.")
+    wrong = [replace(row, agrees=False) if row.t == "end" else row for row in tables["D"]]
+    assert "conclusions" not in paper.report({"D": wrong})

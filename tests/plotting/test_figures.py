@@ -48,7 +48,7 @@ def test_a_file_is_no_folder(tmp_path, end):
 def test_an_asperite_is_drawn_where_it_is(result, surface):
     k = 232
     (asperite,) = scene_geometry(result, result.t[k])[surface]
-    parts = plotting.draw_asperite(plotting.axes(), asperite)
+    parts = plotting.draw_asperite(plotting.drawing_axes(), asperite)
     series = result[surface]
     for name, place in (("bob", "bob"), ("cm", "cm"), ("pivot", "bar")):
         expected = [series[f"{axis}_{place}"][k, 0] for axis in "xy"]
@@ -126,3 +126,10 @@ def test_labels_keep_their_distance_and_their_order():
     assert np.array_equal(np.argsort(apart), np.argsort(levels, kind="stable"))
     assert apart[5] == pytest.approx(0.1)
     assert apart.max() <= 1.0 + 1e-12
+
+
+def test_axes_show_labels():
+    """Axes for graphs show what is set on them, with a given height or without."""
+    for ax in (plotting.axes(plotting.COLUMN), plotting.axes(plotting.COLUMN, 2.0)):
+        ax.set_xlabel("time")
+        assert ax.axison and ax.xaxis.label.get_visible()

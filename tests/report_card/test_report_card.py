@@ -455,7 +455,7 @@ def test_json(run, no_runs):
     [
         (["gravity"], "potential: must be "),
         (["coulomb"], "strength: is missing"),
-        (["coulomb", "strength"], "parameter: must be NAME=VALUE, got 'strength'"),
+        (["coulomb", "strength"], "parameter: must be KEY=VALUE, got 'strength'"),
         (["coulomb", "strength=strong"], "strength: must be a number, got 'strong'"),
         (["coulomb", "strength=1", "cutoff=3", "at_cutoff=bend"], "at_cutoff: must be "),
         (["none.py:None", "s=1"], "potential: there is no file"),

@@ -647,6 +647,7 @@ def accuracy_scales(model: Model, ys: np.ndarray) -> dict[str, float]:
         "length": float(model.length.max()),
         "velocity": float(velocity),
         "energy": float(energy),
+        "total": float(energy),  # at least
     }
 
 

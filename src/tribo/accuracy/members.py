@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from tribo.accuracy.comparison import Accuracy, observables
-from tribo.accuracy.scales import ENERGIES, EPSILON, KINDS, mean_velocity
+from tribo.accuracy.scales import ENERGIES, EPSILON, KINDS, TOTALS, mean_velocity
 from tribo.run.columns import Columns, columns_of
 from tribo.run.layout import Layout
 from tribo.run.members import MemberSamples
@@ -84,10 +84,12 @@ def _scales(
     works = np.max([top for name, top in energies.items() if name.startswith("w")], axis=0)
     internal, a = largest(entry.energy), layout.together.asperites
     energy = np.max(list(energies.values()), axis=0)
+    energy = np.where(works > EPSILON * internal, energy, internal)
     return {
         "rate": np.maximum(tops["omega"], tops["nu"]),
         "length": float(np.max(a.l1 + a.l2)),
         "velocity": largest(entry.bob_speed(mean_velocity(layout))),
-        "energy": np.where(works > EPSILON * internal, energy, internal),
+        "energy": energy,
+        "total": np.max([energy, *(tops[name] for name in TOTALS if name in tops)], axis=0),
         "angle": 1.0,
     }

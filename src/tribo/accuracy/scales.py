@@ -13,21 +13,32 @@ from tribo.run.batch import Batch
 from tribo.run.layout import Layout
 from tribo.run.ledger import Ledger
 from tribo.run.motion import Motion, internal_energy, swing_direction
-from tribo.run.quantities import ASPERITE_QUANTITIES, OPTIONAL_QUANTITIES, QUANTITIES
+from tribo.run.quantities import (
+    ASPERITE_QUANTITIES,
+    BLOCK_QUANTITIES,
+    OPTIONAL_QUANTITIES,
+    QUANTITIES,
+    SYSTEM_QUANTITIES,
+)
 from tribo.run.resolution import bath_frequency, pendulum_frequency
 from tribo.run.samples import Samples
 
 # The distance from 1 to the next double.
 EPSILON = float(np.finfo(float).eps)
-# The kind of every reported quantity, which selects its scale.
+# The kind of every reported quantity, which selects its scale; energies of a surface as a whole and
+# of the system have one of their own.
 KINDS = {name: quantity.kind for name, quantity in QUANTITIES.items()}
+KINDS |= dict.fromkeys(BLOCK_QUANTITIES | SYSTEM_QUANTITIES, "total")
 # The quantities of asperites by which rates and energies are measured.
 ENERGIES = tuple(
     name
     for name, quantity in (ASPERITE_QUANTITIES | OPTIONAL_QUANTITIES).items()
     if quantity.kind == "energy"
 )
-MEASURED = ("omega", "nu", *ENERGIES)
+# The quantities of surfaces and of the system by which their energies are measured.  The energy of
+# contacts is none: it has an arbitrary origin.
+TOTALS = tuple(name for name, kind in KINDS.items() if kind == "total" and name != "contact_energy")
+MEASURED = ("omega", "nu", *ENERGIES, *TOTALS)
 # The smallest relative tolerance: nine roundings.  Step control cannot resolve less.
 FLOOR = 2e-15
 
@@ -48,6 +59,9 @@ class Scales:
     energy
         the largest work, pseudowork, delta_e_int or delta_k_trans [energy]; where all works are
         below the round-off of the largest internal energy, that energy
+    total
+        the largest work, pseudowork or change of energy of a surface as a whole or of the system,
+        and at least `energy` [energy]
     angle
         1 radian
     """
@@ -56,6 +70,7 @@ class Scales:
     length: float
     velocity: float
     energy: float
+    total: float
     angle: float = 1.0
 
     def of(self, kind: str) -> float:
@@ -79,7 +94,7 @@ def scales_of(layout: Layout, tops: Mapping[str, float], speed: float, internal:
     layout
         the scene
     tops
-        the largest magnitude of each quantity of asperites
+        the largest magnitude of each quantity
     speed
         the largest of a bob relative to the mean of the surfaces' initial velocities
     internal
@@ -88,11 +103,13 @@ def scales_of(layout: Layout, tops: Mapping[str, float], speed: float, internal:
     energies = {name: tops[name] for name in ENERGIES if name in tops}
     highest = max(energies.values())
     works = max((top for name, top in energies.items() if name.startswith("w")), default=highest)
+    energy = highest if works > EPSILON * internal else internal
     return Scales(
         rate=max(tops["omega"], tops["nu"]),
         length=_longest_rod(layout),
         velocity=speed,
-        energy=highest if works > EPSILON * internal else internal,
+        energy=energy,
+        total=max([energy, *(tops[name] for name in TOTALS if name in tops)]),
     )
 
 

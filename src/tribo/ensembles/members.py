@@ -16,8 +16,8 @@ from typing import NamedTuple, Protocol, Self, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tribo.ensembles.parameters import is_parameter, with_parameters
 from tribo.integrators.methods import noisy
+from tribo.model.parameters import is_parameter, with_values
 from tribo.model.scene import Scene
 from tribo.model.surface import Initial
 from tribo.validation import LARGEST_NUMBER, InputError, inside, is_list, short_repr
@@ -96,7 +96,7 @@ class Member:
         ]
         numbers = {key: float(v[0]) for key, v in self.values.items() if is_parameter(scene, key)}
         moved = replace(scene, surfaces=tuple(surfaces), seed=self.seed)
-        return with_parameters(moved, numbers) if numbers else moved
+        return with_values(moved, numbers) if numbers else moved
 
     def scene_with_start(self, scene: Scene) -> Scene:
         """The scene with all values of the member."""

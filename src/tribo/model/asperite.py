@@ -7,6 +7,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from tribo.model.comparison import ComparedByValue
 from tribo.validation import (
     ANY,
     NOT_NEGATIVE,
@@ -50,7 +51,7 @@ def broadcast(field: str, value: Each, count: int) -> np.ndarray:
 
 
 @dataclass(frozen=True, eq=False)
-class Asperite:
+class Asperite(ComparedByValue):
     """Parameters of the asperites of a surface: each a number, or one number per asperite.
 
     The defaults are those of case A of the paper.

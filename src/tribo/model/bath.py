@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from tribo.model.comparison import ComparedByValue
 from tribo.model.recurrence import KINDS, Kind
 from tribo.model.spectrum import Spectrum
 from tribo.validation import (
@@ -36,7 +37,7 @@ def _none() -> np.ndarray:
 
 
 @dataclass(frozen=True, eq=False)
-class Bath:
+class Bath(ComparedByValue):
     """Oscillators on every bar of a surface: n point oscillators and k torsional ones.
 
     With a `spectrum`, masses and frequencies are those of its oscillators and are not given.

@@ -10,6 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
+from tribo.model.comparison import ComparedByValue
 from tribo.model.drives import Custom, DrivenBars, Ends, Forced, Pulled, Pushed
 from tribo.model.fields import Field
 from tribo.model.interaction import Interaction, Periodic, as_periodic
@@ -70,7 +71,7 @@ class Effect(StrEnum):
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
+class Scene(ComparedByValue):
     """Surfaces, the interactions between them, and the duration of a run.
 
     Attributes

@@ -8,6 +8,7 @@ import numpy as np
 
 from tribo.model.asperite import Asperite, Each, broadcast
 from tribo.model.bath import Bath, as_bath
+from tribo.model.comparison import ComparedByValue
 from tribo.model.drives import Drive, DrivenBars, Ends, Forced, as_bars, as_drive
 from tribo.model.langevin import Langevin, as_langevin
 from tribo.model.roughness import Roughness, as_heights, draw
@@ -36,7 +37,7 @@ UNITS = {
 
 
 @dataclass(frozen=True, eq=False)
-class Initial:
+class Initial(ComparedByValue):
     """Initial angles and rates of pendulums and bars: each a number, or one number per asperite.
 
     None stands for the equilibrium angle, and for a rate of zero.
@@ -85,7 +86,7 @@ class Initial:
 
 
 @dataclass(frozen=True, eq=False)
-class Surface:
+class Surface(ComparedByValue):
     """One asperite, a row, a grid or a list of asperites.
 
     Positions are those of the bobs with theta at rest and phi = 0, whatever `initial` says.

@@ -4,7 +4,8 @@ J. David Brown, *Work Done by Sliding Friction*.
 """
 
 from tribo.paper.cases import CASES, END, Run, scene
-from tribo.paper.comparison import Row, boost_error, compare, report
+from tribo.paper.comparison import Row, boost_error, compare
 from tribo.paper.published_values import published
+from tribo.paper.report import report
 
 __all__ = ["CASES", "END", "Row", "Run", "boost_error", "compare", "published", "report", "scene"]

@@ -8,15 +8,27 @@ with which step of the paper's own method, it does.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from enum import StrEnum
 
 import numpy as np
 
-from tribo.paper.cases import CASES, END, LAST, Run
+from tribo.paper.cases import END, LAST, Run
 from tribo.paper.published_values import agrees, published, unit
 
 # Steps at which the paper's method is compared with its numbers [time].
 STEPS = (0.002, 0.005, 0.01, 0.02, 0.05, 0.1)
+# Fields of a row that only the closing paragraph needs; the keys of the JSON are a contract.
+NOT_IN_JSON = ("cause", "unlike_its_own")
+
+
+class Cause(StrEnum):
+    """Why a printed number differs from the computed one."""
+
+    TIME = "time"  # it is the number of another time that rounds to the printed one
+    STEP = "step"  # it is what the paper's own method gives with a step
+    EVENT = "event"  # it is the time of another event
+    UNKNOWN = "unknown"
 
 
 @dataclass(frozen=True)
@@ -40,6 +52,10 @@ class Row:
         Whether they agree to half a unit of the last digit printed.
     note : str
         Remarks, and where they disagree an explanation.
+    cause : Cause or None
+        Why they disagree; None where they agree.
+    unlike_its_own : bool
+        Whether it differs from what the paper's own positions and angles at its times give.
     """
 
     where: str
@@ -50,10 +66,13 @@ class Row:
     error: float | None
     agrees: bool
     note: str = ""
+    cause: Cause | None = None
+    unlike_its_own: bool = False
 
     def as_json(self) -> dict[str, object]:
         """The row of ``tribo paper --json``."""
-        return {name: getattr(self, name) for name in self.__dataclass_fields__}
+        names = [name for name in self.__dataclass_fields__ if name not in NOT_IN_JSON]
+        return {name: getattr(self, name) for name in names}
 
 
 def compare(cases: Iterable[str]) -> dict[str, list[Row]]:
@@ -94,9 +113,11 @@ def _value_row(run: Run, row: dict[str, str], printed_rows: list[dict[str, str]]
         others = [t for t in run.ends if t != END[run.case]]
         also = f" (and at {_ranges(others)})" if others else ""
         notes.append(f"end time not printed; at t = {END[run.case]:g}{also} all end values agree")
+    cause, own = None, None
     if not agreeing:
-        notes.extend(_explanations(run, quantity, times, printed))
-        notes.extend(_from_positions(run, row, printed_rows))
+        cause, explanations = _explanations(run, quantity, times, printed)
+        own = _from_positions(run, row, printed_rows)
+        notes += explanations + ([] if own is None else [f"the paper's positions give {own:.4f}"])
     elsewhere = {
         other["printed"]
         for other in printed_rows
@@ -105,13 +126,16 @@ def _value_row(run: Run, row: dict[str, str], printed_rows: list[dict[str, str]]
     for other in sorted(elsewhere):
         if abs(float(other) - float(printed)) > 0.5 * max(unit(other), unit(printed)) * (1 + 1e-9):
             notes.append(f"the paper also prints {other} for it")
-    return _row(row, computed, run.error(quantity), agreeing, notes)
+    found = _row(row, computed, run.error(quantity), agreeing, notes, cause)
+    return replace(found, unlike_its_own=own is not None)
 
 
-def _from_positions(run: Run, row: dict[str, str], printed_rows: list[dict[str, str]]) -> list[str]:
+def _from_positions(
+    run: Run, row: dict[str, str], printed_rows: list[dict[str, str]]
+) -> float | None:
     """The displacement by positions and angles printed for the same times, if it differs."""
     if ".." not in row["t"]:
-        return []
+        return None
     printed = {
         (r["t"], r["quantity"]): float(r["printed"])
         for r in printed_rows
@@ -126,13 +150,11 @@ def _from_positions(run: Run, row: dict[str, str], printed_rows: list[dict[str, 
             shift = printed[end, "x_cm"] - printed[begin, "x_cm"]
         turn = np.sin(printed[end, "theta"]) - np.sin(printed[begin, "theta"])
     except KeyError:
-        return []
+        return None
     each = run.result.scene.surfaces[0].asperite.for_each(1)
     arm = {"delta x_bob": each["l1"][0], "delta x_bar": -each["l2"][0], "delta x_cm": 0.0}
     own = shift + arm[row["quantity"]] * turn
-    if agrees(own, row["printed"]):
-        return []
-    return [f"the positions and angles that the paper prints for these times give {own:.4f}"]
+    return None if agrees(own, row["printed"]) else own
 
 
 def _change(run: Run, quantity: str, times: tuple[float, ...]) -> float:
@@ -150,24 +172,27 @@ _SHIFTS = [
 ]
 
 
-def _explanations(run: Run, quantity: str, times: tuple[float, ...], printed: str) -> list[str]:
-    """Explanations of a printed number: a time before rounding, or the error of the method."""
-    notes = []
+def _explanations(
+    run: Run, quantity: str, times: tuple[float, ...], printed: str
+) -> tuple[Cause, list[str]]:
+    """Why a printed number differs: a time before rounding, or the error of the method."""
+    found = []
     for k, t in enumerate(times):
         near = [round(t + shift, 4) for shift in _SHIFTS if t + shift <= LAST]
         moved = run.at(quantity, np.array(near)) - float(run.at(quantity, t))
         sign = 1.0 if k == len(times) - 1 else -1.0
         changed = _change(run, quantity, times) + sign * moved
         hit = next((n for n, c in zip(near, changed, strict=True) if agrees(c, printed)), None)
-        if hit is not None:
-            notes.append(f"agrees with t = {hit:.10g} in place of {t:g}")
+        found += [] if hit is None else [f"{hit:.10g}"]
     step = next((h for h in STEPS if agrees(_by_midpoint(run, quantity, times, h), printed)), None)
+    notes = [f"agrees at {' or '.join(found)}"] if found else []
     if step is not None:
         notes.append(f"agrees with the paper's method at a step of {step:g}")
-    neither = (
-        "neither a time that rounds to the printed one nor the paper's method gives this number"
-    )
-    return notes or [neither]
+    if found:
+        return Cause.TIME, notes
+    if step is not None:
+        return Cause.STEP, notes
+    return Cause.UNKNOWN, ["neither another time nor the paper's method gives this number"]
 
 
 def _by_midpoint(run: Run, quantity: str, times: tuple[float, ...], step: float) -> float:
@@ -190,7 +215,7 @@ def _event_row(run: Run, row: dict[str, str]) -> Row:
             f"at the printed time {quantity} differs by {gap:.4f} (error {scale:.0e}) from its "
             "extremum, which forces along y separate from the time the bobs pass"
         )
-    return _row(row, computed, 1e-8, agreeing, notes)
+    return _row(row, computed, 1e-8, agreeing, notes, None if agreeing else Cause.EVENT)
 
 
 def _sign_row(run: Run, row: dict[str, str]) -> Row:
@@ -227,18 +252,15 @@ def boost_error(moving: Run, still: Run) -> float:
 
 
 def _row(
-    row: dict[str, str], computed: float | str, error: float | None, agrees: bool, notes: list[str]
+    row: dict[str, str],
+    computed: float | str,
+    error: float | None,
+    agrees: bool,
+    notes: list[str],
+    cause: Cause | None = None,
 ) -> Row:
-    return Row(
-        row["where"],
-        row["t"],
-        row["quantity"],
-        row["printed"],
-        computed,
-        error,
-        agrees,
-        "; ".join(notes),
-    )
+    keys = (row["where"], row["t"], row["quantity"], row["printed"])
+    return Row(*keys, computed, error, agrees, "; ".join(notes), cause)
 
 
 def _ranges(numbers: list[int]) -> str:
@@ -250,30 +272,3 @@ def _ranges(numbers: list[int]) -> str:
         else:
             ranges.append([n])
     return ", ".join(str(r[0]) if len(r) == 1 else f"{r[0]} to {r[-1]}" for r in ranges)
-
-
-def report(tables: dict[str, list[Row]]) -> str:
-    """The tables of `compare` as text, as ``tribo paper`` prints them."""
-    lines = []
-    for case, rows in tables.items():
-        agreeing = sum(row.agrees for row in rows)
-        lines += [f"{case}  {CASES[case]}: {agreeing} of {len(rows)} printed numbers agree", ""]
-        lines.append(
-            f"  {'where':<30} {'t':<11} {'quantity':<29} {'printed':>9} "
-            f"{'computed':>14} {'error':>8}"
-        )
-        for row in rows:
-            computed = row.computed if isinstance(row.computed, str) else f"{row.computed:.8f}"
-            error = "" if row.error is None else f"{row.error:.0e}"
-            verdict = "agrees" if row.agrees else "DIFFERS"
-            lines.append(
-                f"  {row.where:<30} {row.t:<11} {row.quantity:<29} {row.printed:>9} "
-                f"{computed:>14} {error:>8}  {verdict}"
-            )
-            if row.note and (not row.agrees or row.t != "end" or "also prints" in row.note):
-                lines.append(f"      {row.note}")
-        ends = next((row.note for row in rows if row.t == "end" and "end time" in row.note), "")
-        lines += [f"  {ends}" if ends else "", ""]
-    total = [row for rows in tables.values() for row in rows]
-    lines.append(f"{sum(row.agrees for row in total)} of {len(total)} printed numbers agree.")
-    return "\n".join(lines)

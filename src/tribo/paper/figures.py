@@ -47,9 +47,7 @@ class Figure:
     Attributes
     ----------
     name : str
-        Name of the file, without suffix.
-    label : str
-        The figure's label in the source of the paper.
+        Name of the file, without suffix; "fig03" is figure 3 of the paper.
     case : str
         "A" to "E"; empty for the drawing of the model.
     draw : callable
@@ -57,7 +55,6 @@ class Figure:
     """
 
     name: str
-    label: str
     case: str
     draw: Callable[[], Axes]
 
@@ -225,39 +222,34 @@ ALL_THREE = ("bar", "cm", "bob")
 SLIDING_FREELY = ("cm", "bob")
 
 FIGURES = (
-    Figure("fig01_model", "UpperBlockFig", "", _model),
-    Figure("fig02_A_angle", "thetaelecfig", "A", partial(_angle, "A")),
+    Figure("fig01_model", "", _model),
+    Figure("fig02_A_angle", "A", partial(_angle, "A")),
     Figure(
         "fig03_A_snapshots",
-        "Elec20thru26",
         "A",
         partial(_snapshots, "A", (20.0, 21.5, 23.0, 24.5, 26.0)),
     ),
-    Figure("fig04_A_work", "workpowerrepulsionfig", "A", partial(_works, "A")),
+    Figure("fig04_A_work", "A", partial(_works, "A")),
     Figure(
         "fig05_A_sequence",
-        "ForcedRepulsiveFig",
         "A",
         partial(_phases, "A", (15.0, 23.2, 26.0), ALL_THREE),
     ),
-    Figure("fig06_B_work", "workpowerEAB", "B", partial(_works, "B")),
+    Figure("fig06_B_work", "B", partial(_works, "B")),
     Figure(
         "fig07_B_sequence",
-        "ForcedAttractiveFig",
         "B",
         partial(_phases, "B", (15.0, 19.3, 26.0), ALL_THREE),
     ),
-    Figure("fig08_C_work", "WorkPowerERU", "C", partial(_works, "C")),
+    Figure("fig08_C_work", "C", partial(_works, "C")),
     Figure(
         "fig09_C_sequence",
-        "FreeAttractiveFig",
         "C",
         partial(_phases, "C", (13.0, 25.9, 30.0), SLIDING_FREELY),
     ),
-    Figure("fig10_D_work", "WorkPowerEAU", "D", partial(_works, "D")),
+    Figure("fig10_D_work", "D", partial(_works, "D")),
     Figure(
         "fig11_E_sequence",
-        "FreeAttractiveFigNewFrame",
         "E",
         partial(_phases, "E", (13.0, 25.9, 30.0), SLIDING_FREELY),
     ),

@@ -9,6 +9,27 @@ import csv
 from decimal import Decimal
 from importlib.resources import files
 
+# The labels of the figures in the source of the paper, in the order of their numbers in print.
+FIGURE_LABELS = (
+    "UpperBlockFig",
+    "thetaelecfig",
+    "Elec20thru26",
+    "workpowerrepulsionfig",
+    "ForcedRepulsiveFig",
+    "workpowerEAB",
+    "ForcedAttractiveFig",
+    "WorkPowerERU",
+    "FreeAttractiveFig",
+    "WorkPowerEAU",
+    "FreeAttractiveFigNewFrame",
+)
+
+
+def place(where: str) -> str:
+    """Where a number is printed, with a figure by its number: "fig. 3" or "text"."""
+    kind, _, label = where.partition(" ")
+    return f"{kind} {FIGURE_LABELS.index(label) + 1}" if label in FIGURE_LABELS else where
+
 
 def published(case: str) -> list[dict[str, str]]:
     """The numbers that the paper prints for a case, one dict for each row of the CSV file."""

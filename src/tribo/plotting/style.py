@@ -74,15 +74,33 @@ def style() -> AbstractContextManager[None]:
 
 
 def axes(width: float = COLUMN, height: float | None = None) -> Axes:
-    """Make the Axes of a new figure in tribo's style.
+    """Make the Axes of a new figure for a graph, in tribo's style.
 
     Parameters
     ----------
     width : float
         Width of the figure [inch].
     height : float, optional
-        Height of a graph [inch].  Without it the Axes are for a drawing: they fill the figure and
-        have no frame, and `trim` sets the height that the drawing needs.
+        Height of the figure [inch]; 0.62 of the width without it.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    from matplotlib.figure import Figure
+
+    height = 0.62 * width if height is None else height
+    with style():
+        return Figure(figsize=(width, height), layout="constrained").add_subplot()
+
+
+def drawing_axes(width: float = COLUMN) -> Axes:
+    """Make the Axes of a new figure for a drawing: they fill it and have no frame and no labels.
+
+    Parameters
+    ----------
+    width : float
+        Width of the figure [inch]; `trim` sets the height that the drawing needs.
 
     Returns
     -------
@@ -91,8 +109,6 @@ def axes(width: float = COLUMN, height: float | None = None) -> Axes:
     from matplotlib.figure import Figure
 
     with style():
-        if height is not None:
-            return Figure(figsize=(width, height), layout="constrained").add_subplot()
         ax = Figure(figsize=(width, width)).add_axes((0.0, 0.0, 1.0, 1.0))
     ax.set_axis_off()
     return ax
@@ -100,7 +116,7 @@ def axes(width: float = COLUMN, height: float | None = None) -> Axes:
 
 @contextmanager
 def drawing_on(ax: Axes | None, width: float, height: float | None = None) -> Iterator[Axes]:
-    """Yield the given Axes, or new ones of that size, as `axes` makes them, in tribo's style.
+    """Yield the given Axes, or new ones in tribo's style: of a drawing if there is no height.
 
     A drawing on new Axes is trimmed at the end.
     """
@@ -108,7 +124,7 @@ def drawing_on(ax: Axes | None, width: float, height: float | None = None) -> It
         yield ax
         return
     with style():
-        ax = axes(width, height)
+        ax = drawing_axes(width) if height is None else axes(width, height)
         yield ax
     if height is None:
         trim(ax)

@@ -9,6 +9,7 @@ The identities that must hold, and by which the accounts are audited:
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -22,6 +23,9 @@ from tribo.run.layout import Layout
 from tribo.run.quantities import EVERY_QUANTITY, Quantity, Reported, Table, needs_accounts, reported
 from tribo.run.samples import Samples
 from tribo.run.totals import System, Whole
+
+# Characters of a line of a text that stands for series.
+WIDTH = 100
 
 
 class Series(Mapping[str, np.ndarray]):
@@ -64,6 +68,10 @@ class Series(Mapping[str, np.ndarray]):
             return f'"{name}" is not kept; works need another output.ledger, as "asperites"'
         return f"no quantity {name!r}; there are {', '.join(self._names)}"
 
+    def __repr__(self) -> str:
+        text = f"{len(self._names)} series: {', '.join(self._names)}"
+        return textwrap.fill(text, WIDTH, subsequent_indent="    ")
+
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *self._names]
 
@@ -85,7 +93,7 @@ def _known(table: Table) -> Series:
     return Series(table, table.__getitem__)
 
 
-@dataclass(eq=False)
+@dataclass(eq=False, repr=False)
 class Ledger:
     """All quantities that a run reports, in the laboratory.
 
@@ -105,6 +113,10 @@ class Ledger:
     surfaces: Mapping[str, Table]  # surface -> quantity -> (times, asperites)
     blocks: Mapping[str, Table]  # surface -> quantity -> (times,)
     system: Table  # quantity -> (times,)
+
+    def __repr__(self) -> str:
+        counts = ", ".join(f'{len(self.of(name))} of "{name}"' for name in self.surfaces)
+        return f"Ledger of {self.t.size} times: {counts}, {len(self.system)} of the system"
 
     def series(self, name: str) -> list[np.ndarray]:
         """All series of a quantity, "w1", or that of one surface, "upper.w1"."""

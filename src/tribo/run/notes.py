@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from tribo.kernels.status import Status
 from tribo.model.drives import Forced
 from tribo.model.scene import Scene
 from tribo.model.spectrum import valid_until
+from tribo.plugins.sources import is_own
 from tribo.potentials.tables import as_table
 from tribo.run.closest_bobs import closest_bobs
 from tribo.run.integrate import Integration
@@ -45,6 +47,44 @@ def calculator_notes(layout: Layout) -> tuple[str, ...]:
         for call in layout.calculator_calls
         if call.error is not None
     )
+
+
+def budget_notes(layout: Layout, ledger: Ledger, bounds: Mapping[str, float]) -> tuple[str, ...]:
+    """A note where the energy budget does not close with potentials or fields of the user's own.
+
+    The change of the total energy is then not the work applied, within the bounds on their errors:
+    a force is not minus the gradient of its energy.
+    """
+    own = _own_potentials(layout.scene)
+    system = ledger.system
+    if not own or "applied_work" not in system:
+        return ()
+    change, work = system["total_energy_change"], system["applied_work"]
+    gap = float(np.max(np.abs(change - work)))
+    bound = bounds["total_energy_change"] + bounds["applied_work"]
+    if not gap > bound:
+        return ()
+    return (
+        f"the energy budget does not close: the total energy and the work applied differ by "
+        f"{gap:.1e}, more than their errors of {bound:.1e}; the force of {' or '.join(own)} is not "
+        "conservative, or less smooth than it declares; tribo check tells which",
+    )
+
+
+def _own_potentials(scene: Scene) -> list[str]:
+    """The names of the potentials and fields whose class is the user's own."""
+    items = [item.potential for item in scene.interactions]
+    items += [item.potential for item in scene.fields]
+    return list(dict.fromkeys(name for item in items for name in _own_classes(item)))
+
+
+def _own_classes(potential: object) -> Iterator[str]:
+    """The names of the user's classes in a potential, which may be made of others."""
+    if isinstance(potential, tuple):
+        if not is_own(type(potential)):
+            yield type(potential).__name__
+        for inner in potential:
+            yield from _own_classes(inner)
 
 
 def passage_notes(layout: Layout, run: Integration) -> tuple[str, ...]:

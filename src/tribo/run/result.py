@@ -16,7 +16,7 @@ import numpy as np
 
 from tribo.kernels.status import MEANINGS, Status
 from tribo.model.scene import Scene
-from tribo.run import dataset
+from tribo.run import dataset, report
 from tribo.run.friction import BLOCKS, FrictionForce, average
 from tribo.run.identity import Identity, opened
 from tribo.run.ledger import Ledger, Series
@@ -28,6 +28,11 @@ if TYPE_CHECKING:
     import xarray
 
 T = TypeVar("T")
+
+# The ending of names of tables.
+CSV = ".csv"
+# Endings of names of files that ask for other formats.
+OTHER_FORMATS = (CSV, ".json", ".npy", ".npz", ".parquet", ".pkl", ".txt", ".xlsx")
 
 
 @dataclass(frozen=True)
@@ -150,7 +155,8 @@ class Result:
     @cached_property
     def error_estimate(self) -> dict[str, float | None]:
         """Quantity -> bound on its error over all surfaces, asperites and times, or None."""
-        return dict.fromkeys(self.ledger.names) | dict(self.bounds)
+        asked = self.accuracy if isinstance(self.accuracy, Mapping) else ()
+        return dict.fromkeys([*self.ledger.names, *asked]) | dict(self.bounds)
 
     def __getitem__(self, surface: str) -> Series:
         ledger = self.ledger
@@ -261,6 +267,12 @@ class Result:
         """`end` as strict JSON: numbers that are not finite are null."""
         return json.dumps(without_nan(self.end), indent=1, allow_nan=False)
 
+    def __repr__(self) -> str:
+        return str(self)
+
+    def _repr_html_(self) -> str:
+        return report.html(self)
+
     def __str__(self) -> str:
         cost = self.cost
         worst = [value for value in self.error_estimate.values() if value is not None]
@@ -300,19 +312,26 @@ class Result:
         return dataset.dataset(self)
 
     def save(self, path: str | Path) -> None:
-        """Write everything to a NetCDF file that :func:`tribo.load_result` reads.
+        """Write everything to a NetCDF file that :func:`tribo.load_result` reads, or CSV.
 
         Parameters
         ----------
         path : str or Path
-            The file, which is replaced if it exists.
+            The file, which is replaced if it exists.  A name that ends on .csv makes a table of
+            all series alone, without the scene and the error estimates: a row for each time, and a
+            column for each quantity, as ``upper.W``, and for each asperite if a surface has
+            several, as ``upper.theta[3]``.
 
         Raises
         ------
         InputError
-            The file cannot be written.
+            The file cannot be written, or the name asks for another format, as .json.
         """
-        dataset.save(self, as_path(path))
+        path = as_path(path)
+        if path.suffix.lower() == CSV:
+            report.save_csv(self, path)
+        else:
+            dataset.save(self, netcdf_path("path", path))
 
     def to_html(self, path: str | Path) -> Path:
         """Write a page that plays the run in a browser: one file that loads nothing else.
@@ -335,6 +354,13 @@ class Result:
         # The viewer stands above the results that it shows, so that it is not imported here.
         written: Path = importlib.import_module("tribo.viewer").write_page(self, path)
         return written
+
+
+def netcdf_path(field: str, path: Path) -> Path:
+    """A path whose ending promises no other format than NetCDF.  Raises InputError."""
+    if path.suffix.lower() in OTHER_FORMATS:
+        raise InputError(field, f"must end on .nc, as it is a NetCDF file, got {str(path)!r}")
+    return path
 
 
 def without_nan(value: object) -> object:

@@ -1,0 +1,231 @@
+"""Values of a scene by dotted keys, as "upper.asperite.kappa" and "interaction.strength".
+
+The keys are those of scene files, with the name of a surface in place of its number:
+
+    duration, seed
+    SURFACE.theta (phi, omega, nu, swing), SURFACE.velocity
+    SURFACE.asperite.KEY, and the same for drive, langevin, bath and springs
+    interaction.KEY, field.KEY      where the scene has one interaction, or one field
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Mapping
+from dataclasses import fields as fields_of
+from dataclasses import replace
+from typing import Any
+
+from tribo.model.bath import Bath, as_bath
+from tribo.model.bath import as_table as bath_table
+from tribo.model.drives import Custom, Drive, as_drive
+from tribo.model.drives import as_table as drive_table
+from tribo.model.fields import Field
+from tribo.model.interaction import Interaction
+from tribo.model.langevin import as_langevin
+from tribo.model.scene import Scene
+from tribo.model.surface import Initial, Surface
+from tribo.plugins.classes import instance
+from tribo.potentials.cutoff import AT_CUTOFF
+from tribo.potentials.registry import with_cutoff
+from tribo.potentials.tables import CUTOFF_KEYS
+from tribo.validation import POSITIVE, InputError, inside, is_list, known_keys, number
+
+# The parts of a surface whose values have keys.
+PARTS = ("asperite", "drive", "langevin", "bath", "springs")
+# The values of the scene itself that have keys.
+OF_SCENE = ("duration", "seed")
+# The values of a surface itself that have keys: its initial angles and rates, and its velocity.
+OF_SURFACE = (*(each.name for each in fields_of(Initial)), "velocity")
+# Before the keys of the only interaction and of the only field of a scene.
+INTERACTION, FIELD = "interaction", "field"
+# The values of a field beside those of its potential.
+OF_FIELD = ("on", "origin", "velocity")
+
+
+def is_parameter(scene: Scene, key: str) -> bool:
+    """Whether a key names one number of a part of a surface, of the interaction or of the field."""
+    name, _, parameter = key.rpartition(".")
+    if name == INTERACTION and len(scene.interactions) == 1:
+        return _is_number(_values_of(scene.interactions[0].potential).get(parameter))
+    if name == FIELD and len(scene.fields) == 1:
+        return _is_number(_values_of(scene.fields[0].potential).get(parameter))
+    surface, _, part = name.rpartition(".")
+    found = next((s for s in scene.surfaces if s.name == surface), None)
+    if found is None or part not in PARTS:
+        return False
+    without_load = key.endswith(".drive.load") and found.drive.load is None
+    return without_load or _is_number(_value_of_part(found, part, parameter))
+
+
+def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
+    """The scene with other values.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is changed.
+    values : mapping
+        Key -> value, as in a scene file.  A number for a velocity is its x component.
+
+    Returns
+    -------
+    Scene
+
+    Raises
+    ------
+    InputError
+        A key is unknown, or a value cannot be used.
+    """
+    of_parts: dict[str, dict[str, Any]] = {}
+    known = _parts_of(scene)
+    for key, value in values.items():
+        part, _, name = str(key).rpartition(".")
+        if part not in known:
+            raise _unknown(scene, str(key))
+        of_parts.setdefault(part, {})[name] = value
+    own = known_keys(of_parts.pop("", {}), OF_SCENE)
+    surfaces = tuple(_changed_surface(s, of_parts) for s in scene.surfaces)
+    interactions, fields = scene.interactions, scene.fields
+    if INTERACTION in of_parts:
+        interactions = (_changed_interaction(interactions[0], of_parts[INTERACTION]),)
+    if FIELD in of_parts:
+        fields = (_changed_field(fields[0], of_parts[FIELD]),)
+    return replace(scene, surfaces=surfaces, interactions=interactions, fields=fields, **own)
+
+
+def _parts_of(scene: Scene) -> list[str]:
+    """What stands before the last point of a key."""
+    parts = [""]
+    for surface in scene.surfaces:
+        parts += [surface.name, *(f"{surface.name}.{part}" for part in PARTS)]
+    parts += [INTERACTION] * (len(scene.interactions) == 1)
+    return parts + [FIELD] * (len(scene.fields) == 1)
+
+
+def _unknown(scene: Scene, key: str) -> InputError:
+    """The error of a key whose part the scene does not have."""
+    part = key.rpartition(".")[0]
+    for name, items in ((INTERACTION, scene.interactions), (FIELD, scene.fields)):
+        if part == name:
+            return InputError(key, f"needs one {name}, and the scene has {len(items)}")
+    near = difflib.get_close_matches(part, _parts_of(scene), n=1)
+    names = ", ".join(f'"{s.name}"' for s in scene.surfaces)
+    hint = f'did you mean "{near[0]}.{key.rpartition(".")[2]}"?' if near and near[0] else ""
+    hint = hint or f'the surfaces are {names}; keys are as "{scene.surfaces[0].name}.drive.load"'
+    return InputError(key, f"is not a known key; {hint}")
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def _values_of(potential: Any) -> dict[str, Any]:
+    """The parameters of a potential or field, with those of its cutoff."""
+    if not hasattr(potential, "_asdict"):
+        return {}
+    values: dict[str, Any] = potential._asdict()
+    if type(potential) in AT_CUTOFF.values():
+        return _values_of(values.pop("potential")) | values
+    return values
+
+
+def _value_of_part(surface: Surface, part: str, name: str) -> object:
+    """The present value of a part of a surface."""
+    present = getattr(surface, part)
+    if isinstance(present, Bath):
+        return bath_table(present).get(name, getattr(present, name, None))
+    if isinstance(present, Custom):
+        return _values_of(present.force).get(name, getattr(present, name, None))
+    return getattr(present, name, None)
+
+
+def _changed_surface(surface: Surface, of_parts: Mapping[str, dict[str, Any]]) -> Surface:
+    changes: dict[str, Any] = {}
+    for part in PARTS:
+        own = of_parts.get(f"{surface.name}.{part}")
+        if own:
+            with inside(f"{surface.name}.{part}"):
+                changes[part] = _changed_part(getattr(surface, part), part, own)
+    with inside(surface.name):
+        own = known_keys(of_parts.get(surface.name, {}), OF_SURFACE)
+        if "velocity" in own:
+            velocity = own.pop("velocity")
+            if not is_list(velocity):
+                velocity = (number("velocity", velocity, unit="length / time"), surface.velocity[1])
+            changes["velocity"] = velocity
+        if "theta" in own or "swing" in own:  # one replaces the other
+            own = {"theta": None, "swing": None, **own}
+        if own:
+            changes["initial"] = replace(surface.initial, **own)
+        return replace(surface, **changes) if changes else surface
+
+
+def _changed_part(present: Any, part: str, own: dict[str, Any]) -> Any:
+    """A part of a surface with other values."""
+    if part == "drive":
+        return _changed_drive(present, own)
+    if part == "bath":
+        # Without oscillators, a spectrum can take their place.
+        table = {key: value for key, value in bath_table(present).items() if value != []}
+        return as_bath(table | own)
+    if part == "langevin":
+        table = {} if present is None else _fields(present)
+        return as_langevin(table | own)
+    return replace(present, **known_keys(own, [each.name for each in fields_of(present)]))
+
+
+def _changed_drive(drive: Drive, own: dict[str, Any]) -> Drive:
+    if not isinstance(drive, Custom):
+        return as_drive(drive_table(drive) | own)
+    own = dict(own)
+    load = own.pop("load", drive.load)
+    force = instance(type(drive.force), drive.force._asdict() | own)
+    return Custom(load=load, force=force)
+
+
+def _changed_interaction(interaction: Interaction, own: Mapping[str, Any]) -> Interaction:
+    with inside(INTERACTION):
+        return replace(interaction, potential=_changed_potential(interaction.potential, own))
+
+
+def _changed_potential(potential: Any, own: Mapping[str, Any]) -> Any:
+    """A potential with other parameters, or another cutoff.
+
+    The distance from which a potential is reduced stays the same fraction of its cutoff.
+    """
+    if not hasattr(potential, "_asdict"):
+        raise InputError(next(iter(own)), "is not a known key; a calculator has none")
+    cutoff = {key: value for key, value in own.items() if key in CUTOFF_KEYS}
+    rest = {key: value for key, value in own.items() if key not in CUTOFF_KEYS}
+    for word, kind in AT_CUTOFF.items():
+        if type(potential) is kind:
+            present = potential._asdict() | {"at_cutoff": word}
+            potential = present.pop("potential")
+            if "cutoff" in cutoff and "switch_from" in present:
+                ratio = number("cutoff", cutoff["cutoff"], POSITIVE, "length") / present["cutoff"]
+                present["switch_from"] *= ratio
+            if "at_cutoff" in cutoff:
+                present.pop("switch_from", None)
+            cutoff = present | cutoff
+    if rest:
+        potential = instance(type(potential), potential._asdict() | rest)
+    if not cutoff:
+        return potential
+    if "cutoff" not in cutoff:
+        raise InputError(next(iter(cutoff)), "needs a cutoff")
+    return with_cutoff(potential, **cutoff)
+
+
+def _changed_field(field: Field, own: Mapping[str, Any]) -> Field:
+    with inside(FIELD):
+        settings = {key: value for key, value in own.items() if key in OF_FIELD}
+        rest = {key: value for key, value in own.items() if key not in OF_FIELD}
+        potential = instance(type(field.potential), field.potential._asdict() | rest)
+        return replace(field, potential=potential, **settings)
+
+
+def _fields(item: Any) -> dict[str, Any]:
+    """The fields of a dataclass that are not None."""
+    values = {each.name: getattr(item, each.name) for each in fields_of(item)}
+    return {name: value for name, value in values.items() if value is not None}

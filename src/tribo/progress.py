@@ -1,0 +1,93 @@
+"""Progress on a terminal or in a notebook: how far a computation is, and the time left."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+from typing import Any
+
+from tribo.validation import must_be
+
+# Seconds before a bar appears: shorter computations show none.
+DELAY = 1.0
+
+# A function that is called with what is reached; or whether a bar is shown: None on a terminal and
+# in a notebook alone, True in any case, False never.
+Shown = Callable[[float], None] | bool | None
+
+
+class ProgressBar:
+    """A bar that appears on stderr after a second, and disappears at the end.
+
+    Parameters
+    ----------
+    total : float
+        What is to be reached.
+    unit : str
+        Its unit.
+    """
+
+    def __init__(self, total: float, unit: str) -> None:
+        self._total = total
+        self._unit = unit
+        self._began = time.time()
+        self._bar: Any = None
+
+    def __call__(self, reached: float) -> None:
+        """Show what is reached."""
+        if self._bar is None:
+            if time.time() - self._began < DELAY:
+                return
+            from tqdm.auto import tqdm
+
+            self._bar = tqdm(total=self._total, leave=False, unit=self._unit)
+            self._bar.start_t = self._began
+        self._bar.n = reached
+        self._bar.refresh()
+
+    def close(self) -> None:
+        """Remove the bar."""
+        if self._bar is not None:
+            self._bar.close()
+
+
+class Reported:
+    """A context that gives the function to call with what is reached, or None.
+
+    Parameters
+    ----------
+    progress : callable, bool or None
+        See :data:`Shown`.
+    total : float
+        What is to be reached.
+    unit : str
+        Its unit.
+
+    Raises
+    ------
+    InputError
+        `progress` is none of these.
+    """
+
+    def __init__(self, progress: Shown, total: float, unit: str) -> None:
+        self._bar: ProgressBar | None = None
+        self._function: Callable[[float], None] | None = None
+        if progress is True or (progress is None and _is_watched()):
+            self._bar = ProgressBar(total, unit)
+        elif callable(progress):
+            self._function = progress
+        elif progress not in (None, False):
+            raise must_be("progress", "a function, True, False or None", progress)
+
+    def __enter__(self) -> Callable[[float], None] | None:
+        return self._bar or self._function
+
+    def __exit__(self, *error: object) -> None:
+        if self._bar is not None:
+            self._bar.close()
+
+
+def _is_watched() -> bool:
+    """Whether stderr is a terminal, or this is a notebook."""
+    return "ipykernel" in sys.modules or bool(sys.stderr and sys.stderr.isatty())

@@ -1,0 +1,150 @@
+"""The options that commands share: a scene file, and values that replace those of the file."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tribo.files import checked_target
+from tribo.validation import LARGEST_COUNT, InputError, integer, must_be
+
+if TYPE_CHECKING:
+    from tribo.model.scene import Scene
+
+
+def add_scene(command: argparse.ArgumentParser) -> None:
+    """Add the scene file, and the refusal of code that it names."""
+    command.add_argument(
+        "scene",
+        type=Path,
+        metavar="SCENE.toml",
+        help="the scene file; if it names a plug-in, the code of that runs too",
+    )
+    command.add_argument(
+        "--no-plugins", action="store_true", help="refuse a scene file that names code"
+    )
+
+
+def add_set(command: argparse.ArgumentParser) -> None:
+    """Add values that replace those of the scene file."""
+    command.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="a value in place of the file's, as 'upper.drive.load=0.4', 'upper.theta=0.1', "
+        "'interaction.strength=0.3' or 'duration=20'; may be repeated",
+    )
+
+
+def add_numerics(command: argparse.ArgumentParser) -> None:
+    """Add an accuracy, a method and a step."""
+    command.add_argument(
+        "--accuracy", metavar="A", help="largest relative error, as 1e-6 (default: the file's)"
+    )
+    command.add_argument(
+        "--method", metavar="M", help="method (default: the file's, or the fastest)"
+    )
+    command.add_argument("--step", metavar="H", help="step, in place of an accuracy")
+
+
+def add_vary(command: argparse.ArgumentParser) -> None:
+    """Add what differs between members of an ensemble."""
+    command.add_argument(
+        "--vary",
+        action="append",
+        default=[],
+        metavar="KEY=DISTRIBUTION",
+        help="what differs between members, as 'upper.theta=normal(0,0.1)', "
+        "'interaction.strength=uniform(0.1,0.2)' or 'upper.theta=grid(-1,1,1000)'; may be repeated",
+    )
+
+
+def load(options: argparse.Namespace) -> Scene:
+    """The scene in the file, whose code is refused if that is wanted.  Raises InputError."""
+    from tribo.model.scene_file import load_scene
+    from tribo.plugins.unloaded import Code, code
+
+    with code(Code.REFUSE if options.no_plugins else Code.LOAD):
+        return load_scene(options.scene)
+
+
+def load_with_values(options: argparse.Namespace) -> Scene:
+    """The scene in the file with the values of --set.  Raises InputError."""
+    from tribo.model.parameters import with_values
+
+    values: dict[str, object] = {}
+    for text in options.set:
+        key, value = split("--set", text)
+        if key in values:
+            raise InputError(f"--set {key}", "is given twice; give each key once")
+        values[key] = parsed(value)
+    scene = load(options)
+    try:
+        return with_values(scene, values) if values else scene
+    except InputError as error:
+        raise InputError(f"--set {error.field}", error.problem) from None
+
+
+def with_samples(scene: Scene, samples: str | None) -> Scene:
+    """The scene with so many evenly spaced samples, if a number is given.  Raises InputError."""
+    if samples is None:
+        return scene
+    count = integer("--samples", parsed(samples), 2, LARGEST_COUNT)
+    return replace(scene, output=replace(scene.output, samples=count, times=None))
+
+
+def split(option: str, text: str) -> tuple[str, str]:
+    """The key and the value of "key=value".  Raises InputError about the option."""
+    key, sign, value = text.partition("=")
+    if not sign or not key.strip() or not value.strip():
+        raise must_be(option, "KEY=VALUE", text)
+    return key.strip(), value.strip()
+
+
+def parsed(text: str) -> object:
+    """A value on the command line: a value of TOML, a number, or a word."""
+    try:
+        return tomllib.loads(f"value = {text}\n")["value"]
+    except tomllib.TOMLDecodeError:
+        pass
+    try:
+        return float(text)  # as .5, which TOML does not know
+    except ValueError:
+        return text
+
+
+def parsed_list(option: str, text: str) -> list[object]:
+    """The values of "0.1,0.2,0.4" or "bar,swing".  Raises InputError about the option."""
+    values = parsed(f"[{text}]")
+    if isinstance(values, list) and values:
+        return values
+    words = [word.strip() for word in text.split(",")]
+    if not all(words) or text.startswith("["):
+        raise must_be(option, "values with commas between them, as 0.1,0.2,0.4", text)
+    return [parsed(word) for word in words]
+
+
+def as_number(option: str, text: str | None) -> float | None:
+    """The number of an option, None where it is not given.  Raises InputError about the option."""
+    if text is None:
+        return None
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise must_be(option, "a number", text)
+    return value
+
+
+def check_figure(path: Path | None) -> None:
+    """Raise InputError before the work for a figure that could not be written."""
+    if path is not None:
+        from tribo.plotting.style import figure_path
+
+        checked_target("--figure", figure_path("--figure", path))

@@ -1,0 +1,285 @@
+"""The runs of several methods on a scene: a table, what an accuracy costs, and a figure."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tribo.integrators import methods
+from tribo.kernels.status import Status
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from tribo.work_precision.figure import CostName
+
+# Errors for which the cheapest run is named, in units of the scales.
+GOALS = (1e-3, 1e-6, 1e-9, 1e-12)
+
+
+@dataclass(frozen=True)
+class Row:
+    """One run of one method.
+
+    Attributes
+    ----------
+    method : str
+        The method's name.
+    setting : float
+        The level of its tolerances, or its step [time].
+    error : float
+        The largest error of all observables, in units of their scales.
+    force_evaluations : int
+        Evaluations of all forces.
+    seconds : float
+        Time of the run.
+    front : bool
+        Whether no other run is both faster and more accurate.
+    """
+
+    method: str
+    setting: float
+    error: float
+    force_evaluations: int
+    seconds: float
+    front: bool = False
+
+
+@dataclass(frozen=True)
+class Reference:
+    """The run that others are compared with.
+
+    Attributes
+    ----------
+    method : str
+        The method's name.
+    error : float
+        An estimate of its own error, in units of the scales.
+    seconds : float
+        Time of the run.
+    """
+
+    method: str
+    error: float
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Cheapest:
+    """The cheapest run for an error, and what one digit more costs.
+
+    Attributes
+    ----------
+    goal : float
+        The largest error wanted, in units of the scales.
+    row : Row or None
+        The fastest run with at most that error; None if there is none.
+    digit_more : float or None
+        Evaluations by the same method for a tenth of the error, in units of those of `row`; None if
+        it had no such run.
+    automatic : str or None
+        The method that tribo chooses for this accuracy; None if that is not known.
+    automatic_row : Row or None
+        The fastest run with at most that error by this method.
+    """
+
+    goal: float
+    row: Row | None
+    digit_more: float | None
+    automatic: str | None
+    automatic_row: Row | None
+
+    def as_json(self) -> dict[str, object]:
+        """An item of ``cheapest`` in the output of ``tribo accuracy --json``."""
+        row = None if self.row is None else asdict(self.row)
+        keys = ("method", "setting", "force_evaluations", "seconds")
+        chosen = self.automatic_row
+        return {
+            "error": self.goal,
+            **{key: None if row is None else row[key] for key in keys},
+            "digit_more": self.digit_more,
+            "automatic_method": self.automatic,
+            "automatic_seconds": None if chosen is None else chosen.seconds,
+        }
+
+    def __str__(self) -> str:
+        if self.row is None:
+            return f"error {self.goal:.0e}: no run reached it"
+        row = self.row
+        kind = "level" if methods.METHODS[row.method].adaptive else "step"
+        return (
+            f"error {self.goal:.0e}: {row.method} at {kind} {row.setting:.2g} is the cheapest, "
+            f"{row.force_evaluations} evaluations, {row.seconds:.2g} s; {self._digit()}"
+            f"{self._choice()}"
+        )
+
+    def _digit(self) -> str:
+        if self.digit_more is None:
+            return "one digit more was not reached"
+        if self.digit_more == 1.0:
+            return "one digit more is free"
+        return f"one digit more takes {self.digit_more:.2f} times as many"
+
+    def _choice(self) -> str:
+        if self.automatic is None:
+            return ""
+        if self.row is not None and self.automatic == self.row.method:
+            return "; tribo chooses it too"
+        chosen = self.automatic_row
+        seconds = "" if chosen is None else f", {chosen.seconds:.2g} s"
+        return f"; tribo chooses {self.automatic}{seconds}"
+
+
+@dataclass(frozen=True)
+class WorkPrecision:
+    """Runs of several methods, and their errors; ``print`` shows a table.
+
+    Attributes
+    ----------
+    rows : tuple of Row
+        All runs, method by method, from coarse to fine.
+    reference : Reference
+        The run that they are compared with.
+    compile_seconds : dict
+        Method -> time to compile it, which is not in the time of its runs.
+    automatic : mapping
+        Accuracy -> the method that tribo chooses for it.
+    status : Status
+        "completed", or "Interrupted" where an interrupt left out runs.
+    """
+
+    rows: tuple[Row, ...]
+    reference: Reference
+    compile_seconds: dict[str, float]
+    automatic: Mapping[float, str] = field(default_factory=dict)
+    status: Status = Status.COMPLETED
+
+    def to_json(self) -> str:
+        """JSON as ``tribo accuracy --json`` prints it."""
+        table = {
+            "rows": [asdict(row) for row in self.rows],
+            "reference": asdict(self.reference),
+            "compile_seconds": self.compile_seconds,
+            "cheapest": [self.cheapest(goal).as_json() for goal in GOALS],
+            "status": self.status,
+        }
+        return json.dumps(table, indent=1)
+
+    def cheapest(self, goal: float) -> Cheapest:
+        """The cheapest run for an error, and what one digit more costs.
+
+        Parameters
+        ----------
+        goal : float
+            The largest error wanted, relative to the scales.
+
+        Returns
+        -------
+        Cheapest
+        """
+        row, digit_more = self.best(goal), None
+        if row is not None:
+            finer = self._fastest(0.1 * goal, row.method)
+            if finer is not None:
+                digit_more = max(1.0, finer.force_evaluations / row.force_evaluations)
+        chosen = self.automatic.get(goal)
+        of_chosen = None if chosen is None else self._fastest(goal, chosen)
+        return Cheapest(goal, row, digit_more, chosen, of_chosen)
+
+    @property
+    def automatic_rows(self) -> list[Row]:
+        """For each goal, the fastest run that reached it by the method that tribo chooses."""
+        rows = [self.cheapest(goal).automatic_row for goal in GOALS]
+        return [row for row in dict.fromkeys(rows) if row is not None]
+
+    def best(self, error: float) -> Row | None:
+        """The fastest run with at most that error, in units of the scales; None if there is none.
+
+        Parameters
+        ----------
+        error : float
+            Relative to the scales.
+
+        Returns
+        -------
+        Row or None
+        """
+        return self._fastest(error)
+
+    def _fastest(self, error: float, method: str | None = None) -> Row | None:
+        """The fastest run with at most that error, by one method if it is named."""
+        good = [row for row in self.rows if row.error <= error and method in (None, row.method)]
+        return min(good, key=lambda row: row.seconds, default=None)
+
+    def __str__(self) -> str:
+        lines = [
+            f"{'method':>15} {'setting':>9} {'error':>9} {'evaluations':>12} "
+            f"{'seconds':>10}   front"
+        ]
+        for row in self.rows:
+            lines.append(
+                f"{row.method:>15} {row.setting:9.2e} {row.error:9.1e} "
+                f"{row.force_evaluations:12d} {row.seconds:10.2e}   {'*' if row.front else ''}"
+            )
+        lines.append(
+            f"errors are against {self.reference.method}, whose own error is about "
+            f"{self.reference.error:.1e}; compiling took {sum(self.compile_seconds.values()):.1f} s"
+        )
+        lines += [str(self.cheapest(goal)) for goal in GOALS]
+        if self.status != Status.COMPLETED:
+            lines.append(f"{self.status}: the runs up to there")
+        return "\n".join(lines)
+
+    def plot(self, cost: CostName = "seconds", ax: Axes | None = None) -> Axes:
+        """Draw error against cost.
+
+        Parameters
+        ----------
+        cost : {"seconds", "force_evaluations"}
+            The horizontal axis.
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; a new figure without it.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
+        from tribo.work_precision import figure
+
+        return figure.draw(self, cost, ax)
+
+    def save_figure(self, path: str | Path) -> Path:
+        """Draw error against time and against evaluations.
+
+        Parameters
+        ----------
+        path : str or Path
+            A .png, .pdf or .svg file.
+
+        Raises
+        ------
+        InputError
+            The file cannot be written.
+        """
+        from tribo.work_precision import figure
+
+        return figure.save(self, path)
+
+
+def with_front(rows: list[Row], floor: float) -> Iterator[Row]:
+    """The rows, with those marked that no other is at least as fast and as accurate as.
+
+    Errors below `floor`, the reference's own, count as equal.
+    """
+    errors = [max(row.error, floor) for row in rows]
+    for row, error in zip(rows, errors, strict=True):
+        beaten = any(
+            (other.seconds, theirs) != (row.seconds, error)
+            and other.seconds <= row.seconds
+            and theirs <= error
+            for other, theirs in zip(rows, errors, strict=True)
+        )
+        yield replace(row, front=not beaten)

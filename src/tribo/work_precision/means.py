@@ -1,0 +1,231 @@
+"""With thermal noise: the half-width of means against the number of members and their cost."""
+
+from __future__ import annotations
+
+import json
+import math
+import time
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from tribo import interrupts
+from tribo.accuracy.scales import reported_scales
+from tribo.ensembles import ensemble
+from tribo.integrators import methods
+from tribo.kernels.status import Status
+from tribo.model.scene import Scene
+from tribo.prepared import Simulation
+from tribo.simulation import prepare
+from tribo.validation import POSITIVE, InputError, must_be, number
+
+if TYPE_CHECKING:
+    import xarray
+
+# Half-widths for which the members are given, in units of the scale of energies.
+GOALS = (1e-1, 1e-2, 1e-3)
+# Members of the first ensemble: at 15 degrees of freedom the quantile of Student's distribution is
+# 9 % above that of the normal.
+FEWEST = 16
+# Ratio of the members of two ensembles: half of the half-width.
+RATIO = 4
+# Members for a tenth of the half-width, in units of those for all of it.
+RATIO_OF_DIGIT = 100
+
+
+@dataclass(frozen=True)
+class MeanRow:
+    """Means over some members.
+
+    Attributes
+    ----------
+    method : str
+        The method's name.
+    setting : float
+        Its step [time].
+    members : int
+        Number of runs.
+    half_width : float
+        The largest half-width of the 95 % interval of a mean, in units of the scale of energies.
+    bias : float
+        The largest difference of a mean from that at half the step that exceeds chance, in the same
+        units; 0 where chance explains all of them.
+    force_evaluations : int
+        Evaluations of all forces, in all members.
+    seconds : float
+        Time of the ensemble, with the second runs that measure the bias.
+    """
+
+    method: str
+    setting: float
+    members: int
+    half_width: float
+    bias: float
+    force_evaluations: int
+    seconds: float
+
+    def scaled_to(self, half_width: float) -> MeanRow:
+        """What another half-width takes: it falls with the square root of the members."""
+        members = max(2, math.ceil(self.members * (self.half_width / half_width) ** 2))
+        ratio = members / self.members
+        evaluations, seconds = round(ratio * self.force_evaluations), ratio * self.seconds
+        return MeanRow(
+            self.method, self.setting, members, half_width, self.bias, evaluations, seconds
+        )
+
+
+@dataclass(frozen=True)
+class MeansPrecision:
+    """Half-widths of means against members; ``print`` shows a table.
+
+    Attributes
+    ----------
+    rows : tuple of MeanRow
+        Ensembles, from few members to many.
+    status : Status
+        "completed", or "Interrupted" where an interrupt left out ensembles.
+    """
+
+    rows: tuple[MeanRow, ...]
+    status: Status = Status.COMPLETED
+
+    @property
+    def cheapest(self) -> list[MeanRow]:
+        """What the half-widths 0.1, 0.01 and 0.001 take, by the largest ensemble."""
+        return [self.rows[-1].scaled_to(goal) for goal in GOALS] if self.rows else []
+
+    def to_json(self) -> str:
+        """JSON as ``tribo accuracy --json`` prints it for a scene with thermal noise."""
+        table = {
+            "rows": [asdict(row) for row in self.rows],
+            "reference": None,
+            "cheapest": [asdict(row) | {"digit_more": RATIO_OF_DIGIT} for row in self.cheapest],
+            "status": self.status,
+        }
+        return json.dumps(table, indent=1)
+
+    def __str__(self) -> str:
+        lines = [
+            "thermal noise: no two runs agree, so these are means over members of an ensemble",
+            f"{'method':>15} {'step':>9} {'members':>9} {'half-width':>11} {'bias':>9} "
+            f"{'evaluations':>12} {'seconds':>10}",
+        ]
+        lines += [_line(row) for row in self.rows]
+        for row in self.cheapest:
+            lines.append(
+                f"half-width {row.half_width:g}: {row.members} members by {row.method} at step "
+                f"{row.setting:.2g}, {row.force_evaluations} evaluations, {row.seconds:.2g} s"
+                + (f"; the step's bias of {row.bias:.1g} is larger" * (row.bias > row.half_width))
+            )
+        lines.append(
+            f"one digit more takes {RATIO_OF_DIGIT} times the members; half-widths are of 95 % "
+            "intervals, in units of the scale of energies"
+        )
+        if self.status != Status.COMPLETED:
+            lines.append(f"{self.status}: the ensembles up to there")
+        return "\n".join(lines)
+
+
+def _line(row: MeanRow) -> str:
+    return (
+        f"{row.method:>15} {row.setting:9.2e} {row.members:9d} {row.half_width:11.1e} "
+        f"{row.bias:9.1e} {row.force_evaluations:12d} {row.seconds:10.2e}"
+    )
+
+
+def means_precision(
+    scene: Scene,
+    observables: Iterable[str] = (),
+    seconds: float = 30.0,
+    report: Callable[[MeansPrecision], None] | None = None,
+) -> MeansPrecision:
+    """Measure the half-widths of means against the number of members.
+
+    Parameters
+    ----------
+    scene : Scene
+        With thermal noise.
+    observables : iterable of str
+        Names as "upper.W", whose means count; all works and energies without any.
+    seconds : float
+        About the time that all ensembles may take together, compilation not included.
+    report : callable, optional
+        Called with all ensembles so far, after each.
+
+    Returns
+    -------
+    MeansPrecision
+        After an interrupt with the ensembles that ended before.
+
+    Raises
+    ------
+    InputError
+        The scene has no thermal noise, or a name cannot be used.
+    """
+    if not methods.noisy(scene):
+        raise InputError("scene", "must have thermal noise; without it, measure single runs")
+    seconds = number("seconds", seconds, POSITIVE, "s")
+    simulation = prepare(scene)
+    first = simulation.compute()
+    if first.status != Status.COMPLETED:
+        raise InputError("scene", f"must run to its end, but ends by {first.status}")
+    scale = reported_scales(simulation.layout, first.ledger).energy
+    rows: list[MeanRow] = []
+    members, began = FEWEST, time.perf_counter()
+    try:
+        while not rows or time.perf_counter() - began + RATIO * rows[-1].seconds < seconds:
+            data = ensemble(scene, members)
+            if data.attrs["status"] != Status.COMPLETED:
+                raise KeyboardInterrupt
+            evaluations = members * first.cost.force_evaluations
+            rows.append(_row(data, _checked(data, observables), simulation, scale, evaluations))
+            members *= RATIO
+            if report:
+                report(MeansPrecision(tuple(rows), Status.INTERRUPTED))
+    except KeyboardInterrupt:
+        interrupts.answer()
+        if not rows:
+            raise
+        return MeansPrecision(tuple(rows), Status.INTERRUPTED)
+    return MeansPrecision(tuple(rows))
+
+
+def _checked(data: xarray.Dataset, observables: Iterable[str]) -> list[str]:
+    """The names of the quantities whose means count.  Raises InputError."""
+    end = "_half_width"
+    known = [name.removesuffix(end) for name in map(str, data) if name.endswith(end)]
+    known = [name for name in known if not name.endswith("_bias")]
+    for name in observables:
+        if name not in known:
+            raise must_be("observables", f"one of {', '.join(known)}", name)
+    return list(observables) or known
+
+
+def _row(
+    data: xarray.Dataset,
+    names: Sequence[str],
+    simulation: Simulation,
+    scale: float,
+    evaluations: int,
+) -> MeanRow:
+    """The largest half-width and bias of an ensemble."""
+    half_width = max(float(data[f"{name}_half_width"].max()) for name in names)
+    bias = 0.0
+    for name in names:
+        if f"{name}_bias" in data:
+            chance = data[f"{name}_bias_half_width"].values
+            found = np.abs(data[f"{name}_bias"].values)
+            bias = max(bias, float(np.max(np.where(found > chance, found, 0.0))))
+    setting = simulation.plan.setting
+    assert isinstance(setting, float)
+    return MeanRow(
+        simulation.method.name,
+        setting,
+        data.sizes["member"],
+        half_width / scale,
+        bias / scale,
+        evaluations,
+        data.attrs["seconds"],
+    )

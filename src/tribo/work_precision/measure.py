@@ -1,0 +1,182 @@
+"""Runs of every method on a scene, with their errors against a reference.
+
+Every method that takes the scene is run at one setting after another, from coarse to fine, and
+compared with a reference, the finest run of a method that suits the scene.  The runs of a method
+end when their error reaches that of the reference, when finer settings gain nothing, or when the
+method's share of the time is used up.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from tribo import interrupts
+from tribo.accuracy.choose_method import choose
+from tribo.accuracy.estimate import check_observables, distance, excess_of_request, safety
+from tribo.accuracy.levels import setting_at
+from tribo.accuracy.plan import integrator_for
+from tribo.accuracy.scales import FLOOR, ToleranceScales, reported_scales, tolerance_scales
+from tribo.integrators import methods
+from tribo.kernels.status import Status
+from tribo.model.scene import Scene
+from tribo.model.settings import Output
+from tribo.run.layout import lay_out
+from tribo.run.ledger import Ledger, assemble
+from tribo.run.loop_selection import Integrator
+from tribo.simulation import prepare
+from tribo.validation import POSITIVE, InputError, number
+from tribo.work_precision.diagram import GOALS, Reference, Row, WorkPrecision, with_front
+
+# Methods of the reference, the first that can integrate the scene.  The polynomial of
+# gauss-radau-15 does not fit forces whose derivatives jump.
+FOR_SMOOTH, FOR_ROUGH = ("gauss-radau-15",), ("rkn8", "dop853")
+# Accuracy of the reference, the smallest that can be asked for.
+FINEST = 1e-13
+# First level of the settings.
+COARSEST = 0.3
+# Ratio of two levels of a method that chooses its steps: half a digit.
+LEVEL_RATIO = 10.0**0.5
+# Ratio of two steps of a method with equal steps.
+STEP_RATIO = 2.0**0.5
+# A finer setting gains something if its error is below this times the best so far.
+GAIN = 0.9
+# A finer setting makes another run if it takes more than this times the evaluations of the last.
+MORE = 1.05
+# Settings in a row that gain nothing, after which a method ends.
+STALLED = 6
+# Runs shorter than this [s] are timed three times, and the shortest time counts.
+REPEAT_BELOW = 0.02
+# Recorded times, at which errors are compared: so few that samples shorten few steps.
+TIMES = 9
+
+
+def work_precision(
+    scene: Scene,
+    names: Iterable[str] | None = None,
+    observables: Iterable[str] = (),
+    seconds: float = 30.0,
+    progress: Callable[[str], None] | None = None,
+    report: Callable[[WorkPrecision], None] | None = None,
+) -> WorkPrecision:
+    """Measure error against cost for several methods.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is run.
+    names : iterable of str, optional
+        Names of methods; all without it.  Methods that cannot integrate the scene are left out.
+    observables : iterable of str
+        Names as "w1" or "upper.W", whose largest error counts; all reported quantities without any.
+    seconds : float
+        About the time that all runs may take together, compilation and reference not included.
+    progress : callable, optional
+        Called with the name of each method before its runs.
+    report : callable, optional
+        Called with all runs so far, before each method is compiled.
+
+    Returns
+    -------
+    WorkPrecision
+        After an interrupt with the runs that ended before.
+
+    Raises
+    ------
+    InputError
+        The scene has thermal noise or stops early, or a name cannot be used.
+    """
+    scene = replace(scene, output=Output(times=tuple(np.linspace(0.0, scene.duration, TIMES))))
+    named = [methods.named(name) for name in names] if names else list(methods.METHODS.values())
+    taken = [method for method in named if not methods.refusal(method, scene)]
+    if methods.noisy(scene):
+        raise InputError("scene", "has thermal noise, with which no two runs agree; measure means")
+    if not taken:
+        raise InputError("methods", f"must integrate this scene, got {[m.name for m in named]}")
+    watched, seconds = tuple(observables), number("seconds", seconds, POSITIVE, "s")
+    check_observables(lay_out(scene), watched, "observables")
+    if progress:
+        progress("reference")
+    truth, scales, reference = _reference(scene, watched)
+    found = WorkPrecision((), reference, {}, _automatic(scene))
+    rows: list[Row] = []
+    try:
+        for method in taken:
+            found = replace(found, rows=tuple(with_front(rows, reference.error)))
+            if report:
+                report(replace(found, status=Status.INTERRUPTED))
+            if progress:
+                progress(method.name)
+            integrator = integrator_for(lay_out(scene), method)
+            found.compile_seconds[method.name] = integrator.compile_seconds
+            share = seconds / len(taken)
+            for row in _curve(integrator, truth, scales, watched, reference.error, share):
+                rows.append(row)  # each before an interrupt can end the next
+    except KeyboardInterrupt:
+        interrupts.answer()
+        found = replace(found, status=Status.INTERRUPTED)
+        if not rows:
+            raise
+    return replace(found, rows=tuple(with_front(rows, reference.error)))
+
+
+def _automatic(scene: Scene) -> dict[float, str]:
+    """The method that is chosen for each goal where none is named."""
+    layout = lay_out(scene)
+    return {goal: choose(layout, goal, None, None).method.name for goal in GOALS}
+
+
+def _reference(scene: Scene, watched: tuple[str, ...]) -> tuple[Ledger, ToleranceScales, Reference]:
+    """The ledger of the finest run, the scales it had, and an estimate of its error."""
+    rough = bool(np.isfinite(scene.smoothness))
+    candidates = FOR_ROUGH if rough else FOR_SMOOTH
+    name = next(n for n in candidates if not methods.refusal(methods.named(n), scene))
+    simulation = prepare(scene, FINEST, name)
+    result, finest = simulation.compute_first(), simulation.finest
+    if result.status == Status.INTERRUPTED:
+        raise KeyboardInterrupt
+    if result.status != Status.COMPLETED:
+        raise InputError("scene", f"must run to its end, but ends by {result.status}")
+    scales = reported_scales(simulation.layout, result.ledger)
+    bounds = {k: v for k, v in result.error_estimate.items() if v is not None}
+    error = excess_of_request(bounds, scales, 1.0) / safety(rough)
+    measured = tolerance_scales(simulation.layout, finest.samples)
+    return result.ledger, measured, Reference(name, error, finest.seconds)
+
+
+def _curve(
+    integrator: Integrator,
+    truth: Ledger,
+    tolerance_scales: ToleranceScales,
+    watched: tuple[str, ...],
+    floor: float,
+    seconds: float,
+) -> Iterator[Row]:
+    """Runs of one method, from coarse to fine, for about `seconds`."""
+    began = time.perf_counter()
+    layout, method = integrator.layout, integrator.method
+    times, scales = layout.scene.times, reported_scales(layout, truth)
+    ratio = LEVEL_RATIO if method.adaptive else STEP_RATIO**method.order
+    level = COARSEST
+    best, most = np.inf, 0
+    stalled = 0
+    while stalled < STALLED and best > floor and time.perf_counter() - began < seconds:
+        setting = setting_at(layout, method, tolerance_scales, level)
+        run = integrator(setting, times)
+        if run.status == Status.INTERRUPTED:
+            raise KeyboardInterrupt
+        if run.status == Status.COMPLETED and run.evaluations > most:
+            taken = run.seconds
+            if taken < REPEAT_BELOW:
+                taken = min(taken, *(integrator(setting, times).seconds for _ in range(2)))
+            error = distance(assemble(layout, run.samples), truth, scales, watched)
+            shown = setting if isinstance(setting, float) else level
+            yield Row(method.name, shown, error, run.evaluations, taken)
+            stalled = 0 if error < GAIN * best else stalled + 1
+            best, most = min(best, error), int(MORE * run.evaluations)
+        level /= ratio
+        if level < FLOOR**2:
+            return

@@ -1,0 +1,145 @@
+"""Values of a scene by dotted keys: each gives the scene whose file has that value."""
+
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+import tribo
+from tribo.model.parameters import is_parameter, with_values
+from tribo.model.scene_file import scene_from
+from tribo.model.scene_writer import scene_table
+from tribo.validation import InputError
+
+BASE = {
+    "duration": 4.0,
+    "interaction": {"potential": "coulomb", "strength": 0.2, "cutoff": 4.0},
+    "field": [{"kind": "corrugation", "amplitude": 0.1, "period": 2.0, "on": ["upper"]}],
+    "surface": [
+        {
+            "name": "upper",
+            "bob": [-1.0, 0.0],
+            "velocity": [0.5, 0.1],
+            "shape": [2, 1],
+            "spacing": [3.0, 0.0],
+            "drive": {"kind": "pulled", "stiffness": 2.0, "speed": 0.5},
+            "langevin": {"gamma": 0.2},
+            "bath": {"spectrum": "drude", "gamma": 0.3, "cutoff": 2.0, "n": 4},
+            "initial": {"theta": 0.2},
+        },
+        {"name": "lower", "facing": "up"},
+    ],
+}
+
+
+def changed(path, value):
+    """The scene of BASE with another value in its table."""
+    table = scene_table(scene_from(BASE))
+    place = table
+    for name in path[:-1]:
+        place = place[name] if not isinstance(place, dict) else place.setdefault(name, {})
+    place[path[-1]] = value
+    return scene_from(table)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "path"),
+    [
+        ("duration", 5.0, ["duration"]),
+        ("seed", 3, ["seed"]),
+        ("interaction.strength", 0.4, ["interaction", 0, "strength"]),
+        ("interaction.at_cutoff", "switch", ["interaction", 0, "at_cutoff"]),
+        ("field.amplitude", 0.7, ["field", 0, "amplitude"]),
+        ("field.velocity", [0.1, 0.0], ["field", 0, "velocity"]),
+        ("upper.velocity", [0.7, 0.2], ["surface", 0, "velocity"]),
+        ("upper.theta", [0.3, 0.4], ["surface", 0, "initial", "theta"]),
+        ("upper.omega", 0.4, ["surface", 0, "initial", "omega"]),
+        ("lower.swing", 0.4, ["surface", 1, "initial", "swing"]),
+        ("upper.asperite.kappa", [1.0, 3.0], ["surface", 0, "asperite", "kappa"]),
+        ("upper.drive.load", 0.4, ["surface", 0, "drive", "load"]),
+        ("upper.drive.speed", 0.9, ["surface", 0, "drive", "speed"]),
+        ("lower.drive.kind", "free", ["surface", 1, "drive", "kind"]),
+        ("upper.langevin.temperature", 0.1, ["surface", 0, "langevin", "temperature"]),
+        ("lower.langevin.gamma", 0.1, ["surface", 1, "langevin", "gamma"]),
+        ("upper.bath.n", 7, ["surface", 0, "bath", "n"]),
+        ("upper.bath.temperature", 0.1, ["surface", 0, "bath", "temperature"]),
+        ("upper.springs.stiffness", 0.6, ["surface", 0, "springs", "stiffness"]),
+    ],
+)
+def test_value_of_a_file(key, value, path):
+    """The scene is that of the file with the value, and not the one before."""
+    scene = scene_from(BASE)
+    found = scene_table(with_values(scene, {key: value}))
+    assert found == scene_table(changed(path, value))
+    unchanged = key == "interaction.at_cutoff"
+    assert (found == scene_table(scene)) == unchanged
+
+
+def test_several_values():
+    """Values of one part are set together; one number of a velocity is its x component."""
+    scene = with_values(
+        scene_from(BASE),
+        {
+            "upper.velocity": np.float64(0.9),
+            "upper.swing": 0.1,
+            "interaction.cutoff": 2.0,
+            "interaction.strength": 0.1,
+        },
+    )
+    upper = scene.surfaces[0]
+    assert upper.velocity == (0.9, 0.1)
+    assert upper.initial.theta is None and upper.initial.swing == 0.1
+    potential = scene.interactions[0].potential
+    assert (potential.potential.strength, potential.cutoff) == (0.1, 2.0)
+    assert potential.switch_from == pytest.approx(1.8)
+
+
+class Brake(NamedTuple):
+    """A drag."""
+
+    drag: float
+
+    def force_on_bar(self, t, x, y, vx, vy, fx, fy):
+        """The force."""
+        return -self.drag * vx, -fy
+
+
+def test_values_of_plug_ins():
+    """Plug-ins that no file could name have theirs too."""
+    surface = tribo.Surface("block", drive=tribo.Custom(force=Brake(0.1)))
+    scene = tribo.Scene((surface,), (), 1.0)
+    assert is_parameter(scene, "block.drive.drag") and is_parameter(scene, "block.drive.load")
+    drive = with_values(scene, {"block.drive.drag": 0.5, "block.drive.load": 2.0}).surfaces[0].drive
+    assert (drive.force, drive.load) == (Brake(0.5), 2.0)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "field", "problem"),
+    [
+        ("speed", 1.0, "speed", "is not a known key"),
+        ("uper.theta", 1.0, "uper.theta", 'did you mean "upper.theta"?'),
+        ("upper.tetha", 1.0, "upper.tetha", 'did you mean "theta"?'),
+        ("upper.asperite.mass", 1.0, "upper.asperite.mass", "is not a known key"),
+        ("upper.asperite.kappa", -1.0, "upper.asperite.kappa", "must not be negative"),
+        ("upper.drive.load", "heavy", "upper.drive.load", "must be a number"),
+        ("lower.drive.stiffness", 1.0, "lower.drive.stiffness", "is not a known key"),
+        ("lower.langevin.temperature", 1.0, "lower.langevin.gamma", "is missing"),
+        ("lower.bath.gamma", 1.0, "lower.bath.spectrum", "is missing"),
+        ("interaction.strenght", 1.0, "interaction.strenght", 'did you mean "strength"?'),
+        ("interaction.cutoff", -1.0, "interaction.cutoff", "must be positive"),
+        ("field.period", -1.0, "field.period", "must be positive"),
+        ("duration", -1.0, "duration", "must be positive"),
+    ],
+)
+def test_refusals(key, value, field, problem):
+    """A wrong key or value is named, with what would do."""
+    with pytest.raises(InputError) as caught:
+        with_values(scene_from(BASE), {key: value})
+    assert caught.value.field == field and problem in caught.value.problem
+
+
+def test_the_only_interaction():
+    """Without an interaction its keys are refused."""
+    scene = tribo.Scene((tribo.Surface("one"),), (), 1.0)
+    with pytest.raises(InputError, match="needs one interaction, and the scene has 0"):
+        with_values(scene, {"interaction.strength": 1.0})

@@ -1,0 +1,107 @@
+"""Results for readers: representations, tables, progress."""
+
+import csv
+import itertools
+
+import numpy as np
+import pytest
+
+import tribo
+from tribo import InputError, Output, paper, progress
+from tribo.simulation import prepare
+
+SCENE = paper.scene("A")
+
+
+@pytest.fixture(scope="module")
+def result():
+    """Case A."""
+    return tribo.simulate(SCENE, accuracy=1e-6)
+
+
+def test_representations_fit_a_screen(result):
+    """A result, its series and its ledger say what they are in a few lines."""
+    for item in (result, result["upper"], result.system, result.ledger):
+        lines = repr(item).splitlines()
+        assert len(lines) <= 12 and max(map(len, lines)) <= 200
+        assert "object at 0x" not in repr(item)
+    assert repr(result) == str(result)
+    assert "theta" in repr(result["upper"]) and "applied_work" in repr(result.system)
+    assert "401 times" in repr(result.ledger)
+
+
+def test_html(result):
+    """In a notebook: the surfaces at the end with their errors, and nothing unescaped."""
+    text = result._repr_html_()
+    assert "<table>" in text and f"{result['upper'].W[-1]:.6g}" in text
+    assert f"{result.error_estimate['W']:.1e}" in text
+    titled = tribo.Scene(SCENE.surfaces, SCENE.interactions, 1.0, title="<script>")
+    assert "<script>" not in tribo.simulate(titled)._repr_html_()
+
+
+def test_csv(result, tmp_path):
+    """save("x.csv") writes all series, a column each."""
+    path = tmp_path / "series.csv"
+    result.save(path)
+    with path.open(newline="") as file:
+        head, *rows = csv.reader(file)
+    assert head[0] == "time" and len(rows) == 401
+    columns = dict(zip(head, np.array(rows, dtype=float).T, strict=True))
+    np.testing.assert_array_equal(columns["upper.theta"], result["upper"].theta[:, 0])
+    np.testing.assert_array_equal(columns["lower.W"], result["lower"].W)
+    np.testing.assert_array_equal(columns["applied_work"], result.system["applied_work"])
+
+
+@pytest.mark.parametrize("name", ["run.json", "run.npz"])
+def test_other_formats_are_refused(result, tmp_path, name):
+    """No NetCDF file has the name of another format; nor has a run's own file that of a table."""
+    with pytest.raises(InputError, match=r"must end on \.nc"):
+        result.save(tmp_path / name)
+    with pytest.raises(InputError, match=r"out: must end on \.nc"):
+        tribo.simulate(SCENE, out=tmp_path / "run.csv")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.filterwarnings("ignore::tribo.TriboWarning")
+def test_interrupted_runs_have_the_same_estimates():
+    """Names that an accuracy asks for stay after an interrupt."""
+    asked = {"upper.W": 1e-6}
+    whole = tribo.simulate(SCENE, asked)
+
+    def interrupt(t):
+        raise KeyboardInterrupt
+
+    part = tribo.simulate(SCENE, asked, progress=interrupt)
+    assert part.status == "Interrupted" and "upper.W" in whole.error_estimate
+    assert list(part.error_estimate) == list(whole.error_estimate)
+    assert set(part.error_estimate.values()) == {None}
+
+
+class Clock:
+    """A clock that goes on by half a second at each look."""
+
+    def __init__(self):
+        self._times = itertools.count(0.0, 0.5)
+
+    def time(self):
+        """The time."""
+        return next(self._times)
+
+
+def test_progress(monkeypatch, capsys):
+    """True shows a bar after a second; without it only a terminal does; False never."""
+    scene = tribo.Scene(SCENE.surfaces, SCENE.interactions, 40.0, output=Output(samples=2))
+    monkeypatch.setattr(progress, "time", Clock())
+    tribo.simulate(scene, progress=True)
+    assert "%|" in capsys.readouterr().err
+    tribo.simulate(scene)
+    assert capsys.readouterr().err == ""
+    monkeypatch.setattr(progress, "_is_watched", lambda: True)
+    monkeypatch.setattr(progress, "time", Clock())
+    tribo.simulate(scene)
+    assert "%|" in capsys.readouterr().err
+    tribo.simulate(scene, progress=False)
+    assert capsys.readouterr().err == ""
+    for function in (tribo.simulate, prepare):
+        with pytest.raises(InputError, match="progress: must be a function"):
+            function(scene, progress="yes")

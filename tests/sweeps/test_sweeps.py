@@ -1,0 +1,188 @@
+"""Sweeps: each point is a run of its scene; finished points are kept; statuses and refusals."""
+
+import json
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray
+from scipy import stats
+
+import tribo
+from tribo import InputError, Output, ensemble, paper, sweep
+from tribo.cli import main
+from tribo.model.parameters import with_values
+from tribo.model.scene_writer import scene_text
+from tribo.sweeps import points
+
+SCENE = paper.scene("A")
+VALUES = {"upper.velocity": [0.45, 0.5, 0.6], "interaction.strength": [0.1, 0.2]}
+THETA = {"upper.theta": stats.norm(0.0, 0.1)}
+
+
+@pytest.fixture(scope="module")
+def whole():
+    """A sweep of six points."""
+    return sweep(SCENE, VALUES)
+
+
+def numbers(data):
+    """What must not depend on how a sweep was run."""
+    return data.drop_vars("seconds", errors="ignore").drop_attrs()
+
+
+def test_points_are_runs(whole):
+    """Bit for bit those of the scenes with the values in their files, with units and errors."""
+    assert whole["upper.W"].dims == tuple(VALUES)
+    for key, values in VALUES.items():
+        np.testing.assert_array_equal(whole[key], values)
+    for index in np.ndindex(3, 2):
+        own = {key: VALUES[key][k] for (key, k) in zip(VALUES, index, strict=True)}
+        scene = replace(with_values(SCENE, own), output=Output(samples=2))
+        result = tribo.simulate(scene)
+        assert whole["upper.W"].values[index] == result["upper"].W[-1]
+        assert whole["contact_energy"].values[index] == result.system["contact_energy"][-1]
+        assert whole["upper.W_error"].values[index] == result.error_estimate["W"]
+        assert whole["status"].values[index] == "completed"
+    assert whole["upper.W"].attrs["units"] == "energy"
+    assert len(np.unique(whole["upper.W"])) == 6
+
+
+def test_in_parallel(whole):
+    """An engine gives the same bits."""
+    with ThreadPoolExecutor(2) as pool:
+        xarray.testing.assert_identical(numbers(sweep(SCENE, VALUES, engine=pool)), numbers(whole))
+
+
+def interrupt_after(count):
+    """A progress function that interrupts after so many points."""
+
+    def progress(done):
+        if done == count:
+            raise KeyboardInterrupt
+
+    return progress
+
+
+def test_resumed(whole, tmp_path):
+    """Finished points are not run again, and a line that was cut off is dropped."""
+    out, part = tmp_path / "sweep.nc", tmp_path / "sweep.nc.part"
+    first = sweep(SCENE, VALUES, out=out, progress=interrupt_after(4))
+    assert first.attrs["status"] == "Interrupted" and not out.exists()
+    assert (first["status"] == "completed").sum() == 4
+    assert np.isnan(first["upper.W"].values).sum() == 2
+    part.write_bytes(part.read_bytes()[:-5])
+    told = []
+    data = sweep(SCENE, VALUES, out=out, resume=True, progress=told.append)
+    assert told == [4, 5, 6] and not part.exists()
+    xarray.testing.assert_identical(numbers(data), numbers(whole))
+    again = sweep(SCENE, VALUES, out=out, resume=True, progress=told.append)
+    assert told == [4, 5, 6]
+    xarray.testing.assert_identical(numbers(again), numbers(whole))
+    with pytest.raises(InputError, match="is of another sweep"):
+        sweep(SCENE, VALUES, accuracy=1e-6, out=out, resume=True)
+    out.rename(part)
+    with pytest.raises(InputError, match="is of another sweep"):
+        sweep(SCENE, VALUES, out=out, resume=True)
+
+
+def test_members(tmp_path):
+    """Each point is an ensemble; its mean has the interval of its members."""
+    values, keep = {"upper.velocity": [0.4, 0.5]}, ["upper.w1", "upper.W", "upper.theta"]
+    out = tmp_path / "members.nc"
+    data = sweep(SCENE, values, members=8, keep=keep, vary=THETA, seed=3, out=out)
+    scene = with_values(SCENE, {"upper.velocity": 0.4})
+    own = ensemble(scene, 8, THETA, seed=3, keep=keep)
+    assert data["upper.w1"].dims == ("upper.velocity", "member", "upper_asperite")
+    np.testing.assert_array_equal(data["upper.w1"][0], own["upper.w1"])
+    np.testing.assert_array_equal(data["upper.theta"][0], own["upper.theta_end"])
+    work = own["upper.W"].values
+    half = stats.t.ppf(0.975, 7) * work.std(ddof=1) / np.sqrt(8)
+    assert float(data["upper.W_mean"][0]) == pytest.approx(work.mean(), rel=1e-12)
+    assert float(data["upper.W_half_width"][0]) == pytest.approx(half, rel=1e-9)
+    with xarray.open_dataset(out) as file:
+        xarray.testing.assert_equal(numbers(file), numbers(data))
+
+
+def test_statuses(monkeypatch):
+    """A point that stops or is refused has its status and no value; others have theirs."""
+    side_by_side = (tribo.Surface("one", bob=(-1.0, 0.0)), tribo.Surface("other", bob=(1.0, 0.0)))
+    scene = tribo.Scene(side_by_side, tribo.Coulomb(1.0), 4.0)
+    prepare = points.prepare
+
+    def refuse_third(scene):
+        if scene.interactions[0].potential.strength == 2.0:
+            raise InputError("accuracy", "is out of reach")
+        return prepare(scene)
+
+    monkeypatch.setattr(points, "prepare", refuse_third)
+    data = sweep(scene, {"interaction.strength": [-1.0, 1.0, 2.0]})
+    assert data["status"].values.tolist() == ["StepUnderflow", "completed", "Refused"]
+    assert np.isnan(data["one.W"]).values.tolist() == [True, False, True]
+    first, second = json.loads(data.attrs["notes"])
+    assert first.startswith("interaction.strength = -1.0: the run stopped at t = ")
+    assert second == "interaction.strength = 2.0: accuracy: is out of reach"
+    with pytest.raises(InputError, match="accuracy: is out of reach"):
+        sweep(scene, {"interaction.strength": [2.0]})
+
+
+@pytest.mark.parametrize(
+    ("values", "options", "field", "problem"),
+    [
+        ({}, {}, "values", "must map keys"),
+        ({"upper.drive.load": 0.1}, {}, "values.upper.drive.load", "a list of numbers"),
+        ({"upper.drive.load": [0.1, 0.1]}, {}, "values.upper.drive.load", "a value twice"),
+        ({"upper.theta": [0.1, [0.2]]}, {}, "values.upper.theta", "a list of numbers"),
+        ({"uper.theta": [0.1]}, {}, "values.uper.theta", 'did you mean "upper.theta"?'),
+        ({"upper.asperite.kappa": [1, -1]}, {}, "values.upper.asperite.kappa", "negative"),
+        (VALUES, {"keep": ["upper.w9"]}, "keep.upper.w9", "must be a quantity"),
+        (VALUES, {"keep": "upper.W"}, "keep", "must list"),
+        (VALUES, {"vary": THETA}, "members", "is missing"),
+        (VALUES, {"members": 1}, "members", "at least 2"),
+        (VALUES, {"engine": 3}, "engine", "submit or map"),
+        (VALUES, {"accuracy": 2.0}, "accuracy", "must be from"),
+        (VALUES, {"resume": True}, "resume", "needs out"),
+        (VALUES, {"progress": 3}, "progress", "a function, True, False or None"),
+    ],
+)
+def test_refusals(monkeypatch, values, options, field, problem):
+    """Before anything is run, with the argument's name."""
+    monkeypatch.setattr(points, "prepare", lambda scene: pytest.fail("compiled"))
+    with pytest.raises(InputError) as caught:
+        sweep(SCENE, values, **options)
+    assert caught.value.field == field and problem in caught.value.problem
+
+
+def test_command(whole, tmp_path, capsys):
+    """`tribo sweep` writes the data set of `tribo.sweep` and prints its points."""
+    path, out = tmp_path / "a.toml", tmp_path / "a.nc"
+    path.write_text(scene_text(SCENE), encoding="utf-8")
+    texts = [f"{key}={','.join(map(str, values))}" for key, values in VALUES.items()]
+    command = ["sweep", str(path), "--set", texts[0], "--set", texts[1], "--out", str(out)]
+    assert main(command) == 0
+    first, head, *rows = capsys.readouterr().out.splitlines()
+    assert first == "6 completed" and head.split()[:3] == [*VALUES, "upper.W"]
+    row = rows[5].split()
+    assert row[:2] == ["0.6", "0.2"]
+    assert float(row[2]) == pytest.approx(float(whole["upper.W"][2, 1]), rel=1e-5)
+    with xarray.open_dataset(out) as file:
+        xarray.testing.assert_equal(numbers(file), numbers(whole))
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ("upper.theta", "--set: must be KEY=VALUE, got 'upper.theta'"),
+        ("upper.theta=0.1,,0.2", "--set: must be values with commas"),
+        ("uper.theta=0.1", '--set uper.theta: is not a known key; did you mean "upper.theta"?'),
+        ("upper.theta=0.1,much", "--set upper.theta: must be a number [rad], got 'much'"),
+    ],
+)
+def test_wrong_values_of_the_command(tmp_path, capsys, text, problem):
+    """Status 2 and one line."""
+    path = tmp_path / "a.toml"
+    path.write_text(scene_text(SCENE), encoding="utf-8")
+    assert main(["sweep", str(path), "--set", text]) == 2
+    err = capsys.readouterr().err
+    assert err.startswith(f"tribo: {problem}") and err.count("\n") == 1
