@@ -104,8 +104,8 @@ def _reasons(rows: Iterable[Row]) -> Iterator[str]:
     unfit = sum(FROM_POSITIONS in row.note for row in by_time)
     if unfit:
         yield (
-            f"{unfit} of them do not follow from the angles and positions that the paper prints for "
-            "the same times."
+            f"{unfit} of them do not follow from the angles and positions that the paper prints "
+            "for the same times."
         )
     if by_method:
         yield (
