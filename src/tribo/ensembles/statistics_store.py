@@ -12,7 +12,6 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from tribo.ensembles.intervals import student
 from tribo.ensembles.kept_values import Kept, KeptValues, Tally, times_of
 from tribo.ensembles.members import Members
 from tribo.ensembles.statistics import COARSE, PROBABILITIES, Moments, Statistics
@@ -21,6 +20,7 @@ from tribo.files import replace_file
 from tribo.kernels.status import Status
 from tribo.run.dataset import Variable
 from tribo.run.identity import refuse_other
+from tribo.run.intervals import student
 from tribo.run.journal import INTERVAL
 from tribo.validation import InputError
 

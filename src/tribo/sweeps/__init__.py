@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tribo import interrupts
+from tribo.ensembles.engines import Engine, check_engine
 from tribo.ensembles.members import Source
-from tribo.ensembles.runner import Engine, check_engine
 from tribo.files import checked_target, replace_file
 from tribo.model.scene import Scene
 from tribo.model.settings import Numerics

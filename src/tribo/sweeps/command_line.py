@@ -50,7 +50,7 @@ def found_by(options: argparse.Namespace) -> xarray.Dataset:
     from tribo.sweeps import sweep
 
     values = values_of(options.set)
-    vary = dict(varied(text) for text in options.vary)
+    vary = varied(options.vary)
     accuracy, step = (as_number(f"--{n}", getattr(options, n)) for n in ("accuracy", "step"))
     processes = integer("--processes", options.processes, 1)
     if options.resume and options.out is None:

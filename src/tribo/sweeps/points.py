@@ -10,10 +10,11 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from tribo.ensembles import ensemble
-from tribo.ensembles.end_values import MISSED
+from tribo.ensembles.engines import Engine, run_jobs
 from tribo.ensembles.intervals import interval
+from tribo.ensembles.kept_values import MISSED
 from tribo.ensembles.members import Source, Variation
-from tribo.ensembles.runner import Engine, run_jobs, total_names
+from tribo.ensembles.runner import total_names
 from tribo.kernels.status import Status
 from tribo.model.scene import Scene
 from tribo.model.scene_file import scene_from
@@ -48,7 +49,7 @@ class Members(NamedTuple):
     def drawn(self, scene: Scene) -> dict[str, Any]:
         """The values that are drawn for the members, as JSON."""
         variation = Variation(scene, self.vary, self.seed)
-        return {key: variation.rows(key, 0, self.number).tolist() for key in self.vary}
+        return {key: variation.rows(key, np.arange(self.number)).tolist() for key in self.vary}
 
 
 @dataclass(frozen=True)
@@ -95,7 +96,7 @@ def kept_names(scene: Scene, keep: Sequence[str] | None) -> list[str]:
     if not is_list(keep) or len(keep) == 0:
         raise InputError("keep", f'must list quantities, as ["upper.W"], got {short_repr(keep)}')
     layout = lay_out(scene)
-    ledger = assemble(layout, Samples.at_zero(layout.core, layout.accounts, len(layout.parts)))
+    ledger = assemble(layout, Samples.at_zero(layout))
     for name in map(str, keep):
         if not ledger.series(name) or ("." not in name and name not in ledger.system):
             first = scene.surfaces[0].name
@@ -119,9 +120,9 @@ def found_at(
     yield from run_jobs(engine, run_job, jobs)
 
 
-def run_job(job: Job) -> list[Found]:
+def run_job(job: Job) -> Found:
     """Run a point in a process that may not have its scene yet."""
-    return [run_point(scene_from(tomllib.loads(job.scene)), job.names, job.group)]
+    return run_point(scene_from(tomllib.loads(job.scene)), job.names, job.group)
 
 
 def run_point(scene: Scene, names: Sequence[str], group: Members | None) -> Found:
