@@ -16,9 +16,9 @@ from tribo.ensembles.engines import Engine, check_engine
 from tribo.ensembles.kept_ensemble import Wanted, kept_ensemble
 from tribo.ensembles.means import checked_half_width, means
 from tribo.ensembles.members import Source, Variation
-from tribo.ensembles.planned import planned
 from tribo.ensembles.runner import Runner
 from tribo.ensembles.sampling import Sampler, sampled
+from tribo.ensembles.single_runs import planned
 from tribo.model.scene import Scene
 from tribo.validation import InputError, integer, short_repr
 

@@ -12,7 +12,7 @@ from tribo.ensembles.kept_runs import complete, kept_runs
 from tribo.ensembles.kept_values import Kept, kept_dataset
 from tribo.ensembles.members import Members
 from tribo.ensembles.pair_runs import PairPlan
-from tribo.ensembles.planned import planned
+from tribo.ensembles.single_runs import planned
 from tribo.model.scene_file import scene_from
 from tribo.validation import InputError, integer, short_repr
 

@@ -1,4 +1,4 @@
-"""Members of any scene, each a run of its own."""
+"""Members of any scene, each a run of its own, and the plan that they share."""
 
 from __future__ import annotations
 
@@ -7,10 +7,30 @@ import numpy as np
 from tribo.ensembles.kept_values import MISSED, STATUS_TYPE, UNKNOWN, Kept, KeptValues
 from tribo.ensembles.members import Members
 from tribo.kernels.status import Status
+from tribo.model.scene import Scene
 from tribo.prepared import Simulation
 from tribo.run.result import Result
 from tribo.simulation import from_settings, prepare
 from tribo.validation import InputError
+
+
+def planned(scene: Scene, method: str | None, step: float | None) -> Simulation:
+    """The scene, with the method and settings of all members.  Raises InputError."""
+    simulation = prepare(scene, method=method, step=step)
+    if simulation.accuracy is None:
+        return simulation
+    result = simulation.compute_first()
+    if result.status == Status.INTERRUPTED:
+        raise KeyboardInterrupt
+    if not result.met:
+        completed = result.status == Status.COMPLETED
+        why = result.notes[-1] if completed else f"the run ends by {result.status}"
+        raise InputError(
+            "step",
+            f"is missing, and accuracy does not find one: {why}; give a method and a step, or an "
+            "accuracy that can be kept in the scene's numerics",
+        )
+    return simulation
 
 
 class SingleRuns:
