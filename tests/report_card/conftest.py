@@ -24,9 +24,9 @@ def contact_in_numpy(potential, count):
 
     def probe(positions, charges):
         apart = positions[:, :count, None] - positions[:, None, count:]
-        r = np.sqrt(np.sum(apart * apart, axis=-1))
-        pairs = (r, charges[:, :count, None], charges[:, None, count:])
         with np.errstate(all="ignore"):
+            r = np.sqrt(np.sum(apart * apart, axis=-1))
+            pairs = (r, charges[:, :count, None], charges[:, None, count:])
             energy = of_arrays(potential.energy_between)(*pairs)
             force = of_arrays(potential.force_between)(*pairs)
             inside = r < potential.range()
