@@ -17,7 +17,6 @@ from tribo.accuracy.comparison import (
 from tribo.accuracy.estimate import excess_of_request
 from tribo.accuracy.levels import fine_level
 from tribo.accuracy.plan import Plan, single_setting
-from tribo.accuracy.search import MOST_SEARCHED
 from tribo.accuracy.stop_times import StopTimes
 from tribo.kernels.status import Status
 from tribo.run.identity import settings_of, version
@@ -255,11 +254,6 @@ class Simulation:
             why = "the settings were found from the scene's own start, which kept it"
         elif tuned.stopped is not None:
             why = f"with tolerances that could keep it, runs stop as {tuned.stopped}"
-        elif tuned.gave_up:
-            why = (
-                f"finding the settings would take more than {MOST_SEARCHED:.0f} times the "
-                "evaluations of the run; name the observables that matter, or accept more"
-            )
         elif tuned.amplification is None:
             why = "the search for settings was interrupted"
         else:

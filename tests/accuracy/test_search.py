@@ -283,18 +283,3 @@ def test_an_energy_budget_that_stays_open():
     wide = bounds | {"applied_work": 1.01 * gap}
     assert budget_notes(layout, ledger, wide) == ()
     assert budget_notes(lay_out(case("A")), ledger, bounds) == ()
-
-
-def test_a_search_ends_before_it_costs_ten_runs(monkeypatch):
-    """It delivers what it found, and says why it looked no further."""
-    monkeypatch.setattr(search, "MOST_SEARCHED", 4.0)
-    monkeypatch.setattr(search, "FIRST", 1e4)
-    simulation = tribo.prepare(case("A"), accuracy=1e-10)
-    result = simulation.compute_first()
-    tuned = simulation.plan.tuned
-    assert tuned.gave_up and not tuned.met
-    assert sum(run.evaluations for run in tuned.runs) <= 4.0 * tuned.runs[-1].evaluations
-    assert "finding the settings would take more than 10 times" in result.notes[-1]
-    monkeypatch.setattr(search, "MOST_SEARCHED", 10.0)
-    tuned = tribo.prepare(case("A"), accuracy=1e-10).plan.tuned
-    assert tuned.met and not tuned.gave_up and len(tuned.runs) > 4

@@ -81,9 +81,6 @@ TOO_LONG = (Status.ENCOUNTER_JUMPED, Status.NOT_FINITE, Status.NOT_CONVERGED)
 UNEXPECTED = 4.0
 # But not before this fraction of the evaluations that any run may take.
 UNNOTICED = 0.02
-# Evaluations of all runs of a search, in units of those of the run that it delivers, beyond which
-# no further round begins.
-MOST_SEARCHED = 10.0
 # Levels closer than this are not told apart.
 CLOSE = 3.0
 # Largest error, relative to the scales, of a run that is delivered where finer ones stop.
@@ -131,8 +128,6 @@ class FoundSettings:
         the status of runs with finer settings, if these stopped
     errors
         the last ones that were estimated; None if no run was compared
-    gave_up
-        whether a further round would have made the search too long, see `MOST_SEARCHED`
     """
 
     coarse: Setting
@@ -143,7 +138,6 @@ class FoundSettings:
     met: bool
     stopped: Status | None = None
     errors: Errors | None = None
-    gave_up: bool = False
 
 
 def find_settings(
@@ -185,7 +179,7 @@ def find_settings(
             break
         search.run_round(level)
         lower = search.next_level(level)
-        if lower is None or search.is_long(lower):
+        if lower is None:
             break
         level = lower
     return search.found()
@@ -219,10 +213,7 @@ class _Search:
         stops: StopTimes,
         attempt: Attempt,
     ) -> None:
-        self.layout, self.method, self.stops = layout, method, stops
-        self._attempt = attempt
-        self.searched = 0.0  # evaluations of all runs
-        self.gave_up = False
+        self.layout, self.method, self.stops, self.attempt = layout, method, stops, attempt
         self.accuracy, self.wanted = accuracy, strictest(accuracy)
         self.most = most_evaluations(layout.scene)
         self.runs: list[Integration] = []
@@ -233,19 +224,6 @@ class _Search:
         # Level and evaluations of the last run that completed.
         self.known: tuple[float, float] = (1.0, np.inf)
         self.stalls = 0
-
-    def attempt(
-        self,
-        setting: Setting,
-        times: np.ndarray,
-        start: np.ndarray | None = None,
-        *,
-        most: float | None = None,
-    ) -> Integration:
-        """Run the scene with a setting, and count the evaluations."""
-        run = self._attempt(setting, times, start, most=most)
-        self.searched += run.evaluations
-        return run
 
     def run_pilot(self, level: float) -> bool:
         """Run the pilot of an adaptive method; none with equal steps.
@@ -345,18 +323,6 @@ class _Search:
         lower = max(level * min(LOWER, lower), finest)
         return lower if lower > self.too_fine else self._looser()
 
-    def is_long(self, level: float) -> bool:
-        """Whether a round at `level` would make the search too long for the run that it delivers.
-
-        Rounds of equal steps that are too long cost little and do not count.
-        """
-        if not np.isfinite(self.rounds[-1].excess):
-            return False
-        fine = self._expected(fine_level(self.method) * level)
-        searched = self.searched + 2.0 * self._expected(level) + fine
-        self.gave_up = searched > MOST_SEARCHED * fine
-        return self.gave_up
-
     def found(self) -> FoundSettings:
         """What the search found: the last round, or the best one if finer runs stopped."""
         chosen, stopped = self.rounds[-1], None
@@ -374,7 +340,6 @@ class _Search:
             chosen.excess <= 1.0,
             stopped,
             chosen.errors,
-            self.gave_up,
         )
 
     def _looser(self) -> float | None:
