@@ -3,7 +3,7 @@
     python docs/measure_effects.py [ARGUMENT OF benchmarks/effects.py ...]
 
 Runs ``python benchmarks/effects.py --json`` and keeps what it prints in docs/measured/effects.json;
-the tables and the figure are made from it when the pages are built.  It takes a quarter of an hour,
+the tables and the figure are made from it when the pages are built.  It takes half an hour,
 most of which is compiling.  Run it on a machine that does nothing else.
 """
 
