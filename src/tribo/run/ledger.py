@@ -226,7 +226,9 @@ class Assembled(Ledger):
 
     def at_end(self) -> Ledger:
         """The ledger at the last time alone, from the samples that it needs."""
-        return Assembled(self._layout, self._samples.last_interval()).rows(slice(-1, None))
+        samples, with_forces = self._samples, "forces" in self._layout.scene.output.series
+        samples = samples.last_interval() if with_forces else samples.ends()
+        return Assembled(self._layout, samples).rows(slice(-1, None))
 
 
 def series_of(quantities: Mapping[str, Quantity], source: Whole | System, name: str) -> np.ndarray:
