@@ -260,8 +260,8 @@ class PotentialScan:
         """Distances between the core, or the smallest of all, and where the force has vanished."""
         near = self.length * np.geomspace(0.9, 1.1, 9)
         energy, force = np.abs(self.compiled(near[near < self.cutoff]))
-        with np.errstate(all="ignore"):
-            unit = float(np.nanmax(energy + force * self.length))
+        size = energy + force * self.length
+        unit = float(np.max(size, initial=0.0, where=np.isfinite(size)))
         least, largest = self.domain
         nearest = max(self.length / WIDEST, least)
         farthest = min(self.length * WIDEST, largest, 1.1 * self.cutoff)
