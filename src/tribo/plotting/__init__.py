@@ -10,7 +10,9 @@ Functions that add a mark to a figure (`note`, `arrow`, `draw_asperite`) take it
 Lengths in drawings are in the scene's units.  Sizes of letters, gaps and margins are in points.
 """
 
+from tribo.plotting.animation import animate
 from tribo.plotting.geometry import AsperiteGeometry, SceneGeometry, scene_geometry, shifted
+from tribo.plotting.plots import Plots, compare
 from tribo.plotting.series import WORKS, angle_curve, spread, work_curves
 from tribo.plotting.snapshots import draw_asperite, draw_asperites, extent, sequence, snapshot
 from tribo.plotting.style import (
@@ -40,10 +42,13 @@ __all__ = [
     "WIDE",
     "WORKS",
     "AsperiteGeometry",
+    "Plots",
     "SceneGeometry",
     "angle_curve",
+    "animate",
     "arrow",
     "axes",
+    "compare",
     "draw_asperite",
     "draw_asperites",
     "drawing_on",

@@ -18,6 +18,7 @@ from tribo.model.scene import Scene
 from tribo.run import dataset
 from tribo.run.identity import Identity, opened
 from tribo.run.ledger import Ledger, Series
+from tribo.run.presentation import Presentation
 from tribo.run.quantities import Table
 from tribo.run.state import State
 from tribo.validation import as_path
@@ -66,7 +67,7 @@ class Known(Generic[T]):
 
 
 @dataclass(eq=False)
-class Result:
+class Result(Presentation):
     """The result of a run.
 
     ``result["upper"].theta`` is an array (times, asperites) in the scene's units,
