@@ -59,6 +59,7 @@ ORDER = [
     "ensembles",
     "work_precision",
     "explanation",
+    "viewer",
     "export",
     "plotting",
     "starters",

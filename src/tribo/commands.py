@@ -1,4 +1,4 @@
-"""The commands: `run`, `ensemble`, `paper`, `explain`, `accuracy`, `check` and `atlas`."""
+"""The commands: `run`, `ensemble`, `paper`, `explain`, `accuracy`, `check`, `atlas`, `view`."""
 
 from __future__ import annotations
 
@@ -47,6 +47,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_accuracy(commands.add_parser("accuracy", help="measure error against time per method"))
     _add_check(commands.add_parser("check", help="test a potential and print a report card"))
     _add_atlas(commands.add_parser("atlas", help="run hard scenes and compare with references"))
+    _add_view(commands.add_parser("view", help="write a page that plays a run in a browser"))
     return parser
 
 
@@ -133,6 +134,22 @@ def _add_accuracy(accuracy: argparse.ArgumentParser) -> None:
         "--seconds", type=float, default=30.0, help="time for all runs together (default: 30)"
     )
     accuracy.set_defaults(command=_accuracy)
+
+
+def _add_view(view: argparse.ArgumentParser) -> None:
+    view.add_argument(
+        "scene",
+        type=Path,
+        metavar="SCENE.toml|FILE.nc",
+        help="a scene file, which is run, or the file of a run",
+    )
+    view.add_argument(
+        "-o", "--out", type=Path, required=True, metavar="PAGE.html", help="the page to write"
+    )
+    view.add_argument(
+        "--no-plugins", action="store_true", help="refuse a scene file that names code"
+    )
+    view.set_defaults(command=_view)
 
 
 def _add_check(check: argparse.ArgumentParser) -> None:
@@ -231,6 +248,21 @@ def _explain(options: argparse.Namespace) -> int:
     explanation = explain(_scene(options))
     print(explanation.to_json() if options.json else explanation)
     return COMPLETED
+
+
+def _view(options: argparse.Namespace) -> int:
+    from tribo.run.result import load_result
+    from tribo.simulation import simulate
+
+    checked_target("--out", options.out)
+    if options.scene.suffix == ".toml":
+        scene = _scene(options)
+        with _ProgressBar(scene.duration) as progress:
+            result = simulate(scene, progress=progress)
+    else:
+        result = load_result(options.scene)
+    print(result.to_html(options.out))
+    return COMPLETED if result.status == "completed" else STOPPED
 
 
 def _accuracy(options: argparse.Namespace) -> int:

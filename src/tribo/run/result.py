@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 import math
 import tomllib
@@ -270,6 +271,28 @@ class Result(Presentation):
             The file cannot be written.
         """
         dataset.save(self, as_path(path))
+
+    def to_html(self, path: str | Path) -> Path:
+        """Write a page that plays the run in a browser: one file that loads nothing else.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file, which is replaced if it exists.
+
+        Returns
+        -------
+        Path
+            The file.
+
+        Raises
+        ------
+        InputError
+            The file cannot be written, or the places of asperites are not recorded.
+        """
+        # The viewer stands above the results that it shows, so that it is not imported here.
+        written: Path = importlib.import_module("tribo.viewer").write_page(self, path)
+        return written
 
 
 def without_nan(value: object) -> object:

@@ -1,0 +1,60 @@
+"""The file of a page: style, scripts and contents in one HTML document."""
+
+from __future__ import annotations
+
+import json
+import re
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+
+from tribo.files import replace_file
+from tribo.run.result import Result, without_nan
+from tribo.validation import as_path
+from tribo.viewer.contents import contents
+
+# The scripts, in the order in which they need one another.
+SCRIPTS = ("run.js", "drawing.js", "curves.js", "player.js")
+
+
+def write_page(result: Result, path: str | Path) -> Path:
+    """Write a page that plays a run.
+
+    Parameters
+    ----------
+    result : Result
+    path : str or Path
+        The file, which is replaced if it exists.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written, or the result has no places to draw.
+    """
+    path = as_path(path)
+    replace_file(path, document(result).encode())
+    return path
+
+
+def document(result: Result) -> str:
+    """The page as text."""
+    parts = files("tribo.viewer").joinpath("parts")
+
+    def part(name: str) -> str:
+        return parts.joinpath(name).read_text(encoding="utf-8")
+
+    held = contents(result)
+    # "<" would end the script that holds the data; JSON may write it as an escape.
+    data = json.dumps(without_nan(held), allow_nan=False).replace("<", "\\u003c")
+    filled = {
+        "TITLE": escape(held["title"]),
+        "STYLE": part("style.css"),
+        "DATA": data,
+        "SCRIPT": "\n".join(part(name) for name in SCRIPTS),
+    }
+    return re.sub(r"\[\[(\w+)\]\]", lambda found: filled[found[1]], part("page.html"))

@@ -1,0 +1,156 @@
+"""The page that plays a run: what it holds, and what it does in a browser."""
+
+import base64
+import json
+import re
+import shutil
+
+import numpy as np
+import pytest
+
+import tribo
+from tribo import Coulomb, InputError, Output, Scene, Surface
+from tribo.cli import main
+from tribo.run.contact_probe import ContactProbe
+from tribo.viewer import contents
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+# No sandbox, as in containers; no request of the browser's own.
+ARGUMENTS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-sync"]
+
+
+@pytest.fixture(scope="module")
+def result():
+    """The paper's case A at 41 times."""
+    surfaces = (
+        Surface("upper", bob=(-10.0, 0.0), velocity=(0.5, 0.0)),
+        Surface("lower", facing="up"),
+    )
+    scene = Scene(surfaces, Coulomb(0.2), 40.0, title="A < B [[DATA]]", output=Output(samples=41))
+    return tribo.simulate(scene, accuracy=1e-8)
+
+
+@pytest.fixture(scope="module")
+def page(result, tmp_path_factory):
+    """The file of its page."""
+    return result.to_html(tmp_path_factory.mktemp("page") / "a.html")
+
+
+def held(page):
+    """The data in a page."""
+    text = page.read_text(encoding="utf-8")
+    return json.loads(re.search(r'id="data">(.*?)</script>', text, re.DOTALL)[1])
+
+
+def numbers(text, dtype="<f8"):
+    """An array of a page."""
+    return np.frombuffer(base64.b64decode(text), dtype)
+
+
+def test_the_page_holds_the_run(result, page):
+    """Curves to the bit, places to single precision, forces as the kernels compute them."""
+    data = held(page)
+    assert data["title"] == result.scene.title
+    assert np.array_equal(numbers(data["times"]), result.t)
+    groups = {group["name"]: group["curves"] for group in data["groups"]}
+    assert list(groups) == ["upper", "lower", "system"]
+    for name, curves in groups.items():
+        table = result.system if name == "system" else result[name]
+        for curve in curves:
+            want = table[curve["name"]]
+            assert np.array_equal(numbers(curve["values"]), want.reshape(len(result.t), -1)[:, 0])
+    for surface in data["surfaces"]:
+        places = numbers(surface["places"], "<f4").reshape(len(result.t), 1, 5)
+        for k, name in enumerate(contents.PLACES):
+            want = result[surface["name"]][name]
+            assert places[:, :, k] == pytest.approx(want, rel=1e-6, abs=1e-6)
+    forces = numbers(data["forces"], "<f4").reshape(len(result.t), 2, 2)
+    bobs = [[[result[s][x][20, 0] for x in ("x_bob", "y_bob")] for s in ("upper", "lower")]]
+    distance = np.subtract(*bobs[0])
+    want = 0.2 * distance / np.hypot(*distance) ** 3
+    assert forces[20, 0] == pytest.approx(want, rel=1e-5)
+    assert forces[20, 1] == pytest.approx(-want, rel=1e-5)
+
+
+def test_the_page_loads_nothing(page):
+    """No address in it, and a policy that forbids every request."""
+    text = page.read_text(encoding="utf-8")
+    assert page.stat().st_size < 3e6
+    assert not re.findall(r"https?:|src=|@import|url\(", text)
+    assert "default-src 'none'" in text
+    assert set(re.findall(r"\[\[\w+\]\]", text)) == {"[[DATA]]"}  # of the title
+
+
+def test_frames_are_thinned(result, monkeypatch):
+    """Of many asperites, some samples are drawn, the first and the last among them."""
+    monkeypatch.setattr(contents, "MOST_PLACES", 5 * 2 * 7)
+    data = contents.contents(result)
+    assert len(data["frames"]) == 7 and data["frames"][0] == 0 and data["frames"][-1] == 40
+    assert len(numbers(data["surfaces"][0]["places"], "<f4")) == 7 * 5
+
+
+def test_no_arrows_where_forces_are_unknown(result, monkeypatch):
+    """As where the code of a potential was not loaded."""
+
+    def refuse(*arguments):
+        raise InputError("potential", "is code that was not loaded")
+
+    monkeypatch.setattr(ContactProbe, "__call__", refuse)
+    assert contents.contents(result)["forces"] is None
+
+
+def test_command(result, tmp_path, capsys):
+    """A scene file and the file of a run give the same page."""
+    scene, file, out = tmp_path / "a.toml", tmp_path / "a.nc", tmp_path / "a.html"
+    result.scene.save(scene)
+    result.save(file)
+    for source in (scene, file):
+        assert main(["view", str(source), "-o", str(out)]) == 0
+        assert capsys.readouterr().out == f"{out}\n"
+        assert held(out)["title"] == result.scene.title
+        out.unlink()
+    assert main(["view", str(file), "-o", str(tmp_path / "none" / "a.html")]) == 2
+    assert main(["view", str(tmp_path / "b.nc"), "-o", str(out)]) == 2
+    assert not out.exists()
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")
+def test_in_a_browser(result, page):
+    """It plays, scrubs, shows the ledger's values, and neither fails nor asks for anything."""
+    playwright = pytest.importorskip("playwright.sync_api", reason="needs tribo[browser]")
+    with playwright.sync_playwright() as started:
+        browser = started.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS)
+        tab = browser.new_page()
+        problems, requests = [], []
+        tab.on("console", lambda message: problems.append(message.text))
+        tab.on("pageerror", lambda error: problems.append(str(error)))
+        tab.on("request", lambda request: requests.append(request.url))
+        tab.goto(page.as_uri())
+        for sample, key in ((0, None), (1, "ArrowRight"), (40, "End"), (39, "ArrowLeft")):
+            if key:
+                tab.keyboard.press(key)
+            assert_shown(tab, result, sample)
+        tab.locator("#time").fill(str(result.t[20]))
+        assert_shown(tab, result, 20)
+        before = tab.locator("#scene").screenshot()
+        tab.locator("#play").click()
+        tab.wait_for_timeout(500)
+        assert tab.locator("#play").inner_text() == "Pause"
+        assert float(tab.locator("#time").input_value()) > result.t[20]
+        tab.locator("#play").click()
+        assert tab.locator("#scene").screenshot() != before
+        browser.close()
+    assert problems == []
+    assert requests == [page.as_uri()]
+
+
+def assert_shown(tab, result, sample):
+    """The table of each group has the values of a sample, to the digits shown."""
+    tab.wait_for_timeout(100)
+    for name in ("upper", "lower", "system"):
+        tab.locator("#group").select_option(label=name)
+        tab.wait_for_timeout(100)
+        table = result.system if name == "system" else result[name]
+        for cell in tab.locator("#values td[data-quantity]").all():
+            want = np.ravel(table[cell.get_attribute("data-quantity")][sample])[0]
+            assert float(cell.inner_text()) == pytest.approx(want, rel=5.1e-6, abs=0.0)
