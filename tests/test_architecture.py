@@ -53,6 +53,7 @@ def of_this_package(name):
 ORDER = [
     "cli",
     "commands",
+    "doctor",
     "paper",
     "report_card",
     "atlas",
@@ -62,7 +63,6 @@ ORDER = [
     "viewer",
     "export",
     "plotting",
-    "starters",
     "simulation",
     "prepared",
     "accuracy",
@@ -73,6 +73,7 @@ ORDER = [
     "potentials",
     "plugins",
     "kernels",
+    "starters",
     "files",
     "interrupts",
     "validation",

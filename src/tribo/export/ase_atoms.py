@@ -44,7 +44,8 @@ def to_ase(result: Result, symbols: Mapping[str, str] | None = None) -> list[Ato
         Each has positions, masses, velocities, charges (`get_initial_charges`), the contact energy
         (`get_potential_energy`) and contact forces f1 (`get_forces`; none act on bars).  Tags
         number the surfaces; the array "is_bar" tells bars from bobs; "theta" and "phi" are the
-        angles of the asperite [rad].  `info` has the time and the series of the system.
+        angles of the asperite [rad]; a .traj file drops these
+        three.  `info` has the time and the series of the system.
 
     Raises
     ------

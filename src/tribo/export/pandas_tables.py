@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from tribo.run.result import Result
 
 if TYPE_CHECKING:
@@ -18,7 +20,7 @@ def ledger_table(result: Result) -> pandas.DataFrame:
     """
     import pandas
 
-    columns = {}
+    columns: dict[tuple[str, int | str, str], np.ndarray] = {}
     for name, table in result.ledger.surfaces.items():
         for quantity, values in table.items():
             if len(values) == len(result.t):  # else only the first and the last sample are kept

@@ -11,11 +11,11 @@ import numpy as np
 
 from tribo.files import checked_target, replace_file
 from tribo.plotting.picture import Picture, pose
-from tribo.plotting.plots import largest_swing
+from tribo.plotting.plots import typical_swing
 from tribo.plotting.series import WORKS, works_of
 from tribo.plotting.style import EDGE, INK, POINTS_PER_INCH, frame, style
 from tribo.run.result import Result
-from tribo.validation import POSITIVE, InputError, as_path, integer, number
+from tribo.validation import InputError, as_path, integer
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -38,7 +38,7 @@ def animate(
     result: Result,
     path: str | Path,
     frames: int = 120,
-    rate: float = 20.0,
+    rate: int = 20,
     surface: str | None = None,
     dpi: int = 100,
 ) -> Path:
@@ -51,7 +51,7 @@ def animate(
         The file, which is replaced if it exists; its name ends on .gif or .mp4.
     frames : int
         Pictures, evenly spaced in time; at most one for each sample.
-    rate : float
+    rate : int
         Pictures a second.
     surface : str, optional
         The surface whose works are shown, summed over its asperites; the first without it.
@@ -78,7 +78,7 @@ def animate(
     if not writers.is_available(WRITERS[kind]):
         raise InputError("path", f"{kind} needs {WRITERS[kind]}, which is not installed; use .gif")
     integer("frames", frames, 2, 100_000)
-    number("rate", rate, POSITIVE)
+    integer("rate", rate, 1, 1000)
     checked_target("path", path)
     samples = np.unique(np.linspace(0, len(result.t) - 1, frames).round().astype(int))
     with style(), tempfile.TemporaryDirectory() as folder:
@@ -132,7 +132,7 @@ class Film:
         above.set_axis_off()
         frame(above, box, bottom=2 * EDGE, top=2 * EDGE, left=3 * EDGE, right=3 * EDGE)
         scale = min(WIDTH / (box[1] - box[0]), height / (box[3] - box[2])) * POINTS_PER_INCH
-        self._picture = Picture(above, result, scale, largest_swing(result))
+        self._picture = Picture(above, result, scale, typical_swing(result))
         self._clock = above.text(0.01, 0.98, "", transform=above.transAxes, va="top")
         below = self.figure.add_axes((0.09, 0.44 / total, 0.62, (CURVES - 0.54) / total))
         self._works = _named_works(result, surface)

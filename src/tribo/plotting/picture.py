@@ -13,7 +13,7 @@ from tribo.validation import InputError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.cm import ScalarMappable
+    from matplotlib.collections import PathCollection
 
 # Above this number of asperites, bobs alone are drawn: bars and rods would cover one another.
 MOST_DETAILED = 120
@@ -97,7 +97,7 @@ class Picture:
     scale : float
         Size of one unit of length in the drawing [points].
     swing : float
-        Swing that has the strongest colour where asperites are many [rad].
+        The least swing that has the strongest colour where asperites are many [rad].
     """
 
     def __init__(self, ax: Axes, result: Result, scale: float, swing: float) -> None:
@@ -119,14 +119,20 @@ class Picture:
                 ax.add_collection(lines, autolim=False)
                 lines.set_zorder(order)
         else:
-            marks = {"linewidth": 0.0, "cmap": SWING_COLOURS, "vmin": -swing, "vmax": swing}
+            marks = {
+                "linewidth": 0.2,
+                "edgecolors": "0.5",
+                "cmap": SWING_COLOURS,
+                "vmin": -swing,
+                "vmax": swing,
+            }
             marks["c"] = np.zeros(facing.size)
         nothing = np.zeros(facing.size)
         diameter = max(1.5 if not self._is_detailed else 2.5, BOB * size)
         self._bobs = ax.scatter(nothing, nothing, s=diameter**2, zorder=2.3, **marks)
 
     @property
-    def colours(self) -> ScalarMappable | None:
+    def colours(self) -> PathCollection | None:
         """What a colour bar of the swing needs; None where bobs have no colours."""
         return None if self._is_detailed else self._bobs
 

@@ -14,9 +14,10 @@ from tribo.plotting.style import (
     COLUMN,
     EDGE,
     INK,
+    POINTS_PER_INCH,
     WIDE,
     drawing_on,
-    frame,
+    figure_of,
     note,
     point_length,
     time_labels,
@@ -26,6 +27,7 @@ from tribo.validation import InputError, must_be
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.collections import PathCollection
 
 # Above this number of asperites of a surface, angles are a band rather than lines.
 MOST_LINES = 6
@@ -40,7 +42,10 @@ MOST_PATHS = 200
 CYCLE = ("#0b62a4", "#d55e00", "#2fae8c", "#7d2f86", "#8a6f00", "#c2185b", "#607d8b")
 
 # Widths of lines, one surface after the other: equal curves are both seen [points].
-WIDTHS = (2.8, 1.1)
+WIDTHS = (2.6, 1.0)
+
+# Width of lines where there is one surface, and of all paths in a phase plot [points].
+WIDTH, PATH_WIDTH = 1.1, 0.7
 
 # Line styles of the results of a comparison, one after the other.
 DASHES: tuple[Any, ...] = ("-", (0, (4, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)))
@@ -49,7 +54,16 @@ DASHES: tuple[Any, ...] = ("-", (0, (4, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)
 ASPECT = 0.66
 
 # Distance between two snapshots [points].
-GAP = 22.0
+GAP = 9.0
+
+# Margin for times left of snapshots [points].
+MARGIN = 50.0
+
+# Height that the colours of many asperites take below snapshots [points].
+BAR_ROOM = 30.0
+
+# Percentile of the magnitudes of swings that has the strongest colour.
+STRONGEST = 99.0
 
 
 class Plots:
@@ -79,7 +93,7 @@ class Plots:
         with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
             for k, (colour, surface) in enumerate(zip(_colours(), surfaces, strict=False)):
                 swing = _swing(result, surface)
-                look: dict[str, Any] = {"linewidth": WIDTHS[k % 2]} | self._line
+                look: dict[str, Any] = {"linewidth": self._width(k)} | self._line
                 look |= {"color": colour, "label": self._named(surface.name)}
                 if surface.count <= MOST_LINES:
                     for line in ax.plot(result.t, swing, **look)[1:]:
@@ -115,10 +129,10 @@ class Plots:
         """
         with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
             curves = _budget(self._result)
-            first = next(iter(self._result.ledger.blocks), "")
+            first = self._result.scene.surfaces[0].name
             for colour, (name, values) in zip((INK, *_colours()), curves.items(), strict=False):
                 wide = name == "applied work" or name.endswith(f", {first}")
-                look: dict[str, Any] = {"linewidth": WIDTHS[0 if wide else 1]} | self._line
+                look: dict[str, Any] = {"linewidth": self._width(0 if wide else 1)} | self._line
                 ax.plot(self._result.t, values, color=colour, label=self._named(name), **look)
             self._over_time(ax, "energy")
         return ax
@@ -138,12 +152,12 @@ class Plots:
                 rate = result[surface.name].omega[:, shown]
                 faint = max(0.08, min(1.0, 4.0 / len(shown)))
                 look: dict[str, Any] = {"color": colour, "alpha": faint} | self._line
-                look["linewidth"] = WIDTHS[k % 2]
+                look["linewidth"] = PATH_WIDTH * self._width(k)
                 ax.plot(swing, rate, **look)
                 ax.plot(swing[-1], rate[-1], "o", color=colour, markersize=2.5)
                 ax.plot([], [], color=colour, label=self._named(surface.name), **self._line)
             ax.set(xlabel="swing (rad)", ylabel=r"$\omega$ (rad / time)")
-            ax.legend(frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=4)
+            _legend(ax)
         return ax
 
     def snapshots(self, times: Sequence[float] | None = None, ax: Axes | None = None) -> Axes:
@@ -167,18 +181,29 @@ class Plots:
         samples = [nearest_sample(result, t) for t in _times(result, times)]
         boxes = np.array([pose(result, k).box for k in samples])
         left, right = boxes[:, 0].min(), boxes[:, 1].max()
+        is_given = ax is not None
         with drawing_on(ax, WIDE) as ax:
-            point = point_length(ax, (left, right, 0.0, 0.0))
-            swing, floor, picture = largest_swing(result), 0.0, None
-            for k, box, label in zip(samples, boxes, time_labels(result.t[samples]), strict=True):
+            point = point_length(ax, (left, right, 0.0, 0.0), left=MARGIN)
+            if is_given:  # it may be too low to be filled in its width
+                room = ax.bbox.height / ax.figure.dpi * POINTS_PER_INCH - BAR_ROOM
+                heights = float((boxes[:, 3] - boxes[:, 2]).sum())
+                point = max(point, heights / max(1.0, room - GAP * len(samples)))
+            swing, floor = typical_swing(result), 0.0
+            for k, box, label in zip(
+                samples, boxes, time_labels(result.t[samples].tolist()), strict=True
+            ):
                 picture = Picture(ax, result, 1.0 / point, swing)
-                ceiling = floor - GAP * point
-                picture.show(k, (0.0, ceiling - box[3]))
-                note(ax, (left, ceiling + 0.5 * GAP * point), label, ha="left", va="center")
-                floor = ceiling - (box[3] - box[2]) - 0.2 * GAP * point
-            frame(ax, (left, right, floor, 0.0), bottom=EDGE)
-            if picture is not None and picture.colours is not None:
-                _colour_bar(ax, picture)
+                picture.show(k, (0.0, floor - box[3]))
+                middle = floor - 0.5 * (box[3] - box[2])
+                note(ax, (left - (MARGIN - EDGE) * point, middle), label, ha="left", va="center")
+                floor -= box[3] - box[2] + GAP * point
+            if picture.colours is not None:
+                floor -= (BAR_ROOM - GAP) * point
+                place = (left + 0.6 * (right - left), floor + 16.0 * point)
+                _colour_bar(ax, picture.colours, place, 0.4 * (right - left), 4.0 * point)
+            ax.set_xlim(left - MARGIN * point, right + EDGE * point)
+            ax.set_ylim(floor, EDGE * point)
+            ax.set_aspect("equal")
         return ax
 
     def _surface(self, name: str | None) -> str:
@@ -194,7 +219,10 @@ class Plots:
         ax.axhline(0.0, color="0.6", linewidth=0.5, zorder=0)
         ax.set(xlabel="$t$", ylabel=ylabel)
         ax.set_xlim(self._result.t[0], self._result.t[-1])
-        ax.legend(frameon=False, fontsize=8.0)
+        _legend(ax)
+
+    def _width(self, index: int) -> float:
+        return WIDTHS[index % 2] if len(self._result.scene.surfaces) > 1 else WIDTH
 
 
 def compare(
@@ -245,10 +273,23 @@ def nearest_sample(result: Result, t: float) -> int:
     return int(np.argmin(np.abs(result.t - t)))
 
 
-def largest_swing(result: Result) -> float:
-    """The largest swing of all asperites and samples, at least 1e-9 [rad]."""
-    swings = [np.abs(_swing(result, surface)).max() for surface in result.scene.surfaces]
-    return max(1e-9, float(np.nanmax(swings)))
+def typical_swing(result: Result) -> float:
+    """The swing that 99 % of all swings in the run do not exceed, at least 1e-9 [rad]."""
+    swings = [np.abs(_swing(result, surface)).ravel() for surface in result.scene.surfaces]
+    return max(1e-9, float(np.nanpercentile(np.concatenate(swings), STRONGEST)))
+
+
+def _legend(ax: Axes) -> None:
+    """Names of all lines above the graph, clear of the curves."""
+    ax.legend(
+        loc="lower center",
+        bbox_to_anchor=(0.5, 1.0),
+        ncols=3,
+        frameon=False,
+        fontsize=7.5,
+        borderaxespad=0.2,
+        columnspacing=1.2,
+    )
 
 
 def _times(result: Result, times: Sequence[float] | None) -> Sequence[float]:
@@ -277,8 +318,12 @@ def _budget(result: Result) -> dict[str, np.ndarray]:
     return curves | {name: values for name, values in changes.items() if np.any(values)}
 
 
-def _colour_bar(ax: Axes, picture: Picture) -> None:
-    inset = ax.inset_axes((0.62, 0.985, 0.36, 0.012))
-    bar = ax.figure.colorbar(picture.colours, cax=inset, orientation="horizontal")
-    bar.set_label("swing (rad)", fontsize=7.0, labelpad=1.0)
-    bar.ax.tick_params(labelsize=6.0, top=False)
+def _colour_bar(
+    ax: Axes, colours: PathCollection, place: tuple[float, float], width: float, height: float
+) -> None:
+    """Draw the scale of the swings in a box, whose place and size are in the units of `ax`."""
+    inset = ax.inset_axes((*place, width, height), transform=ax.transData)
+    bar = figure_of(ax).colorbar(colours, cax=inset, orientation="horizontal", extend="both")
+    bar.set_label("swing (rad)", fontsize=7.0, labelpad=0.0)
+    bar.ax.tick_params(labelsize=6.0, top=False, pad=1.0)
+    bar.ax.minorticks_off()
