@@ -23,12 +23,12 @@ from tribo.accuracy.comparison import Accuracy, strictest
 from tribo.accuracy.encounter_estimate import steps_towards
 from tribo.accuracy.scales import first_step, unit_step
 from tribo.integrators import methods
-from tribo.kernels.records import OSCILLATOR_FREQUENCY
 from tribo.model.scene import Scene
 from tribo.model.settings import check_accuracy
 from tribo.run.layout import Layout
 from tribo.run.pair_adapter import has_pair_loop
 from tribo.run.resolution import (
+    bath_frequency,
     corrugation_frequency,
     longest_kick,
     pendulum_frequency,
@@ -264,7 +264,7 @@ def workload(layout: Layout) -> Workload:
     return Workload(
         radians=scene.duration / unit_step(layout),
         steps=max(steps_towards(layout), float(scene.times.size)),
-        fast=FAST * _fast_radians(layout),
+        fast=FAST * scene.duration * bath_frequency(layout),
         rough=bool(np.isfinite(scene.smoothness)),
     )
 
@@ -281,13 +281,6 @@ def evaluations(name: str, rate: Rate, work: Workload, accuracy: float) -> float
     if not methods.METHODS[name].splits:
         return max(count, work.fast)
     return max(count, at_accuracy(*WITH_FAST_BATH[name])) if count < work.fast else count
-
-
-def _fast_radians(layout: Layout) -> float:
-    """The phase of the fastest oscillator of any bath at the end of the run."""
-    baths = (layout.model.bath, layout.model.torsional)
-    fastest = [float(np.max(bath[OSCILLATOR_FREQUENCY])) for bath in baths if bath is not None]
-    return layout.scene.duration * max(fastest, default=0.0)
 
 
 def _oscillators(scene: Scene) -> int:

@@ -8,7 +8,7 @@ from tribo.accuracy.scales import FLOOR, ToleranceScales, tolerances, unit_step
 from tribo.integrators.methods import Method
 from tribo.run.integrate import Integration, Setting
 from tribo.run.layout import Layout
-from tribo.run.resolution import spring_frequency
+from tribo.run.resolution import bath_frequency, spring_frequency
 
 # Level of the fine run relative to the coarse ones.  Their difference exceeds the error of the
 # fine run by about the inverse of this.  Errors of adaptive steps differ by chance, so that two
@@ -53,16 +53,32 @@ def setting_at(
     """
     if method.adaptive:
         return tolerances(layout, scales, level, near)
-    springs = spring_frequency(layout)
-    unit = min(unit_step(layout), 1.0 / springs if springs > 0.0 else np.inf)
-    return unit * level ** (1.0 / method.order)
+    return _unit(layout) * level ** (1.0 / method.order)
 
 
 def equal_steps(layout: Layout, method: Method, level: float) -> float:
     """Number of equal steps of a run; 0 for a method that chooses its steps."""
     if method.adaptive:
         return 0.0
-    return layout.scene.duration / (unit_step(layout) * level ** (1.0 / method.order))
+    return layout.scene.duration / (_unit(layout) * level ** (1.0 / method.order))
+
+
+def coarsest_level(layout: Layout, method: Method) -> float:
+    """The coarsest level, whose equal steps turn the fastest oscillator of a bath by one radian.
+
+    Splitting methods advance oscillators exactly.  Others with longer steps damp a fast one or let
+    it grow, at all levels alike, so that differences do not show their errors.
+    """
+    fastest = 0.0 if method.adaptive or method.splits else bath_frequency(layout)
+    if fastest == 0.0:
+        return 1.0
+    return float(min(1.0, 1.0 / (fastest * _unit(layout))) ** method.order)
+
+
+def _unit(layout: Layout) -> float:
+    """The equal step of level 1: pendulums and springs turn by one radian at most."""
+    springs = spring_frequency(layout)
+    return min(unit_step(layout), 1.0 / springs if springs > 0.0 else np.inf)
 
 
 def work(layout: Layout, run: Integration) -> float:

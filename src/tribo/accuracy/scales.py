@@ -9,13 +9,12 @@ import numpy as np
 
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.kinematics import bob_velocity
-from tribo.kernels.records import OSCILLATOR_FREQUENCY
 from tribo.run.batch import Batch
 from tribo.run.layout import Layout
 from tribo.run.ledger import Ledger
 from tribo.run.motion import Motion, internal_energy, swing_direction
 from tribo.run.quantities import ASPERITE_QUANTITIES, OPTIONAL_QUANTITIES, QUANTITIES
-from tribo.run.resolution import pendulum_frequency
+from tribo.run.resolution import bath_frequency, pendulum_frequency
 from tribo.run.samples import Samples
 
 # The distance from 1 to the next double.
@@ -319,10 +318,8 @@ def _positive(values: np.ndarray) -> np.ndarray:
 def first_step(layout: Layout) -> float:
     """The first step: short against the run and the period of every pendulum and oscillator."""
     a = layout.together.asperites
-    fastest = float(np.max(np.sqrt(a.kappa * np.maximum(1.0 / a.inertia, 1.0 / a.i2))))
-    for oscillators in (layout.model.bath, layout.model.torsional):
-        if oscillators is not None:
-            fastest = max(fastest, float(np.max(oscillators[OSCILLATOR_FREQUENCY])))
+    pendulum = float(np.max(np.sqrt(a.kappa * np.maximum(1.0 / a.inertia, 1.0 / a.i2))))
+    fastest = max(pendulum, bath_frequency(layout))
     return min(0.05 / fastest if fastest > 0.0 else np.inf, 1e-3 * layout.scene.duration)
 
 

@@ -25,7 +25,15 @@ from tribo.accuracy.comparison import (
     strictest,
 )
 from tribo.accuracy.estimate import excess_of_request
-from tribo.accuracy.levels import NEAR, equal_steps, fine_level, finest_level, setting_at, work
+from tribo.accuracy.levels import (
+    NEAR,
+    coarsest_level,
+    equal_steps,
+    fine_level,
+    finest_level,
+    setting_at,
+    work,
+)
 from tribo.accuracy.scales import (
     EPSILON,
     first_guess,
@@ -163,7 +171,7 @@ def find_settings(
     """
     search = _Search(layout, method, accuracy, stops, attempt)
     level = FIRST * method.first_level * strictest(accuracy)
-    level = min(max(level, finest_level(method)), 1.0)
+    level = min(max(level, finest_level(method)), coarsest_level(layout, method))
     if not search.run_pilot(level):
         return search.found()
     for _ in range(ROUNDS):

@@ -1,4 +1,4 @@
-"""The frequencies that a step of a splitting method has to resolve."""
+"""The frequencies that steps have to resolve."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from tribo.integrators.methods import Method
 from tribo.integrators.splitting import Splitting
-from tribo.kernels.records import FREQUENCY, INERTIA, L1, L2, MASS, PULLED
+from tribo.kernels.records import FREQUENCY, INERTIA, L1, L2, MASS, OSCILLATOR_FREQUENCY, PULLED
 from tribo.model.fields import Corrugation
 from tribo.run.force_records import stiffness_at_bars
 from tribo.run.layout import Layout
@@ -35,6 +35,13 @@ def spring_frequency(layout: Layout) -> float:
         columns = layout.places.columns
         stiffness += 2.0 * stiffness_at_bars(springs, layout.model.drive.shape[1])[columns]
     return float(np.sqrt(np.max(stiffness * _mobility(layout))))
+
+
+def bath_frequency(layout: Layout) -> float:
+    """The angular frequency of the fastest oscillator of any bath [rad / time]; 0 without one."""
+    baths = (layout.model.bath, layout.model.torsional)
+    fastest = [float(np.max(bath[OSCILLATOR_FREQUENCY])) for bath in baths if bath is not None]
+    return max(fastest, default=0.0)
 
 
 def corrugation_frequency(layout: Layout) -> float:
