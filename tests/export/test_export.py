@@ -13,18 +13,18 @@ from tribo.validation import InputError
 
 @pytest.fixture(scope="module")
 def result():
-    scene = replace(paper.scene("C"), output=tribo.Output(samples=5001), duration=50.0)
+    scene = replace(paper.scene("C"), output=tribo.Output(samples=2001), duration=50.0)
     return tribo.simulate(scene, accuracy=1e-8)
 
 
 @pytest.mark.parametrize("suffix", ["traj", "extxyz"])
 def test_atoms_through_a_file(result, suffix, tmp_path):
     images = result.to_ase({"upper": "Si"})
-    assert len(images) == 5001
-    ase.io.write(tmp_path / f"run.{suffix}", images[::1000])
+    assert len(images) == 2001
+    ase.io.write(tmp_path / f"run.{suffix}", images[::400])
     back = ase.io.read(tmp_path / f"run.{suffix}", ":")
     assert [atoms.get_chemical_formula() for atoms in back] == ["SiX3"] * 6
-    for k, atoms in zip(range(0, 5001, 1000), back, strict=True):
+    for k, atoms in zip(range(0, 2001, 400), back, strict=True):
         upper, lower = result["upper"], result["lower"]
         assert atoms.positions[0, 0] == pytest.approx(upper.x_bob[k, 0], abs=1e-7)
         assert atoms.positions[3, 1] == pytest.approx(lower.y_bar[k, 0], abs=1e-7)
@@ -41,13 +41,13 @@ def test_velocities_and_forces_are_derivatives(result):
     """Velocities are those of the positions; the power of the forces is the loss of energy."""
     images = result.to_ase()
     dt = result.t[1] - result.t[0]
-    k = 2000
+    k = 800
     moved = (images[k + 1].positions - images[k - 1].positions) / (2.0 * dt)
-    assert images[k].get_velocities() == pytest.approx(moved, abs=1e-5)
+    assert images[k].get_velocities() == pytest.approx(moved, abs=2e-4)
     assert np.abs(moved).max() > 0.1
     power = np.sum(images[k].get_forces() * images[k].get_velocities())
     energy = [atoms.get_potential_energy() for atoms in (images[k - 1], images[k + 1])]
-    assert power == pytest.approx((energy[0] - energy[1]) / (2.0 * dt), rel=1e-3)
+    assert power == pytest.approx((energy[0] - energy[1]) / (2.0 * dt), rel=3e-3)
     assert abs(power) > 1e-4
     assert np.all(images[k].get_forces()[images[k].arrays["is_bar"]] == 0.0)
 
