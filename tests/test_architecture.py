@@ -53,6 +53,7 @@ def of_this_package(name):
 ORDER = [
     "cli",
     "commands",
+    "doctor",
     "paper",
     "report_card",
     "atlas",
@@ -62,6 +63,7 @@ ORDER = [
     "explanation",
     "viewer",
     "scene_options",
+    "export",
     "plotting",
     "simulation",
     "prepared",
@@ -73,6 +75,7 @@ ORDER = [
     "potentials",
     "plugins",
     "kernels",
+    "starters",
     "files",
     "progress",
     "interrupts",

@@ -9,6 +9,7 @@ import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from tribo.doctor import add_doctor
 from tribo.files import checked_target
 from tribo.interrupts import COMPLETED, STOPPED, answer, report_by
 from tribo.progress import Reported
@@ -25,6 +26,7 @@ from tribo.scene_options import (
     split,
     with_samples,
 )
+from tribo.starters.command_line import add_new
 from tribo.validation import InputError, TriboWarning
 
 if TYPE_CHECKING:
@@ -59,6 +61,9 @@ def _parser() -> argparse.ArgumentParser:
     _add_check(commands.add_parser("check", help="test a potential and print a report card"))
     _add_atlas(commands.add_parser("atlas", help="run hard scenes and compare with references"))
     _add_view(commands.add_parser("view", help="write a page that plays a run in a browser"))
+    _add_plot(commands.add_parser("plot", help="draw the file of a run in one figure"))
+    add_new(commands.add_parser("new", help="print or write a commented scene file to start from"))
+    add_doctor(commands.add_parser("doctor", help="print versions, cores, cache and speed"))
     return parser
 
 
@@ -190,6 +195,14 @@ def _add_accuracy(accuracy: argparse.ArgumentParser) -> None:
         "--seconds", type=float, default=30.0, help="time for all runs together (default: 30)"
     )
     accuracy.set_defaults(command=_accuracy)
+
+
+def _add_plot(plot: argparse.ArgumentParser) -> None:
+    plot.add_argument("file", type=Path, metavar="FILE.nc", help="the file of a run")
+    plot.add_argument(
+        "-o", "--out", type=Path, metavar="FIGURE", help="the figure to write (default: FILE.png)"
+    )
+    plot.set_defaults(command=_plot)
 
 
 def _add_check(check: argparse.ArgumentParser) -> None:
@@ -340,6 +353,16 @@ def _view(options: argparse.Namespace) -> int:
         result = load_result(options.scene)
     print(result.to_html(options.out))
     return COMPLETED if result.status == "completed" else STOPPED
+
+
+def _plot(options: argparse.Namespace) -> int:
+    from tribo import plotting
+    from tribo.run.result import load_result
+
+    path = plotting.figure_path("--out", options.out or options.file.with_suffix(".png"))
+    checked_target("--out", path)
+    print(plotting.save(plotting.overview(load_result(options.file)), path))
+    return COMPLETED
 
 
 def _accuracy(options: argparse.Namespace) -> int:

@@ -6,11 +6,17 @@ figure in tribo's style.  `save` writes a figure to a path and returns the path:
     ax = plotting.work_curves(result, span=(10.0, 40.0))
     plotting.save(ax, "works.pdf")
 
+`overview` draws a whole result in one figure, `animate` a moving picture, and `compare` the same
+plot of several results; `Plots` is what ``result.plot`` is.
+
 Functions that add a mark to a figure (`note`, `arrow`, `draw_asperite`) take its Axes first.
 Lengths in drawings are in the scene's units.  Sizes of letters, gaps and margins are in points.
 """
 
+from tribo.plotting.animation import animate
 from tribo.plotting.geometry import AsperiteGeometry, SceneGeometry, scene_geometry, shifted
+from tribo.plotting.overview import overview
+from tribo.plotting.plots import Plots, compare
 from tribo.plotting.series import WORKS, angle_curve, spread, work_curves
 from tribo.plotting.snapshots import draw_asperite, draw_asperites, extent, sequence, snapshot
 from tribo.plotting.style import (
@@ -24,6 +30,7 @@ from tribo.plotting.style import (
     axes,
     drawing_axes,
     drawing_on,
+    figure_path,
     frame,
     note,
     save,
@@ -41,17 +48,22 @@ __all__ = [
     "WIDE",
     "WORKS",
     "AsperiteGeometry",
+    "Plots",
     "SceneGeometry",
     "angle_curve",
+    "animate",
     "arrow",
     "axes",
+    "compare",
     "draw_asperite",
     "draw_asperites",
     "drawing_axes",
     "drawing_on",
     "extent",
+    "figure_path",
     "frame",
     "note",
+    "overview",
     "save",
     "scene_geometry",
     "sequence",

@@ -61,19 +61,20 @@ def angle_curve(
 def work_curves(
     result: Result,
     surface: str = "upper",
-    asperite: int = 0,
+    asperite: int | None = 0,
     span: tuple[float, float] | None = None,
     ax: Axes | None = None,
 ) -> Axes:
-    """Draw the works on an asperite over time, pseudoworks dashed.
+    """Draw the works on an asperite or on a surface over time, pseudoworks dashed.
 
     Works that are zero throughout are left out, and so is the total pseudowork.
 
     Parameters
     ----------
     result : Result
-    surface, asperite : str, int
-        The asperite.
+    surface : str
+    asperite : int or None
+        None for the sums over all asperites of the surface.
     span : tuple of float, optional
         Times between which curves are shown; labels stand at the later one [time].  All without it.
     ax : matplotlib.axes.Axes, optional
@@ -87,26 +88,25 @@ def work_curves(
     Raises
     ------
     InputError
-        The result has no works of single asperites.
+        The result has no works, or none of single asperites.
     """
     from matplotlib.ticker import MaxNLocator
 
     ledger = result.scene.output.ledger
-    if ledger != "asperites":
+    if ledger == "none" or (asperite is not None and ledger != "asperites"):
         raise must_be("output.ledger", '"asperites" for works of single asperites', ledger)
-    series = result[surface]
+    series = works_of(result, surface, asperite)
     span = span or (float(result.t[0]), float(result.t[-1]))
     lines: dict[str, Line2D] = {}
     with drawing_on(ax, COLUMN, 0.72 * COLUMN) as ax:
         for suffix, ending in (("", ""), ("_ps", r"{,}{\rm ps}")):
             for work, (subscript, colour) in WORKS.items():
                 name = work + suffix
-                if name == "w_ps" or name not in series or not np.any(series[name][:, asperite]):
+                if name == "w_ps" or name not in series or not np.any(series[name]):
                     continue
                 look: dict[str, Any] = {"linestyle": (0, (4, 2))} if suffix else {}
                 look |= {"linewidth": 1.6, "zorder": 3} if name == "w" else {}
-                values = series[name][:, asperite]
-                (line,) = ax.plot(result.t, values, color=colour, label=name, **look)
+                (line,) = ax.plot(result.t, series[name], color=colour, label=name, **look)
                 lines[f"$w_{{{subscript}{ending}}}$"] = line
         ax.axhline(0.0, color="0.6", linewidth=0.5, zorder=0)
         ax.set_xlabel("$t$")
@@ -116,6 +116,16 @@ def work_curves(
         if lines:
             _label_ends(ax, lines, span[1])
     return ax
+
+
+def works_of(result: Result, surface: str, asperite: int | None) -> dict[str, np.ndarray]:
+    """Works and pseudoworks by name, (times,): of one asperite, or summed over the surface."""
+    series = result[surface]
+    names = [work + suffix for work in WORKS for suffix in ("", "_ps")]
+    found = {name: series[name] for name in names if name in series}
+    if asperite is not None:
+        return {name: values[:, asperite] for name, values in found.items()}
+    return {name: values.reshape(len(result.t), -1).sum(axis=1) for name, values in found.items()}
 
 
 def _label_ends(ax: Axes, lines: dict[str, Line2D], t: float) -> None:

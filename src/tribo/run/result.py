@@ -20,6 +20,7 @@ from tribo.run import dataset, report
 from tribo.run.friction import BLOCKS, FrictionForce, average
 from tribo.run.identity import Identity, opened
 from tribo.run.ledger import Ledger, Series
+from tribo.run.presentation import Presentation
 from tribo.run.quantities import Table
 from tribo.run.state import State
 from tribo.validation import InputError, as_path
@@ -73,7 +74,7 @@ class Known(Generic[T]):
 
 
 @dataclass(eq=False)
-class Result:
+class Result(Presentation):
     """The result of a run.
 
     ``result["upper"].theta`` is an array (times, asperites) in the scene's units,

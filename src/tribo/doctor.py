@@ -1,0 +1,82 @@
+"""The command `tribo doctor`: versions, the machine, compiled code on disk, the speed of a run."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import platform
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+# Libraries whose versions matter for results and speed.
+LIBRARIES = ("numpy", "numba", "llvmlite", "scipy", "xarray", "h5py", "matplotlib", "ase")
+
+# Work on the upper asperite at the end of the paper's case A [energy].
+KNOWN_WORK = 0.519665
+
+# Accuracy of the run that is compared with it.
+ACCURACY = 1e-8
+
+# Largest difference from the known work: a unit of its last digit.
+TOLERANCE = 1e-6
+
+
+def add_doctor(doctor: argparse.ArgumentParser) -> None:
+    """Add the arguments of `tribo doctor`: none."""
+    doctor.set_defaults(command=_doctor)
+
+
+def _doctor(options: argparse.Namespace) -> int:
+    del options
+    for name, value in (*_versions().items(), *_machine().items()):
+        print(f"{name:<12} {value}")
+    healthy, report = _known_run()
+    print(f"{'known run':<12} {report}")
+    return 0 if healthy else 1
+
+
+def _versions() -> dict[str, str]:
+    """The versions of this package, of Python and of the libraries."""
+    found = {}
+    for name in ("tribo", *LIBRARIES):
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            found[name] = "is missing: pip install tribo again"
+    return {"python": platform.python_version()} | found
+
+
+def _machine() -> dict[str, str]:
+    """Processor, cores that this process may use, and compiled code on disk."""
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    folders = _code_folders()
+    code = [file for folder in folders for file in folder.glob("*.nbc")]
+    size = sum(file.stat().st_size for file in code) / 1e6
+    where = os.path.commonpath(folders) if folders else "nowhere"
+    return {
+        "system": f"{platform.system()} {platform.machine()}",
+        "cores": str(cores),
+        "cache": f"{len(code)} compiled functions, {size:.1f} MB, below {where}",
+    }
+
+
+def _code_folders() -> list[Path]:
+    """The folders with compiled code: those that NUMBA_CACHE_DIR says, or beside the sources."""
+    root = Path(os.environ.get("NUMBA_CACHE_DIR") or Path(__file__).parent)
+    return sorted({file.parent for file in root.rglob("*.nbc")})
+
+
+def _known_run() -> tuple[bool, str]:
+    """Whether the paper's case A gives its known work, and its times in words."""
+    from tribo.paper import scene
+    from tribo.simulation import simulate
+
+    result = simulate(scene("A"), accuracy=ACCURACY)
+    work = float(result.end["surfaces"]["upper"]["w"][0])
+    healthy = abs(work - KNOWN_WORK) < TOLERANCE
+    agrees = "agrees with" if healthy else "DIFFERS from"
+    cost = result.cost
+    return healthy, (
+        f"case A in {1e3 * cost.wall_seconds:.3g} ms, {cost.compile_seconds:.2g} s to compile or "
+        f"load; its work {work:.6f} {agrees} {KNOWN_WORK}"
+    )

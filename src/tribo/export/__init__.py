@@ -1,0 +1,1 @@
+"""Results in the forms of other libraries: ASE's atoms, pandas' tables."""

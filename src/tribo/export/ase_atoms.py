@@ -1,0 +1,144 @@
+"""A run as a list of ASE's Atoms, for its tools and for programs that read its formats.
+
+A. H. Larsen et al., J. Phys.: Condens. Matter 29 (2017) 273002.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from ase import Atoms
+from ase.calculators.singlepoint import SinglePointCalculator
+from ase.data import atomic_numbers
+
+from tribo.model.surface import Surface
+from tribo.run.contact_probe import ContactProbe
+from tribo.run.result import Result
+from tribo.validation import InputError, must_be
+
+# The element of bars, and of bobs whose species is no element: ASE's placeholder.
+PLACEHOLDER = "X"
+
+# The points of an asperite, each of which is an atom, and its mass.
+POINTS = {"bob": "m1", "bar": "m2"}
+
+
+def to_ase(result: Result, symbols: Mapping[str, str] | None = None) -> list[Atoms]:
+    """A run as one Atoms for each sample: the bobs of all surfaces, then the bars.
+
+    Numbers are those of the scene: its unit of length is read as Angstrom, its unit of energy as
+    eV, its unit of mass as u.  ASE's unit of time, A sqrt(u/eV), follows from these and is then the
+    scene's.
+
+    Parameters
+    ----------
+    result : Result
+    symbols : mapping of str to str, optional
+        Elements of the bobs by surface.  Without it a bob's species, if that is an element, else
+        "X", as for bars.
+
+    Returns
+    -------
+    list of ase.Atoms
+        Each has positions, masses, velocities, charges (`get_initial_charges`), the contact energy
+        (`get_potential_energy`) and contact forces f1 (`get_forces`; none act on bars).  Tags
+        number the surfaces; the array "is_bar" tells bars from bobs; "theta" and "phi" are the
+        angles of the asperite [rad]; a .traj file drops these
+        three.  `info` has the time and the series of the system.
+
+    Raises
+    ------
+    InputError
+        If a symbol is no element, a surface does not exist, a calculator of the scene fails, or the
+        run was too large to keep the places of single asperites.
+    """
+    surfaces = result.scene.surfaces
+    elements = _elements(surfaces, dict(symbols or {}))
+    parts = {point: [_motion(result, s, point) for s in surfaces] for point in POINTS}
+    joined = [np.concatenate(parts[point], axis=1) for point in POINTS]
+    positions, velocities = np.split(np.concatenate(joined, axis=1), 2, axis=2)
+    forces, charges = _contact_forces(result, joined[0][:, :, :3])
+    values = [s.asperite.for_each(s.count) for s in surfaces]
+    tags = np.concatenate([np.full(s.count, k) for k, s in enumerate(surfaces)])
+    masses = np.concatenate([value[mass] for mass in POINTS.values() for value in values])
+    angles = {
+        name: np.concatenate([result[s.name][name] for s in surfaces], axis=1)
+        for name in ("theta", "phi")
+    }
+    images = []
+    for k, t in enumerate(result.t):
+        atoms = Atoms(
+            elements,
+            positions=positions[k],
+            velocities=velocities[k],
+            masses=masses,
+            charges=np.concatenate([charges, np.zeros(len(tags))]),
+            tags=np.tile(tags, 2),
+            cell=_cell(result),
+            pbc=_periodic(result),
+            info={"time": float(t)} | {name: float(v[k]) for name, v in result.system.items()},
+        )
+        atoms.set_array("is_bar", np.repeat([False, True], len(tags)))
+        for name, value in angles.items():
+            atoms.set_array(name, np.tile(value[k], 2))
+        energy = float(result.system["contact_energy"][k])
+        atoms.calc = SinglePointCalculator(atoms, energy=energy, forces=forces[k])
+        images.append(atoms)
+    return images
+
+
+def _elements(surfaces: tuple[Surface, ...], symbols: dict[str, str]) -> list[str]:
+    """The elements of all bobs, and the placeholder of all bars."""
+    names = [surface.name for surface in surfaces]
+    for name, symbol in symbols.items():
+        if name not in names:
+            raise must_be("symbols", f"of the surfaces {', '.join(names)}", name)
+        if symbol not in atomic_numbers:
+            raise must_be(f"symbols[{name!r}]", "the symbol of an element", symbol)
+    bobs = [
+        symbols.get(surface.name, str(species))
+        for surface in surfaces
+        for species in surface.species_of_each
+    ]
+    known = [bob if bob in atomic_numbers else PLACEHOLDER for bob in bobs]
+    return [*known, *[PLACEHOLDER] * len(bobs)]
+
+
+def _motion(result: Result, surface: Surface, point: str) -> np.ndarray:
+    """(times, n, 6) positions and velocities of a point of each asperite of a surface.
+
+    A point of a pendulum turns about its centre of mass: v = v_cm + omega x (r - r_cm).
+    """
+    series = result[surface.name]
+    if len(series["theta"]) != len(result.t):
+        raise InputError("output.samples", "must be fewer, to keep the places of single asperites")
+    x, y = series[f"x_{point}"], series[f"y_{point}"]
+    motion = np.zeros((*x.shape, 6))
+    motion[..., 0], motion[..., 1], motion[..., 2] = x, y, surface.resting_bobs()[:, 2]
+    motion[..., 3] = series["vx_cm"] - series["omega"] * (y - series["y_cm"])
+    motion[..., 4] = series["vy_cm"] + series["omega"] * (x - series["x_cm"])
+    return motion
+
+
+def _contact_forces(result: Result, bobs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(times, 2 n, 3) contact forces on bobs, and zero on bars; charges of the bobs (n,)."""
+    forces = np.zeros((len(bobs), 2 * bobs.shape[1], 3))
+    probe = ContactProbe(result.scene)
+    if result.scene.interactions:
+        places = bobs - np.append(probe.layout.origin, 0.0)
+        places[..., 2] = probe.depths
+        _, found = probe(places, np.tile(probe.charges, (len(bobs), 1)))
+        forces[:, : bobs.shape[1], :2] = found
+    return forces, np.array(probe.charges)
+
+
+def _cell(result: Result) -> tuple[float, float, float]:
+    """Lengths of the cell: the periods of the scene, and zero where there is none."""
+    periodic = result.scene.periodic
+    return (periodic.x or 0.0, 0.0, periodic.z or 0.0) if periodic else (0.0, 0.0, 0.0)
+
+
+def _periodic(result: Result) -> tuple[bool, bool, bool]:
+    x, y, z = _cell(result)
+    return (x > 0.0, y > 0.0, z > 0.0)

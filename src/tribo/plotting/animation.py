@@ -1,0 +1,188 @@
+"""Moving pictures of a result: the asperites above, the works with their values below."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tribo.files import checked_target, replace_file
+from tribo.plotting.picture import Picture, pose
+from tribo.plotting.plots import typical_swing
+from tribo.plotting.series import WORKS, works_of
+from tribo.plotting.style import EDGE, INK, POINTS_PER_INCH, frame, style
+from tribo.run.result import Result
+from tribo.validation import InputError, as_path, integer
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+# Names of files end on one of these, each with matplotlib's writer for it.
+WRITERS = {".gif": "pillow", ".mp4": "ffmpeg"}
+
+# Width of the picture, and height of the curves below it [inch].
+WIDTH, CURVES = 6.0, 1.9
+
+# Least and largest height of the part where asperites move [inch].
+MOTION = (1.0, 3.4)
+
+# Works that are drawn, each with its pseudowork: those of the forces and their sum.
+DRAWN = ("w1", "w2", "w")
+
+
+def animate(
+    result: Result,
+    path: str | Path,
+    frames: int = 120,
+    rate: int = 20,
+    surface: str | None = None,
+    dpi: int = 100,
+) -> Path:
+    """Write a moving picture of the run: GIF, or MP4 where ffmpeg is installed.
+
+    Parameters
+    ----------
+    result : Result
+    path : str or Path
+        The file, which is replaced if it exists; its name ends on .gif or .mp4.
+    frames : int
+        Pictures, evenly spaced in time; at most one for each sample.
+    rate : int
+        Pictures a second.
+    surface : str, optional
+        The surface whose works are shown, summed over its asperites; the first without it.
+    dpi : int
+        Pixels an inch; the picture is 6 inches wide.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    InputError
+        If the name ends otherwise, ffmpeg is missing, the file cannot be written, or the run was
+        too large to keep the places of its asperites.
+    """
+    from matplotlib.animation import writers
+
+    path = as_path(path)
+    kind = path.suffix.lower()
+    if kind not in WRITERS:
+        raise InputError("path", f"must end on {' or '.join(WRITERS)}, got {str(path)!r}")
+    if not writers.is_available(WRITERS[kind]):
+        raise InputError("path", f"{kind} needs {WRITERS[kind]}, which is not installed; use .gif")
+    integer("frames", frames, 2, 100_000)
+    integer("rate", rate, 1, 1000)
+    checked_target("path", path)
+    samples = np.unique(np.linspace(0, len(result.t) - 1, frames).round().astype(int))
+    with style(), tempfile.TemporaryDirectory() as folder:
+        film = Film(result, surface or result.scene.surfaces[0].name)
+        written = Path(folder) / f"film{kind}"
+        _write(film, samples, writers[WRITERS[kind]](fps=rate), written, dpi)
+        replace_file(path, written.read_bytes())
+    return path
+
+
+def _write(film: Film, samples: np.ndarray, writer: Any, path: Path, dpi: int) -> None:
+    """Write the pictures one after the other, with a progress bar on a terminal."""
+    from tqdm.auto import tqdm
+
+    with writer.saving(film.figure, os.fspath(path), dpi):
+        for sample in tqdm(samples, disable=None, leave=False, unit="picture"):
+            film.show(int(sample))
+            writer.grab_frame()
+
+
+class Film:
+    """A figure of the asperites and of their works up to a sample.
+
+    Parameters
+    ----------
+    result : Result
+    surface : str
+        The surface whose works are shown.
+
+    Attributes
+    ----------
+    figure : matplotlib.figure.Figure
+    lines : dict of str to matplotlib.lines.Line2D
+        The work of each name, up to the sample shown.
+    """
+
+    def __init__(self, result: Result, surface: str) -> None:
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+
+        self._result = result
+        boxes = np.array([pose(result, k).box for k in _some(len(result.t))])
+        lows, highs = boxes.min(axis=0), boxes.max(axis=0)
+        box = (float(lows[0]), float(highs[1]), float(lows[2]), float(highs[3]))
+        ideal = WIDTH * (box[3] - box[2]) / (box[1] - box[0]) + 0.3
+        height = float(np.clip(ideal, *MOTION))
+        self.figure: Figure = Figure(figsize=(WIDTH, height + CURVES))
+        FigureCanvasAgg(self.figure)
+        total = height + CURVES
+        above = self.figure.add_axes((0.0, CURVES / total, 1.0, height / total))
+        above.set_axis_off()
+        frame(above, box, bottom=2 * EDGE, top=2 * EDGE, left=3 * EDGE, right=3 * EDGE)
+        scale = min(WIDTH / (box[1] - box[0]), height / (box[3] - box[2])) * POINTS_PER_INCH
+        self._picture = Picture(above, result, scale, typical_swing(result))
+        self._clock = above.text(0.01, 0.98, "", transform=above.transAxes, va="top")
+        below = self.figure.add_axes((0.09, 0.44 / total, 0.62, (CURVES - 0.54) / total))
+        self._works = _named_works(result, surface)
+        self.lines = _curves(below, result, self._works)
+        (self._now,) = below.plot([], [], color=INK, linewidth=0.6)
+        below.set_ylabel(f"work on {surface}" if self._works else "")
+        self._values = {
+            name: self.figure.text(
+                0.74, (CURVES - 0.24 - 0.22 * row) / total, "", color=self.lines[name].get_color()
+            )
+            for row, name in enumerate(self._works)
+        }
+        self._limits = below.get_ylim()
+
+    def show(self, sample: int) -> None:
+        """Show the run at a sample."""
+        t = self._result.t
+        self._picture.show(sample)
+        self._clock.set_text(f"$t$ = {t[sample]:.4g}")
+        self._now.set_data([t[sample]] * 2, self._limits)
+        for name, values in self._works.items():
+            self.lines[name].set_data(t[: sample + 1], values[: sample + 1])
+            self._values[name].set_text(f"{_symbol(name)} = {values[sample]: .4f}")
+
+
+def _some(samples: int) -> np.ndarray:
+    """At most 50 of the samples, the first and the last among them."""
+    return np.unique(np.linspace(0, samples - 1, min(samples, 50)).astype(int))
+
+
+def _named_works(result: Result, surface: str) -> dict[str, np.ndarray]:
+    """The works that are drawn, by name, of a surface; none where they are not kept."""
+    works = works_of(result, surface, None)
+    return {name: works[name] for work in DRAWN for name in (work, f"{work}_ps") if name in works}
+
+
+def _curves(ax: Axes, result: Result, works: dict[str, np.ndarray]) -> dict[str, Any]:
+    """Faint curves of all times, and a line for each that `show` fills."""
+    lines = {}
+    for name, values in works.items():
+        look: dict[str, Any] = {"color": WORKS[name.removesuffix("_ps")][1]}
+        look |= {"linestyle": (0, (4, 2))} if name.endswith("_ps") else {}
+        ax.plot(result.t, values, alpha=0.2, **look)
+        (lines[name],) = ax.plot([], [], label=name, **look)
+    ax.set_xlim(result.t[0], result.t[-1])
+    ax.set_xlabel("$t$", labelpad=1.0)
+    return lines
+
+
+def _symbol(name: str) -> str:
+    subscript = WORKS[name.removesuffix("_ps")][0]
+    parts = [part for part in (subscript, r"{\rm ps}" if name.endswith("_ps") else "") if part]
+    return f"$w_{{{','.join(parts)}}}$" if parts else "$w$"

@@ -1,0 +1,54 @@
+"""One figure of a whole result, as `tribo plot` draws it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from tribo.plotting.plots import Plots
+from tribo.plotting.style import style
+from tribo.run.result import Result
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+# Width and height of the figure [inch].
+SIZE = (7.0, 7.6)
+
+
+def overview(result: Result) -> Figure:
+    """Draw snapshots, works on the first surface, energies, angles and phases of a result.
+
+    Parameters
+    ----------
+    result : Result
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    InputError
+        The run was too large to keep the places of single asperites.
+    """
+    from matplotlib.figure import Figure
+
+    with style():
+        figure = Figure(figsize=SIZE, layout="constrained")
+        figure.suptitle(result.scene.title)
+        places = figure.subplot_mosaic(
+            [["snapshots", "snapshots"], ["work", "energies"], ["angles", "phase"]],
+            height_ratios=(1.5, 1.0, 1.0),
+        )
+        plots = Plots(result)
+        plots.energy_budget(ax=places["energies"])
+        plots.angles(ax=places["angles"])
+        plots.phase(ax=places["phase"])
+        if result.scene.output.ledger != "none":
+            plots.work(ax=places["work"])
+        figure.draw_without_rendering()  # lays out the Axes, whose sizes snapshots need
+        plots.snapshots(ax=places["snapshots"])
+        for name in ("snapshots", "work"):
+            if not places[name].lines:  # no curves
+                places[name].set_axis_off()
+    return figure

@@ -1,0 +1,147 @@
+"""All asperites at one sample, few in detail and many as points, in a drawing that can move."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from tribo.model.surface import Surface
+from tribo.plotting.style import INK
+from tribo.run.result import Result
+from tribo.validation import InputError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.collections import PathCollection
+
+# Above this number of asperites, bobs alone are drawn: bars and rods would cover one another.
+MOST_DETAILED = 120
+
+# Displacement in the drawing for a depth of 1, to the right and upward (oblique projection).
+OBLIQUE = np.array([0.35, 0.2])
+
+# Colours of bars, rods and bobs: by where the surface faces.
+COLOURS = {"down": "#3f74b5", "up": "#6b7280"}
+ROD_COLOUR, BOB_COLOUR = "#b98a2f", "#f3c969"
+
+# Colours of the swing of many bobs, from the most negative to the most positive.
+SWING_COLOURS = "coolwarm"
+
+# Diameter of a bob, widths of a bar and of a rod [rod length].
+BOB, BAR, ROD = 0.2, 0.1, 0.05
+
+
+class Pose(NamedTuple):
+    """Places of all asperites at one sample, those of one surface after those of another.
+
+    Attributes
+    ----------
+    bars, bobs : ndarray, (n, 2)
+        Centres in the drawing [length].
+    ends : ndarray, (n, 2, 2)
+        Left and right end of each bar [length].
+    swing : ndarray, (n,)
+        Angle of the pendulum from its rest [rad].
+    """
+
+    bars: np.ndarray
+    bobs: np.ndarray
+    ends: np.ndarray
+    swing: np.ndarray
+
+    @property
+    def box(self) -> tuple[float, float, float, float]:
+        """Left, right, bottom and top of all bars and bobs."""
+        points = np.concatenate([self.ends.reshape(-1, 2), self.bobs])
+        (left, bottom), (right, top) = points.min(axis=0), points.max(axis=0)
+        return float(left), float(right), float(bottom), float(top)
+
+
+def pose(result: Result, sample: int) -> Pose:
+    """The asperites at a sample, those at a depth shifted to the right and upward.
+
+    Raises
+    ------
+    InputError
+        The run was too large to keep the places of single asperites.
+    """
+    parts = [_pose(result, surface, sample) for surface in result.scene.surfaces]
+    return Pose(*map(np.concatenate, zip(*parts, strict=True)))
+
+
+def _pose(result: Result, surface: Surface, sample: int) -> Pose:
+    series = result[surface.name]
+    if len(series["theta"]) != len(result.t):
+        raise InputError("output.samples", "must be fewer, to keep the places of single asperites")
+    shift = surface.resting_bobs()[:, 2:] * OBLIQUE
+    bars, bobs = (
+        np.stack([series[f"{axis}_{point}"][sample] for axis in "xy"], axis=1) + shift
+        for point in ("bar", "bob")
+    )
+    phi = series["phi"][sample]
+    half = 0.5 * surface.asperite.for_each(surface.count)["bar_length"][:, None]
+    half = half * np.stack([np.cos(phi), np.sin(phi)], axis=1)
+    ends = np.stack([bars - half, bars + half], axis=1)
+    return Pose(bars, bobs, ends, series["theta"][sample] - surface.rest - phi)
+
+
+class Picture:
+    """A drawing of all asperites of a result, which can be moved from sample to sample.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+        Where to draw.  Its limits stay as they are.
+    result : Result
+    scale : float
+        Size of one unit of length in the drawing [points].
+    swing : float
+        The least swing that has the strongest colour where asperites are many [rad].
+    """
+
+    def __init__(self, ax: Axes, result: Result, scale: float, swing: float) -> None:
+        from matplotlib.collections import LineCollection
+
+        self._result = result
+        surfaces = result.scene.surfaces
+        facing = np.concatenate([[s.facing] * s.count for s in surfaces])
+        rods = np.concatenate([s.asperite.for_each(s.count)["length"] for s in surfaces])
+        self._is_detailed = facing.size <= MOST_DETAILED
+        size = float(np.median(rods)) * scale
+        marks: dict[str, Any] = {"linewidth": 0.5, "edgecolors": INK, "color": BOB_COLOUR}
+        if self._is_detailed:
+            empty: list[np.ndarray] = []
+            self._rods = LineCollection(empty, linewidths=max(0.6, ROD * size), colors=ROD_COLOUR)
+            colours = [COLOURS[each] for each in facing]
+            self._bars = LineCollection(empty, linewidths=max(1.0, BAR * size), colors=colours)
+            for lines, order in ((self._rods, 2.1), (self._bars, 2.2)):
+                ax.add_collection(lines, autolim=False)
+                lines.set_zorder(order)
+        else:
+            marks = {
+                "linewidth": 0.2,
+                "edgecolors": "0.5",
+                "cmap": SWING_COLOURS,
+                "vmin": -swing,
+                "vmax": swing,
+            }
+            marks["c"] = np.zeros(facing.size)
+        nothing = np.zeros(facing.size)
+        diameter = max(1.5 if not self._is_detailed else 2.5, BOB * size)
+        self._bobs = ax.scatter(nothing, nothing, s=diameter**2, zorder=2.3, **marks)
+
+    @property
+    def colours(self) -> PathCollection | None:
+        """What a colour bar of the swing needs; None where bobs have no colours."""
+        return None if self._is_detailed else self._bobs
+
+    def show(self, sample: int, shift: tuple[float, float] = (0.0, 0.0)) -> None:
+        """Move all asperites to their places at a sample, displaced by `shift` [length]."""
+        now = pose(self._result, sample)
+        self._bobs.set_offsets(now.bobs + shift)
+        if self._is_detailed:
+            self._bars.set_segments(list(now.ends + shift))
+            self._rods.set_segments(list(np.stack([now.bars, now.bobs], axis=1) + shift))
+        else:
+            self._bobs.set_array(now.swing)

@@ -1,0 +1,329 @@
+"""Plots of a whole result: lines for few asperites, bands and points for many."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tribo.model.surface import Surface
+from tribo.plotting.picture import Picture, pose
+from tribo.plotting.series import work_curves
+from tribo.plotting.style import (
+    COLUMN,
+    EDGE,
+    INK,
+    POINTS_PER_INCH,
+    WIDE,
+    drawing_on,
+    figure_of,
+    note,
+    point_length,
+    time_labels,
+)
+from tribo.run.result import Result
+from tribo.validation import InputError, must_be
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.collections import PathCollection
+
+# Above this number of asperites of a surface, angles are a band rather than lines.
+MOST_LINES = 6
+
+# Percentiles of the asperites between which a band lies.
+BAND = (5.0, 95.0)
+
+# Most paths of a phase plot: more cover one another.
+MOST_PATHS = 200
+
+# Colours of surfaces, and of the series of an energy budget, one after the other.
+CYCLE = ("#0b62a4", "#d55e00", "#2fae8c", "#7d2f86", "#8a6f00", "#c2185b", "#607d8b")
+
+# Widths of lines, one surface after the other: equal curves are both seen [points].
+WIDTHS = (2.6, 1.0)
+
+# Width of lines where there is one surface, and of all paths in a phase plot [points].
+WIDTH, PATH_WIDTH = 1.1, 0.7
+
+# Line styles of the results of a comparison, one after the other.
+DASHES: tuple[Any, ...] = ("-", (0, (4, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)))
+
+# Height of a graph over its width.
+ASPECT = 0.66
+
+# Distance between two snapshots [points].
+GAP = 9.0
+
+# Margin for times left of snapshots [points].
+MARGIN = 50.0
+
+# Height that the colours of many asperites take below snapshots [points].
+BAR_ROOM = 30.0
+
+# Percentile of the magnitudes of swings that has the strongest colour.
+STRONGEST = 99.0
+
+
+class Plots:
+    """The plots of a result.  Each takes ``ax=None`` and returns the Axes.
+
+    Parameters
+    ----------
+    result : Result
+    label : str
+        What stands before the names of lines in legends.
+    linestyle : str or tuple
+        Line style of matplotlib.
+    """
+
+    def __init__(self, result: Result, label: str = "", linestyle: Any = "-") -> None:
+        self._result = result
+        self._label = label
+        self._line = {"linestyle": linestyle}
+
+    def angles(self, ax: Axes | None = None) -> Axes:
+        """Draw swings (angles of pendulums from rest) over time [rad].
+
+        A surface of more than 6 asperites has the median and a band from the 5th to the 95th
+        percentile.
+        """
+        result, surfaces = self._result, self._result.scene.surfaces
+        with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
+            for k, (colour, surface) in enumerate(zip(_colours(), surfaces, strict=False)):
+                swing = _swing(result, surface)
+                look: dict[str, Any] = {"linewidth": self._width(k)} | self._line
+                look |= {"color": colour, "label": self._named(surface.name)}
+                if surface.count <= MOST_LINES:
+                    for line in ax.plot(result.t, swing, **look)[1:]:
+                        line.set_label("_")
+                    continue
+                low, middle, high = np.percentile(swing, [BAND[0], 50.0, BAND[1]], axis=1)
+                ax.plot(result.t, middle, **look)
+                ax.fill_between(result.t, low, high, color=colour, alpha=0.2, linewidth=0.0)
+            self._over_time(ax, "swing (rad)")
+        return ax
+
+    def work(
+        self, surface: str | None = None, asperite: int | None = None, ax: Axes | None = None
+    ) -> Axes:
+        """Draw the works on a surface over time, or those on one asperite; pseudoworks are dashed.
+
+        Parameters
+        ----------
+        surface : str, optional
+            The first without it.
+        asperite : int, optional
+            All together without it.
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; a new figure without it.
+        """
+        return work_curves(self._result, self._surface(surface), asperite, ax=ax)
+
+    def energy_budget(self, ax: Axes | None = None) -> Axes:
+        """Draw the work that is put in over time, and the energies that it became.
+
+        The changes of contact, bulk kinetic and internal energy add up to the change of the total
+        energy, which equals the applied work, unless there are fields.
+        """
+        with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
+            curves = _budget(self._result)
+            first = self._result.scene.surfaces[0].name
+            for colour, (name, values) in zip((INK, *_colours()), curves.items(), strict=False):
+                wide = name == "applied work" or name.endswith(f", {first}")
+                look: dict[str, Any] = {"linewidth": self._width(0 if wide else 1)} | self._line
+                ax.plot(self._result.t, values, color=colour, label=self._named(name), **look)
+            self._over_time(ax, "energy")
+        return ax
+
+    def phase(self, ax: Axes | None = None) -> Axes:
+        """Draw the angular velocity of pendulums over their swing.
+
+        Of a surface with more than 200 asperites, 200 are drawn.
+        """
+        result, surfaces = self._result, self._result.scene.surfaces
+        with drawing_on(ax, COLUMN, 0.8 * COLUMN) as ax:
+            for k, (colour, surface) in enumerate(zip(_colours(), surfaces, strict=False)):
+                shown = np.unique(
+                    np.linspace(0, surface.count - 1, min(surface.count, MOST_PATHS)).astype(int)
+                )
+                swing = _swing(result, surface)[:, shown]
+                rate = result[surface.name].omega[:, shown]
+                faint = max(0.08, min(1.0, 4.0 / len(shown)))
+                look: dict[str, Any] = {"color": colour, "alpha": faint} | self._line
+                look["linewidth"] = PATH_WIDTH * self._width(k)
+                ax.plot(swing, rate, **look)
+                ax.plot(swing[-1], rate[-1], "o", color=colour, markersize=2.5)
+                ax.plot([], [], color=colour, label=self._named(surface.name), **self._line)
+            ax.set(xlabel="swing (rad)", ylabel=r"$\omega$ (rad / time)")
+            _legend(ax)
+        return ax
+
+    def snapshots(self, times: Sequence[float] | None = None, ax: Axes | None = None) -> Axes:
+        """Draw all asperites at several times below one another.
+
+        More than 120 asperites are drawn as their bobs alone, coloured by swing.
+
+        Parameters
+        ----------
+        times : sequence of float, optional
+            Each means the nearest sample [time].  Four from start to end without it.
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; a new figure without it.
+
+        Raises
+        ------
+        InputError
+            A time is not in the run.
+        """
+        result = self._result
+        samples = [nearest_sample(result, t) for t in _times(result, times)]
+        boxes = np.array([pose(result, k).box for k in samples])
+        left, right = boxes[:, 0].min(), boxes[:, 1].max()
+        is_given = ax is not None
+        with drawing_on(ax, WIDE) as ax:
+            point = point_length(ax, (left, right, 0.0, 0.0), left=MARGIN)
+            if is_given:  # it may be too low to be filled in its width
+                room = ax.bbox.height / ax.figure.dpi * POINTS_PER_INCH - BAR_ROOM
+                heights = float((boxes[:, 3] - boxes[:, 2]).sum())
+                point = max(point, heights / max(1.0, room - GAP * len(samples)))
+            swing, floor = typical_swing(result), 0.0
+            for k, box, label in zip(
+                samples, boxes, time_labels(result.t[samples].tolist()), strict=True
+            ):
+                picture = Picture(ax, result, 1.0 / point, swing)
+                picture.show(k, (0.0, floor - box[3]))
+                middle = floor - 0.5 * (box[3] - box[2])
+                note(ax, (left - (MARGIN - EDGE) * point, middle), label, ha="left", va="center")
+                floor -= box[3] - box[2] + GAP * point
+            if picture.colours is not None:
+                floor -= (BAR_ROOM - GAP) * point
+                place = (left + 0.6 * (right - left), floor + 16.0 * point)
+                _colour_bar(ax, picture.colours, place, 0.4 * (right - left), 4.0 * point)
+            ax.set_xlim(left - MARGIN * point, right + EDGE * point)
+            ax.set_ylim(floor, EDGE * point)
+            ax.set_aspect("equal")
+        return ax
+
+    def _surface(self, name: str | None) -> str:
+        names = [surface.name for surface in self._result.scene.surfaces]
+        if name is not None and name not in names:
+            raise must_be("surface", f"one of {', '.join(names)}", name)
+        return name or names[0]
+
+    def _named(self, name: str) -> str:
+        return f"{self._label}: {name}" if self._label else name
+
+    def _over_time(self, ax: Axes, ylabel: str) -> None:
+        ax.axhline(0.0, color="0.6", linewidth=0.5, zorder=0)
+        ax.set(xlabel="$t$", ylabel=ylabel)
+        ax.set_xlim(self._result.t[0], self._result.t[-1])
+        _legend(ax)
+
+    def _width(self, index: int) -> float:
+        return WIDTHS[index % 2] if len(self._result.scene.surfaces) > 1 else WIDTH
+
+
+def compare(
+    results: Mapping[str, Result], kind: str = "energy_budget", ax: Axes | None = None
+) -> Axes:
+    """Draw the same plot of several results in one figure, each with a line style of its own.
+
+    Parameters
+    ----------
+    results : mapping of str to Result
+        Results by the names that legends show.
+    kind : str
+        "angles", "energy_budget" or "phase".
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; a new figure without it.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Raises
+    ------
+    InputError
+        If there is no plot of this kind, or no result.
+
+    Examples
+    --------
+    ``plotting.compare({"soft": one, "stiff": other}, "angles")``
+    """
+    if kind not in (kinds := ("angles", "energy_budget", "phase")):
+        raise must_be("kind", f"one of {', '.join(kinds)}", kind)
+    if not 1 <= len(results) <= len(DASHES):
+        raise must_be("results", f"1 to {len(DASHES)} results", len(results))
+    with drawing_on(ax, WIDE, ASPECT * WIDE) as ax:
+        for dashes, (label, result) in zip(DASHES, results.items(), strict=False):
+            getattr(Plots(result, label, dashes), kind)(ax=ax)
+        if kind != "phase":
+            ax.set_xlim(
+                min(r.t[0] for r in results.values()), max(r.t[-1] for r in results.values())
+            )
+    return ax
+
+
+def nearest_sample(result: Result, t: float) -> int:
+    """The sample whose time is nearest.  Raises InputError for a time outside of the run."""
+    if not result.t[0] <= t <= result.t[-1]:
+        raise InputError("times", f"must be from {result.t[0]:g} to {result.t[-1]:g}, got {t}")
+    return int(np.argmin(np.abs(result.t - t)))
+
+
+def typical_swing(result: Result) -> float:
+    """The swing that 99 % of all swings in the run do not exceed, at least 1e-9 [rad]."""
+    swings = [np.abs(_swing(result, surface)).ravel() for surface in result.scene.surfaces]
+    return max(1e-9, float(np.nanpercentile(np.concatenate(swings), STRONGEST)))
+
+
+def _legend(ax: Axes) -> None:
+    """Names of all lines above the graph, clear of the curves."""
+    ax.legend(
+        loc="lower center",
+        bbox_to_anchor=(0.5, 1.0),
+        ncols=3,
+        frameon=False,
+        fontsize=7.5,
+        borderaxespad=0.2,
+        columnspacing=1.2,
+    )
+
+
+def _times(result: Result, times: Sequence[float] | None) -> Sequence[float]:
+    return np.linspace(result.t[0], result.t[-1], 4).tolist() if times is None else times
+
+
+def _swing(result: Result, surface: Surface) -> np.ndarray:
+    """(times, asperites) angles of pendulums from their rest, relative to the bars [rad]."""
+    series = result[surface.name]
+    return np.asarray(series.theta - surface.rest - series.phi)
+
+
+def _colours() -> tuple[str, ...]:
+    return CYCLE * 8
+
+
+def _budget(result: Result) -> dict[str, np.ndarray]:
+    """The work put in, and the changes of energies, by name; energies that never change are out."""
+    system = result.system
+    curves = {"applied work": system["applied_work"]} if "applied_work" in system else {}
+    contact = system["contact_energy"]
+    changes = {"contact energy": contact - contact[0]}
+    for name, block in result.ledger.blocks.items():
+        changes[f"kinetic, {name}"] = block["delta_K"]
+        changes[f"internal, {name}"] = block["delta_E_int"]
+    return curves | {name: values for name, values in changes.items() if np.any(values)}
+
+
+def _colour_bar(
+    ax: Axes, colours: PathCollection, place: tuple[float, float], width: float, height: float
+) -> None:
+    """Draw the scale of the swings in a box, whose place and size are in the units of `ax`."""
+    inset = ax.inset_axes((*place, width, height), transform=ax.transData)
+    bar = figure_of(ax).colorbar(colours, cax=inset, orientation="horizontal", extend="both")
+    bar.set_label("swing (rad)", fontsize=7.0, labelpad=0.0)
+    bar.ax.tick_params(labelsize=6.0, top=False, pad=1.0)
+    bar.ax.minorticks_off()

@@ -1,0 +1,70 @@
+"""Atoms of ASE and tables of pandas have the numbers of the result, also from files."""
+
+from dataclasses import replace
+
+import ase.io
+import numpy as np
+import pytest
+
+import tribo
+from tribo import paper
+from tribo.validation import InputError
+
+
+@pytest.fixture(scope="module")
+def result():
+    scene = replace(paper.scene("C"), output=tribo.Output(samples=2001), duration=50.0)
+    return tribo.simulate(scene, accuracy=1e-8)
+
+
+@pytest.mark.parametrize("suffix", ["traj", "extxyz"])
+def test_atoms_through_a_file(result, suffix, tmp_path):
+    images = result.to_ase({"upper": "Si"})
+    assert len(images) == 2001
+    ase.io.write(tmp_path / f"run.{suffix}", images[::400])
+    back = ase.io.read(tmp_path / f"run.{suffix}", ":")
+    assert [atoms.get_chemical_formula() for atoms in back] == ["SiX3"] * 6
+    for k, atoms in zip(range(0, 2001, 400), back, strict=True):
+        upper, lower = result["upper"], result["lower"]
+        assert atoms.positions[0, 0] == pytest.approx(upper.x_bob[k, 0], abs=1e-7)
+        assert atoms.positions[3, 1] == pytest.approx(lower.y_bar[k, 0], abs=1e-7)
+        assert atoms.get_masses() == pytest.approx([4.0, 4.0, 8.0, 8.0])
+        assert atoms.get_initial_charges() == pytest.approx([1.0, 1.0, 0.0, 0.0])
+        energy = result.system["contact_energy"][k]
+        assert atoms.get_potential_energy() == pytest.approx(energy, abs=1e-7)
+        if suffix == "extxyz":  # .traj drops arrays that ASE does not know
+            angles = np.tile([upper.theta[k, 0], lower.theta[k, 0]], 2)
+            assert atoms.arrays["theta"] == pytest.approx(angles, abs=1e-7)
+
+
+def test_velocities_and_forces_are_derivatives(result):
+    """Velocities are those of the positions; the power of the forces is the loss of energy."""
+    images = result.to_ase()
+    dt = result.t[1] - result.t[0]
+    k = 800
+    moved = (images[k + 1].positions - images[k - 1].positions) / (2.0 * dt)
+    assert images[k].get_velocities() == pytest.approx(moved, abs=2e-4)
+    assert np.abs(moved).max() > 0.1
+    power = np.sum(images[k].get_forces() * images[k].get_velocities())
+    energy = [atoms.get_potential_energy() for atoms in (images[k - 1], images[k + 1])]
+    assert power == pytest.approx((energy[0] - energy[1]) / (2.0 * dt), rel=3e-3)
+    assert abs(power) > 1e-4
+    assert np.all(images[k].get_forces()[images[k].arrays["is_bar"]] == 0.0)
+
+
+def test_wrong_symbols(result):
+    with pytest.raises(InputError, match=r"symbols\['upper'\]: must be the symbol of an element"):
+        result.to_ase({"upper": "Zz"})
+    with pytest.raises(InputError, match="symbols: must be of the surfaces upper, lower"):
+        result.to_ase({"middle": "Si"})
+
+
+def test_tables(result):
+    pytest.importorskip("pandas", reason="xarray brings pandas")
+    table, end = result.to_pandas(), result.end_to_pandas()
+    assert np.array_equal(table["upper", 0, "w1"], result["upper"].w1[:, 0])
+    assert np.array_equal(table["lower", "all", "W"], result["lower"].W)
+    assert np.array_equal(table["system", "all", "applied_work"], result.system["applied_work"])
+    assert np.array_equal(table.index, result.t)
+    assert end.loc[("lower", 0), "theta"] == result["lower"].theta[-1, 0]
+    assert end.shape == (2, 24)

@@ -1,0 +1,132 @@
+"""Plots of whole results show the series of the run, and legibly so where asperites are many."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import tribo
+from tribo import paper, plotting
+from tribo.cli import main
+from tribo.plotting import animation, picture
+from tribo.validation import InputError
+
+KINDS = ("angles", "work", "energy_budget", "phase", "snapshots")
+
+
+@pytest.fixture(scope="module")
+def result():
+    scene = replace(paper.scene("A"), output=tribo.Output(samples=41))
+    return tribo.simulate(scene, accuracy=1e-6)
+
+
+@pytest.fixture(scope="module")
+def many():
+    """A result of 150 asperites on a grid, of which the first angles of each surface are given."""
+    lower = tribo.Surface("lower", facing="up", shape=(50, 3), spacing=(2.0, 1.0), initial=INITIAL)
+    scene = tribo.Scene((lower,), (), 1.0, output=tribo.Output(samples=3))
+    return tribo.simulate(scene, method="verlet", step=0.1)
+
+
+SWINGS = np.linspace(-0.1, 0.3, 150)
+INITIAL = tribo.Initial(swing=SWINGS)
+
+
+def lines_of(ax):
+    return {line.get_label(): line for line in ax.get_lines()}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_axes_are_given_or_made(result, kind, tmp_path):
+    from matplotlib.figure import Figure
+
+    given = Figure().add_subplot()
+    assert getattr(result.plot, kind)(ax=given) is given
+    made = getattr(result.plot, kind)()
+    assert made.figure is not given.figure
+    assert plotting.save(made, tmp_path / "plot.png").stat().st_size > 5000
+
+
+def test_curves_are_the_ledger(result):
+    upper, system = result["upper"], result.system
+    angle = lines_of(result.plot.angles())["lower"].get_ydata()
+    assert np.allclose(angle, result["lower"].theta[:, 0] - np.pi, atol=1e-14)
+    works = lines_of(result.plot.work("upper"))
+    assert np.array_equal(works["w1"].get_ydata(), upper.w1[:, 0])
+    budget = lines_of(result.plot.energy_budget())
+    assert np.array_equal(budget["applied work"].get_ydata(), system["applied_work"])
+    parts = sum(line.get_ydata() for name, line in budget.items() if name[0] in "cki")
+    assert parts == pytest.approx(system["applied_work"], abs=1e-5)
+    phase = result.plot.phase().get_lines()[0]
+    assert np.array_equal(phase.get_ydata(), upper.omega[:, 0])
+
+
+def test_many_asperites_are_bands_and_points(many):
+    """The band and the colours are those of the swings, and there is one mark for each asperite."""
+    ax = many.plot.angles()
+    (band,) = ax.collections
+    low, high = np.percentile(SWINGS, [5.0, 95.0])
+    start = band.get_paths()[0].vertices
+    start = start[start[:, 0] == 0.0, 1]
+    assert (start.min(), start.max()) == pytest.approx((low, high))
+    marks = many.plot.snapshots([0.0]).collections[0]
+    assert np.allclose(marks.get_array(), SWINGS, atol=1e-12)
+    assert len(marks.get_offsets()) == 150
+
+
+def test_depth_is_up_and_to_the_right(many):
+    bobs = picture.pose(many, 0).bobs.reshape(3, 50, 2)
+    rods = 4.0 / 3.0 * np.stack([np.sin(SWINGS), 1 - np.cos(SWINGS)], -1)
+    upright = bobs + rods.reshape(3, 50, 2) * [1.0, 1.0]
+    assert np.diff(upright, axis=0) == pytest.approx(np.broadcast_to([0.35, 0.2], (2, 50, 2)))
+
+
+def test_two_results_in_one_figure(result):
+    other = tribo.simulate(replace(paper.scene("B"), output=tribo.Output(samples=3)), accuracy=1e-6)
+    ax = plotting.compare({"A": result, "B": other}, "angles")
+    lines = lines_of(ax)
+    assert len(lines["A: upper"].get_xdata()) == 41 and not lines["A: upper"].is_dashed()
+    assert len(lines["B: upper"].get_xdata()) == 3 and lines["B: upper"].is_dashed()
+    assert ax.get_xlim() == (0.0, 40.0)
+    with pytest.raises(InputError, match="kind: must be one of angles"):
+        plotting.compare({"A": result}, "nothing")
+    with pytest.raises(InputError, match="surface: must be one of upper, lower"):
+        result.plot.work("middle")
+    with pytest.raises(InputError, match="times: must be from 0 to 40, got 41"):
+        result.plot.snapshots([41.0])
+
+
+def test_film(result, tmp_path):
+    """It has the pictures asked for, and each shows the ledger up to its time."""
+    from PIL import Image
+
+    path = result.animate(tmp_path / "a.gif", frames=3, rate=10, dpi=40)
+    with Image.open(path) as moving:
+        assert moving.n_frames == 3
+        assert moving.size[0] == 240
+    film = animation.Film(result, "upper")
+    film.show(23)
+    assert np.array_equal(film.lines["w1"].get_ydata(), result["upper"].w1[:24, 0])
+    texts = [text.get_text() for text in film.figure.texts]
+    assert f"$w_{{1}}$ = {result['upper'].w1[23, 0]: .4f}" in texts
+
+
+def test_film_that_cannot_be_written(result, tmp_path, monkeypatch):
+    with pytest.raises(InputError, match=r"path: must end on \.gif or \.mp4"):
+        result.animate(tmp_path / "a.avi")
+    with pytest.raises(InputError, match="path: must be in a folder that exists"):
+        result.animate(tmp_path / "none" / "a.gif")
+    monkeypatch.setenv("PATH", str(tmp_path))  # without ffmpeg
+    with pytest.raises(InputError, match=r"path: .mp4 needs ffmpeg, which is not installed"):
+        result.animate(tmp_path / "a.mp4")
+    assert not list(tmp_path.iterdir())
+
+
+def test_command(result, tmp_path, capsys):
+    file = tmp_path / "a.nc"
+    result.save(file)
+    assert main(["plot", str(file)]) == 0
+    assert capsys.readouterr().out == f"{tmp_path / 'a.png'}\n"
+    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+    assert main(["plot", str(file), "-o", str(tmp_path / "a.txt")]) == 2
+    assert "--out: must end on .png" in capsys.readouterr().err
