@@ -62,8 +62,7 @@ def test_closest_bobs_of_lattices():
     ):
         scene = tribo.Scene((upper, lower), interactions, 1.0, periodic=box)
         layout = lay_out(scene)
-        none = np.zeros(1)
-        start = Samples(none, layout.start[None], np.zeros((1, layout.accounts)), none, none, none)
+        start = replace(Samples.at_zero(layout), y=layout.start[None])
         found = closest_bobs(layout, start)
         if expected is None:
             assert found is None

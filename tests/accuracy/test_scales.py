@@ -144,7 +144,7 @@ def test_rounding_of_terms_in_a_fast_frame():
 
 
 def test_diverged_runs_know_nothing():
-    """Where one quantity differs by its scale, each may be off by its own."""
+    """Where one quantity differs by a part of its scale, each may be off by twice its own."""
     scales = Scales(rate=1.0, length=1.0, velocity=1.0, energy=2.0, total=2.0)
 
     def bounds(apart):
@@ -152,7 +152,8 @@ def test_diverged_runs_know_nothing():
         names, tops = ("contact_energy", "applied_work"), np.array([1.0, 1e-6])
         return estimate(names, tops, apart * tops, scales, False, 0.0, {})
 
-    assert bounds(1.0)["applied_work"] == pytest.approx(3.0)
+    assert bounds(10.0)["applied_work"] == pytest.approx(30.0)
+    assert bounds(0.1)["applied_work"] == pytest.approx(4.0)
     assert bounds(1e-3)["applied_work"] == pytest.approx(6e-5, rel=1e-3)
 
 

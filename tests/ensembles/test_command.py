@@ -65,7 +65,8 @@ def test_an_interrupt_keeps_the_file(tmp_path, capsys, monkeypatch):
     command = ["ensemble", str(path), "--vary", "upper.theta=normal(0,0.1)", "-n", "200"]
     command += ["--keep", "upper.w1", "--out", str(out), "--resume"]
     with monkeypatch.context() as context:
-        context.setattr("tribo.commands._ProgressBar.__call__", stop)
+        context.setattr("tribo.progress._is_watched", lambda: True)
+        context.setattr("tribo.progress.ProgressBar.__call__", stop)
         assert main(command) == 1
     assert capsys.readouterr().out.startswith("Interrupted: 64 of 200 members\n64 completed\n")
     assert not out.exists()

@@ -89,7 +89,12 @@ def exact():
     return {mass: end(mass) for mass in (HEAVY, LIGHT)}
 
 
-@pytest.mark.parametrize("name", METHODS)
+# Methods whose step another one shares, with other coefficients; the slow set has them.
+ALIKE = ("rk4", "rkn12", "kahan-li-8", "blanes-moan-6")
+NAMES = [pytest.param(m, marks=[pytest.mark.slow] * (m in ALIKE)) for m in METHODS]
+
+
+@pytest.mark.parametrize("name", NAMES)
 def test_order_of_motion_and_ledger(exact, name):
     """Errors fall as the declared power of the step: of the motion, and of accounts of any kind."""
     method = METHODS[name]

@@ -26,7 +26,7 @@ from tribo import (
 )
 from tribo.accuracy.choose_method import choose
 from tribo.integrators.methods import METHODS
-from tribo.integrators.rotations import rotated, set_rotations
+from tribo.integrators.rotations import changes, set_rotations
 from tribo.integrators.step_control import LARGEST, all_finite
 from tribo.kernels.compiled import shared_kernel
 from tribo.kernels.samples import STORED
@@ -87,7 +87,8 @@ def test_a_stiff_pendulum_is_noted_and_then_refused():
 def rotate(x, rate, frequencies, tau, rotations):
     """The first of the oscillators after tau."""
     set_rotations(frequencies, tau, rotations)
-    return rotated(x, rate, (rotations[0, 0], rotations[1, 0], rotations[2, 0]))
+    dx, change = changes(x, rate, (rotations[0, 0], rotations[1, 0], rotations[2, 0]))
+    return x + dx, rate + change
 
 
 @shared_kernel
@@ -175,7 +176,8 @@ def test_numbers_that_overflow_stop_a_run_without_warnings():
     assert not is_finite(with_spare_lanes(np.array([1.0, np.nan] * LANES)))
     y = np.outer([1.0, 1e200], np.ones(2 * flat.core))
     s, stored = np.ones((2, flat.accounts)), np.zeros((2, 1, STORED))
-    samples = Samples(np.array([0.0, 1.0]), y, s, np.zeros(2), np.zeros(2), stored)
+    baths = np.zeros((2, *flat.sampled_baths))
+    samples = Samples(np.array([0.0, 1.0]), y, s, np.zeros(2), np.zeros(2), stored, baths)
     table = assemble(flat, samples).surfaces["row"]
     assert np.all(np.isfinite(table["theta"]))
     assert np.all(np.isinf(table["delta_e_int"][-1]))

@@ -159,6 +159,7 @@ def stiffened(kappa):
     return {(k, name): v for k, table in enumerate(tables) for name, v in table.items()}
 
 
+@pytest.mark.slow
 def test_rigid_is_the_limit_of_stiff():
     """Differences vanish with 1 / kappa; those that the fast swing makes, with its root."""
     rigid, hard, soft = (stiffened(kappa) for kappa in (math.inf, 1e5, 1e3))
@@ -210,6 +211,7 @@ def test_prandtl_tomlinson(eta):
     assert np.max(np.abs(result["tip"].delta_e_int)) == 0.0
 
 
+@pytest.mark.slow
 def test_frenkel_kontorova():
     """A weak corrugation displaces a chain by its force over K + 2 k (1 - cos q a)."""
     n, spacing, pull, stiffness = 8, 0.625 * PERIOD, 20.0, 15.0  # 8 spacings are 5 periods

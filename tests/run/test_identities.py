@@ -109,7 +109,7 @@ def seen_from(scene, ux, uy):
     )
 
 
-@given(scenes(drive=forced()))
+@given(scenes(drive=forced(), potential=coulombs()))
 def test_forced_pseudowork_is_velocity_times_impulse(scene):
     """w1_ps = v . J, with the impulse J as two observers in motion measure it."""
     result = run(scene)

@@ -243,8 +243,8 @@ def one_by_one():
 
 
 @given(
-    scenes(drive=forced() | rigid() | st.just(DrivenBars()))
-    | scenes(drive=one_by_one(), counts=[1])
+    scenes(drive=forced() | rigid() | st.just(DrivenBars()), potential=coulombs())
+    | scenes(drive=one_by_one(), counts=[1], potential=coulombs())
 )
 def test_time_reversal(scene):
     """Turned back at its end, a scene returns to its start and gives back all works.
@@ -346,7 +346,8 @@ def without_direction():
 
 
 @given(
-    scenes(drive=without_direction()) | lattice_scenes(drive=without_direction(), alike=True),
+    scenes(drive=without_direction(), potential=coulombs())
+    | lattice_scenes(drive=without_direction(), alike=True),
     dyadic(-4.0, 4.0),
 )
 def test_rotation(scene, angle):

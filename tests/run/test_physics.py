@@ -45,6 +45,7 @@ def assert_static_friction(sizes):
         assert together == pytest.approx(n * rows.rigid(n) * one, abs=0.02 * one)
 
 
+@pytest.mark.slow
 def test_friction_of_rows_that_do_not_fit_does_not_add_up():
     assert_static_friction((5, 8, 13, 32))
 

@@ -127,6 +127,7 @@ def test_noise_has_means():
         asking(scene, "forces", ledger="none")
 
 
+@pytest.mark.slow
 def test_reactions_and_rigid_asperites():
     """f2 on driven bars and the ends of rigid asperites balance what acts on them."""
     surfaces = (

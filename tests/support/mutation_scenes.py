@@ -67,6 +67,9 @@ def bath(*oscillators, **others):
     return {"oscillators": [{"mass": mass, "frequency": w} for mass, w in oscillators]} | others
 
 
+# More oscillators than a vector register has lanes.
+MANY = [(0.05, 0.4 * k) for k in range(1, 10)]
+
 SPECIES = [
     COULOMB | {"between": ["upper", "lower"], "species": ["A", "B"]},
     COULOMB | {"between": ["lower", "upper"], "species": ["B", "B"], "strength": 0.3},
@@ -90,7 +93,7 @@ SCENES = {
     ),
     "lattice": scene(
         {"springs": {"stiffness": 1.5, "turned": 0.4}, "bath": bath((0.3, 1.5), (0.2, 2.5))},
-        {"bath": bath((0.4, 2.0))} | TURNING,
+        {"bath": bath(*MANY)} | TURNING,
         field=[CORRUGATION | {"on": ["upper", "lower"]}],
     ),
     "rows": scene(

@@ -12,6 +12,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
+from tribo.accuracy.roundoff import WALK
 from tribo.accuracy.scales import EPSILON, KINDS, Scales, kind_of, largest
 from tribo.run.layout import Layout
 from tribo.run.ledger import Ledger, assemble
@@ -28,13 +29,13 @@ ROUGH = 2.0
 # Fraction of the largest estimate of all, in units of the scales, that is added to each: runs may
 # agree by chance in one quantity.
 POOLED = 0.02
-# Largest estimate, in units of the scales, from which runs count as diverged: then each quantity
-# may be off by as much as the largest.
+# Largest estimate, in units of the scales, from which runs count as diverged.
 DIVERGED = 0.1
+# Bound of each quantity in diverged runs, in units of its scale: two values of at most the scale.
+# Runs that have nothing more in common may be close in all quantities by chance.
+UNRELATED = 2.0
 # Errors that all runs share, in units of the scale: rounding, first steps and iterations.
 ROUNDED = 256.0 * EPSILON
-# Effect of the rounding of a run, in units of sqrt(steps) roundings times the amplification.
-WALK = 2.0
 
 
 def check_observables(layout: Layout, names: Iterable[str], field: str = "accuracy") -> None:
@@ -125,7 +126,7 @@ def estimate(
         beyond = np.where(np.isfinite(gaps), np.maximum(gaps - times * rounded, 0.0), 0.0)
     has_scale = scale > 0.0
     relative = float((beyond[has_scale] / scale[has_scale]).max(initial=0.0))
-    pooled = relative * (1.0 if relative > DIVERGED else POOLED)
+    pooled = max(relative, UNRELATED) if relative > DIVERGED else POOLED * relative
     bounds = gaps + 4.0 * EPSILON * tops + rounded
     # Equal bits in all runs, as of the energy of a first contact, are known to one rounding.
     same = np.where((gaps == 0.0) & (tops > 0.0), EPSILON, 0.0)
