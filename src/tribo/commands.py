@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING
 
 from tribo.doctor import add_doctor
 from tribo.files import checked_target
-from tribo.interrupts import COMPLETED, STOPPED, answer, report_by
-from tribo.progress import Reported
+from tribo.interrupts import COMPLETED, STOPPED
 from tribo.scene_options import (
     add_numerics,
     add_scene,
@@ -30,7 +29,6 @@ from tribo.starters.command_line import add_new
 from tribo.validation import InputError, TriboWarning
 
 if TYPE_CHECKING:
-    from tribo.atlas import Row
     from tribo.run.result import Result
 
 
@@ -284,7 +282,7 @@ def _sweep(options: argparse.Namespace) -> int:
 
 def _ensemble(options: argparse.Namespace) -> int:
     from tribo.ensembles import ensemble
-    from tribo.ensembles.command_line import grid_points, summary, varied
+    from tribo.ensembles.command_line import summary, varied
     from tribo.files import replace_file
 
     if options.resume and (options.out is None or options.keep is None):
@@ -294,19 +292,17 @@ def _ensemble(options: argparse.Namespace) -> int:
     vary = varied(options.vary)
     keep = None if options.keep is None else options.keep.split(",")
     scene = load(options)
-    with Reported(None, options.n or grid_points(vary), "members") as progress:
-        data = ensemble(
-            scene,
-            options.n,
-            vary,
-            options.seed,
-            keep=keep,
-            progress=progress,
-            at=options.at,
-            statistics=options.statistics,
-            out=None if keep is None else options.out,
-            resume=options.resume,
-        )
+    data = ensemble(
+        scene,
+        options.n,
+        vary,
+        options.seed,
+        keep=keep,
+        at=options.at,
+        statistics=options.statistics,
+        out=None if keep is None else options.out,
+        resume=options.resume,
+    )
     if options.out is not None and keep is None:
         replace_file(options.out, bytes(data.to_netcdf(engine="h5netcdf")))
     print(summary(data))
@@ -385,45 +381,9 @@ def _check(options: argparse.Namespace) -> int:
 
 
 def _atlas(options: argparse.Namespace) -> int:
-    from tribo import atlas
+    from tribo.atlas.command_line import run_atlas
 
-    entries = atlas.chosen(options.names)
-    # With --json, the lines show the progress on a terminal.
-    lines = sys.stderr if options.json else sys.stdout
-    shown = not options.json or lines.isatty()
-    rows: list[atlas.Row] = []
-
-    def report() -> None:
-        """Print what was reached where an interrupt ends the program."""
-        print(f"tribo: interrupted after {len(rows)} of {len(entries)} scenes", file=sys.stderr)
-        _print_atlas(options, rows, len(entries))
-
-    report_by(report)
-    if shown:
-        print(atlas.HEAD, file=lines, flush=True)
-    try:
-        for row in map(atlas.row, entries):
-            rows.append(row)
-            if shown:
-                print(row, file=lines, flush=True)
-    except KeyboardInterrupt:
-        answer()
-        report()
-        return STOPPED
-    return _print_atlas(options, rows, len(entries))
-
-
-def _print_atlas(options: argparse.Namespace, rows: list[Row], count: int) -> int:
-    """Print the rows of `count` scenes, or how many ended as declared; the exit status."""
-    from tribo import atlas
-    from tribo.run.result import without_nan
-
-    declared = sum(row.as_declared for row in rows)
-    if options.json:
-        print(json.dumps(without_nan(atlas.table(rows)), indent=1, allow_nan=False), flush=True)
-    else:
-        print(f"{declared} of {count} scenes as declared", flush=True)
-    return COMPLETED if declared == count else STOPPED
+    return run_atlas(options)
 
 
 def _parameter(text: str) -> tuple[str, object]:

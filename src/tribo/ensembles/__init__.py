@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,6 +20,7 @@ from tribo.ensembles.runner import Runner
 from tribo.ensembles.sampling import Sampler, sampled
 from tribo.ensembles.single_runs import planned
 from tribo.model.scene import Scene
+from tribo.progress import Reported, Shown
 from tribo.validation import InputError, integer, short_repr
 
 if TYPE_CHECKING:
@@ -38,7 +39,7 @@ def ensemble(
     half_width: Mapping[str, float] | None = None,
     method: str | None = None,
     step: float | None = None,
-    progress: Callable[[int], None] | None = None,
+    progress: Shown = None,
     keep: Sequence[str] | None = None,
     threads: int | None = None,
     at: str = "end",
@@ -75,8 +76,9 @@ def ensemble(
         It determines the number of members.
     method, step
         As for :func:`prepare`.  Required where no accuracy of single runs can be kept.
-    progress : callable, optional
-        Called with the number of members that have been run.
+    progress : callable or bool, optional
+        Called with the number of members that have been run; or whether a bar is shown: by default
+        on a terminal and in a notebook, after a second.
     keep : sequence of str, optional
         Quantities of each member that are kept, and nothing else: "upper.w1" or "contact_energy".
         It makes the members of a scene of one asperite on one run thousands of times faster.
@@ -139,11 +141,12 @@ def ensemble(
         _check_alone("half_width", half_width, "keep")
         what = Wanted(keep, at, statistics, out, resume)
         simulation = planned(what.scene(scene), method, step)
-        return kept_ensemble(simulation, variation, most, what, engine, threads, progress)
+        with Reported(progress, most, "members") as report:
+            return kept_ensemble(simulation, variation, most, what, engine, threads, report)
     Wanted.check_absent(at, statistics, out, resume)
-    return means(
-        Runner(planned(scene, method, step), variation, engine, progress), wanted, most, began
-    )
+    simulation = planned(scene, method, step)
+    with Reported(progress, most, "members") as report:
+        return means(Runner(simulation, variation, engine, report), wanted, most, began)
 
 
 def _check_alone(field: str, value: object, other: str) -> None:

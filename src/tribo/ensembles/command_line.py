@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -68,13 +68,6 @@ def varied(texts: Sequence[str]) -> dict[str, Source]:
     if axes and len(axes) < len(sources):
         raise InputError("--vary", "cannot mix grid(...) with distributions")
     return dict(grid(axes)) if axes else dict(sources)
-
-
-def grid_points(vary: Mapping[str, Source]) -> int:
-    """The number of points of a grid; 0 if there is none."""
-    return max(
-        (source.size for source in vary.values() if isinstance(source, np.ndarray)), default=0
-    )
 
 
 def _varied(text: str) -> tuple[str, Distribution | np.ndarray]:

@@ -154,7 +154,7 @@ def _single(scene: Scene, names: Sequence[str]) -> Found:
 
 def _several(scene: Scene, names: Sequence[str], group: Members) -> Found:
     """An ensemble."""
-    data = ensemble(scene, group.number, group.vary, group.seed, keep=list(names))
+    data = ensemble(scene, group.number, group.vary, group.seed, progress=False, keep=list(names))
     if data.attrs["status"] == Status.INTERRUPTED:
         return Found(Found.INTERRUPTED)
     others = [str(status) for status in data["status"].values if status != Status.COMPLETED]

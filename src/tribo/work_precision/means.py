@@ -176,7 +176,7 @@ def means_precision(
     members, began = FEWEST, time.perf_counter()
     try:
         while not rows or time.perf_counter() - began + RATIO * rows[-1].seconds < seconds:
-            data = ensemble(scene, members)
+            data = ensemble(scene, members, progress=False)
             if data.attrs["status"] != Status.COMPLETED:
                 raise KeyboardInterrupt
             evaluations = members * first.cost.force_evaluations
