@@ -1,0 +1,50 @@
+"""The command `tribo atlas`."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+
+from tribo.atlas.entries import chosen
+from tribo.atlas.rows import HEAD, Row, row, table
+from tribo.interrupts import COMPLETED, STOPPED, answer, report_by
+from tribo.run.result import without_nan
+
+
+def run_atlas(options: argparse.Namespace) -> int:
+    """Run the scenes and print the table; the exit status."""
+    entries = chosen(options.names)
+    # With --json, the lines show the progress on a terminal.
+    lines = sys.stderr if options.json else sys.stdout
+    shown = not options.json or lines.isatty()
+    rows: list[Row] = []
+
+    def report() -> None:
+        """Print what was reached where an interrupt ends the program."""
+        print(f"tribo: interrupted after {len(rows)} of {len(entries)} scenes", file=sys.stderr)
+        _print(options, rows, len(entries))
+
+    report_by(report)
+    if shown:
+        print(HEAD, file=lines, flush=True)
+    try:
+        for one in map(row, entries):
+            rows.append(one)
+            if shown:
+                print(one, file=lines, flush=True)
+    except KeyboardInterrupt:
+        answer()
+        report()
+        return STOPPED
+    return _print(options, rows, len(entries))
+
+
+def _print(options: argparse.Namespace, rows: list[Row], count: int) -> int:
+    """Print the rows of `count` scenes, or how many ended as declared; the exit status."""
+    declared = sum(one.as_declared for one in rows)
+    if options.json:
+        print(json.dumps(without_nan(table(rows)), indent=1, allow_nan=False), flush=True)
+    else:
+        print(f"{declared} of {count} scenes as declared", flush=True)
+    return COMPLETED if declared == count else STOPPED
