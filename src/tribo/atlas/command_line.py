@@ -6,19 +6,18 @@ import argparse
 import json
 import sys
 
-from tribo.atlas.entries import chosen
-from tribo.atlas.rows import HEAD, Row, row, table
+from tribo import atlas
 from tribo.interrupts import COMPLETED, STOPPED, answer, report_by
 from tribo.run.result import without_nan
 
 
 def run_atlas(options: argparse.Namespace) -> int:
     """Run the scenes and print the table; the exit status."""
-    entries = chosen(options.names)
+    entries = atlas.chosen(options.names)
     # With --json, the lines show the progress on a terminal.
     lines = sys.stderr if options.json else sys.stdout
     shown = not options.json or lines.isatty()
-    rows: list[Row] = []
+    rows: list[atlas.Row] = []
 
     def report() -> None:
         """Print what was reached where an interrupt ends the program."""
@@ -27,9 +26,9 @@ def run_atlas(options: argparse.Namespace) -> int:
 
     report_by(report)
     if shown:
-        print(HEAD, file=lines, flush=True)
+        print(atlas.HEAD, file=lines, flush=True)
     try:
-        for one in map(row, entries):
+        for one in map(atlas.row, entries):
             rows.append(one)
             if shown:
                 print(one, file=lines, flush=True)
@@ -40,11 +39,11 @@ def run_atlas(options: argparse.Namespace) -> int:
     return _print(options, rows, len(entries))
 
 
-def _print(options: argparse.Namespace, rows: list[Row], count: int) -> int:
+def _print(options: argparse.Namespace, rows: list[atlas.Row], count: int) -> int:
     """Print the rows of `count` scenes, or how many ended as declared; the exit status."""
     declared = sum(one.as_declared for one in rows)
     if options.json:
-        print(json.dumps(without_nan(table(rows)), indent=1, allow_nan=False), flush=True)
+        print(json.dumps(without_nan(atlas.table(rows)), indent=1, allow_nan=False), flush=True)
     else:
         print(f"{declared} of {count} scenes as declared", flush=True)
     return COMPLETED if declared == count else STOPPED
