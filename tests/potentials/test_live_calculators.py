@@ -30,6 +30,7 @@ def same(one: tribo.Result, other: tribo.Result, bound: float) -> None:
     assert np.allclose(one.system["contact_energy"], other.system["contact_energy"], atol=bound)
 
 
+@pytest.mark.slow
 def test_a_pairwise_calculator_is_its_potential():
     """ASE's Lennard-Jones between surfaces, cutoff far away, is tribo's own."""
     calculator = LennardJonesOfASE(epsilon=EPSILON, sigma=SIGMA, rc=1e4)

@@ -199,6 +199,7 @@ FLAWS = {
 }
 
 
+@pytest.mark.slow
 def test_no_flaw():
     assert failed(check(Flawed())) == set()
 

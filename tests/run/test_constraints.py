@@ -84,6 +84,7 @@ def test_work_of_the_reaction_is_velocity_times_impulse():
     )
 
 
+@pytest.mark.slow
 def test_driven_bars_are_heavy_bars():
     """A forced bar that is too heavy to be moved leads the same pendulum."""
 

@@ -61,6 +61,7 @@ def results() -> dict[str, tribo.Result]:
     return {kind: tribo.simulate(encounter(kind), accuracy=1e-8) for kind in kinds}
 
 
+@pytest.mark.slow
 def test_accuracy(results):
     """What is kept is within the estimates, by the general loop."""
     whole = results["asperites"]

@@ -110,7 +110,12 @@ def test_contact_within_alone():
     assert_agrees(scene)
 
 
-@pytest.mark.parametrize("method", [m.name for m in METHODS.values() if m.adaptive])
+# Explicit or implicit; the other two are in the slow set.
+ADAPTIVE = ["rkn8", "gauss-radau-15"]
+ADAPTIVE += [pytest.param(m, marks=pytest.mark.slow) for m in ("dop853", "rkn12")]
+
+
+@pytest.mark.parametrize("method", ADAPTIVE)
 def test_methods_that_choose_their_steps(method):
     """Each of them, on a scene with every effect at once."""
     assert_agrees(rich_scene(1), method)
