@@ -13,7 +13,7 @@ import pytest
 from support import judge
 from support.mutants import mutants
 from support.package import SOURCE
-from support.survivors import EQUIVALENT, NEEDS_COMPILER, OPEN
+from support.survivors import EQUIVALENT, NEEDS_COMPILER
 
 PATTERNS = [
     "integrators/*.py",
@@ -61,16 +61,11 @@ def candidates(file):
 
 
 def sampled():
-    """The sample without equivalents, with those marked that no check catches yet.
-
-    An equivalent costs all checks that reach it, and is in the slow set only.
-    """
-    not_yet = pytest.mark.xfail(strict=True, reason="no check catches it yet")
+    """The sample without equivalents: these cost all checks, and are in the slow set only."""
     for file in FILES:
         for mutant in candidates(file):
             if mutant.draw <= SAMPLE and str(mutant) not in EQUIVALENT:
-                marks = [not_yet] if str(mutant) in OPEN else []
-                yield pytest.param(mutant, id=str(mutant), marks=marks)
+                yield pytest.param(mutant, id=str(mutant))
 
 
 @pytest.fixture(scope="module")
@@ -103,13 +98,13 @@ def test_sampled_mutant_is_caught(worker, mutant):
 def test_all_mutants_are_caught(worker, file):
     """The mutants that are left are those of the tables."""
     left = {str(mutant) for mutant in candidates(file) if not caught(worker, mutant)}
-    known = {text for text in (*EQUIVALENT, *OPEN) if text.startswith(f"{file}: ")}
+    known = {text for text in EQUIVALENT if text.startswith(f"{file}: ")}
     assert left == known
 
 
 def test_tables_name_mutants():
     """No entry of a table has been left behind by a change of the source."""
     texts = {str(mutant) for file in FILES for mutant in mutants(file)}
-    assert set(EQUIVALENT) | OPEN <= texts
+    assert set(EQUIVALENT) <= texts
     functions = {mutant.function for file in FILES for mutant in mutants(file)}
     assert NEEDS_COMPILER.keys() <= functions

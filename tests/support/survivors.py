@@ -45,9 +45,6 @@ EQUIVALENT = {
     ),
 }
 
-# Results, costs or statuses may change, and no check notices: each of these is a gap.
-OPEN: set[str] = set()
-
 # Functions that uncompiled code cannot reach -> where they are tested.
 NEEDS_COMPILER = {
     "call_calculator": "tests/potentials/test_live_calculators.py",
