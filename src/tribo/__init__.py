@@ -47,6 +47,7 @@ if TYPE_CHECKING:
     from tribo.prepared import Simulation
     from tribo.report_card import check
     from tribo.run.friction import FrictionForce
+    from tribo.run.relax import NoEquilibriumError, relax
     from tribo.run.result import Result, load_result
     from tribo.run.state import State
     from tribo.simulation import prepare, simulate
@@ -88,6 +89,7 @@ _HOME = {
     "Mie": "tribo.potentials",
     "Morse": "tribo.potentials",
     "Numerics": "tribo.model.settings",
+    "NoEquilibriumError": "tribo.run.relax",
     "Output": "tribo.model.settings",
     "Periodic": "tribo.model.interaction",
     "periodic_rows": "tribo.model.rows",
@@ -95,6 +97,7 @@ _HOME = {
     "prepare": "tribo.simulation",
     "Pulled": "tribo.model.drives",
     "Pushed": "tribo.model.drives",
+    "relax": "tribo.run.relax",
     "Result": "tribo.run.result",
     "Roughness": "tribo.model.roughness",
     "Scene": "tribo.model.scene",

@@ -1,6 +1,7 @@
-"""Contacts evaluated at given positions of the bobs: nothing moves."""
+"""Contacts, distances and accelerations at given positions: nothing moves."""
 
 from tribo.kernels.contact import contact_energy, contact_forces, separation
+from tribo.kernels.equations_of_motion import equations_of_motion, update_neighbours
 from tribo.kernels.neighbours import image
 from tribo.kernels.records import CHARGE, FX, FY, X, Y, Z
 
@@ -36,3 +37,14 @@ def distance_probe(model, positions, i, distances):
         dx = image(positions[i, 0] - positions[j, 0], model.box, 0)
         dz = image(positions[i, 2] - positions[j, 2], model.box, 1)
         distances[j] = separation(dx, positions[i, 1] - positions[j, 1], dz)
+
+
+def acceleration_probe(model, neighbours, t, q, v, acceleration):
+    """Compute q'' of all coordinates.
+
+    Returns whether the neighbour list had room; q'' is not set otherwise.
+    """
+    if not update_neighbours(model, neighbours, t, q):
+        return False
+    equations_of_motion(model, neighbours, t, q, v, acceleration)
+    return True

@@ -10,8 +10,8 @@ from tribo.kernels.records import CHARGE
 from tribo.model.scene import Scene
 from tribo.plugins import sources
 from tribo.plugins.compile_errors import compiling
+from tribo.run.contacts import raise_calculator_errors
 from tribo.run.layout import lay_out
-from tribo.validation import InputError
 
 
 class ContactProbe:
@@ -77,10 +77,7 @@ class ContactProbe:
                 energies,
                 forces,
             )
-        for call in self.layout.calculator_calls:
-            if call.error is not None:
-                problem = f"the calculator raises {type(call.error).__name__}: {call.error}"
-                raise InputError("potential", problem)
+        raise_calculator_errors(self.layout.calculator_calls)
         return energies, forces
 
     def distances(self, positions: np.ndarray, bob: int) -> np.ndarray:

@@ -11,7 +11,7 @@ from tribo.model.scene import Scene
 from tribo.potentials import Coulomb, as_potential
 from tribo.potentials.from_ase import Call, Live, ZeroForce, elements
 from tribo.potentials.registry import complete
-from tribo.validation import inside
+from tribo.validation import InputError, inside
 
 # How much farther than the largest cutoff a neighbour list reaches, relative to the cutoff: longer
 # lists cost more in each evaluation, shorter ones have to be rebuilt more often.
@@ -109,6 +109,14 @@ def with_room(neighbours: Neighbours | None) -> Neighbours | None:
     return neighbours._replace(
         index=np.zeros(room, np.int64), place=np.full_like(neighbours.place, np.nan)
     )
+
+
+def raise_calculator_errors(calls: tuple[Call, ...]) -> None:
+    """Raise InputError for an error that a calculator raised when kernels called it."""
+    for call in calls:
+        if call.error is not None:
+            problem = f"the calculator raises {type(call.error).__name__}: {call.error}"
+            raise InputError("potential", problem)
 
 
 def calculator_calls(scene: Scene, depths: list[np.ndarray]) -> tuple[Call, ...]:

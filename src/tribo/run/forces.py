@@ -19,11 +19,10 @@ from tribo.plugins.compile_errors import compiling
 from tribo.plugins.sources import source_stamp
 from tribo.run.accounts import Integrals
 from tribo.run.batch import Batch
-from tribo.run.contacts import with_room
+from tribo.run.contacts import raise_calculator_errors, with_room
 from tribo.run.entry import Entry
 from tribo.run.layout import Layout
 from tribo.run.samples import Samples
-from tribo.validation import InputError
 
 
 class Force(NamedTuple):
@@ -119,8 +118,5 @@ class Forces:
                 neighbours = with_room(neighbours)
                 arrays = places, samples.t, y, samples.baths
                 done = probe(layout.model, neighbours, *arrays, done, *scratch, found)
-        for call in layout.calculator_calls:
-            if call.error is not None:
-                problem = f"the calculator raises {type(call.error).__name__}: {call.error}"
-                raise InputError("potential", problem)
+        raise_calculator_errors(layout.calculator_calls)
         return found

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tribo.model.bath import thermal_start, thermal_torsional_start
+from tribo.model.bath import Bath, thermal_start, thermal_torsional_start
 from tribo.model.drives import DrivenBars
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
@@ -45,18 +45,50 @@ def set_bars(
     Driven bars stay where the initial angles put them about the centres of mass.
     """
     bath, first = surface.bath, asperites["dof_bath"]
-    n = bath.masses.size
-    arm = asperites["l2"] * asperites["facing"]
-    x, y = -arm * np.sin(q[part]), -arm * 2.0 * np.sin(0.5 * q[part]) ** 2
     if isinstance(surface.drive, DrivenBars):
+        x, y = bars_about_centres(asperites, q[part])
         q[asperites["dof_x"]], q[asperites["dof_y"]] = x, y
+    hang_baths(asperites, bath, part, q)
+    n = bath.masses.size
     if n:
         dx, dy, vx, vy = thermal_start(bath, rng, surface.count)
         slots = first[:, None] + np.arange(n)
-        q[slots], q[slots + n] = x[:, None] + dx, y[:, None] + dy
+        q[slots] += dx
+        q[slots + n] += dy
         v[slots], v[slots + n] = vx, vy
     if bath.inertias.size:
         turn, rate = thermal_torsional_start(bath, rng, surface.count)
         slots = first[:, None] + 2 * n + np.arange(bath.inertias.size)
-        q[slots] = q[asperites["dof_phi"]][:, None] + turn
+        q[slots] += turn
         v[slots] = rate
+
+
+def hang_baths(asperites: np.ndarray, bath: Bath, part: slice, q: np.ndarray) -> None:
+    """Put the oscillators of a surface where they exert no force: at their bars."""
+    n, first = bath.masses.size, asperites["dof_bath"]
+    if n:
+        slots = first[:, None] + np.arange(n)
+        x, y = displaced_bars(asperites, part, q)
+        q[slots], q[slots + n] = x[:, None], y[:, None]
+    if bath.inertias.size:
+        slots = first[:, None] + 2 * n + np.arange(bath.inertias.size)
+        q[slots] = q[asperites["dof_phi"]][:, None]
+
+
+def displaced_bars(
+    asperites: np.ndarray, part: slice, q: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Displacements of a surface's bars from their uniform motion at rest, (n,) along x and y."""
+    if np.any(asperites["pivot"] > 0.0):  # the coordinates of driven bars are their own
+        return q[asperites["dof_x"]], q[asperites["dof_y"]]
+    x, y = bars_about_centres(asperites, q[part])
+    for bars, slots in ((x, asperites["dof_x"]), (y, asperites["dof_y"])):
+        if np.all(slots >= 0):
+            bars += q[slots]
+    return x, y
+
+
+def bars_about_centres(asperites: np.ndarray, swing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Displacements of bars from rest that swings cause while the centres of mass stay."""
+    arm = asperites["l2"] * asperites["facing"]
+    return -arm * np.sin(swing), -arm * 2.0 * np.sin(0.5 * swing) ** 2

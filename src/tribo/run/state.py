@@ -55,9 +55,9 @@ class State:
     memory : dict
         What the method needs to continue bit for bit, and the random generator.
     method : str
-        The method's name.
+        The method's name; empty where nothing has run.
     scene : Scene
-        What was run.
+        What was run, or relaxed.
     """
 
     t: float
@@ -169,6 +169,23 @@ def state_of(layout: Layout, method: str, run: Integration) -> State:
         phases=anchors + layout.drifts * t,
         memory=run.memory,
         method=method,
+        scene=layout.scene,
+    )
+
+
+def state_at_rest(layout: Layout, q: np.ndarray) -> State:
+    """The state at t = 0 with coordinates q, (coordinates,), that all move with their surfaces."""
+    y = np.concatenate([q, np.zeros(q.size)])
+    return State(
+        t=0.0,
+        surfaces={name: _surface(layout, part, y) for name, part in layout.parts.items()},
+        y=y,
+        s=np.zeros(layout.accounts),
+        first=Samples.at_zero(layout),
+        anchors=layout.anchors,
+        phases=layout.anchors,
+        memory={},
+        method="",
         scene=layout.scene,
     )
 
