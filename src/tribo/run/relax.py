@@ -42,9 +42,9 @@ ESCAPE = 0.01
 ZERO = 1e-10
 # The same, below all rounding of forces.
 NOTHING = 1e-18
-# Half the difference of coordinates from which derivatives are taken: errors of rounding and of the
-# third derivative are about equal.
-DIFFERENCE = 1e-5
+# Half the difference of coordinates from which derivatives are taken, in units of the largest
+# change: errors of rounding and of the third derivative are about equal.
+DIFFERENCE = 1e-4
 # Relative accuracy of a step: a smaller one costs more evaluations than it saves steps.
 STEP_ACCURACY = 1e-3
 # Growth of a perturbation's acceleration, in units of the largest derivative, from which an
@@ -204,12 +204,15 @@ class _Derivative:
     ----------
     operator : LinearOperator
         J, for scipy.
+    longest_step : float
+        The largest change of a coordinate in a step from here.
     largest : float
         The largest |J w| / |w| so far, in the maximum norm [1 / time^2].
     """
 
     def __init__(self, motion: _Accelerations, u: np.ndarray) -> None:
         self._motion, self._u, self.largest = motion, u, 0.0
+        self.longest_step = motion.longest_step(u)
         self.operator = LinearOperator((u.size, u.size), self.product, dtype=float)
 
     def product(self, w: np.ndarray) -> np.ndarray:
@@ -218,9 +221,9 @@ class _Derivative:
         size = float(np.max(np.abs(w)))
         if size == 0.0:
             return np.zeros(w.size)
-        shift = w * (DIFFERENCE / size)
-        change = self._motion(self._u + shift) - self._motion(self._u - shift)
-        product = change * (0.5 * size / DIFFERENCE)
+        scale = DIFFERENCE * self.longest_step / size
+        change = self._motion(self._u + scale * w) - self._motion(self._u - scale * w)
+        product = change / (2.0 * scale)
         self.largest = max(self.largest, float(np.max(np.abs(product))) / size)
         return product
 
@@ -238,7 +241,7 @@ def _descend(motion: _Accelerations, u: np.ndarray) -> tuple[np.ndarray, float]:
         if residual == 0.0:
             return u, 0.0
         derivative.product(found)
-        longest = motion.longest_step(u)
+        longest = derivative.longest_step
         interval = interval or min(1.0 / max(derivative.largest, 1e-300), longest / residual)
         step = _implicit_step(derivative, found, interval)
         step *= min(1.0, longest / np.max(np.abs(step)))
