@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from tribo.model.bath import Bath
     from tribo.model.drives import Custom, DrivenBars, Ends, Forced, Free, Pulled, Pushed
     from tribo.model.fields import Corrugation, Field
+    from tribo.model.initial import Initial
     from tribo.model.interaction import Interaction, Periodic
     from tribo.model.langevin import Langevin
     from tribo.model.roughness import Roughness
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from tribo.model.settings import Numerics, Output
     from tribo.model.spectrum import Spectrum
     from tribo.model.springs import Springs
-    from tribo.model.surface import Initial, Surface
+    from tribo.model.surface import Surface
     from tribo.potentials import (
         BornMayer,
         Buckingham,
@@ -79,7 +80,7 @@ _HOME = {
     "Hertz": "tribo.potentials",
     "grid": "tribo.ensembles.sampling",
     "incommensurate_rows": "tribo.model.rows",
-    "Initial": "tribo.model.surface",
+    "Initial": "tribo.model.initial",
     "InputError": "tribo.validation",
     "Interaction": "tribo.model.interaction",
     "Langevin": "tribo.model.langevin",

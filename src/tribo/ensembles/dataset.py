@@ -14,8 +14,8 @@ from tribo.ensembles.intervals import Interval, interval
 from tribo.ensembles.members import VELOCITY
 from tribo.ensembles.runner import Runner, SettingsCheck
 from tribo.kernels.status import Status
+from tribo.model.initial import UNITS as UNITS_OF_START
 from tribo.model.scene_writer import scene_text
-from tribo.model.surface import UNITS as UNITS_OF_START
 from tribo.run.dataset import Variable
 from tribo.run.intervals import CONFIDENCE
 from tribo.run.quantities import ASPERITE_QUANTITIES, OPTIONAL_QUANTITIES, QUANTITIES, UNITS

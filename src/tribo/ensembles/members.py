@@ -11,15 +11,15 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import NamedTuple, Protocol, Self, runtime_checkable
+from typing import Any, NamedTuple, Protocol, Self, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from tribo.integrators.methods import noisy
+from tribo.model.initial import Initial
 from tribo.model.parameters import is_parameter, with_values
 from tribo.model.scene import Scene
-from tribo.model.surface import Initial
 from tribo.validation import LARGEST_NUMBER, InputError, inside, is_list, short_repr
 
 VELOCITY = "velocity"
@@ -102,7 +102,7 @@ class Member:
         """The scene with all values of the member."""
         surfaces = []
         for surface in self.scene(scene).surfaces:
-            own: dict[str, np.ndarray | None] = {
+            own: dict[str, Any] = {
                 name: self.values[key]
                 for name in (each.name for each in fields(Initial))
                 if (key := f"{surface.name}.{name}") in self.values
@@ -161,12 +161,15 @@ class Variation:
                     self._distributions[key] = source
                 else:
                     self._arrays[key] = _rows(key, source, size)
-        random = noisy(scene) or any(s.bath and s.bath.temperature for s in scene.surfaces)
+        random = noisy(scene) or any(
+            (s.bath and s.bath.temperature) or s.initial.temperature for s in scene.surfaces
+        )
         if not (random or vary):
             raise InputError(
                 "vary",
                 "is empty, and nothing in the scene is drawn: all members would be the same; vary "
-                'an initial value, as "surface.theta", or give a reservoir or a bath a temperature',
+                'an initial value, as "surface.theta", or give a reservoir, a bath or a start a '
+                "temperature",
             )
         self._last_seeds: tuple[int, np.ndarray] = (-1, np.empty(0))
         self._last_draws: dict[str, tuple[int, np.ndarray]] = {}

@@ -21,10 +21,11 @@ from tribo.model.bath import as_table as bath_table
 from tribo.model.drives import Custom, Drive, as_drive
 from tribo.model.drives import as_table as drive_table
 from tribo.model.fields import Field
+from tribo.model.initial import Initial
 from tribo.model.interaction import Interaction
 from tribo.model.langevin import as_langevin
 from tribo.model.scene import Scene
-from tribo.model.surface import Initial, Surface
+from tribo.model.surface import Surface
 from tribo.plugins.classes import instance
 from tribo.potentials.cutoff import AT_CUTOFF
 from tribo.potentials.registry import with_cutoff

@@ -13,9 +13,10 @@ import numpy as np
 from tribo.model.comparison import ComparedByValue
 from tribo.model.drives import Custom, DrivenBars, Ends, Forced, Pulled, Pushed
 from tribo.model.fields import Field
+from tribo.model.initial import UNITS, UNITS_OF_DISPLACEMENTS
 from tribo.model.interaction import Interaction, Periodic, as_periodic
 from tribo.model.settings import Numerics, Output
-from tribo.model.surface import UNITS, Surface
+from tribo.model.surface import Surface
 from tribo.potentials.from_ase import Live
 from tribo.validation import (
     POSITIVE,
@@ -130,6 +131,9 @@ class Scene(ComparedByValue):
         put(self, "periodic", as_periodic(self.periodic))
         self._check_period()
         self._check_series()
+        for i, surface in enumerate(self.surfaces):
+            with inside(f"surface[{i}].initial"):
+                self._check_initial(surface)
         times = self.output.times
         if times is not None and times[-1] > self.duration:
             raise InputError(
@@ -207,6 +211,23 @@ class Scene(ComparedByValue):
                         f'{surface.noisy_forces[0]} of "{surface.name}" has noise',
                     )
 
+    def _check_initial(self, surface: Surface) -> None:
+        """Refuse displacements of centres of mass that cannot move, and starts of nothing."""
+        can_move = {"x": self.slides_along_x(surface), "y": self.slides_along_y(surface)}
+        for name in UNITS_OF_DISPLACEMENTS:
+            if getattr(surface.initial, name) is None:
+                continue
+            if not can_move[name[-1]]:
+                raise InputError(
+                    name,
+                    f"cannot be given, as the drive holds the asperites along {name[-1]}; "
+                    + ('drive = "free" lets them move' if name[-1] == "x" else "a load frees them"),
+                )
+            if name[-1] == "x" and surface.moves_as_one:
+                raise InputError(name, "cannot be given where drive.rigid = true: all move as one")
+        if surface.initial.temperature and surface.asperite.is_rigid and not any(can_move.values()):
+            raise InputError("temperature", "draws nothing: the asperites are rigid and are held")
+
     def _refuse_two_for_one_pair(self, interactions: tuple[Interaction, ...]) -> None:
         seen: dict[tuple[int, int], list[set[str] | None]] = {}
         for i, interaction in enumerate(interactions):
@@ -242,6 +263,10 @@ class Scene(ComparedByValue):
             )
         if quantity == "omega" and surface.asperite.is_rigid:
             raise InputError(str(key), "cannot be changed where asperite.kappa = inf")
+        if surface.initial.temperature:
+            raise InputError(
+                str(key), "cannot be changed where initial.temperature draws the start"
+            )
         if quantity in ("phi", "nu") and surface.bars == "clamped":
             raise InputError(
                 str(key), "cannot be changed where bars are clamped; prepare another scene"

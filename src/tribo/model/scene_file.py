@@ -13,10 +13,11 @@ from typing import Any
 from tribo.model import drives, fields
 from tribo.model.asperite import Asperite
 from tribo.model.fields import Field
+from tribo.model.initial import Initial
 from tribo.model.interaction import Interaction, as_periodic
 from tribo.model.scene import Scene
 from tribo.model.settings import Numerics, Output
-from tribo.model.surface import Initial, Surface
+from tribo.model.surface import Surface
 from tribo.potentials import tables as potentials
 from tribo.validation import InputError, as_path, inside, known_keys, must_be
 

@@ -6,10 +6,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from tribo.model.asperite import Asperite, Each, broadcast
+from tribo.model.asperite import Asperite
 from tribo.model.bath import Bath, as_bath
 from tribo.model.comparison import ComparedByValue
-from tribo.model.drives import Drive, DrivenBars, Ends, Forced, as_bars, as_drive
+from tribo.model.drives import Drive, DrivenBars, Ends, Forced, Free, as_bars, as_drive
+from tribo.model.initial import Initial
 from tribo.model.langevin import Langevin, as_langevin
 from tribo.model.roughness import Roughness, as_heights, draw
 from tribo.model.springs import Springs, as_springs
@@ -22,67 +23,8 @@ from tribo.validation import (
     is_list,
     must_be,
     number,
-    number_or_array,
     vector,
 )
-
-# Units of the initial angles and rates.
-UNITS = {
-    "theta": "rad",
-    "phi": "rad",
-    "omega": "rad / time",
-    "nu": "rad / time",
-    "swing": "rad",
-}
-
-
-@dataclass(frozen=True, eq=False)
-class Initial(ComparedByValue):
-    """Initial angles and rates of pendulums and bars: each a number, or one number per asperite.
-
-    None stands for the equilibrium angle, and for a rate of zero.
-
-    Attributes
-    ----------
-    theta : float or (n,) array, optional
-        Absolute angle of the pendulum [rad]; pi where an asperite that faces up is at rest.
-        None for phi + the rest angle.
-    phi : float or (n,) array, optional
-        Angle of the bar [rad].
-    omega : float or (n,) array, optional
-        d theta / dt [rad / time].
-    nu : float or (n,) array, optional
-        d phi / dt [rad / time].
-    swing : float or (n,) array, optional
-        Angle of the pendulum from the rest angle, 0 (down) or pi (up) [rad]: an alternative to
-        `theta`, with the same meaning for both facings.
-
-    Raises
-    ------
-    InputError
-        If a value is no finite number, or both `theta` and `swing` are given.
-    """
-
-    theta: Each | None = None
-    phi: Each | None = None
-    omega: Each | None = None
-    nu: Each | None = None
-    swing: Each | None = None
-
-    def __post_init__(self) -> None:
-        for name, unit in UNITS.items():
-            value = getattr(self, name)
-            if value is not None:
-                object.__setattr__(self, name, number_or_array(name, value, unit=unit))
-        if self.theta is not None and self.swing is not None:
-            raise InputError("swing", "cannot go with theta; give one or the other")
-
-    def for_each(self, count: int) -> dict[str, np.ndarray | None]:
-        """Each angle and rate as an array of `count`; None if it is not given."""
-        given = ((name, getattr(self, name)) for name in UNITS)
-        return {
-            name: None if value is None else broadcast(name, value, count) for name, value in given
-        }
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,7 +71,7 @@ class Surface(ComparedByValue):
     asperite : Asperite
         Masses, lengths, stiffness and charge of the asperites.
     initial : Initial
-        Initial angles and rates.
+        Initial angles, displacements and rates, or the temperature from which they are drawn.
 
     Raises
     ------
@@ -184,6 +126,7 @@ class Surface(ComparedByValue):
                 value.for_each(self.count)
         self._check_driven_bars()
         self._check_rigid()
+        self._check_heat()
 
     def _check_driven_bars(self) -> None:
         """Refuse forces on bars that driven bars have no use for."""
@@ -205,6 +148,17 @@ class Surface(ComparedByValue):
                 raise InputError(f"initial.{name}", "must be zero where asperite.kappa = inf")
         if self.swing_reservoir is not None:
             raise InputError("langevin.on", 'must be "bar" where asperite.kappa = inf, got "swing"')
+
+    def _check_heat(self) -> None:
+        """Refuse a thermal start of swings that no torsion spring holds."""
+        kappa = np.asarray(self.asperite.kappa)
+        if self.initial.temperature and not np.all(kappa > 0.0):
+            raise InputError("initial.temperature", "needs asperite.kappa > 0, got 0")
+
+    @property
+    def moves_as_one(self) -> bool:
+        """Whether its asperites move along x as one rigid body."""
+        return isinstance(self.drive, Free) and self.drive.rigid and self.count > 1
 
     @property
     def noisy_forces(self) -> tuple[str, ...]:

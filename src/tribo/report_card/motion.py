@@ -14,10 +14,11 @@ import numpy as np
 
 from tribo.integrators.methods import METHODS
 from tribo.model.asperite import Asperite
+from tribo.model.initial import Initial
 from tribo.model.interaction import Interaction
 from tribo.model.scene import Scene
 from tribo.model.settings import Output
-from tribo.model.surface import Initial, Surface
+from tribo.model.surface import Surface
 from tribo.report_card.card import Check
 from tribo.report_card.scan import PotentialScan
 from tribo.report_card.smoothness import smooth_stretch

@@ -66,7 +66,7 @@ def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
         record["drive"] = FORCED
     elif isinstance(drive, Free):
         # A rigid body of one asperite is a free asperite.
-        record["drive"] = RIGID if drive.rigid and surface.count > 1 else FREE
+        record["drive"] = RIGID if surface.moves_as_one else FREE
     elif isinstance(drive, DrivenBars):
         record["drive"] = BARS
     elif isinstance(drive, Pulled):

@@ -27,9 +27,52 @@ def start_of(
         turning = asperites["dof_phi"][part]
         if surface.bars != "clamped":
             q[turning], v[turning] = phi, nu
+        displace(asperites[part], initial, q, v)
+        if surface.initial.temperature:
+            draw_start(asperites[part], scene, index, part, q, v)
         rng = np.random.default_rng([scene.seed, index, 1])
         set_bars(asperites[part], surface, part, q, v, rng)
     return y
+
+
+def displace(
+    asperites: np.ndarray, initial: dict[str, np.ndarray | None], q: np.ndarray, v: np.ndarray
+) -> None:
+    """Set the displacements of centres of mass and their rates that are given."""
+    for name, values in (("x", q), ("y", q), ("vx", v), ("vy", v)):
+        given = initial[name]
+        if given is not None:
+            values[asperites[f"dof_{name[-1]}"]] = given
+
+
+def draw_start(
+    asperites: np.ndarray, scene: Scene, index: int, part: slice, q: np.ndarray, v: np.ndarray
+) -> None:
+    """Draw swings and rates at the temperature of a surface's start, in place of those at rest.
+
+    Energies of torsion springs and of motion have Boltzmann's distribution.  Driven bars stay where
+    the pendulums at rest put them.
+    """
+    surface, count = scene.surfaces[index], asperites.size
+    temperature, held = surface.initial.temperature, isinstance(surface.drive, DrivenBars)
+    rng = np.random.default_rng([scene.seed, index, 3])
+
+    def drawn(inertia: np.ndarray) -> np.ndarray:
+        return np.sqrt(temperature / inertia) * rng.standard_normal(np.shape(inertia))
+
+    if held:
+        x, y = bars_about_centres(asperites, q[part])
+        q[asperites["dof_x"]], q[asperites["dof_y"]] = x, y
+    if not surface.asperite.is_rigid:
+        q[part] += drawn(asperites["kappa"])
+        v[part] = drawn(asperites["inertia"] + asperites["mass"] * asperites["pivot"] ** 2)
+    if surface.bars != "clamped":
+        v[asperites["dof_phi"]] = drawn(asperites["i2"])
+    if scene.slides_along_x(surface):
+        mass = np.sum(asperites["mass"]) if surface.moves_as_one else asperites["mass"]
+        v[asperites["dof_x"]] = np.broadcast_to(drawn(mass), count)
+    if scene.slides_along_y(surface):
+        v[asperites["dof_y"]] = drawn(asperites["mass"])
 
 
 def set_bars(
@@ -42,10 +85,11 @@ def set_bars(
 ) -> None:
     """Start driven bars, and oscillators at the bars or drawn about them at temperature T.
 
-    Driven bars stay where the initial angles put them about the centres of mass.
+    Driven bars stay where the initial angles put them about the centres of mass; where the angles
+    are drawn, they are in place.
     """
     bath, first = surface.bath, asperites["dof_bath"]
-    if isinstance(surface.drive, DrivenBars):
+    if isinstance(surface.drive, DrivenBars) and not surface.initial.temperature:
         x, y = bars_about_centres(asperites, q[part])
         q[asperites["dof_x"]], q[asperites["dof_y"]] = x, y
     hang_baths(asperites, bath, part, q)

@@ -1,0 +1,101 @@
+"""How the asperites of a surface start: angles, displacements and rates, given or drawn."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tribo.model.asperite import Each, broadcast
+from tribo.model.comparison import ComparedByValue
+from tribo.validation import NOT_NEGATIVE, InputError, number, number_or_array
+
+# Units of the initial angles and their rates.
+UNITS = {
+    "theta": "rad",
+    "phi": "rad",
+    "omega": "rad / time",
+    "nu": "rad / time",
+    "swing": "rad",
+}
+# Units of the initial displacements of centres of mass and their rates.
+UNITS_OF_DISPLACEMENTS = {
+    "x": "length",
+    "y": "length",
+    "vx": "length / time",
+    "vy": "length / time",
+}
+# What a temperature draws, or gives a meaning that is drawn about.
+DRAWN = ("theta", "swing", "omega", "nu", "vx", "vy")
+
+
+@dataclass(frozen=True, eq=False)
+class Initial(ComparedByValue):
+    """Initial angles, displacements and rates: each a number, or one number per asperite.
+
+    None stands for the equilibrium angle, and for a displacement or a rate of zero.
+
+    Attributes
+    ----------
+    theta : float or (n,) array, optional
+        Absolute angle of the pendulum [rad]; pi where an asperite that faces up is at rest.
+        None for phi + the rest angle.
+    phi : float or (n,) array, optional
+        Angle of the bar [rad].
+    omega : float or (n,) array, optional
+        d theta / dt [rad / time].
+    nu : float or (n,) array, optional
+        d phi / dt [rad / time].
+    swing : float or (n,) array, optional
+        Angle of the pendulum from the rest angle, 0 (down) or pi (up) [rad]: an alternative to
+        `theta`, with the same meaning for both facings.
+    x, y : float or (n,) array, optional
+        Displacement of the centre of mass from where the surface puts it [length]; springs keep
+        their lengths at rest.  Only where asperites can move along x or y.
+    vx, vy : float or (n,) array, optional
+        Velocity of the centre of mass beyond the surface's `velocity` [length / time], likewise.
+    temperature : float, optional
+        Temperature T [energy], with k_B = 1, at which the start is drawn from the scene's seed:
+        twists of torsion springs with variance T / kappa, rates omega with T / inertia, nu of bars
+        that turn with T / i2, and velocities of centres of mass that can move with T / mass.
+        Contact, fields and lattice springs do not bias it.
+
+    Raises
+    ------
+    InputError
+        If a value is no finite number, both `theta` and `swing` are given, or `temperature` goes
+        with what it draws.
+    """
+
+    theta: Each | None = None
+    phi: Each | None = None
+    omega: Each | None = None
+    nu: Each | None = None
+    swing: Each | None = None
+    x: Each | None = None
+    y: Each | None = None
+    vx: Each | None = None
+    vy: Each | None = None
+    temperature: float | None = None
+
+    def __post_init__(self) -> None:
+        put = object.__setattr__
+        for name, unit in (UNITS | UNITS_OF_DISPLACEMENTS).items():
+            value = getattr(self, name)
+            if value is not None:
+                put(self, name, number_or_array(name, value, unit=unit))
+        if self.theta is not None and self.swing is not None:
+            raise InputError("swing", "cannot go with theta; give one or the other")
+        if self.temperature is not None:
+            temperature = number("temperature", self.temperature, NOT_NEGATIVE, "energy")
+            put(self, "temperature", temperature)
+            for name in DRAWN:
+                if temperature > 0.0 and getattr(self, name) is not None:
+                    raise InputError(name, "cannot go with temperature, which draws the start")
+
+    def for_each(self, count: int) -> dict[str, np.ndarray | None]:
+        """Each angle, displacement and rate as an array of `count`; None if it is not given."""
+        given = ((name, getattr(self, name)) for name in UNITS | UNITS_OF_DISPLACEMENTS)
+        return {
+            name: None if value is None else broadcast(name, value, count) for name, value in given
+        }
