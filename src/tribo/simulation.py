@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -18,13 +19,14 @@ from tribo.kernels.status import Status
 from tribo.model.scene import Scene
 from tribo.prepared import Simulation, with_warning
 from tribo.progress import Reported, Shown
+from tribo.run.deep_core import core_notes
 from tribo.run.identity import identity_of, refuse_other, settings_of, version
 from tribo.run.integrate import Progress
 from tribo.run.journal import PART, Journal
 from tribo.run.layout import Layout, lay_out
 from tribo.run.result import Result, load_result, netcdf_path
 from tribo.run.state import Origin, State, continued, digest_of
-from tribo.validation import InputError, as_path, boolean, inside, must_be
+from tribo.validation import InputError, TriboWarning, as_path, boolean, inside, must_be
 
 
 def prepare(
@@ -70,6 +72,11 @@ def prepare(
     InputError
         The settings do not go together or do not suit the scene, the accuracy is out of reach, or
         a plug-in cannot be compiled.
+
+    Warns
+    -----
+    TriboWarning
+        Bobs start deep in a repulsive core.
     """
     if progress is not None and not callable(progress):
         raise must_be("progress", "a function", progress)
@@ -94,6 +101,8 @@ def _chosen(
     layout, origin = lay_out(scene), None
     if start is not None:
         layout, origin = continued(layout, start)
+    for note in core_notes(layout):
+        warnings.warn(note, TriboWarning, stacklevel=3)
     given = scene.numerics
     if accuracy is None and method is None and step is None:
         with inside("numerics"):
@@ -165,7 +174,7 @@ def simulate(
     Warns
     -----
     TriboWarning
-        The run stops early, or its error estimates exceed the accuracy.
+        The run stops early, its error estimates exceed the accuracy, or bobs start deep in a core.
     """
     layout, choice, origin = _chosen(scene, accuracy, method, step, start, allow_unresolved)
     with Reported(progress, layout.scene.duration, "t") as report:

@@ -1,9 +1,11 @@
-"""Notes of a result on what its drives did."""
+"""Notes of a result on what its drives did, and on bobs that start in a core."""
 
 import pytest
 
 import tribo
 from tribo import Asperite, Coulomb, Forced, Free, Scene, Surface
+from tribo.run.deep_core import core_notes
+from tribo.run.layout import lay_out
 
 
 def notes(lower_drive, velocity=(0.0, 0.0), **numerics):
@@ -35,3 +37,33 @@ def test_little_work_is_not_noted():
     upper = Surface("upper", bob=(-3.0, 0.0), velocity=(0.5, 0.0))
     lower = Surface("lower", facing="up", asperite=Asperite(kappa=100.0))
     assert tribo.simulate(Scene((upper, lower), Coulomb(0.2), 12.0)).notes == ()
+
+
+def pressed(gap, **settings):
+    """Bobs above one another."""
+    upper = Surface("upper", bob=(0.0, gap), **settings)
+    lower = Surface("lower", facing="up", shape=(3, 1), spacing=(-2.0, 0.0), **settings)
+    return lay_out(Scene((upper, lower), tribo.LennardJones(0.5, 1.0), 1.0))
+
+
+def test_a_start_in_a_core_is_noted():
+    """With the pair, its distance and its energy; not in front of the core, or where all is stiff."""
+    (note,) = core_notes(pressed(0.5))
+    assert note == (
+        'the bobs of asperite 0 of "upper" and asperite 0 of "lower" start deep in a repulsive core: '
+        "0.5 apart, with an energy of 8.06e+03, 8e+03 times their other energies; start them farther "
+        "apart, or from tribo.relax(scene)"
+    )
+    assert core_notes(pressed(0.8)) == () and core_notes(pressed(1.0)) == ()
+    assert core_notes(pressed(0.5, asperite=Asperite(kappa=1e6))) == ()
+    (note,) = core_notes(pressed(0.5, asperite=Asperite(kappa=float("inf"))))
+    assert note.endswith("times their other energies; start them farther apart")
+
+
+def test_a_start_in_a_core_is_warned_of():
+    """By the call, and in the notes of its result."""
+    upper = Surface("upper", bob=(0.0, 0.001))
+    scene = Scene((upper, Surface("lower", facing="up", drive=Free())), Coulomb(0.2), 1e-5)
+    with pytest.warns(tribo.TriboWarning, match="start deep in a repulsive core: 0.001 apart"):
+        notes = tribo.simulate(scene, method="rk4", step=1e-6).notes
+    assert "start deep in a repulsive core" in notes[0]

@@ -1,18 +1,38 @@
-"""The two bobs that are closest to one another among those that interact."""
+"""The bobs that are closest to one another among those that interact."""
 
 from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial import KDTree
 
 from tribo.kernels.kinematics import bob_position
+from tribo.kernels.records import Contact
 from tribo.run.layout import Layout
 from tribo.run.motion import motions, swing_direction
 from tribo.run.samples import Samples
 
 
-def closest_bobs(layout: Layout, sample: Samples) -> tuple[float, int, int] | None:
-    """Their distance and the numbers of their asperites.
+class Closest(NamedTuple):
+    """The two bobs of two surfaces that are closest to one another.
+
+    Attributes
+    ----------
+    distance : float
+        [length].
+    one, other : int
+        Numbers of their asperites.
+    """
+
+    distance: float
+    one: int
+    other: int
+
+
+def closest_bobs(layout: Layout, sample: Samples) -> Closest | None:
+    """The closest of all bobs that interact.
 
     Parameters
     ----------
@@ -23,18 +43,22 @@ def closest_bobs(layout: Layout, sample: Samples) -> tuple[float, int, int] | No
 
     Returns
     -------
-    distance, one, other : float, int, int
-        [length]; None where no bobs interact, or where a position is not finite.
+    Closest or None
+        None where no bobs interact, or where a position is not finite.
     """
+    return min((found for found, _ in closest_of_contacts(layout, sample)), default=None)
+
+
+def closest_of_contacts(layout: Layout, sample: Samples) -> Iterator[tuple[Closest, Contact]]:
+    """The closest bobs of each two surfaces in contact; nothing where a position is not finite."""
     places = _places(layout, sample)
     if not np.all(np.isfinite(places)):
-        return None
+        return
     box = np.zeros(3)
     if layout.model.box is not None:
         box[:] = layout.model.box.x, 0.0, layout.model.box.z
         periodic = box > 0.0
         places[:, periodic] %= box[periodic]
-    found: list[tuple[float, int, int]] = []
     for contact in (*layout.model.contacts, *(layout.model.within or ())):
         for one, other in contact.pairs:
             mine, theirs = (layout.surfaces[k] for k in (one, other))
@@ -47,8 +71,7 @@ def closest_bobs(layout: Layout, sample: Samples) -> tuple[float, int, int] | No
             near = int(indices[i, 0])
             if near < tree.n:  # a surface of one bob has no other
                 pair = int(mine.start) + i, int(theirs.start) + near
-                found.append((float(distances[i, 0]), *pair))
-    return min(found, default=None)
+                yield Closest(float(distances[i, 0]), *pair), contact
 
 
 def _places(layout: Layout, sample: Samples) -> np.ndarray:
@@ -63,3 +86,11 @@ def _places(layout: Layout, sample: Samples) -> np.ndarray:
             x, y = bob_position(x, y, a.l1, tx, ty)
             places[batch.place, 0], places[batch.place, 1] = x[0], y[0]
     return places
+
+
+def asperite_name(layout: Layout, index: int) -> str:
+    """An asperite by its surface and its place there, from 0 on."""
+    for name, part in layout.parts.items():
+        if part.start <= index < part.stop:
+            return f'asperite {index - part.start} of "{name}"'
+    raise IndexError(index)

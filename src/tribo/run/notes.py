@@ -16,7 +16,8 @@ from tribo.model.scene import Scene
 from tribo.model.spectrum import valid_until
 from tribo.plugins.sources import is_own
 from tribo.potentials.tables import as_table
-from tribo.run.closest_bobs import closest_bobs
+from tribo.run.closest_bobs import asperite_name, closest_bobs
+from tribo.run.deep_core import core_notes
 from tribo.run.integrate import Integration
 from tribo.run.layout import Layout
 from tribo.run.ledger import Ledger
@@ -34,10 +35,10 @@ MOST_LOOKS = 256
 
 
 def run_notes(layout: Layout, method: Method, step: float | None) -> tuple[str, ...]:
-    """Notes on potentials too rough for the method, a given step too long, and baths too small."""
+    """Notes on starts in a core, rough potentials, a given step too long, and baths too small."""
     scene = layout.scene
     steps = [] if step is None else _on_step(layout, method, step)
-    return (*_on_potentials(scene, method), *steps, *_on_baths(scene))
+    return (*core_notes(layout), *_on_potentials(scene, method), *steps, *_on_baths(scene))
 
 
 def calculator_notes(layout: Layout) -> tuple[str, ...]:
@@ -150,14 +151,6 @@ def approach_notes(layout: Layout, run: Integration) -> tuple[str, ...]:
         f"among the recorded times, bobs were closest at t = {t:.9g}: those of {one} and {other} "
         f"were {distance:.3g} apart",
     )
-
-
-def asperite_name(layout: Layout, index: int) -> str:
-    """An asperite by its surface and its place there, from 0 on."""
-    for name, part in layout.parts.items():
-        if part.start <= index < part.stop:
-            return f'asperite {index - part.start} of "{name}"'
-    raise IndexError(index)
 
 
 def _on_potentials(scene: Scene, method: Method) -> list[str]:

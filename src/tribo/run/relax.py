@@ -19,10 +19,9 @@ from tribo.model.fields import Corrugation
 from tribo.model.scene import Scene
 from tribo.plugins.compile_errors import compiling
 from tribo.plugins.sources import source_stamp
-from tribo.run.closest_bobs import closest_bobs
+from tribo.run.closest_bobs import asperite_name, closest_bobs
 from tribo.run.contacts import raise_calculator_errors, with_room
 from tribo.run.layout import Layout, lay_out
-from tribo.run.notes import asperite_name
 from tribo.run.samples import Samples
 from tribo.run.start import hang_baths
 from tribo.run.state import State, state_at_rest
