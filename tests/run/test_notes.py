@@ -47,12 +47,12 @@ def pressed(gap, **settings):
 
 
 def test_a_start_in_a_core_is_noted():
-    """With the pair, its distance and its energy; not in front of the core, or where all is stiff."""
+    """With the pair and its energy; not in front of the core, or with stiff springs."""
     (note,) = core_notes(pressed(0.5))
     assert note == (
-        'the bobs of asperite 0 of "upper" and asperite 0 of "lower" start deep in a repulsive core: '
-        "0.5 apart, with an energy of 8.06e+03, 8e+03 times their other energies; start them farther "
-        "apart, or from tribo.relax(scene)"
+        'the bobs of asperite 0 of "upper" and asperite 0 of "lower" start deep in a repulsive '
+        "core: 0.5 apart, with an energy of 8.06e+03, 8e+03 times their other energies; start them "
+        "farther apart, or from tribo.relax(scene)"
     )
     assert core_notes(pressed(0.8)) == () and core_notes(pressed(1.0)) == ()
     assert core_notes(pressed(0.5, asperite=Asperite(kappa=1e6))) == ()
