@@ -198,6 +198,7 @@ def test_files_hold_the_scene(tmp_path):
         species=("A", "B", "A"),
         drive=tribo.Pulled(stiffness=2.0, speed=0.25),
         springs=tribo.Springs(5.0),
+        langevin=tribo.Langevin(0.5, 0.2),
     )
     lower = tribo.Surface("lower", facing="up", velocity=(0.5, 0.0))
     lj, coulomb = with_cutoff(LJ, 2.5, "truncate"), with_cutoff(tribo.Coulomb(2.0), 2.0, "truncate")
@@ -220,10 +221,11 @@ def test_files_hold_the_scene(tmp_path):
     ]
     assert "\ndielectric 0.5 " in forces
     assert "bond_coeff 1 2.5 0" in forces
-    assert "group surface1 type 1 2 3\ngroup lower type 4" in forces
+    assert "group surface1 type 1 2 3\ngroup surface2 type 4" in forces
     assert "fix surface1_spring surface1 spring/self 2.0 x" in run
     assert '"0.5*time"' in run
-    assert "fix lower_motion lower move linear 0.5 0.0 0" in run
+    assert "fix surface1_friction surface1 langevin 0.2 0.2 6.0 1 scale 2 1.0 scale 3 2.0\n" in run
+    assert "fix surface2_motion surface2 move linear 0.5 0.0 0" in run
     assert run.endswith("timestep 0.01\nrun 200\n")
     assert files.omitted == ('surface "lower": pendulums: bobs are fixed to their bars',)
 
@@ -241,10 +243,13 @@ def test_what_is_omitted(tmp_path):
         springs=tribo.Springs(1.0, turned=0.1),
         langevin=tribo.Langevin(0.1, on="swing"),
     )
-    scene = tribo.Scene((upper, tribo.Surface("lower", facing="up")), table, 1.0)
+    body = {"drive": tribo.Free(rigid=True), "shape": (2, 1), "spacing": (1.0, 0.0)}
+    masses = tribo.Asperite(kappa=math.inf, m1=np.array([1.0, 2.0]))
+    lower = tribo.Surface("lower", facing="up", asperite=masses, **body)
+    scene = tribo.Scene((upper, lower), table, 1.0)
     files = to_lammps(scene, tmp_path)
     words = ["Table is no formula", "pendulums", "bars that turn", "oscillators", "on the swing"]
-    words += ["turned", 'surface "lower": pendulums']
+    words += ["turned", 'surface "lower": the unequal masses']
     assert [word in text for word, text in zip(words, files.omitted, strict=True)] == [True] * 7
     run = files.run.read_text()
     assert all(f"# Omitted: {text}\n" in run for text in files.omitted)
@@ -273,4 +278,7 @@ def test_bad_input(tmp_path):
     row = tribo.Surface("row", shape=(501, 1), spacing=(1.0, 0.0), asperite=many)
     with pytest.raises(InputError, match="at most 500 different masses"):
         to_lammps(tribo.Scene((row,), (), 1.0), tmp_path / "folder")
+    points = [tribo.Surface(f"point{k}", bob=(2.0 * k, 0.0)) for k in range(32)]
+    with pytest.raises(InputError, match="at most 31 for LAMMPS's groups, got 32"):
+        to_lammps(tribo.Scene(points, (), 1.0), tmp_path / "folder")
     assert not (tmp_path / "folder").exists()

@@ -28,9 +28,11 @@ from tribo.run.contacts import SKIN
 from tribo.validation import InputError, as_path
 
 DATA, FORCES, RUN = "scene.data", "forces.in", "run.in"
-# Ratio of the step that is written, where the scene has none, to the shortest time of a contact.
+# Step that is written, where the scene has none, as a fraction of the shortest time of a contact.
 STEP = 0.02
-# By how much bonds may stretch.
+# Largest number of surfaces: LAMMPS has 32 groups, one of which holds all atoms.
+MOST_SURFACES = 31
+# Ratio by which bonds may stretch.
 STRETCH = 1.5
 
 
@@ -67,8 +69,13 @@ def to_lammps(scene: Scene, directory: str | os.PathLike[str]) -> LammpsFiles:
     Raises
     ------
     InputError
-        If the folder cannot be written, or the asperites have too many different masses.
+        If the folder cannot be written, or there are too many surfaces or different masses.
     """
+    if len(scene.surfaces) > MOST_SURFACES:
+        raise InputError(
+            "surface",
+            f"must be at most {MOST_SURFACES} for LAMMPS's groups, got {len(scene.surfaces)}",
+        )
     atoms = atoms_of(scene)
     farthest = _farthest(scene, atoms)
     reach = longest_cutoff(scene, farthest)

@@ -18,11 +18,11 @@ LARGEST_SEED = 900_000_000
 
 
 def group_names(scene: Scene) -> list[str]:
-    """The group of each surface: its name where LAMMPS takes that."""
-    return [
-        s.name if s.name.isascii() and s.name.isidentifier() and s.name != "all" else f"surface{k}"
-        for k, s in enumerate(scene.surfaces, 1)
-    ]
+    """The group of each surface: its name, if LAMMPS takes those of all surfaces."""
+    names = [surface.name for surface in scene.surfaces]
+    if all(name.isascii() and name.isidentifier() and name != "all" for name in names):
+        return names
+    return [f"surface{k}" for k in range(1, len(names) + 1)]
 
 
 def motion_lines(scene: Scene, atoms: Atoms) -> list[str]:
@@ -56,6 +56,9 @@ def omitted_effects(scene: Scene, surface: Surface) -> list[str]:
         "bars that turn": surface.bars == "free",
         "the user's own forces on the ends of bars": isinstance(surface.bars, Ends),
         "the user's own drive": isinstance(surface.drive, Custom),
+        "the unequal masses of a rigid body, whose forces are shared equally": (
+            isinstance(surface.drive, Free) and surface.drive.rigid and _has_unequal_masses(surface)
+        ),
         "oscillators of the bath": surface.bath.masses.size > 0 or surface.bath.inertias.size > 0,
         "the reservoir on the swing": surface.swing_reservoir is not None,
         "springs with turned rest vectors": bool(surface.springs and surface.springs.turned),
@@ -68,6 +71,10 @@ def omitted_effects(scene: Scene, surface: Surface) -> list[str]:
         if surface.springs and not surface.springs.turned and "x" in axes:
             omitted.append(f"lattice springs along {axes}, cancelled with contact")
     return omitted
+
+
+def _has_unequal_masses(surface: Surface) -> bool:
+    return bool(np.ptp(surface.asperite.for_each(surface.count)["mass"]) > 0.0)
 
 
 def omitted_fields(scene: Scene) -> list[str]:
