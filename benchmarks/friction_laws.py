@@ -6,7 +6,8 @@
             to half, angle ~ L^p (-1 expected): structural lubricity
     load    slope of the friction of a rough surface against the load, with a reservoir on every
             swing; and the friction coefficient without reservoirs
-    speed   speed at which that friction falls to half; and again the coefficient without reservoirs
+    speed   exponent p of that friction at low speed, F ~ speed^p (0 expected); and again the
+            coefficient without reservoirs
 
 Static friction is the largest force against sliding over one spacing of the lower surface.  Rigid
 asperites on driven bars have no motion of their own, so that every sample is a static force.  The
@@ -44,20 +45,29 @@ ROWS, NEXT = (8, 16, 32, 64, 128, 256, 512, 1024, 2048), 8
 CASES = ("commensurate", "incommensurate", "rough")
 # Sides of grids, and their angles in units of 1 / side [rad].
 SIDES, ANGLES = (8, 12, 16, 24, 32, 48), np.linspace(0.0, 1.2, 25)
-SAMPLES = 128  # of static forces over one spacing
-# Spacing of the rough grid: 8 of its spacings are 13 of the lower one.
+# Static forces over one spacing.
+SAMPLES = 128
+# Spacing of the rough grid [length]: 8 of its spacings are 13 of the lower one.
 ROUGH_SPACING = 13.0 / 8.0
 ROUGHNESS = tribo.Roughness(0.3, hurst=0.8)
+# Pendulums on driven bars with a period of 4.4 [time].
 SOFT = tribo.Asperite(kappa=8.0)
-DAMPING = 2.0  # of the reservoirs on swings [torque time]
-HEIGHTS = (2.0, 1.8, 1.6, 1.4, 1.2, 1.0, 0.8)  # of the rough surface [length]
-HEIGHT, SPEED = 1.2, 0.2  # where the other one is varied
-PRESSED = 1.4  # up to which, in height, the slope against the load is fitted [length]
-SPEEDS = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6)
+# Of the reservoirs on swings [torque time].
+DAMPING = 2.0
+# Heights of the rough surface [length], and that at which speeds are compared.
+HEIGHTS, HEIGHT = (2.0, 1.8, 1.6, 1.4, 1.2, 1.0, 0.8), 1.2
+# Height up to which the slope against the load is fitted [length]: asperites jump there.
+PRESSED = 1.4
+# Speeds of the rough surface [length / time], and that at which loads are compared.
+SPEEDS, SPEED = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6), 0.2
+# Speed up to which its exponent is fitted: a spacing then takes longer than a swing.
+SLOW = 0.2
 # Sliding of the rough surface, of which the second half is measured [length].
 DISTANCE = 4.0
-ROUGH_SAMPLES = 101  # so that the forces on 64 x 64 asperites and those below are all kept
-STEP = 0.02  # of Verlet [time]; a swing of 8 torque / rad has a period of 2.6
+# Samples of the rough surface, few enough that the forces on all asperites are kept.
+ROUGH_SAMPLES = 101
+# Step of Verlet [time], a 200th of a swing.
+STEP = 0.02
 
 
 class Point(NamedTuple):
@@ -261,15 +271,18 @@ class Table:
             return found
         if study == "angle":
             return [power_law("angle of half the friction ~ L^p: p", *self.half_angles())]
-        _, _, _, friction, load = self.of(study, "none", "friction", "load").T
-        lost = mean(f"friction / load without reservoirs, {study}", friction / load)
-        x, _, seed, friction, load = self.of(study, "reservoirs", "friction", "load").T
+        x, _, _, friction, load = self.of(study, "none", "friction", "load").T
+        # Different surfaces at the same value are correlated.
+        coefficients = _means(x, friction / load)
+        lost = mean(f"friction / load without reservoirs, any {study}", coefficients)
+        x, _, _, friction, load = self.of(study, "reservoirs", "friction", "load").T
         if study == "load":
             pressed = x <= PRESSED
             fit = slope("d friction / d load with reservoirs", load[pressed], friction[pressed])
-            return [fit, lost]
-        halves = [_half(x[seed == k], friction[seed == k]) for k in np.unique(seed)]
-        return [mean("speed of half the friction with reservoirs", np.array(halves)), lost]
+        else:
+            slow = x <= SLOW
+            fit = power_law("slow friction ~ speed^p: p", x[slow], friction[slow])
+        return [fit, lost]
 
     def draw(self, study: str, folder: Path) -> Path:
         """The figure of a study."""

@@ -4,9 +4,11 @@ Two square grids stand 1.2 apart, with spacing 2 and Lennard-Jones up to a cutof
 0.5.  Both programs get the same positions, cutoff, step and skin of the neighbour list, and
 rebuild the list when a bob has crossed half the skin.  In tribo the bobs are pendulums on bars that
 keep their velocity (forced, or driven bars where bobs of one surface interact too), in LAMMPS atoms
-that keep theirs.  The measured steps hold whole periods between
-two rebuilds; compiling, setup and first lists are left out.  LAMMPS runs lj/cut/opt on one thread,
-lj/cut/omp on more.  It prints nanoseconds per asperite and step, and how often LAMMPS rebuilt.
+that keep theirs.
+
+The measured steps hold whole periods between two rebuilds; compiling, setup and first lists are
+left out.  LAMMPS runs lj/cut/opt on one thread, lj/cut/omp on more.  The program prints nanoseconds
+per asperite and step, and how often LAMMPS rebuilt.
 
     pip install -e ".[bench]"
     python benchmarks/lattice.py [--json] [--n 1000 10000] [--threads 1] [--within no] [--rigid]
