@@ -41,7 +41,7 @@ STEP = 0.01  # of Verlet [time]
 # Steps before those that are measured, in which rebuilds fall behind a whole period.
 FIRST_STEPS = 10
 # Largest number of asperites times steps that is measured; at least one period is.
-WORK = 6e7
+WORK = 7e7
 # Periods that are measured at most: 3 [length] of sliding, which small grids still overlap.
 PERIODS = 4
 
