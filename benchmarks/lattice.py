@@ -8,7 +8,8 @@ that keep theirs.
 
 The measured steps hold whole periods between two rebuilds; compiling, setup and first lists are
 left out.  LAMMPS runs lj/cut/opt on one thread, lj/cut/omp on more.  The program prints nanoseconds
-per asperite and step, and how often LAMMPS rebuilt.
+per asperite and step, and how often LAMMPS rebuilt.  The machine must be idle: threads of LAMMPS
+wait for one another, and on busy cores take many times as long.
 
     pip install -e ".[bench]"
     python benchmarks/lattice.py [--json] [--n 1000 10000] [--threads 1] [--within no] [--rigid]
