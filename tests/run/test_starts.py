@@ -7,6 +7,9 @@ import pytest
 
 import tribo
 from tribo import Asperite, Bath, Coulomb, DrivenBars, Free, Initial, InputError, Pulled, Surface
+from tribo.ensembles.members import Variation
+from tribo.export.lammps import to_lammps
+from tribo.export.lammps_atoms import atoms_of
 from tribo.run.layout import lay_out
 from tribo.run.state import state_at_rest
 
@@ -113,6 +116,19 @@ def test_refused(initial, settings, problem):
         )
 
 
+def test_exported_to_lammps(tmp_path):
+    """Atoms start displaced and with their rates; what is drawn is listed as omitted."""
+    moved = Initial(x=[0.1, 0.2], vx=-0.3)
+    surface = Surface("a", shape=(2, 1), spacing=(1.0, 0.0), velocity=(0.5, 0.0), drive=Free())
+    scene = tribo.Scene((replace(surface, initial=moved),), Coulomb(0.2), 1.0)
+    atoms = atoms_of(scene)
+    assert atoms.positions[:, 0] == pytest.approx([0.1, 1.2])
+    assert atoms.velocities.tolist() == [[0.2, 0.0, 0.0]] * 2
+    warm = tribo.Scene((replace(surface, initial=Initial(temperature=0.1)),), Coulomb(0.2), 1.0)
+    omitted = to_lammps(warm, tmp_path).omitted
+    assert 'surface "a": the temperature of the start' in omitted
+
+
 def test_in_files_and_ensembles(tmp_path):
     """The keys are those of Initial; a start that is drawn cannot be set, and members differ."""
     warm = Surface("warm", initial=Initial(temperature=0.1), drive=Free())
@@ -124,6 +140,4 @@ def test_in_files_and_ensembles(tmp_path):
         InputError, match=r"warm.theta: cannot be changed where initial.temperature"
     ):
         scene.initial_value("warm.theta")
-    from tribo.ensembles.members import Variation
-
     assert Variation(scene, {}, seed=0).own_scenes

@@ -72,7 +72,8 @@ def atoms_of(scene: Scene) -> Atoms:
         bobs, bars = _start(scene, index)
         ends, strengths = _springs(scene, surface)
         positions.append(bobs)
-        velocities.append(np.tile([*surface.velocity, 0.0], (surface.count, 1)))
+        velocities.append(np.zeros((surface.count, 3)))
+        velocities[-1][:, :2] = surface.velocity + _given(surface, "vx", "vy")
         charges.append(each["charge"])
         bonds.append(first + ends)
         stiffness.append(strengths)
@@ -106,8 +107,17 @@ def _start(scene: Scene, index: int) -> tuple[np.ndarray, np.ndarray]:
     if swing is None:
         swing = np.zeros(surface.count) if phi is None else phi
     turn = surface.facing_sign * np.column_stack([np.sin(swing), 2.0 * np.sin(0.5 * swing) ** 2])
-    bobs[:, :2] += each["l1"][:, None] * turn
-    return bobs, -each["l2"][:, None] * turn
+    displaced = _given(surface, "x", "y")
+    bobs[:, :2] += displaced + each["l1"][:, None] * turn
+    return bobs, displaced - each["l2"][:, None] * turn
+
+
+def _given(surface: Surface, *names: str) -> np.ndarray:
+    """(n, names) initial values of a surface, 0 where none is given."""
+    each = surface.initial.for_each(surface.count)
+    return np.column_stack(
+        [np.zeros(surface.count) if (v := each[name]) is None else v for name in names]
+    )
 
 
 def _resting(scene: Scene, index: int) -> np.ndarray:

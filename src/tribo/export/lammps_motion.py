@@ -61,6 +61,7 @@ def omitted_effects(scene: Scene, surface: Surface) -> list[str]:
         ),
         "oscillators of the bath": surface.bath.masses.size > 0 or surface.bath.inertias.size > 0,
         "the reservoir on the swing": surface.swing_reservoir is not None,
+        "the temperature of the start": bool(surface.initial.temperature),
         "springs with turned rest vectors": bool(surface.springs and surface.springs.turned),
     }
     omitted = [text for text, here in present.items() if here]
