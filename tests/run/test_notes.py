@@ -39,21 +39,23 @@ def test_little_work_is_not_noted():
     assert tribo.simulate(Scene((upper, lower), Coulomb(0.2), 12.0)).notes == ()
 
 
-def pressed(gap, **settings):
-    """Bobs above one another."""
-    upper = Surface("upper", bob=(0.0, gap), **settings)
+def pressed(gap, periodic=None, **settings):
+    """Bobs above one another, or nearly so."""
+    upper = Surface("upper", bob=(-1e-17, gap), **settings)
     lower = Surface("lower", facing="up", shape=(3, 1), spacing=(-2.0, 0.0), **settings)
-    return lay_out(Scene((upper, lower), tribo.LennardJones(0.5, 1.0), 1.0))
+    potential = tribo.with_cutoff(tribo.LennardJones(0.5, 1.0), 2.5)
+    return lay_out(Scene((lower, upper), potential, 1.0, periodic=periodic or {}))
 
 
 def test_a_start_in_a_core_is_noted():
     """With the pair and its energy; not in front of the core, or with stiff springs."""
     (note,) = core_notes(pressed(0.5))
     assert note == (
-        'the bobs of asperite 0 of "upper" and asperite 0 of "lower" start deep in a repulsive '
+        'the bobs of asperite 0 of "lower" and asperite 0 of "upper" start deep in a repulsive '
         "core: 0.5 apart, with an energy of 8.06e+03, 8e+03 times their other energies; start them "
         "farther apart, or from tribo.relax(scene)"
     )
+    assert core_notes(pressed(0.5, {"x": 6.0})) == (note,), "a bob is at -1e-17 in a period"
     assert core_notes(pressed(0.8)) == () and core_notes(pressed(1.0)) == ()
     assert core_notes(pressed(0.5, asperite=Asperite(kappa=1e6))) == ()
     (note,) = core_notes(pressed(0.5, asperite=Asperite(kappa=float("inf"))))

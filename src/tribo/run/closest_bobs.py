@@ -59,6 +59,8 @@ def closest_of_contacts(layout: Layout, sample: Samples) -> Iterator[tuple[Close
         box[:] = layout.model.box.x, 0.0, layout.model.box.z
         periodic = box > 0.0
         places[:, periodic] %= box[periodic]
+        # The remainder of a tiny negative number is the period itself, which trees refuse.
+        places[:, periodic] %= box[periodic]
     for contact in (*layout.model.contacts, *(layout.model.within or ())):
         for one, other in contact.pairs:
             mine, theirs = (layout.surfaces[k] for k in (one, other))
