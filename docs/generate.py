@@ -31,7 +31,7 @@ from tribo.potentials import LennardJones, with_cutoff
 from tribo.report_card import check
 
 HERE = Path(__file__).resolve().parent
-PAGES_WITH_PICTURES = [HERE / f"{name}.md" for name in ("tutorial", "ensembles")]
+PAGES_WITH_PICTURES = [HERE / "tutorials/from_the_paper.md", HERE / "how-to/ensembles.md"]
 
 
 def everything(folder: Path) -> None:
@@ -44,8 +44,8 @@ def everything(folder: Path) -> None:
     logging.getLogger("fontTools").setLevel(logging.WARNING)  # it logs every glyph of a PDF
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir()
-    documented_keys(HERE / "scene_file.md")
-    documented_names(HERE / "api.md")
+    documented_keys(HERE / "reference" / "scene_file.md")
+    documented_names(HERE / "reference" / "api.md")
     for page in PAGES_WITH_PICTURES:
         page_code.run(page, folder)
     report_cards(folder)

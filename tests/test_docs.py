@@ -13,7 +13,11 @@ import tribo
 from tribo import InputError
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+FOLDERS = ("tutorials", "how-to", "explanation", "reference")
+PAGES = [
+    *(ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))),
+    *(page for folder in FOLDERS for page in sorted((ROOT / "docs" / folder).glob("*.md"))),
+]
 
 
 def module_of_docs(name):
@@ -27,7 +31,7 @@ def module_of_docs(name):
 page_code = module_of_docs("page_code")
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_page(page, tmp_path):
     """The blocks run in order, and print what the page shows; code without a language fails."""
     page_code.run(page, tmp_path)
@@ -35,7 +39,7 @@ def test_page(page, tmp_path):
 
 def architecture():
     """The text of the page on architecture."""
-    return (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    return (ROOT / "docs" / "explanation" / "architecture.md").read_text(encoding="utf-8")
 
 
 def test_drawing_of_the_layout():
