@@ -13,7 +13,7 @@ import os
 import subprocess
 import sys
 import tempfile
-import time
+import tomllib
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
