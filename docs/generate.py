@@ -31,7 +31,10 @@ from tribo.potentials import LennardJones, with_cutoff
 from tribo.report_card import check
 
 HERE = Path(__file__).resolve().parent
-PAGES_WITH_PICTURES = [HERE / "tutorials/from_the_paper.md", HERE / "how-to/ensembles.md"]
+PAGES_WITH_PICTURES = [
+    HERE / f"{name}.md"
+    for name in ("tutorials/from_the_paper", "tutorials/friction_law", "how-to/ensembles")
+]
 
 
 def everything(folder: Path) -> None:
