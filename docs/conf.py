@@ -20,7 +20,6 @@ extensions = ["mathml", "myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleo
 html_math_renderer = "mathml"  # works without a network
 myst_enable_extensions = ["dollarmath", "amsmath", "colon_fence"]
 myst_heading_anchors = 3
-suppress_warnings = ["toc.empty_glob"]
 exclude_patterns = ["_build", "_generated", "measured"]
 
 autodoc_member_order = "bysource"

@@ -20,7 +20,7 @@ import page_code
 import slip as slip_page
 
 import tribo
-from tribo import paper
+from tribo import paper, plotting, potentials, units
 from tribo.integrators import methods
 from tribo.kernels.compiled import package_stamp
 from tribo.kernels.status import MEANINGS
@@ -31,6 +31,7 @@ from tribo.potentials import LennardJones, with_cutoff
 from tribo.report_card import check
 
 HERE = Path(__file__).resolve().parent
+PUBLIC_PARTS = (paper, plotting, potentials, units)
 PAGES_WITH_PICTURES = [
     HERE / f"{name}.md"
     for name in ("tutorials/from_the_paper", "tutorials/friction_law", "how-to/ensembles")
@@ -150,7 +151,9 @@ def documented_keys(page: Path) -> None:
 def documented_names(page: Path) -> None:
     """Raise AssertionError if a public name is missing in the page."""
     text = page.read_text(encoding="utf-8")
-    documented = set(re.findall(r"^\.\. auto\w+:: (?:tribo\.)?(\w+)", text, re.MULTILINE))
-    missing = sorted(set(tribo.__all__) - documented - {"__version__"})
+    documented = set(re.findall(r"^\.\. auto\w+:: (?:[\w.]+\.)?(\w+)", text, re.MULTILINE))
+    documented |= set(re.findall(r"`(?:[\w.]+\.)?(\w+)`", text))
+    public = {name for part in (tribo, *PUBLIC_PARTS) for name in part.__all__}
+    missing = sorted(public - documented - {"__version__"})
     if missing:
         raise AssertionError(f"{page.name} does not mention {', '.join(missing)}")

@@ -9,6 +9,8 @@ from typing import NamedTuple
 
 from scipy import constants
 
+__all__ = ["AG_NM_NS", "ASE", "SI", "Units", "from_energy"]
+
 
 class Units(NamedTuple):
     """Three units in SI, from which all others follow.
