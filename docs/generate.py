@@ -16,6 +16,7 @@ from pathlib import Path
 import atlas_tables
 import measure_accuracy
 import measure_effects
+import notebooks
 import page_code
 import slip as slip_page
 
@@ -32,10 +33,8 @@ from tribo.report_card import check
 
 HERE = Path(__file__).resolve().parent
 PUBLIC_PARTS = (paper, plotting, potentials, units)
-PAGES_WITH_PICTURES = [
-    HERE / f"{name}.md"
-    for name in ("tutorials/from_the_paper", "tutorials/friction_law", "how-to/ensembles")
-]
+PAGES_AS_NOTEBOOKS = [HERE / "tutorials" / f"{n}.md" for n in ("from_the_paper", "friction_law")]
+PAGES_WITH_PICTURES = [*PAGES_AS_NOTEBOOKS, HERE / "how-to" / "ensembles.md"]
 
 
 def everything(folder: Path) -> None:
@@ -52,6 +51,8 @@ def everything(folder: Path) -> None:
     documented_names(HERE / "reference" / "api.md")
     for page in PAGES_WITH_PICTURES:
         page_code.run(page, folder)
+    for page in PAGES_AS_NOTEBOOKS:
+        notebooks.write(page, folder)
     report_cards(folder)
     paper_figures.draw(folder, paper.CASES)
     atlas_tables.figure(folder / "atlas.png")
