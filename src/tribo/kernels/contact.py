@@ -24,6 +24,7 @@ from tribo.kernels.simd import (
     broadcast,
     lane,
     maximum,
+    seldom,
     sqrt,
     sum_of_lanes,
     where_less,
@@ -49,15 +50,20 @@ def separation(dx, dy, dz):
     return math.hypot(math.hypot(dx, dy), dz)
 
 
+@kernel
+def separations_one_by_one(r, dx, dy, dz, low, high):
+    """The distances r with those from `low` to `high` computed without underflow."""
+    for i in range(low, high):
+        r = with_lane(r, i, separation(lane(dx, i), lane(dy, i), lane(dz, i)))
+    return r
+
+
 @inlined
 def separations(dx, dy, dz, low, high):
     """The same of eight pairs, of which those from `low` to `high` are wanted."""
     square = dx * dx + dy * dy + dz * dz
-    r = sqrt(square)
-    if any_below(low, high, square, SQUARE_IS_SAFE):
-        for i in range(low, high):
-            r = with_lane(r, i, separation(lane(dx, i), lane(dy, i), lane(dz, i)))
-    return r
+    underflows = any_below(low, high, square, SQUARE_IS_SAFE)
+    return seldom(underflows, sqrt(square), separations_one_by_one, (dx, dy, dz, low, high))
 
 
 @kernel
@@ -156,11 +162,7 @@ def add_row(model, contact, fx, fy, i, other):
 
 @inlined
 def add_listed_row(model, contact, fx, fy, i, other, index, first, last):
-    """The same for a row of the neighbour list.
-
-    Distances below 1e-140 [length], whose squares underflow, are rounded: a branch for them would
-    take longer than all the rest.
-    """
+    """The same for a row of the neighbour list."""
     sum_x = broadcast(0.0)
     sum_y = broadcast(0.0)
     start = first_candidate(other, i)
@@ -169,7 +171,7 @@ def add_listed_row(model, contact, fx, fy, i, other, index, first, last):
         low = max(0, start - m)
         high = min(LANES, other.end - m)
         dx, dy, dz = differences(model, i, m)
-        r = sqrt(dx * dx + dy * dy + dz * dz)
+        r = separations(dx, dy, dz, low, high)
         x, y = add_block_forces(model, contact, fx, fy, i, m, low, high, dx, dy, r)
         sum_x = sum_x + x
         sum_y = sum_y + y
