@@ -141,33 +141,17 @@ def add_block_forces(model, contact, fx, fy, i, m, low, high, dx, dy, r):
 
 
 @inlined
-def add_row(model, contact, fx, fy, i, other):
-    """Add the forces of bob i on all its candidates to the rows fx and fy of a table.
+def add_row(model, contact, fx, fy, i, other, row, neighbours):
+    """Add the forces of bob i on the candidates of its row to the rows fx and fy of a table.
 
     Returns the force of the candidates on bob i.
     """
     sum_x = broadcast(0.0)
     sum_y = broadcast(0.0)
     start = first_candidate(other, i)
-    for m in range(start - start % LANES, other.end, LANES):
-        low = max(0, start - m)
-        high = min(LANES, other.end - m)
-        dx, dy, dz = differences(model, i, m)
-        r = separations(dx, dy, dz, low, high)
-        x, y = add_block_forces(model, contact, fx, fy, i, m, low, high, dx, dy, r)
-        sum_x = sum_x + x
-        sum_y = sum_y + y
-    return sum_of_lanes(sum_x), sum_of_lanes(sum_y)
-
-
-@inlined
-def add_listed_row(model, contact, fx, fy, i, other, index, first, last):
-    """The same for a row of the neighbour list."""
-    sum_x = broadcast(0.0)
-    sum_y = broadcast(0.0)
-    start = first_candidate(other, i)
+    first, last, is_listed = row
     for n in range(first, last):
-        m = LANES * index[n]
+        m = block_of(neighbours, is_listed, n)
         low = max(0, start - m)
         high = min(LANES, other.end - m)
         dx, dy, dz = differences(model, i, m)
@@ -176,17 +160,6 @@ def add_listed_row(model, contact, fx, fy, i, other, index, first, last):
         sum_x = sum_x + x
         sum_y = sum_y + y
     return sum_of_lanes(sum_x), sum_of_lanes(sum_y)
-
-
-@inlined
-def add_candidates(model, contact, fx, fy, k, other, i, first, neighbours):
-    """The forces of bob i on its candidates, by the list where it has them; see `row_of`."""
-    if neighbours is not None:
-        begin, end, is_listed = row_of(contact, k, other, i, first, neighbours)
-        if is_listed:
-            index = neighbours.index
-            return add_listed_row(model, contact, fx, fy, i, other, index, begin, end)
-    return add_row(model, contact, fx, fy, i, other)
 
 
 @inlined
@@ -200,7 +173,8 @@ def add_contact(model, contact, fx, fy, neighbours):
             own_x = broadcast(0.0)
             own_y = broadcast(0.0)
             for i in range(first, min(first + LANES, one.end)):
-                x, y = add_candidates(model, contact, fx, fy, k, other, i, one.start, neighbours)
+                row = row_of(contact, k, other, i, one.start, neighbours)
+                x, y = add_row(model, contact, fx, fy, i, other, row, neighbours)
                 own_x = with_lane(own_x, i - first, x)
                 own_y = with_lane(own_y, i - first, y)
             add_block(fx, first, own_x)
