@@ -7,7 +7,7 @@ from scipy import stats
 
 from tribo import ensemble, grid, paper
 from tribo.cli import main
-from tribo.ensembles import pair_runs
+from tribo.ensembles import checked_runs
 from tribo.model.scene_writer import scene_text
 
 
@@ -55,7 +55,7 @@ def test_statistics_of_a_grid(tmp_path, capsys):
 
 def test_an_interrupt_keeps_the_file(tmp_path, capsys, monkeypatch):
     """Exit status 1, and the number of members that FILE.part has."""
-    monkeypatch.setattr(pair_runs, "CHUNK", 64)
+    monkeypatch.setattr(checked_runs, "CHUNK", 64)
     path, out = tmp_path / "a.toml", tmp_path / "a.nc"
     path.write_text(scene_text(paper.scene("A")), encoding="utf-8")
 

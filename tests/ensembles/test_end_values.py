@@ -12,7 +12,7 @@ from scipy import stats
 import tribo
 from tribo import Initial, InputError, Output, ensemble, paper
 from tribo.accuracy.cheapest_setting import NEAR_ALONE
-from tribo.ensembles import pair_runs
+from tribo.ensembles import checked_runs
 from tribo.integrators.nystrom_tableaux import RKN8, RKN12
 from tribo.run.initial_state import InitialState
 from tribo.run.lane_members import PairLanes, has_lanes
@@ -53,7 +53,7 @@ def test_members_are_single_runs(case):
     for member in (0, 7, 99):
         start = {name: float(data[name][member, 0]) for name in names}
         scales = tribo.accuracy.scales.ToleranceScales(*json.loads(data.attrs["scales"]))
-        tolerance = pair_runs.tolerance_at(
+        tolerance = checked_runs.tolerance_at(
             simulation, scales, float(data["level"][member]), NEAR_ALONE
         )
         y = InitialState(simulation.layout)(start)
@@ -209,7 +209,7 @@ def test_a_data_set_of_ends_is_a_file(tmp_path):
         assert again["upper.theta_end"].dims == ("member", "upper_asperite")
         np.testing.assert_array_equal(again["upper.theta"], data["upper.theta"])
         np.testing.assert_array_equal(again["upper.theta_end"], data["upper.theta_end"])
-    assert np.isfinite(data["error"][: pair_runs.SAMPLE]).all()
+    assert np.isfinite(data["error"][: checked_runs.SAMPLE]).all()
     assert float(data["error"].max()) <= 1e-6
 
 
@@ -222,7 +222,7 @@ def test_an_interrupt_keeps_the_members_that_are_complete():
 
     data = ensemble(scene_of("A"), 20_000, STARTS, keep=["upper.w1"], progress=stop)
     assert data.attrs["status"] == "Interrupted"
-    assert data.sizes["member"] == pair_runs.CHUNK
+    assert data.sizes["member"] == checked_runs.CHUNK
     warm = tribo.Surface("upper", langevin=tribo.Langevin(0.6, 0.3))
     scene = tribo.Scene((warm,), (), 4.0)
     data = ensemble(scene, 9, step=0.05, keep=["upper.w_T"], progress=stop)

@@ -12,19 +12,21 @@ import numpy as np
 
 from tribo import interrupts
 from tribo.accuracy.plan import Plan
+from tribo.ensembles.checked_plan import checked_plan
+from tribo.ensembles.checked_runs import CheckedPlan, CheckedRuns
 from tribo.ensembles.engines import Engine, in_threads, run_jobs
 from tribo.ensembles.kept_values import Kept, KeptValues
-from tribo.ensembles.members import Members, Variation
-from tribo.ensembles.pair_plan import pair_plan
-from tribo.ensembles.pair_runs import PairPlan, PairRuns
+from tribo.ensembles.members import Members, Variation, is_random
 from tribo.ensembles.single_runs import SingleRuns, run_alone
+from tribo.ensembles.step_runs import StepRuns
 from tribo.ensembles.stores import Store
 from tribo.model.scene_file import scene_from
 from tribo.model.scene_writer import scene_text
 from tribo.prepared import Simulation
+from tribo.run.general_members import has_batches
 from tribo.simulation import from_settings
 
-KeptRuns = PairRuns | SingleRuns
+KeptRuns = CheckedRuns | StepRuns | SingleRuns
 
 # Ensembles that a process of an engine has ready at the same time.
 MOST_READY = 4
@@ -36,17 +38,24 @@ class Setup(NamedTuple):
     scene: str  # as text, from which plug-ins are loaded there
     plan: Plan
     kept: Kept
-    own_scenes: bool
-    pairs: PairPlan | None
+    own_numbers: bool
+    checked: CheckedPlan | None
 
 
 def kept_runs(
-    simulation: Simulation, kept: Kept, own_scenes: bool, plan: PairPlan | None = None
+    simulation: Simulation, kept: Kept, own_numbers: bool, plan: CheckedPlan | None = None
 ) -> KeptRuns:
-    """The fastest way to run members of a scene, with the plan of all if that is known."""
-    if simulation.integrator.pair is None or simulation.accuracy is None or own_scenes:
-        return SingleRuns(simulation, kept, own_scenes)
-    runs = PairRuns(simulation, kept)
+    """The fastest way to run members of a scene, with the plan of all if that is known.
+
+    With `own_numbers` they differ in more than starts and seeds.
+    """
+    if own_numbers or not (simulation.integrator.pair or has_batches(simulation.layout)):
+        return SingleRuns(simulation, kept, own_numbers or is_random(simulation.scene))
+    if simulation.accuracy is None:
+        return StepRuns(simulation, kept)
+    if not simulation.method.adaptive:  # steps do not tell which members to check
+        return SingleRuns(simulation, kept, is_random(simulation.scene))
+    runs = CheckedRuns(simulation, kept)
     if plan is not None:
         runs.plan = plan
     return runs
@@ -56,9 +65,9 @@ def planned_runs(
     simulation: Simulation, kept: Kept, variation: Variation, count: int, threads: int
 ) -> KeptRuns:
     """Runs of an ensemble of `count` members."""
-    runs = kept_runs(simulation, kept, variation.own_scenes)
-    if isinstance(runs, PairRuns):
-        runs.plan = pair_plan(runs, variation, count, threads)
+    runs = kept_runs(simulation, kept, variation.own_numbers)
+    if isinstance(runs, CheckedRuns):
+        runs.plan = checked_plan(runs, variation, count, threads)
     return runs
 
 
@@ -75,7 +84,7 @@ def run_members(
 
     Parameters
     ----------
-    runs : PairRuns or SingleRuns
+    runs : CheckedRuns, StepRuns or SingleRuns
         Runs them.
     variation : Variation
         The differences between members.
@@ -114,7 +123,7 @@ def _parts(
     """Chunks of members and what is kept of them, in order."""
     if engine is not None:
         text, plan = scene_text(runs.simulation.scene), runs.simulation.settings
-        setup = pickle.dumps(Setup(text, plan, runs.kept, variation.own_scenes, runs.plan))
+        setup = pickle.dumps(Setup(text, plan, runs.kept, variation.own_numbers, runs.plan))
         yield from run_jobs(engine, run_job, ((setup, some) for some in members))
         return
     if isinstance(runs, SingleRuns):
@@ -143,6 +152,6 @@ def complete(runs: KeptRuns, members: Members) -> KeptValues:
 
 @lru_cache(MOST_READY)
 def _ready(setup: bytes) -> KeptRuns:
-    scene, plan, kept, own_scenes, pairs = pickle.loads(setup)
+    scene, plan, kept, own_numbers, checked = pickle.loads(setup)
     simulation = from_settings(scene_from(tomllib.loads(scene)), plan)
-    return kept_runs(simulation, kept, own_scenes, pairs)
+    return kept_runs(simulation, kept, own_numbers, checked)

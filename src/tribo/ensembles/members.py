@@ -137,8 +137,10 @@ class Variation:
     ----------
     sizes
         quantity -> the length of its rows
+    own_numbers
+        whether members differ in more than initial angles and rates, and seeds
     own_scenes
-        whether members differ in more than initial angles and rates
+        whether they differ in more than initial angles and rates
 
     Raises
     ------
@@ -161,8 +163,7 @@ class Variation:
                     self._distributions[key] = source
                 else:
                     self._arrays[key] = _rows(key, source, size)
-        random = noisy(scene) or any(s.bath and s.bath.temperature for s in scene.surfaces)
-        if not (random or vary):
+        if not (is_random(scene) or vary):
             raise InputError(
                 "vary",
                 "is empty, and nothing in the scene is drawn: all members would be the same; vary "
@@ -171,7 +172,8 @@ class Variation:
         self._last_seeds: tuple[int, np.ndarray] = (-1, np.empty(0))
         self._last_draws: dict[str, tuple[int, np.ndarray]] = {}
         of_start = [f"{s.name}.{each.name}" for s in scene.surfaces for each in fields(Initial)]
-        self.own_scenes = random or any(key not in of_start for key in vary)
+        self.own_numbers = any(key not in of_start for key in vary)
+        self.own_scenes = self.own_numbers or is_random(scene)
 
     @property
     def lengths(self) -> dict[str, int]:
@@ -251,6 +253,11 @@ class Variation:
         rows = value.reshape(members, -1)
         self._last_draws[key] = block, rows
         return rows
+
+
+def is_random(scene: Scene) -> bool:
+    """Whether runs of a scene depend on its seed."""
+    return noisy(scene) or any(s.bath and s.bath.temperature for s in scene.surfaces)
 
 
 def _of_blocks(numbers: np.ndarray, size: int, values: Callable[[int], np.ndarray]) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Many runs of one scene of two asperites, which differ in their starts, and their samples."""
+"""Many runs of one scene of two asperites, which differ in their starts."""
 
 from __future__ import annotations
 
@@ -14,14 +14,15 @@ from tribo.pair.members import pair_members
 from tribo.pair.step import LIMITS, STATE
 from tribo.plugins.compile_errors import compiling
 from tribo.plugins.sources import source_stamp
+from tribo.run.member_samples import MemberRuns, MemberSamples
 from tribo.run.pair_adapter import Factors, Pair, PairSamples
 
 # Steps after which a member is left to a run of its own, which is guarded against no progress.
 MOST_STEPS = 2048
 
 
-class MemberSamples(PairSamples):
-    """The samples of several runs: a row for each time and member, all members of a time together.
+class PairMemberSamples(PairSamples, MemberSamples):
+    """The samples of several runs of a pair, which stay in the loop's record.
 
     Parameters
     ----------
@@ -31,19 +32,13 @@ class MemberSamples(PairSamples):
         Rows of the loop's record.
     factors : Factors
         Of the scene's layout.
-
-    Attributes
-    ----------
-    members : int
-        How many there are.
     """
 
     def __init__(self, t: np.ndarray, record: np.ndarray, factors: Factors) -> None:
-        self._shape = record.shape[:2]
         self.members = record.shape[1]
         rows = record.reshape(-1, COLUMNS)
         first = np.tile(record[0], (t.size, 1))
-        super().__init__(np.repeat(t, self._shape[1]), rows, first, factors)
+        super().__init__(np.repeat(t, self.members), rows, first, factors)
 
     @cached_property
     def y(self) -> np.ndarray:  # type: ignore[override]
@@ -55,16 +50,11 @@ class MemberSamples(PairSamples):
         columns = np.argmax(np.abs(state), axis=1)
         return self._record[:, columns] * state[np.arange(len(state)), columns]
 
-    def change(self, series: np.ndarray) -> np.ndarray:
-        """A series of these samples less each member's value at the start of its run."""
-        each = series.reshape(*self._shape, *series.shape[1:])
-        return np.asarray((each - each[0]).reshape(series.shape))
-
-    def of_members(self, selected: np.ndarray) -> MemberSamples:
+    def of_members(self, selected: np.ndarray) -> PairMemberSamples:
         """The samples of some members, by their indices or a mask."""
         t = self.t[:: self.members]
-        record = self._record.reshape(*self._shape, COLUMNS)[:, selected]
-        return MemberSamples(t, np.ascontiguousarray(record), self._factors)
+        record = self._record.reshape(t.size, self.members, COLUMNS)[:, selected]
+        return PairMemberSamples(t, np.ascontiguousarray(record), self._factors)
 
 
 class Memory(NamedTuple):
@@ -76,21 +66,6 @@ class Memory(NamedTuple):
     times: np.ndarray
     record: np.ndarray
     samples: np.ndarray
-    counts: np.ndarray
-
-
-class MemberRuns(NamedTuple):
-    """The runs of some members.
-
-    Attributes
-    ----------
-    samples : MemberSamples
-        At all times.
-    counts : ndarray, (members, 3)
-        Columns of :mod:`tribo.pair.members`.
-    """
-
-    samples: MemberSamples
     counts: np.ndarray
 
 
@@ -114,7 +89,7 @@ class PairMembers:
         self._pair = pair
         self._times = times
         examples = (pair.rows, *self._memory(1), MOST_STEPS)
-        loop = time_loop(pair_members, source_stamp(pair.layout.plugins), nogil=True)
+        loop = time_loop(pair_members, source_stamp(pair.layout.plugins))
         with compiling(loop, pair.layout.named_plugins):
             self._loop = EntryPoint(loop, pair.scene_arguments, examples)
 
@@ -126,7 +101,7 @@ class PairMembers:
         memory.clocks["encounter_fraction"] = tolerance.encounter_fraction
         memory.starts[...] = starts
         self._loop(rows, *memory, MOST_STEPS)
-        samples = MemberSamples(self._times, memory.samples, self._pair.factors)
+        samples = PairMemberSamples(self._times, memory.samples, self._pair.factors)
         return MemberRuns(samples, memory.counts)
 
     def _memory(self, members: int) -> Memory:

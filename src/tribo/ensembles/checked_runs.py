@@ -1,6 +1,6 @@
-"""Members of a scene of two asperites: run by one compiled loop, checked, and refined.
+"""Members that are run by one compiled loop with one setting, checked, and refined.
 
-All members are run by one method with one setting (:mod:`tribo.ensembles.pair_plan`).  The first
+All members are run by one method with one setting (:mod:`tribo.ensembles.checked_plan`).  The first
 members, one in so many of the others, and all that took more evaluations than the plan says, are
 run again with a finer setting.
 A member that misses its accuracy is delivered from the finer run, once that agrees with a still
@@ -30,18 +30,33 @@ from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import COMPLETED, Status
 from tribo.pair.members import CODE, EVALUATIONS, STEPS
 from tribo.prepared import Simulation
+from tribo.run.general_members import GeneralMembers
 from tribo.run.initial_state import InitialState
 from tribo.run.lane_members import PairLanes, has_lanes
+from tribo.run.layout import Layout
 from tribo.run.ledger import assemble
-from tribo.run.members import MemberRuns, MemberSamples, PairMembers
+from tribo.run.member_samples import MemberRuns, MemberSamples
+from tribo.run.members import PairMembers
 
-# Members that are run in one call, at most: some 30 ms, after which it can be interrupted.
+# Members that are run in one call, at most: of a pair some 30 ms, after which an interrupt is
+# answered.
 CHUNK = 8192
+# Work of a call for members of larger scenes [force evaluations x asperites]: some 0.1 s, to which
+# the ledgers of all its members add a few milliseconds.
+CHUNK_WORK = 1e6
 # Samples of all members of one call, at most: 20 MB.
 MOST_SAMPLES = 2**17
+# Numbers in the samples of all members of a call, at most: 16 MB.
+MOST_NUMBERS = 2**21
 # Members by which the setting is chosen, the first ones, which are all checked: their share of a
 # million is nothing.
 SAMPLE = 64
+# Members of the pilot: 2 % of the runs of 200,000 members of a pair.  Those of larger scenes are
+# fewer, and fewer are checked before them.
+PILOT, PILOT_OF_LARGE = 4096, 512
+# Finest level by which the setting is chosen in larger scenes, relative to the accuracy.  Pairs can
+# afford the finest that there is.
+FINEST_OF_LARGE = 1e-4
 # One member in so many is checked beside them, whatever its evaluations: 2 % of the time.
 CHECKED = 256
 # Level of a run that checks another, relative to that or to the accuracy: its error is two digits
@@ -84,7 +99,7 @@ class Way(NamedTuple):
     cost: float
 
 
-class PairPlan(NamedTuple):
+class CheckedPlan(NamedTuple):
     """How all members are run.
 
     Attributes
@@ -122,47 +137,52 @@ class PairPlan(NamedTuple):
         return cls(str(method), float(level), int(evaluations), numbers)
 
 
-class PairRuns:
-    """Runs members of an ensemble of a scene of two asperites.
+class CheckedRuns:
+    """Runs members of an ensemble in batches.
 
     Parameters
     ----------
     simulation : Simulation
-        Of the ensemble's scene, with the loop of a pair and an accuracy.
+        Of the ensemble's scene, with an adaptive method and an accuracy.
     kept : Kept
         What is kept.
 
     Attributes
     ----------
-    plan : PairPlan
+    plan : CheckedPlan
         How all members are run; it has to be set.
     ways : dict
-        The ways to run members, by method; the first is the collocation, which is exact.
+        The ways to run members, by method; the first is that of single runs.
+    exact : str
+        The first of them.
+    pilot : int
+        Members by which it is found whom to check.
+    finest : float
+        The finest level by which the setting is chosen.
     """
 
-    plan: PairPlan
+    plan: CheckedPlan
 
     def __init__(self, simulation: Simulation, kept: Kept) -> None:
-        assert simulation.integrator.pair is not None and simulation.accuracy is not None
+        assert simulation.accuracy is not None
         self.simulation = simulation
         self.kept = kept
         asked = simulation.accuracy
         self._accuracy = asked if isinstance(asked, Mapping) else dict.fromkeys(kept.names, asked)
-        pair = simulation.integrator.pair
-        times = simulation.layout.times
         self.exact = simulation.method.name
-        self.ways = {self.exact: Way(PairMembers(pair, times), NEAR_ALONE, 1.0)}
-        if has_lanes(pair) and times.size == 2:
-            self.ways |= {
-                name: Way(PairLanes(pair, method, times[-1]), NEAR_IN_LANES, COST_IN_LANES)
-                for name, method in (("rkn8", RKN8), ("rkn12", RKN12))
-            }
+        self.ways = _ways(simulation)
         self._initial = InitialState(simulation.layout)
+        self._pair = simulation.integrator.pair is not None
+        self.pilot = PILOT if self._pair else PILOT_OF_LARGE
+        self.finest = FLOOR if self._pair else max(FLOOR, FINEST_OF_LARGE * self.strictest)
 
     @property
     def chunk(self) -> int:
         """Members that are run in one call."""
-        return max(1, min(CHUNK, MOST_SAMPLES // self.simulation.layout.times.size))
+        layout = self.simulation.layout
+        if self._pair:
+            return max(1, min(CHUNK, MOST_SAMPLES // layout.times.size))
+        return chunk_of(layout, self.simulation.finest.evaluations)
 
     @property
     def strictest(self) -> float:
@@ -179,7 +199,7 @@ class PairRuns:
         runs = self.run(plan.method, plan.level, plan.scales, starts)
         complete = runs.counts[:, CODE] == COMPLETED
         found = KeptValues(
-            dict(zip(self.kept.names, self._values(runs.samples), strict=True)),
+            kept_values(self.kept, self.simulation.layout, runs.samples),
             np.where(complete, str(Status.COMPLETED), UNKNOWN).astype(STATUS_TYPE),
             runs.counts[:, STEPS].copy(),
             np.full(complete.size, plan.level),
@@ -194,7 +214,7 @@ class PairRuns:
 
     def starts(self, members: Members) -> np.ndarray:
         """The states of some members at t = 0, (members, 2 coordinates)."""
-        return self._initial.of_members(members.numbers.size, members.values)
+        return self._initial.of_members(members.values, members.seeds)
 
     def run(
         self, method: str, level: float, scales: tuple[float, ...], starts: np.ndarray
@@ -218,16 +238,6 @@ class PairRuns:
         """The level of runs that check those of another level."""
         return max(FLOOR, FINER * min(level, self.strictest))
 
-    def _values(self, samples: MemberSamples) -> list[np.ndarray]:
-        """The kept quantities, (members, [times,] [asperites])."""
-        ledger = assemble(self.simulation.layout, samples)
-        found = []
-        for name in self.kept.names:
-            series = ledger.series(name)[0]
-            each = series.reshape(-1, samples.members, *series.shape[1:])
-            found.append(np.moveaxis(each, 0, 1) if self.kept.at_samples else each[-1])
-        return found
-
     def _refine(
         self, found: KeptValues, now: np.ndarray, runs: MemberRuns, starts: np.ndarray
     ) -> None:
@@ -243,10 +253,44 @@ class PairRuns:
             now, coarse = now[bad], _of_members(fine, bad)
             if not now.size:
                 return
-            for name, values in zip(self.kept.names, self._values(coarse.samples), strict=True):
+            refined = kept_values(self.kept, self.simulation.layout, coarse.samples)
+            for name, values in refined.items():
                 found.values[name][now] = values
             found.level[now], found.steps[now] = level, coarse.counts[:, STEPS]
         found.status[now] = UNKNOWN
+
+
+def _ways(simulation: Simulation) -> dict[str, Way]:
+    """The ways to run members, by method."""
+    pair, method, layout = simulation.integrator.pair, simulation.method, simulation.layout
+    if pair is None:
+        general = GeneralMembers(layout, method, simulation.integrator.first_step)
+        return {method.name: Way(general, NEAR_ALONE, 1.0)}
+    times = layout.times
+    ways = {method.name: Way(PairMembers(pair, times), NEAR_ALONE, 1.0)}
+    if has_lanes(pair) and times.size == 2:
+        ways |= {
+            name: Way(PairLanes(pair, explicit, times[-1]), NEAR_IN_LANES, COST_IN_LANES)
+            for name, explicit in (("rkn8", RKN8), ("rkn12", RKN12))
+        }
+    return ways
+
+
+def chunk_of(layout: Layout, evaluations: float) -> int:
+    """Members that are run in one call, if each takes so many evaluations of all forces."""
+    numbers = layout.times.size * (2 * layout.core + layout.accounts)
+    quick = CHUNK_WORK / (evaluations * layout.asperites.size)
+    return max(1, int(min(CHUNK, quick, MOST_NUMBERS / numbers)))
+
+
+def kept_values(kept: Kept, layout: Layout, samples: MemberSamples) -> dict[str, np.ndarray]:
+    """The kept quantities, (members, [times,] [asperites])."""
+    ledger, found = assemble(layout, samples), {}
+    for name in kept.names:
+        series = ledger.series(name)[0]
+        each = series.reshape(-1, samples.members, *series.shape[1:])
+        found[name] = np.moveaxis(each, 0, 1) if kept.at_samples else each[-1]
+    return found
 
 
 def _of_members(runs: MemberRuns, selected: np.ndarray) -> MemberRuns:

@@ -1,7 +1,7 @@
-"""How members of a scene of two asperites are run: the method, its setting, and whom to check.
+"""How the members of an ensemble are run: the method, its setting, and whom to check.
 
 The method and its setting are the cheapest of those with which the members of a sample agree with
-finer runs, in the quantities that are kept.  Methods are the pair's collocation and, where the
+finer runs, in the quantities that are kept.  Methods are that of single runs and, of a pair whose
 ledger follows from the motion by conservation of energy, explicit ones with members in lanes.
 
 Members of a pilot are then checked in the order of their evaluations, from the most on, batch by
@@ -14,9 +14,9 @@ from __future__ import annotations
 import numpy as np
 
 from tribo.accuracy.scales import FLOOR, tolerance_scales
+from tribo.ensembles.checked_runs import FINER, KEPT, SAMPLE, CheckedPlan, CheckedRuns
 from tribo.ensembles.engines import in_threads
 from tribo.ensembles.members import Variation
-from tribo.ensembles.pair_runs import FINER, KEPT, SAMPLE, PairPlan, PairRuns
 from tribo.kernels.status import COMPLETED
 from tribo.pair.members import CODE, EVALUATIONS
 
@@ -25,8 +25,6 @@ LEVELS = 2.0 ** np.arange(14.0, -24.0, -0.5)
 # Largest difference of the sample from finer runs, in units of the accuracy: other members may have
 # larger ones.
 CHOSEN = 0.5
-# Members of the pilot: 2 % of the runs of 200,000 members.
-PILOT = 4096
 # Members of the pilot that are run in one call, so that threads share them.
 PIECE = 512
 # Members of the first batch: where they keep the accuracy, 1 % of all members are checked, which
@@ -34,12 +32,12 @@ PIECE = 512
 BATCH = 32
 
 
-def pair_plan(runs: PairRuns, variation: Variation, count: int, threads: int) -> PairPlan:
+def checked_plan(runs: CheckedRuns, variation: Variation, count: int, threads: int) -> CheckedPlan:
     """The plan of an ensemble of `count` members.
 
     Parameters
     ----------
-    runs : PairRuns
+    runs : CheckedRuns
         Runs members; its own plan is not used.
     variation : Variation
         The differences between members.
@@ -55,14 +53,14 @@ def pair_plan(runs: PairRuns, variation: Variation, count: int, threads: int) ->
 
 
 def _cheapest(
-    runs: PairRuns, variation: Variation, count: int, scales: tuple[float, ...]
-) -> PairPlan:
+    runs: CheckedRuns, variation: Variation, count: int, scales: tuple[float, ...]
+) -> CheckedPlan:
     """The cheapest setting that keeps the accuracy of the sample."""
     starts = runs.starts(variation.sample(count, SAMPLE))
-    levels = np.maximum(LEVELS * runs.strictest, FLOOR)
+    levels = np.maximum(LEVELS * runs.strictest, runs.finest)
     fine = runs.run(runs.exact, levels[-1], scales, starts)
     known = fine.counts[:, CODE] == COMPLETED
-    best, least = PairPlan(runs.exact, max(FLOOR, FINER * runs.strictest), -1, scales), np.inf
+    best, least = CheckedPlan(runs.exact, max(FLOOR, FINER * runs.strictest), -1, scales), np.inf
     for method, way in runs.ways.items():
         too_loose, good = -1, levels.size - 1
         while good - too_loose > 1:
@@ -73,13 +71,15 @@ def _cheapest(
             else:
                 too_loose = k
         if good < levels.size - 1 and cost < least:
-            best, least = PairPlan(method, float(levels[good]), -1, scales), cost
+            best, least = CheckedPlan(method, float(levels[good]), -1, scales), cost
     return best
 
 
-def _most(runs: PairRuns, variation: Variation, count: int, threads: int, plan: PairPlan) -> int:
+def _most(
+    runs: CheckedRuns, variation: Variation, count: int, threads: int, plan: CheckedPlan
+) -> int:
     """The evaluations above which members are checked; -1 for all."""
-    starts, piece = runs.starts(variation.sample(count, PILOT)), min(PIECE, runs.chunk)
+    starts, piece = runs.starts(variation.sample(count, runs.pilot)), min(PIECE, runs.chunk)
 
     def counts_from(some: np.ndarray) -> np.ndarray:
         return runs.run(plan.method, plan.level, plan.scales, some).counts
@@ -100,7 +100,7 @@ def _most(runs: PairRuns, variation: Variation, count: int, threads: int, plan: 
     return min(rest, int(evaluations[missed].min()) - 1) if missed.size else rest
 
 
-def _misses(runs: PairRuns, plan: PairPlan, starts: np.ndarray, piece: int) -> np.ndarray:
+def _misses(runs: CheckedRuns, plan: CheckedPlan, starts: np.ndarray, piece: int) -> np.ndarray:
     """Which members miss the accuracy by the plan, (members,)."""
     found = []
     for some in np.split(starts, range(piece, len(starts), piece)):
