@@ -165,10 +165,54 @@ def test_members_that_coincide_stop_by_name():
     assert np.isfinite(data["upper.w1"][[0, 2, 3]]).all()
 
 
+def test_members_with_noise(monkeypatch):
+    """Each is the run of the scene with its seed, whatever the threads and its company."""
+    monkeypatch.setattr(checked_runs, "CHUNK", 3)
+    scene = replace(noisy_scene(), output=Output(samples=5))
+    keep = ["upper.w_T", "upper.delta_e_int", "upper.delta_E_int", "total_energy_change"]
+    vary = {"upper.theta": stats.norm(0.0, 0.1)}
+    data = ensemble(scene, 8, vary, seed=3, step=0.05, keep=keep, at="samples", threads=2)
+    assert data.attrs["own_numbers"] == "false"
+    for member in (0, 4, 7):
+        theta, seed = data["upper.theta"][member].values, int(data["seed"][member])
+        own = replace(scene.surfaces[0], initial=Initial(theta=theta))
+        run = tribo.simulate(replace(scene, surfaces=(own,), seed=seed), step=0.05)
+        alone = tribo.ensemble_member(data, member)
+        for name in keep:
+            np.testing.assert_array_equal(data[name][member], run.ledger.series(name)[0], name)
+            np.testing.assert_array_equal(data[name][member], alone[name][0], name)
+
+
+def test_members_with_a_step_stop_by_name():
+    """As single runs do; the others have values."""
+    scene = rows_of_two(bob=(0.0, 0.0))
+    swings = np.array([[0.3, 0.2], [0.0, 0.2], [0.4, 0.1]])
+    settings = {"method": "verlet", "step": 0.02, "keep": ["upper.w1"]}
+    data = ensemble(scene, 3, {"upper.theta": swings}, **settings)
+    assert data["status"].values.tolist() == ["completed", "BobsCoincide", "completed"]
+    assert np.isnan(data["upper.w1"][1]).all()
+    assert np.isfinite(data["upper.w1"][[0, 2]]).all()
+
+
+def noisy_scene():
+    """Three asperites with reservoirs, and baths that are drawn."""
+    bath = tribo.Bath(masses=[0.1], frequencies=[2.0], temperature=0.3)
+    warm = tribo.Surface("upper", shape=(3, 1), langevin=tribo.Langevin(0.6, 0.3), bath=bath)
+    return tribo.Scene((warm,), (), 4.0)
+
+
+def rows_of_two(**upper):
+    """Two asperites over two."""
+    row = {"shape": (2, 1), "spacing": (3.0, 0.0)}
+    above = tribo.Surface("upper", **{"bob": (-1.0, 0.5), "velocity": (0.5, 0.0), **row, **upper})
+    lower = tribo.Surface("lower", facing="up", **row)
+    return tribo.Scene((above, lower), tribo.Coulomb(0.2), 4.0)
+
+
 def test_other_scenes_and_engines():
     """Members of noisy scenes are runs of the member's scene; engines give the same bits."""
-    warm = tribo.Surface("upper", shape=(3, 1), langevin=tribo.Langevin(0.6, 0.3))
-    scene = tribo.Scene((warm,), (), 4.0, output=Output(samples=5))
+    scene = replace(noisy_scene(), output=Output(samples=5))
+    (warm,) = scene.surfaces
     keep = ["upper.w_T", "upper.delta_E_int", "total_energy_change"]
     vary = {"upper.velocity": [0.1, 0.2, 0.3]}
     data = ensemble(scene, 3, vary, seed=3, step=0.05, keep=keep)
@@ -184,12 +228,35 @@ def test_other_scenes_and_engines():
     assert data["upper.w_T"].dims == ("member", "upper_asperite")
 
 
+def test_members_of_rows_alone(monkeypatch):
+    """The same bits by a single run with the member's setting, and in any company."""
+    monkeypatch.setattr(checked_runs, "CHUNK", 16)
+    scene = rows_of_two()
+    vary = {"upper.theta": stats.uniform(0.0, 0.2), "lower.omega": stats.norm(0.0, 0.1)}
+    keep = ["upper.w1", "lower.w2", "lower.delta_e_int", "upper.W", "contact_energy"]
+    data = ensemble(scene, 100, vary, keep=keep, at="samples", threads=2)
+    assert set(data["status"].values) == {"completed"}
+    simulation = tribo.prepare(scene)
+    scales = tribo.accuracy.scales.ToleranceScales(*json.loads(data.attrs["scales"]))
+    for member in (0, 17, 99):
+        alone = tribo.ensemble_member(data, member)
+        start = {name: data[name][member].values for name in vary}
+        setting = checked_runs.tolerance_at(
+            simulation, scales, float(data["level"][member]), NEAR_ALONE
+        )
+        y = InitialState(simulation.layout)(start)
+        run = simulation.integrator(setting, simulation.layout.times, y)
+        assert run.steps == data["steps"][member]
+        for name in keep:
+            values = assemble(simulation.layout, run.samples).series(name)[0]
+            np.testing.assert_array_equal(data[name][member], values, name)
+            np.testing.assert_array_equal(data[name][member], alone[name][0], name)
+
+
 def test_a_member_of_another_scene_gets_the_settings_it_needs():
-    """A member that misses the accuracy with the plan's settings has a search of its own."""
-    row = {"shape": (2, 1), "spacing": (3.0, 0.0)}
-    upper = tribo.Surface("upper", bob=(-1.0, 0.5), velocity=(0.5, 0.0), **row)
-    lower = tribo.Surface("lower", facing="up", **row)
-    scene = tribo.Scene((upper, lower), tribo.Coulomb(0.2), 4.0)
+    """A member that misses the accuracy with the plan's settings gets finer ones."""
+    scene = rows_of_two()
+    upper, lower = scene.surfaces
     data = ensemble(scene, 3, {"upper.omega": [0.0, 3.0, -5.0]}, keep=["upper.w1"])
     assert set(data["status"].values) == {"completed"}
     for member, omega in enumerate([0.0, 3.0, -5.0]):
@@ -213,7 +280,7 @@ def test_a_data_set_of_ends_is_a_file(tmp_path):
     assert float(data["error"].max()) <= 1e-6
 
 
-def test_an_interrupt_keeps_the_members_that_are_complete():
+def test_an_interrupt_keeps_the_members_that_are_complete(monkeypatch):
     """In whole chunks, of both kinds of scenes."""
 
     def stop(done):
@@ -223,10 +290,9 @@ def test_an_interrupt_keeps_the_members_that_are_complete():
     data = ensemble(scene_of("A"), 20_000, STARTS, keep=["upper.w1"], progress=stop)
     assert data.attrs["status"] == "Interrupted"
     assert data.sizes["member"] == checked_runs.CHUNK
-    warm = tribo.Surface("upper", langevin=tribo.Langevin(0.6, 0.3))
-    scene = tribo.Scene((warm,), (), 4.0)
-    data = ensemble(scene, 9, step=0.05, keep=["upper.w_T"], progress=stop)
-    assert data.sizes["member"] == 2
+    monkeypatch.setattr(checked_runs, "CHUNK", 4)
+    data = ensemble(noisy_scene(), 9, step=0.05, keep=["upper.w_T"], progress=stop)
+    assert data.sizes["member"] == 4
 
 
 @pytest.mark.parametrize(
