@@ -13,6 +13,7 @@ import tribo
 from tribo import Initial, InputError, Output, ensemble, paper
 from tribo.accuracy.cheapest_setting import NEAR_ALONE
 from tribo.ensembles import checked_runs
+from tribo.ensembles.members import Variation
 from tribo.integrators.nystrom_tableaux import RKN8, RKN12
 from tribo.run.initial_state import InitialState
 from tribo.run.lane_members import PairLanes, has_lanes
@@ -313,6 +314,48 @@ def test_refusals(settings, field, words):
     assert refused.value.field == field
 
 
+NUMBERS = {
+    "upper.velocity": stats.uniform(0.4, 0.2),
+    "upper.asperite.m1": stats.uniform(0.8, 0.4),
+    "upper.asperite.length": stats.uniform(1.8, 0.4),
+    "lower.asperite.kappa": stats.uniform(1.5, 1.0),
+    "lower.asperite.charge": stats.uniform(0.5, 1.0),
+    "interaction.strength": stats.uniform(0.1, 0.1),
+    "upper.theta": stats.uniform(0.0, 0.2),
+}
+
+
+@pytest.mark.parametrize("case", ["A", "C"])
+def test_numbers_of_their_own(case):
+    """Members in batches have the values of single runs of their scenes, alone the same bits."""
+    scene = scene_of(case)
+    data = ensemble(scene, 300, NUMBERS, keep=KEEP, threads=2)
+    assert set(data["status"].values) == {"completed"}
+    assert np.isfinite(data["error"]).all()
+    assert float(data["error"].max()) <= 1e-6
+    few = ensemble(scene, 70, NUMBERS, keep=KEEP, threads=1)
+    variation = Variation(scene, NUMBERS, 0)
+    for member in (0, 33, 69):
+        alone = tribo.ensemble_member(data, member)
+        run = tribo.simulate(variation.member(member).scene_with_start(scene), accuracy=1e-10)
+        for name in KEEP:
+            np.testing.assert_array_equal(data[name][member], alone[name][0], name)
+            np.testing.assert_array_equal(data[name][member], few[name][member], name)
+            error = np.abs(data[name][member] - run.ledger.series(name)[0][-1]).max()
+            assert error <= 1e-6 * scales_of(run), name
+
+
+def test_numbers_of_their_own_over_time():
+    """At all times, with motion along y."""
+    scene = replace(paper.scene("A"), output=Output(samples=5))
+    vary = {"upper.velocity": [[0.5, 0.01], [0.4, -0.02]], "lower.asperite.m2": [2.0, 2.5]}
+    data = ensemble(scene, 2, vary, keep=["upper.w2", "upper.W", "lower.x_cm"], at="samples")
+    run = tribo.simulate(Variation(scene, vary, 0).member(1).scene(scene), accuracy=1e-10)
+    for name in ("upper.w2", "upper.W", "lower.x_cm"):
+        error = np.abs(data[name][1] - run.ledger.series(name)[0]).max()
+        assert error <= 1e-6 * scales_of(run), name
+
+
 def test_parameters_by_dotted_keys():
     """A member is the run of the scene with its numbers."""
     scene = scene_of("A")
@@ -337,5 +380,7 @@ def test_parameters_by_dotted_keys():
         for name in ("upper.w1", "lower.delta_e_int"):
             error = np.abs(data[name][member] - run.ledger.series(name)[0][-1]).max()
             assert error <= 1e-6 * scales_of(run)
+    with pytest.raises(InputError, match="kappa.*must not be negative"):
+        ensemble(scene, 2, {"upper.asperite.kappa": [1.0, -1.0]}, keep=["upper.w1"])
     with pytest.raises(InputError, match="number of the scene"):
         ensemble(scene, 3, {"upper.asperite.colour": [1.0, 2.0, 3.0]}, keep=["upper.w1"])

@@ -87,7 +87,7 @@ def _scales(
     energy = np.where(works > EPSILON * internal, energy, internal)
     return {
         "rate": np.maximum(tops["omega"], tops["nu"]),
-        "length": float(np.max(a.l1 + a.l2)),
+        "length": np.max(np.atleast_2d(a.l1 + a.l2), axis=1)[:members],
         "velocity": largest(entry.bob_speed(mean_velocity(layout))),
         "energy": energy,
         "total": np.max([energy, *(tops[name] for name in TOTALS if name in tops)], axis=0),

@@ -13,7 +13,7 @@ are run beside it.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple, Protocol, Self
 
 import numpy as np
@@ -24,7 +24,7 @@ from tribo.accuracy.levels import setting_at
 from tribo.accuracy.members import FineMembers
 from tribo.accuracy.scales import FLOOR, ToleranceScales
 from tribo.ensembles.kept_values import STATUS_TYPE, UNKNOWN, Kept, KeptValues
-from tribo.ensembles.members import Members
+from tribo.ensembles.members import Members, values_at_start
 from tribo.integrators.nystrom_tableaux import RKN8, RKN12
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import COMPLETED, Status
@@ -35,8 +35,9 @@ from tribo.run.initial_state import InitialState
 from tribo.run.lane_members import PairLanes, has_lanes
 from tribo.run.layout import Layout
 from tribo.run.ledger import assemble
-from tribo.run.member_samples import MemberRuns, MemberSamples
+from tribo.run.member_samples import MemberRuns
 from tribo.run.members import PairMembers
+from tribo.run.pair_numbers import PairNumbers, pair_numbers
 
 # Members that are run in one call, at most: of a pair some 30 ms, after which an interrupt is
 # answered.
@@ -77,8 +78,33 @@ REFINEMENTS = 3
 class Loop(Protocol):
     """Runs members with a setting."""
 
-    def run(self, tolerance: Tolerance, starts: np.ndarray) -> MemberRuns:
+    def run(self, setting: Tolerance, starts: np.ndarray, /) -> MemberRuns:
         """Run members from `starts` (members, 2 coordinates), in this thread."""
+
+
+class Begun(NamedTuple):
+    """Members before their runs.
+
+    Attributes
+    ----------
+    starts : ndarray, (members, 2 coordinates)
+        Their states at t = 0.
+    numbers : PairNumbers or None
+        Numbers of their own.
+    """
+
+    starts: np.ndarray
+    numbers: PairNumbers | None
+
+    def of_members(self, selected: np.ndarray | slice) -> Begun:
+        """Some of them."""
+        numbers = None if self.numbers is None else self.numbers.of_members(selected)
+        return Begun(self.starts[selected], numbers)
+
+    def pieces(self, size: int) -> list[Begun]:
+        """So many of them at a time."""
+        firsts = range(0, len(self.starts), size)
+        return [self.of_members(slice(first, first + size)) for first in firsts]
 
 
 class Way(NamedTuple):
@@ -146,11 +172,15 @@ class CheckedRuns:
         Of the ensemble's scene, with an adaptive method and an accuracy.
     kept : Kept
         What is kept.
+    own_numbers : sequence of str
+        Keys of what members differ in beside their starts.
 
     Attributes
     ----------
     plan : CheckedPlan
         How all members are run; it has to be set.
+    own_numbers
+        As given.
     ways : dict
         The ways to run members, by method; the first is that of single runs.
     exact : str
@@ -163,14 +193,15 @@ class CheckedRuns:
 
     plan: CheckedPlan
 
-    def __init__(self, simulation: Simulation, kept: Kept) -> None:
+    def __init__(self, simulation: Simulation, kept: Kept, own_numbers: Sequence[str]) -> None:
         assert simulation.accuracy is not None
         self.simulation = simulation
         self.kept = kept
         asked = simulation.accuracy
         self._accuracy = asked if isinstance(asked, Mapping) else dict.fromkeys(kept.names, asked)
         self.exact = simulation.method.name
-        self.ways = _ways(simulation)
+        self.own_numbers = own_numbers
+        self.ways = _ways(simulation, bool(own_numbers))
         self._initial = InitialState(simulation.layout)
         self._pair = simulation.integrator.pair is not None
         self.pilot = PILOT if self._pair else PILOT_OF_LARGE
@@ -195,11 +226,11 @@ class CheckedRuns:
         Those that need a search for their own settings have the status UNKNOWN.
         """
         plan = self.plan
-        starts = self.starts(members)
-        runs = self.run(plan.method, plan.level, plan.scales, starts)
+        begun = self.begin(members)
+        runs = self.run(plan.method, plan.level, plan.scales, begun)
         complete = runs.counts[:, CODE] == COMPLETED
         found = KeptValues(
-            kept_values(self.kept, self.simulation.layout, runs.samples),
+            kept_values(self.kept, runs),
             np.where(complete, str(Status.COMPLETED), UNKNOWN).astype(STATUS_TYPE),
             runs.counts[:, STEPS].copy(),
             np.full(complete.size, plan.level),
@@ -209,27 +240,32 @@ class CheckedRuns:
         some = (members.numbers < SAMPLE) | (members.numbers % CHECKED == 0)
         checked = complete & (many | some)
         if checked.any():
-            self._refine(found, np.flatnonzero(checked), runs, starts)
+            self._refine(found, np.flatnonzero(checked), runs, begun)
         return found
 
-    def starts(self, members: Members) -> np.ndarray:
-        """The states of some members at t = 0, (members, 2 coordinates)."""
-        return self._initial.of_members(members.values, members.seeds)
+    def begin(self, members: Members) -> Begun:
+        """Some members before their runs."""
+        starts = self._initial.of_members(values_at_start(members.values), members.seeds)
+        if not self.own_numbers:
+            return Begun(starts, None)
+        layout = self.simulation.layout
+        return Begun(starts, pair_numbers(layout, len(starts), members.values))
 
-    def run(
-        self, method: str, level: float, scales: tuple[float, ...], starts: np.ndarray
-    ) -> MemberRuns:
+    def run(self, method: str, level: float, scales: tuple[float, ...], begun: Begun) -> MemberRuns:
         """Run members by one way with tolerances of one level."""
         way = self.ways[method]
         tolerance = tolerance_at(self.simulation, ToleranceScales(*scales), level, way.near)
-        return way.loop.run(tolerance, starts)
+        if begun.numbers is None:
+            return way.loop.run(tolerance, begun.starts)
+        assert isinstance(way.loop, PairMembers)
+        return way.loop.run(tolerance, begun.starts, begun.numbers)
 
     def excess(self, fine: MemberRuns, runs: MemberRuns) -> np.ndarray:
         """The largest difference of each member from a finer run, in units of its accuracy.
 
         Infinite where either run did not complete.
         """
-        exact = FineMembers(self.simulation.layout, fine.samples, self._accuracy)
+        exact = FineMembers(fine.layout, fine.samples, self._accuracy)
         excess = exact.excess(runs.samples)
         complete = (runs.counts[:, CODE] == COMPLETED) & (fine.counts[:, CODE] == COMPLETED)
         return np.where(complete & np.isfinite(excess), excess, np.inf)
@@ -238,37 +274,35 @@ class CheckedRuns:
         """The level of runs that check those of another level."""
         return max(FLOOR, FINER * min(level, self.strictest))
 
-    def _refine(
-        self, found: KeptValues, now: np.ndarray, runs: MemberRuns, starts: np.ndarray
-    ) -> None:
+    def _refine(self, found: KeptValues, now: np.ndarray, runs: MemberRuns, begun: Begun) -> None:
         """Check members with some places, and deliver those that miss from finer runs."""
-        coarse, level = _of_members(runs, now), self.plan.level
+        coarse, level = runs.of_members(now), self.plan.level
         for _ in range(REFINEMENTS + 1):
             level = self.finer(level)
-            fine = self.run(self.exact, level, self.plan.scales, starts[now])
+            fine = self.run(self.exact, level, self.plan.scales, begun.of_members(now))
             excess = self.excess(fine, coarse)
             known = np.isfinite(excess)
             found.error[now] = np.where(known, excess * self.strictest, np.nan)
             bad = ~(excess <= KEPT)
-            now, coarse = now[bad], _of_members(fine, bad)
+            now, coarse = now[bad], fine.of_members(bad)
             if not now.size:
                 return
-            refined = kept_values(self.kept, self.simulation.layout, coarse.samples)
+            refined = kept_values(self.kept, coarse)
             for name, values in refined.items():
                 found.values[name][now] = values
             found.level[now], found.steps[now] = level, coarse.counts[:, STEPS]
         found.status[now] = UNKNOWN
 
 
-def _ways(simulation: Simulation) -> dict[str, Way]:
-    """The ways to run members, by method."""
+def _ways(simulation: Simulation, own_numbers: bool) -> dict[str, Way]:
+    """The ways to run members, by method; with `own_numbers` not in lanes."""
     pair, method, layout = simulation.integrator.pair, simulation.method, simulation.layout
     if pair is None:
         general = GeneralMembers(layout, method, simulation.integrator.first_step)
         return {method.name: Way(general, NEAR_ALONE, 1.0)}
     times = layout.times
     ways = {method.name: Way(PairMembers(pair, times), NEAR_ALONE, 1.0)}
-    if has_lanes(pair) and times.size == 2:
+    if has_lanes(pair) and times.size == 2 and not own_numbers:
         ways |= {
             name: Way(PairLanes(pair, explicit, times[-1]), NEAR_IN_LANES, COST_IN_LANES)
             for name, explicit in (("rkn8", RKN8), ("rkn12", RKN12))
@@ -283,18 +317,14 @@ def chunk_of(layout: Layout, evaluations: float) -> int:
     return max(1, int(min(CHUNK, quick, MOST_NUMBERS / numbers)))
 
 
-def kept_values(kept: Kept, layout: Layout, samples: MemberSamples) -> dict[str, np.ndarray]:
+def kept_values(kept: Kept, runs: MemberRuns) -> dict[str, np.ndarray]:
     """The kept quantities, (members, [times,] [asperites])."""
-    ledger, found = assemble(layout, samples), {}
+    ledger, found = assemble(runs.layout, runs.samples), {}
     for name in kept.names:
         series = ledger.series(name)[0]
-        each = series.reshape(-1, samples.members, *series.shape[1:])
+        each = series.reshape(-1, runs.samples.members, *series.shape[1:])
         found[name] = np.moveaxis(each, 0, 1) if kept.at_samples else each[-1]
     return found
-
-
-def _of_members(runs: MemberRuns, selected: np.ndarray) -> MemberRuns:
-    return MemberRuns(runs.samples.of_members(selected), runs.counts[selected])
 
 
 def tolerance_at(

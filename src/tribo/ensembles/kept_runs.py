@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pickle
 import tomllib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -24,6 +24,7 @@ from tribo.model.scene_file import scene_from
 from tribo.model.scene_writer import scene_text
 from tribo.prepared import Simulation
 from tribo.run.general_members import has_batches
+from tribo.run.pair_numbers import are_pair_numbers
 from tribo.simulation import from_settings
 
 KeptRuns = CheckedRuns | StepRuns | SingleRuns
@@ -38,27 +39,39 @@ class Setup(NamedTuple):
     scene: str  # as text, from which plug-ins are loaded there
     plan: Plan
     kept: Kept
-    own_numbers: bool
+    own_numbers: Sequence[str]
     checked: CheckedPlan | None
 
 
 def kept_runs(
-    simulation: Simulation, kept: Kept, own_numbers: bool, plan: CheckedPlan | None = None
+    simulation: Simulation,
+    kept: Kept,
+    own_numbers: Sequence[str],
+    plan: CheckedPlan | None = None,
 ) -> KeptRuns:
     """The fastest way to run members of a scene, with the plan of all if that is known.
 
-    With `own_numbers` they differ in more than starts and seeds.
+    They differ in starts and seeds, and in numbers with the keys `own_numbers`.
     """
-    if own_numbers or not (simulation.integrator.pair or has_batches(simulation.layout)):
-        return SingleRuns(simulation, kept, own_numbers or is_random(simulation.scene))
+    if not _in_batches(simulation, own_numbers):
+        return SingleRuns(simulation, kept, bool(own_numbers) or is_random(simulation.scene))
     if simulation.accuracy is None:
         return StepRuns(simulation, kept)
-    if not simulation.method.adaptive:  # steps do not tell which members to check
-        return SingleRuns(simulation, kept, is_random(simulation.scene))
-    runs = CheckedRuns(simulation, kept)
+    runs = CheckedRuns(simulation, kept, own_numbers)
     if plan is not None:
         runs.plan = plan
     return runs
+
+
+def _in_batches(simulation: Simulation, own_numbers: Sequence[str]) -> bool:
+    """Whether members are run in batches: of a pair, also those with some numbers of their own."""
+    layout = simulation.layout
+    if own_numbers:
+        pair = simulation.integrator.pair is not None and not layout.scene.output.series
+        return pair and are_pair_numbers(layout, own_numbers)
+    # Without adaptive steps, their number does not tell which members to check.
+    checked = simulation.accuracy is None or simulation.method.adaptive
+    return simulation.integrator.pair is not None or (has_batches(layout) and checked)
 
 
 def planned_runs(

@@ -57,7 +57,7 @@ class StepRuns:
         complete = (runs.counts[:, CODE] == COMPLETED) & ~grown
         unknown = np.full(complete.size, np.nan)
         return KeptValues(
-            kept_values(self.kept, layout, runs.samples),
+            kept_values(self.kept, runs),
             np.where(complete, str(Status.COMPLETED), UNKNOWN).astype(STATUS_TYPE),
             runs.counts[:, STEPS].copy(),
             unknown,

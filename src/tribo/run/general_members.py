@@ -149,7 +149,8 @@ class GeneralMembers:
             np.swapaxes(each, 0, 1).reshape(times.size * members, *each.shape[2:])
             for each in columns
         )
-        return MemberRuns(MemberSamples(members, np.repeat(times, members), *together), counts)
+        samples = MemberSamples(members, np.repeat(times, members), *together)
+        return MemberRuns(self._layout, samples, counts)
 
     def _free_loop(self) -> ReusedLoop:
         """A loop that no thread uses."""

@@ -74,7 +74,8 @@ class PairLanes:
         bounds[0, lanes.MOST_TRIALS] = MOST_STEPS
         samples, counts = self._memory(len(starts))
         self._loop(*self._arguments(bounds, samples, counts, np.ascontiguousarray(starts)))
-        return MemberRuns(PairMemberSamples(self._times, samples, self._pair.factors), counts)
+        found = PairMemberSamples(self._times, samples, self._pair.factors)
+        return MemberRuns(self._pair.layout, found, counts)
 
     def _memory(self, members: int) -> tuple[np.ndarray, np.ndarray]:
         return np.empty((2, members, COLUMNS)), np.empty((members, 3), np.int64)

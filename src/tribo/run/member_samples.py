@@ -7,6 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tribo.run.layout import Layout
+from tribo.run.pair_numbers import LayoutOfMembers
 from tribo.run.samples import Samples
 
 
@@ -47,11 +49,21 @@ class MemberRuns(NamedTuple):
 
     Attributes
     ----------
+    layout : Layout
+        Of the members, by which their samples are read.
     samples : MemberSamples
         At all times.
     counts : ndarray, (members, 3)
         Columns of :mod:`tribo.pair.members`.
     """
 
+    layout: Layout
     samples: MemberSamples
     counts: np.ndarray
+
+    def of_members(self, selected: np.ndarray) -> MemberRuns:
+        """The runs of some members, by their indices or a mask."""
+        layout = self.layout
+        if isinstance(layout, LayoutOfMembers):
+            layout = layout.of_members(selected)
+        return MemberRuns(layout, self.samples.of_members(selected), self.counts[selected])

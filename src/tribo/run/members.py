@@ -9,6 +9,7 @@ import numpy as np
 
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.compiled import EntryPoint, time_loop
+from tribo.kernels.potential_numbers import numbers_of
 from tribo.pair.loop import COLUMNS
 from tribo.pair.members import pair_members
 from tribo.pair.step import LIMITS, STATE
@@ -16,6 +17,7 @@ from tribo.plugins.compile_errors import compiling
 from tribo.plugins.sources import source_stamp
 from tribo.run.member_samples import MemberRuns, MemberSamples
 from tribo.run.pair_adapter import Factors, Pair, PairSamples
+from tribo.run.pair_numbers import LayoutOfMembers, PairNumbers
 
 # Steps after which a member is left to a run of its own, which is guarded against no progress.
 MOST_STEPS = 2048
@@ -56,6 +58,20 @@ class PairMemberSamples(PairSamples, MemberSamples):
         record = self._record.reshape(t.size, self.members, COLUMNS)[:, selected]
         return PairMemberSamples(t, np.ascontiguousarray(record), self._factors)
 
+    def with_factors(self, state: np.ndarray, accounts: np.ndarray) -> MemberSamples:
+        """The samples as they are where each member has factors of its own.
+
+        They are those of :func:`tribo.run.pair_adapter.factors_of`, (members, ..., columns).
+        """
+        columns = self._columns.reshape(-1, self.members, state.shape[2]).swapaxes(0, 1)
+        y, s = (
+            (columns @ factors.swapaxes(1, 2)).swapaxes(0, 1).reshape(self.t.size, -1)
+            for factors in (state, accounts)
+        )
+        return MemberSamples(
+            self.members, self.t, y, s, self.contact, self.field, self.stored, self.baths
+        )
+
 
 class Memory(NamedTuple):
     """Arrays of the loop over members, in the order of its arguments."""
@@ -88,21 +104,35 @@ class PairMembers:
     def __init__(self, pair: Pair, times: np.ndarray) -> None:
         self._pair = pair
         self._times = times
-        examples = (pair.rows, *self._memory(1), MOST_STEPS)
+        self._record, potential = pair.scene_arguments
+        self._numbers = np.array([numbers_of(potential)], float)
+        examples = (self._record, self._numbers, pair.rows, *self._memory(1), MOST_STEPS)
         loop = time_loop(pair_members, source_stamp(pair.layout.plugins))
         with compiling(loop, pair.layout.named_plugins):
-            self._loop = EntryPoint(loop, pair.scene_arguments, examples)
+            self._loop = EntryPoint(loop, (potential,), examples)
 
-    def run(self, tolerance: Tolerance, starts: np.ndarray) -> MemberRuns:
-        """Run members from `starts` (members, 2 coordinates), in this thread."""
+    def run(
+        self, tolerance: Tolerance, starts: np.ndarray, numbers: PairNumbers | None = None
+    ) -> MemberRuns:
+        """Run members from `starts` (members, 2 coordinates), in this thread.
+
+        With `numbers` of their own, or those of the scene.
+        """
+        layout = self._pair.layout
         rows = self._pair.rows.copy()
         rows[LIMITS:STATE] = self._pair.limits(tolerance)
         memory = self._memory(len(starts))
         memory.clocks["encounter_fraction"] = tolerance.encounter_fraction
         memory.starts[...] = starts
-        self._loop(rows, *memory, MOST_STEPS)
+        record, potential = self._record, self._numbers
+        if numbers is not None:
+            record, potential = numbers.records(layout), np.ascontiguousarray(numbers.potential)
+        self._loop(record, potential, rows, *memory, MOST_STEPS)
         samples = PairMemberSamples(self._times, memory.samples, self._pair.factors)
-        return MemberRuns(samples, memory.counts)
+        if numbers is None:
+            return MemberRuns(layout, samples, memory.counts)
+        own = samples.with_factors(*numbers.factors(layout))
+        return MemberRuns(LayoutOfMembers.of(layout, numbers), own, memory.counts)
 
     def _memory(self, members: int) -> Memory:
         """Memory for so many members."""
