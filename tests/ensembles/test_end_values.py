@@ -173,7 +173,7 @@ def test_members_with_noise(monkeypatch):
     keep = ["upper.w_T", "upper.delta_e_int", "upper.delta_E_int", "total_energy_change"]
     vary = {"upper.theta": stats.norm(0.0, 0.1)}
     data = ensemble(scene, 8, vary, seed=3, step=0.05, keep=keep, at="samples", threads=2)
-    assert data.attrs["own_numbers"] == "false"
+    assert data.attrs["own_numbers"] == "[]"
     for member in (0, 4, 7):
         theta, seed = data["upper.theta"][member].values, int(data["seed"][member])
         own = replace(scene.surfaces[0], initial=Initial(theta=theta))
