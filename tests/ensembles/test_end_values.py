@@ -380,7 +380,7 @@ def test_parameters_by_dotted_keys():
         for name in ("upper.w1", "lower.delta_e_int"):
             error = np.abs(data[name][member] - run.ledger.series(name)[0][-1]).max()
             assert error <= 1e-6 * scales_of(run)
-    with pytest.raises(InputError, match="kappa.*must not be negative"):
+    with pytest.raises(InputError, match=r"kappa.*must not be negative"):
         ensemble(scene, 2, {"upper.asperite.kappa": [1.0, -1.0]}, keep=["upper.w1"])
     with pytest.raises(InputError, match="number of the scene"):
         ensemble(scene, 3, {"upper.asperite.colour": [1.0, 2.0, 3.0]}, keep=["upper.w1"])
