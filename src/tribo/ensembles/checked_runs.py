@@ -68,7 +68,7 @@ FINER = 1e-2
 KEPT = 0.9
 # Longest step of members in lanes, as a fraction of the time to the next encounter.
 NEAR_IN_LANES = 1.25
-# Time of an evaluation of all forces in lanes, relative to that of the collocation: 7 and 15 ns, as
+# Time of an evaluation of all forces in lanes, relative to that of the collocation: 6 and 13 ns, as
 # measured on cases A and C of the paper.
 COST_IN_LANES = 0.47
 # Times that a member is refined before it gets a run of its own.
