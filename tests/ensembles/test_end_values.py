@@ -195,6 +195,10 @@ def test_members_with_a_step_stop_by_name():
     assert np.isfinite(data["upper.w1"][[0, 2]]).all()
 
 
+# Starts of members of `rows_of_two`.
+ROW_STARTS = {"upper.theta": stats.uniform(0.0, 0.2), "lower.omega": stats.norm(0.0, 0.1)}
+
+
 def noisy_scene():
     """Three asperites with reservoirs, and baths that are drawn."""
     bath = tribo.Bath(masses=[0.1], frequencies=[2.0], temperature=0.3)
@@ -219,8 +223,14 @@ def test_other_scenes_and_engines():
     data = ensemble(scene, 3, vary, seed=3, step=0.05, keep=keep)
     with ProcessPoolExecutor(2, get_context("spawn")) as pool:
         there = ensemble(scene, 3, vary, seed=3, step=0.05, keep=keep, engine=pool)
+        batches = ensemble(scene, 3, seed=3, step=0.05, keep=keep, engine=pool)
+        rows = ensemble(rows_of_two(), 70, ROW_STARTS, keep=["upper.w1"], engine=pool)
+    here = ensemble(scene, 3, seed=3, step=0.05, keep=keep)
     for name in keep:
         np.testing.assert_array_equal(data[name], there[name])
+        np.testing.assert_array_equal(here[name], batches[name])
+    here = ensemble(rows_of_two(), 70, ROW_STARTS, keep=["upper.w1"])
+    np.testing.assert_array_equal(here["upper.w1"], rows["upper.w1"])
     own = replace(warm, velocity=(0.3, 0.0))
     seed, ends = int(data["seed"][2]), Output(samples=2)
     run = tribo.simulate(replace(scene, surfaces=(own,), seed=seed, output=ends), step=0.05)
@@ -233,7 +243,7 @@ def test_members_of_rows_alone(monkeypatch):
     """The same bits by a single run with the member's setting, and in any company."""
     monkeypatch.setattr(checked_runs, "CHUNK", 16)
     scene = rows_of_two()
-    vary = {"upper.theta": stats.uniform(0.0, 0.2), "lower.omega": stats.norm(0.0, 0.1)}
+    vary = ROW_STARTS
     keep = ["upper.w1", "lower.w2", "lower.delta_e_int", "upper.W", "contact_energy"]
     data = ensemble(scene, 100, vary, keep=keep, at="samples", threads=2)
     assert set(data["status"].values) == {"completed"}

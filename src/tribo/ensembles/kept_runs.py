@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo import interrupts
+from tribo.accuracy.levels import work
 from tribo.accuracy.plan import Plan
 from tribo.ensembles.checked_plan import checked_plan
 from tribo.ensembles.checked_runs import CheckedPlan, CheckedRuns
@@ -29,6 +30,10 @@ from tribo.simulation import from_settings
 
 KeptRuns = CheckedRuns | StepRuns | SingleRuns
 
+# Work of a member in batches with an accuracy, at most [force evaluations x asperites]: 4 ms, which
+# a result takes too.  Of longer runs, those by which the setting is chosen would take longer than
+# what batches save.
+MOST_WORK = 3e4
 # Ensembles that a process of an engine has ready at the same time.
 MOST_READY = 4
 
@@ -53,7 +58,7 @@ def kept_runs(
 
     They differ in starts and seeds, and in numbers with the keys `own_numbers`.
     """
-    if not _in_batches(simulation, own_numbers):
+    if plan is None and not _in_batches(simulation, own_numbers):
         return SingleRuns(simulation, kept, bool(own_numbers) or is_random(simulation.scene))
     if simulation.accuracy is None:
         return StepRuns(simulation, kept)
@@ -65,13 +70,18 @@ def kept_runs(
 
 def _in_batches(simulation: Simulation, own_numbers: Sequence[str]) -> bool:
     """Whether members are run in batches: of a pair, also those with some numbers of their own."""
-    layout = simulation.layout
+    layout, pair = simulation.layout, simulation.integrator.pair
     if own_numbers:
-        pair = simulation.integrator.pair is not None and not layout.scene.output.series
-        return pair and are_pair_numbers(layout, own_numbers)
+        plain = pair is not None and not layout.scene.output.series
+        return plain and are_pair_numbers(layout, own_numbers)
+    if pair is not None or not has_batches(layout):
+        return pair is not None
+    tuned = simulation.plan.tuned
+    if tuned is None:
+        return True
     # Without adaptive steps, their number does not tell which members to check.
-    checked = simulation.accuracy is None or simulation.method.adaptive
-    return simulation.integrator.pair is not None or (has_batches(layout) and checked)
+    found = simulation.method.adaptive and bool(tuned.runs)
+    return found and work(layout, simulation.finest) <= MOST_WORK
 
 
 def planned_runs(
