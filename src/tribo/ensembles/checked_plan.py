@@ -1,12 +1,12 @@
-"""How members of a scene of two asperites are run: the method, its setting, and whom to check.
+"""How the members of an ensemble are run: the method, its setting, and whom to check.
 
 The method and its setting are the cheapest of those with which the members of a sample agree with
-finer runs, in the quantities that are kept.  Methods are the pair's collocation and, where the
+finer runs, in the quantities that are kept.  Methods are that of single runs and, of a pair whose
 ledger follows from the motion by conservation of energy, explicit ones with members in lanes.
 
 Members of a pilot are then checked in the order of their evaluations, from the most on, batch by
 batch, until a batch has none that misses its accuracy.  Members that take more evaluations than the
-rest of the pilot are checked in the whole ensemble.
+rest of the pilot are checked in the whole ensemble, and all members where they differ in numbers.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ from __future__ import annotations
 import numpy as np
 
 from tribo.accuracy.scales import FLOOR, tolerance_scales
+from tribo.ensembles.checked_runs import FINER, KEPT, SAMPLE, Begun, CheckedPlan, CheckedRuns
 from tribo.ensembles.engines import in_threads
 from tribo.ensembles.members import Variation
-from tribo.ensembles.pair_runs import FINER, KEPT, SAMPLE, PairPlan, PairRuns
 from tribo.kernels.status import COMPLETED
 from tribo.pair.members import CODE, EVALUATIONS
 
@@ -25,8 +25,6 @@ LEVELS = 2.0 ** np.arange(14.0, -24.0, -0.5)
 # Largest difference of the sample from finer runs, in units of the accuracy: other members may have
 # larger ones.
 CHOSEN = 0.5
-# Members of the pilot: 2 % of the runs of 200,000 members.
-PILOT = 4096
 # Members of the pilot that are run in one call, so that threads share them.
 PIECE = 512
 # Members of the first batch: where they keep the accuracy, 1 % of all members are checked, which
@@ -34,12 +32,12 @@ PIECE = 512
 BATCH = 32
 
 
-def pair_plan(runs: PairRuns, variation: Variation, count: int, threads: int) -> PairPlan:
+def checked_plan(runs: CheckedRuns, variation: Variation, count: int, threads: int) -> CheckedPlan:
     """The plan of an ensemble of `count` members.
 
     Parameters
     ----------
-    runs : PairRuns
+    runs : CheckedRuns
         Runs members; its own plan is not used.
     variation : Variation
         The differences between members.
@@ -55,44 +53,47 @@ def pair_plan(runs: PairRuns, variation: Variation, count: int, threads: int) ->
 
 
 def _cheapest(
-    runs: PairRuns, variation: Variation, count: int, scales: tuple[float, ...]
-) -> PairPlan:
+    runs: CheckedRuns, variation: Variation, count: int, scales: tuple[float, ...]
+) -> CheckedPlan:
     """The cheapest setting that keeps the accuracy of the sample."""
-    starts = runs.starts(variation.sample(count, SAMPLE))
-    levels = np.maximum(LEVELS * runs.strictest, FLOOR)
-    fine = runs.run(runs.exact, levels[-1], scales, starts)
+    begun = runs.begin(variation.sample(count, SAMPLE))
+    levels = np.maximum(LEVELS * runs.strictest, runs.finest)
+    fine = runs.run(runs.exact, levels[-1], scales, begun)
     known = fine.counts[:, CODE] == COMPLETED
-    best, least = PairPlan(runs.exact, max(FLOOR, FINER * runs.strictest), -1, scales), np.inf
+    best, least = CheckedPlan(runs.exact, max(FLOOR, FINER * runs.strictest), -1, scales), np.inf
     for method, way in runs.ways.items():
         too_loose, good = -1, levels.size - 1
         while good - too_loose > 1:
             k = (good + too_loose) // 2
-            found = runs.run(method, levels[k], scales, starts)
+            found = runs.run(method, levels[k], scales, begun)
             if np.all(runs.excess(fine, found)[known] <= CHOSEN):
                 good, cost = k, way.cost * float(found.counts[:, EVALUATIONS].sum())
             else:
                 too_loose = k
         if good < levels.size - 1 and cost < least:
-            best, least = PairPlan(method, float(levels[good]), -1, scales), cost
+            best, least = CheckedPlan(method, float(levels[good]), -1, scales), cost
     return best
 
 
-def _most(runs: PairRuns, variation: Variation, count: int, threads: int, plan: PairPlan) -> int:
+def _most(
+    runs: CheckedRuns, variation: Variation, count: int, threads: int, plan: CheckedPlan
+) -> int:
     """The evaluations above which members are checked; -1 for all."""
-    starts, piece = runs.starts(variation.sample(count, PILOT)), min(PIECE, runs.chunk)
+    if runs.own_numbers:  # each has scales of its own, which its evaluations do not show
+        return -1
+    begun, piece = runs.begin(variation.sample(count, runs.pilot)), min(PIECE, runs.chunk)
 
-    def counts_from(some: np.ndarray) -> np.ndarray:
+    def counts_from(some: Begun) -> np.ndarray:
         return runs.run(plan.method, plan.level, plan.scales, some).counts
 
-    cuts = range(piece, len(starts), piece)
-    counts = np.concatenate(list(in_threads(counts_from, np.split(starts, cuts), threads)))
+    counts = np.concatenate(list(in_threads(counts_from, begun.pieces(piece), threads)))
     evaluations = counts[:, EVALUATIONS]
     complete = np.flatnonzero(counts[:, CODE] == COMPLETED)
     order = complete[np.argsort(-evaluations[complete], kind="stable")]
     stop, size, missed = 0, BATCH, np.array([], int)
     while stop < order.size:
         batch, stop = order[stop : stop + size], stop + size
-        bad = batch[_misses(runs, plan, starts[batch], piece)]
+        bad = batch[_misses(runs, plan, begun.of_members(batch), piece)]
         if not bad.size:
             break
         size, missed = 2 * size, np.append(missed, bad)
@@ -100,10 +101,10 @@ def _most(runs: PairRuns, variation: Variation, count: int, threads: int, plan: 
     return min(rest, int(evaluations[missed].min()) - 1) if missed.size else rest
 
 
-def _misses(runs: PairRuns, plan: PairPlan, starts: np.ndarray, piece: int) -> np.ndarray:
+def _misses(runs: CheckedRuns, plan: CheckedPlan, begun: Begun, piece: int) -> np.ndarray:
     """Which members miss the accuracy by the plan, (members,)."""
     found = []
-    for some in np.split(starts, range(piece, len(starts), piece)):
+    for some in begun.pieces(piece):
         coarse = runs.run(plan.method, plan.level, plan.scales, some)
         fine = runs.run(runs.exact, runs.finer(plan.level), plan.scales, some)
         found.append(~(runs.excess(fine, coarse) <= KEPT))
