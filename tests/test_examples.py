@@ -115,8 +115,13 @@ def washboard_resonance(shown):
 
 CHECKS = {name: globals()[name] for name in EXAMPLES}
 
-# Examples that take five seconds or more, most of it to compile.
-LONG = {"commensurate_rows", "postcard", "rough_surface", "stick_slip", "thermal_friction"}
+# Examples that take more than five seconds of CPU time, most of it to compile a loop that no other
+# test of the default set needs.
+LONG = {
+    *("aubry_transition", "commensurate_rows", "free_block", "friction_against_load", "postcard"),
+    *("rough_surface", "stick_slip", "structural_lubricity", "thermal_friction"),
+    "washboard_resonance",
+}
 
 
 @pytest.mark.parametrize(
