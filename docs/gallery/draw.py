@@ -19,8 +19,8 @@ EXAMPLES = FOLDER.parents[1] / "examples"
 NUMBERS = FOLDER / "numbers.json"
 PAGE = FOLDER / "index.md"
 
-# Width of a picture [pixels], and its number of colours: few keep the files small.
-WIDTH, COLOURS = 900, 64
+# Width of a picture [pixels]; with a palette of this many colours a file has 25 to 75 kB.
+WIDTH, COLOURS = 900, 256
 
 HEADER = """\
 <!-- written by docs/gallery/draw.py -->
