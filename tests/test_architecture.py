@@ -53,6 +53,8 @@ def of_this_package(name):
 ORDER = [
     "cli",
     "commands",
+    "command_help",
+    "run_command",
     "doctor",
     "paper",
     "report_card",
@@ -65,6 +67,7 @@ ORDER = [
     "scene_options",
     "export",
     "plotting",
+    "repeat",
     "simulation",
     "prepared",
     "accuracy",

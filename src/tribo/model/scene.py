@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -111,6 +113,21 @@ class Scene(ComparedByValue):
     fields: tuple[Field, ...] = ()
     output: Output = field(default_factory=Output)
     numerics: Numerics = field(default_factory=Numerics)
+
+    if TYPE_CHECKING:
+        # The constructor takes more than the fields then hold.
+        def __init__(
+            self,
+            surfaces: Sequence[Surface],
+            interactions: Interaction | Sequence[object],  # potentials are tuples
+            duration: float,
+            title: str = ...,
+            seed: int = ...,
+            periodic: Periodic | Mapping[str, float] = ...,
+            fields: Sequence[Field] = ...,
+            output: Output = ...,
+            numerics: Numerics = ...,
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         put = object.__setattr__

@@ -23,8 +23,8 @@ def up_to_runaway(layout: Layout, run: Integration) -> Integration:
     """The run, or its part up to the first sample at which its energy has run away.
 
     That is where the energy exceeds RUNAWAY times that at the start, and its change differs from
-    the applied work by more than any applied work and any energy of contact so far.  Without a
-    ledger it is not known.
+    the applied work by more than any applied work and any energy of contact or of fields so far.
+    Without a ledger it is not known.
     """
     samples = run.samples
     if layout.model.ledger is None:
@@ -35,7 +35,8 @@ def up_to_runaway(layout: Layout, run: Integration) -> Integration:
             return run
         system = assemble(layout, samples).system
         excess = np.abs(system["total_energy_change"] - system["applied_work"])
-        known = np.maximum(np.abs(samples.contact), np.abs(system["applied_work"]))
+        known = np.maximum(np.abs(samples.contact), np.abs(samples.field))
+        known = np.maximum(known, np.abs(system["applied_work"]))
         lost = np.flatnonzero(grown & (excess > np.maximum.accumulate(known)))
     if lost.size == 0:
         return run
