@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from tribo.model.spectrum import Spectrum
     from tribo.model.springs import Springs
     from tribo.model.surface import Initial, Surface
+    from tribo.model.topography import Topography
     from tribo.potentials import (
         BornMayer,
         Buckingham,
@@ -97,6 +98,7 @@ _HOME = {
     "Pushed": "tribo.model.drives",
     "Result": "tribo.run.result",
     "Roughness": "tribo.model.roughness",
+    "Topography": "tribo.model.topography",
     "Scene": "tribo.model.scene",
     "simulate": "tribo.simulation",
     "Simulation": "tribo.prepared",

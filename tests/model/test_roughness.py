@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from tribo import InputError
-from tribo.model.roughness import Roughness, as_heights, as_roughness, as_table, draw
+from tribo.model.heights import as_heights
+from tribo.model.roughness import Roughness, as_roughness, as_table, draw
+from tribo.model.topography import Grid
 
 ROW, GRID = (512, 1), (96, 64)
 SPACING = (0.5, 0.5)
@@ -131,15 +133,15 @@ def test_tables_there_and_back():
 
 
 def test_heights_of_a_surface():
-    assert as_heights(None, (2, 1), (1.0, 0.0)) is None
-    np.testing.assert_array_equal(as_heights([1, 2], (2, 1), (1.0, 0.0)), [1.0, 2.0])
-    assert as_heights({"rms": 0.1}, (2, 1), (0.0, 0.0)) == Roughness(0.1)
+    assert as_heights(None, Grid((2, 1), (1.0, 0.0), 1.0)) is None
+    np.testing.assert_array_equal(as_heights([1, 2], Grid((2, 1), (1.0, 0.0), 1.0)), [1.0, 2.0])
+    assert as_heights({"rms": 0.1}, Grid((2, 1), (0.0, 0.0), 1.0)) == Roughness(0.1)
     with pytest.raises(InputError, match=r"^heights: must be 2 numbers \[length\], got 3$"):
-        as_heights([1, 2, 3], (2, 1), (1.0, 0.0))
+        as_heights([1, 2, 3], Grid((2, 1), (1.0, 0.0), 1.0))
     with pytest.raises(InputError, match=r"^heights\.hurst: must be between 0 and 1"):
-        as_heights({"rms": 0.1, "hurst": 1.0}, (9, 1), (1.0, 0.0))
+        as_heights({"rms": 0.1, "hurst": 1.0}, Grid((9, 1), (1.0, 0.0), 1.0))
     with pytest.raises(InputError, match=r"^heights\.hurst: needs a spacing"):
-        as_heights(Roughness(0.1, 0.5), (9, 1), (0.0, 0.0))
+        as_heights(Roughness(0.1, 0.5), Grid((9, 1), (0.0, 0.0), 1.0))
 
 
 @pytest.mark.parametrize(
