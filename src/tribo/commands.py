@@ -60,6 +60,9 @@ def _parser() -> argparse.ArgumentParser:
     _add_atlas(commands.add_parser("atlas", help="run hard scenes and compare with references"))
     _add_view(commands.add_parser("view", help="write a page that plays a run in a browser"))
     _add_plot(commands.add_parser("plot", help="draw the file of a run in one figure"))
+    _add_export_lammps(
+        commands.add_parser("export-lammps", help="write a scene as files of LAMMPS")
+    )
     add_new(commands.add_parser("new", help="print or write a commented scene file to start from"))
     add_doctor(commands.add_parser("doctor", help="print versions, cores, cache and speed"))
     return parser
@@ -247,6 +250,15 @@ def _add_view(view: argparse.ArgumentParser) -> None:
     view.set_defaults(command=_view)
 
 
+def _add_export_lammps(export: argparse.ArgumentParser) -> None:
+    add_scene(export)
+    add_set(export)
+    export.add_argument(
+        "-o", "--out", type=Path, required=True, metavar="DIR", help="the folder of the files"
+    )
+    export.set_defaults(command=_export_lammps)
+
+
 def _run(options: argparse.Namespace) -> int:
     from tribo.simulation import simulate
 
@@ -358,6 +370,16 @@ def _plot(options: argparse.Namespace) -> int:
     path = plotting.figure_path("--out", options.out or options.file.with_suffix(".png"))
     checked_target("--out", path)
     print(plotting.save(plotting.overview(load_result(options.file)), path))
+    return COMPLETED
+
+
+def _export_lammps(options: argparse.Namespace) -> int:
+    from tribo.export.lammps import to_lammps
+
+    files = to_lammps(load_with_values(options), options.out)
+    print(files.data, files.forces, files.run, sep="\n")
+    for text in files.omitted:
+        print(f"omitted: {text}")
     return COMPLETED
 
 

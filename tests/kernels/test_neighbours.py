@@ -12,16 +12,14 @@ from support.sliding import CUTOFF, long_slide, scene
 from tribo.kernels.compiled import shared_kernel
 from tribo.kernels.neighbours import refresh
 from tribo.kernels.records import X, Y
+from tribo.kernels.simd import LANES
 from tribo.run import contacts, general_loop
 from tribo.run import layout as layouts
 
 
-def listed_pairs(neighbours) -> set[tuple[int, int]]:
-    """The pairs in a list that has one pair of surfaces, the first beginning with bob 0."""
-    start, index = neighbours.start, neighbours.index
-    return {
-        (row, int(j)) for row in range(start.size - 1) for j in index[start[row] : start[row + 1]]
-    }
+def listed_blocks(neighbours, row: int) -> np.ndarray:
+    """The blocks in a row."""
+    return neighbours.index[neighbours.start[row] : neighbours.start[row + 1]]
 
 
 def assert_same(plain, by_list):
@@ -32,14 +30,23 @@ def assert_same(plain, by_list):
             assert np.max(np.abs(one - other)) <= 1e-9 * np.max(np.abs(one)), quantity
 
 
-def pairs_within(places: np.ndarray, upper: int, reach: float, box: tuple) -> set[tuple[int, int]]:
-    """All pairs of an upper and a lower bob at most `reach` apart, by comparing each pair."""
-    difference = places[:upper, None] - places[None, upper:]
+def distances(upper: np.ndarray, lower: np.ndarray, box: tuple) -> np.ndarray:
+    """Distance of each upper bob from the nearest image of each lower bob."""
+    difference = upper[:, None] - lower[None]
     for axis, length in ((0, box[0]), (2, box[1])):
         if length:
             difference[..., axis] -= length * np.round(difference[..., axis] / length)
-    near = np.argwhere(np.sqrt(np.sum(difference**2, axis=-1)) < reach)
-    return {(int(i), int(j) + upper) for i, j in near}
+    return np.sqrt(np.sum(difference**2, axis=-1))
+
+
+def distance_of_box(bob: np.ndarray, bobs: np.ndarray, box: tuple) -> float:
+    """Distance of a bob from the box around others."""
+    low, high = np.min(bobs, axis=0), np.max(bobs, axis=0)
+    away = np.abs(bob - 0.5 * (low + high))
+    for axis, length in ((0, box[0]), (2, box[1])):
+        if length:
+            away[axis] = abs(away[axis] - length * np.round(away[axis] / length))
+    return float(np.sqrt(np.sum(np.maximum(away - 0.5 * (high - low), 0.0) ** 2)))
 
 
 @st.composite
@@ -62,7 +69,7 @@ def update(model, neighbours):
 @settings(max_examples=60)
 @given(places(), st.floats(-100.0, 100.0))
 def test_a_list_has_every_pair_within_reach(given_places, slide):
-    """After any slide the list holds exactly the pairs within cutoff and skin, in order."""
+    """After any slide the list has the blocks within cutoff and skin, in order, and no others."""
     upper, lower, box = given_places
     periodic = {key: value for key, value in zip("xz", box, strict=True) if value}
     with pytest.MonkeyPatch.context() as patch:
@@ -70,7 +77,6 @@ def test_a_list_has_every_pair_within_reach(given_places, slide):
         layout = layouts.lay_out(scene(upper, lower, periodic))
         neighbours = layout.neighbours()
     columns = layout.places.columns
-    number = {column: i for i, column in enumerate(columns.tolist())}
     world = np.concatenate([upper, lower])
     for shift in (0.0, slide):
         layout.model.bobs[[[X], [Y]], columns] = world[:, :2].T
@@ -79,13 +85,16 @@ def test_a_list_has_every_pair_within_reach(given_places, slide):
         neighbours = general_loop.with_room(neighbours)
         update(layout.model, neighbours)
         now = np.column_stack([*layout.model.bobs[[[X], [Y]], columns], layout.depths])
-        needed = pairs_within(now, len(upper), CUTOFF, box)
-        wide = pairs_within(now, len(upper), CUTOFF + 2.01 * layout.skin, box)
-        found = {(row, number[j]) for row, j in listed_pairs(neighbours)}
-        assert needed <= found <= wide
-        for row in range(len(upper)):
-            own = neighbours.index[neighbours.start[row] : neighbours.start[row + 1]]
-            assert np.all(np.diff(own) > 0)
+        above, below = now[: len(upper)], now[len(upper) :]
+        block = columns[len(upper) :] // LANES
+        near = distances(above, below, box) < CUTOFF
+        for i, bob in enumerate(above):
+            found = listed_blocks(neighbours, columns[i])
+            assert np.all(np.diff(found) > 0)
+            assert set(block[near[i]]) <= set(found.tolist())
+            for n in found:
+                wide = distance_of_box(bob, below[block == n], box)
+                assert wide < CUTOFF + 2.01 * layout.skin
 
 
 @pytest.mark.parametrize(
@@ -128,11 +137,11 @@ def test_a_list_that_outgrows_its_room(method, monkeypatch):
             return neighbours
         grown.append(int(neighbours.start[-1]))
         nowhere = np.full_like(neighbours.place, np.nan)
-        return neighbours._replace(index=np.zeros(grown[-1], np.int64), place=nowhere)
+        return neighbours._replace(index=np.zeros(grown[-1], np.int32), place=nowhere)
 
     def cramped(self):
         """A list with room for one."""
-        return whole(self)._replace(index=np.zeros(1, np.int64))
+        return whole(self)._replace(index=np.zeros(1, np.int32))
 
     whole = layouts.Layout.neighbours
     monkeypatch.setattr(general_loop, "with_room", exactly)

@@ -191,25 +191,25 @@ def wrong_row(layout, neighbours, k, places, box, pair) -> str:
     one, other, row = pair
     reach, kinds = neighbours.reach[k], sorted(neighbours.species[k])
     parts = list(layout.parts.values())
-    species = layout.model.species[layout.places.columns]
+    columns = layout.places.columns
+    theirs = np.arange(parts[other].start, parts[other].stop)
     for i in range(parts[one].start, parts[one].stop):
-        difference = places[i] - places
-        for axis, name in ((0, "x"), (2, "z")):
-            if name in box:
-                difference[:, axis] -= box[name] * np.round(difference[:, axis] / box[name])
-        near = np.flatnonzero(np.sum(difference**2, axis=1) < reach**2)
-        expected = [
-            j
-            for j in near.tolist()
-            if parts[other].start <= j < parts[other].stop
-            and j > i
-            and sorted((species[i], species[j])) == kinds
-        ]
-        at = row + i - parts[one].start
-        columns = neighbours.index[neighbours.start[at] : neighbours.start[at + 1]]
-        found = np.searchsorted(layout.places.columns, columns).tolist()
+        expected = []
+        for n in np.unique(columns[theirs] // 8):
+            own = places[theirs[columns[theirs] // 8 == n]]
+            middle = 0.5 * (np.min(own, axis=0) + np.max(own, axis=0))
+            away = places[i] - middle
+            for axis, name in ((0, "x"), (2, "z")):
+                if name in box:
+                    away[axis] -= box[name] * np.round(away[axis] / box[name])
+            beyond = np.maximum(abs(away) - 0.5 * np.ptp(own, axis=0), 0.0)
+            is_partner = layout.model.species[columns[i]] in kinds
+            if np.sum(beyond**2) < reach**2 and is_partner and 8 * n + 7 > columns[i]:
+                expected.append(int(n))
+        at = row + columns[i] - layout.model.surfaces.start[one]
+        found = neighbours.index[neighbours.start[at] : neighbours.start[at + 1]].tolist()
         if found != expected:
-            return f"bob {i} has {found} instead of {expected}"
+            return f"bob {i} has the blocks {found} instead of {expected}"
     return ""
 
 

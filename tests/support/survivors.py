@@ -26,8 +26,8 @@ EQUIVALENT = {
     "powers_of_block(model, ledger, s, i, 2.0, t, q, v, power)": (
         "only whether the torsion springs count matters: any number but 0 says that they do"
     ),
-    "kernels/neighbours.py: sort_into_cells: max(extent_z / nz, reach) -> "
-    "max(extent_z * nz, reach)": (
+    "kernels/neighbours.py: sort_into_cells: max(extent_z / nz, size_z) -> "
+    "max(extent_z * nz, size_z)": (
         "wider cells hold all pairs within reach, which are then sorted: only the cost changes"
     ),
     "run/accounts.py: _columns: -1 -> -2": "any negative slot is absent",

@@ -21,14 +21,24 @@ from numba import config, njit
 
 from tribo.kernels import plugin_methods  # noqa: F401 (kernels call methods of plug-ins)
 from tribo.kernels.disk_cache import KernelCache
+from tribo.kernels.narrowing import give_narrowing
 from tribo.kernels.numba_passes import LINKED, LoopCompiler
 
 # Division by zero gives inf or nan, as in numpy; the time loops turn both into a named status.
 _options: dict[str, Any] = {"error_model": "numpy"}
+
+
+def _narrowing(compiler: Any) -> Any:
+    """The same decorator of kernels, which are compiled for what they use of a model."""
+    if config.DISABLE_JIT:  # type: ignore[attr-defined]
+        return compiler
+    return lambda function: give_narrowing(compiler(function))
+
+
 # Without reference counting (_nrt) a kernel can neither make nor return arrays, and a pair of
 # asperites runs more than twice as fast.
-kernel = njit(**_options, **LINKED, _nrt=False)
-inlined = njit(**_options, **LINKED, _nrt=False, forceinline=True)
+kernel = _narrowing(njit(**_options, **LINKED, _nrt=False))
+inlined = _narrowing(njit(**_options, **LINKED, _nrt=False, forceinline=True))
 # Expanded in its caller before that is typed.
 expanded = njit(**_options, inline="always")
 # Kernels that make or return arrays.

@@ -29,7 +29,7 @@ from tribo.kernels.simd import (
     where_less,
     with_lane,
 )
-from tribo.kernels.simd_arrays import add_block, block, gather, scatter, set_block
+from tribo.kernels.simd_arrays import add_block, block, set_block
 
 # Square of a distance below which the squares of its components lose digits to underflow.
 SQUARE_IS_SAFE = 1e-280
@@ -61,44 +61,31 @@ def separations(dx, dy, dz, low, high):
 
 
 @kernel
-def row_of(contact, k, one, other, i, neighbours):
-    """First and last + 1 of the candidates for bob i, and whether they are places in the list.
+def row_of(contact, k, other, i, first, neighbours):
+    """First and last + 1 of the blocks of candidates for bob i, and whether a list names them.
 
-    They are bobs otherwise.  Within one surface they come after i.
+    `first` is the first bob of the pair's first surface.
     """
     if neighbours is not None:
         if contact.rows[k] >= 0:
-            row = contact.rows[k] + i - one.start
+            row = contact.rows[k] + i - first
             if neighbours.start[row + 1] <= neighbours.index.size:
                 return neighbours.start[row], neighbours.start[row + 1], True
-    return max(other.start, i + 1), other.end, False
+    return first_candidate(other, i) // LANES, (other.end + LANES - 1) // LANES, False
 
 
 @kernel
-def candidate(neighbours, is_listed, m):
-    """Candidate m of a row: a bob."""
+def first_candidate(other, i):
+    """The first bob of a surface that bob i is paired with; within one surface, the one after i."""
+    return max(other.start, i + 1)
+
+
+@kernel
+def block_of(neighbours, is_listed, n):
+    """The first bob of the nth block of candidates."""
     if neighbours is None:
-        return m
-    return neighbours.index[m] if is_listed else m
-
-
-@inlined
-def candidates(row, neighbours, is_listed, m, high):
-    """Values of a row of a table for a block of candidates."""
-    if neighbours is not None:
-        if is_listed:
-            return gather(row, neighbours.index, m, high)
-    return block(row, m)
-
-
-@inlined
-def set_candidates(row, neighbours, is_listed, m, high, x):
-    """Set the values of a row of a table for a block of candidates."""
-    if neighbours is not None:
-        if is_listed:
-            scatter(row, neighbours.index, m, high, x)
-            return
-    set_block(row, m, x)
+        return LANES * n
+    return LANES * (neighbours.index[n] if is_listed else n)
 
 
 @inlined
@@ -111,50 +98,93 @@ def images(difference, box, axis):
 
 
 @inlined
-def without_others(force, species, partners, neighbours, is_listed, m, high):
-    """Forces where the candidates are of a species by `partner_species`, 0 elsewhere."""
+def without_others(force, species, partners, m):
+    """Forces where a block of bobs is of a species by `partner_species`, 0 elsewhere."""
     if species is None:
         return force
     if partners == -1:
         return force
-    away = absolute(candidates(species, neighbours, is_listed, m, high) - float(partners))
+    away = absolute(block(species, m) - float(partners))
     return where_less(away, 0.5, force, 0.0)
 
 
 @inlined
-def add_row(model, contact, fx, fy, neighbours, i, start, stop, is_listed):
-    """Add the forces of bob i on its candidates to the rows fx and fy of a table.
-
-    Returns the force of the candidates on bob i.  Blocks of bobs begin at a multiple of eight,
-    blocks of a list anywhere.
-    """
+def differences(model, i, m):
+    """Vectors to bob i from a block of bobs, from their nearest images."""
     xs = model.bobs[X]
     ys = model.bobs[Y]
     zs = model.asperites[Z]
+    dx = images(xs[i] - block(xs, m), model.box, 0)
+    return dx, ys[i] - block(ys, m), images(zs[i] - block(zs, m), model.box, 1)
+
+
+@inlined
+def add_block_forces(model, contact, fx, fy, i, m, low, high, dx, dy, r):
+    """Add the forces of bob i on those from `low` to `high` of a block of bobs, at distances r.
+
+    Returns the forces on bob i.
+    """
     charges = model.asperites[CHARGE]
-    potential = contact.potential
-    end = potential.range()
-    partners = partner_species(model.species, contact.species, i)
+    end = contact.potential.range()
+    f = force_in_lanes(contact.potential, r, end, charges[i], block(charges, m), low, high)
+    f = between_lanes(low, high, where_less(r, end, f * (1.0 / r), 0.0), 0.0)
+    f = without_others(f, model.species, partner_species(model.species, contact.species, i), m)
+    set_block(fx, m, block(fx, m) - f * dx)
+    set_block(fy, m, block(fy, m) - f * dy)
+    return f * dx, f * dy
+
+
+@inlined
+def add_row(model, contact, fx, fy, i, other):
+    """Add the forces of bob i on all its candidates to the rows fx and fy of a table.
+
+    Returns the force of the candidates on bob i.
+    """
     sum_x = broadcast(0.0)
     sum_y = broadcast(0.0)
-    for m in range(start if is_listed else start - start % LANES, stop, LANES):
+    start = first_candidate(other, i)
+    for m in range(start - start % LANES, other.end, LANES):
         low = max(0, start - m)
-        high = min(LANES, stop - m)
-        dx = images(xs[i] - candidates(xs, neighbours, is_listed, m, high), model.box, 0)
-        dy = ys[i] - candidates(ys, neighbours, is_listed, m, high)
-        dz = images(zs[i] - candidates(zs, neighbours, is_listed, m, high), model.box, 1)
+        high = min(LANES, other.end - m)
+        dx, dy, dz = differences(model, i, m)
         r = separations(dx, dy, dz, low, high)
-        others = candidates(charges, neighbours, is_listed, m, high)
-        f = force_in_lanes(potential, r, end, charges[i], others, low, high) * (1.0 / r)
-        f = between_lanes(low, high, where_less(r, end, f, 0.0), 0.0)
-        f = without_others(f, model.species, partners, neighbours, is_listed, m, high)
-        sum_x = sum_x + f * dx
-        sum_y = sum_y + f * dy
-        x = candidates(fx, neighbours, is_listed, m, high) - f * dx
-        y = candidates(fy, neighbours, is_listed, m, high) - f * dy
-        set_candidates(fx, neighbours, is_listed, m, high, x)
-        set_candidates(fy, neighbours, is_listed, m, high, y)
+        x, y = add_block_forces(model, contact, fx, fy, i, m, low, high, dx, dy, r)
+        sum_x = sum_x + x
+        sum_y = sum_y + y
     return sum_of_lanes(sum_x), sum_of_lanes(sum_y)
+
+
+@inlined
+def add_listed_row(model, contact, fx, fy, i, other, index, first, last):
+    """The same for a row of the neighbour list.
+
+    Distances below 1e-140 [length], whose squares underflow, are rounded: a branch for them would
+    take longer than all the rest.
+    """
+    sum_x = broadcast(0.0)
+    sum_y = broadcast(0.0)
+    start = first_candidate(other, i)
+    for n in range(first, last):
+        m = LANES * index[n]
+        low = max(0, start - m)
+        high = min(LANES, other.end - m)
+        dx, dy, dz = differences(model, i, m)
+        r = sqrt(dx * dx + dy * dy + dz * dz)
+        x, y = add_block_forces(model, contact, fx, fy, i, m, low, high, dx, dy, r)
+        sum_x = sum_x + x
+        sum_y = sum_y + y
+    return sum_of_lanes(sum_x), sum_of_lanes(sum_y)
+
+
+@inlined
+def add_candidates(model, contact, fx, fy, k, other, i, first, neighbours):
+    """The forces of bob i on its candidates, by the list where it has them; see `row_of`."""
+    if neighbours is not None:
+        begin, end, is_listed = row_of(contact, k, other, i, first, neighbours)
+        if is_listed:
+            index = neighbours.index
+            return add_listed_row(model, contact, fx, fy, i, other, index, begin, end)
+    return add_row(model, contact, fx, fy, i, other)
 
 
 @inlined
@@ -168,8 +198,7 @@ def add_contact(model, contact, fx, fy, neighbours):
             own_x = broadcast(0.0)
             own_y = broadcast(0.0)
             for i in range(first, min(first + LANES, one.end)):
-                start, stop, is_listed = row_of(contact, k, one, other, i, neighbours)
-                x, y = add_row(model, contact, fx, fy, neighbours, i, start, stop, is_listed)
+                x, y = add_candidates(model, contact, fx, fy, k, other, i, one.start, neighbours)
                 own_x = with_lane(own_x, i - first, x)
                 own_y = with_lane(own_y, i - first, y)
             add_block(fx, first, own_x)
@@ -253,14 +282,16 @@ def pair_energy(model, contact, k, neighbours):
     energy = 0.0
     for i in range(one.start, one.end):
         partners = partner_species(model.species, contact.species, i)
-        start, stop, is_listed = row_of(contact, k, one, other, i, neighbours)
-        for m in range(start, stop):
-            j = candidate(neighbours, is_listed, m)
-            if not is_partner(model.species, partners, j):
-                continue
-            r = distance_of(model, i, j)
-            if r < end:
-                energy += potential.energy_between(r, charges[i], charges[j])
+        start = first_candidate(other, i)
+        first, last, is_listed = row_of(contact, k, other, i, one.start, neighbours)
+        for n in range(first, last):
+            m = block_of(neighbours, is_listed, n)
+            for j in range(max(start, m), min(m + LANES, other.end)):
+                if not is_partner(model.species, partners, j):
+                    continue
+                r = distance_of(model, i, j)
+                if r < end:
+                    energy += potential.energy_between(r, charges[i], charges[j])
     return energy
 
 
@@ -314,37 +345,39 @@ def can_matter(potential, r, charge, other_charge, thermal):
 def encounter_of_contact(model, contact, neighbours, speeds, thermal, found):
     """The encounters found before, or those of one interaction where they come sooner."""
     charges = model.asperites[CHARGE]
-    rate, closest, clearance, ignored, first, second = found
+    rate, closest, clearance, ignored, passing, passed = found
     potential = contact.potential
     for k in range(contact.pairs.shape[0]):
         one = model.surfaces[contact.pairs[k, 0]]
         other = model.surfaces[contact.pairs[k, 1]]
         for i in range(one.start, one.end):
             partners = partner_species(model.species, contact.species, i)
-            start, stop, is_listed = row_of(contact, k, one, other, i, neighbours)
-            for m in range(start, stop):
-                j = candidate(neighbours, is_listed, m)
-                if not is_partner(model.species, partners, j):
-                    continue
-                r = distance_of(model, i, j)
-                vx = speeds[0, i] - speeds[0, j]
-                vy = speeds[1, i] - speeds[1, j]
-                speed = math.sqrt(vx * vx + vy * vy) + speeds[2, i] + speeds[2, j]
-                closest = min(closest, r)
-                own = potential.clearance(r)
-                clearance = min(clearance, own)
-                faster = speed / own
-                if faster > rate:
-                    if thermal is None:
-                        rate = faster
-                    elif can_matter(potential, r, charges[i], charges[j], thermal):
-                        rate = faster
-                    elif faster > ignored:
-                        ignored, first, second = faster, i, j
+            start = first_candidate(other, i)
+            first, last, is_listed = row_of(contact, k, other, i, one.start, neighbours)
+            for n in range(first, last):
+                m = block_of(neighbours, is_listed, n)
+                for j in range(max(start, m), min(m + LANES, other.end)):
+                    if not is_partner(model.species, partners, j):
+                        continue
+                    r = distance_of(model, i, j)
+                    vx = speeds[0, i] - speeds[0, j]
+                    vy = speeds[1, i] - speeds[1, j]
+                    speed = math.sqrt(vx * vx + vy * vy) + speeds[2, i] + speeds[2, j]
+                    closest = min(closest, r)
+                    own = potential.clearance(r)
+                    clearance = min(clearance, own)
+                    faster = speed / own
+                    if faster > rate:
+                        if thermal is None:
+                            rate = faster
+                        elif can_matter(potential, r, charges[i], charges[j], thermal):
+                            rate = faster
+                        elif faster > ignored:
+                            ignored, passing, passed = faster, i, j
         if neighbours is not None and contact.rows[k] >= 0:
             rate = max(rate, closing_speed(one, other, speeds) / neighbours.skin)
             clearance = min(clearance, neighbours.skin)
-    return Encounter(rate, closest, clearance, ignored, first, second)
+    return Encounter(rate, closest, clearance, ignored, passing, passed)
 
 
 @kernel

@@ -253,9 +253,9 @@ class Box(NamedTuple):
 
 
 class Neighbours(NamedTuple):
-    """Lists of the bobs that may be within reach, row by row in the order of the bobs.
+    """Lists of the blocks of bobs that may be within reach, row by row in the order of the bobs.
 
-    A row belongs to a bob of a pair's first surface and lists bobs of its second, in ascending
+    A row belongs to a bob of a pair's first surface and lists blocks of its second, in ascending
     order, so sums over the list are bit for bit the sums over all pairs.
     """
 
@@ -263,7 +263,7 @@ class Neighbours(NamedTuple):
     species: np.ndarray  # (m, 2) between bobs of which species; -1: of any
     reach: np.ndarray  # (m,) largest distance listed, cutoff plus skin [length]
     start: np.ndarray  # (rows + 1,) first place of each row in `index`
-    index: np.ndarray  # the bobs listed, with room to spare; rows that end beyond it are not used
+    index: np.ndarray  # blocks: column / LANES; rows that end beyond its room are not used
     place: np.ndarray  # (n, 2) positions of the bobs when the list was built; nan before
     skin: float  # by which the list reaches farther than the cutoff [length]
     made: np.ndarray  # (1,) number of times that the list was built

@@ -1,4 +1,4 @@
-"""Lanes in memory: eight neighbours of an array, or elements that a list names.
+"""Lanes in memory: eight neighbours of an array.
 
 Blocks begin at multiples of eight in arrays that begin at a multiple of their size, so that no
 block lies in two cache lines.  A few, of springs, do not, and reach beyond the end of an array:
@@ -16,7 +16,7 @@ from numba.extending import intrinsic, models, overload, register_model
 
 from tribo.kernels.array_pointers import PointerType
 from tribo.kernels.compiled import inlined
-from tribo.kernels.simd import _FLOAT, _INDEX, _VECTOR, LANES, first, lanes
+from tribo.kernels.simd import _FLOAT, _VECTOR, LANES, lanes
 
 
 def room(shape: tuple[int, ...]) -> np.ndarray:
@@ -123,12 +123,6 @@ def store(typing_context, data, row, x):
     return types.void(rows, types.intp, lanes), build
 
 
-def _masked(builder, name: str, result, arguments: list):
-    kind = ir.FunctionType(result, [argument.type for argument in arguments])
-    function = cgutils.get_or_insert_function(builder.module, kind, f"llvm.masked.{name}")
-    return builder.call(function, arguments)
-
-
 def _is_row(array, dtype=types.float64) -> bool:
     arrays = types.Array, PointerType
     return isinstance(array, arrays) and array.ndim == 1 and array.dtype == dtype
@@ -143,11 +137,6 @@ def _data(context, builder, kind, array):
 def _address(context, builder, kind, array, i):
     data = _data(context, builder, kind, array)
     return builder.bitcast(builder.gep(data, [i]), _VECTOR.as_pointer())
-
-
-_ALIGNED = ir.Constant(_INDEX, 8)
-_NOTHING = ir.Constant(_VECTOR, [0.0] * LANES)
-_INTEGERS = ir.VectorType(ir.IntType(64), LANES)
 
 
 @intrinsic
@@ -171,68 +160,11 @@ def set_block(typing_context, array, i, x):
     return (types.void(array, types.intp, lanes), build) if _is_row(array) else None
 
 
-def _elements(context, builder, kind, array, index_kind, index, i, n):
-    """Addresses of the elements that a list of numbers names from place i on, and their mask."""
-    place = _data(context, builder, index_kind, index)
-    place = builder.bitcast(builder.gep(place, [i]), _INTEGERS.as_pointer())
-    mask = first(builder, n)
-    zeros = ir.Constant(_INTEGERS, [0] * LANES)
-    numbers = _masked(builder, f"load.v{LANES}i64.p0", _INTEGERS, [place, _ALIGNED, mask, zeros])
-    data = _data(context, builder, kind, array)
-    start = builder.ptrtoint(data, ir.IntType(64))
-    start = builder.insert_element(zeros, start, ir.Constant(_INDEX, 0))
-    everywhere = ir.Constant(ir.VectorType(_INDEX, LANES), [0] * LANES)
-    start = builder.shuffle_vector(start, zeros, everywhere)
-    bytes_each = ir.Constant(_INTEGERS, [3] * LANES)
-    address = builder.add(start, builder.shl(numbers, bytes_each))
-    pointers = ir.VectorType(_FLOAT.as_pointer(), LANES)
-    return builder.inttoptr(address, pointers), mask
-
-
-@intrinsic
-def gather(typing_context, array, index, i, n):
-    """The elements of a contiguous array that `index` names from place i on, at most eight."""
-
-    def build(context, builder, sig, args):
-        array, index, i, n = args
-        places, mask = _elements(context, builder, sig.args[0], array, sig.args[1], index, i, n)
-        return _masked(
-            builder,
-            f"gather.v{LANES}f64.v{LANES}p0",
-            _VECTOR,
-            [places, _ALIGNED, mask, _NOTHING],
-        )
-
-    good = _is_row(array) and _is_row(index, types.int64)
-    return (lanes(array, index, types.intp, types.intp), build) if good else None
-
-
-@intrinsic
-def scatter(typing_context, array, index, i, n, x):
-    """Set the elements of a contiguous array that `index` names from place i on, at most eight."""
-
-    def build(context, builder, sig, args):
-        array, index, i, n, x = args
-        places, mask = _elements(context, builder, sig.args[0], array, sig.args[1], index, i, n)
-        _masked(
-            builder,
-            f"scatter.v{LANES}f64.v{LANES}p0",
-            ir.VoidType(),
-            [x, places, _ALIGNED, mask],
-        )
-        return context.get_dummy_value()
-
-    good = _is_row(array) and _is_row(index, types.int64)
-    return (types.void(array, index, types.intp, types.intp, lanes), build) if good else None
-
-
 if config.DISABLE_JIT:  # type: ignore[attr-defined]
     from tribo.kernels.simd_uncompiled import (  # noqa: F401
         block,
-        gather,
         load,
         rows_of,
-        scatter,
         set_block,
         store,
     )

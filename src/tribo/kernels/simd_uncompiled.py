@@ -81,13 +81,3 @@ def block(array, i):
 def set_block(array, i, x):
     own = array[i : i + LANES]
     own[:] = x[: own.size]
-
-
-def gather(array, index, i, n):
-    values = np.zeros(LANES)
-    values[:n] = array[index[i : i + n]]
-    return values
-
-
-def scatter(array, index, i, n, x):
-    array[index[i : i + n]] = x[:n]

@@ -161,17 +161,17 @@ class Switched(NamedTuple):
 
     def energy_between(self, r, one, other):
         """U(r) between two charges."""
-        u = (r - self.switch_from) / (self.cutoff - self.switch_from)
-        u = np.minimum(np.maximum(u, 0.0), 1.0)
+        inverse = 1.0 / (self.cutoff - self.switch_from)  # which loops over pairs compute once
+        u = np.minimum(np.maximum((r - self.switch_from) * inverse, 0.0), 1.0)
         switch = 1.0 - u * u * u * (10.0 - u * (15.0 - 6.0 * u))
         return self.potential.energy_between(r, one, other) * switch
 
     def force_between(self, r, one, other):
         """-dU/dr between two charges."""
-        width = self.cutoff - self.switch_from
-        u = np.minimum(np.maximum((r - self.switch_from) / width, 0.0), 1.0)
+        inverse = 1.0 / (self.cutoff - self.switch_from)
+        u = np.minimum(np.maximum((r - self.switch_from) * inverse, 0.0), 1.0)
         switch = 1.0 - u * u * u * (10.0 - u * (15.0 - 6.0 * u))
-        slope = -30.0 * u * u * (1.0 - u) * (1.0 - u) / width
+        slope = -30.0 * inverse * u * u * (1.0 - u) * (1.0 - u)
         force = self.potential.force_between(r, one, other)
         return force * switch - self.potential.energy_between(r, one, other) * slope
 

@@ -26,7 +26,7 @@ class LennardJones(NamedTuple):
 
     def energy(self, r):
         """U(r)."""
-        s6 = (self.sigma / r) ** 6
+        s6 = (self.sigma * (1.0 / r)) ** 6  # as below, so that both are computed once
         return 4.0 * self.epsilon * s6 * (s6 - 1.0)
 
     def force(self, r):

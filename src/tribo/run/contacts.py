@@ -15,7 +15,7 @@ from tribo.validation import inside
 
 # How much farther than the largest cutoff a neighbour list reaches, relative to the cutoff: longer
 # lists cost more in each evaluation, shorter ones have to be rebuilt more often.
-SKIN = 0.3
+SKIN = 0.1
 # Pairs of bobs up to which every pair is visited, rather than a neighbour list.
 UNLISTED_PAIRS = 4096
 # Room of a neighbour list, in units of what it needed when it had too little: bobs that approach
@@ -94,7 +94,7 @@ def neighbours(model: Model, rows: int, skin: float) -> Neighbours:
         ),
         reach=np.array([pair[3] for pair in listed]),
         start=np.zeros(rows + 1, np.int64),
-        index=np.zeros(16 * rows, np.int64),
+        index=np.zeros(8 * rows, np.int32),
         place=np.full((model.asperites.shape[1], 2), np.nan),
         skin=skin,
         made=np.zeros(1, np.int64),
@@ -107,7 +107,7 @@ def with_room(neighbours: Neighbours | None) -> Neighbours | None:
         return neighbours
     room = int(EXTRA_ROOM * neighbours.start[-1])
     return neighbours._replace(
-        index=np.zeros(room, np.int64), place=np.full_like(neighbours.place, np.nan)
+        index=np.zeros(room, np.int32), place=np.full_like(neighbours.place, np.nan)
     )
 
 

@@ -211,8 +211,8 @@ def integrate(
 def _passages(loop: TimeLoop) -> tuple[int, int, int]:
     """Steps in which bobs passed an encounter far below k_B T, and the last two bobs."""
     columns = [loop.clocks[name][0] for name in ("passing", "passed")]
-    one, other = np.searchsorted(loop.layout.places.columns, columns)
-    return int(loop.clocks["passages"][0]), int(one), int(other)
+    one, other = (int(np.argmax(loop.layout.places.columns == column)) for column in columns)
+    return int(loop.clocks["passages"][0]), one, other
 
 
 def _run_through(

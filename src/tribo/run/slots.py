@@ -213,33 +213,55 @@ class Places:
     s: np.ndarray
 
 
-def places(samples: Numbering, kernels: Numbering, shared: int) -> Places:
-    """Where the kernels have what samples have; `shared` accounts are of no asperite."""
+def spatial_order(bobs: np.ndarray) -> np.ndarray:
+    """Places for the bobs of a surface, (n,), so that each block of eight is compact in space.
+
+    `bobs` are the positions of the resting bobs, (n, 3).  They follow one another along strips in
+    x that are as wide as a square with eight bobs, and go back along the next strip.
+    """
+    x, z = bobs[:, 0], bobs[:, 2]
+    area = float(np.ptp(x) * np.ptp(z))
+    strip = np.zeros(len(bobs), np.int64)
+    if area > 0.0:
+        strip = np.floor((z - np.min(z)) / np.sqrt(LANES * area / len(bobs))).astype(np.int64)
+    order = np.lexsort((z, np.where(strip % 2 == 0, x, -x), strip))
+    place = np.empty(len(bobs), np.int64)
+    place[order] = np.arange(len(bobs))
+    return place
+
+
+def places(samples: Numbering, kernels: Numbering, shared: int, orders: list[np.ndarray]) -> Places:
+    """Where the kernels have what samples have; `shared` accounts are of no asperite.
+
+    `orders` has the place of each asperite in the kernels' numbering of its surface.
+    """
     q = np.empty(samples.coordinates, np.int64)
     s = np.empty(samples.accounts, np.int64)
     s[:shared] = np.arange(shared)
     columns = []
-    for here, there in zip(samples.surfaces, kernels.surfaces, strict=True):
-        each = np.arange(here["end"] - here["start"])
-        columns.append(there["start"] + each)
+    for here, there, order in zip(samples.surfaces, kernels.surfaces, orders, strict=True):
+        each = np.arange(order.size)
+        columns.append(there["start"] + order)
         for name in ("start", "dof_phi", "dof_x", "dof_y"):
             if here[name] >= 0:
-                q[here[name] + each] = there[name] + each
-        _place_baths(here, there, each[:, None], q)
+                q[here[name] + each] = there[name] + order
+        _place_baths(here, there, order, q)
         each = np.arange(here["account_stride"])
+        # Accounts that are sums have lanes in place of asperites.
+        place = order if here["account_mask"] == -1 else each
         for name, width in GROUPS.items():
             for k in range(width if here[name] >= 0 else 0):
                 stride = there["account_stride"]
-                s[here[name] + k * each.size + each] = there[name] + k * stride + each
+                s[here[name] + k * each.size + each] = there[name] + k * stride + place
     return Places(np.concatenate(columns), q, s)
 
 
-def _place_baths(here: np.void, there: np.void, each: np.ndarray, q: np.ndarray) -> None:
+def _place_baths(here: np.void, there: np.void, order: np.ndarray, q: np.ndarray) -> None:
     """Set the places of a surface's oscillators."""
     first, width = [], []
-    for record in (here, there):
+    for record, place in ((here, np.arange(order.size)), (there, order)):
         width.append(2 * record["oscillators"] + record["torsionals"])
-        first.append(record["dof_bath"] + each * width[-1])
+        first.append(record["dof_bath"] + place[:, None] * width[-1])
     parts = ((0, "oscillators"), (1, "oscillators"), (2, "torsionals"))
     for before, name in parts:
         n = np.arange(here[name])

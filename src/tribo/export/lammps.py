@@ -1,0 +1,185 @@
+"""A scene as files of LAMMPS: rigid asperites are atoms, surfaces groups that fixes move.
+
+A. P. Thompson et al., Comput. Phys. Commun. 271 (2022) 108171.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from tribo.export.lammps_atoms import CONSTANT_FORCES, Atoms, atoms_of, data_file
+from tribo.export.lammps_motion import (
+    group_names,
+    motion_lines,
+    moves_uniformly,
+    omitted_effects,
+    omitted_fields,
+)
+from tribo.export.lammps_pairs import longest_cutoff, pair_lines
+from tribo.files import replace_file
+from tribo.kernels.kinematics import nearest_image
+from tribo.model.scene import Scene
+from tribo.run.contacts import SKIN
+from tribo.validation import InputError, as_path
+
+DATA, FORCES, RUN = "scene.data", "forces.in", "run.in"
+# Step that is written, where the scene has none, as a fraction of the shortest time of a contact.
+STEP = 0.02
+# Largest number of surfaces: LAMMPS has 32 groups, one of which holds all atoms.
+MOST_SURFACES = 31
+# Ratio by which bonds may stretch.
+STRETCH = 1.5
+
+
+class LammpsFiles(NamedTuple):
+    """The files of a scene for LAMMPS.
+
+    Attributes
+    ----------
+    data, forces, run : Path
+        Atoms; interactions; and the input file that includes both and runs.
+    omitted : tuple of str
+        What of the scene LAMMPS cannot do, one sentence each.
+    """
+
+    data: Path
+    forces: Path
+    run: Path
+    omitted: tuple[str, ...]
+
+
+def to_lammps(scene: Scene, directory: str | os.PathLike[str]) -> LammpsFiles:
+    """Write a scene as a data file and input files of LAMMPS, in its units "lj".
+
+    Parameters
+    ----------
+    scene : Scene
+    directory : path
+        A folder, made if it does not exist; files of the same names are replaced.
+
+    Returns
+    -------
+    LammpsFiles
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be written, or there are too many surfaces or different masses.
+    """
+    if len(scene.surfaces) > MOST_SURFACES:
+        raise InputError(
+            "surface",
+            f"must be at most {MOST_SURFACES} for LAMMPS's groups, got {len(scene.surfaces)}",
+        )
+    atoms = atoms_of(scene)
+    farthest = _farthest(scene, atoms)
+    reach = longest_cutoff(scene, farthest)
+    pairs, omitted = pair_lines(scene, atoms.kinds, farthest)
+    omitted += omitted_fields(scene)
+    for surface in scene.surfaces:
+        omitted += [f'surface "{surface.name}": {text}' for text in omitted_effects(scene, surface)]
+    folder = _made(directory)
+    files = LammpsFiles(folder / DATA, folder / FORCES, folder / RUN, tuple(omitted))
+    replace_file(files.data, data_file(scene, atoms, max(reach, 1.0)).encode())
+    replace_file(files.forces, _text(_forces(scene, atoms, pairs, reach)))
+    replace_file(files.run, _text(_run(scene, atoms, files.omitted)))
+    return files
+
+
+def _made(directory: str | os.PathLike[str]) -> Path:
+    """The folder, which is made.  Raises InputError."""
+    folder = as_path(directory)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(
+            "directory", f"must be a folder ({error.strerror}), got {folder}"
+        ) from None
+    return folder
+
+
+def _text(lines: list[str]) -> bytes:
+    return ("\n".join(lines) + "\n").encode()
+
+
+def _farthest(scene: Scene, atoms: Atoms) -> float:
+    """A distance that no pair reaches as long as surfaces keep their velocities [length]."""
+    extent = float(np.linalg.norm(np.ptp(atoms.positions, axis=0)))
+    speed = float(np.max(np.linalg.norm(atoms.velocities, axis=1)))
+    return 2.0 * (extent + speed * scene.duration) + 1.0
+
+
+def _forces(scene: Scene, atoms: Atoms, pairs: list[str], reach: float) -> list[str]:
+    """The commands that read the atoms and set the forces between them."""
+    along_x, along_z = ("m" if p is None else "p" for p in (scene.periodic.x, scene.periodic.z))
+    lines = ["# Units of the scene; k_B = 1", "units lj", "atom_style full"]
+    lines.append(f"boundary {along_x} m {along_z}")
+    skin = SKIN * reach
+    read = f"read_data {DATA}"
+    if np.any(atoms.constant_forces):
+        lines.append("fix constant all property/atom d_constant_x d_constant_y")
+        read += f" fix constant NULL {CONSTANT_FORCES}"
+    if len(atoms.bonds):
+        lines += ["bond_style harmonic", "special_bonds lj/coul 1 1 1"]
+        lines.append(f"comm_modify cutoff {max(reach + skin, STRETCH * _longest(scene, atoms))!r}")
+    lines += [f"neighbor {skin!r} bin", "neigh_modify every 1 delay 0 check yes", read]
+    if len(atoms.bonds):
+        stiffness = dict.fromkeys(atoms.stiffness.tolist())
+        lines += [f"bond_coeff {i} {0.5 * k!r} 0" for i, k in enumerate(stiffness, 1)]
+    lines += pairs
+    for index, group in enumerate(group_names(scene)):
+        lines.append(f"group {group} type {' '.join(map(str, atoms.types_of(index)))}")
+    return lines
+
+
+def _longest(scene: Scene, atoms: Atoms) -> float:
+    """Length of the longest spring at the start [length]."""
+    ends = atoms.positions[atoms.bonds]
+    distance = ends[:, 0] - ends[:, 1]
+    for axis, period in ((0, scene.periodic.x), (2, scene.periodic.z)):
+        distance[:, axis] = nearest_image(distance[:, axis], period or 0.0)
+    return float(np.max(np.linalg.norm(distance, axis=1)))
+
+
+def _run(scene: Scene, atoms: Atoms, omitted: tuple[str, ...]) -> list[str]:
+    """The commands that run the scene and write what is found."""
+    lines = [f"# Omitted: {text}" for text in omitted]
+    lines += [f"include {FORCES}", *motion_lines(scene, atoms), "# Output"]
+    series = "step time pe ke"
+    for surface, group in zip(scene.surfaces, group_names(scene), strict=True):
+        if moves_uniformly(scene, surface):
+            lines.append(f"variable {group}_force_x equal fcm({group},x)")
+            series += f" v_{group}_force_x"
+    step = scene.numerics.step or _step(scene, atoms)
+    every = max(1, round(scene.duration / (step * (len(scene.times) - 1))))
+    return [
+        *lines,
+        f"thermo_style custom {series}",
+        f"thermo {every}",
+        f"dump atoms all custom {every} atoms.dump id type x y z vx vy fx fy",
+        "dump_modify atoms sort id format float %.15g",
+        "# Run",
+        f"timestep {step!r}",
+        f"run {max(1, round(scene.duration / step))}",
+    ]
+
+
+def _step(scene: Scene, atoms: Atoms) -> float:
+    """A step [time] that resolves a pass and an oscillation in the sharpest contact."""
+    lightest = min(kind.mass for kind in atoms.kinds)
+    speed = float(np.max(np.linalg.norm(atoms.velocities, axis=1)))
+    times = [scene.duration / 50.0]
+    for interaction in scene.interactions:
+        length = interaction.potential.feature()[0]
+        if length > 0.0 and speed > 0.0:
+            times.append(length / speed)
+        if hasattr(interaction.potential, "minimum"):
+            curvature = interaction.potential.minimum()[2]
+            if curvature > 0.0:
+                times.append(2.0 * math.pi * math.sqrt(lightest / curvature))
+    return STEP * min(times)

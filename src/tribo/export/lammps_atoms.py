@@ -1,0 +1,194 @@
+"""The asperites of a scene as atoms of LAMMPS: its data file.
+
+An atom stands where a bob is at t = 0, and has the mass of its whole asperite.  A lattice spring is
+a bond without a length: its force is linear in the distance of two atoms, as that of the spring is,
+and differs from it by a constant, which is written beside the atoms.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tribo.export.lammps_pairs import Kind
+from tribo.kernels.kinematics import nearest_image
+from tribo.model.drives import Pulled
+from tribo.model.scene import Scene
+from tribo.model.surface import Surface
+from tribo.validation import InputError
+
+# Largest number of types of atoms: one for each mass, species and surface.
+MOST_KINDS = 500
+# The name of the constant forces in the data file.
+CONSTANT_FORCES = "ConstantForces"
+
+
+@dataclass(frozen=True)
+class Atoms:
+    """All atoms, surface after surface, and the bonds between them.
+
+    Attributes
+    ----------
+    kinds : tuple of Kind
+        The types of atoms, those of a surface side by side.
+    kind_of_each : (n,) array of int
+        Index of each atom's type.
+    positions, velocities : (n, 3) arrays
+    charges : (n,) array
+    bonds : (m, 2) array of int
+        Indices of the two atoms of each bond.
+    stiffness : (m,) array
+        Stiffness of each bond [force / length].
+    constant_forces : (n, 2) array
+        Forces that do not change, along x and y.
+    """
+
+    kinds: tuple[Kind, ...]
+    kind_of_each: np.ndarray
+    positions: np.ndarray
+    velocities: np.ndarray
+    charges: np.ndarray
+    bonds: np.ndarray
+    stiffness: np.ndarray
+    constant_forces: np.ndarray
+
+    def types_of(self, surface: int) -> list[int]:
+        """The numbers of a surface's types, from 1."""
+        return [i for i, kind in enumerate(self.kinds, 1) if kind.surface == surface]
+
+
+def atoms_of(scene: Scene) -> Atoms:
+    """The asperites of a scene as atoms.  Raises InputError if too many have their own mass."""
+    kinds: list[Kind] = []
+    kind_of_each, positions, velocities, charges = [], [], [], []
+    bonds, stiffness, constant = [], [], []
+    first = 0
+    for index, surface in enumerate(scene.surfaces):
+        each = surface.asperite.for_each(surface.count)
+        numbers, own = _kinds(surface, index, each["mass"])
+        kind_of_each.append(len(kinds) + numbers)
+        kinds += own
+        bobs, bars = _start(scene, index)
+        ends, strengths = _springs(scene, surface)
+        positions.append(bobs)
+        velocities.append(np.tile([*surface.velocity, 0.0], (surface.count, 1)))
+        charges.append(each["charge"])
+        bonds.append(first + ends)
+        stiffness.append(strengths)
+        constant.append(_constant_forces(scene, surface, bobs, bars, ends, strengths))
+        first += surface.count
+    if len(kinds) > MOST_KINDS:
+        raise InputError(
+            "surface.asperite",
+            f"must have at most {MOST_KINDS} different masses m1 + m2 for LAMMPS, which has a type "
+            f"of atoms for each, got {len(kinds)}",
+        )
+    return Atoms(
+        tuple(kinds),
+        *map(np.concatenate, (kind_of_each, positions, velocities, charges)),
+        *map(np.concatenate, (bonds, stiffness, constant)),
+    )
+
+
+def _kinds(surface: Surface, index: int, masses: np.ndarray) -> tuple[np.ndarray, list[Kind]]:
+    """The kind of each asperite of a surface, and the kinds."""
+    both = list(zip(surface.species_of_each.tolist(), masses.tolist(), strict=True))
+    known = {pair: number for number, pair in enumerate(dict.fromkeys(both))}
+    return np.array([known[pair] for pair in both]), [Kind(index, *pair) for pair in known]
+
+
+def _start(scene: Scene, index: int) -> tuple[np.ndarray, np.ndarray]:
+    """(n, 3) bobs at t = 0, and (n, 2) displacements of the bars from rest [length]."""
+    surface = scene.surfaces[index]
+    each, bobs = surface.asperite.for_each(surface.count), _resting(scene, index)
+    phi, swing = surface.initial.for_each(surface.count)["phi"], surface.initial_swing
+    if swing is None:
+        swing = np.zeros(surface.count) if phi is None else phi
+    turn = surface.facing_sign * np.column_stack([np.sin(swing), 2.0 * np.sin(0.5 * swing) ** 2])
+    bobs[:, :2] += each["l1"][:, None] * turn
+    return bobs, -each["l2"][:, None] * turn
+
+
+def _resting(scene: Scene, index: int) -> np.ndarray:
+    return scene.surfaces[index].resting_bobs(seed=[scene.seed, index, 0])
+
+
+def _springs(scene: Scene, surface: Surface) -> tuple[np.ndarray, np.ndarray]:
+    """Ends and stiffness of every spring of a surface that becomes a bond."""
+    periodic = (scene.periodic.x is not None, scene.periodic.z is not None)
+    ends, stiffness = surface.springs.bonds(surface.shape, surface.count, periodic)
+    return (ends[:0], stiffness[:0]) if surface.springs.turned else (ends, stiffness)
+
+
+def _constant_forces(
+    scene: Scene,
+    surface: Surface,
+    bobs: np.ndarray,
+    bars: np.ndarray,
+    ends: np.ndarray,
+    stiffness: np.ndarray,
+) -> np.ndarray:
+    """(n, 2) what springs exert beyond bonds without a length, and stages at the start."""
+    forces = np.zeros((surface.count, 2))
+    if isinstance(surface.drive, Pulled):
+        forces[:, 0] -= surface.drive.stiffness * bars[:, 0]
+    i, j = ends.T
+    distance = (bobs[i] - bobs[j])[:, :2]
+    distance[:, 0] = nearest_image(distance[:, 0], scene.periodic.x or 0.0)
+    rest = stiffness[:, None] * (distance - (bars[i] - bars[j]))
+    np.add.at(forces, i, rest)
+    np.subtract.at(forces, j, rest)
+    forces[np.abs(forces) < 1e-14 * np.max(np.abs(rest), initial=0.0)] = (
+        0.0  # of springs on both sides
+    )
+    return forces
+
+
+def data_file(scene: Scene, atoms: Atoms, margin: float) -> str:
+    """The text of the data file, in a box with a margin where it is not periodic [length]."""
+    n, strengths = len(atoms.positions), list(dict.fromkeys(atoms.stiffness.tolist()))
+    low, high = atoms.positions.min(axis=0) - margin, atoms.positions.max(axis=0) + margin
+    for axis, period in ((0, scene.periodic.x), (2, scene.periodic.z)):
+        if period is not None:
+            low[axis], high[axis] = 0.0, period
+    lines = [scene.title.replace("\n", " ") or "asperites as atoms", ""]
+    lines += [f"{n} atoms", f"{len(atoms.kinds)} atom types"]
+    if strengths:
+        lines += [f"{len(atoms.bonds)} bonds", f"{len(strengths)} bond types"]
+    lines.append("")
+    lines += [
+        f"{one!r} {other!r} {axis}lo {axis}hi"
+        for axis, one, other in zip("xyz", low.tolist(), high.tolist(), strict=True)
+    ]
+    lines += ["", "Masses", ""]
+    lines += [f"{i} {kind.mass!r}" for i, kind in enumerate(atoms.kinds, 1)]
+    surfaces = np.array([kind.surface for kind in atoms.kinds])[atoms.kind_of_each]
+    lines += ["", "Atoms # full", ""]
+    numbers = zip(surfaces + 1, atoms.kind_of_each + 1, strict=True)
+    values = np.column_stack([atoms.charges, atoms.positions]).tolist()
+    lines += [
+        f"{i} {surface} {kind} {_words(row)}"
+        for i, ((surface, kind), row) in enumerate(zip(numbers, values, strict=True), 1)
+    ]
+    lines += ["", "Velocities", "", *_numbered(atoms.velocities)]
+    if strengths:
+        lines += ["", "Bonds", ""]
+        types = [strengths.index(value) + 1 for value in atoms.stiffness.tolist()]
+        lines += [
+            f"{b} {kind} {i} {j}"
+            for b, (kind, (i, j)) in enumerate(
+                zip(types, (atoms.bonds + 1).tolist(), strict=True), 1
+            )
+        ]
+    if np.any(atoms.constant_forces):
+        lines += ["", CONSTANT_FORCES, "", *_numbered(atoms.constant_forces)]
+    return "\n".join(lines) + "\n"
+
+
+def _words(row: list[float]) -> str:
+    return " ".join(map(repr, row))
+
+
+def _numbered(rows: np.ndarray) -> list[str]:
+    return [f"{i} {_words(row)}" for i, row in enumerate(rows.tolist(), 1)]

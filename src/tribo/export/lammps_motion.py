@@ -1,0 +1,171 @@
+"""What holds and moves the surfaces of a scene, as fixes of LAMMPS."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from tribo.export.lammps_atoms import Atoms
+from tribo.model.drives import Custom, Ends, Forced, Free, Pulled, Pushed
+from tribo.model.fields import Corrugation
+from tribo.model.scene import Scene
+from tribo.model.surface import Surface
+
+# Largest seed of LAMMPS's random numbers.
+LARGEST_SEED = 900_000_000
+
+
+def group_names(scene: Scene) -> list[str]:
+    """The group of each surface: its name, if LAMMPS takes those of all surfaces."""
+    names = [surface.name for surface in scene.surfaces]
+    if all(name.isascii() and name.isidentifier() and name != "all" for name in names):
+        return names
+    return [f"surface{k}" for k in range(1, len(names) + 1)]
+
+
+def motion_lines(scene: Scene, atoms: Atoms) -> list[str]:
+    """The commands that move all surfaces."""
+    lines = ["compute unwrapped all property/atom xu"] if scene.fields else []
+    for index, (surface, group) in enumerate(zip(scene.surfaces, group_names(scene), strict=True)):
+        lines.append(f'# Surface "{surface.name}"')
+        if moves_uniformly(scene, surface):
+            vx, vy = surface.velocity
+            lines.append(f"fix {group}_motion {group} move linear {vx!r} {vy!r} 0")
+        else:
+            lines.append(f"fix {group}_motion {group} nve")
+            lines += _cancelled(surface, group)
+            lines += _drive(surface, group)
+            lines += _constant(atoms, index, group)
+            lines += _reservoir(surface, group, atoms, index, scene.seed)
+            lines += _fields(scene, surface, group)
+            lines.append(f"fix {group}_plane {group} setforce NULL NULL 0")
+    return lines
+
+
+def moves_uniformly(scene: Scene, surface: Surface) -> bool:
+    """Whether nothing changes the velocity of the surface's atoms."""
+    return not (scene.slides_along_x(surface) or scene.slides_along_y(surface))
+
+
+def omitted_effects(scene: Scene, surface: Surface) -> list[str]:
+    """What of a surface the files leave out."""
+    present = {
+        "pendulums: bobs are fixed to their bars": not surface.asperite.is_rigid,
+        "bars that turn": surface.bars == "free",
+        "the user's own forces on the ends of bars": isinstance(surface.bars, Ends),
+        "the user's own drive": isinstance(surface.drive, Custom),
+        "the unequal masses of a rigid body, whose forces are shared equally": (
+            isinstance(surface.drive, Free) and surface.drive.rigid and _has_unequal_masses(surface)
+        ),
+        "oscillators of the bath": surface.bath.masses.size > 0 or surface.bath.inertias.size > 0,
+        "the reservoir on the swing": surface.swing_reservoir is not None,
+        "springs with turned rest vectors": bool(surface.springs and surface.springs.turned),
+    }
+    omitted = [text for text, here in present.items() if here]
+    axes = " and ".join(_cancelled_axes(surface))
+    if axes and not moves_uniformly(scene, surface):
+        if scene.has_contact_within(surface):
+            omitted.append(f"contact within the surface along {axes}, cancelled with other contact")
+        if surface.springs and not surface.springs.turned and "x" in axes:
+            omitted.append(f"lattice springs along {axes}, cancelled with contact")
+    return omitted
+
+
+def _has_unequal_masses(surface: Surface) -> bool:
+    return bool(np.ptp(surface.asperite.for_each(surface.count)["mass"]) > 0.0)
+
+
+def omitted_fields(scene: Scene) -> list[str]:
+    """The external fields that the files leave out."""
+    return [
+        f"field[{i}]: {type(item.potential).__name__}"
+        for i, item in enumerate(scene.fields)
+        if not isinstance(item.potential, Corrugation)
+    ]
+
+
+def _cancelled_axes(surface: Surface) -> list[str]:
+    """The axes along which the drive cancels contact."""
+    drive = surface.drive
+    along_y = drive.load is None and not isinstance(drive, (Custom, Pushed))
+    return ["x"] * isinstance(drive, Forced) + ["y"] * along_y
+
+
+def _cancelled(surface: Surface, group: str) -> list[str]:
+    """Contact that the drive cancels, or shares among all asperites."""
+    axes = _cancelled_axes(surface)
+    lines = []
+    if axes:
+        zeros = " ".join("0" if axis in axes else "NULL" for axis in "xy")
+        lines.append(f"fix {group}_cancelled {group} setforce {zeros} NULL")
+    if isinstance(surface.drive, Free) and surface.drive.rigid:
+        lines.append(f"fix {group}_shared {group} aveforce 0 NULL NULL")
+    return lines
+
+
+def _drive(surface: Surface, group: str) -> list[str]:
+    """The forces of the drive, beyond those that it cancels."""
+    drive, lines = surface.drive, []
+    forces = ["0", "0"]
+    if isinstance(drive, Pulled):
+        forces[0] = f"{drive.stiffness * drive.speed!r}*time"
+        lines.append(f"fix {group}_spring {group} spring/self {drive.stiffness!r} x")
+    if isinstance(drive, Pushed):
+        pairs = zip(drive.force, drive.rate, strict=True)
+        forces = [f"{force!r}+{rate!r}*time" for force, rate in pairs]
+    if drive.load is not None:
+        forces[1] = repr(-drive.load * surface.facing_sign)
+    return lines + _added(group, "drive", "equal", forces)
+
+
+def _added(group: str, name: str, style: str, forces: Sequence[str]) -> list[str]:
+    """Commands that add a force to each atom of a group, from formulas of x and y."""
+    if all(force == "0" for force in forces):
+        return []
+    lines = [
+        f'variable {group}_{name}_{axis} {style} "{force}"'
+        for axis, force in zip("xy", forces, strict=True)
+    ]
+    lines.append(f"fix {group}_{name} {group} addforce v_{group}_{name}_x v_{group}_{name}_y 0")
+    return lines
+
+
+def _constant(atoms: Atoms, index: int, group: str) -> list[str]:
+    """The constant forces of springs and stages."""
+    mine = np.isin(atoms.kind_of_each + 1, atoms.types_of(index))
+    if not np.any(atoms.constant_forces[mine]):
+        return []
+    return _added(group, "constant", "atom", ["d_constant_x", "d_constant_y"])
+
+
+def _reservoir(surface: Surface, group: str, atoms: Atoms, index: int, seed: int) -> list[str]:
+    """Friction and noise at the bars; LAMMPS has the ratio of mass and friction."""
+    reservoir = surface.bar_reservoir
+    if reservoir is None or reservoir.gamma == 0.0:
+        return []
+    gamma, temperature = reservoir.gamma, reservoir.temperature
+    types = atoms.types_of(index)
+    masses = [atoms.kinds[i - 1].mass for i in types]
+    line = f"fix {group}_friction {group} viscous {gamma!r}"
+    if temperature > 0.0:
+        number = 1 + (1000 * seed + index) % LARGEST_SEED
+        ends = f"{temperature!r} {temperature!r}"
+        line = f"fix {group}_friction {group} langevin {ends} {masses[0] / gamma!r} {number}"
+        for i, mass in zip(types[1:], masses[1:], strict=True):
+            line += f" scale {i} {mass / masses[0]!r}"
+    mean = surface.velocity if reservoir.velocity is None else reservoir.velocity
+    return [line, *_added(group, "wind", "equal", [repr(gamma * v) if v else "0" for v in mean])]
+
+
+def _fields(scene: Scene, surface: Surface, group: str) -> list[str]:
+    """The corrugations that act on a surface's bobs."""
+    lines = []
+    for number, item in enumerate(scene.fields):
+        if surface.name in item.on and isinstance(item.potential, Corrugation):
+            q = 2.0 * math.pi / item.potential.period
+            x = f"c_unwrapped-({item.origin[0]!r})-({item.velocity[0]!r})*time"
+            force = f"{-item.potential.amplitude * q!r}*sin({q!r}*({x}))"
+            lines += _added(group, f"field{number}", "atom", [force, "0"])
+    return lines

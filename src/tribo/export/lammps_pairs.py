@@ -1,0 +1,166 @@
+"""Interactions of a scene as pair styles of LAMMPS.
+
+Potentials for which LAMMPS has a style of the same form take that; others are written as formulas,
+which LAMMPS differentiates.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+from tribo.export.lepton import NoFormulaError, energy_text
+from tribo.model.interaction import Interaction
+from tribo.model.scene import Scene
+from tribo.potentials.born_mayer import BornMayer
+from tribo.potentials.buckingham import Buckingham
+from tribo.potentials.coulomb import Coulomb
+from tribo.potentials.cutoff import Shifted, Truncated
+from tribo.potentials.from_ase import Live
+from tribo.potentials.gaussian import Gaussian
+from tribo.potentials.lennard_jones import LennardJones
+from tribo.potentials.mie import Mie
+from tribo.potentials.morse import Morse
+from tribo.potentials.weeks_chandler_andersen import WeeksChandlerAndersen
+
+# The style with the same form, and its coefficients but for the cutoff.
+STYLES: dict[type, tuple[str, Callable[[Any], tuple[float, ...]]]] = {
+    LennardJones: ("lj/cut", lambda p: (p.epsilon, p.sigma)),
+    WeeksChandlerAndersen: ("lj/cut", lambda p: (p.epsilon, p.sigma)),
+    Mie: ("mie/cut", lambda p: (p.epsilon, p.sigma, p.n, p.m)),
+    Morse: ("morse", lambda p: (p.D, p.alpha, p.r0)),
+    Buckingham: ("buck", lambda p: (p.A, p.rho, p.C)),
+    BornMayer: ("buck", lambda p: (p.A, p.rho, 0.0)),
+    Gaussian: ("gauss", lambda p: (-p.height, 0.5 / p.width**2)),
+}
+
+
+class Kind(NamedTuple):
+    """What the atoms of one type have in common."""
+
+    surface: int
+    species: str
+    mass: float
+
+
+class Pair(NamedTuple):
+    """A potential as LAMMPS has it.
+
+    Attributes
+    ----------
+    style : str
+        Name of the pair style.
+    coefficients : str
+        Its coefficients but for the cutoff.
+    cutoff : float
+        Distance from which it is zero [length].
+    shifted : bool
+        Whether a constant makes the energy zero at the cutoff.
+    """
+
+    style: str
+    coefficients: str
+    cutoff: float
+    shifted: bool = False
+
+
+def pair_lines(scene: Scene, kinds: Sequence[Kind], farthest: float) -> tuple[list[str], list[str]]:
+    """The commands of all interactions, and what is omitted.
+
+    Parameters
+    ----------
+    scene : Scene
+    kinds : sequence of Kind
+        The types of atoms.
+    farthest : float
+        Distance of no pair, the cutoff of potentials without one [length].
+
+    Returns
+    -------
+    lines, omitted : list of str
+    """
+    strengths = {p.strength for p in map(_uncut, scene.interactions) if isinstance(p, Coulomb)}
+    strength = strengths.pop() if len(strengths) == 1 else 0.0
+    pairs: dict[tuple[int, int], Pair] = {}
+    omitted = []
+    for index, interaction in enumerate(scene.interactions):
+        try:
+            pair = _pair(interaction.potential, farthest, strength)
+        except NoFormulaError:
+            name = type(interaction.potential).__name__
+            omitted.append(f"interaction[{index}]: {name} is no formula of the distance")
+            continue
+        pairs |= dict.fromkeys(_types(scene, interaction, kinds), pair)
+    return _commands(pairs, len(kinds), strength), omitted
+
+
+def longest_cutoff(scene: Scene, farthest: float) -> float:
+    """The longest cutoff of any interaction [length]."""
+    return max((min(i.potential.range(), farthest) for i in scene.interactions), default=0.0)
+
+
+def _uncut(interaction: Interaction) -> Any:
+    potential = interaction.potential
+    return potential.potential if isinstance(potential, Truncated) else potential
+
+
+def _pair(potential: Any, farthest: float, strength: float) -> Pair:
+    """A potential as LAMMPS has it; `strength` is that which ``dielectric`` stands for."""
+    if isinstance(potential, Live):
+        raise NoFormulaError
+    cutoff = min(potential.range(), farthest)
+    cut = isinstance(potential, (Truncated, Shifted))
+    inner = potential.potential if cut else potential
+    if type(inner) in STYLES and not (cut and isinstance(inner, WeeksChandlerAndersen)):
+        style, coefficients = STYLES[type(inner)]
+        numbers = " ".join(repr(float(value)) for value in coefficients(inner))
+        return Pair(style, numbers, cutoff, isinstance(potential, (Shifted, WeeksChandlerAndersen)))
+    plain = isinstance(inner, Coulomb) and not isinstance(potential, Shifted)
+    if plain and inner.strength == strength != 0.0:
+        return Pair("coul/cut", "", cutoff)
+    text = energy_text(potential)
+    return Pair("lepton/coul" if "qi" in text or "qj" in text else "lepton", f'"{text}"', cutoff)
+
+
+def _types(scene: Scene, interaction: Interaction, kinds: Sequence[Kind]) -> list[tuple[int, int]]:
+    """The pairs of types between which an interaction acts, the lower one first."""
+    pairs = {frozenset(pair) for pair in scene.pairs(interaction)}
+    wanted = None if interaction.species is None else set(interaction.species)
+    return [
+        (i, j)
+        for j, two in enumerate(kinds, 1)
+        for i, one in enumerate(kinds[:j], 1)
+        if frozenset((one.surface, two.surface)) in pairs
+        and wanted in (None, {one.species, two.species})
+    ]
+
+
+def _commands(pairs: dict[tuple[int, int], Pair], count: int, strength: float) -> list[str]:
+    """The commands for pairs of types; those without an interaction get none."""
+    if not pairs:
+        return ["pair_style zero 1.0", "pair_coeff * *"]
+    variants = sorted({(pair.style, pair.shifted) for pair in pairs.values()})
+    longest = {
+        v: max(p.cutoff for p in pairs.values() if (p.style, p.shifted) == v) for v in variants
+    }
+    names = {}
+    for style, shifted in variants:
+        both = [v for v in variants if v[0] == style]
+        number = f" {both.index((style, shifted)) + 1}" if len(both) == 2 else ""
+        names[style, shifted] = style + number
+    lines = ["pair_style hybrid " + " ".join(f"{v[0]} {longest[v]!r}" for v in variants)]
+    if any(pair.style == "coul/cut" for pair in pairs.values()):
+        lines.insert(
+            0, f"dielectric {1.0 / strength!r}  # the strength of Coulomb is 1 / dielectric"
+        )
+    for j in range(1, count + 1):
+        for i in range(1, j + 1):
+            pair = pairs.get((i, j))
+            if pair is None:
+                lines.append(f"pair_coeff {i} {j} none")
+            else:
+                name = names[pair.style, pair.shifted]
+                words = (f"pair_coeff {i} {j} {name}", pair.coefficients, repr(pair.cutoff))
+                lines.append(" ".join(filter(None, words)))
+    lines += [f"pair_modify pair {names[v]} shift yes" for v in variants if v[1]]
+    return lines
