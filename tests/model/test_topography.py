@@ -100,6 +100,8 @@ def test_units():
         ("topography: needs a spacing along every direction", {"spacing": (1.0, 0.0)}),
         ("topography: is a line scan; the surface must be a row", {"scan": Scan(np.zeros(9))}),
         ("topography: must have finite heights", {"scan": Scan(np.full((7, 5), np.nan))}),
+        ("topography: must have two or more points", {"scan": Scan(np.zeros((7, 1)))}),
+        ("topography: must have positions that increase", {"scan": Scan(MAP.values, -1.0)}),
         ('detrend: must be "plane" or "mean"', {"detrend": "tilt"}),
         ("topography: must be a file or a topography, got 3", {"scan": 3}),
     ],
@@ -180,11 +182,18 @@ def test_undefined_points_are_filled_in():
     assert heights(scan)[2, 3] == pytest.approx(3.0, abs=1e-9)
 
 
-def test_a_file_that_is_no_scan(tmp_path):
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("nothing", r"scan\.txt cannot be read: it has no format that SurfaceTopography knows$"),
+        ("1 2 3 4\n" * 4, r"scan\.txt cannot be read \(.*sizes.*\); in Python, give the object"),
+    ],
+)
+def test_files_without_a_scan_or_its_size(text, message, tmp_path):
     pytest.importorskip("SurfaceTopography")
-    (tmp_path / "scan.x3p").write_bytes(b"nothing")
-    with pytest.raises(InputError, match=r"heights\.topography: .*scan\.x3p cannot be read: "):
-        heights(tmp_path / "scan.x3p")
+    (tmp_path / "scan.txt").write_text(text)
+    with pytest.raises(InputError, match=rf"^heights\.topography: .*{message}"):
+        heights(tmp_path / "scan.txt")
 
 
 def test_the_example(tmp_path):

@@ -223,9 +223,11 @@ class Topography(ComparedByValue):
 def _axes_and_heights(scan: Scan) -> tuple[list[np.ndarray], np.ndarray]:
     """The coordinates along each axis, and the heights on their grid [unit of the scan]."""
     *positions, heights = (np.asarray(each, float) for each in scan.positions_and_heights())
+    if heights.ndim != len(positions) or min(heights.shape) < 2:
+        raise InputError("topography", "must have two or more points along each axis")
     axes = [positions[0]] if len(positions) == 1 else [positions[0][:, 0], positions[1][0]]
-    if any(axis.size < 2 or np.any(np.diff(axis) <= 0.0) for axis in axes):
-        raise InputError("topography", "must have two or more points in increasing order")
+    if any(np.any(np.diff(axis) <= 0.0) for axis in axes):
+        raise InputError("topography", "must have positions that increase, without overhangs")
     if not np.all(np.isfinite(heights)):
         raise InputError("topography", "must have finite heights")
     return axes, heights
@@ -237,16 +239,25 @@ def _read(path: str) -> Scan:
         raise InputError("topography", f"{path} cannot be read (no such file)")
     try:
         from SurfaceTopography import read_topography
+        from SurfaceTopography.Exceptions import CannotDetectFileFormat
     except ImportError:
         raise InputError(
             "topography", "needs SurfaceTopography; install it: pip install SurfaceTopography"
         ) from None
     try:
         return cast(Scan, read_topography(path))
+    except CannotDetectFileFormat:
+        raise InputError(
+            "topography", f"{path} cannot be read: it has no format that SurfaceTopography knows"
+        ) from None
     # Each of its readers of some forty formats raises errors of its own.
     except Exception as error:
         problem = str(error).strip().split("\n")[0]
-        raise InputError("topography", f"{path} cannot be read: {problem}") from None
+        raise InputError(
+            "topography",
+            f"{path} cannot be read ({problem}); "
+            "in Python, give the object that SurfaceTopography reads from it",
+        ) from None
 
 
 KEYS = [each.name for each in fields(Topography) if each.name != "sampled"]
