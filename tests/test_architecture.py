@@ -76,6 +76,7 @@ ORDER = [
     "plugins",
     "kernels",
     "starters",
+    "units",
     "files",
     "progress",
     "interrupts",

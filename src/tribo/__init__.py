@@ -10,7 +10,7 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
-    from tribo import paper, plotting, potentials
+    from tribo import paper, plotting, potentials, units
     from tribo.ensembles import ensemble
     from tribo.ensembles.one_member import ensemble_member
     from tribo.ensembles.sampling import grid
@@ -115,7 +115,7 @@ _HOME = {
 }
 
 # Public subpackages, imported when first used.
-_SUBPACKAGES = ("paper", "plotting", "potentials")
+_SUBPACKAGES = ("paper", "plotting", "potentials", "units")
 
 __all__ = [*_HOME, *_SUBPACKAGES, "__version__"]
 

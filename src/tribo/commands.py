@@ -149,6 +149,11 @@ def _add_ensemble(ensemble: argparse.ArgumentParser) -> None:
     )
     ensemble.add_argument("--seed", type=int, default=0, help="of the ensemble (default: 0)")
     ensemble.add_argument(
+        "--sampler",
+        choices=["sobol", "latin-hypercube"],
+        help="quasi-random points in place of random numbers; for sobol, N should be a power of 2",
+    )
+    ensemble.add_argument(
         "--out",
         type=Path,
         metavar="FILE",
@@ -294,7 +299,7 @@ def _sweep(options: argparse.Namespace) -> int:
 
 def _ensemble(options: argparse.Namespace) -> int:
     from tribo.ensembles import ensemble
-    from tribo.ensembles.command_line import summary, varied
+    from tribo.ensembles.command_line import sampler_named, summary, varied
     from tribo.files import replace_file
 
     if options.resume and (options.out is None or options.keep is None):
@@ -303,7 +308,9 @@ def _ensemble(options: argparse.Namespace) -> int:
         checked_target("--out", options.out)
     vary = varied(options.vary)
     keep = None if options.keep is None else options.keep.split(",")
-    scene = load(options)
+    scene, sampler = load(options), None
+    if options.sampler is not None:
+        sampler = sampler_named(options.sampler, scene, vary, options.seed)
     data = ensemble(
         scene,
         options.n,
@@ -314,6 +321,7 @@ def _ensemble(options: argparse.Namespace) -> int:
         statistics=options.statistics,
         out=None if keep is None else options.out,
         resume=options.resume,
+        sampler=sampler,
     )
     if options.out is not None and keep is None:
         replace_file(options.out, bytes(data.to_netcdf(engine="h5netcdf")))

@@ -360,7 +360,19 @@ class Scene(ComparedByValue):
         return np.union1d(np.array(self.output.times), [0.0, self.duration])
 
     def save(self, path: object) -> None:
-        """Write the scene file that :func:`tribo.load_scene` reads.  Raises InputError."""
+        """Write the scene file that :func:`tribo.load_scene` reads.
+
+        Parameters
+        ----------
+        path : str or path
+            The file; one that is there is replaced.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be written, or the scene has no text, as with a class that is
+            defined in a notebook.
+        """
         from tribo.model.scene_writer import save_scene
 
         save_scene(self, path)

@@ -30,8 +30,7 @@ def up_to_runaway(layout: Layout, run: Integration) -> Integration:
     if layout.model.ledger is None:
         return run
     with np.errstate(over="ignore", invalid="ignore"):  # an energy may exceed all numbers
-        energy = _energy(layout, samples)
-        grown = energy > RUNAWAY * energy[0]
+        grown = grows(layout, samples)
         if not np.any(grown):
             return run
         system = assemble(layout, samples).system
@@ -42,6 +41,13 @@ def up_to_runaway(layout: Layout, run: Integration) -> Integration:
         return run
     kept = samples.at(samples.t[: lost[0] + 1])
     return replace(run, recorded=lambda: kept, _samples=kept, status=Status.ENERGY_RUNAWAY)
+
+
+def grows(layout: Layout, samples: Samples) -> np.ndarray:
+    """Whether the energy exceeds RUNAWAY times that at the start, (times,)."""
+    with np.errstate(over="ignore", invalid="ignore"):  # an energy may exceed all numbers
+        energy = _energy(layout, samples)
+        return np.asarray(energy > RUNAWAY * samples.at_start(energy))
 
 
 def _energy(layout: Layout, samples: Samples) -> np.ndarray:
