@@ -46,6 +46,7 @@ if TYPE_CHECKING:  # "X as X" exports a name to type checkers
     from tribo.model.spectrum import Spectrum as Spectrum
     from tribo.model.springs import Springs as Springs
     from tribo.model.surface import Initial as Initial, Surface as Surface
+    from tribo.model.topography import Topography as Topography
     from tribo.potentials import (
         BornMayer as BornMayer,
         Buckingham as Buckingham,
@@ -114,6 +115,7 @@ _HOME = {
     "Pushed": "tribo.model.drives",
     "Result": "tribo.run.result",
     "Roughness": "tribo.model.roughness",
+    "Topography": "tribo.model.topography",
     "Scene": "tribo.model.scene",
     "simulate": "tribo.simulation",
     "Simulation": "tribo.prepared",
