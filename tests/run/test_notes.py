@@ -48,7 +48,7 @@ def pressed(gap, periodic=None, **settings):
 
 
 def test_a_start_in_a_core_is_noted():
-    """With the pair, its distance and its energy; not in front of the core, or where all is stiff."""
+    """With the pair and its energy; not in front of the core, or with stiff springs."""
     (note,) = core_notes(pressed(0.5))
     assert note == (
         'the bobs of asperite 0 of "lower" and asperite 0 of "upper" start deep in a repulsive '

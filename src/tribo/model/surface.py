@@ -10,10 +10,12 @@ from tribo.model.asperite import Asperite
 from tribo.model.bath import Bath, as_bath
 from tribo.model.comparison import ComparedByValue
 from tribo.model.drives import Drive, DrivenBars, Ends, Forced, Free, as_bars, as_drive
+from tribo.model.heights import as_heights
 from tribo.model.initial import Initial
 from tribo.model.langevin import Langevin, as_langevin
-from tribo.model.roughness import Roughness, as_heights, draw
+from tribo.model.roughness import Roughness, draw
 from tribo.model.springs import Springs, as_springs
+from tribo.model.topography import Grid, Topography
 from tribo.validation import (
     LARGEST_COUNT,
     InputError,
@@ -49,9 +51,10 @@ class Surface(ComparedByValue):
         Distance between neighbours along x and along z [length].
     depth : float
         z of the first asperite [length].
-    heights : (n,) array or Roughness, optional
+    heights : (n,) array or Roughness or Topography, optional
         Shift in y of each asperite, positive upward for both facings [length]; or the roughness
-        from which they are drawn.
+        from which they are drawn; or the measured topography from which they are interpolated, or
+        its table in a scene file, or an object of SurfaceTopography.
     positions : (n, 3) array, optional
         x, y, z of the resting bobs [length], instead of `bob`, `shape`, `spacing` and `depth`.
     drive : Drive or str or dict
@@ -87,7 +90,7 @@ class Surface(ComparedByValue):
     shape: tuple[int, int] = (1, 1)
     spacing: tuple[float, float] = (0.0, 0.0)
     depth: float = 0.0
-    heights: np.ndarray | Roughness | None = None
+    heights: np.ndarray | Roughness | Topography | None = None
     positions: np.ndarray | None = None
     drive: Drive = field(default_factory=Forced)
     bars: str | Ends = "clamped"
@@ -103,7 +106,7 @@ class Surface(ComparedByValue):
         put = object.__setattr__
         with inside("drive"):
             put(self, "drive", as_drive(self.drive))
-        put(self, "heights", as_heights(self.heights, *self._grid))
+        put(self, "heights", as_heights(self.heights, Grid(*self._grid, self.facing_sign)))
         with inside("bars"):
             put(self, "bars", as_bars(self.bars))
         with inside("springs"):
@@ -278,6 +281,8 @@ class Surface(ComparedByValue):
         """(n,) heights [length]; `seed` draws those of a roughness that has no seed of its own."""
         if isinstance(self.heights, Roughness):
             return draw(self.heights, *self._grid, np.random.default_rng(seed))
+        if isinstance(self.heights, Topography):
+            return self.heights.heights
         return self.heights
 
     @property
