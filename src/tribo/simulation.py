@@ -24,6 +24,7 @@ from tribo.run.identity import identity_of, refuse_other, settings_of, version
 from tribo.run.integrate import Progress
 from tribo.run.journal import PART, Journal
 from tribo.run.layout import Layout, lay_out
+from tribo.run.loop_selection import Integrator
 from tribo.run.result import Result, load_result, netcdf_path
 from tribo.run.state import Origin, State, continued, digest_of
 from tribo.validation import InputError, TriboWarning, as_path, boolean, inside, must_be
@@ -81,7 +82,7 @@ def prepare(
     if progress is not None and not callable(progress):
         raise must_be("progress", "a function", progress)
     layout, choice, origin = _chosen(scene, accuracy, method, step, start, allow_unresolved)
-    integrator = integrator_for(layout, choice.method, progress, origin)
+    integrator = _integrator(layout, choice, progress, origin)
     return Simulation(make_plan(choice, integrator), integrator)
 
 
@@ -101,8 +102,6 @@ def _chosen(
     layout, origin = lay_out(scene), None
     if start is not None:
         layout, origin = continued(layout, start)
-    for note in core_notes(layout):
-        warnings.warn(note, TriboWarning, stacklevel=3)
     given = scene.numerics
     if accuracy is None and method is None and step is None:
         with inside("numerics"):
@@ -114,6 +113,20 @@ def _chosen(
     if isinstance(choice.accuracy, Mapping):
         check_observables(layout, choice.accuracy)
     return layout, choice, origin
+
+
+def _integrator(
+    layout: Layout,
+    choice: Choice,
+    progress: Progress | None,
+    origin: Origin | None,
+    journal: Journal | None = None,
+) -> Integrator:
+    """The compiled time loop; warns of bobs that start deep in a core."""
+    integrator = integrator_for(layout, choice.method, progress, origin, journal)
+    for note in core_notes(layout):  # energies in Python: those of plug-ins have compiled by now
+        warnings.warn(note, TriboWarning, stacklevel=3)
+    return integrator
 
 
 def from_settings(scene: Scene, settings: Plan) -> Simulation:
@@ -179,7 +192,7 @@ def simulate(
     layout, choice, origin = _chosen(scene, accuracy, method, step, start, allow_unresolved)
     with Reported(progress, layout.scene.duration, "t") as report:
         if out is None:
-            integrator = integrator_for(layout, choice.method, report, origin)
+            integrator = _integrator(layout, choice, report, origin)
             result = Simulation(make_plan(choice, integrator), integrator).compute_first()
         else:
             result = _run_to_file(as_path(out), resume, layout, choice, origin, report)
@@ -204,7 +217,7 @@ def _run_to_file(
         refuse_other(path, identity_of(result.scene, result.settings, result.version), identity)
         return result
     with Journal(part, identity, resume) as journal:
-        integrator = integrator_for(layout, choice.method, progress, origin, journal)
+        integrator = _integrator(layout, choice, progress, origin, journal)
         result = Simulation(make_plan(choice, integrator), integrator).compute_first()
         if result.status != Status.INTERRUPTED:
             result.save(path)
