@@ -2,10 +2,10 @@
 
     python benchmarks/atlas.py [NAME ...]
 
-Writes docs/measured/atlas.json, from which docs/hard_cases.md is made.  Each scene is run as its
-file says, and then by every method at the accuracy of METHODS_AT, with at most MOST evaluations of
-all forces a run.  Scenes that give a step, and those with noise, have no rows by method.
-Runs that are in the file already are kept, unless their scenes are named.
+Writes docs/measured/atlas.json, from which docs/reference/hard_cases.md is made.  Each scene is
+run as its file says, and then by every method at the accuracy of METHODS_AT, with at most MOST
+evaluations of all forces a run.  Scenes that give a step, and those with noise, have no rows by
+method.  Runs that are in the file already are kept, unless their scenes are named.
 """
 
 import argparse

@@ -502,7 +502,7 @@ def report(rows: list[dict[str, Any]]) -> str:
 
 
 def markdown(rows: list[dict[str, Any]]) -> str:
-    """The table of docs/pairs.md."""
+    """The table of docs/explanation/pairs.md."""
     titles = {"heyoka-motion": "heyoka, motion alone", "scipy": "SciPy"}
     others = list(PROGRAMS)[1:]
     titled = [titles.get(name, name) for name in PROGRAMS]
@@ -528,7 +528,7 @@ def main() -> None:
     """Measure all programs in one process."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--json", action="store_true")
-    parser.add_argument("--markdown", action="store_true", help="as in docs/pairs.md")
+    parser.add_argument("--markdown", action="store_true", help="as in docs/explanation/pairs.md")
     parser.add_argument("--rounds", type=int, default=100)
     parser.add_argument("--cases", default="ABCD")
     options = parser.parse_args()

@@ -16,11 +16,12 @@ from pathlib import Path
 import atlas_tables
 import measure_accuracy
 import measure_effects
+import notebooks
 import page_code
 import slip as slip_page
 
 import tribo
-from tribo import paper
+from tribo import paper, plotting, potentials, units
 from tribo.integrators import methods
 from tribo.kernels.compiled import package_stamp
 from tribo.kernels.status import MEANINGS
@@ -31,7 +32,9 @@ from tribo.potentials import LennardJones, with_cutoff
 from tribo.report_card import check
 
 HERE = Path(__file__).resolve().parent
-PAGES_WITH_PICTURES = [HERE / f"{name}.md" for name in ("tutorial", "ensembles")]
+PUBLIC_PARTS = (paper, plotting, potentials, units)
+PAGES_AS_NOTEBOOKS = [HERE / "tutorials" / f"{n}.md" for n in ("from_the_paper", "friction_law")]
+PAGES_WITH_PICTURES = [*PAGES_AS_NOTEBOOKS, HERE / "how-to" / "ensembles.md"]
 
 
 def everything(folder: Path) -> None:
@@ -44,10 +47,12 @@ def everything(folder: Path) -> None:
     logging.getLogger("fontTools").setLevel(logging.WARNING)  # it logs every glyph of a PDF
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir()
-    documented_keys(HERE / "scene_file.md")
-    documented_names(HERE / "api.md")
+    documented_keys(HERE / "reference" / "scene_file.md")
+    documented_names(HERE / "reference" / "api.md")
     for page in PAGES_WITH_PICTURES:
         page_code.run(page, folder)
+    for page in PAGES_AS_NOTEBOOKS:
+        notebooks.write(page, folder)
     report_cards(folder)
     paper_figures.draw(folder, paper.CASES)
     atlas_tables.figure(folder / "atlas.png")
@@ -147,7 +152,9 @@ def documented_keys(page: Path) -> None:
 def documented_names(page: Path) -> None:
     """Raise AssertionError if a public name is missing in the page."""
     text = page.read_text(encoding="utf-8")
-    documented = set(re.findall(r"^\.\. auto\w+:: (?:tribo\.)?(\w+)", text, re.MULTILINE))
-    missing = sorted(set(tribo.__all__) - documented - {"__version__"})
+    documented = set(re.findall(r"^\.\. auto\w+:: (?:[\w.]+\.)?(\w+)", text, re.MULTILINE))
+    documented |= set(re.findall(r"`(?:[\w.]+\.)?(\w+)`", text))
+    public = {name for part in (tribo, *PUBLIC_PARTS) for name in part.__all__}
+    missing = sorted(public - documented - {"__version__"})
     if missing:
         raise AssertionError(f"{page.name} does not mention {', '.join(missing)}")

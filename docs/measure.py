@@ -1,4 +1,4 @@
-"""The measured tables of the pages: true errors and their estimates, hard scenes, and times.
+"""The measured tables of the pages: true errors and their estimates, hard scenes, a first program.
 
     python docs/measure.py [TABLE ...]
 
@@ -13,7 +13,6 @@ import os
 import subprocess
 import sys
 import tempfile
-import time
 import tomllib
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -241,51 +240,6 @@ def _worst(result: tribo.Result) -> str:
     return f"{max(worst):.0e}" if worst else ""
 
 
-def times() -> Iterator[list[str]]:
-    """The time of a run of case A once everything is compiled."""
-    yield ["case A", "steps", "force evaluations", "milliseconds"]
-    for name, how in (
-        ("accuracy 1e-4", {"accuracy": 1e-4}),
-        ("accuracy 1e-8", {"accuracy": 1e-8}),
-        ("accuracy 1e-12", {"accuracy": 1e-12}),
-        ("`verlet`, step 0.01", {"method": "verlet", "step": 0.01}),
-    ):
-        simulation = tribo.prepare(case("A"), **how)
-        best, result = np.inf, simulation.run()
-        for _ in range(20):
-            began = time.perf_counter()
-            result = simulation.run()
-            _ = result.status  # the ledger is assembled when it is first read
-            best = min(best, time.perf_counter() - began)
-        cost = result.cost
-        yield [name, str(cost.steps), str(cost.force_evaluations), f"{1e3 * best:.2g}"]
-
-
-FRESH = """
-import time, sys
-sys.path.insert(0, {folder!r})
-import measure
-scene = {{"A": measure.case("A")}} | measure.hard_scenes()
-began = time.perf_counter()
-measure.tribo.simulate(list(scene.values())[{index}])
-print(time.perf_counter() - began)
-"""
-
-
-def compiling() -> Iterator[list[str]]:
-    """Seconds of a first run, in a process that compiles and in one that finds compiled code."""
-    yield ["scene", "first process", "later processes"]
-    for index, name in enumerate(["case A", *hard_scenes()]):
-        with tempfile.TemporaryDirectory() as cache:
-            cells = [f"{_fresh_run(index, cache):.2g} s" for _ in range(2)]
-        yield [name, *cells]
-
-
-def _fresh_run(index: int, cache: str) -> float:
-    """Seconds of `simulate` in a process of its own."""
-    return _fresh_process(FRESH.format(folder=str(HERE), index=index), cache)
-
-
 def _fresh_process(program: str, cache: str) -> float:
     """The seconds that a program prints last."""
     place = os.environ | {"NUMBA_CACHE_DIR": cache}
@@ -330,8 +284,6 @@ TABLES: tuple[Callable[[], Iterator[list[str]]], ...] = (
     frames,
     cutoffs,
     outcomes,
-    times,
-    compiling,
     postcard,
 )
 

@@ -1,4 +1,4 @@
-"""The cost of accuracy: the diagrams of accuracy.md, and the runs behind its tables.
+"""The cost of accuracy: the diagrams of accuracy_benchmark.md, and the runs behind its tables.
 
     python docs/measure_accuracy.py [--choices] [SCENE ...]
 

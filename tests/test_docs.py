@@ -3,6 +3,7 @@
 import ast
 import importlib.util
 import inspect
+import json
 import re
 from dataclasses import fields, is_dataclass
 from pathlib import Path
@@ -13,7 +14,11 @@ import tribo
 from tribo import InputError
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+FOLDERS = ("tutorials", "how-to", "explanation", "reference")
+PAGES = [
+    *(ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))),
+    *(page for folder in FOLDERS for page in sorted((ROOT / "docs" / folder).glob("*.md"))),
+]
 
 
 def module_of_docs(name):
@@ -27,15 +32,31 @@ def module_of_docs(name):
 page_code = module_of_docs("page_code")
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_page(page, tmp_path):
     """The blocks run in order, and print what the page shows; code without a language fails."""
     page_code.run(page, tmp_path)
 
 
+@pytest.mark.parametrize("name", ["from_the_paper", "friction_law"])
+def test_notebook(name, tmp_path, monkeypatch):
+    """A notebook has the code of its page in order, and what the page shows as its output."""
+    monkeypatch.syspath_prepend(ROOT / "docs")
+    page = ROOT / "docs" / "tutorials" / f"{name}.md"
+    path = module_of_docs("notebooks").write(page, tmp_path)
+    cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
+    code = [cell for cell in cells if cell["cell_type"] == "code"]
+    blocks = list(page_code.blocks(page))
+    programs = [block.text.rstrip() for block in blocks if block.language == "python"]
+    assert [cell["source"] for cell in code if cell["source"][0] not in "!%"] == programs
+    shown = [block.text for block in blocks if block.language == "text"]
+    assert [cell["outputs"][0]["text"] for cell in code if cell["outputs"]] == shown
+    assert not any(mark in cell["source"] for cell in cells for mark in ("```python", ".md)"))
+
+
 def architecture():
     """The text of the page on architecture."""
-    return (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    return (ROOT / "docs" / "explanation" / "architecture.md").read_text(encoding="utf-8")
 
 
 def test_drawing_of_the_layout():

@@ -7,53 +7,71 @@ import importlib
 # As in `typing`, whose import takes as long as all else before the program can be interrupted.
 TYPE_CHECKING = False
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # "X as X" exports a name to type checkers
     from typing import Any
 
-    from tribo import paper, plotting, potentials
-    from tribo.ensembles import ensemble
-    from tribo.ensembles.one_member import ensemble_member
-    from tribo.ensembles.sampling import grid
-    from tribo.explanation import Explanation, explain
-    from tribo.model.asperite import Asperite
-    from tribo.model.bath import Bath
-    from tribo.model.drives import Custom, DrivenBars, Ends, Forced, Free, Pulled, Pushed
-    from tribo.model.fields import Corrugation, Field
-    from tribo.model.initial import Initial
-    from tribo.model.interaction import Interaction, Periodic
-    from tribo.model.langevin import Langevin
-    from tribo.model.roughness import Roughness
-    from tribo.model.rows import commensurate_rows, incommensurate_rows, periodic_rows
-    from tribo.model.scene import Scene
-    from tribo.model.scene_file import load_scene
-    from tribo.model.settings import Numerics, Output
-    from tribo.model.spectrum import Spectrum
-    from tribo.model.springs import Springs
-    from tribo.model.surface import Surface
-    from tribo.potentials import (
-        BornMayer,
-        Buckingham,
-        Coulomb,
-        Gaussian,
-        Hertz,
-        LennardJones,
-        Mie,
-        Morse,
-        Plummer,
-        SoftSphere,
-        WeeksChandlerAndersen,
-        Yukawa,
-        with_cutoff,
+    from tribo import (
+        paper as paper,
+        plotting as plotting,
+        potentials as potentials,
+        units as units,
     )
-    from tribo.prepared import Simulation
-    from tribo.report_card import check
-    from tribo.run.friction import FrictionForce
-    from tribo.run.relax import NoEquilibriumError, relax
-    from tribo.run.result import Result, load_result
-    from tribo.run.state import State
-    from tribo.simulation import prepare, simulate
-    from tribo.sweeps import sweep
-    from tribo.validation import InputError, TriboWarning
+    from tribo.ensembles import ensemble as ensemble
+    from tribo.ensembles.one_member import ensemble_member as ensemble_member
+    from tribo.ensembles.sampling import grid as grid
+    from tribo.explanation import Explanation as Explanation, explain as explain
+    from tribo.model.asperite import Asperite as Asperite
+    from tribo.model.bath import Bath as Bath
+    from tribo.model.drives import (
+        Custom as Custom,
+        DrivenBars as DrivenBars,
+        Ends as Ends,
+        Forced as Forced,
+        Free as Free,
+        Pulled as Pulled,
+        Pushed as Pushed,
+    )
+    from tribo.model.fields import Corrugation as Corrugation, Field as Field
+    from tribo.model.initial import Initial as Initial
+    from tribo.model.interaction import Interaction as Interaction, Periodic as Periodic
+    from tribo.model.langevin import Langevin as Langevin
+    from tribo.model.roughness import Roughness as Roughness
+    from tribo.model.rows import (
+        commensurate_rows as commensurate_rows,
+        incommensurate_rows as incommensurate_rows,
+        periodic_rows as periodic_rows,
+    )
+    from tribo.model.scene import Scene as Scene
+    from tribo.model.scene_file import load_scene as load_scene
+    from tribo.model.settings import Numerics as Numerics, Output as Output
+    from tribo.model.spectrum import Spectrum as Spectrum
+    from tribo.model.springs import Springs as Springs
+    from tribo.model.surface import Surface as Surface
+    from tribo.model.topography import Topography as Topography
+    from tribo.potentials import (
+        BornMayer as BornMayer,
+        Buckingham as Buckingham,
+        Coulomb as Coulomb,
+        Gaussian as Gaussian,
+        Hertz as Hertz,
+        LennardJones as LennardJones,
+        Mie as Mie,
+        Morse as Morse,
+        Plummer as Plummer,
+        SoftSphere as SoftSphere,
+        WeeksChandlerAndersen as WeeksChandlerAndersen,
+        Yukawa as Yukawa,
+        with_cutoff as with_cutoff,
+    )
+    from tribo.prepared import Simulation as Simulation
+    from tribo.report_card import check as check
+    from tribo.run.friction import FrictionForce as FrictionForce
+    from tribo.run.relax import NoEquilibriumError as NoEquilibriumError, relax as relax
+    from tribo.run.result import Result as Result, load_result as load_result
+    from tribo.run.state import State as State
+    from tribo.simulation import prepare as prepare, simulate as simulate
+    from tribo.sweeps import sweep as sweep
+    from tribo.validation import InputError as InputError, TriboWarning as TriboWarning
 
 # The module of each public name; it is imported when the name is first used.
 _HOME = {
@@ -101,6 +119,7 @@ _HOME = {
     "relax": "tribo.run.relax",
     "Result": "tribo.run.result",
     "Roughness": "tribo.model.roughness",
+    "Topography": "tribo.model.topography",
     "Scene": "tribo.model.scene",
     "simulate": "tribo.simulation",
     "Simulation": "tribo.prepared",
@@ -117,7 +136,7 @@ _HOME = {
 }
 
 # Public subpackages, imported when first used.
-_SUBPACKAGES = ("paper", "plotting", "potentials")
+_SUBPACKAGES = ("paper", "plotting", "potentials", "units")
 
 __all__ = [*_HOME, *_SUBPACKAGES, "__version__"]
 

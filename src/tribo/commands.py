@@ -9,27 +9,27 @@ import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from tribo.command_help import FIRST_STEPS, CommandParser, add_completion
 from tribo.doctor import add_doctor
 from tribo.files import checked_target
 from tribo.interrupts import COMPLETED, STOPPED
+from tribo.run_command import add_run
 from tribo.scene_options import (
     add_numerics,
     add_scene,
     add_set,
     add_vary,
-    as_number,
     check_figure,
     load,
     load_with_values,
     parsed,
     split,
-    with_samples,
 )
 from tribo.starters.command_line import add_new
 from tribo.validation import InputError, TriboWarning
 
 if TYPE_CHECKING:
-    from tribo.run.result import Result
+    pass
 
 
 def run_command(arguments: list[str] | None) -> int:
@@ -44,13 +44,16 @@ def run_command(arguments: list[str] | None) -> int:
 def _parser() -> argparse.ArgumentParser:
     from tribo import __version__
 
-    parser = argparse.ArgumentParser(
-        prog="tribo", description="Simulate sliding friction of asperites, with work accounting."
+    parser = CommandParser(
+        prog="tribo",
+        description="Simulate sliding friction of asperites, with work accounting.",
+        epilog=FIRST_STEPS,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"tribo {__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
-    _add_run(commands.add_parser("run", help="simulate a scene file and print its end state"))
+    add_run(commands.add_parser("run", help="simulate a scene file, or repeat the run of a file"))
     _add_sweep(commands.add_parser("sweep", help="run a scene with every combination of values"))
     _add_ensemble(commands.add_parser("ensemble", help="run a scene from many starts"))
     _add_paper(commands.add_parser("paper", help="compare the paper's cases with its numbers"))
@@ -65,32 +68,12 @@ def _parser() -> argparse.ArgumentParser:
     )
     add_new(commands.add_parser("new", help="print or write a commented scene file to start from"))
     add_doctor(commands.add_parser("doctor", help="print versions, cores, cache and speed"))
+    add_completion(
+        commands.add_parser("completion", help="print a script that completes commands"),
+        parser,
+        commands.choices.values(),
+    )
     return parser
-
-
-def _add_run(run: argparse.ArgumentParser) -> None:
-    add_scene(run)
-    run.add_argument(
-        "--out",
-        type=Path,
-        metavar="FILE",
-        help="write all time series as NetCDF; FILE.part keeps what is reached while the run goes "
-        "on, and if it is interrupted",
-    )
-    run.add_argument(
-        "--resume",
-        action="store_true",
-        help="continue FILE.part, to the same bits as without the pause; print the result if FILE "
-        "is complete",
-    )
-    run.add_argument("--json", action="store_true", help="print only the end state, as JSON")
-    add_numerics(run)
-    run.add_argument("--samples", metavar="N", help="number of evenly spaced times to record")
-    add_set(run)
-    run.add_argument(
-        "--figure", type=Path, metavar="FILE", help="draw the works on the first asperite"
-    )
-    run.set_defaults(command=_run)
 
 
 def _add_sweep(sweep: argparse.ArgumentParser) -> None:
@@ -148,6 +131,11 @@ def _add_ensemble(ensemble: argparse.ArgumentParser) -> None:
         "members",
     )
     ensemble.add_argument("--seed", type=int, default=0, help="of the ensemble (default: 0)")
+    ensemble.add_argument(
+        "--sampler",
+        choices=["sobol", "latin-hypercube"],
+        help="quasi-random points in place of random numbers; for sobol, N should be a power of 2",
+    )
     ensemble.add_argument(
         "--out",
         type=Path,
@@ -259,33 +247,6 @@ def _add_export_lammps(export: argparse.ArgumentParser) -> None:
     export.set_defaults(command=_export_lammps)
 
 
-def _run(options: argparse.Namespace) -> int:
-    from tribo.simulation import simulate
-
-    if options.resume and options.out is None:
-        raise InputError("--resume", "needs --out FILE")
-    if options.out is not None:
-        checked_target("--out", options.out)
-    check_figure(options.figure)
-    accuracy, step = (as_number(f"--{n}", getattr(options, n)) for n in ("accuracy", "step"))
-    scene = with_samples(load_with_values(options), options.samples)
-    method, resume = options.method, options.resume
-    result = simulate(scene, accuracy, method, step, out=options.out, resume=resume)
-    if options.figure is not None:
-        _draw(result, options.figure)
-    print(result.to_json() if options.json else result)
-    return COMPLETED if result.status == "completed" else STOPPED
-
-
-def _draw(result: Result, path: Path) -> None:
-    """Draw the works on the first asperite, or its angle where works are not kept."""
-    from tribo import plotting
-
-    name = result.scene.surfaces[0].name
-    kept = "w" in result.ledger.surfaces[name]
-    plotting.save((plotting.work_curves if kept else plotting.angle_curve)(result, name), path)
-
-
 def _sweep(options: argparse.Namespace) -> int:
     from tribo.sweeps.command_line import run_sweep
 
@@ -294,7 +255,7 @@ def _sweep(options: argparse.Namespace) -> int:
 
 def _ensemble(options: argparse.Namespace) -> int:
     from tribo.ensembles import ensemble
-    from tribo.ensembles.command_line import summary, varied
+    from tribo.ensembles.command_line import sampler_named, summary, varied
     from tribo.files import replace_file
 
     if options.resume and (options.out is None or options.keep is None):
@@ -303,7 +264,9 @@ def _ensemble(options: argparse.Namespace) -> int:
         checked_target("--out", options.out)
     vary = varied(options.vary)
     keep = None if options.keep is None else options.keep.split(",")
-    scene = load(options)
+    scene, sampler = load(options), None
+    if options.sampler is not None:
+        sampler = sampler_named(options.sampler, scene, vary, options.seed)
     data = ensemble(
         scene,
         options.n,
@@ -314,6 +277,7 @@ def _ensemble(options: argparse.Namespace) -> int:
         statistics=options.statistics,
         out=None if keep is None else options.out,
         resume=options.resume,
+        sampler=sampler,
     )
     if options.out is not None and keep is None:
         replace_file(options.out, bytes(data.to_netcdf(engine="h5netcdf")))

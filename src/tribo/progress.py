@@ -41,8 +41,8 @@ class ProgressBar:
                 return
             from tqdm.auto import tqdm
 
-            self._bar = tqdm(total=self._total, leave=False, unit=self._unit)
-            self._bar.start_t = self._began
+            # The rate is that from now on: what was done before may have been read from a file.
+            self._bar = tqdm(total=self._total, initial=reached, leave=False, unit=self._unit)
         self._bar.n = reached
         self._bar.refresh()
 

@@ -16,13 +16,13 @@ if TYPE_CHECKING:
     from tribo.model.scene import Scene
 
 
-def add_scene(command: argparse.ArgumentParser) -> None:
+def add_scene(command: argparse.ArgumentParser, files: str = "SCENE.toml") -> None:
     """Add the scene file, and the refusal of code that it names."""
     command.add_argument(
         "scene",
         type=Path,
-        metavar="SCENE.toml",
-        help="the scene file; if it names a plug-in, the code of that runs too",
+        metavar=files,
+        help="the file; if it names a plug-in, the code of that runs too",
     )
     command.add_argument(
         "--no-plugins", action="store_true", help="refuse a scene file that names code"

@@ -140,3 +140,19 @@ def test_inaccurate_energy_is_no_runaway():
     system = result.system
     error = np.max(np.abs(system["total_energy_change"] - system["applied_work"]))
     assert result.status == "completed" and error > 1e-4
+
+
+def test_energy_of_a_field_is_no_runaway():
+    """A point at rest where a field has no energy has none; the field then accelerates it."""
+    point = tribo.Surface(
+        "point",
+        bob=(0.25, 0.0),
+        drive=tribo.Free(),
+        asperite=tribo.Asperite(m1=0.5, m2=0.5, kappa=np.inf),
+        langevin=tribo.Langevin(1e-9),
+    )
+    field = tribo.Field(tribo.Corrugation(0.01, 1.0), on=["point"])
+    scene = tribo.Scene([point], [], 4.0, fields=[field], output=tribo.Output(samples=41))
+    result = tribo.simulate(scene, step=0.05, method="verlet")
+    assert result.status == "completed"
+    assert result["point"].delta_k_trans[-1, 0] > 1e-3

@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 import xarray
 from scipy import stats
+from scipy.stats import qmc
 
 from tribo import ensemble, grid, paper
 from tribo.cli import main
-from tribo.ensembles import pair_runs
+from tribo.ensembles import checked_runs
 from tribo.model.scene_writer import scene_text
+from tribo.progress import ProgressBar
 
 
 def test_the_file_has_the_members(tmp_path, capsys):
@@ -55,7 +57,7 @@ def test_statistics_of_a_grid(tmp_path, capsys):
 
 def test_an_interrupt_keeps_the_file(tmp_path, capsys, monkeypatch):
     """Exit status 1, and the number of members that FILE.part has."""
-    monkeypatch.setattr(pair_runs, "CHUNK", 64)
+    monkeypatch.setattr(checked_runs, "CHUNK", 64)
     path, out = tmp_path / "a.toml", tmp_path / "a.nc"
     path.write_text(scene_text(paper.scene("A")), encoding="utf-8")
 
@@ -68,11 +70,41 @@ def test_an_interrupt_keeps_the_file(tmp_path, capsys, monkeypatch):
         context.setattr("tribo.progress._is_watched", lambda: True)
         context.setattr("tribo.progress.ProgressBar.__call__", stop)
         assert main(command) == 1
-    assert capsys.readouterr().out.startswith("Interrupted: 64 of 200 members\n64 completed\n")
+    printed = capsys.readouterr().out
+    assert printed.startswith("Interrupted: 64 of 200 members\n64 completed\n")
+    assert "upper.w1" not in printed  # its mean takes long with many members
     assert not out.exists()
     assert main(command) == 0
     assert capsys.readouterr().out.startswith("completed: 200 of 200 members\n")
     assert out.exists()
+
+
+def test_a_sampler(tmp_path, capsys):
+    """The members are at the sampler's points; without distributions there are none."""
+    path, out = tmp_path / "a.toml", tmp_path / "a.nc"
+    path.write_text(scene_text(paper.scene("A")), encoding="utf-8")
+    command = ["ensemble", str(path), "-n", "16", "--keep", "upper.w1", "--seed", "5"]
+    normal = ["--vary", "upper.theta=normal(0,0.1)", "--vary", "upper.velocity=uniform(0.4,0.6)"]
+    for name, kind in (("sobol", qmc.Sobol), ("latin-hypercube", qmc.LatinHypercube)):
+        assert main([*command, *normal, "--sampler", name, "--out", str(out)]) == 0
+        points = kind(2, rng=np.random.default_rng(5)).random(16)
+        with xarray.open_dataset(out) as file:
+            drawn = stats.norm(0.0, 0.1).ppf(points[:, 0])
+            np.testing.assert_array_equal(file["upper.theta"][:, 0], drawn)
+    capsys.readouterr()
+    assert main([*command, "--vary", "upper.theta=grid(0,1,16)", "--sampler", "sobol"]) == 2
+    assert "--sampler: needs distributions" in capsys.readouterr().err
+
+
+def test_the_rate_of_a_resumed_bar(monkeypatch):
+    """Members that were read from a file do not count."""
+    monkeypatch.setattr("tribo.progress.DELAY", 0.0)
+    bar = ProgressBar(3000, "members")
+    bar(1000)
+    bar(1500)
+    assert bar._bar.format_dict["initial"] == 1000
+    assert bar._bar.format_dict["n"] == 1500
+    bar.close()
 
 
 def test_means_over_time(tmp_path, capsys):

@@ -12,7 +12,8 @@ from scipy import stats
 import tribo
 from tribo import Initial, InputError, Output, ensemble, paper
 from tribo.accuracy.cheapest_setting import NEAR_ALONE
-from tribo.ensembles import pair_runs
+from tribo.ensembles import checked_runs
+from tribo.ensembles.members import Variation
 from tribo.integrators.nystrom_tableaux import RKN8, RKN12
 from tribo.run.initial_state import InitialState
 from tribo.run.lane_members import PairLanes, has_lanes
@@ -53,7 +54,7 @@ def test_members_are_single_runs(case):
     for member in (0, 7, 99):
         start = {name: float(data[name][member, 0]) for name in names}
         scales = tribo.accuracy.scales.ToleranceScales(*json.loads(data.attrs["scales"]))
-        tolerance = pair_runs.tolerance_at(
+        tolerance = checked_runs.tolerance_at(
             simulation, scales, float(data["level"][member]), NEAR_ALONE
         )
         y = InitialState(simulation.layout)(start)
@@ -165,17 +166,71 @@ def test_members_that_coincide_stop_by_name():
     assert np.isfinite(data["upper.w1"][[0, 2, 3]]).all()
 
 
+def test_members_with_noise(monkeypatch):
+    """Each is the run of the scene with its seed, whatever the threads and its company."""
+    monkeypatch.setattr(checked_runs, "CHUNK", 3)
+    scene = replace(noisy_scene(), output=Output(samples=5))
+    keep = ["upper.w_T", "upper.delta_e_int", "upper.delta_E_int", "total_energy_change"]
+    vary = {"upper.theta": stats.norm(0.0, 0.1)}
+    data = ensemble(scene, 8, vary, seed=3, step=0.05, keep=keep, at="samples", threads=2)
+    assert data.attrs["own_numbers"] == "[]"
+    for member in (0, 4, 7):
+        theta, seed = data["upper.theta"][member].values, int(data["seed"][member])
+        own = replace(scene.surfaces[0], initial=Initial(theta=theta))
+        run = tribo.simulate(replace(scene, surfaces=(own,), seed=seed), step=0.05)
+        alone = tribo.ensemble_member(data, member)
+        for name in keep:
+            np.testing.assert_array_equal(data[name][member], run.ledger.series(name)[0], name)
+            np.testing.assert_array_equal(data[name][member], alone[name][0], name)
+
+
+def test_members_with_a_step_stop_by_name():
+    """As single runs do; the others have values."""
+    scene = rows_of_two(bob=(0.0, 0.0))
+    swings = np.array([[0.3, 0.2], [0.0, 0.2], [0.4, 0.1]])
+    settings = {"method": "verlet", "step": 0.02, "keep": ["upper.w1"]}
+    data = ensemble(scene, 3, {"upper.theta": swings}, **settings)
+    assert data["status"].values.tolist() == ["completed", "BobsCoincide", "completed"]
+    assert np.isnan(data["upper.w1"][1]).all()
+    assert np.isfinite(data["upper.w1"][[0, 2]]).all()
+
+
+# Starts of members of `rows_of_two`.
+ROW_STARTS = {"upper.theta": stats.uniform(0.0, 0.2), "lower.omega": stats.norm(0.0, 0.1)}
+
+
+def noisy_scene():
+    """Three asperites with reservoirs, and baths that are drawn."""
+    bath = tribo.Bath(masses=[0.1], frequencies=[2.0], temperature=0.3)
+    warm = tribo.Surface("upper", shape=(3, 1), langevin=tribo.Langevin(0.6, 0.3), bath=bath)
+    return tribo.Scene((warm,), (), 4.0)
+
+
+def rows_of_two(**upper):
+    """Two asperites over two."""
+    row = {"shape": (2, 1), "spacing": (3.0, 0.0)}
+    above = tribo.Surface("upper", **{"bob": (-1.0, 0.5), "velocity": (0.5, 0.0), **row, **upper})
+    lower = tribo.Surface("lower", facing="up", **row)
+    return tribo.Scene((above, lower), tribo.Coulomb(0.2), 4.0)
+
+
 def test_other_scenes_and_engines():
     """Members of noisy scenes are runs of the member's scene; engines give the same bits."""
-    warm = tribo.Surface("upper", shape=(3, 1), langevin=tribo.Langevin(0.6, 0.3))
-    scene = tribo.Scene((warm,), (), 4.0, output=Output(samples=5))
+    scene = replace(noisy_scene(), output=Output(samples=5))
+    (warm,) = scene.surfaces
     keep = ["upper.w_T", "upper.delta_E_int", "total_energy_change"]
     vary = {"upper.velocity": [0.1, 0.2, 0.3]}
     data = ensemble(scene, 3, vary, seed=3, step=0.05, keep=keep)
     with ProcessPoolExecutor(2, get_context("spawn")) as pool:
         there = ensemble(scene, 3, vary, seed=3, step=0.05, keep=keep, engine=pool)
+        batches = ensemble(scene, 3, seed=3, step=0.05, keep=keep, engine=pool)
+        rows = ensemble(rows_of_two(), 70, ROW_STARTS, keep=["upper.w1"], engine=pool)
+    here = ensemble(scene, 3, seed=3, step=0.05, keep=keep)
     for name in keep:
         np.testing.assert_array_equal(data[name], there[name])
+        np.testing.assert_array_equal(here[name], batches[name])
+    here = ensemble(rows_of_two(), 70, ROW_STARTS, keep=["upper.w1"])
+    np.testing.assert_array_equal(here["upper.w1"], rows["upper.w1"])
     own = replace(warm, velocity=(0.3, 0.0))
     seed, ends = int(data["seed"][2]), Output(samples=2)
     run = tribo.simulate(replace(scene, surfaces=(own,), seed=seed, output=ends), step=0.05)
@@ -184,12 +239,35 @@ def test_other_scenes_and_engines():
     assert data["upper.w_T"].dims == ("member", "upper_asperite")
 
 
+def test_members_of_rows_alone(monkeypatch):
+    """The same bits by a single run with the member's setting, and in any company."""
+    monkeypatch.setattr(checked_runs, "CHUNK", 16)
+    scene = rows_of_two()
+    vary = ROW_STARTS
+    keep = ["upper.w1", "lower.w2", "lower.delta_e_int", "upper.W", "contact_energy"]
+    data = ensemble(scene, 100, vary, keep=keep, at="samples", threads=2)
+    assert set(data["status"].values) == {"completed"}
+    simulation = tribo.prepare(scene)
+    scales = tribo.accuracy.scales.ToleranceScales(*json.loads(data.attrs["scales"]))
+    for member in (0, 17, 99):
+        alone = tribo.ensemble_member(data, member)
+        start = {name: data[name][member].values for name in vary}
+        setting = checked_runs.tolerance_at(
+            simulation, scales, float(data["level"][member]), NEAR_ALONE
+        )
+        y = InitialState(simulation.layout)(start)
+        run = simulation.integrator(setting, simulation.layout.times, y)
+        assert run.steps == data["steps"][member]
+        for name in keep:
+            values = assemble(simulation.layout, run.samples).series(name)[0]
+            np.testing.assert_array_equal(data[name][member], values, name)
+            np.testing.assert_array_equal(data[name][member], alone[name][0], name)
+
+
 def test_a_member_of_another_scene_gets_the_settings_it_needs():
-    """A member that misses the accuracy with the plan's settings has a search of its own."""
-    row = {"shape": (2, 1), "spacing": (3.0, 0.0)}
-    upper = tribo.Surface("upper", bob=(-1.0, 0.5), velocity=(0.5, 0.0), **row)
-    lower = tribo.Surface("lower", facing="up", **row)
-    scene = tribo.Scene((upper, lower), tribo.Coulomb(0.2), 4.0)
+    """A member that misses the accuracy with the plan's settings gets finer ones."""
+    scene = rows_of_two()
+    upper, lower = scene.surfaces
     data = ensemble(scene, 3, {"upper.omega": [0.0, 3.0, -5.0]}, keep=["upper.w1"])
     assert set(data["status"].values) == {"completed"}
     for member, omega in enumerate([0.0, 3.0, -5.0]):
@@ -209,11 +287,11 @@ def test_a_data_set_of_ends_is_a_file(tmp_path):
         assert again["upper.theta_end"].dims == ("member", "upper_asperite")
         np.testing.assert_array_equal(again["upper.theta"], data["upper.theta"])
         np.testing.assert_array_equal(again["upper.theta_end"], data["upper.theta_end"])
-    assert np.isfinite(data["error"][: pair_runs.SAMPLE]).all()
+    assert np.isfinite(data["error"][: checked_runs.SAMPLE]).all()
     assert float(data["error"].max()) <= 1e-6
 
 
-def test_an_interrupt_keeps_the_members_that_are_complete():
+def test_an_interrupt_keeps_the_members_that_are_complete(monkeypatch):
     """In whole chunks, of both kinds of scenes."""
 
     def stop(done):
@@ -222,11 +300,10 @@ def test_an_interrupt_keeps_the_members_that_are_complete():
 
     data = ensemble(scene_of("A"), 20_000, STARTS, keep=["upper.w1"], progress=stop)
     assert data.attrs["status"] == "Interrupted"
-    assert data.sizes["member"] == pair_runs.CHUNK
-    warm = tribo.Surface("upper", langevin=tribo.Langevin(0.6, 0.3))
-    scene = tribo.Scene((warm,), (), 4.0)
-    data = ensemble(scene, 9, step=0.05, keep=["upper.w_T"], progress=stop)
-    assert data.sizes["member"] == 2
+    assert data.sizes["member"] == checked_runs.CHUNK
+    monkeypatch.setattr(checked_runs, "CHUNK", 4)
+    data = ensemble(noisy_scene(), 9, step=0.05, keep=["upper.w_T"], progress=stop)
+    assert data.sizes["member"] == 4
 
 
 @pytest.mark.parametrize(
@@ -245,6 +322,48 @@ def test_refusals(settings, field, words):
     with pytest.raises(InputError, match=words) as refused:
         ensemble(scene_of("A"), 3, STARTS, **settings)
     assert refused.value.field == field
+
+
+NUMBERS = {
+    "upper.velocity": stats.uniform(0.4, 0.2),
+    "upper.asperite.m1": stats.uniform(0.8, 0.4),
+    "upper.asperite.length": stats.uniform(1.8, 0.4),
+    "lower.asperite.kappa": stats.uniform(1.5, 1.0),
+    "lower.asperite.charge": stats.uniform(0.5, 1.0),
+    "interaction.strength": stats.uniform(0.1, 0.1),
+    "upper.theta": stats.uniform(0.0, 0.2),
+}
+
+
+@pytest.mark.parametrize("case", ["A", "C"])
+def test_numbers_of_their_own(case):
+    """Members in batches have the values of single runs of their scenes, alone the same bits."""
+    scene = scene_of(case)
+    data = ensemble(scene, 300, NUMBERS, keep=KEEP, threads=2)
+    assert set(data["status"].values) == {"completed"}
+    assert np.isfinite(data["error"]).all()
+    assert float(data["error"].max()) <= 1e-6
+    few = ensemble(scene, 70, NUMBERS, keep=KEEP, threads=1)
+    variation = Variation(scene, NUMBERS, 0)
+    for member in (0, 33, 69):
+        alone = tribo.ensemble_member(data, member)
+        run = tribo.simulate(variation.member(member).scene_with_start(scene), accuracy=1e-10)
+        for name in KEEP:
+            np.testing.assert_array_equal(data[name][member], alone[name][0], name)
+            np.testing.assert_array_equal(data[name][member], few[name][member], name)
+            error = np.abs(data[name][member] - run.ledger.series(name)[0][-1]).max()
+            assert error <= 1e-6 * scales_of(run), name
+
+
+def test_numbers_of_their_own_over_time():
+    """At all times, with motion along y."""
+    scene = replace(paper.scene("A"), output=Output(samples=5))
+    vary = {"upper.velocity": [[0.5, 0.01], [0.4, -0.02]], "lower.asperite.m2": [2.0, 2.5]}
+    data = ensemble(scene, 2, vary, keep=["upper.w2", "upper.W", "lower.x_cm"], at="samples")
+    run = tribo.simulate(Variation(scene, vary, 0).member(1).scene(scene), accuracy=1e-10)
+    for name in ("upper.w2", "upper.W", "lower.x_cm"):
+        error = np.abs(data[name][1] - run.ledger.series(name)[0]).max()
+        assert error <= 1e-6 * scales_of(run), name
 
 
 def test_parameters_by_dotted_keys():
@@ -271,5 +390,7 @@ def test_parameters_by_dotted_keys():
         for name in ("upper.w1", "lower.delta_e_int"):
             error = np.abs(data[name][member] - run.ledger.series(name)[0][-1]).max()
             assert error <= 1e-6 * scales_of(run)
+    with pytest.raises(InputError, match=r"kappa.*must not be negative"):
+        ensemble(scene, 2, {"upper.asperite.kappa": [1.0, -1.0]}, keep=["upper.w1"])
     with pytest.raises(InputError, match="number of the scene"):
         ensemble(scene, 3, {"upper.asperite.colour": [1.0, 2.0, 3.0]}, keep=["upper.w1"])

@@ -9,7 +9,7 @@ from scipy import stats
 
 import tribo
 from tribo import InputError, Output, ensemble, ensemble_member, paper
-from tribo.ensembles import member_file, pair_runs, statistics, statistics_store
+from tribo.ensembles import checked_runs, member_file, statistics, statistics_store
 
 KEEP = ["upper.w1", "contact_energy"]
 VARY = {"upper.theta": stats.uniform(0.0, 0.2), "lower.omega": stats.norm(0.0, 0.01)}
@@ -19,7 +19,7 @@ SCENE = replace(paper.scene("A"), numerics=tribo.Numerics(accuracy=1e-6), output
 @pytest.fixture(autouse=True)
 def small_chunks(monkeypatch):
     """Chunks of 64 members, which are written at once."""
-    monkeypatch.setattr(pair_runs, "CHUNK", 64)
+    monkeypatch.setattr(checked_runs, "CHUNK", 64)
     monkeypatch.setattr(statistics, "BLOCK", 100)
     for module in (member_file, statistics_store):
         monkeypatch.setattr(module, "INTERVAL", 0.0)

@@ -68,3 +68,31 @@ def test_tables(result):
     assert np.array_equal(table.index, result.t)
     assert end.loc[("lower", 0), "theta"] == result["lower"].theta[-1, 0]
     assert end.shape == (2, 24)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("suffix", ["extxyz", "traj"])
+def test_ovito_opens_trajectories(result, suffix, tmp_path):
+    """OVITO reads extended XYZ itself, and .traj through ASE, with all frames and particles."""
+    pytest.importorskip("ovito", reason="needs OVITO's wheel")
+    from ovito.io import import_file
+    from ovito.io.ase import ase_to_ovito
+
+    images = result.to_ase({"upper": "Si"})[::400]
+    path = tmp_path / f"run.{suffix}"
+    ase.io.write(path, images)
+    if suffix == "extxyz":
+        pipeline = import_file(str(path))
+        assert pipeline.source.num_frames == len(images)
+        frames = [pipeline.compute(k) for k in range(len(images))]
+        assert frames[3].attributes["time"] == pytest.approx(images[3].info["time"])
+    else:
+        frames = [ase_to_ovito(atoms) for atoms in ase.io.read(path, ":")]
+    for data, atoms in zip(frames, images, strict=True):
+        assert data.particles.positions[...] == pytest.approx(atoms.positions, abs=1e-6)
+    types = frames[0].particles.particle_types
+    names = [types.type_by_id(kind).name for kind in types[...]]
+    assert names == ["Si", "X", "X", "X"]
+    if suffix == "extxyz":
+        forces = frames[2].particles.forces[...]
+        assert forces == pytest.approx(images[2].get_forces(), abs=1e-6)

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from tribo import InputError
-from tribo.model.roughness import Roughness, as_heights, as_roughness, as_table, draw
+from tribo.model.heights import as_heights
+from tribo.model.roughness import Roughness, as_roughness, as_table, draw
+from tribo.model.topography import Grid
 
 ROW, GRID = (512, 1), (96, 64)
 SPACING = (0.5, 0.5)
@@ -75,6 +77,65 @@ def test_cut_offs(shape):
     assert steep == pytest.approx(-1.6 - (1 if shape == ROW else 2), abs=4 * error)
 
 
+def spectral_integral(power, hurst, dimensions, q_long, q_short):
+    """Integral of q^(D - 1 + power) C(q) / C(q_long) over the wave numbers q = |q|."""
+    below = dimensions + power
+    above = power - 2.0 * hurst
+    flat = q_long**below / below
+    return flat + q_long ** (dimensions + 2.0 * hurst) * (q_short**above - q_long**above) / above
+
+
+def periodogram(heights, spacing):
+    """|q| and |h_q|^2 of all waves, whose expectation is C(q)."""
+    q = np.hypot(*np.meshgrid(*(2 * np.pi * np.fft.fftfreq(n, spacing) for n in heights.shape)))
+    cell = np.prod([spacing for n in heights.shape if n > 1])
+    return q.T, np.abs(np.fft.fft2(heights)) ** 2 * cell / heights.size
+
+
+@pytest.mark.parametrize("hurst", [0.3, 0.8])
+@pytest.mark.parametrize(("shape", "dimensions"), [((8192, 1), 1), ((192, 192), 2)])
+def test_power_spectrum_and_rms_slope_have_their_closed_forms(hurst, shape, dimensions):
+    """rms^2 is the integral of C, and the square of the slope that of q^2 C.
+
+    A mean of 30 draws; 1 % is the sums over discrete waves against integrals.
+    """
+    spacing, rms, draws = 0.5, 0.3, 30
+    q_short, q_long = 2 * np.pi / (8 * spacing), 2 * np.pi / (24 * spacing)
+    integral = [spectral_integral(p, hurst, dimensions, q_long, q_short) for p in (0, 2)]
+    roughness = Roughness(rms, hurst, 8 * spacing, 24 * spacing)
+    rng, spacings = np.random.default_rng(4), (spacing, spacing if dimensions == 2 else 0.0)
+    power = slopes = 0.0
+    for _ in range(draws):
+        heights = draw(roughness, shape, spacings, rng).reshape(shape[::-1])
+        q, one = periodogram(heights, spacing)
+        power, slopes = power + one / draws, slopes + np.sum(q**2 * one) / draws
+    # The slope's mean square is the sum over waves of q^2 C, over the area.
+    area = heights.size * spacing**dimensions
+    assert slopes / area == pytest.approx(rms**2 * integral[1] / integral[0], rel=0.015)
+    constant = rms**2 * (2 * np.pi) ** dimensions / (2.0, 2 * np.pi)[dimensions - 1] / integral[0]
+    expected = constant * np.maximum(q / q_long, 1.0) ** (-dimensions - 2.0 * hurst)
+    for lower, upper in ((0.0, 1.0), (1.0, 1.7), (1.7, 3.0)):
+        band = (q > lower * q_long) & (q < upper * q_long * 0.999)
+        ratio = power[band] / expected[band]
+        # Real heights: half of the waves are independent, each with an exponential periodogram.
+        error = np.sqrt(2.0 / draws / ratio.size)
+        assert ratio.mean() == pytest.approx(1.0, abs=4 * error + 0.01)
+
+
+@pytest.mark.parametrize("hurst", [0.3, 0.8])
+def test_the_fields_library_measures_the_same(hurst):
+    """Its r.m.s. height, and its r.m.s. gradient, by differences, of well-resolved waves."""
+    library = pytest.importorskip("SurfaceTopography")
+    shortest, longest = 24.0, 72.0
+    roughness = Roughness(0.3, hurst, shortest, longest, seed=1)
+    heights = draw(roughness, (768, 768), (1.0, 1.0), np.random.default_rng()).reshape(768, 768)
+    scan = library.Topography(heights, (768.0, 768.0), periodic=True)
+    assert scan.rms_height_from_area() == pytest.approx(0.3, rel=1e-12)
+    q = [2 * np.pi / longest, 2 * np.pi / shortest]
+    slope = np.sqrt(spectral_integral(2, hurst, 2, *q) / spectral_integral(0, hurst, 2, *q))
+    assert scan.rms_gradient() == pytest.approx(0.3 * slope, rel=0.03)
+
+
 def test_uncorrelated_heights_have_a_flat_spectrum_and_need_no_spacing():
     f, logs = log_spectrum(Roughness(1.0), GRID)
     slope, error = slope_and_error(np.log(f), logs)
@@ -131,15 +192,15 @@ def test_tables_there_and_back():
 
 
 def test_heights_of_a_surface():
-    assert as_heights(None, (2, 1), (1.0, 0.0)) is None
-    np.testing.assert_array_equal(as_heights([1, 2], (2, 1), (1.0, 0.0)), [1.0, 2.0])
-    assert as_heights({"rms": 0.1}, (2, 1), (0.0, 0.0)) == Roughness(0.1)
+    assert as_heights(None, Grid((2, 1), (1.0, 0.0), 1.0)) is None
+    np.testing.assert_array_equal(as_heights([1, 2], Grid((2, 1), (1.0, 0.0), 1.0)), [1.0, 2.0])
+    assert as_heights({"rms": 0.1}, Grid((2, 1), (0.0, 0.0), 1.0)) == Roughness(0.1)
     with pytest.raises(InputError, match=r"^heights: must be 2 numbers \[length\], got 3$"):
-        as_heights([1, 2, 3], (2, 1), (1.0, 0.0))
+        as_heights([1, 2, 3], Grid((2, 1), (1.0, 0.0), 1.0))
     with pytest.raises(InputError, match=r"^heights\.hurst: must be between 0 and 1"):
-        as_heights({"rms": 0.1, "hurst": 1.0}, (9, 1), (1.0, 0.0))
+        as_heights({"rms": 0.1, "hurst": 1.0}, Grid((9, 1), (1.0, 0.0), 1.0))
     with pytest.raises(InputError, match=r"^heights\.hurst: needs a spacing"):
-        as_heights(Roughness(0.1, 0.5), (9, 1), (0.0, 0.0))
+        as_heights(Roughness(0.1, 0.5), Grid((9, 1), (0.0, 0.0), 1.0))
 
 
 @pytest.mark.parametrize(

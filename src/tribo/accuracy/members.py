@@ -10,7 +10,7 @@ from tribo.accuracy.comparison import Accuracy, observables
 from tribo.accuracy.scales import ENERGIES, EPSILON, KINDS, TOTALS, mean_velocity
 from tribo.run.columns import Columns, columns_of
 from tribo.run.layout import Layout
-from tribo.run.members import MemberSamples
+from tribo.run.member_samples import MemberSamples
 from tribo.run.totals import Group
 
 
@@ -81,13 +81,13 @@ def _scales(
         return np.asarray(each.max(axis=(0, 2)))
 
     energies = {name: tops[name] for name in ENERGIES if name in tops}
-    works = np.max([top for name, top in energies.items() if name.startswith("w")], axis=0)
-    internal, a = largest(entry.energy), layout.together.asperites
     energy = np.max(list(energies.values()), axis=0)
+    works = np.max([top for n, top in energies.items() if n.startswith("w")] or [energy], axis=0)
+    internal, a = largest(entry.energy), layout.together.asperites
     energy = np.where(works > EPSILON * internal, energy, internal)
     return {
         "rate": np.maximum(tops["omega"], tops["nu"]),
-        "length": float(np.max(a.l1 + a.l2)),
+        "length": np.max(np.atleast_2d(a.l1 + a.l2), axis=1)[:members],
         "velocity": largest(entry.bob_speed(mean_velocity(layout))),
         "energy": energy,
         "total": np.max([energy, *(tops[name] for name in TOTALS if name in tops)], axis=0),

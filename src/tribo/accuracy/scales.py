@@ -115,7 +115,7 @@ def scales_of(layout: Layout, tops: Mapping[str, float], speed: float, internal:
 
 def mean_velocity(layout: Layout) -> np.ndarray:
     """The mean of the surfaces' initial velocities, (2,)."""
-    velocities = np.array([surface.velocity for surface in layout.scene.surfaces])
+    velocities = np.array([layout.velocity_of(k) for k in range(len(layout.parts))])
     return np.asarray(velocities.sum(axis=0) / len(velocities))
 
 

@@ -1,17 +1,19 @@
-"""The words of the command `tribo ensemble`: what is varied, and a summary of the members."""
+"""The words of the command `tribo ensemble`: what is varied and how, and a summary of members."""
 
 from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from tribo.ensembles.members import Distribution, Source
-from tribo.ensembles.sampling import grid
-from tribo.validation import InputError, must_be
+from tribo.ensembles.sampling import Sampler, dimensions, grid
+from tribo.kernels.status import Status
+from tribo.model.scene import Scene
+from tribo.validation import InputError, inside, must_be
 
 if TYPE_CHECKING:
     import xarray
@@ -80,22 +82,37 @@ def _varied(text: str) -> tuple[str, Distribution | np.ndarray]:
     return found["key"], source
 
 
+def sampler_named(name: str, scene: Scene, vary: Mapping[str, Source], seed: int) -> Sampler:
+    """A sampler of scipy.stats.qmc by the name that the command line has for it.
+
+    Raises InputError if there is nothing to draw.
+    """
+    from scipy.stats import qmc
+
+    with inside("--vary"):
+        numbers = sum(dimensions(scene, vary).values())
+    if numbers == 0:
+        raise InputError("--sampler", "needs distributions in --vary, as normal(0,0.1)")
+    kinds: dict[str, Callable[..., Sampler]] = {
+        "sobol": qmc.Sobol,
+        "latin-hypercube": qmc.LatinHypercube,
+    }
+    return kinds[name](numbers, rng=np.random.default_rng(seed))
+
+
 def summary(data: xarray.Dataset) -> str:
     """What a command prints: the members by status, and means at the end."""
     attributes = data.attrs
     if "keep" not in attributes:
         return _summary_of_means(data)
-    if "covariance" in data:
-        members = json.loads(attributes["members"])
-    else:
-        names, counts = np.unique(data["status"].values.astype(str), return_counts=True)
-        members = dict(zip(names.tolist(), counts.tolist(), strict=True))
+    members = json.loads(attributes["members"])
     lines = [f"{attributes['status']}: {sum(members.values())} of {attributes['n']} members"]
     lines += [f"{count} {status}" for status, count in members.items()]
-    lines.append(f"{'quantity':<28} {'mean':>13} {'deviation':>13}")
-    for name in json.loads(attributes["keep"]):
-        mean, deviation = _moments(data, name)
-        lines.append(f"{name:<28} {mean:>13.6g} {deviation:>13.6g}")
+    if attributes["status"] != Status.INTERRUPTED:  # to read all members takes long
+        lines.append(f"{'quantity':<28} {'mean':>13} {'deviation':>13}")
+        for name in json.loads(attributes["keep"]):
+            mean, deviation = _moments(data, name)
+            lines.append(f"{name:<28} {mean:>13.6g} {deviation:>13.6g}")
     lines += [f"note: {note}" for note in json.loads(attributes["notes"])]
     lines.append(f"{attributes['seconds']:.2f} s by {attributes['method']}")
     return "\n".join(lines)

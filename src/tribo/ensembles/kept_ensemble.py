@@ -80,7 +80,7 @@ def kept_ensemble(
     attributes = attributes_of(simulation, variation.seed) | {
         "n": count,
         "keep": json.dumps(kept.names),
-        "own_scenes": json.dumps(variation.own_scenes),
+        "own_numbers": json.dumps(variation.own_numbers),
     }
     if runs.plan is not None:
         attributes |= runs.plan.attributes

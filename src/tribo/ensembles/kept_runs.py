@@ -4,28 +4,36 @@ from __future__ import annotations
 
 import pickle
 import tomllib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
 from tribo import interrupts
+from tribo.accuracy.levels import work
 from tribo.accuracy.plan import Plan
+from tribo.ensembles.checked_plan import checked_plan
+from tribo.ensembles.checked_runs import CheckedPlan, CheckedRuns
 from tribo.ensembles.engines import Engine, in_threads, run_jobs
 from tribo.ensembles.kept_values import Kept, KeptValues
-from tribo.ensembles.members import Members, Variation
-from tribo.ensembles.pair_plan import pair_plan
-from tribo.ensembles.pair_runs import PairPlan, PairRuns
+from tribo.ensembles.members import Members, Variation, is_random
 from tribo.ensembles.single_runs import SingleRuns, run_alone
+from tribo.ensembles.step_runs import StepRuns
 from tribo.ensembles.stores import Store
 from tribo.model.scene_file import scene_from
 from tribo.model.scene_writer import scene_text
 from tribo.prepared import Simulation
+from tribo.run.general_members import has_batches
+from tribo.run.pair_numbers import are_pair_numbers
 from tribo.simulation import from_settings
 
-KeptRuns = PairRuns | SingleRuns
+KeptRuns = CheckedRuns | StepRuns | SingleRuns
 
+# Work of a member in batches with an accuracy, at most [force evaluations x asperites]: 4 ms, which
+# a result takes too.  Of longer runs, those by which the setting is chosen would take longer than
+# what batches save.
+MOST_WORK = 3e4
 # Ensembles that a process of an engine has ready at the same time.
 MOST_READY = 4
 
@@ -36,29 +44,53 @@ class Setup(NamedTuple):
     scene: str  # as text, from which plug-ins are loaded there
     plan: Plan
     kept: Kept
-    own_scenes: bool
-    pairs: PairPlan | None
+    own_numbers: Sequence[str]
+    checked: CheckedPlan | None
 
 
 def kept_runs(
-    simulation: Simulation, kept: Kept, own_scenes: bool, plan: PairPlan | None = None
+    simulation: Simulation,
+    kept: Kept,
+    own_numbers: Sequence[str],
+    plan: CheckedPlan | None = None,
 ) -> KeptRuns:
-    """The fastest way to run members of a scene, with the plan of all if that is known."""
-    if simulation.integrator.pair is None or simulation.accuracy is None or own_scenes:
-        return SingleRuns(simulation, kept, own_scenes)
-    runs = PairRuns(simulation, kept)
+    """The fastest way to run members of a scene, with the plan of all if that is known.
+
+    They differ in starts and seeds, and in numbers with the keys `own_numbers`.
+    """
+    if plan is None and not _in_batches(simulation, own_numbers):
+        return SingleRuns(simulation, kept, bool(own_numbers) or is_random(simulation.scene))
+    if simulation.accuracy is None:
+        return StepRuns(simulation, kept)
+    runs = CheckedRuns(simulation, kept, own_numbers)
     if plan is not None:
         runs.plan = plan
     return runs
+
+
+def _in_batches(simulation: Simulation, own_numbers: Sequence[str]) -> bool:
+    """Whether members are run in batches: of a pair, also those with some numbers of their own."""
+    layout, pair = simulation.layout, simulation.integrator.pair
+    if own_numbers:
+        plain = pair is not None and not layout.scene.output.series
+        return plain and are_pair_numbers(layout, own_numbers)
+    if pair is not None or not has_batches(layout):
+        return pair is not None
+    tuned = simulation.plan.tuned
+    if tuned is None:
+        return True
+    # Without adaptive steps, their number does not tell which members to check.
+    found = simulation.method.adaptive and bool(tuned.runs)
+    return found and work(layout, simulation.finest) <= MOST_WORK
 
 
 def planned_runs(
     simulation: Simulation, kept: Kept, variation: Variation, count: int, threads: int
 ) -> KeptRuns:
     """Runs of an ensemble of `count` members."""
-    runs = kept_runs(simulation, kept, variation.own_scenes)
-    if isinstance(runs, PairRuns):
-        runs.plan = pair_plan(runs, variation, count, threads)
+    runs = kept_runs(simulation, kept, variation.own_numbers)
+    if isinstance(runs, CheckedRuns):
+        runs.plan = checked_plan(runs, variation, count, threads)
     return runs
 
 
@@ -75,7 +107,7 @@ def run_members(
 
     Parameters
     ----------
-    runs : PairRuns or SingleRuns
+    runs : CheckedRuns, StepRuns or SingleRuns
         Runs them.
     variation : Variation
         The differences between members.
@@ -114,7 +146,7 @@ def _parts(
     """Chunks of members and what is kept of them, in order."""
     if engine is not None:
         text, plan = scene_text(runs.simulation.scene), runs.simulation.settings
-        setup = pickle.dumps(Setup(text, plan, runs.kept, variation.own_scenes, runs.plan))
+        setup = pickle.dumps(Setup(text, plan, runs.kept, variation.own_numbers, runs.plan))
         yield from run_jobs(engine, run_job, ((setup, some) for some in members))
         return
     if isinstance(runs, SingleRuns):
@@ -143,6 +175,6 @@ def complete(runs: KeptRuns, members: Members) -> KeptValues:
 
 @lru_cache(MOST_READY)
 def _ready(setup: bytes) -> KeptRuns:
-    scene, plan, kept, own_scenes, pairs = pickle.loads(setup)
+    scene, plan, kept, own_numbers, checked = pickle.loads(setup)
     simulation = from_settings(scene_from(tomllib.loads(scene)), plan)
-    return kept_runs(simulation, kept, own_scenes, pairs)
+    return kept_runs(simulation, kept, own_numbers, checked)

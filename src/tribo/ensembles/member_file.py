@@ -89,6 +89,7 @@ class MemberFile:
         self._file: BinaryIO | None = None
         self._waiting: list[tuple[int, np.ndarray]] = []  # statuses of members, with the first
         self._written = time.perf_counter()
+        self._tally = Tally()
         self.done = 0
         if not self._part.exists():
             return
@@ -97,6 +98,7 @@ class MemberFile:
             refuse_other(self._part, identity_in(self._part), json.loads(self._identity))
             self._open()
             self.done = self._complete()
+            self._count()
 
     def add(self, members: Members, found: KeptValues) -> None:
         """Write the next members; their statuses once a second, after all else is on disk."""
@@ -113,6 +115,7 @@ class MemberFile:
         except OSError as error:
             raise not_written(self._part, error) from None
         self._waiting.append((self.done, found.status))
+        self._tally.add(found.status, found.level, found.error, self._about.common_level)
         self.done += members.numbers.size
         if time.perf_counter() - self._written > INTERVAL:
             self._flush()
@@ -122,9 +125,8 @@ class MemberFile:
         if self._file is None:
             raise KeyboardInterrupt
         self._flush()
-        tally = self._tally()
         self._file.close()
-        attributes = self._about.attributes_at_end(tally, interrupted, seconds)
+        attributes = self._about.attributes_at_end(self._tally, interrupted, seconds)
         with h5py.File(self._part, "r+") as file:
             file.attrs.update(attributes)
         if interrupted:
@@ -191,16 +193,14 @@ class MemberFile:
                 return first + int(np.argmax(letters == b""))
         return count
 
-    def _tally(self) -> Tally:
-        """Counts of the members so far."""
-        tally = Tally()
+    def _count(self) -> None:
+        """Take the members that the file has into the tally."""
         for first in range(0, self.done, READ):
             last = min(first + READ, self.done)
             level, error = (self._read(name, first, last) for name in ("level", "error"))
             letters = self._read(STATUS, first, last)
             status = letters.view(f"S{letters.shape[1]}")[:, 0].astype(STATUS_TYPE)
-            tally.add(status, level, error, self._about.common_level)
-        return tally
+            self._tally.add(status, level, error, self._about.common_level)
 
 
 def _create_variable(file: h5netcdf.File, name: str, variable: Variable, count: int) -> None:

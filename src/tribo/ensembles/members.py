@@ -70,6 +70,12 @@ class Members(NamedTuple):
         return cls(np.concatenate(numbers), np.concatenate(seeds), both)
 
 
+def values_at_start(values: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Initial angles and rates alone."""
+    names = [each.name for each in fields(Initial)]
+    return {key: v for key, v in values.items() if key.rpartition(".")[2] in names}
+
+
 @dataclass(frozen=True, eq=False)
 class Member:
     """One member.
@@ -100,8 +106,8 @@ class Member:
 
     def scene_with_start(self, scene: Scene) -> Scene:
         """The scene with all values of the member."""
-        surfaces = []
-        for surface in self.scene(scene).surfaces:
+        moved, surfaces = self.scene(scene), []
+        for surface in moved.surfaces:
             own: dict[str, Any] = {
                 name: self.values[key]
                 for name in (each.name for each in fields(Initial))
@@ -110,13 +116,12 @@ class Member:
             if "theta" in own or "swing" in own:  # one replaces the other
                 own = {"theta": None, "swing": None, **own}
             surfaces.append(replace(surface, initial=replace(surface.initial, **own)))
-        return replace(scene, surfaces=tuple(surfaces), seed=self.seed)
+        return replace(moved, surfaces=tuple(surfaces))
 
     @property
     def start(self) -> dict[str, float | np.ndarray]:
         """Initial angles and rates, as ``Simulation.run`` takes them."""
-        names = [each.name for each in fields(Initial)]
-        initial = {key: v for key, v in self.values.items() if key.rpartition(".")[2] in names}
+        initial = values_at_start(self.values)
         return {key: v if v.size > 1 else float(v[0]) for key, v in initial.items()}
 
 
@@ -137,8 +142,10 @@ class Variation:
     ----------
     sizes
         quantity -> the length of its rows
+    own_numbers
+        keys of what members differ in beside initial angles and rates, and seeds
     own_scenes
-        whether members differ in more than initial angles and rates
+        whether they differ in more than initial angles and rates
 
     Raises
     ------
@@ -161,10 +168,7 @@ class Variation:
                     self._distributions[key] = source
                 else:
                     self._arrays[key] = _rows(key, source, size)
-        random = noisy(scene) or any(
-            (s.bath and s.bath.temperature) or s.initial.temperature for s in scene.surfaces
-        )
-        if not (random or vary):
+        if not (is_random(scene) or vary):
             raise InputError(
                 "vary",
                 "is empty, and nothing in the scene is drawn: all members would be the same; vary "
@@ -174,7 +178,8 @@ class Variation:
         self._last_seeds: tuple[int, np.ndarray] = (-1, np.empty(0))
         self._last_draws: dict[str, tuple[int, np.ndarray]] = {}
         of_start = [f"{s.name}.{each.name}" for s in scene.surfaces for each in fields(Initial)]
-        self.own_scenes = random or any(key not in of_start for key in vary)
+        self.own_numbers = tuple(key for key in vary if key not in of_start)
+        self.own_scenes = bool(self.own_numbers) or is_random(scene)
 
     @property
     def lengths(self) -> dict[str, int]:
@@ -254,6 +259,13 @@ class Variation:
         rows = value.reshape(members, -1)
         self._last_draws[key] = block, rows
         return rows
+
+
+def is_random(scene: Scene) -> bool:
+    """Whether runs of a scene depend on its seed."""
+    return noisy(scene) or any(
+        (s.bath and s.bath.temperature) or s.initial.temperature for s in scene.surfaces
+    )
 
 
 def _of_blocks(numbers: np.ndarray, size: int, values: Callable[[int], np.ndarray]) -> np.ndarray:

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from tribo.ensembles.checked_runs import CheckedPlan
 from tribo.ensembles.kept_runs import complete, kept_runs
 from tribo.ensembles.kept_values import Kept, kept_dataset
 from tribo.ensembles.members import Members
-from tribo.ensembles.pair_runs import PairPlan
 from tribo.ensembles.single_runs import planned
 from tribo.model.scene_file import scene_from
 from tribo.validation import InputError, integer, short_repr
@@ -48,7 +48,7 @@ def ensemble_member(data: xarray.Dataset, number: int) -> xarray.Dataset:
     if found.size != 1:
         raise InputError("number", f"must be that of a member, got {short_repr(number)}")
     keep = json.loads(attributes["keep"])
-    pairs = PairPlan.from_attributes(attributes) if "scales" in attributes else None
+    plan = CheckedPlan.from_attributes(attributes) if "scales" in attributes else None
     scene = scene_from(tomllib.loads(attributes["scene"]))
     # The method of a pair's lanes takes the place of `method`, which found the scales.
     simulation = planned(scene, attributes["method_alone"], json.loads(attributes["step"]))
@@ -60,5 +60,5 @@ def ensemble_member(data: xarray.Dataset, number: int) -> xarray.Dataset:
         one["seed"].values,
         {name: one[name].values.reshape(1, -1) for name in names},
     )
-    runs = kept_runs(simulation, kept, json.loads(attributes["own_scenes"]), pairs)
+    runs = kept_runs(simulation, kept, json.loads(attributes["own_numbers"]), plan)
     return kept_dataset(kept, simulation, members, complete(runs, members), attributes)

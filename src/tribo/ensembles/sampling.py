@@ -70,13 +70,12 @@ def sampled(
         raise InputError("sampler", f"must be one of scipy.stats.qmc, got {short_repr(sampler)}")
     if n is None:
         raise InputError("n", "is missing; a sampler needs the number of members")
-    found, drawn = dict(vary), {}
+    found = dict(vary)
     with inside("vary"):
-        for key, source in vary.items():
-            if isinstance(source, Distribution):
-                drawn[key] = 1 if key.endswith(f".{VELOCITY}") else size_of(scene, key)
-                if not hasattr(source, "ppf"):
-                    raise InputError(key, "must have ppf, as a distribution of scipy.stats has")
+        drawn = dimensions(scene, vary)
+        for key in drawn:
+            if not hasattr(vary[key], "ppf"):
+                raise InputError(key, "must have ppf, as a distribution of scipy.stats has")
     if sampler.d != sum(drawn.values()):
         raise InputError(
             "sampler",
@@ -87,3 +86,15 @@ def sampled(
         found[key] = vary[key].ppf(points[:, first : first + size])  # type: ignore[union-attr]
         first += size
     return found
+
+
+def dimensions(scene: Scene, vary: Mapping[str, Source]) -> dict[str, int]:
+    """The numbers that a member draws, by the keys of distributions.
+
+    Raises InputError if a key names no quantity of the scene.
+    """
+    return {
+        key: 1 if key.endswith(f".{VELOCITY}") else size_of(scene, key)
+        for key, source in vary.items()
+        if isinstance(source, Distribution)
+    }

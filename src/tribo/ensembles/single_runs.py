@@ -91,18 +91,27 @@ def nothing(kept: Kept, members: int) -> KeptValues:
 
 
 def run_alone(simulation: Simulation, kept: Kept, members: Members, found: KeptValues) -> None:
-    """Run the members whose status is UNKNOWN, each with a search for its own settings."""
+    """Run the members whose status is UNKNOWN: with the given step, or with settings of their own.
+
+    The settings are searched for, for each member.
+    """
     for index in np.flatnonzero(found.status == UNKNOWN):
         scene = members.member(int(index)).scene_with_start(simulation.scene)
         found.level[index] = found.error[index] = np.nan
         try:
-            own = prepare(scene, simulation.accuracy, simulation.method.name)
+            own = _alone(simulation, scene)
         except InputError:  # the accuracy is out of reach
             found.status[index] = MISSED
             for values in found.values.values():
                 values[index] = np.nan
         else:
             _take(found, int(index), own.compute_first(), kept)
+
+
+def _alone(simulation: Simulation, scene: Scene) -> Simulation:
+    if simulation.accuracy is None:
+        return from_settings(scene, simulation.settings)
+    return prepare(scene, simulation.accuracy, simulation.method.name)
 
 
 def _take(found: KeptValues, index: int, result: Result, kept: Kept) -> None:

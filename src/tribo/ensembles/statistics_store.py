@@ -97,7 +97,6 @@ class StatisticsStore:
             "value": (("value",), np.array(_labels(about.kept)), {"long_name": "kept value"}),
         }
         attributes = about.attributes_at_end(whole.tally, interrupted, seconds)
-        attributes["members"] = json.dumps(whole.tally.status)
         data = xarray.Dataset(variables, coordinates, attributes)
         if self._target is not None and not interrupted:
             data.attrs["identity"] = json.dumps(self._target.identity)

@@ -49,8 +49,13 @@ class About:
     def attributes_at_end(self, tally: Tally, interrupted: bool, seconds: float) -> Attributes:
         """All attributes, once the runs have ended."""
         status = Status.INTERRUPTED if interrupted else Status.COMPLETED
-        notes = json.dumps(tally.notes)
-        return {**self.attributes, "status": str(status), "notes": notes, "seconds": seconds}
+        return {
+            **self.attributes,
+            "status": str(status),
+            "members": json.dumps(tally.status),
+            "notes": json.dumps(tally.notes),
+            "seconds": seconds,
+        }
 
 
 class Target(NamedTuple):

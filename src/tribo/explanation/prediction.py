@@ -170,7 +170,7 @@ class Search(Integrator):
             assert isinstance(setting, Tolerance)
             run = self.pair.integrate(setting, start, times, None, Limit(self))
         else:
-            loop = GeneralLoop(self.layout, self.method, setting, start, self._first_step)
+            loop = GeneralLoop(self.layout, self.method, setting, start, self.first_step)
             run = self._integrated(loop, times)
         self._left -= run.evaluations
         if run.status == Status.INTERRUPTED:

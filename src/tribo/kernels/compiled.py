@@ -45,6 +45,7 @@ expanded = njit(**_options, inline="always")
 owning_kernel = njit(**_options, **LINKED, _nrt=True)
 # Kernels that Python calls too.
 shared_kernel = njit(**_options, _nrt=False)
+_loop = njit(**_options, _nrt=False, nogil=True, pipeline_class=LoopCompiler)
 
 # A file of the disk cache with the code of a time loop: source, name, the stamps of package and
 # plug-ins, line, and version of Python.
@@ -63,10 +64,11 @@ def package_stamp() -> str:
 
 
 @functools.cache
-def time_loop(loop: FunctionType, stamp: str | None, nogil: bool = False) -> Callable[..., Any]:
+def time_loop(loop: FunctionType, stamp: str | None) -> Callable[..., Any]:
     """Compile a time loop and keep it on disk.
 
-    Machine code that earlier versions of the package left there is removed.
+    Machine code that earlier versions of the package left there is removed.  Threads can run the
+    loop at the same time, each with arrays of its own.
 
     Parameters
     ----------
@@ -74,8 +76,6 @@ def time_loop(loop: FunctionType, stamp: str | None, nogil: bool = False) -> Cal
         The loop, as Python.
     stamp : str or None
         Hash of the sources of the scene's plug-ins; None to keep nothing on disk.
-    nogil : bool
-        Whether threads run the loop at the same time.
 
     Returns
     -------
@@ -83,23 +83,18 @@ def time_loop(loop: FunctionType, stamp: str | None, nogil: bool = False) -> Cal
         The loop, compiled at the first call with arguments of new types.
     """
     if stamp is None or config.DISABLE_JIT:  # type: ignore[attr-defined]
-        return _loop(nogil)(loop)
-    compiled = _named(loop, f"{package_stamp()}_{stamp}", nogil)
+        return _loop(loop)
+    compiled = _named(loop, f"{package_stamp()}_{stamp}")
     remove_stale(loop)
     return compiled
 
 
-def _loop(nogil: bool) -> Any:
-    """The compiler of a time loop; threads run it at the same time with `nogil`."""
-    return njit(**_options, _nrt=False, nogil=nogil, pipeline_class=LoopCompiler)
-
-
-def _named(loop: FunctionType, stamps: str, nogil: bool = False) -> Any:
+def _named(loop: FunctionType, stamps: str) -> Any:
     """The loop under a name of its own, by which the disk cache finds it."""
     name = f"{loop.__name__}_{stamps}"
     clone = FunctionType(loop.__code__, loop.__globals__, name, loop.__defaults__)
     clone.__qualname__ = name
-    compiled: Any = _loop(nogil)(clone)
+    compiled: Any = _loop(clone)
     # With no folder that can be written, each process compiles.
     with suppress(RuntimeError):
         compiled._cache = KernelCache(clone)

@@ -24,6 +24,7 @@ from tribo.kernels.simd import (
     broadcast,
     lane,
     maximum,
+    seldom,
     sqrt,
     sum_of_lanes,
     where_less,
@@ -49,15 +50,20 @@ def separation(dx, dy, dz):
     return math.hypot(math.hypot(dx, dy), dz)
 
 
+@kernel
+def separations_one_by_one(r, dx, dy, dz, low, high):
+    """The distances r with those from `low` to `high` computed without underflow."""
+    for i in range(low, high):
+        r = with_lane(r, i, separation(lane(dx, i), lane(dy, i), lane(dz, i)))
+    return r
+
+
 @inlined
 def separations(dx, dy, dz, low, high):
     """The same of eight pairs, of which those from `low` to `high` are wanted."""
     square = dx * dx + dy * dy + dz * dz
-    r = sqrt(square)
-    if any_below(low, high, square, SQUARE_IS_SAFE):
-        for i in range(low, high):
-            r = with_lane(r, i, separation(lane(dx, i), lane(dy, i), lane(dz, i)))
-    return r
+    underflows = any_below(low, high, square, SQUARE_IS_SAFE)
+    return seldom(underflows, sqrt(square), separations_one_by_one, (dx, dy, dz, low, high))
 
 
 @kernel
@@ -135,15 +141,17 @@ def add_block_forces(model, contact, fx, fy, i, m, low, high, dx, dy, r):
 
 
 @inlined
-def add_row(model, contact, fx, fy, i, other):
-    """Add the forces of bob i on all its candidates to the rows fx and fy of a table.
+def add_row(model, contact, fx, fy, i, other, row, neighbours):
+    """Add the forces of bob i on the candidates of its row to the rows fx and fy of a table.
 
     Returns the force of the candidates on bob i.
     """
     sum_x = broadcast(0.0)
     sum_y = broadcast(0.0)
     start = first_candidate(other, i)
-    for m in range(start - start % LANES, other.end, LANES):
+    first, last, is_listed = row
+    for n in range(first, last):
+        m = block_of(neighbours, is_listed, n)
         low = max(0, start - m)
         high = min(LANES, other.end - m)
         dx, dy, dz = differences(model, i, m)
@@ -152,39 +160,6 @@ def add_row(model, contact, fx, fy, i, other):
         sum_x = sum_x + x
         sum_y = sum_y + y
     return sum_of_lanes(sum_x), sum_of_lanes(sum_y)
-
-
-@inlined
-def add_listed_row(model, contact, fx, fy, i, other, index, first, last):
-    """The same for a row of the neighbour list.
-
-    Distances below 1e-140 [length], whose squares underflow, are rounded: a branch for them would
-    take longer than all the rest.
-    """
-    sum_x = broadcast(0.0)
-    sum_y = broadcast(0.0)
-    start = first_candidate(other, i)
-    for n in range(first, last):
-        m = LANES * index[n]
-        low = max(0, start - m)
-        high = min(LANES, other.end - m)
-        dx, dy, dz = differences(model, i, m)
-        r = sqrt(dx * dx + dy * dy + dz * dz)
-        x, y = add_block_forces(model, contact, fx, fy, i, m, low, high, dx, dy, r)
-        sum_x = sum_x + x
-        sum_y = sum_y + y
-    return sum_of_lanes(sum_x), sum_of_lanes(sum_y)
-
-
-@inlined
-def add_candidates(model, contact, fx, fy, k, other, i, first, neighbours):
-    """The forces of bob i on its candidates, by the list where it has them; see `row_of`."""
-    if neighbours is not None:
-        begin, end, is_listed = row_of(contact, k, other, i, first, neighbours)
-        if is_listed:
-            index = neighbours.index
-            return add_listed_row(model, contact, fx, fy, i, other, index, begin, end)
-    return add_row(model, contact, fx, fy, i, other)
 
 
 @inlined
@@ -198,7 +173,8 @@ def add_contact(model, contact, fx, fy, neighbours):
             own_x = broadcast(0.0)
             own_y = broadcast(0.0)
             for i in range(first, min(first + LANES, one.end)):
-                x, y = add_candidates(model, contact, fx, fy, k, other, i, one.start, neighbours)
+                row = row_of(contact, k, other, i, one.start, neighbours)
+                x, y = add_row(model, contact, fx, fy, i, other, row, neighbours)
                 own_x = with_lane(own_x, i - first, x)
                 own_y = with_lane(own_y, i - first, y)
             add_block(fx, first, own_x)

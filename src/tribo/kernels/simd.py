@@ -283,6 +283,27 @@ def any_below(typing_context, low, high, x, limit):
 
 
 @intrinsic
+def seldom(typing_context, condition, usual, kernel, arguments):
+    """`usual`, or kernel(usual, *arguments) where a condition holds that hardly ever does.
+
+    The compiler keeps registers free of the call, as it does not after an ``if``.
+    """
+    called = typing_context.resolve_function_type(kernel, (usual, *arguments), {})
+
+    def build(context, builder, sig, args):
+        condition, usual, _, arguments = args
+        result = cgutils.alloca_once_value(builder, usual)
+        with cgutils.if_unlikely(builder, condition):
+            call = context.get_function(kernel, called)
+            context.add_linking_libs(getattr(call, "libs", ()))
+            members = cgutils.unpack_tuple(builder, arguments)
+            builder.store(call(builder, [usual, *members]), result)
+        return builder.load(result)
+
+    return usual(condition, usual, kernel, arguments), build
+
+
+@intrinsic
 def power_of_two(typing_context, x):
     """2^x for whole numbers from -1022 to 1023."""
 
@@ -308,6 +329,7 @@ if config.DISABLE_JIT:  # type: ignore[attr-defined]
         lane,
         maximum,
         power_of_two,
+        seldom,
         sqrt,
         sum_of_lanes,
         sums_of_lanes,

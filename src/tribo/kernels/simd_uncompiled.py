@@ -56,6 +56,10 @@ def any_below(low, high, x, limit):
     return bool(np.any(x[_between(low, high)] <= limit))
 
 
+def seldom(condition, usual, kernel, arguments):
+    return kernel(usual, *arguments) if condition else usual
+
+
 def power_of_two(x):
     return np.exp2(x)
 

@@ -7,6 +7,7 @@ gradient to round-off.  x and y are the position of a bob in the field's own fra
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -78,7 +79,7 @@ class Field:
     """
 
     potential: Any
-    on: tuple[str, ...]
+    on: Sequence[str]
     origin: tuple[float, float] = (0.0, 0.0)
     velocity: tuple[float, float] = (0.0, 0.0)
 

@@ -13,7 +13,6 @@ T. D. B. Jacobs, T. Junge, L. Pastewka, Surf. Topogr.: Metrol. Prop. 5 (2017) 01
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -24,12 +23,10 @@ from tribo.validation import (
     POSITIVE,
     Condition,
     InputError,
-    inside,
     integer,
     known_keys,
     must_be,
     number,
-    vector,
 )
 
 FRACTION: Condition = ("must be between 0 and 1, both excluded", lambda x: 0.0 < x < 1.0)
@@ -166,20 +163,3 @@ def as_table(roughness: Roughness) -> dict[str, Any]:
     """The roughness's table in a scene file."""
     settings = {f.name: getattr(roughness, f.name) for f in fields(Roughness)}
     return {key: value for key, value in settings.items() if value is not None}
-
-
-def as_heights(
-    value: object, shape: tuple[int, int], spacing: tuple[float, float]
-) -> np.ndarray | Roughness | None:
-    """The `heights` of a surface: (nx nz,) numbers [length], a roughness, or None.
-
-    Listed positions have the shape (n, 1) and the spacing (0, 0).
-    """
-    if value is None:
-        return None
-    if not isinstance(value, (Roughness, Mapping)):
-        return vector("heights", value, size=shape[0] * shape[1], unit="length")
-    with inside("heights"):
-        roughness = as_roughness(value)
-        roughness.check(shape, spacing)
-    return roughness

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -112,6 +114,21 @@ class Scene(ComparedByValue):
     fields: tuple[Field, ...] = ()
     output: Output = field(default_factory=Output)
     numerics: Numerics = field(default_factory=Numerics)
+
+    if TYPE_CHECKING:
+        # The constructor takes more than the fields then hold.
+        def __init__(
+            self,
+            surfaces: Sequence[Surface],
+            interactions: Interaction | Sequence[object],  # potentials are tuples
+            duration: float,
+            title: str = ...,
+            seed: int = ...,
+            periodic: Periodic | Mapping[str, float] = ...,
+            fields: Sequence[Field] = ...,
+            output: Output = ...,
+            numerics: Numerics = ...,
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         put = object.__setattr__
@@ -385,7 +402,19 @@ class Scene(ComparedByValue):
         return np.union1d(np.array(self.output.times), [0.0, self.duration])
 
     def save(self, path: object) -> None:
-        """Write the scene file that :func:`tribo.load_scene` reads.  Raises InputError."""
+        """Write the scene file that :func:`tribo.load_scene` reads.
+
+        Parameters
+        ----------
+        path : str or path
+            The file; one that is there is replaced.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be written, or the scene has no text, as with a class that is
+            defined in a notebook.
+        """
         from tribo.model.scene_writer import save_scene
 
         save_scene(self, path)

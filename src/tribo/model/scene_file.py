@@ -18,7 +18,7 @@ from tribo.model.interaction import Interaction, as_periodic
 from tribo.model.scene import Scene
 from tribo.model.settings import Numerics, Output
 from tribo.model.surface import Surface
-from tribo.model.topography import with_folder
+from tribo.model.topography import as_topography, is_topography
 from tribo.potentials import tables as potentials
 from tribo.validation import InputError, as_path, inside, known_keys, must_be
 
@@ -130,7 +130,9 @@ def _surface(index: int, table: object, folder: Path) -> Surface:
         with inside("initial"):
             start = known_keys(table.get("initial", {}), [f.name for f in fields_of(Initial)])
             table["initial"] = Initial(**start)
-        table["heights"] = with_folder(table.get("heights"), folder)
+        if is_topography(table.get("heights")):
+            with inside("heights"):
+                table["heights"] = as_topography(table["heights"], folder)
         with inside("drive"):
             table["drive"] = drives.as_drive(table.get("drive", "forced"), folder)
         with inside("bars"):

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tribo.files import replace_file
-from tribo.model import bath, drives, fields
+from tribo.model import bath, drives, fields, topography
 from tribo.model.roughness import Roughness
 from tribo.model.surface import Surface
+from tribo.model.topography import Topography
 from tribo.potentials import tables as potentials
 from tribo.validation import as_path
 
@@ -19,19 +20,28 @@ if TYPE_CHECKING:
 
 
 def save_scene(scene: Scene, path: object) -> None:
-    """Write the TOML file that `load_scene` reads."""
-    replace_file(as_path(path), scene_text(scene).encode("utf-8"))
+    """Write the TOML file that `load_scene` reads; it names the files of topographies."""
+    path = as_path(path)
+    table = scene_table(scene)
+    for item, surface in zip(table["surface"], scene.surfaces, strict=True):
+        if isinstance(surface.heights, Topography):
+            item["heights"] = topography.as_table(surface.heights, path.parent)
+    replace_file(path, _toml(table))
 
 
 def scene_text(scene: Scene) -> str:
-    """The scene as TOML."""
+    """The scene as TOML that needs no files of topographies: their heights are numbers."""
+    return _toml(scene_table(scene)).decode("utf-8")
+
+
+def _toml(table: dict[str, Any]) -> bytes:
     import tomli_w
 
-    return tomli_w.dumps(scene_table(scene))
+    return tomli_w.dumps(table).encode("utf-8")
 
 
 def scene_table(scene: Scene) -> dict[str, Any]:
-    """The scene as the nested table of its file."""
+    """The scene as the nested table of its file, with the heights of topographies as numbers."""
     table: dict[str, Any] = {"title": scene.title} if scene.title else {}
     table |= {"duration": scene.duration, "seed": scene.seed}
     table["output"] = _table_of(scene.output)
@@ -65,6 +75,8 @@ def _surface_table(surface: Surface) -> dict[str, Any]:
         table["langevin"] = _table_of(surface.langevin)
     if isinstance(surface.heights, Roughness):
         table["heights"] = _table_of(surface.heights)
+    elif isinstance(surface.heights, Topography):
+        table["heights"] = surface.heights.heights.tolist()
     table["asperite"] = _table_of(surface.asperite)
     table["initial"] = _table_of(surface.initial)
     if surface.positions is not None:

@@ -55,7 +55,7 @@ class Output:
     """
 
     samples: int = 401
-    times: tuple[float, ...] | None = None
+    times: Sequence[float] | None = None
     ledger: str = "asperites"
     series: tuple[str, ...] = ()
 

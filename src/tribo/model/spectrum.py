@@ -120,7 +120,18 @@ class Spectrum:
         return self.gamma / (self.cutoff * self.n) * share / w**2, self.cutoff * w
 
     def kernel(self, t: np.ndarray | float) -> np.ndarray:
-        """Gamma(t) of the continuum [mass / time^2], in the shape of t."""
+        """The memory kernel Gamma(t) of the continuum.
+
+        Parameters
+        ----------
+        t : array_like
+            Times [time].
+
+        Returns
+        -------
+        numpy.ndarray
+            [mass / time^2], in the shape of `t`.
+        """
         wt = self.cutoff * np.abs(np.asarray(t, dtype=float))
         strength = self.gamma * self.cutoff
         if self.kind == "drude":

@@ -10,11 +10,12 @@ from tribo.model.asperite import Asperite
 from tribo.model.bath import Bath, as_bath
 from tribo.model.comparison import ComparedByValue
 from tribo.model.drives import Drive, DrivenBars, Ends, Forced, Free, as_bars, as_drive
+from tribo.model.heights import as_heights
 from tribo.model.initial import Initial
 from tribo.model.langevin import Langevin, as_langevin
-from tribo.model.roughness import Roughness, as_heights, draw
+from tribo.model.roughness import Roughness, draw
 from tribo.model.springs import Springs, as_springs
-from tribo.model.topography import is_topography, resampled
+from tribo.model.topography import Grid, Topography
 from tribo.validation import (
     LARGEST_COUNT,
     InputError,
@@ -50,10 +51,10 @@ class Surface(ComparedByValue):
         Distance between neighbours along x and along z [length].
     depth : float
         z of the first asperite [length].
-    heights : (n,) array or Roughness or dict, optional
+    heights : (n,) array or Roughness or Topography, optional
         Shift in y of each asperite, positive upward for both facings [length]; or the roughness
-        from which they are drawn; or a topography of SurfaceTopography, or the table of one, from
-        which they are interpolated at once.
+        from which they are drawn; or the measured topography from which they are interpolated, or
+        its table in a scene file, or an object of SurfaceTopography.
     positions : (n, 3) array, optional
         x, y, z of the resting bobs [length], instead of `bob`, `shape`, `spacing` and `depth`.
     drive : Drive or str or dict
@@ -89,7 +90,7 @@ class Surface(ComparedByValue):
     shape: tuple[int, int] = (1, 1)
     spacing: tuple[float, float] = (0.0, 0.0)
     depth: float = 0.0
-    heights: np.ndarray | Roughness | None = None
+    heights: np.ndarray | Roughness | Topography | None = None
     positions: np.ndarray | None = None
     drive: Drive = field(default_factory=Forced)
     bars: str | Ends = "clamped"
@@ -105,11 +106,7 @@ class Surface(ComparedByValue):
         put = object.__setattr__
         with inside("drive"):
             put(self, "drive", as_drive(self.drive))
-        if is_topography(self.heights):
-            with inside("heights"):
-                lattice = self._lattice(self.first_bob)
-                put(self, "heights", resampled(self.heights, lattice[:, [0, 2]]))
-        put(self, "heights", as_heights(self.heights, *self._grid))
+        put(self, "heights", as_heights(self.heights, Grid(*self._grid, self.facing_sign)))
         with inside("bars"):
             put(self, "bars", as_bars(self.bars))
         with inside("springs"):
@@ -267,27 +264,25 @@ class Surface(ComparedByValue):
         The origin is subtracted before positions are added up, so they keep all digits.  `seed`
         draws heights whose roughness has no seed of its own.
         """
-        bobs = self._lattice(origin)
+        if self.positions is not None:
+            bobs = self.positions - np.array(origin)
+        else:
+            column, row = np.meshgrid(np.arange(self.shape[0]), np.arange(self.shape[1]))
+            bobs = np.empty((self.count, 3))
+            bobs[:, 0] = (self.bob[0] - origin[0]) + column.ravel() * self.spacing[0]
+            bobs[:, 1] = self.bob[1] - origin[1]
+            bobs[:, 2] = (self.depth - origin[2]) + row.ravel() * self.spacing[1]
         heights = self.drawn_heights(seed)
         if heights is not None:
             bobs[:, 1] += heights
-        return bobs
-
-    def _lattice(self, origin: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> np.ndarray:
-        """(n, 3) positions of the resting bobs without their heights, relative to `origin`."""
-        if self.positions is not None:
-            return self.positions - np.array(origin)
-        column, row = np.meshgrid(np.arange(self.shape[0]), np.arange(self.shape[1]))
-        bobs = np.empty((self.count, 3))
-        bobs[:, 0] = (self.bob[0] - origin[0]) + column.ravel() * self.spacing[0]
-        bobs[:, 1] = self.bob[1] - origin[1]
-        bobs[:, 2] = (self.depth - origin[2]) + row.ravel() * self.spacing[1]
         return bobs
 
     def drawn_heights(self, seed: int | list[int]) -> np.ndarray | None:
         """(n,) heights [length]; `seed` draws those of a roughness that has no seed of its own."""
         if isinstance(self.heights, Roughness):
             return draw(self.heights, *self._grid, np.random.default_rng(seed))
+        if isinstance(self.heights, Topography):
+            return self.heights.heights
         return self.heights
 
     @property

@@ -1,172 +1,295 @@
-"""Heights from measured surfaces, by the library SurfaceTopography.
+"""Measured heights: a scan, read by SurfaceTopography, and its heights at the asperites.
 
-T. D. B. Jacobs et al., Surf. Topogr.: Metrol. Prop. 10 (2022) 035034.
+A peak of the scan points toward the other surface: a surface that faces down has the scan's
+heights with the opposite sign.  x of the scan is x of the surface, and y of the scan is z.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, replace
+from os import PathLike
 from pathlib import Path
-from typing import Any, Protocol, TypeGuard
+from typing import NamedTuple, Protocol, cast
 
 import numpy as np
 
-from tribo.validation import InputError, choice, known_keys, must_be, number, vector
+from tribo.model.comparison import ComparedByValue
+from tribo.validation import (
+    POSITIVE,
+    InputError,
+    as_path,
+    choice,
+    inside,
+    known_keys,
+    must_be,
+    number,
+    vector,
+)
 
-# Keys of the table of a topography.
-KEYS = ("topography", "format", "unit", "scale", "detrend", "origin")
-# What is subtracted from a scan, with the degree of its polynomial in x and z.
-DETREND = {"none": -1, "mean": 0, "plane": 1, "curvature": 2}
-# By how much asperites may lie beyond a scan, in pixels: less than rounding can shift them.
-ROUNDING = 1e-6
+# Metres in a unit of length, by the names that SurfaceTopography gives the units of files.
+METRES = {
+    "m": 1.0,
+    "mm": 1e-3,
+    "um": 1e-6,
+    "µm": 1e-6,
+    "nm": 1e-9,
+    "A": 1e-10,
+    "Å": 1e-10,
+    "pm": 1e-12,
+}
+# SurfaceTopography's name of each trend that is subtracted; None leaves the heights unchanged.
+TRENDS = {"plane": "height", "mean": "center", "curvature": "curvature", "none": None}
+# Ratio up to which two lengths are the same, in spite of rounding.
+ROUNDING = 1.0 + 1e-9
 
 
 class Scan(Protocol):
-    """What is used of a topography of SurfaceTopography."""
+    """What tribo needs of a topography or line scan of SurfaceTopography."""
 
+    dim: int
     unit: str | None
-    is_periodic: bool
-    is_uniform: bool
-    physical_sizes: tuple[float, ...]
+    has_undefined_data: bool
 
-    def heights(self) -> np.ndarray: ...
-    def to_unit(self, unit: str) -> Scan: ...
+    def detrend(self, detrend_mode: str) -> Scan:
+        """The same without a trend."""
 
+    def interpolate_undefined_data(self) -> Scan:
+        """The same with heights where the instrument gave none."""
 
-def is_topography(value: object) -> bool:
-    """Whether the `heights` of a surface are a topography, or the table of one."""
-    return _is_scan(value) or (isinstance(value, Mapping) and "topography" in value)
-
-
-def with_folder(value: object, folder: Path) -> object:
-    """The `heights` of a scene file in a folder, to which its topography is relative."""
-    if isinstance(value, Mapping) and isinstance(value.get("topography"), str):
-        return {**value, "topography": str(folder / value["topography"])}
-    return value
+    def positions_and_heights(self) -> tuple[np.ndarray, ...]:
+        """x, y if it is a map, and the height of each point [unit]."""
 
 
-def resampled(value: object, points: np.ndarray) -> np.ndarray:
-    """Heights at the asperites of a surface, interpolated linearly in a scan.
+class Grid(NamedTuple):
+    """The places of the asperites at which a scan is sampled."""
 
-    Parameters
+    shape: tuple[int, int]
+    spacing: tuple[float, float]
+    facing_sign: float  # +1 for a surface that faces down
+
+
+class Sampled(NamedTuple):
+    """The heights at the asperites of a grid."""
+
+    grid: Grid
+    heights: np.ndarray  # (n,) shifts in y, x running fastest [length]
+
+
+@dataclass(frozen=True, eq=False)
+class Topography(ComparedByValue):
+    """A measured topography, from which the heights of a surface are interpolated.
+
+    Each asperite has the scan's height at its place, by linear interpolation.  Details of the scan
+    that are smaller than the spacing are not averaged.
+
+    Attributes
     ----------
-    value : topography of SurfaceTopography, or mapping
-        ``topography`` (a file or a topography); ``format`` of a file; ``unit``, the scene's unit of
-        length, as "nm"; ``scale``, a factor on the heights; ``detrend``; ``origin``.
-    points : ndarray, (n, 2)
-        x and z of the asperites [length].
-
-    Returns
-    -------
-    ndarray, (n,)
-        [length]
+    topography : str or path or object
+        A file in a format that SurfaceTopography reads, or one of its topographies or line scans.
+    unit : str or float, optional
+        The scene's unit of length: "m", "mm", "um", "nm", "A" or "pm", or a number of metres.
+        Required if the scan has a unit of its own; without one, its lengths are the scene's.
+    detrend : str
+        The trend that is subtracted from the whole scan: "plane" (fitted by least squares), "mean",
+        "curvature" (a polynomial of degree 2) or "none".
+    origin : (float, float), optional
+        Place on the scan of the grid's corner with the lowest x and z [length].  None for the
+        scan's own corner, where the grid covers the whole scan.
+    sampled : Sampled, optional
+        The heights at the asperites; set by the surface that has this topography.
 
     Raises
     ------
     InputError
-        A key or a file cannot be used, the library is missing, or the scan does not cover the
-        asperites.
+        If a value is out of range, SurfaceTopography is not installed, the file cannot be read, or
+        the scan does not cover the surface.
     """
-    table = known_keys(value if isinstance(value, Mapping) else {"topography": value}, KEYS)
-    scan = _in_unit(_scan(table["topography"], table.get("format")), table.get("unit"))
-    degree = DETREND[choice("detrend", table.get("detrend", "plane"), DETREND)]
-    scale = number("scale", table.get("scale", 1.0))
-    heights: np.ndarray = np.ma.filled(np.ma.asarray(scan.heights(), float), np.nan)
-    if heights.ndim == 1:
-        heights = heights[:, None]
-    pixels = np.array([*scan.physical_sizes, 1.0][:2]) / heights.shape
-    places = _places(points, heights.shape, pixels, scan.is_periodic, table.get("origin"))
-    found = scale * _interpolated(_detrended(heights, degree), places, scan.is_periodic)
-    if np.any(np.isnan(found)):
-        count = int(np.sum(np.isnan(found)))
-        raise InputError("topography", f"is undefined at {count} asperites; fill its gaps before")
-    return found
+
+    topography: str | PathLike[str] | Scan
+    unit: str | float | None = None
+    detrend: str = "plane"
+    origin: tuple[float, float] | None = None
+    # The heights at the asperites of the surface that has this topography.
+    sampled: Sampled | None = field(default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        put = object.__setattr__
+        if isinstance(self.topography, (str, PathLike)):
+            with inside("topography"):
+                put(self, "topography", str(as_path(self.topography).absolute()))
+        elif not hasattr(self.topography, "positions_and_heights"):
+            raise must_be("topography", "a file or a topography", self.topography)
+        if isinstance(self.unit, str):
+            choice("unit", self.unit, METRES)
+        elif self.unit is not None:
+            put(self, "unit", number("unit", self.unit, POSITIVE, "m"))
+        choice("detrend", self.detrend, TRENDS)
+        if self.origin is not None:
+            origin = vector("origin", self.origin, size=2, unit="length")
+            put(self, "origin", (float(origin[0]), float(origin[1])))
+
+    @property
+    def heights(self) -> np.ndarray:
+        """(n,) shifts in y of the asperites of its surface [length]."""
+        assert self.sampled is not None
+        return self.sampled.heights
+
+    def on(self, grid: Grid) -> Topography:
+        """The same topography, sampled at the asperites of a grid."""
+        if self.sampled is not None and self.sampled.grid == grid:
+            return self
+        heights = -grid.facing_sign * self._heights(grid.shape, grid.spacing)
+        heights.flags.writeable = False
+        return replace(self, sampled=Sampled(grid, heights))
+
+    def _heights(self, shape: tuple[int, int], spacing: tuple[float, float]) -> np.ndarray:
+        """(nx nz,) heights of the scan at the asperites, x running fastest [length]."""
+        from scipy.interpolate import RegularGridInterpolator
+
+        scan = self.topography
+        if isinstance(scan, str):
+            scan = _read(scan)
+        scan = cast(Scan, scan)
+        length = self._length_of(scan.unit)
+        if scan.has_undefined_data:
+            scan = scan.interpolate_undefined_data()
+        trend = TRENDS[self.detrend]
+        if trend is not None:
+            scan = scan.detrend(trend)
+        axes, heights = _axes_and_heights(scan)
+        axes = [length * (axis - axis[0]) for axis in axes]
+        places = self._places(axes, shape, spacing)
+        at = np.stack(np.meshgrid(*places, indexing="ij"), axis=-1)
+        return length * RegularGridInterpolator(axes, heights)(at).T.ravel()
+
+    def _length_of(self, unit: str | None) -> float:
+        """The scan's unit [length]."""
+        if unit is None:
+            if self.unit is not None:
+                raise InputError(
+                    "unit", "has no meaning for a scan without a unit; leave it out [length]"
+                )
+            return 1.0
+        if unit not in METRES:
+            raise InputError("topography", f'must have a unit of length, got "{unit}"')
+        if self.unit is None:
+            raise InputError(
+                "unit",
+                f'is missing; the scan is in {unit}: give the scene\'s unit of length, as "nm" '
+                "or as a number of metres",
+            )
+        return METRES[unit] / (METRES[self.unit] if isinstance(self.unit, str) else self.unit)
+
+    def _places(
+        self, axes: list[np.ndarray], shape: tuple[int, int], spacing: tuple[float, float]
+    ) -> list[np.ndarray]:
+        """The asperites' places on each axis of the scan [length]."""
+        if any(n > 1 and s == 0.0 for n, s in zip(shape, spacing, strict=True)):
+            raise InputError(
+                "topography", "needs a spacing along every direction with more than one asperite"
+            )
+        directions = [0, 1]
+        if len(axes) == 1:
+            if min(shape) > 1:
+                raise InputError(
+                    "topography", f"is a line scan; the surface must be a row, got {shape}"
+                )
+            directions = [int(shape[1] > 1)]
+        places = []
+        for axis, k in zip(axes, directions, strict=True):
+            place = np.arange(shape[k]) * abs(spacing[k])
+            room = axis[-1] * ROUNDING - place[-1]
+            first = 0.0 if self.origin is None else self.origin[k]
+            if not 0.0 <= first <= max(room, 0.0) or room < 0.0:
+                raise InputError(
+                    "topography",
+                    f"must cover the surface along {'xz'[k]}: the scan reaches to {axis[-1]:g}, "
+                    f"the asperites from {first:g} to {first + place[-1]:g} [length]",
+                )
+            if self.origin is None and abs(spacing[k]) <= room * ROUNDING:
+                raise InputError(
+                    "origin",
+                    f"is missing: the surface is smaller than the scan along {'xz'[k]}, "
+                    f"{place[-1]:g} of {axis[-1]:g} [length]; give the place [x, z] on the scan "
+                    "of its corner",
+                )
+            if spacing[k] < 0.0:
+                place = place[::-1]
+            places.append(np.minimum(first + place, axis[-1]))
+        return places
 
 
-def _is_scan(value: object) -> TypeGuard[Scan]:
-    return all(hasattr(value, name) for name in ("heights", "physical_sizes", "is_uniform"))
+def _axes_and_heights(scan: Scan) -> tuple[list[np.ndarray], np.ndarray]:
+    """The coordinates along each axis, and the heights on their grid [unit of the scan]."""
+    *positions, heights = (np.asarray(each, float) for each in scan.positions_and_heights())
+    if heights.ndim != len(positions) or min(heights.shape) < 2:
+        raise InputError("topography", "must have two or more points along each axis")
+    axes = [positions[0]] if len(positions) == 1 else [positions[0][:, 0], positions[1][0]]
+    if any(np.any(np.diff(axis) <= 0.0) for axis in axes):
+        raise InputError("topography", "must have positions that increase, without overhangs")
+    if not np.all(np.isfinite(heights)):
+        raise InputError("topography", "must have finite heights")
+    return axes, heights
 
 
-def _scan(source: object, file_format: object) -> Scan:
-    """The topography itself, or that of a file."""
-    if isinstance(source, (str, Path)):
-        source = _read(Path(source), file_format)
-    elif file_format is not None:
-        raise InputError("format", "is that of a file; leave it out where topography is none")
-    if not _is_scan(source):
-        raise must_be("topography", "a file, or a topography of SurfaceTopography", source)
-    if not source.is_uniform:
-        raise InputError("topography", "must be on a uniform grid; to_uniform() makes one")
-    return source
-
-
-def _read(path: Path, file_format: object) -> Any:
+def _read(path: str) -> Scan:
+    """The topography of a file."""
+    if not Path(path).is_file():
+        raise InputError("topography", f"{path} cannot be read (no such file)")
     try:
         from SurfaceTopography import read_topography
+        from SurfaceTopography.Exceptions import CannotDetectFileFormat
     except ImportError:
-        problem = 'needs SurfaceTopography; install it by pip install "tribo[topography]"'
-        raise InputError("topography", problem) from None
+        raise InputError(
+            "topography", "needs SurfaceTopography; install it: pip install SurfaceTopography"
+        ) from None
     try:
-        return read_topography(str(path), format=file_format)
-    except Exception as error:  # each reader raises its own
-        raise InputError("topography", f"{path} cannot be read: {error}") from None
-
-
-def _in_unit(scan: Scan, unit: object) -> Scan:
-    """The scan in the scene's unit of length; as it is where the scene gives none."""
-    if unit is None:
-        return scan
-    if scan.unit is None:
-        raise InputError("unit", "cannot be used: the topography has no unit; use scale")
-    try:
-        return scan.to_unit(str(unit))
-    except Exception:
-        raise must_be("unit", 'a unit of length, as "nm"', unit) from None
-
-
-def _detrended(heights: np.ndarray, degree: int) -> np.ndarray:
-    """The heights less their best polynomial in x and z, of a total degree; -1: none."""
-    x, z = (np.linspace(-1.0, 1.0, n) if n > 1 else np.zeros(1) for n in heights.shape)
-    powers = [(i, j) for i in range(degree + 1) for j in range(degree + 1 - i)]
-    if not powers:
-        return heights
-    terms = np.array([np.outer(x**i, z**j) for i, j in powers])
-    known = np.isfinite(heights)
-    factors = np.linalg.lstsq(terms[:, known].T, heights[known])[0]
-    return np.asarray(heights - np.tensordot(factors, terms, 1))
-
-
-def _places(
-    points: np.ndarray,
-    shape: tuple[int, ...],
-    pixels: np.ndarray,
-    periodic: bool,
-    origin: object,
-) -> np.ndarray:
-    """The asperites in a scan, (n, 2) in pixels; `origin` is the first one's, else centred."""
-    last = np.array(shape) - 1.0
-    if origin is None:
-        middle = 0.5 * (np.min(points, axis=0) + np.max(points, axis=0))
-        places = (points - middle) / pixels + 0.5 * last
-    else:
-        first = vector("origin", origin, size=2, unit="length")
-        places = (points - points[0] + first) / pixels
-    if periodic:
-        return np.asarray(places % np.array(shape))
-    beyond = np.max(np.maximum(-places, places - last) * pixels, axis=0)
-    if np.any(beyond > ROUNDING * pixels):
-        size, span = last * pixels, np.ptp(points, axis=0)
+        return cast(Scan, read_topography(path))
+    except CannotDetectFileFormat:
+        raise InputError(
+            "topography", f"{path} cannot be read: it has no format that SurfaceTopography knows"
+        ) from None
+    # Each of its readers of some forty formats raises errors of its own.
+    except Exception as error:
+        problem = str(error).strip().split("\n")[0]
         raise InputError(
             "topography",
-            f"has {size[0]:.4g} by {size[1]:.4g} [length] along x and z, and the asperites span "
-            f"{span[0]:.4g} by {span[1]:.4g}; change spacing, unit or origin",
-        )
-    return np.clip(places, 0.0, last)
+            f"{path} cannot be read ({problem}); "
+            "in Python, give the object that SurfaceTopography reads from it",
+        ) from None
 
 
-def _interpolated(heights: np.ndarray, places: np.ndarray, periodic: bool) -> np.ndarray:
-    """Heights at places in pixels, (n,), linear between pixels."""
-    from scipy.ndimage import map_coordinates
+KEYS = [each.name for each in fields(Topography) if each.name != "sampled"]
 
-    mode = "grid-wrap" if periodic else "nearest"
-    return np.asarray(map_coordinates(heights, places.T, order=1, mode=mode))
+
+def is_topography(value: object) -> bool:
+    """Whether the `heights` of a surface are a topography, its table or SurfaceTopography's."""
+    if isinstance(value, Mapping):
+        return "topography" in value
+    return isinstance(value, Topography) or hasattr(value, "positions_and_heights")
+
+
+def as_topography(value: object, folder: Path = Path()) -> Topography:
+    """A topography from its table in a scene file; relative paths are relative to `folder`."""
+    if isinstance(value, Topography):
+        return value
+    if not isinstance(value, Mapping):
+        return Topography(cast(Scan, value))
+    settings = known_keys(value, KEYS)
+    if isinstance(settings["topography"], str):
+        settings["topography"] = folder / settings["topography"]
+    return Topography(**settings)
+
+
+def as_table(topography: Topography, folder: Path) -> dict[str, object]:
+    """The table in a scene file in `folder`; paths of files below the folder are relative."""
+    path = Path(cast(str, topography.topography))
+    home = folder.absolute()
+    place = path.relative_to(home) if path.is_relative_to(home) else path
+    table: dict[str, object] = {"topography": place.as_posix(), "detrend": topography.detrend}
+    if topography.unit is not None:
+        table["unit"] = topography.unit
+    if topography.origin is not None:
+        table["origin"] = list(topography.origin)
+    return table

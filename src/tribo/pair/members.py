@@ -1,6 +1,7 @@
 """Many runs of a pair, one after another, without Python between them."""
 
 from tribo.kernels.compiled import kernel
+from tribo.kernels.potential_numbers import with_numbers
 from tribo.pair.loop import COLUMNS, pair_collocation
 
 # The loop of a single run, for callers that are compiled.
@@ -11,14 +12,18 @@ CODE, STEPS, EVALUATIONS = range(3)
 
 
 def pair_members(
-    pairs, potential, rows, clocks, starts, start, times, record, samples, counts, budget
+    potential, pairs, numbers, rows, clocks, starts, start, times, record, samples, counts, budget
 ):
     """Integrate each member from its own start; a member has the bits of a single run.
 
     Parameters
     ----------
-    pairs, potential, rows, clocks, times
+    potential, rows, clocks, times
         As for :func:`tribo.pair.loop.pair_collocation`.
+    pairs : ndarray, (members or 1,), of PAIR
+        The scene of each member, or of all.
+    numbers : ndarray, (members or 1, fields)
+        The numbers of the potential of each member, or of all; without columns if it has others.
     starts : ndarray, (members, 2 coordinates)
         y of the scene's layout at t = 0, for each member.
     start : ndarray, (2 coordinates,)
@@ -37,7 +42,9 @@ def pair_members(
         for i in range(start.size):
             start[i] = starts[member, i]
         clock.evaluations = 0
-        code = integrate_pair(pairs, potential, rows, clocks, start, times, record, budget)
+        own = member if pairs.size > 1 else 0
+        mine = with_numbers(potential, numbers, own)
+        code = integrate_pair(pairs[own:], mine, rows, clocks, start, times, record, budget)
         counts[member, CODE] = code
         counts[member, STEPS] = clock.steps
         counts[member, EVALUATIONS] = clock.evaluations

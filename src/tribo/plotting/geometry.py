@@ -94,7 +94,19 @@ def scene_geometry(result: Result, t: float) -> SceneGeometry:
 
 
 def shifted(geometry: SceneGeometry, shift: np.ndarray | tuple[float, float]) -> SceneGeometry:
-    """The same scene elsewhere."""
+    """The same scene at another place.
+
+    Parameters
+    ----------
+    geometry : SceneGeometry
+        The asperites.
+    shift : array_like, (2,)
+        Displacement in x and y [length].
+
+    Returns
+    -------
+    SceneGeometry
+    """
     return {name: [each.shifted(shift) for each in group] for name, group in geometry.items()}
 
 

@@ -88,6 +88,15 @@ class Plots:
 
         A surface of more than 6 asperites has the median and a band from the 5th to the 95th
         percentile.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes to draw in.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
         """
         result, surfaces = self._result, self._result.scene.surfaces
         with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
@@ -126,6 +135,15 @@ class Plots:
 
         The changes of contact, bulk kinetic and internal energy add up to the change of the total
         energy, which equals the applied work, unless there are fields.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes to draw in.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
         """
         with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
             curves = _budget(self._result)
@@ -141,6 +159,15 @@ class Plots:
         """Draw the angular velocity of pendulums over their swing.
 
         Of a surface with more than 200 asperites, 200 are drawn.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes to draw in.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
         """
         result, surfaces = self._result, self._result.scene.surfaces
         with drawing_on(ax, COLUMN, 0.8 * COLUMN) as ax:

@@ -121,7 +121,15 @@ def _spring(asperite: AsperiteGeometry) -> np.ndarray:
 
 
 def draw_asperites(ax: Axes, geometry: SceneGeometry) -> None:
-    """Draw all asperites, the farthest in z first."""
+    """Draw all asperites, the farthest in z first.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+        Axes to draw in.
+    geometry : SceneGeometry
+        The asperites, as of :func:`scene_geometry`.
+    """
     everything = [each for group in geometry.values() for each in group]
     depths = sorted({each.depth for each in everything})
     for each in everything:
@@ -164,7 +172,18 @@ def snapshot(
 
 
 def extent(*geometries: SceneGeometry) -> tuple[float, float, float, float]:
-    """Left, right, bottom and top of asperites with room for arrows at their bobs [length]."""
+    """The box around asperites with room for arrows at their bobs.
+
+    Parameters
+    ----------
+    *geometries : SceneGeometry
+        The asperites at one or several times.
+
+    Returns
+    -------
+    tuple of float
+        Left, right, bottom and top [length].
+    """
     everything = [each for one in geometries for group in one.values() for each in group]
     ends = np.concatenate([each.ends for each in everything])
     bobs = np.array([each.bob for each in everything])

@@ -119,6 +119,13 @@ def drawing_on(ax: Axes | None, width: float, height: float | None = None) -> It
     """Yield the given Axes, or new ones in tribo's style: of a drawing if there is no height.
 
     A drawing on new Axes is trimmed at the end.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes or None
+        Axes to draw in.
+    width, height : float
+        Size of new Axes [inch].
     """
     if ax is not None:
         yield ax
@@ -163,7 +170,24 @@ def save(drawing: Axes | Figure, path: str | Path) -> Path:
 
 
 def figure_path(field: str, path: str | Path) -> Path:
-    """The path of a figure's file; `field` is the name for errors.  Raises InputError."""
+    """The path of a figure's file.
+
+    Parameters
+    ----------
+    field : str
+        Name of the parameter in messages.
+    path : str or path
+        It has to end on one of `FILES`.
+
+    Returns
+    -------
+    pathlib.Path
+
+    Raises
+    ------
+    InputError
+        If it has another ending.
+    """
     place = as_path(path)
     if place.suffix.lower() not in FILES:
         raise InputError(field, f"must end on {', '.join(FILES)}, got {str(path)!r}")
@@ -178,7 +202,17 @@ def figure_of(drawing: Axes | Figure) -> Figure:
 
 
 def arrow(ax: Axes, start: ArrayLike, tip: ArrayLike, **properties: Any) -> None:
-    """Draw a straight arrow from `start` (2,) to `tip` (2,); `properties` are matplotlib's."""
+    """Draw a straight arrow.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+        Axes to draw in.
+    start, tip : array_like, (2,)
+        Its ends in the units of the axes.
+    **properties
+        Of matplotlib's ``FancyArrowPatch``.
+    """
     drawn = {"arrowstyle": "-|>,head_length=0.5,head_width=0.2", "linewidth": 0.9, "color": INK}
     fixed = {"shrinkA": 0, "shrinkB": 0, "mutation_scale": 8}
     ax.annotate(
@@ -193,7 +227,21 @@ def note(
     offset: tuple[float, float] = (0.0, 0.0),
     **properties: Any,
 ) -> None:
-    """Write a text at `position` (2,) plus `offset` [points]; `properties` are matplotlib's."""
+    """Write a text into a figure.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+        Axes to draw in.
+    position : array_like, (2,)
+        Place in the units of the axes.
+    text : str
+        The text.
+    offset : tuple of float, optional
+        Displacement of the text from `position` [points].
+    **properties
+        Of matplotlib's ``Axes.annotate``.
+    """
     where: dict[str, Any] = {"ha": "center", "va": "center", "zorder": 1001} | properties
     ax.annotate(text, xy=_pair(position), xytext=offset, textcoords="offset points", **where)
 
@@ -206,7 +254,17 @@ def _pair(position: ArrayLike) -> tuple[float, float]:
 
 
 def time_labels(times: Sequence[float]) -> list[str]:
-    """Times as text, all with as many decimals as the longest of them needs."""
+    """Times as text, all with as many decimals as the longest of them needs.
+
+    Parameters
+    ----------
+    times : sequence of float
+        Times of a scene.
+
+    Returns
+    -------
+    list of str
+    """
     decimals = max(len(f"{t:.6g}".partition(".")[2]) for t in times)
     return [f"$t = {t:.{decimals}f}$" for t in times]
 
@@ -232,7 +290,17 @@ def point_length(ax: Axes, box: tuple[float, float, float, float], **margins: fl
 
 
 def frame(ax: Axes, box: tuple[float, float, float, float], **margins: float) -> None:
-    """Show a box (left, right, bottom, top) with margins of the same names [points]."""
+    """Show a part of a drawing with margins around it.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+        Axes to draw in.
+    box : tuple of float
+        Left, right, bottom and top in the units of the axes.
+    **margins : float
+        `left`, `right`, `bottom` and `top` [points].
+    """
     point = point_length(ax, box, **margins)
     left, right, bottom, top = (point * margins.get(side, EDGE) for side in SIDES)
     ax.set_xlim(box[0] - left, box[1] + right)
@@ -241,7 +309,13 @@ def frame(ax: Axes, box: tuple[float, float, float, float], **margins: float) ->
 
 
 def trim(ax: Axes) -> None:
-    """Set the height of a figure to that of the drawing which fills it."""
+    """Set the height of a figure to that of the drawing which fills it.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+        Axes of the drawing.
+    """
     (left, right), (bottom, top) = ax.get_xlim(), ax.get_ylim()
     figure = figure_of(ax)
     figure.set_figheight(figure.get_figwidth() * (top - bottom) / (right - left))

@@ -146,7 +146,23 @@ for _cls in (Sum, Scaled, Table, *AT_CUTOFF.values()):
 
 
 def as_potential(value: Any) -> Potential:
-    """A potential with a complete class and finite, valid parameters.  Raises InputError."""
+    """A potential with a complete class and finite, valid parameters.
+
+    Parameters
+    ----------
+    value : NamedTuple
+        An instance of a built-in or user-defined class.
+
+    Returns
+    -------
+    NamedTuple
+        Its parameters are floats, and its class has all methods that runs need.
+
+    Raises
+    ------
+    InputError
+        If the class is no potential, or a parameter is not valid.
+    """
     if isinstance(value, Unloaded):
         return value  # type: ignore[return-value]  # only a scene that is run needs more
     complete(type(value))

@@ -66,11 +66,12 @@ def batch_of(records: Records, surfaces: Records, velocity: np.ndarray) -> Batch
 
 
 def _some(whole: Batch, place: slice) -> Batch:
-    asperites = Asperites(**{name: each[place] for name, each in vars(whole.asperites).items()})
+    parts = {name: each[..., place] for name, each in vars(whole.asperites).items()}
+    asperites = Asperites(**parts)
     return Batch(
         place,
         asperites,
-        whole.velocity[:, place],
+        whole.velocity[..., place],
         whole.held[place],
         whole.reservoir[:, place],
         _present(asperites),

@@ -112,7 +112,7 @@ class Entry(Motion):
         return self.samples.change(self.energy)
 
     def bob_speed(self, frame: np.ndarray) -> np.ndarray:
-        """The speed of the bob in a frame that moves with a velocity (2,)."""
-        vx, vy = self.velocity
-        moving = vx - frame[0], vy - frame[1], self.omega, self.batch.asperites.l1
+        """The speed of the bob in a frame that moves with a velocity (2,), or (2, times)."""
+        (vx, vy), (frame_x, frame_y) = self.velocity, frame[..., None]
+        moving = vx - frame_x, vy - frame_y, self.omega, self.batch.asperites.l1
         return np.asarray(np.hypot(*bob_velocity(*moving, *self.direction)))

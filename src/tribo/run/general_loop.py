@@ -83,7 +83,7 @@ class GeneralLoop:
         self._scratch = (work,) if method.splits else (work, speeds)
         if method.adaptive:
             self._scratch += (empty_state(self.state),)
-        self._constants = (method.coefficients, _in_blocks(setting, layout))
+        self._constants = (method.coefficients, in_blocks(setting, layout))
         self.compiled = time_loop(method.loop, source_stamp(layout.plugins))
 
     def room(self, samples: int) -> Columns:
@@ -100,9 +100,13 @@ class GeneralLoop:
 
     def advance(self, times: np.ndarray, columns: Columns, budget: int) -> int:
         """Take at most `budget` steps, and record the samples at `times`; a code of a status."""
+        code: int = self.compiled(self.layout.model, *self._arguments(times, columns, budget))
+        return code
+
+    def _arguments(self, times: np.ndarray, columns: Columns, budget: int) -> tuple[Any, ...]:
+        """The arguments of the loop, behind the model."""
         self._neighbours = with_room(self._neighbours)
-        code: int = self.compiled(
-            self.layout.model,
+        return (
             self._neighbours,
             *self._constants,
             self.clocks,
@@ -113,7 +117,6 @@ class GeneralLoop:
             *self._noise,
             *self._scratch,
         )
-        return code
 
     def forget_neighbours(self) -> None:
         """Let the next call make its neighbour list, if it has one, from the bobs' places."""
@@ -168,7 +171,7 @@ def compile_loop(layout: Layout, method: Method) -> float:
     return time.perf_counter() - began
 
 
-def _in_blocks(setting: Setting, layout: Layout) -> Setting:
+def in_blocks(setting: Setting, layout: Layout) -> Setting:
     """A setting as the kernels read it; a tolerance is 1 for what fills their blocks."""
     if not isinstance(setting, Tolerance):
         return setting

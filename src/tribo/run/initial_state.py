@@ -33,7 +33,7 @@ class InitialState:
         self._has_followers = any(item is not None for item in followers)
         self._slots: dict[str, Slots] = {}
 
-    def __call__(self, start: Start) -> np.ndarray:
+    def __call__(self, start: Start, seed: int | None = None) -> np.ndarray:
         """The state that `start` changes.
 
         Parameters
@@ -41,6 +41,8 @@ class InitialState:
         start : mapping
             "surface.theta" (or swing, phi, omega, nu) -> a number, or one for each asperite.
             A phi moves theta with it where neither the scene nor `start` gives a theta or swing.
+        seed : int, optional
+            From which oscillators of baths are drawn; by default that of the scene.
 
         Returns
         -------
@@ -68,19 +70,19 @@ class InitialState:
         for key in start:
             if key.endswith((".phi", ".swing")):
                 self._follow(key.rpartition(".")[0], start, y)
-        if start and self._has_followers:
-            _reset_bars(self._layout, y)
+        if self._has_followers and (start or seed is not None):
+            _reset_bars(self._layout, y, self._layout.scene.seed if seed is None else seed)
         return y
 
-    def of_members(self, members: int, values: Mapping[str, np.ndarray]) -> np.ndarray:
-        """The states of many members, with angles and rates of pendulums from arrays.
+    def of_members(self, values: Mapping[str, np.ndarray], seeds: np.ndarray) -> np.ndarray:
+        """The states of many members.
 
         Parameters
         ----------
-        members : int
-            How many there are.
         values : mapping
-            "surface.theta" (or swing, omega) -> (members, 1) or (members, asperites).
+            "surface.theta" (or swing, phi, omega, nu) -> (members, 1) or (members, asperites).
+        seeds : ndarray, (members,)
+            From which oscillators of baths are drawn.
 
         Returns
         -------
@@ -91,11 +93,17 @@ class InitialState:
         InputError
             A name cannot be used.
         """
-        y = np.tile(self._layout.start, (members, 1))
+        if self._has_followers or any(key.endswith((".phi", ".swing")) for key in values):
+            return np.array([self._of_member(values, m, int(s)) for m, s in enumerate(seeds)])
+        y = np.tile(self._layout.start, (seeds.size, 1))
         for key, rows in values.items():
             slots, rest, count = _slots(self._layout, key)
-            y[:, np.atleast_1d(slots)] = np.broadcast_to(rows, (members, count)) - rest
+            y[:, np.atleast_1d(slots)] = np.broadcast_to(rows, (seeds.size, count)) - rest
         return y
+
+    def _of_member(self, values: Mapping[str, np.ndarray], m: int, seed: int) -> np.ndarray:
+        own = {key: rows[m] for key, rows in values.items()}
+        return self({key: v if v.size > 1 else float(v[0]) for key, v in own.items()}, seed)
 
     def _follow(self, name: str, start: Start, y: np.ndarray) -> None:
         """Let theta follow phi, as in :class:`tribo.Initial`, where it is given nowhere."""
@@ -121,10 +129,10 @@ def _slots(layout: Layout, key: str) -> Slots:
     return slots if surface.count > 1 else int(slots[0]), rest, surface.count
 
 
-def _reset_bars(layout: Layout, y: np.ndarray) -> None:
+def _reset_bars(layout: Layout, y: np.ndarray, seed: int) -> None:
     """Start driven bars, and every bath about its bars, where initial values have changed."""
     n = layout.coordinates
     for index, surface in enumerate(layout.scene.surfaces):
         part = layout.parts[surface.name]
-        rng = np.random.default_rng([layout.scene.seed, index, 1])
+        rng = np.random.default_rng([seed, index, 1])
         set_bars(layout.asperites[part], surface, part, y[:n], y[n:], rng)

@@ -14,7 +14,8 @@ from tribo.pair.loop import COLUMNS
 from tribo.pair.step import FIRST, OF_J, OF_V1, OF_V2
 from tribo.plugins.compile_errors import compiling
 from tribo.plugins.sources import source_stamp
-from tribo.run.members import MOST_STEPS, MemberRuns, MemberSamples
+from tribo.run.member_samples import MemberRuns
+from tribo.run.members import MOST_STEPS, PairMemberSamples
 from tribo.run.pair_adapter import Pair
 
 Arguments = tuple[np.ndarray | int, ...]
@@ -58,7 +59,7 @@ class PairLanes:
         self._table = np.zeros((-(-flat.size // LANES), LANES))
         self._table.flat[: flat.size] = flat
         examples = self._arguments(np.zeros((1, LANES)), *self._memory(1))
-        loop = time_loop(pair_members_in_lanes, source_stamp(pair.layout.plugins), nogil=True)
+        loop = time_loop(pair_members_in_lanes, source_stamp(pair.layout.plugins))
         with compiling(loop, pair.layout.named_plugins):
             self._loop = EntryPoint(loop, pair.scene_arguments, examples)
 
@@ -73,7 +74,8 @@ class PairLanes:
         bounds[0, lanes.MOST_TRIALS] = MOST_STEPS
         samples, counts = self._memory(len(starts))
         self._loop(*self._arguments(bounds, samples, counts, np.ascontiguousarray(starts)))
-        return MemberRuns(MemberSamples(self._times, samples, self._pair.factors), counts)
+        found = PairMemberSamples(self._times, samples, self._pair.factors)
+        return MemberRuns(self._pair.layout, found, counts)
 
     def _memory(self, members: int) -> tuple[np.ndarray, np.ndarray]:
         return np.empty((2, members, COLUMNS)), np.empty((members, 3), np.int64)

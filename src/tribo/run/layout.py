@@ -100,6 +100,14 @@ class Layout:
         """The asperites of all surfaces."""
         return batch_of(self.asperites, self.surfaces, self.velocity)
 
+    def velocity_of(self, index: int) -> tuple[float | np.ndarray, ...]:
+        """The initial velocity of a surface, in the laboratory: x and y."""
+        return self.scene.surfaces[index].velocity
+
+    def mass_of(self, index: int) -> float | np.ndarray:
+        """The mass of a surface and its bath."""
+        return float(self.surfaces[index].total_mass)
+
     @cached_property
     def effects(self) -> dict[str, tuple[int, bool, bool]]:
         """Surface -> its index, whether a field acts on it, whether it has a reservoir."""

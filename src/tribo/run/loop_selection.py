@@ -38,6 +38,8 @@ class Integrator:
 
     Attributes
     ----------
+    first_step : float
+        As given.
     compile_seconds : float
         Time to compile the loop, or to load it from disk.
     pair : Pair or None
@@ -60,7 +62,7 @@ class Integrator:
     ) -> None:
         self.layout = layout
         self.method = method
-        self._first_step = first_step
+        self.first_step = first_step
         self._progress = progress
         self.origin = origin
         self._journal = journal
@@ -105,7 +107,7 @@ class Integrator:
         if self.pair is not None:
             assert isinstance(setting, Tolerance)
             return self.pair.integrate(setting, start, times, self._progress, checkpoints, most)
-        first = self._first_step
+        first = self.first_step
         if isinstance(setting, Tolerance):
             first = first_step_at(setting, first, self.method.order)
         loop = GeneralLoop(self.layout, self.method, setting, start, first)

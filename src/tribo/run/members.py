@@ -1,4 +1,4 @@
-"""Many runs of one scene of two asperites, which differ in their starts, and their samples."""
+"""Many runs of one scene of two asperites, which differ in their starts."""
 
 from __future__ import annotations
 
@@ -9,19 +9,22 @@ import numpy as np
 
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.compiled import EntryPoint, time_loop
+from tribo.kernels.potential_numbers import numbers_of
 from tribo.pair.loop import COLUMNS
 from tribo.pair.members import pair_members
 from tribo.pair.step import LIMITS, STATE
 from tribo.plugins.compile_errors import compiling
 from tribo.plugins.sources import source_stamp
+from tribo.run.member_samples import MemberRuns, MemberSamples
 from tribo.run.pair_adapter import Factors, Pair, PairSamples
+from tribo.run.pair_numbers import LayoutOfMembers, PairNumbers
 
 # Steps after which a member is left to a run of its own, which is guarded against no progress.
 MOST_STEPS = 2048
 
 
-class MemberSamples(PairSamples):
-    """The samples of several runs: a row for each time and member, all members of a time together.
+class PairMemberSamples(PairSamples, MemberSamples):
+    """The samples of several runs of a pair, which stay in the loop's record.
 
     Parameters
     ----------
@@ -31,19 +34,13 @@ class MemberSamples(PairSamples):
         Rows of the loop's record.
     factors : Factors
         Of the scene's layout.
-
-    Attributes
-    ----------
-    members : int
-        How many there are.
     """
 
     def __init__(self, t: np.ndarray, record: np.ndarray, factors: Factors) -> None:
-        self._shape = record.shape[:2]
         self.members = record.shape[1]
         rows = record.reshape(-1, COLUMNS)
         first = np.tile(record[0], (t.size, 1))
-        super().__init__(np.repeat(t, self._shape[1]), rows, first, factors)
+        super().__init__(np.repeat(t, self.members), rows, first, factors)
 
     @cached_property
     def y(self) -> np.ndarray:  # type: ignore[override]
@@ -55,16 +52,25 @@ class MemberSamples(PairSamples):
         columns = np.argmax(np.abs(state), axis=1)
         return self._record[:, columns] * state[np.arange(len(state)), columns]
 
-    def change(self, series: np.ndarray) -> np.ndarray:
-        """A series of these samples less each member's value at the start of its run."""
-        each = series.reshape(*self._shape, *series.shape[1:])
-        return np.asarray((each - each[0]).reshape(series.shape))
-
-    def of_members(self, selected: np.ndarray) -> MemberSamples:
+    def of_members(self, selected: np.ndarray) -> PairMemberSamples:
         """The samples of some members, by their indices or a mask."""
         t = self.t[:: self.members]
-        record = self._record.reshape(*self._shape, COLUMNS)[:, selected]
-        return MemberSamples(t, np.ascontiguousarray(record), self._factors)
+        record = self._record.reshape(t.size, self.members, COLUMNS)[:, selected]
+        return PairMemberSamples(t, np.ascontiguousarray(record), self._factors)
+
+    def with_factors(self, state: np.ndarray, accounts: np.ndarray) -> MemberSamples:
+        """The samples as they are where each member has factors of its own.
+
+        They are those of :func:`tribo.run.pair_adapter.factors_of`, (members, ..., columns).
+        """
+        columns = self._columns.reshape(-1, self.members, state.shape[2]).swapaxes(0, 1)
+        y, s = (
+            (columns @ factors.swapaxes(1, 2)).swapaxes(0, 1).reshape(self.t.size, -1)
+            for factors in (state, accounts)
+        )
+        return MemberSamples(
+            self.members, self.t, y, s, self.contact, self.field, self.stored, self.baths
+        )
 
 
 class Memory(NamedTuple):
@@ -76,21 +82,6 @@ class Memory(NamedTuple):
     times: np.ndarray
     record: np.ndarray
     samples: np.ndarray
-    counts: np.ndarray
-
-
-class MemberRuns(NamedTuple):
-    """The runs of some members.
-
-    Attributes
-    ----------
-    samples : MemberSamples
-        At all times.
-    counts : ndarray, (members, 3)
-        Columns of :mod:`tribo.pair.members`.
-    """
-
-    samples: MemberSamples
     counts: np.ndarray
 
 
@@ -113,21 +104,35 @@ class PairMembers:
     def __init__(self, pair: Pair, times: np.ndarray) -> None:
         self._pair = pair
         self._times = times
-        examples = (pair.rows, *self._memory(1), MOST_STEPS)
-        loop = time_loop(pair_members, source_stamp(pair.layout.plugins), nogil=True)
+        self._record, potential = pair.scene_arguments
+        self._numbers = np.array([numbers_of(potential)], float)
+        examples = (self._record, self._numbers, pair.rows, *self._memory(1), MOST_STEPS)
+        loop = time_loop(pair_members, source_stamp(pair.layout.plugins))
         with compiling(loop, pair.layout.named_plugins):
-            self._loop = EntryPoint(loop, pair.scene_arguments, examples)
+            self._loop = EntryPoint(loop, (potential,), examples)
 
-    def run(self, tolerance: Tolerance, starts: np.ndarray) -> MemberRuns:
-        """Run members from `starts` (members, 2 coordinates), in this thread."""
+    def run(
+        self, tolerance: Tolerance, starts: np.ndarray, numbers: PairNumbers | None = None
+    ) -> MemberRuns:
+        """Run members from `starts` (members, 2 coordinates), in this thread.
+
+        With `numbers` of their own, or those of the scene.
+        """
+        layout = self._pair.layout
         rows = self._pair.rows.copy()
         rows[LIMITS:STATE] = self._pair.limits(tolerance)
         memory = self._memory(len(starts))
         memory.clocks["encounter_fraction"] = tolerance.encounter_fraction
         memory.starts[...] = starts
-        self._loop(rows, *memory, MOST_STEPS)
-        samples = MemberSamples(self._times, memory.samples, self._pair.factors)
-        return MemberRuns(samples, memory.counts)
+        record, potential = self._record, self._numbers
+        if numbers is not None:
+            record, potential = numbers.records(layout), np.ascontiguousarray(numbers.potential)
+        self._loop(record, potential, rows, *memory, MOST_STEPS)
+        samples = PairMemberSamples(self._times, memory.samples, self._pair.factors)
+        if numbers is None:
+            return MemberRuns(layout, samples, memory.counts)
+        own = samples.with_factors(*numbers.factors(layout))
+        return MemberRuns(LayoutOfMembers.of(layout, numbers), own, memory.counts)
 
     def _memory(self, members: int) -> Memory:
         """Memory for so many members."""

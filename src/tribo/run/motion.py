@@ -84,7 +84,7 @@ class Motion:
         """The columns of a group of slots; the value of `absent` where there is none."""
         if group in self._present:
             return columns(getattr(self._asperites, group), table, absent())
-        return np.full((len(table), self._asperites.mass.size), absent())
+        return np.full((len(table), self._asperites.stride.size), absent())
 
     @property
     def _q(self) -> np.ndarray:

@@ -253,15 +253,18 @@ class Pair:
         began = time.perf_counter()
         self.layout = layout
         self.adaptive = True
-        mobility = _mobility(layout)
+        asperites = np.asarray(layout.asperites)
+        mobility = mobility_of(layout, asperites)
+        depths, charges = layout.model.asperites[[Z, CHARGE]][:, layout.places.columns]
+        record = record_of(asperites[None], depths, charges, mobility)
         potential = layout.model.contacts[0].potential
         self._first_step, self._order = FIRST_STEP_FACTOR * first_step, method.order
         self.clocks, self.rows = np.zeros(1, CLOCK), np.zeros((ROWS, LANES))
         assert isinstance(method.coefficients, Collocation)
         self.rows[:LIMITS] = table(method.coefficients)
-        self.factors = _factors(layout, mobility)
+        self.factors = Factors(*factors_of(layout, asperites, mobility), {})
         # The loop's first arguments, the same in each call.
-        self._fixed = (_record(layout, mobility), potential, self.rows, self.clocks)
+        self._fixed = (record, potential, self.rows, self.clocks)
         self._evaluations = self.clocks["evaluations"]  # the loop begins a run where this is 0
         self._tolerance: Tolerance | None = None  # from which the rows' limits were made
         self._start = layout.start
@@ -359,53 +362,77 @@ def _memory(clocks: np.ndarray, rows: np.ndarray) -> Memory:
     return {"clock": numbers_of(clocks), "pair": rows}
 
 
-def _mobility(layout: Layout) -> np.ndarray:
-    """(2,) displacement of each centre of mass for k = 1."""
+def mobility_of(layout: Layout, asperites: np.ndarray) -> np.ndarray:
+    """(..., 2) displacement of each centre of mass for k = 1."""
     free = layout.surfaces.drive == FREE
-    return np.array([1.0, -1.0]) * free / layout.asperites.mass
+    return np.asarray(np.array([1.0, -1.0]) * free / asperites["mass"])
 
 
-def _record(layout: Layout, mobility: np.ndarray) -> np.ndarray:
-    """The scene as the loop reads it."""
-    a = layout.asperites
-    z, charge = layout.model.asperites[[Z, CHARGE]][:, layout.places.columns]
-    record = np.zeros(1, PAIR)
-    record["gap_x"], record["gap_y"] = a.x[0] - a.x[1], a.y[0] - a.y[1]
-    record["velocity_x"], record["velocity_y"] = a.vx[0] - a.vx[1], a.vy[0] - a.vy[1]
-    record["z_squared"] = (z[0] - z[1]) ** 2
-    record["mobility"] = mobility[0] - mobility[1]
+def record_of(
+    asperites: np.ndarray, depths: np.ndarray, charges: np.ndarray, mobility: np.ndarray
+) -> np.ndarray:
+    """Scenes as the loop reads them.
+
+    Parameters
+    ----------
+    asperites : ndarray, (..., 2), of ASPERITE
+        Those of each scene.
+    depths : ndarray, (2,)
+        z of the bobs.
+    charges, mobility : ndarray, (..., 2)
+        Of the bobs; :func:`mobility_of`.
+
+    Returns
+    -------
+    ndarray, (...), of PAIR
+    """
+    a = asperites
+    record = np.zeros(a.shape[:-1], PAIR)
+    for name, of in (("gap_x", "x"), ("gap_y", "y"), ("velocity_x", "vx"), ("velocity_y", "vy")):
+        record[name] = a[of][..., 0] - a[of][..., 1]
+    record["z_squared"] = (depths[0] - depths[1]) ** 2
+    record["mobility"] = mobility[..., 0] - mobility[..., 1]
     for i, sign in enumerate((1.0, -1.0)):
-        lever = sign * a.facing[i] / a.inertia[i]
-        across = a.l1[i] + a.l2[i]
-        record[f"charge{i + 1}"] = charge[i]
-        record[f"arm{i + 1}"] = a.facing[i] * a.l1[i]
-        record[f"lever_x{i + 1}"] = lever * (across if mobility[i] == 0.0 else a.l1[i])
+        one, free = a[..., i], mobility[..., i] != 0.0
+        lever = sign * one["facing"] / one["inertia"]
+        across = one["l1"] + one["l2"]
+        record[f"charge{i + 1}"] = charges[..., i]
+        record[f"arm{i + 1}"] = one["facing"] * one["l1"]
+        record[f"lever_x{i + 1}"] = lever * np.where(free, one["l1"], across)
         record[f"lever_y{i + 1}"] = lever * across
-        record[f"omega_squared{i + 1}"] = a.kappa[i] / a.inertia[i]
+        record[f"omega_squared{i + 1}"] = one["kappa"] / one["inertia"]
     return record
 
 
-def _factors(layout: Layout, mobility: np.ndarray) -> Factors:
-    """The factors of a layout; for the meaning of the accounts see :mod:`tribo.kernels.powers`."""
-    n = layout.coordinates
-    to_state = np.zeros((2 * n, ENERGY + 2))
-    to_accounts = np.zeros((layout.accounts, ENERGY + 2))
+def factors_of(
+    layout: Layout, asperites: np.ndarray, mobility: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """The factors of coordinates and of accounts, (..., 2 coordinates or accounts, columns).
+
+    `asperites` and `mobility` are (..., 2), with the slots of the layout.  For the meaning of the
+    accounts see :mod:`tribo.kernels.powers`.
+    """
+    n, shape = layout.coordinates, asperites.shape[:-1]
+    to_state = np.zeros((*shape, 2 * n, ENERGY + 2))
+    to_accounts = np.zeros((*shape, layout.accounts, ENERGY + 2))
     columns = ((Q1, V1, X1, Y1, T1, ARC1), (Q2, V2, X2, Y2, T2, ARC2))
-    for i, (a, sign) in enumerate(zip(layout.asperites, (1.0, -1.0), strict=True)):
+    for i, (slots, sign) in enumerate(zip(layout.asperites, (1.0, -1.0), strict=True)):
         q, v, about_x, about_y, twist, arc = columns[i]
-        to_state[i, q] = to_state[n + i, v] = 1.0
+        a, slide = asperites[..., i], mobility[..., i]
+        to_state[..., i, q] = to_state[..., n + i, v] = 1.0
         first = FIRST_ACCOUNT
-        contact = a.acc_contact
-        to_accounts[contact, J] = to_accounts[contact + 1, first + J_Y] = sign
-        to_accounts[contact + 2, first + about_x] = sign * a.facing
-        to_accounts[contact + 3, first + about_y] = sign * a.facing
-        if a.dof_x >= 0:
-            to_state[a.dof_x, K] = to_state[n + a.dof_x, J] = mobility[i]
+        contact = slots.acc_contact
+        to_accounts[..., contact, J] = to_accounts[..., contact + 1, first + J_Y] = sign
+        to_accounts[..., contact + 2, first + about_x] = sign * a["facing"]
+        to_accounts[..., contact + 3, first + about_y] = sign * a["facing"]
+        if slots.dof_x >= 0:
+            to_state[..., slots.dof_x, K] = to_state[..., n + slots.dof_x, J] = slide
             block = layout.surfaces[i].acc_block
-            to_accounts[a.acc_slide, first + S] = to_accounts[block, first + S] = sign * mobility[i]
-        if a.acc_ends >= 0:
-            end = a.kappa / a.bar_length
-            to_accounts[a.acc_ends, arc] = -a.l2 * a.facing * end
-            to_accounts[a.acc_ends + 1, arc] = a.l2 * a.facing * end
-            to_accounts[a.acc_ends + 3, first + twist] = end
-    return Factors(to_state, to_accounts, {})
+            for slot in (slots.acc_slide, block):
+                to_accounts[..., slot, first + S] = sign * slide
+        if slots.acc_ends >= 0:
+            end = a["kappa"] / a["bar_length"]
+            to_accounts[..., slots.acc_ends, arc] = -a["l2"] * a["facing"] * end
+            to_accounts[..., slots.acc_ends + 1, arc] = a["l2"] * a["facing"] * end
+            to_accounts[..., slots.acc_ends + 3, first + twist] = end
+    return to_state, to_accounts

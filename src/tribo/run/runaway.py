@@ -23,25 +23,32 @@ def up_to_runaway(layout: Layout, run: Integration) -> Integration:
     """The run, or its part up to the first sample at which its energy has run away.
 
     That is where the energy exceeds RUNAWAY times that at the start, and its change differs from
-    the applied work by more than any applied work and any energy of contact so far.  Without a
-    ledger it is not known.
+    the applied work by more than any applied work and any energy of contact or of fields so far.
+    Without a ledger it is not known.
     """
     samples = run.samples
     if layout.model.ledger is None:
         return run
     with np.errstate(over="ignore", invalid="ignore"):  # an energy may exceed all numbers
-        energy = _energy(layout, samples)
-        grown = energy > RUNAWAY * energy[0]
+        grown = grows(layout, samples)
         if not np.any(grown):
             return run
         system = assemble(layout, samples).system
         excess = np.abs(system["total_energy_change"] - system["applied_work"])
-        known = np.maximum(np.abs(samples.contact), np.abs(system["applied_work"]))
+        known = np.maximum(np.abs(samples.contact), np.abs(samples.field))
+        known = np.maximum(known, np.abs(system["applied_work"]))
         lost = np.flatnonzero(grown & (excess > np.maximum.accumulate(known)))
     if lost.size == 0:
         return run
     kept = samples.at(samples.t[: lost[0] + 1])
     return replace(run, recorded=lambda: kept, _samples=kept, status=Status.ENERGY_RUNAWAY)
+
+
+def grows(layout: Layout, samples: Samples) -> np.ndarray:
+    """Whether the energy exceeds RUNAWAY times that at the start, (times,)."""
+    with np.errstate(over="ignore", invalid="ignore"):  # an energy may exceed all numbers
+        energy = _energy(layout, samples)
+        return np.asarray(energy > RUNAWAY * samples.at_start(energy))
 
 
 def _energy(layout: Layout, samples: Samples) -> np.ndarray:

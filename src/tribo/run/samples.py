@@ -66,9 +66,13 @@ class Samples:
         with np.errstate(over="ignore", invalid="ignore"):
             return function(self.s)
 
+    def at_start(self, series: np.ndarray) -> np.ndarray:
+        """The value of a series of these samples at the start of the run."""
+        return np.asarray(series[0])
+
     def change(self, series: np.ndarray) -> np.ndarray:
         """A series of these samples less its value at the start of the run."""
-        return np.asarray(series - series[0])
+        return np.asarray(series - self.at_start(series))
 
     def _rows(self, selected: np.ndarray) -> Samples:
         return Samples(*(getattr(self, f.name)[selected] for f in fields(Samples)))

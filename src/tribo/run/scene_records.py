@@ -35,22 +35,32 @@ def resting_bobs(scene: Scene, index: int) -> np.ndarray:
 
 def _fill_asperites(asperites: np.ndarray, scene: Scene, index: int) -> None:
     surface, first = scene.surfaces[index], scene.surfaces[0]
-    each = surface.asperite.for_each(surface.count)
-    for name in ("mass", "inertia", "kappa", "l1", "l2", "i2", "bar_length"):
-        asperites[name] = each[name]
-    bobs = resting_bobs(scene, index)
-    if surface.asperite.is_rigid:
-        asperites["kappa"] = 0.0  # a constraint holds them, and they store no energy
-    if isinstance(surface.drive, DrivenBars):
-        asperites["pivot"] = each["l2"]
+    fill_parameters(
+        asperites, surface, surface.asperite.for_each(surface.count), resting_bobs(scene, index)
+    )
     asperites["facing"] = surface.facing_sign
-    asperites["x"] = bobs[:, 0]
-    asperites["y"] = bobs[:, 1] + surface.facing_sign * each["l1"]
     asperites["vx"] = surface.velocity[0] - first.velocity[0]
     asperites["vy"] = surface.velocity[1] - first.velocity[1]
     initial = surface.initial.for_each(surface.count)
     for name in ("phi", "nu"):
         asperites[name] = 0.0 if initial[name] is None else initial[name]
+
+
+def fill_parameters(
+    asperites: np.ndarray, surface: Surface, each: dict[str, np.ndarray], bobs: np.ndarray
+) -> None:
+    """Fill in what follows from the parameters of asperites, as `Asperite.for_each` gives them.
+
+    Their resting bobs are `bobs` (n, 3).
+    """
+    for name in ("mass", "inertia", "kappa", "l1", "l2", "i2", "bar_length"):
+        asperites[name] = each[name]
+    if surface.asperite.is_rigid:
+        asperites["kappa"] = 0.0  # a constraint holds them, and they store no energy
+    if isinstance(surface.drive, DrivenBars):
+        asperites["pivot"] = each["l2"]
+    asperites["x"] = bobs[:, 0]
+    asperites["y"] = bobs[:, 1] + surface.facing_sign * each["l1"]
 
 
 def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:

@@ -129,7 +129,7 @@ class Whole(Group):
     @_with_infinities
     def change_of_kinetic(self) -> np.ndarray:
         """The change of the bulk kinetic energy."""
-        vx, vy = self._layout.scene.surfaces[self._index].velocity
+        vx, vy = self._layout.velocity_of(self._index)
         lag_x, lag_y = self._lag
         moving = self._mass * (vx * lag_x + vy * lag_y) + self._bulk
         return self.samples.change(moving)
@@ -165,7 +165,7 @@ class Whole(Group):
     @property
     def kinetic_of_bath(self) -> np.ndarray:
         """The kinetic energy of the bath in the laboratory."""
-        vx, vy = self._layout.scene.surfaces[self._index].velocity
+        vx, vy = self._layout.velocity_of(self._index)
         stored = self._stored
         moving = vx * stored[:, MOMENTUM_X] + vy * stored[:, MOMENTUM_Y]
         mass = self._mass - float(self._record.mass)
@@ -193,9 +193,9 @@ class Whole(Group):
         return self._layout.surfaces[self._index]
 
     @cached_property
-    def _mass(self) -> float:
+    def _mass(self) -> float | np.ndarray:
         """The mass of the surface and its bath."""
-        return float(self._record.total_mass)
+        return self._layout.mass_of(self._index)
 
     @property
     def _accounted(self) -> tuple[Batch, ...]:

@@ -13,7 +13,7 @@ import numpy as np
 
 from tribo.model.surface import Surface
 from tribo.run.contact_probe import ContactProbe
-from tribo.run.quantities import QUANTITIES, Table
+from tribo.run.quantities import EVERY_QUANTITY, Table
 from tribo.run.result import Result
 from tribo.validation import InputError
 
@@ -144,7 +144,7 @@ def _groups(result: Result) -> list[dict[str, Any]]:
 def _curves(table: Table) -> list[dict[str, str]]:
     """Name, meaning and values of each series of a table."""
     return [
-        {"name": name, "meaning": QUANTITIES[name].long_name, "values": _doubles(table[name])}
+        {"name": name, "meaning": EVERY_QUANTITY[name].long_name, "values": _doubles(table[name])}
         for name in table
     ]
 

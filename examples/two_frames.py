@@ -1,0 +1,49 @@
+"""The work of friction depends on the observer; the heat does not.
+
+For an observer who moves with the velocity -u, each force has u times its impulse more work, and as
+much more pseudowork.  The difference of work and pseudowork, summed over all forces on an asperite,
+is the change of its internal energy, and all observers agree on it.  The paper prints 0.520 for its
+case A.
+
+J. D. Brown, Work Done by Sliding Friction, section on forced sliding.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+import tribo
+from tribo import paper
+
+# Velocities u that are added to all velocities of case A.
+VELOCITIES = np.linspace(-1.0, 1.0, 9)
+
+
+def works(velocity):
+    """Work and pseudowork of the contact force on the upper asperite; all work less pseudowork."""
+    case = paper.scene("A")
+    surfaces = [replace(s, velocity=np.add(s.velocity, (velocity, 0.0))) for s in case.surfaces]
+    upper = tribo.simulate(replace(case, surfaces=tuple(surfaces)))["upper"]
+    return upper.w1[-1, 0], upper.w1_ps[-1, 0], upper.w[-1, 0] - upper.w_ps[-1, 0]
+
+
+def main(folder="."):
+    """Impulse by the change of the work, and the range of the internal energy over observers."""
+    work, pseudowork, heat = np.transpose([works(u) for u in VELOCITIES])
+    with tribo.plotting.style():
+        ax = tribo.plotting.axes(tribo.plotting.COLUMN, 2.4)
+        ax.plot(VELOCITIES, work, "o-", ms=3, color="#0b62a4", label="work of the contact")
+        ax.plot(VELOCITIES, pseudowork, "s-", ms=3, color="#7fadd0", label="its pseudowork")
+        ax.plot(VELOCITIES, heat, "^-", ms=3, color="#d55e00", label="internal energy")
+        ax.set(xlabel="velocity $u$ of all surfaces", ylabel="energy")
+        ax.legend(frameon=False)
+    tribo.plotting.save(ax, f"{folder}/two_frames.png")
+    return {
+        "internal energy": heat[0],
+        "its range over observers": np.ptp(heat),
+        "range of the work of the contact": np.ptp(work),
+    }
+
+
+if __name__ == "__main__":
+    print(main())

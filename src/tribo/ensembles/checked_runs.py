@@ -1,0 +1,336 @@
+"""Members that are run by one compiled loop with one setting, checked, and refined.
+
+All members are run by one method with one setting (:mod:`tribo.ensembles.checked_plan`).  The first
+members, one in so many of the others, and all that took more evaluations than the plan says, are
+run again with a finer setting.
+A member that misses its accuracy is delivered from the finer run, once that agrees with a still
+finer one, or else from a run of its own with a search for its settings.
+
+What is delivered of a member depends on the plan and on the member alone, not on the members that
+are run beside it.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple, Protocol, Self
+
+import numpy as np
+
+from tribo.accuracy.cheapest_setting import NEAR_ALONE
+from tribo.accuracy.comparison import strictest
+from tribo.accuracy.levels import setting_at
+from tribo.accuracy.members import FineMembers
+from tribo.accuracy.scales import FLOOR, ToleranceScales
+from tribo.ensembles.kept_values import STATUS_TYPE, UNKNOWN, Kept, KeptValues
+from tribo.ensembles.members import Members, values_at_start
+from tribo.integrators.nystrom_tableaux import RKN8, RKN12
+from tribo.integrators.step_control import Tolerance
+from tribo.kernels.status import COMPLETED, Status
+from tribo.pair.members import CODE, EVALUATIONS, STEPS
+from tribo.prepared import Simulation
+from tribo.run.general_members import GeneralMembers
+from tribo.run.initial_state import InitialState
+from tribo.run.lane_members import PairLanes, has_lanes
+from tribo.run.layout import Layout
+from tribo.run.ledger import assemble
+from tribo.run.member_samples import MemberRuns
+from tribo.run.members import PairMembers
+from tribo.run.pair_numbers import PairNumbers, pair_numbers
+
+# Members that are run in one call, at most: of a pair some 30 ms, after which an interrupt is
+# answered.
+CHUNK = 8192
+# Work of a call for members of larger scenes [force evaluations x asperites]: some 0.1 s, to which
+# the ledgers of all its members add a few milliseconds.
+CHUNK_WORK = 1e6
+# Samples of all members of one call, at most: 20 MB.
+MOST_SAMPLES = 2**17
+# Numbers in the samples of all members of a call, at most: 16 MB.
+MOST_NUMBERS = 2**21
+# Members by which the setting is chosen, the first ones, which are all checked: their share of a
+# million is nothing.
+SAMPLE = 64
+# Members of the pilot: 2 % of the runs of 200,000 members of a pair.  Those of larger scenes are
+# fewer, and fewer are checked before them.
+PILOT, PILOT_OF_LARGE = 4096, 512
+# Finest level by which the setting is chosen in larger scenes, relative to the accuracy.  Pairs can
+# afford the finest that there is.
+FINEST_OF_LARGE = 1e-4
+# One member in so many is checked beside them, whatever its evaluations: 2 % of the time.
+CHECKED = 256
+# Level of a run that checks another, relative to that or to the accuracy: its error is two digits
+# smaller.
+FINER = 1e-2
+# Largest difference of a run from a finer one, in units of the accuracy: the rest is for the error
+# of the finer run.
+KEPT = 0.9
+# Longest step of members in lanes, as a fraction of the time to the next encounter.
+NEAR_IN_LANES = 1.25
+# Time of an evaluation of all forces in lanes, relative to that of the collocation: 6 and 13 ns, as
+# measured on cases A and C of the paper.
+COST_IN_LANES = 0.47
+# Times that a member is refined before it gets a run of its own.
+REFINEMENTS = 3
+
+
+class Loop(Protocol):
+    """Runs members with a setting."""
+
+    def run(self, setting: Tolerance, starts: np.ndarray, /) -> MemberRuns:
+        """Run members from `starts` (members, 2 coordinates), in this thread."""
+
+
+class Begun(NamedTuple):
+    """Members before their runs.
+
+    Attributes
+    ----------
+    starts : ndarray, (members, 2 coordinates)
+        Their states at t = 0.
+    numbers : PairNumbers or None
+        Numbers of their own.
+    """
+
+    starts: np.ndarray
+    numbers: PairNumbers | None
+
+    def of_members(self, selected: np.ndarray | slice) -> Begun:
+        """Some of them."""
+        numbers = None if self.numbers is None else self.numbers.of_members(selected)
+        return Begun(self.starts[selected], numbers)
+
+    def pieces(self, size: int) -> list[Begun]:
+        """So many of them at a time."""
+        firsts = range(0, len(self.starts), size)
+        return [self.of_members(slice(first, first + size)) for first in firsts]
+
+
+class Way(NamedTuple):
+    """A way to run members.
+
+    Attributes
+    ----------
+    loop : Loop
+        Runs them.
+    near : float
+        The longest step, as a fraction of the time to the next encounter.
+    cost : float
+        Time of an evaluation, relative to that of the collocation.
+    """
+
+    loop: Loop
+    near: float
+    cost: float
+
+
+class CheckedPlan(NamedTuple):
+    """How all members are run.
+
+    Attributes
+    ----------
+    method : str
+        The way to run them.
+    level : float
+        Of their tolerances.
+    most_evaluations : int
+        Members that take more are checked.
+    scales : tuple of float
+        Of the tolerances: fields of :class:`tribo.accuracy.scales.ToleranceScales`.
+    """
+
+    method: str
+    level: float
+    most_evaluations: int
+    scales: tuple[float, ...]
+
+    @property
+    def attributes(self) -> dict[str, str | float]:
+        """The plan as attributes of a data set."""
+        return {
+            "method": self.method,
+            "level": self.level,
+            "most_evaluations": self.most_evaluations,
+            "scales": json.dumps(self.scales),
+        }
+
+    @classmethod
+    def from_attributes(cls, attributes: Mapping[str, str | float]) -> Self:
+        """The plan in the attributes of a data set."""
+        method, level, evaluations, scales = (attributes[name] for name in cls._fields)
+        numbers = tuple(json.loads(str(scales)))
+        return cls(str(method), float(level), int(evaluations), numbers)
+
+
+class CheckedRuns:
+    """Runs members of an ensemble in batches.
+
+    Parameters
+    ----------
+    simulation : Simulation
+        Of the ensemble's scene, with an adaptive method and an accuracy.
+    kept : Kept
+        What is kept.
+    own_numbers : sequence of str
+        Keys of what members differ in beside their starts.
+
+    Attributes
+    ----------
+    plan : CheckedPlan
+        How all members are run; it has to be set.
+    own_numbers
+        As given.
+    ways : dict
+        The ways to run members, by method; the first is that of single runs.
+    exact : str
+        The first of them.
+    pilot : int
+        Members by which it is found whom to check.
+    finest : float
+        The finest level by which the setting is chosen.
+    """
+
+    plan: CheckedPlan
+
+    def __init__(self, simulation: Simulation, kept: Kept, own_numbers: Sequence[str]) -> None:
+        assert simulation.accuracy is not None
+        self.simulation = simulation
+        self.kept = kept
+        asked = simulation.accuracy
+        self._accuracy = asked if isinstance(asked, Mapping) else dict.fromkeys(kept.names, asked)
+        self.exact = simulation.method.name
+        self.own_numbers = own_numbers
+        self.ways = _ways(simulation, bool(own_numbers))
+        self._initial = InitialState(simulation.layout)
+        self._pair = simulation.integrator.pair is not None
+        self.pilot = PILOT if self._pair else PILOT_OF_LARGE
+        self.finest = FLOOR if self._pair else max(FLOOR, FINEST_OF_LARGE * self.strictest)
+
+    @property
+    def chunk(self) -> int:
+        """Members that are run in one call."""
+        layout = self.simulation.layout
+        if self._pair:
+            return max(1, min(CHUNK, MOST_SAMPLES // layout.times.size))
+        return chunk_of(layout, self.simulation.finest.evaluations)
+
+    @property
+    def strictest(self) -> float:
+        """The smallest accuracy that is asked for."""
+        return strictest(self._accuracy)
+
+    def compute(self, members: Members) -> KeptValues:
+        """Run some members, check and refine them.
+
+        Those that need a search for their own settings have the status UNKNOWN.
+        """
+        plan = self.plan
+        begun = self.begin(members)
+        runs = self.run(plan.method, plan.level, plan.scales, begun)
+        complete = runs.counts[:, CODE] == COMPLETED
+        found = KeptValues(
+            kept_values(self.kept, runs),
+            np.where(complete, str(Status.COMPLETED), UNKNOWN).astype(STATUS_TYPE),
+            runs.counts[:, STEPS].copy(),
+            np.full(complete.size, plan.level),
+            np.full(complete.size, np.nan),
+        )
+        many = runs.counts[:, EVALUATIONS] > plan.most_evaluations
+        some = (members.numbers < SAMPLE) | (members.numbers % CHECKED == 0)
+        checked = complete & (many | some)
+        if checked.any():
+            self._refine(found, np.flatnonzero(checked), runs, begun)
+        return found
+
+    def begin(self, members: Members) -> Begun:
+        """Some members before their runs."""
+        starts = self._initial.of_members(values_at_start(members.values), members.seeds)
+        if not self.own_numbers:
+            return Begun(starts, None)
+        layout = self.simulation.layout
+        return Begun(starts, pair_numbers(layout, len(starts), members.values))
+
+    def run(self, method: str, level: float, scales: tuple[float, ...], begun: Begun) -> MemberRuns:
+        """Run members by one way with tolerances of one level."""
+        way = self.ways[method]
+        tolerance = tolerance_at(self.simulation, ToleranceScales(*scales), level, way.near)
+        if begun.numbers is None:
+            return way.loop.run(tolerance, begun.starts)
+        assert isinstance(way.loop, PairMembers)
+        return way.loop.run(tolerance, begun.starts, begun.numbers)
+
+    def excess(self, fine: MemberRuns, runs: MemberRuns) -> np.ndarray:
+        """The largest difference of each member from a finer run, in units of its accuracy.
+
+        Infinite where either run did not complete.
+        """
+        exact = FineMembers(fine.layout, fine.samples, self._accuracy)
+        excess = exact.excess(runs.samples)
+        complete = (runs.counts[:, CODE] == COMPLETED) & (fine.counts[:, CODE] == COMPLETED)
+        return np.where(complete & np.isfinite(excess), excess, np.inf)
+
+    def finer(self, level: float) -> float:
+        """The level of runs that check those of another level."""
+        return max(FLOOR, FINER * min(level, self.strictest))
+
+    def _refine(self, found: KeptValues, now: np.ndarray, runs: MemberRuns, begun: Begun) -> None:
+        """Check members with some places, and deliver those that miss from finer runs."""
+        coarse, level = runs.of_members(now), self.plan.level
+        for _ in range(REFINEMENTS + 1):
+            level = self.finer(level)
+            fine = self.run(self.exact, level, self.plan.scales, begun.of_members(now))
+            excess = self.excess(fine, coarse)
+            known = np.isfinite(excess)
+            found.error[now] = np.where(known, excess * self.strictest, np.nan)
+            bad = ~(excess <= KEPT)
+            now, coarse = now[bad], fine.of_members(bad)
+            if not now.size:
+                return
+            refined = kept_values(self.kept, coarse)
+            for name, values in refined.items():
+                found.values[name][now] = values
+            found.level[now], found.steps[now] = level, coarse.counts[:, STEPS]
+        found.status[now] = UNKNOWN
+
+
+def _ways(simulation: Simulation, own_numbers: bool) -> dict[str, Way]:
+    """The ways to run members, by method; with `own_numbers` not in lanes."""
+    pair, method, layout = simulation.integrator.pair, simulation.method, simulation.layout
+    if pair is None:
+        general = GeneralMembers(layout, method, simulation.integrator.first_step)
+        return {method.name: Way(general, NEAR_ALONE, 1.0)}
+    times = layout.times
+    ways = {method.name: Way(PairMembers(pair, times), NEAR_ALONE, 1.0)}
+    if has_lanes(pair) and times.size == 2 and not own_numbers:
+        ways |= {
+            name: Way(PairLanes(pair, explicit, times[-1]), NEAR_IN_LANES, COST_IN_LANES)
+            for name, explicit in (("rkn8", RKN8), ("rkn12", RKN12))
+        }
+    return ways
+
+
+def chunk_of(layout: Layout, evaluations: float) -> int:
+    """Members that are run in one call, if each takes so many evaluations of all forces."""
+    numbers = layout.times.size * (2 * layout.core + layout.accounts)
+    quick = CHUNK_WORK / (evaluations * layout.asperites.size)
+    return max(1, int(min(CHUNK, quick, MOST_NUMBERS / numbers)))
+
+
+def kept_values(kept: Kept, runs: MemberRuns) -> dict[str, np.ndarray]:
+    """The kept quantities, (members, [times,] [asperites])."""
+    ledger, found = assemble(runs.layout, runs.samples), {}
+    for name in kept.names:
+        series = ledger.series(name)[0]
+        each = series.reshape(-1, runs.samples.members, *series.shape[1:])
+        found[name] = np.moveaxis(each, 0, 1) if kept.at_samples else each[-1]
+    return found
+
+
+def tolerance_at(
+    simulation: Simulation, scales: ToleranceScales, level: float, near: float
+) -> Tolerance:
+    """The setting of members at a level of their errors."""
+    setting = setting_at(simulation.layout, simulation.method, scales, level, near)
+    assert isinstance(setting, Tolerance)
+    return setting

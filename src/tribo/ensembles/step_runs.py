@@ -1,0 +1,65 @@
+"""Members that are run in batches with a given step, also with noise."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tribo.ensembles.checked_runs import chunk_of, kept_values
+from tribo.ensembles.kept_values import STATUS_TYPE, UNKNOWN, Kept, KeptValues
+from tribo.ensembles.members import Members
+from tribo.kernels.status import COMPLETED, Status
+from tribo.pair.members import CODE, STEPS
+from tribo.prepared import Simulation
+from tribo.run.general_members import GeneralMembers
+from tribo.run.initial_state import InitialState
+from tribo.run.runaway import grows
+
+
+class StepRuns:
+    """Runs members of an ensemble in batches, with the step of the simulation.
+
+    Parameters
+    ----------
+    simulation : Simulation
+        Of the ensemble's scene, with a given step.
+    kept : Kept
+        What is kept.
+
+    Attributes
+    ----------
+    plan : None
+        There is none beside that of the simulation.
+    """
+
+    plan = None
+
+    def __init__(self, simulation: Simulation, kept: Kept) -> None:
+        layout = simulation.layout
+        self.simulation = simulation
+        self.kept = kept
+        first = simulation.integrator.first_step
+        self._loop = GeneralMembers(layout, simulation.method, first)
+        self._initial = InitialState(layout)
+
+    @property
+    def chunk(self) -> int:
+        """Members that are run in one call."""
+        layout, step = self.simulation.layout, self.simulation.plan.setting
+        assert isinstance(step, float)
+        return chunk_of(layout, layout.scene.duration / step + layout.times.size)
+
+    def compute(self, members: Members) -> KeptValues:
+        """Run some members.  Those that do not complete have the status UNKNOWN."""
+        layout = self.simulation.layout
+        starts = self._initial.of_members(members.values, members.seeds)
+        runs = self._loop.run(self.simulation.plan.setting, starts, members.seeds)
+        grown = grows(layout, runs.samples).reshape(-1, len(starts)).any(axis=0)
+        complete = (runs.counts[:, CODE] == COMPLETED) & ~grown
+        unknown = np.full(complete.size, np.nan)
+        return KeptValues(
+            kept_values(self.kept, runs),
+            np.where(complete, str(Status.COMPLETED), UNKNOWN).astype(STATUS_TYPE),
+            runs.counts[:, STEPS].copy(),
+            unknown,
+            unknown.copy(),
+        )

@@ -1,0 +1,103 @@
+"""The command `tribo run`: a scene file is simulated, and the run of a file repeated."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tribo.files import checked_target
+from tribo.interrupts import COMPLETED, STOPPED
+from tribo.scene_options import (
+    add_numerics,
+    add_scene,
+    add_set,
+    as_number,
+    check_figure,
+    load_with_values,
+    with_samples,
+)
+from tribo.validation import InputError
+
+if TYPE_CHECKING:
+    from tribo.run.result import Result
+
+# Options that change a scene or its numerics, which a repeated run takes from its file.
+CHANGES = ("set", "accuracy", "method", "step", "samples")
+
+
+def add_run(run: argparse.ArgumentParser) -> None:
+    """Add the arguments of `tribo run`."""
+    add_scene(run, "SCENE.toml|FILE.nc")
+    run.add_argument(
+        "--out",
+        type=Path,
+        metavar="FILE",
+        help="write all time series as NetCDF; FILE.part keeps what is reached while the run goes "
+        "on, and if it is interrupted",
+    )
+    run.add_argument(
+        "--resume",
+        action="store_true",
+        help="continue FILE.part, to the same bits as without the pause; print the result if FILE "
+        "is complete",
+    )
+    run.add_argument("--json", action="store_true", help="print only the end state, as JSON")
+    add_numerics(run)
+    run.add_argument("--samples", metavar="N", help="number of evenly spaced times to record")
+    add_set(run)
+    run.add_argument(
+        "--figure", type=Path, metavar="FILE", help="draw the works on the first asperite"
+    )
+    run.set_defaults(command=_run)
+
+
+def _run(options: argparse.Namespace) -> int:
+    if options.resume and options.out is None:
+        raise InputError("--resume", "needs --out FILE")
+    if options.out is not None:
+        checked_target("--out", options.out)
+    check_figure(options.figure)
+    if options.scene.suffix == ".nc":
+        result, same = _repeated(options)
+    else:
+        result, same = _simulated(options), True
+    if options.figure is not None:
+        _draw(result, options.figure)
+    print(result.to_json() if options.json else result)
+    return COMPLETED if result.status == "completed" and same else STOPPED
+
+
+def _simulated(options: argparse.Namespace) -> Result:
+    """The result of a scene file."""
+    from tribo.simulation import simulate
+
+    accuracy, step = (as_number(f"--{n}", getattr(options, n)) for n in ("accuracy", "step"))
+    scene = with_samples(load_with_values(options), options.samples)
+    out, resume = options.out, options.resume
+    return simulate(scene, accuracy, options.method, step, out=out, resume=resume)
+
+
+def _repeated(options: argparse.Namespace) -> tuple[Result, bool]:
+    """The result of the run in a file, and whether it has the bits of the file."""
+    from tribo.repeat import differences, repeat, sentence
+    from tribo.run.result import load_result
+
+    for name in CHANGES:
+        if getattr(options, name):
+            raise InputError(f"--{name}", "cannot go with the file of a run; give a scene file")
+    before = load_result(options.scene)
+    result = repeat(before, not options.no_plugins, out=options.out, resume=options.resume)
+    found = differences(before, result)
+    print(f"{options.scene}: {sentence(before, result, found)}", file=sys.stderr)
+    return result, not found
+
+
+def _draw(result: Result, path: Path) -> None:
+    """Draw the works on the first asperite, or its angle where works are not kept."""
+    from tribo import plotting
+
+    name = result.scene.surfaces[0].name
+    kept = "w" in result.ledger.surfaces[name]
+    plotting.save((plotting.work_curves if kept else plotting.angle_curve)(result, name), path)
