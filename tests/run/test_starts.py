@@ -129,6 +129,19 @@ def test_exported_to_lammps(tmp_path):
     assert 'surface "a": the temperature of the start' in omitted
 
 
+def test_members_have_starts_of_their_own():
+    """Each is the run of its scene, whose seed draws the start."""
+    lower = Surface("lower", facing="up", drive=Free(), initial=Initial(temperature=0.1))
+    numerics = tribo.Numerics(method="rk4", step=0.02)
+    scene = replace(passing(lower), duration=0.4, numerics=numerics)
+    data = tribo.ensemble(scene, 3, keep=["lower.theta"])
+    ends = np.ravel(data["lower.theta"].values)
+    variation = Variation(scene, {}, seed=0)
+    alone = [tribo.simulate(variation.member(m).scene(scene)) for m in range(3)]
+    assert ends.tolist() == [run["lower"].theta[-1, 0] for run in alone]
+    assert np.unique(ends).size == 3
+
+
 def test_in_files_and_ensembles(tmp_path):
     """The keys are those of Initial; a start that is drawn cannot be set, and members differ."""
     warm = Surface("warm", initial=Initial(temperature=0.1), drive=Free())
