@@ -149,7 +149,8 @@ class Explanation:
     def __str__(self) -> str:
         scene = self.scene
         title = f"{scene.title}: " if scene.title else ""
-        count = f"{scene.count} asperites on {len(scene.surfaces)} surfaces"
+        surfaces = "1 surface" if len(scene.surfaces) == 1 else f"{len(scene.surfaces)} surfaces"
+        count = f"{scene.count} asperite{'s' * (scene.count > 1)} on {surfaces}"
         lines = [f"{title}{count}, until t = {scene.duration:g}.", "", "Simulated:"]
         for name, why in self.effects.items():
             what = next(effect.description for effect in Effect if effect == name)
