@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 import tribo
+from tribo.kernels.compiled import undisturbed
 
 LONG = """
 duration = 1e6
@@ -84,6 +85,16 @@ def test_before_there_is_a_result(interrupted, name):
     assert status == 1
     assert json.loads(out) == {"status": "Interrupted"}
     assert err == "tribo: Interrupted: the command was interrupted before it had a result\n"
+
+
+def test_compilers_are_not_interrupted():
+    """LLVM would free a module twice; the interrupt is raised once the block has ended."""
+    done = []
+    with pytest.raises(KeyboardInterrupt), undisturbed():
+        os.kill(os.getpid(), signal.SIGINT)
+        done.append("all")
+    assert done == ["all"]
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
 def test_a_run_keeps_what_it_reached(interrupted, tmp_path):

@@ -1,8 +1,10 @@
 """Ctrl-C: an answer within half a second, whatever the program does at that time.
 
 Python raises KeyboardInterrupt between two of its own instructions.  A compiler that runs for
-seconds delays it, and code that is called back from a compiler loses it.  A thread therefore ends
-the program if nothing has answered the interrupt in time.  Files are complete at any time.
+seconds delays it, code that is called back from a compiler loses it, and between a call of LLVM and
+the note that it has freed a module, it makes the module be freed twice.  While loops are compiled,
+interrupts are therefore held, and a thread ends the program if nothing has answered in time.  Files
+are complete at any time.
 """
 
 from __future__ import annotations
@@ -11,12 +13,13 @@ import os
 import signal
 import sys
 import threading
+from contextlib import contextmanager
 
 # As in `typing`, whose import would delay the answer.
 TYPE_CHECKING = False
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
 # Seconds for an answer before the program is ended.
 PATIENCE = 0.25
@@ -25,6 +28,7 @@ COMPLETED = 0
 # The exit status of a run that stopped early, and of a check that failed.
 STOPPED = 1
 
+_MAIN = threading.main_thread()
 _answered = threading.Event()
 # Prints what a command that is ended has reached.
 _report: list[Callable[[], None]] = []
@@ -38,6 +42,22 @@ def watch() -> None:
     sys.unraisablehook = _report_lost
     signal.set_wakeup_fd(writer, warn_on_full_buffer=False)
     threading.Thread(target=_end_unanswered, args=(reader,), daemon=True).start()
+
+
+@contextmanager
+def held() -> Iterator[None]:
+    """Raise an interrupt that arrives in this block at its end."""
+    usual, received = signal.getsignal(signal.SIGINT), []
+    if usual is not signal.default_int_handler or threading.current_thread() is not _MAIN:
+        yield
+        return
+    signal.signal(signal.SIGINT, lambda *_: received.append(True))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, usual)
+    if received:
+        raise KeyboardInterrupt
 
 
 def answer() -> None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from tribo.integrators.methods import Method
 from tribo.integrators.step_control import Tolerance
-from tribo.kernels.compiled import collector_paused, time_loop
+from tribo.kernels.compiled import time_loop, undisturbed
 from tribo.kernels.records import CLOCK
 from tribo.kernels.samples import STORED, Record, State, empty_state, initial_state
 from tribo.kernels.simd_arrays import room, with_spare_lanes
@@ -166,7 +166,7 @@ def compile_loop(layout: Layout, method: Method) -> float:
     if method.adaptive:
         setting = Tolerance(np.ones(2 * layout.coordinates), np.ones(layout.accounts), 1.0, 1.0)
     loop = GeneralLoop(layout, method, setting, layout.start, 0.0)
-    with collector_paused(), compiling(loop.compiled, layout.named_plugins):
+    with undisturbed(), compiling(loop.compiled, layout.named_plugins):
         loop.advance(np.ones(1), loop.room(1), 0)
     return time.perf_counter() - began
 
