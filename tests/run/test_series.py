@@ -184,6 +184,9 @@ def test_friction_force(result, tmp_path):
     assert np.array_equal(loaded["lower"].f_bath_y, result["lower"].f_bath_y)
     with pytest.raises(tribo.InputError, match="blocks: must be at most 100 for 201 samples"):
         result.friction_force("upper", blocks=101)
+    drawn, average, _ = result.plot.friction_force("upper").get_lines()
+    assert np.array_equal(drawn.get_ydata(), force)
+    assert list(average.get_ydata()) == [found.mean] * 2
 
 
 def test_pairs_and_accuracies(tmp_path):

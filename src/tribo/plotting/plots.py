@@ -155,6 +155,42 @@ class Plots:
             self._over_time(ax, "energy")
         return ax
 
+    def friction_force(
+        self, surface: str | None = None, after: float = 0.0, ax: Axes | None = None
+    ) -> Axes:
+        """Draw the friction force on a surface over time, with its average and 95 % interval.
+
+        Parameters
+        ----------
+        surface : str, optional
+            Name of the surface; without it the first.
+        after : float
+            When the average begins, to leave out the run-in [time].
+        ax : matplotlib.axes.Axes, optional
+            Axes to draw in.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            The forces were not recorded, or there are too few samples.
+        """
+        result, name = self._result, self._surface(surface)
+        found = result.friction_force(name, after)
+        with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
+            label = f"{found.mean:.3g} ± {found.half_width:.1g}"
+            low, high = found.mean - found.half_width, found.mean + found.half_width
+            later = [max(after, result.t[0]), result.t[-1]]
+            look: dict[str, Any] = {"linewidth": WIDTH} | self._line
+            ax.plot(result.t, result[name].friction_force, color=CYCLE[0], **look)
+            ax.plot(later, [found.mean] * 2, color=CYCLE[1], label=self._named(label), **look)
+            ax.fill_between(later, low, high, color=CYCLE[1], alpha=0.3, linewidth=0.0)
+            self._over_time(ax, f"friction force on {name}")
+        return ax
+
     def phase(self, ax: Axes | None = None) -> Axes:
         """Draw the angular velocity of pendulums over their swing.
 
