@@ -333,6 +333,45 @@ def hot_baths() -> str:
     return ""
 
 
+def hot_starts() -> str:
+    """Swings and rates have variances T / kappa, T / I, T / i2 and T / m; held bars are in place."""
+    from tribo.model.scene_file import scene_from
+    from tribo.run.layout import lay_out
+
+    count = 500
+
+    def layout_at(temperature):
+        row = {"shape": [count, 1], "spacing": [1.0, 0.0], "asperite": {"kappa": 1.7, "m1": 0.6}}
+        row["initial"] = {"temperature": temperature}
+        surfaces = [
+            row | {"name": "loose", "drive": {"kind": "free", "load": 0.1}, "bars": "free"},
+            row | {"name": "held", "drive": "bars"},
+            row | {"name": "block", "drive": {"kind": "free", "rigid": True}},
+        ]
+        contact = {"potential": "coulomb", "strength": 0.1}
+        return lay_out(scene_from({"duration": 1.0, "interaction": contact, "surface": surfaces}))
+
+    layout, cold = layout_at(0.3), layout_at(0.0)
+    q, v = np.split(layout.start, 2)
+    a = layout.asperites
+    loose, held, block = (np.arange(k * count, (k + 1) * count) for k in range(3))
+    inertia = a.inertia + np.where(a.surface == 1, a.mass * a.pivot**2, 0.0)
+    columns = [q[part] * np.sqrt(1.7 / 0.3) for part in (loose, held)]
+    columns += [v[part] * np.sqrt(inertia[part] / 0.3) for part in (loose, held)]
+    columns.append(v[a.dof_phi[loose]] * np.sqrt(a.i2[loose] / 0.3))
+    columns += [v[d[loose]] * np.sqrt(a.mass[loose] / 0.3) for d in (a.dof_x, a.dof_y)]
+    covariance = np.array(columns) @ np.array(columns).T / count
+    if np.any(abs(covariance - np.eye(len(columns))) > 5.0 * np.sqrt(2.0 / count)):
+        return "not the covariance of a thermal state"
+    for d in (a.dof_x, a.dof_y):
+        if not np.array_equal(q[d[held]], cold.start[d[held]]):
+            return "held bars are displaced"
+    speed = v[a.dof_x[block]]
+    if not 0.0 < abs(speed[0]) < 5.0 * np.sqrt(0.3 / np.sum(a.mass[block])):
+        return "not the speed of a block"
+    return "" if np.all(speed == speed[0]) else "a block moves apart"
+
+
 FORMULAS = {
     "points of a rod": points_of_a_rod,
     "arguments of a drive": arguments_of_a_drive,
@@ -343,4 +382,5 @@ FORMULAS = {
     "listed pairs of two clouds": listed_pairs,
     "columns by slot": columns_by_slot,
     "hot baths": hot_baths,
+    "hot starts": hot_starts,
 }
