@@ -334,7 +334,7 @@ def hot_baths() -> str:
 
 
 def hot_starts() -> str:
-    """Swings and rates have variances T / kappa, T / I, T / i2 and T / m; held bars are in place."""
+    """Variances of swings and rates: T / kappa, T / I, T / i2, T / m; held bars are in place."""
     from tribo.model.scene_file import scene_from
     from tribo.run.layout import lay_out
 
