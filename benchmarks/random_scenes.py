@@ -3,11 +3,11 @@
     python benchmarks/random_scenes.py --seeds 0:1000 --out random.jsonl [--failures DIR]
     python benchmarks/random_scenes.py --store 0,5,450
 
-It needs a C compiler and Linux's /proc.  FILE gets a line for each seed; seeds that it has already are not run again,
-so that a run continues where it stopped.  Scenes that fail are written to DIR as scene files.  At
-the end it prints how many scenes there were, every outcome, and each failure on a line.  A scene
-that gives no answer within HANG seconds of the processor is a hang; its process is ended.  What
-else the machine does changes no outcome.
+It needs a C compiler and Linux's /proc.  FILE gets a line for each seed; seeds that it has already
+are not run again, so that a run continues where it stopped.  Scenes that fail are written to DIR as
+scene files.  At the end it prints how many scenes there were, every outcome, and each failure on a
+line.  A scene that gives no answer within HANG seconds of the processor is a hang; its process is
+ended.  What else the machine does changes no outcome.
 
 The second form stores scenes and their references for tests/accuracy/test_random_scenes.py.
 """
