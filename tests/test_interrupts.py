@@ -89,7 +89,7 @@ def test_before_there_is_a_result(interrupted, name):
 
 @pytest.fixture
 def heeded():
-    """SIGINT raises KeyboardInterrupt, which shells switch off for what they run in the background."""
+    """SIGINT raises KeyboardInterrupt; shells switch it off for what they run in the background."""
     usual = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, usual)
