@@ -160,10 +160,11 @@ def listed_pairs() -> str:
             (0.0, 0.0, 1),
             (0.0, near, 1),
             (near, 0.0, 1),
-            (0.7 * far, 0.75 * far, 2),
-            (5.3, 0.0, 3),
+            (0.75 * far, 0.75 * far, 2),
+            (0.75 * far, -0.5 * far, 3),
+            (5.3, 0.0, 4),
         ):
-            moves = np.arange(count) < 30
+            moves = np.arange(count) < UPPER
             place = places[:, 0] + slide * moves, places[:, 1] + rise * moves
             layout.model.bobs[[[X], [Y]], columns] = place
             refresh(layout.model, neighbours)
@@ -179,8 +180,12 @@ def listed_pairs() -> str:
     return ""
 
 
+# Bobs of the upper cloud: one more than fills blocks of eight.
+UPPER = 33
+
+
 def two_clouds(places: np.ndarray, box: dict) -> dict:
-    """A scene of 30 bobs and the rest, with contact between and within."""
+    """A scene of UPPER bobs and the rest, with contact between and within."""
     potential = {"potential": "lennard-jones", "epsilon": 0.1, "sigma": 0.5}
     species = ["A" if k % 3 else "B" for k in range(len(places))]
     return {
@@ -191,12 +196,12 @@ def two_clouds(places: np.ndarray, box: dict) -> dict:
             potential | {"cutoff": 1.2, "between": ["upper", "upper"], "species": ["A", "A"]},
         ],
         "surface": [
-            {"name": "upper", "positions": places[:30].tolist(), "species": species[:30]},
+            {"name": "upper", "positions": places[:UPPER].tolist(), "species": species[:UPPER]},
             {
                 "name": "lower",
                 "facing": "up",
-                "positions": places[30:].tolist(),
-                "species": species[30:],
+                "positions": places[UPPER:].tolist(),
+                "species": species[UPPER:],
             },
         ],
     }
@@ -354,7 +359,7 @@ def hot_starts() -> str:
     from tribo.model.scene_file import scene_from
     from tribo.run.layout import lay_out
 
-    count, temperature, kappa, m1, m2, length, phi = 500, 0.3, 1.7, 0.6, 1.2, 1.4, 0.2
+    count, temperature, kappa, m1, m2, length, phi = 4000, 0.3, 1.7, 0.6, 1.2, 1.4, 0.2
     asperite = {"kappa": kappa, "m1": m1, "m2": m2, "length": length}
     row = {"shape": [count, 1], "spacing": [1.0, 0.0], "asperite": asperite}
     row["initial"] = {"temperature": temperature, "phi": phi}
@@ -362,6 +367,7 @@ def hot_starts() -> str:
         row | {"name": "loose", "drive": {"kind": "free", "load": 0.1}, "bars": "free"},
         row | {"name": "held", "drive": "bars"},
         row | {"name": "block", "drive": {"kind": "free", "rigid": True}},
+        {"name": "cold", "facing": "up", "drive": {"kind": "free", "load": 0.1}},
     ]
     contact = {"potential": "coulomb", "strength": 0.1}
     table = {"duration": 1.0, "interaction": contact, "surface": surfaces}
@@ -388,6 +394,8 @@ def hot_starts() -> str:
     speed = v[a.dof_x[block]]
     if not 0.0 < abs(speed[0]) < 5.0 * np.sqrt(temperature / (count * mass)):
         return "not the speed of a block"
+    if np.any(v[[a.dof_x[-1], a.dof_y[-1]]]):
+        return "a surface without a temperature moves"
     return "" if np.all(speed == speed[0]) else "a block moves apart"
 
 
@@ -423,6 +431,7 @@ def cells() -> str:
         (2.0, 3.0, 0.0, 0.0, (int(extent_x / 2.0), int(extent_z / 3.0))),
         (2.0, 3.0, 0.9, 10.0, (1, 3)),  # below three cells there is one
         (2.0, 3.0, 13.0, 5.9, (6, 1)),
+        (0.2, 0.3, 0.9, 0.8, (4, 1)),
         (50.0, 40.0, 0.0, 0.0, (1, 1)),
         (1e-3, 1e-3, 0.0, 0.0, None),
     ):
