@@ -40,11 +40,13 @@ from tribo.kernels.array_pointers import pointers
 from tribo.kernels.baths import set_bath_momenta
 from tribo.kernels.blocks import clear, coordinates, is_fixed
 from tribo.kernels.compiled import inlined, kernel
+from tribo.kernels.contact_forces import contact_piece
 from tribo.kernels.equations_of_motion import (
     accelerate,
     accelerate_block,
-    drive_forces,
+    drive_block,
     forces,
+    gather_contact,
     place_block,
     update_neighbours,
 )
@@ -73,6 +75,18 @@ from tribo.kernels.status import (
     COMPLETED,
     NOT_FINITE,
     PAUSED,
+)
+from tribo.kernels.team import (
+    DRIFT,
+    DRIVE,
+    KICK,
+    PHASE,
+    REACTIONS,
+    begin_phase,
+    end_phase,
+    finish_piece,
+    next_piece,
+    wait_for_piece,
 )
 from tribo.kernels.user_forces import custom_forces
 
@@ -259,20 +273,23 @@ def move(slot, s, i, tau, q, v):
 
 
 @inlined
-def drift(model, now, tau, q, v, accounts, rotations):
+def drift(model, now, tau, state, work):
     """Drift of all asperites for tau, which ends now, and the bobs' places then."""
-    set_rotations(model.asperites[FREQUENCY], tau, rotations)
-    for k in range(model.surfaces.shape[0]):
-        s = model.surfaces[k]
-        for i in range(s.start, s.stop, LANES):
-            turn = rotation_of(rotations, i)
-            if s.dof_phi >= 0:
-                drift_free(model, s, i, tau, q, v, turn)
-            elif not is_fixed(model.fixed, s):
-                drift_clamped(model, model.turning, s, i, now - tau, tau, q, v, accounts, turn)
-            move(s.dof_x, s, i, tau, q, v)
-            move(s.dof_y, s, i, tau, q, v)
-            place_block(model, s, i, now, q)
+    set_rotations(model.asperites[FREQUENCY], tau, work.rotations[0])
+    share(model, model.team, DRIFT, now, tau, state, work)
+
+
+@inlined
+def drift_block(model, s, i, now, tau, q, v, accounts, rotations):
+    """Drift of a block of asperites."""
+    turn = rotation_of(rotations, i)
+    if s.dof_phi >= 0:
+        drift_free(model, s, i, tau, q, v, turn)
+    elif not is_fixed(model.fixed, s):
+        drift_clamped(model, model.turning, s, i, now - tau, tau, q, v, accounts, turn)
+    move(s.dof_x, s, i, tau, q, v)
+    move(s.dof_y, s, i, tau, q, v)
+    place_block(model, s, i, now, q)
 
 
 @inlined
@@ -314,26 +331,92 @@ def kick_block(model, s, i, t, tau, q, v, work, power):
 
 
 @inlined
-def kick(model, t, tau, q, v, accounts, work):
+def kick(model, t, tau, state, work):
     """Contact, fields and springs, in place, and the drive act for tau."""
-    power = Powers(accounts, model.sums, tau)
-    drive_forces(model, t, q)
-    settle_custom_forces(model, model.drives, model.ends, t, tau, q, v, work)
-    for k in range(model.surfaces.shape[0]):
-        s = model.surfaces[k]
-        for i in range(s.start, s.stop, LANES):
-            accelerate_block(model, s, i, 0.0, t, q, work.acceleration)
-            kick_block(model, s, i, t, tau, q, v, work, power)
-    shared_powers(model, model.ledger, t, work.middle, power)
+    n = state.y.size // 2
+    gather_contact(model)
+    share(model, model.team, DRIVE, t, tau, state, work)
+    settle_custom_forces(model, model.drives, model.ends, t, tau, state.y[:n], state.y[n:], work)
+    share(model, model.team, KICK, t, tau, state, work)
+    shared_powers(model, model.ledger, t, work.middle, Powers(state.s, model.sums, tau))
 
 
 @inlined
-def repeat_kick(model, drives, ends, t, tau, q, v, accounts, work):
+def share(model, team, phase, t, tau, state, work):
+    """A phase of all asperites, together with assistants if there are any."""
+    if team is None:
+        for k in range(model.surfaces.shape[0]):
+            s = model.surfaces[k]
+            advance_tile(model, s, s.start, s.stop, phase, t, tau, state, work)
+    else:
+        team.numbers[0] = t
+        team.numbers[1] = tau
+        begin_phase(team, phase, team.tiles.shape[0])
+        piece = next_piece(team)
+        while piece >= 0:
+            step_piece(model, team, piece, state, work)
+            finish_piece(team)
+            piece = next_piece(team)
+        end_phase(team)
+
+
+@kernel
+def step_piece(model, team, piece, state, work):
+    """Compute a piece of the present phase of a step."""
+    s = model.surfaces[team.tiles[piece, 0]]
+    first, last = team.tiles[piece, 1], team.tiles[piece, 2]
+    phase, t, tau = team.counters[PHASE], team.numbers[0], team.numbers[1]
+    advance_tile(model, s, first, last, phase, t, tau, state, work)
+
+
+@inlined
+def advance_tile(model, s, first, last, phase, t, tau, state, work):
+    """One phase of the asperites of a surface from `first` to `last`."""
+    n = state.y.size // 2
+    q = state.y[:n]
+    v = state.y[n:]
+    if phase == DRIFT:
+        for i in range(first, last, LANES):
+            drift_block(model, s, i, t, tau, q, v, state.s, work.rotations[0])
+    elif phase == DRIVE:
+        for i in range(first, last, LANES):
+            drive_block(model, s, i, t, q)
+    else:
+        power = Powers(state.s, model.sums, tau)
+        for i in range(first, last, LANES):
+            accelerate_block(model, s, i, 0.0, t, q, work.acceleration)
+            kick_block(model, s, i, t, tau, q, v, work, power)
+
+
+def assist(model, neighbours, state, work):
+    """Compute pieces of the steps of :func:`splitting_steps`, called at the same time."""
+    model, neighbours, state, work = pointers((model, neighbours, state, work))
+    assist_team(model, model.team, neighbours, state, work)
+
+
+@kernel
+def assist_team(model, team, neighbours, state, work):
+    """Compute pieces until the team is closed."""
+    piece = wait_for_piece(team)
+    while piece >= 0:
+        if team.counters[PHASE] <= REACTIONS:
+            contact_piece(model, team, neighbours, piece)
+        else:
+            step_piece(model, team, piece, state, work)
+        finish_piece(team)
+        piece = wait_for_piece(team)
+
+
+@inlined
+def repeat_kick(model, drives, ends, t, tau, state, work):
     """The same forces act again for tau; those of plug-ins are for the velocities of now."""
     if drives is not None or ends is not None:
-        kick(model, t, tau, q, v, accounts, work)
+        kick(model, t, tau, state, work)
         return
-    power = Powers(accounts, model.sums, tau)
+    n = state.y.size // 2
+    q = state.y[:n]
+    v = state.y[n:]
+    power = Powers(state.s, model.sums, tau)
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         for i in range(s.start, s.stop, LANES):
@@ -362,10 +445,9 @@ def begin(model, neighbours, clock, state, work):
 def arrive(model, neighbours, clock, state, work):
     """Do the drift that the last step left, for a sample."""
     n = state.y.size // 2
-    q = state.y[:n]
-    drift(model, clock.t, clock.drift_lag, q, state.y[n:], state.s, work.rotations[0])
+    drift(model, clock.t, clock.drift_lag, state, work)
     clock.drift_lag = 0.0
-    settle_end_works(model, q, state.s, state.memory[0])
+    settle_end_works(model, state.y[:n], state.s, state.memory[0])
     refresh(model, neighbours)
 
 
@@ -388,16 +470,16 @@ def take_step(model, neighbours, splitting, clock, h, state, work, noise):
         tau = splitting.kicks[m] * h
         ahead = splitting.drifts[m] * h
         t += ahead
-        drift(model, t, clock.drift_lag + ahead, q, v, s, work.rotations[0])
+        drift(model, t, clock.drift_lag + ahead, state, work)
         clock.drift_lag = 0.0
         forces(model, neighbours, t)
         clock.evaluations += 1
         if has_substep(model):
-            kick(model, t, 0.5 * tau, q, v, s, work)
+            kick(model, t, 0.5 * tau, state, work)
             bath_substep(model, tau, q, v, s, work.bath[m], work.torsional[m], noise)
-            repeat_kick(model, model.drives, model.ends, t, 0.5 * tau, q, v, s, work)
+            repeat_kick(model, model.drives, model.ends, t, 0.5 * tau, state, work)
         else:
-            kick(model, t, tau, q, v, s, work)
+            kick(model, t, tau, state, work)
     clock.drift_lag = splitting.drifts[splitting.kicks.size] * h
 
 

@@ -9,13 +9,12 @@ from typing import NamedTuple
 import numpy as np
 from numba import literal_unroll
 
-from tribo.kernels.blocks import clear
 from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.kinematics import nearest_image
 from tribo.kernels.neighbours import image, is_partner, partner_species
 from tribo.kernels.potential_in_lanes import force_in_lanes
 from tribo.kernels.python_callback import call_at
-from tribo.kernels.records import ALONG_X, ALONG_Y, CHARGE, FX, FY, X, Y, Z
+from tribo.kernels.records import CHARGE, FX, FY, X, Y, Z
 from tribo.kernels.simd import (
     LANES,
     absolute,
@@ -163,40 +162,33 @@ def add_row(model, contact, fx, fy, i, other, row, neighbours):
 
 
 @inlined
+def add_rows(model, contact, k, begin, end, fx, fy, back_x, back_y, neighbours):
+    """Add the forces of the kth pair of surfaces on the bobs of the first from `begin` to `end`.
+
+    `fx` and `fy` are rows of a table with one column a bob, `back_x` and `back_y` those for the
+    reactions.
+    """
+    one = model.surfaces[contact.pairs[k, 0]]
+    other = model.surfaces[contact.pairs[k, 1]]
+    for first in range(begin, end, LANES):
+        # Numbers that are stored one by one delay the next load of the block.
+        own_x = broadcast(0.0)
+        own_y = broadcast(0.0)
+        for i in range(first, min(first + LANES, end)):
+            row = row_of(contact, k, other, i, one.start, neighbours)
+            x, y = add_row(model, contact, back_x, back_y, i, other, row, neighbours)
+            own_x = with_lane(own_x, i - first, x)
+            own_y = with_lane(own_y, i - first, y)
+        add_block(fx, first, own_x)
+        add_block(fy, first, own_y)
+
+
+@inlined
 def add_contact(model, contact, fx, fy, neighbours):
     """Add the forces of one interaction to the rows fx and fy of a table, one column a bob."""
     for k in range(contact.pairs.shape[0]):
         one = model.surfaces[contact.pairs[k, 0]]
-        other = model.surfaces[contact.pairs[k, 1]]
-        for first in range(one.start, one.end, LANES):
-            # Numbers that are stored one by one delay the next load of the block.
-            own_x = broadcast(0.0)
-            own_y = broadcast(0.0)
-            for i in range(first, min(first + LANES, one.end)):
-                row = row_of(contact, k, other, i, one.start, neighbours)
-                x, y = add_row(model, contact, fx, fy, i, other, row, neighbours)
-                own_x = with_lane(own_x, i - first, x)
-                own_y = with_lane(own_y, i - first, y)
-            add_block(fx, first, own_x)
-            add_block(fy, first, own_y)
-
-
-@inlined
-def contact_forces(model, neighbours):
-    """Add the contact force f1 on newly placed bobs, and set the forces within surfaces."""
-    for contact in literal_unroll(model.contacts):
-        add_contact(model, contact, model.bobs[FX], model.bobs[FY], neighbours)
-    add_calculated(model, model.calculators)
-    add_within(model, model.within, neighbours)
-
-
-@kernel
-def add_within(model, within, neighbours):
-    """Set the forces among the bobs of one surface."""
-    if within is not None:
-        clear(model.inner)
-        for contact in literal_unroll(within):
-            add_contact(model, contact, model.inner[ALONG_X], model.inner[ALONG_Y], neighbours)
+        add_rows(model, contact, k, one.start, one.end, fx, fy, fx, fy, neighbours)
 
 
 @kernel

@@ -9,7 +9,7 @@ oscillator's coordinates are its displacement from the resting bar in the same u
 from tribo.kernels.baths import bath_accelerations, bath_forces, torsional_accelerations
 from tribo.kernels.blocks import clear, coordinates, numbers, set_vectors, vectors
 from tribo.kernels.compiled import inlined, kernel
-from tribo.kernels.contact import contact_forces
+from tribo.kernels.contact_forces import contact_forces
 from tribo.kernels.fields import field_forces
 from tribo.kernels.kinematics import bar_velocity, bob_position
 from tribo.kernels.langevin import friction_force

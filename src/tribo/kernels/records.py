@@ -312,3 +312,4 @@ class Model(NamedTuple):
     fields: Any  # tuple of FieldOn, or None
     drives: Any  # tuple of Custom, or None
     ends: Any  # tuple of Custom, or None
+    team: Any  # Team, see `kernels.team`; None where a step is too short to be shared by threads

@@ -9,17 +9,20 @@ from typing import Any
 import numpy as np
 
 from tribo.integrators.methods import Method
+from tribo.integrators.splitting import assist
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.compiled import time_loop, undisturbed
 from tribo.kernels.records import CLOCK
 from tribo.kernels.samples import STORED, Record, State, empty_state, initial_state
 from tribo.kernels.simd_arrays import room, with_spare_lanes
+from tribo.kernels.team import CLOSED
 from tribo.plugins.compile_errors import compiling
 from tribo.plugins.sources import source_stamp
 from tribo.run.contacts import with_room
 from tribo.run.integrate import Columns, Memory, Setting
 from tribo.run.layout import Layout
 from tribo.run.samples import Samples
+from tribo.run.threads import assisted
 
 
 class GeneralLoop:
@@ -37,6 +40,8 @@ class GeneralLoop:
         y at t = 0.
     first_step : float
         The first step of an adaptive method [time].
+    threads : int
+        Threads that share each step; the results do not depend on it.
 
     Attributes
     ----------
@@ -59,8 +64,10 @@ class GeneralLoop:
         setting: Setting,
         start: np.ndarray,
         first_step: float,
+        threads: int = 1,
     ) -> None:
         self.layout = layout
+        self._assistants = threads - 1
         self.adaptive = method.adaptive
         self.clocks = np.zeros(1, CLOCK).view(np.recarray)
         self.clocks.h = first_step if method.adaptive else 0.0
@@ -85,6 +92,9 @@ class GeneralLoop:
             self._scratch += (empty_state(self.state),)
         self._constants = (method.coefficients, in_blocks(setting, layout))
         self.compiled = time_loop(method.loop, source_stamp(layout.plugins))
+        self._assist: Any = None
+        if self._assistants:
+            self._assist = time_loop(assist, source_stamp(layout.plugins))
 
     def room(self, samples: int) -> Columns:
         """Arrays for so many samples."""
@@ -100,8 +110,14 @@ class GeneralLoop:
 
     def advance(self, times: np.ndarray, columns: Columns, budget: int) -> int:
         """Take at most `budget` steps, and record the samples at `times`; a code of a status."""
-        code: int = self.compiled(self.layout.model, *self._arguments(times, columns, budget))
+        model, arguments = self.layout.model, self._arguments(times, columns, budget)
+        with assisted(model.team, self._assistants, self.assist):
+            code: int = self.compiled(model, *arguments)
         return code
+
+    def assist(self) -> None:
+        """Share the steps that another thread takes, until it has no more."""
+        self._assist(self.layout.model, self._neighbours, self.state, self._scratch[0])
 
     def _arguments(self, times: np.ndarray, columns: Columns, budget: int) -> tuple[Any, ...]:
         """The arguments of the loop, behind the model."""
@@ -159,14 +175,17 @@ class GeneralLoop:
         return Samples(times, *(column[: times.size] for column in columns))
 
 
-def compile_loop(layout: Layout, method: Method) -> float:
+def compile_loop(layout: Layout, method: Method, threads: int = 1) -> float:
     """Compile a loop for a scene, or load it from the disk cache; returns the seconds."""
     began = time.perf_counter()
     setting: Setting = 1.0
     if method.adaptive:
         setting = Tolerance(np.ones(2 * layout.coordinates), np.ones(layout.accounts), 1.0, 1.0)
-    loop = GeneralLoop(layout, method, setting, layout.start, 0.0)
+    loop = GeneralLoop(layout, method, setting, layout.start, 0.0, threads)
     with undisturbed(), compiling(loop.compiled, layout.named_plugins):
+        if threads > 1:
+            layout.model.team.counters[CLOSED] = 1
+            loop.assist()
         loop.advance(np.ones(1), loop.room(1), 0)
     return time.perf_counter() - began
 

@@ -25,6 +25,7 @@ from tribo.run.identity import loaded
 from tribo.run.model_tables import model_tables
 from tribo.run.scene_records import resting_bobs, scene_records
 from tribo.run.start import start_of
+from tribo.run.threads import team_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -263,6 +264,7 @@ def lay_out(scene: Scene) -> Layout:
         ends=(ends := user_forces(scene, origin, "bars", Ends)),
         end_forces=room((4, theirs.columns)) if ends else None,
     )
+    model = model._replace(team=team_of(scene, model, between + (within or ())))
     return Layout(
         scene=scene,
         asperites=asperites.view(np.recarray),
