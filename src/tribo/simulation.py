@@ -129,7 +129,7 @@ def _integrator(
     journal: Journal | None = None,
 ) -> Integrator:
     """The compiled time loop; warns of bobs that start deep in a core."""
-    count = threads_of(layout.model, choice.method, threads).count
+    count = threads_of(layout.model, choice.method, threads).number
     integrator = integrator_for(layout, choice.method, progress, origin, journal, count)
     for note in core_notes(layout):  # energies in Python: those of plug-ins have compiled by now
         warnings.warn(note, TriboWarning, stacklevel=3)

@@ -20,6 +20,7 @@ from tribo.integrators.methods import noisy
 from tribo.kernels.potential_in_lanes import is_vectorized
 from tribo.model.scene import Effect, Scene
 from tribo.run.layout import Layout, lay_out
+from tribo.run.threads import Threads, threads_of
 from tribo.validation import InputError, inside
 
 # Width of the text [columns].
@@ -96,6 +97,8 @@ class Explanation:
         The integration method.
     why : str
         Why it was chosen; empty where it was given.
+    threads : Threads
+        How many threads share each step, and why so many.
     accuracy : float, dict or None
         The accuracy that was asked for; None with a given step.
     step : float or None
@@ -115,6 +118,7 @@ class Explanation:
     contact: Contact
     method: str
     why: str
+    threads: Threads
     accuracy: Accuracy | None
     step: float | None
     compiled: bool
@@ -138,6 +142,7 @@ class Explanation:
             "ledger": self.scene.output.ledger,
             "method": self.method,
             "why": self.why,
+            "threads": self.threads._asdict(),
             "accuracy": self.accuracy,
             "step": self.step,
             "compiled": self.compiled,
@@ -168,6 +173,7 @@ class Explanation:
             f"Contact: {self._contact()}.",
             *self._ledger(),
             f"Method: {self.method}, {self._request()}, {reason_of_method(self.scene, self.why)}.",
+            f"Threads: {self.threads.number}, {self.threads.why}.",
             f"Cost: about {_rounded(cost.force_evaluations)} force evaluations, "
             f"{_time(cost.seconds)} on this machine, {_bytes(cost.memory_bytes)} of memory. "
             f"{self._basis()}{self._shortcoming()}",
@@ -236,7 +242,8 @@ def explain(scene: Scene) -> Explanation:
         choice = choose(layout, given.accuracy, given.method, given.step)
     loop = loop_of(layout, choice.method)
     before = compilations(loop)
-    search = Search(layout, choice.method)
+    threads = threads_of(layout.model, choice.method, None)
+    search = Search(layout, choice.method, threads.number)
     compiled = compilations(loop) == before
     found = predict(choice, search)
     present = [effect for effect in Effect if effect in scene.effects]
@@ -248,6 +255,7 @@ def explain(scene: Scene) -> Explanation:
         contact=contact(layout),
         method=choice.method.name,
         why=choice.why,
+        threads=threads,
         accuracy=choice.accuracy,
         step=_step(found),
         compiled=compiled,
@@ -305,7 +313,7 @@ def _predicted(layout: Layout, choice: Choice, search: Search, found: Prediction
         seconds = sum(run.seconds for run in found.tried)
         return 1e9 * seconds / max(1.0, sum(run.evaluations for run in found.tried))
 
-    nanoseconds = kept_speed(layout, choice.method, speed)
+    nanoseconds = kept_speed(layout, choice.method, search.threads, speed)
     each = RATES[choice.method.name].step
     return Predicted(
         force_evaluations=round(found.evaluations),

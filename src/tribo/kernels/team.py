@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 from llvmlite import ir
-from numba import config, types
+from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
@@ -103,22 +103,6 @@ def _yield(typing_context):
         return context.get_dummy_value()
 
     return types.void(), build
-
-
-if config.DISABLE_JIT:  # type: ignore[attr-defined]
-
-    def _load(array, i):
-        return array[i]
-
-    def _publish(array, i, value):
-        array[i] = value
-
-    def _count(array, i):
-        array[i] += 1
-
-    def _claim(array, i, value):
-        array[i] = value + 1
-        return True
 
 
 @kernel

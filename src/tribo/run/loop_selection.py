@@ -44,6 +44,8 @@ class Integrator:
         As given.
     compile_seconds : float
         Time to compile the loop, or to load it from disk.
+    threads : int
+        As given.
     pair : Pair or None
         The loop of a pair of asperites, where the method provides one.
 
@@ -69,7 +71,7 @@ class Integrator:
         self._progress = progress
         self.origin = origin
         self._journal = journal
-        self._threads = threads
+        self.threads = threads
         pair = origin is None and has_pair_loop(layout, method)
         self.pair = Pair(layout, method, first_step) if pair else None
         if self.pair is not None:
@@ -114,7 +116,7 @@ class Integrator:
         first = self.first_step
         if isinstance(setting, Tolerance):
             first = first_step_at(setting, first, self.method.order)
-        loop = GeneralLoop(self.layout, self.method, setting, start, first, self._threads)
+        loop = GeneralLoop(self.layout, self.method, setting, start, first, self.threads)
         before = None
         if self.origin is not None:
             exactly = np.array_equal(start, self.layout.start)

@@ -40,13 +40,13 @@ class Threads(NamedTuple):
 
     Attributes
     ----------
-    count : int
+    number : int
         Threads.
     why : str
         Why so many, as the end of a sentence.
     """
 
-    count: int
+    number: int
     why: str
 
 
@@ -108,7 +108,7 @@ def team_of(scene: Scene, model: Model, contacts: tuple[Contact, ...]) -> Team |
         for (one, other), row in zip(contact.pairs.tolist(), contact.rows.tolist(), strict=True):
             blocks = LISTED_BLOCKS if row >= 0 else counts[other] // LANES
             pairs += counts[one] * blocks
-    if LANES * pairs < SHARED_PAIRS:
+    if LANES * pairs < SHARED_PAIRS or config.DISABLE_JIT:  # type: ignore[attr-defined]
         return None
     chunks = min(max(max(counts) // ASPERITES_OF_CHUNK, 4), MOST_CHUNKS)
     columns = model.asperites.shape[1]
