@@ -81,9 +81,9 @@ def _simulated(options: argparse.Namespace) -> Result:
     from tribo.simulation import simulate
 
     accuracy, step = (as_number(f"--{n}", getattr(options, n)) for n in ("accuracy", "step"))
+    threads = _threads(options)
     scene = with_samples(load_with_values(options), options.samples)
     out, resume = options.out, options.resume
-    threads = _threads(options)
     return simulate(scene, accuracy, options.method, step, out=out, resume=resume, threads=threads)
 
 

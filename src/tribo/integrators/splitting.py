@@ -45,6 +45,7 @@ from tribo.kernels.equations_of_motion import (
     accelerate,
     accelerate_block,
     drive_block,
+    drive_forces,
     forces,
     gather_contact,
     place_block,
@@ -273,23 +274,32 @@ def move(slot, s, i, tau, q, v):
 
 
 @inlined
-def drift(model, now, tau, state, work):
+def drift(model, team, now, tau, state, work):
     """Drift of all asperites for tau, which ends now, and the bobs' places then."""
     set_rotations(model.asperites[FREQUENCY], tau, work.rotations[0])
-    share(model, model.team, DRIFT, now, tau, state, work)
+    if team is None:
+        for k in range(model.surfaces.shape[0]):
+            s = model.surfaces[k]
+            drift_part(model, s, s.start, s.stop, now, tau, state, work)
+    else:
+        share_phase(model, team, DRIFT, now, tau, state, work)
 
 
 @inlined
-def drift_block(model, s, i, now, tau, q, v, accounts, rotations):
-    """Drift of a block of asperites."""
-    turn = rotation_of(rotations, i)
-    if s.dof_phi >= 0:
-        drift_free(model, s, i, tau, q, v, turn)
-    elif not is_fixed(model.fixed, s):
-        drift_clamped(model, model.turning, s, i, now - tau, tau, q, v, accounts, turn)
-    move(s.dof_x, s, i, tau, q, v)
-    move(s.dof_y, s, i, tau, q, v)
-    place_block(model, s, i, now, q)
+def drift_part(model, s, first, last, now, tau, state, work):
+    """Drift of the asperites of a surface from `first` to `last`."""
+    n = state.y.size // 2
+    q = state.y[:n]
+    v = state.y[n:]
+    for i in range(first, last, LANES):
+        turn = rotation_of(work.rotations[0], i)
+        if s.dof_phi >= 0:
+            drift_free(model, s, i, tau, q, v, turn)
+        elif not is_fixed(model.fixed, s):
+            drift_clamped(model, model.turning, s, i, now - tau, tau, q, v, state.s, turn)
+        move(s.dof_x, s, i, tau, q, v)
+        move(s.dof_y, s, i, tau, q, v)
+        place_block(model, s, i, now, q)
 
 
 @inlined
@@ -331,61 +341,63 @@ def kick_block(model, s, i, t, tau, q, v, work, power):
 
 
 @inlined
-def kick(model, t, tau, state, work):
+def kick(model, team, t, tau, state, work):
     """Contact, fields and springs, in place, and the drive act for tau."""
     n = state.y.size // 2
-    gather_contact(model)
-    share(model, model.team, DRIVE, t, tau, state, work)
-    settle_custom_forces(model, model.drives, model.ends, t, tau, state.y[:n], state.y[n:], work)
-    share(model, model.team, KICK, t, tau, state, work)
+    q = state.y[:n]
+    if team is None:
+        drive_forces(model, t, q)
+    else:
+        gather_contact(model)
+        share_phase(model, team, DRIVE, t, tau, state, work)
+    settle_custom_forces(model, model.drives, model.ends, t, tau, q, state.y[n:], work)
+    if team is None:
+        for k in range(model.surfaces.shape[0]):
+            s = model.surfaces[k]
+            kick_part(model, s, s.start, s.stop, t, tau, state, work)
+    else:
+        share_phase(model, team, KICK, t, tau, state, work)
     shared_powers(model, model.ledger, t, work.middle, Powers(state.s, model.sums, tau))
 
 
 @inlined
-def share(model, team, phase, t, tau, state, work):
-    """A phase of all asperites, together with assistants if there are any."""
-    if team is None:
-        for k in range(model.surfaces.shape[0]):
-            s = model.surfaces[k]
-            advance_tile(model, s, s.start, s.stop, phase, t, tau, state, work)
-    else:
-        team.numbers[0] = t
-        team.numbers[1] = tau
-        begin_phase(team, phase, team.tiles.shape[0])
+def kick_part(model, s, first, last, t, tau, state, work):
+    """Kick the asperites of a surface from `first` to `last`."""
+    n = state.y.size // 2
+    q = state.y[:n]
+    power = Powers(state.s, model.sums, tau)
+    for i in range(first, last, LANES):
+        accelerate_block(model, s, i, 0.0, t, q, work.acceleration)
+        kick_block(model, s, i, t, tau, q, state.y[n:], work, power)
+
+
+@kernel
+def share_phase(model, team, phase, t, tau, state, work):
+    """Compute all pieces of a phase, together with assistants."""
+    team.numbers[0] = t
+    team.numbers[1] = tau
+    begin_phase(team, phase, team.tiles.shape[0])
+    piece = next_piece(team)
+    while piece >= 0:
+        step_piece(model, team, piece, state, work)
+        finish_piece(team)
         piece = next_piece(team)
-        while piece >= 0:
-            step_piece(model, team, piece, state, work)
-            finish_piece(team)
-            piece = next_piece(team)
-        end_phase(team)
+    end_phase(team)
 
 
 @kernel
 def step_piece(model, team, piece, state, work):
-    """Compute a piece of the present phase of a step."""
+    """Compute a piece of the present phase."""
     s = model.surfaces[team.tiles[piece, 0]]
     first, last = team.tiles[piece, 1], team.tiles[piece, 2]
     phase, t, tau = team.counters[PHASE], team.numbers[0], team.numbers[1]
-    advance_tile(model, s, first, last, phase, t, tau, state, work)
-
-
-@inlined
-def advance_tile(model, s, first, last, phase, t, tau, state, work):
-    """One phase of the asperites of a surface from `first` to `last`."""
-    n = state.y.size // 2
-    q = state.y[:n]
-    v = state.y[n:]
     if phase == DRIFT:
-        for i in range(first, last, LANES):
-            drift_block(model, s, i, t, tau, q, v, state.s, work.rotations[0])
+        drift_part(model, s, first, last, t, tau, state, work)
     elif phase == DRIVE:
         for i in range(first, last, LANES):
-            drive_block(model, s, i, t, q)
+            drive_block(model, s, i, t, state.y[: state.y.size // 2])
     else:
-        power = Powers(state.s, model.sums, tau)
-        for i in range(first, last, LANES):
-            accelerate_block(model, s, i, 0.0, t, q, work.acceleration)
-            kick_block(model, s, i, t, tau, q, v, work, power)
+        kick_part(model, s, first, last, t, tau, state, work)
 
 
 def assist(model, neighbours, state, work):
@@ -411,7 +423,7 @@ def assist_team(model, team, neighbours, state, work):
 def repeat_kick(model, drives, ends, t, tau, state, work):
     """The same forces act again for tau; those of plug-ins are for the velocities of now."""
     if drives is not None or ends is not None:
-        kick(model, t, tau, state, work)
+        kick(model, model.team, t, tau, state, work)
         return
     n = state.y.size // 2
     q = state.y[:n]
@@ -445,7 +457,7 @@ def begin(model, neighbours, clock, state, work):
 def arrive(model, neighbours, clock, state, work):
     """Do the drift that the last step left, for a sample."""
     n = state.y.size // 2
-    drift(model, clock.t, clock.drift_lag, state, work)
+    drift(model, model.team, clock.t, clock.drift_lag, state, work)
     clock.drift_lag = 0.0
     settle_end_works(model, state.y[:n], state.s, state.memory[0])
     refresh(model, neighbours)
@@ -470,16 +482,16 @@ def take_step(model, neighbours, splitting, clock, h, state, work, noise):
         tau = splitting.kicks[m] * h
         ahead = splitting.drifts[m] * h
         t += ahead
-        drift(model, t, clock.drift_lag + ahead, state, work)
+        drift(model, model.team, t, clock.drift_lag + ahead, state, work)
         clock.drift_lag = 0.0
         forces(model, neighbours, t)
         clock.evaluations += 1
         if has_substep(model):
-            kick(model, t, 0.5 * tau, state, work)
+            kick(model, model.team, t, 0.5 * tau, state, work)
             bath_substep(model, tau, q, v, s, work.bath[m], work.torsional[m], noise)
             repeat_kick(model, model.drives, model.ends, t, 0.5 * tau, state, work)
         else:
-            kick(model, t, tau, state, work)
+            kick(model, model.team, t, tau, state, work)
     clock.drift_lag = splitting.drifts[splitting.kicks.size] * h
 
 
