@@ -13,6 +13,7 @@ import numpy as np
 
 from tribo.integrators.drift import drift_block
 from tribo.integrators.rotations import rotation
+from tribo.kernels.blocks import is_fixed
 from tribo.kernels.compiled import kernel, owning_kernel
 from tribo.kernels.equations_of_motion import bar_angles
 from tribo.kernels.neighbours import (
@@ -24,7 +25,7 @@ from tribo.kernels.neighbours import (
     sort_boxes,
 )
 from tribo.kernels.records import FREQUENCY, L1
-from tribo.kernels.simd import LANES, absolute, broadcast, maximum, sqrt, where_less
+from tribo.kernels.simd import LANES, broadcast, maximum, sqrt, where_less
 from tribo.kernels.simd_arrays import block
 
 
@@ -125,15 +126,16 @@ def boxes_of_paths(model, active, k, t, q, v):
 def longest_paths(model, s, i, t, q, v):
     """Bounds on the distances that free swings carry a block of bobs from where they are.
 
-    A swing of amplitude A goes by an angle of up to 2 A, and never farther than the diameter.
+    A swing of amplitude A goes by an angle of up to 2 A, and no bob goes farther than the diameter
+    of its circle, as it may without a torsion spring.
     """
+    if is_fixed(model.fixed, s):
+        return broadcast(0.0)
     diameter = 2.0 * block(model.asperites[L1], i)
     if s.dof_phi >= 0:
         return diameter
     frequency = block(model.asperites[FREQUENCY], i)
-    omega = absolute(block(v, i))
-    at_rest = where_less(0.0, omega, broadcast(1.0), 0.0)
     twist = block(q, i) - bar_angles(model, s, i, t, q)
-    rate = where_less(0.0, frequency, omega / frequency, at_rest)
+    rate = where_less(0.0, frequency, block(v, i) / frequency, 1.0)
     amplitude = sqrt(twist * twist + rate * rate)
     return diameter * where_less(amplitude, 1.0, amplitude, 1.0)
