@@ -68,6 +68,15 @@ def measured(search: Search, step: float) -> float:
     return 1e9 * seconds / max(1, int(loop.clocks["evaluations"][0]) - before)
 
 
+def inactive_at_start(layout: Layout, method: Method) -> int:
+    """Number of asperites that a run does not step at its start."""
+    if not method.splits:
+        return 0
+    loop = GeneralLoop(layout, method, 1.0, layout.start, 0.0)
+    loop.advance(layout.times[-1:], loop.room(1), 0)
+    return loop.inactive
+
+
 def path_of(layout: Layout, method: Method) -> Path | None:
     """The file beside the machine code; None where that is not kept."""
     if config.DISABLE_JIT:  # type: ignore[attr-defined]

@@ -15,8 +15,8 @@ from tribo.accuracy.comparison import Accuracy
 from tribo.explanation.memory import memory_of_run
 from tribo.explanation.prediction import Prediction, Search, pairs_of_bobs, predict
 from tribo.explanation.reasons import why_absent, why_present
-from tribo.explanation.speeds import compilations, kept_speed, loop_of, measured
-from tribo.integrators.methods import noisy
+from tribo.explanation.speeds import compilations, inactive_at_start, kept_speed, loop_of, measured
+from tribo.integrators.methods import Method, noisy
 from tribo.kernels.potential_in_lanes import is_vectorized
 from tribo.model.scene import Effect, Scene
 from tribo.run.layout import Layout, lay_out
@@ -69,12 +69,16 @@ class Contact:
     scalar : tuple of str
         The potentials whose forces are computed one after another, since their formula does not
         compile for eight distances at once.
+    inactive : int
+        Asperites that are out of reach of all others at the start.  They are not stepped until they
+        come within reach; their motion is computed in closed form.
     """
 
     pairs: int
     by_list: bool
     arithmetic: str
     scalar: tuple[str, ...]
+    inactive: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,6 +175,7 @@ class Explanation:
         sentences = [
             f"Degrees of freedom: {self.degrees_of_freedom} ({', '.join(made_of)}).",
             f"Contact: {self._contact()}.",
+            *self._inactive(),
             *self._ledger(),
             f"Method: {self.method}, {self._request()}, {reason_of_method(self.scene, self.why)}.",
             f"Threads: {self.threads.number}, {self.threads.why}.",
@@ -189,6 +194,15 @@ class Explanation:
         names = ", ".join(self.contact.scalar)
         how = f"one after another (scalar) for {names}" if names else "eight at once (lanes)"
         return f"{place} {self.contact.pairs:,}; forces are computed {how}"
+
+    def _inactive(self) -> list[str]:
+        live = self.scene.count - self.contact.inactive
+        if live == self.scene.count:
+            return []
+        return [
+            f"Live: {live:,} of {self.scene.count:,} asperites at the start. The others are out of "
+            "reach, and are computed in closed form until they come within reach."
+        ]
 
     def _ledger(self) -> list[str]:
         kept = {"surfaces": "sums of works over each surface", "none": "no works are computed"}
@@ -252,7 +266,7 @@ def explain(scene: Scene) -> Explanation:
         effects={str(effect): why_present(scene, effect) for effect in present},
         absent={str(effect): why_absent(effect) for effect in Effect if effect not in present},
         coordinates=coordinates(scene),
-        contact=contact(layout),
+        contact=contact(layout, choice.method),
         method=choice.method.name,
         why=choice.why,
         threads=threads,
@@ -282,13 +296,14 @@ def coordinates(scene: Scene) -> dict[str, int]:
     }
 
 
-def contact(layout: Layout) -> Contact:
+def contact(layout: Layout, method: Method) -> Contact:
     """How contact is computed."""
     pairs, by_list = pairs_of_bobs(layout)
     acting = (*layout.model.contacts, *(layout.model.within or ()))
     scalar = [item.potential for item in acting if not in_lanes(item.potential)]
     names = tuple(dict.fromkeys(type(potential).__name__ for potential in scalar))
-    return Contact(pairs, by_list, "scalar" if names else "lanes", names)
+    inactive = inactive_at_start(layout, method)
+    return Contact(pairs, by_list, "scalar" if names else "lanes", names, inactive)
 
 
 def in_lanes(potential: Any) -> bool:

@@ -7,7 +7,7 @@ table of its own.  The tables are then added in the order of the chunks.
 
 from numba import literal_unroll
 
-from tribo.kernels.blocks import clear
+from tribo.kernels.blocks import active_of, clear, column_of, first_block, last_block
 from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.contact import add_calculated, add_contact, add_rows, block_of, row_of
 from tribo.kernels.records import ALONG_X, ALONG_Y, FX, FY
@@ -23,6 +23,7 @@ from tribo.kernels.team import (
     end_phase,
     finish_piece,
     next_piece,
+    part_of,
 )
 
 
@@ -111,17 +112,20 @@ def piece_of_contact(model, team, contact, fx, fy, neighbours, piece):
     if team.counters[PHASE] == CONTACT:
         add_chunk(model, team, contact, k, fx, fy, neighbours, piece)
     elif team.tiles[piece, 0] == contact.pairs[k, 1]:
-        add_reactions(team, fx, fy, team.tiles[piece, 1], team.tiles[piece, 2])
+        s = model.surfaces[team.tiles[piece, 0]]
+        blocks = s.start // LANES, s.stop // LANES
+        begin, end = part_of(blocks[0], blocks[1], team.tiles[piece, 1], team.tiles[piece, 2])
+        add_reactions(team, fx, fy, LANES * begin, LANES * end)
 
 
 @inlined
 def add_chunk(model, team, contact, k, fx, fy, neighbours, chunk):
     """Add the forces on the bobs of a chunk of rows, and set the table of the reactions."""
-    one = model.surfaces[contact.pairs[k, 0]]
-    blocks = (one.stop - one.start) // LANES
-    chunks = team.reach.shape[0]
-    begin = one.start + LANES * (blocks * chunk // chunks)
-    end = min(one.start + LANES * (blocks * (chunk + 1) // chunks), one.end)
+    own = contact.pairs[k, 0]
+    one = model.surfaces[own]
+    active = active_of(neighbours)
+    first, last = first_block(active, one, own), last_block(active, one, own)
+    begin, end = part_of(first, last, chunk, team.reach.shape[0])
     low, high = reach_of_rows(model, contact, k, begin, end, neighbours)
     team.reach[chunk, 0] = low
     team.reach[chunk, 1] = high
@@ -135,15 +139,18 @@ def add_chunk(model, team, contact, k, fx, fy, neighbours, chunk):
 
 @kernel
 def reach_of_rows(model, contact, k, begin, end, neighbours):
-    """The first and the last + 1 of the columns of all candidates of some rows."""
+    """The first and the last + 1 of the columns of all candidates of some active blocks of rows."""
     one = model.surfaces[contact.pairs[k, 0]]
     other = model.surfaces[contact.pairs[k, 1]]
     low, high = other.stop, other.start
-    for i in range(begin, end):
-        first, last, is_listed = row_of(contact, k, other, i, one.start, neighbours)
-        if first < last:
-            low = min(low, block_of(neighbours, is_listed, first))
-            high = max(high, block_of(neighbours, is_listed, last - 1) + LANES)
+    active = active_of(neighbours)
+    for n in range(begin, end):
+        column = column_of(active, n)
+        for i in range(column, min(column + LANES, one.end)):
+            first, last, is_listed = row_of(contact, k, other, i, one.start, neighbours)
+            if first < last:
+                low = min(low, block_of(neighbours, is_listed, first))
+                high = max(high, block_of(neighbours, is_listed, last - 1) + LANES)
     return low, high
 
 

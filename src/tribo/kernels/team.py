@@ -39,7 +39,7 @@ class Team(NamedTuple):
 
     counters: np.ndarray  # (COUNTERS,): tickets taken, pieces finished, tickets there are, ...
     numbers: np.ndarray  # (2,) of the present phase: times
-    tiles: np.ndarray  # (tiles, 3) surface, first column, last column + 1
+    tiles: np.ndarray  # (tiles, 3) surface, which of its tiles, and how many it has
     reach: np.ndarray  # (chunks, 2) columns first <= i < last of the reactions to each chunk
     reactions: np.ndarray  # (2 chunks, n) x and y of the reactions to the rows of each chunk
 
@@ -156,3 +156,10 @@ def wait_for_piece(team):
         looks += 1
         if looks > LOOKS:
             _yield()
+
+
+@kernel
+def part_of(first, last, part, parts):
+    """The range of a part of a range that is divided into equal parts."""
+    size = last - first
+    return first + size * part // parts, first + size * (part + 1) // parts

@@ -14,6 +14,7 @@ from tribo.integrators.step_control import Tolerance
 from tribo.kernels.compiled import time_loop, undisturbed
 from tribo.kernels.records import CLOCK
 from tribo.kernels.samples import STORED, Record, State, empty_state, initial_state
+from tribo.kernels.simd import LANES
 from tribo.kernels.simd_arrays import room, with_spare_lanes
 from tribo.kernels.team import CLOSED
 from tribo.plugins.compile_errors import compiling
@@ -23,6 +24,9 @@ from tribo.run.integrate import Columns, Memory, Setting
 from tribo.run.layout import Layout
 from tribo.run.samples import Samples
 from tribo.run.threads import assisted
+
+# Which blocks are active, and how long the others have not been advanced.
+SELECTION = ("blocks", "first", "since", "place", "selected", "listed")
 
 
 class GeneralLoop:
@@ -80,7 +84,7 @@ class GeneralLoop:
         self.state = initial_state(y, accounts, method.remembers, method.splits)
         core = places.q[: layout.core]
         self._recorded = np.concatenate([core, coordinates + core]), places.s
-        self._neighbours = layout.neighbours()
+        self._neighbours = layout.neighbours(method.splits)
         self._noise: tuple[np.random.Generator, ...] = ()
         work = method.coefficients.workspace(layout.model, self.state)
         if method.splits:
@@ -139,6 +143,14 @@ class GeneralLoop:
         if self._neighbours is not None:
             self._neighbours.place[:] = np.nan
 
+    @property
+    def inactive(self) -> int:
+        """Number of asperites that are not stepped, until blocks are selected again."""
+        if self._neighbours is None or self._neighbours.active is None:
+            return 0
+        own = self._neighbours.active.since[self.layout.places.columns // LANES]
+        return int(np.count_nonzero(np.isfinite(own)))
+
     def memory(self) -> Memory:
         """All that another loop of this kind needs to continue, until this one goes on."""
         memory = {"clock": numbers_of(self.clocks)}
@@ -146,6 +158,9 @@ class GeneralLoop:
         if self._neighbours is not None:
             for name in ("start", "index", "place", "made"):
                 memory[f"neighbours_{name}"] = getattr(self._neighbours, name)
+            if self._neighbours.active is not None:
+                for name in SELECTION:
+                    memory[f"active_{name}"] = getattr(self._neighbours.active, name)
         if self._noise:
             text = json.dumps(self._noise[0].bit_generator.state)
             memory["noise"] = np.frombuffer(text.encode(), np.uint8)
@@ -159,9 +174,12 @@ class GeneralLoop:
             self._neighbours = self._neighbours._replace(
                 start=memory["neighbours_start"].copy(),
                 index=memory["neighbours_index"].copy(),
-                place=memory["neighbours_place"].copy(),
+                place=with_spare_lanes(memory["neighbours_place"]),
                 made=memory["neighbours_made"].copy(),
             )
+            if self._neighbours.active is not None:
+                for name in SELECTION:
+                    getattr(self._neighbours.active, name)[...] = memory[f"active_{name}"]
         if self._noise:
             self.restore_noise(memory["noise"])
 

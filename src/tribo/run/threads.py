@@ -122,18 +122,15 @@ def team_of(scene: Scene, model: Model, contacts: tuple[Contact, ...]) -> Team |
 
 
 def tiles_of(model: Model) -> np.ndarray:
-    """Surface, first and last column + 1 of each tile.
+    """Surface, place in it, and number of its tiles, for each tile.
 
     Works that are summed over a surface are summed by one thread.
     """
-    columns = model.asperites.shape[1]
-    size = LANES * max(1, columns // (TILES * LANES))
+    size = LANES * max(1, model.asperites.shape[1] // (TILES * LANES))
     tiles = []
     for k, surface in enumerate(model.surfaces):
-        whole = int(surface.stop - surface.start)
-        own = whole if model.sums else size
-        for first in range(int(surface.start), int(surface.stop), own):
-            tiles.append((k, first, min(first + own, int(surface.stop))))
+        parts = 1 if model.sums else -(-int(surface.stop - surface.start) // size)
+        tiles += [(k, part, parts) for part in range(parts)]
     return np.array(tiles, np.int64)
 
 
