@@ -58,8 +58,8 @@ def test_a_list_that_outgrows_its_room(shared, monkeypatch):
     scene = replace(long_slide(PERIODIC), duration=2.0)
     plain, whole, given = run(scene, 1), layouts.Layout.neighbours, []
 
-    def cramped(self):
-        return whole(self)._replace(index=np.zeros(1, np.int32))
+    def cramped(self, *arguments):
+        return whole(self, *arguments)._replace(index=np.zeros(1, np.int32))
 
     def counted(neighbours):
         given.append(neighbours.index.size)
