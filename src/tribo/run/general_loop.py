@@ -23,7 +23,7 @@ from tribo.run.layout import Layout
 from tribo.run.samples import Samples
 
 # Which blocks are active, and how long the others have not been advanced.
-SELECTION = ("blocks", "first", "since", "place", "selected", "listed")
+SELECTION = ("blocks", "first", "since", "place", "selected")
 
 
 class GeneralLoop:
@@ -140,7 +140,7 @@ class GeneralLoop:
         memory = {"clock": numbers_of(self.clocks)}
         memory |= self.state._asdict()
         if self._neighbours is not None:
-            for name in ("start", "index", "place", "made"):
+            for name in ("start", "index", "place", "made", "listed"):
                 memory[f"neighbours_{name}"] = getattr(self._neighbours, name)
             if self._neighbours.active is not None:
                 for name in SELECTION:
@@ -160,6 +160,7 @@ class GeneralLoop:
                 index=memory["neighbours_index"].copy(),
                 place=with_spare_lanes(memory["neighbours_place"]),
                 made=memory["neighbours_made"].copy(),
+                listed=memory["neighbours_listed"].copy(),
             )
             if self._neighbours.active is not None:
                 for name in SELECTION:
