@@ -33,24 +33,17 @@ from tribo.kernels.simd_arrays import block
 def update_lists(model, neighbours, active, t, q, v, accounts):
     """Rebuild the list of neighbours if bobs, which are in place, have moved too far."""
     if neighbours is not None:
-        if have_crossed(model, active, neighbours.place, neighbours.skin, age_of_list(active, t)):
+        age = t - neighbours.listed[0]
+        if have_crossed(model, active, neighbours.place, neighbours.skin, age):
             select_active(model, neighbours, active, t, q, v, accounts)
             rebuild(model, neighbours)
-
-
-@kernel
-def age_of_list(active, t):
-    """Time since the list was built; 0 where no block can be inactive."""
-    if active is None:
-        return 0.0
-    return t - active.listed[0]
+            neighbours.listed[0] = t
 
 
 @kernel
 def select_active(model, neighbours, active, t, q, v, accounts):
     """Select the active blocks again, if bobs have moved too far for the last selection."""
     if active is not None:
-        active.listed[0] = t
         if have_crossed(model, active, active.place, active.margin, t - active.selected[0]):
             advance_inactive(model, active, t, q, v, accounts)
             set_active(model, neighbours, active, t, q, v)
@@ -101,8 +94,8 @@ def mark_pair(model, box, neighbours, active, k, t, q, v, wanted):
     own = boxes_of_paths(model, active, neighbours.pairs[k, 0], t, q, v)
     boxes = boxes_of_paths(model, active, neighbours.pairs[k, 1], t, q, v)
     sorted_boxes = sort_boxes(box, own, boxes, reach)
-    near = np.empty(boxes[0].shape[1], np.int64)
-    for m in range(own[0].shape[1]):
+    near = np.empty((other.stop - other.start) // LANES, np.int64)
+    for m in range((one.stop - one.start) // LANES):
         count = near_blocks(box, own, m, boxes, reach, sorted_boxes, near)
         for n in range(count):
             wanted[one.start // LANES + m] = 1

@@ -297,9 +297,12 @@ def list_pair(model, box, neighbours, k, used):
     own = boxes_of(model, active, mine)
     boxes = boxes_of(model, active, theirs)
     centres, halves = boxes
+    top = row - one.start
+    if centres.shape[1] == 0:
+        fill_rows(start, row, top + one.end, used)
+        return used
     sorted_boxes = sort_boxes(box, own, boxes, reach)
     near = np.empty(centres.shape[1], np.int64)
-    top = row - one.start
     for own_block in range(own[0].shape[1]):
         count = near_blocks(box, own, own_block, boxes, reach, sorted_boxes, near)
         begin = column_of(active, first_block(active, one, mine) + own_block)

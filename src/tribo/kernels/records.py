@@ -261,7 +261,6 @@ class Active(NamedTuple):
     eligible: np.ndarray  # (surfaces,) 1 where the motion without contact is known
     place: np.ndarray  # (2, n) positions of the bobs when the active blocks were selected
     selected: np.ndarray  # (1,) when that was [time]; nan before
-    listed: np.ndarray  # (1,) when the list of neighbours was built [time]
     margin: float  # by which inactive blocks are farther away than the list reaches [length]
 
 
@@ -280,6 +279,7 @@ class Neighbours(NamedTuple):
     place: np.ndarray  # (2, n) positions of the bobs when the list was built; nan before
     skin: float  # by which the list reaches farther than the cutoff [length]
     made: np.ndarray  # (1,) number of times that the list was built
+    listed: np.ndarray  # (1,) when splitting methods built it last [time]; nan before
     active: Any  # Active, or None where all blocks are
 
 

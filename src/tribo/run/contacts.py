@@ -98,6 +98,7 @@ def neighbours(model: Model, rows: int, skin: float, active: Active | None) -> N
         place=nowhere(model.asperites.shape[1]),
         skin=skin,
         made=np.zeros(1, np.int64),
+        listed=np.full(1, np.nan),
         active=active,
     )
 

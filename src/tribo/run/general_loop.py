@@ -26,7 +26,7 @@ from tribo.run.samples import Samples
 from tribo.run.threads import assisted
 
 # Which blocks are active, and how long the others have not been advanced.
-SELECTION = ("blocks", "first", "since", "place", "selected", "listed")
+SELECTION = ("blocks", "first", "since", "place", "selected")
 
 
 class GeneralLoop:
@@ -156,7 +156,7 @@ class GeneralLoop:
         memory = {"clock": numbers_of(self.clocks)}
         memory |= self.state._asdict()
         if self._neighbours is not None:
-            for name in ("start", "index", "place", "made"):
+            for name in ("start", "index", "place", "made", "listed"):
                 memory[f"neighbours_{name}"] = getattr(self._neighbours, name)
             if self._neighbours.active is not None:
                 for name in SELECTION:
@@ -176,6 +176,7 @@ class GeneralLoop:
                 index=memory["neighbours_index"].copy(),
                 place=with_spare_lanes(memory["neighbours_place"]),
                 made=memory["neighbours_made"].copy(),
+                listed=memory["neighbours_listed"].copy(),
             )
             if self._neighbours.active is not None:
                 for name in SELECTION:

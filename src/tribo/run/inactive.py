@@ -43,7 +43,6 @@ def active_blocks(scene: Scene, model: Model, skin: float) -> Active | None:
         eligible=np.array(eligible, np.int64),
         place=nowhere(count),
         selected=np.full(1, np.nan),
-        listed=np.full(1, np.nan),
         margin=MARGIN * skin,
     )
 
