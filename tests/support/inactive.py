@@ -6,7 +6,7 @@ STEP = 0.03
 STOPS = (3.0, 6.0, 9.0, 12.0)
 
 
-def crossing(stops=STOPS, columns=40, rows=3):
+def crossing(stops=STOPS, columns=40, rows=3, ends="free", first=11.0):
     """A pulled slider crosses a forced surface, and driven bars come up; all of them swing."""
     import tribo
 
@@ -19,7 +19,7 @@ def crossing(stops=STOPS, columns=40, rows=3):
         drive=tribo.Pulled(stiffness=2.0, speed=0.5),
     )
     count = columns * rows
-    kappa, swing = np.linspace(4.0, 16.0, count), np.linspace(-0.25, 0.2, count)
+    kappa, swing = np.linspace(0.5, 16.0, count), np.linspace(-0.25, 0.2, count)
     kappa[-1] = 0.0
     hills = np.cos(np.arange(count) % columns / 2.0) - 1.0
     lower = tribo.Surface(
@@ -35,13 +35,13 @@ def crossing(stops=STOPS, columns=40, rows=3):
     bars = tribo.Surface(
         "bars",
         facing="up",
-        bob=(11.0, 0.05),
+        bob=(first, 0.05),
         depth=4.0,
         velocity=(-2.0, 0.0),
         shape=(columns - 10, rows),
         spacing=(0.9, 0.9),
         drive="bars",
-        bars="free",
+        bars=ends,
         initial=tribo.Initial(swing=0.2, phi=-0.1),
     )
     potential = tribo.with_cutoff(tribo.LennardJones(0.05, 0.5), 1.3)

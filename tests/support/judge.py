@@ -514,8 +514,9 @@ def further_series() -> str:
 
 def asperites_out_of_reach() -> str:
     """Those that are not stepped, in a short run, and how that is decided."""
-    scene = inactive.crossing((2.1,), 24, 2)
-    return inactive.check_paths(scene) or inactive.check(scene)
+    turning = inactive.crossing((2.1,), 24, 2)
+    clamped = inactive.crossing((2.1,), 24, 2, "clamped", 7.5)
+    return inactive.check_paths(turning) or inactive.check(clamped)
 
 
 def without_reservoirs(table):
