@@ -6,7 +6,7 @@ STEP = 0.03
 STOPS = (3.0, 6.0, 9.0, 12.0)
 
 
-def crossing(stops=STOPS, columns=40, rows=3):
+def crossing(stops=STOPS, columns=40, rows=3, ends="free", first=11.0):
     """A pulled slider crosses a forced surface, and driven bars come up; all of them swing."""
     import tribo
 
@@ -19,7 +19,7 @@ def crossing(stops=STOPS, columns=40, rows=3):
         drive=tribo.Pulled(stiffness=2.0, speed=0.5),
     )
     count = columns * rows
-    kappa, swing = np.linspace(1.0, 3.0, count), np.linspace(-0.6, 0.5, count)
+    kappa, swing = np.linspace(0.5, 16.0, count), np.linspace(-0.25, 0.2, count)
     kappa[-1] = 0.0
     hills = np.cos(np.arange(count) % columns / 2.0) - 1.0
     lower = tribo.Surface(
@@ -30,18 +30,18 @@ def crossing(stops=STOPS, columns=40, rows=3):
         velocity=(-0.5, 0.0),
         heights=hills,
         asperite=tribo.Asperite(kappa=kappa),
-        initial=tribo.Initial(swing=swing, omega=0.1),
+        initial=tribo.Initial(swing=swing, omega=0.1, phi=0.15),
     )
     bars = tribo.Surface(
         "bars",
         facing="up",
-        bob=(12.0, 0.05),
+        bob=(first, 0.05),
         depth=4.0,
         velocity=(-2.0, 0.0),
         shape=(columns - 10, rows),
         spacing=(0.9, 0.9),
         drive="bars",
-        bars="free",
+        bars=ends,
         initial=tribo.Initial(swing=0.2, phi=-0.1),
     )
     potential = tribo.with_cutoff(tribo.LennardJones(0.05, 0.5), 1.3)
@@ -198,4 +198,20 @@ def check(scene) -> str:
     for one, other in zip(rooms[0][:2], rooms[1][:2], strict=True):
         if np.max(np.abs(one - other)) > 1e-12 * np.max(np.abs(other)):
             return "samples differ from those of steps"
+    return ""
+
+
+def check_paths(scene) -> str:
+    """What is wrong with the boxes around blocks and their free swings; uncompiled code only."""
+    from tribo.integrators.inactive import boxes_of_paths
+
+    loop, _ = loops(scene)
+    loop.advance(scene.times, loop.room(1), 0)
+    layout, q, v = loop.layout, *loop.state.y.reshape(2, -1)
+    places, paths = positions(layout), longest_paths(loop)
+    for k, (name, part) in enumerate(layout.parts.items()):
+        _, low, high = boxes(layout, part, places, paths)
+        centres, halves = boxes_of_paths(layout.model, loop._neighbours.active, k, 0.0, q, v)
+        if not (np.allclose(centres - halves, low.T) and np.allclose(centres + halves, high.T)):
+            return f"boxes around {name}"
     return ""

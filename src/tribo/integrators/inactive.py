@@ -94,7 +94,7 @@ def mark_pair(model, box, neighbours, active, k, t, q, v, wanted):
     own = boxes_of_paths(model, active, neighbours.pairs[k, 0], t, q, v)
     boxes = boxes_of_paths(model, active, neighbours.pairs[k, 1], t, q, v)
     sorted_boxes = sort_boxes(box, own, boxes, reach)
-    near = np.empty((other.stop - other.start) // LANES, np.int64)
+    near = np.empty(active.since.size, np.int64)
     for m in range((one.stop - one.start) // LANES):
         count = near_blocks(box, own, m, boxes, reach, sorted_boxes, near)
         for n in range(count):
