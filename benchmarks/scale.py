@@ -6,7 +6,11 @@ neighbour list, two samples) is reported apart.  It prints nanoseconds per asper
 ratio to those of the smallest size, the seconds that building and laying out the scene take, and
 the peak memory.  A constant ratio means that the time is linear in the number of asperites.
 
+With --inactive it slides a grid of 10 x 10 over one of 100 x 100 instead, most of which is out of
+reach, and over one of 10 x 10.  It prints the microseconds of a step of both, and their ratio.
+
     python benchmarks/scale.py [--json] [--most 1000000]
+    python benchmarks/scale.py --inactive [--json]
 """
 
 import argparse
@@ -25,12 +29,28 @@ SIZES = (1_000, 10_000, 100_000, 1_000_000)
 # Step of Verlet [time].
 STEP = 0.01
 
+# Distance of neighbours in a grid [length].
+SPACING = 1.5
+
+# Asperites along each side of a small grid, and of one that is large beside it.
+SMALL, LARGE = 10, 100
+
+# Steps of a short and of a long run over a grid, which slides by a third of the small one.
+FEW, SLIDE = 10, 1_000
+
+# Times that runs over the grids are measured in turn; the shortest counts.
+ROUNDS = 9
+
 
 def scene(asperites: int, duration: float) -> tribo.Scene:
     """Two grids of half the asperites each, with random heights of up to a tenth of sigma."""
     side = round((asperites / 2) ** 0.5)
     heights = np.random.default_rng(0).uniform(-0.1, 0.1, side * side)
-    grid = {"shape": (side, side), "spacing": (1.5, 1.5), "asperite": tribo.Asperite(kappa=20.0)}
+    grid = {
+        "shape": (side, side),
+        "spacing": (SPACING, SPACING),
+        "asperite": tribo.Asperite(kappa=20.0),
+    }
     upper = tribo.Surface("upper", bob=(0.3, 1.2), velocity=(0.5, 0.0), heights=heights, **grid)
     lower = tribo.Surface("lower", facing="up", heights=-heights[::-1], **grid)
     potential = tribo.with_cutoff(tribo.LennardJones(0.05, 1.0), 2.5)
@@ -72,12 +92,55 @@ def measure(asperites: int) -> dict[str, float]:
     }
 
 
+def small_over(side: int, steps: int) -> tribo.Scene:
+    """A small grid in the middle of another with so many asperites along each side."""
+    rng = np.random.default_rng(0)
+    middle = 0.5 * SPACING * (side - SMALL)
+    grid = {"spacing": (SPACING, SPACING), "asperite": tribo.Asperite(kappa=20.0)}
+    upper = tribo.Surface(
+        "upper",
+        bob=(middle + 0.3, 1.2),
+        depth=middle,
+        velocity=(0.5, 0.0),
+        shape=(SMALL, SMALL),
+        heights=rng.uniform(-0.1, 0.1, SMALL**2),
+        **grid,
+    )
+    heights = rng.uniform(-0.1, 0.1, side**2)
+    lower = tribo.Surface("lower", facing="up", shape=(side, side), heights=heights, **grid)
+    potential = tribo.with_cutoff(tribo.LennardJones(0.05, 1.0), 2.5)
+    return tribo.Scene((upper, lower), potential, steps * STEP, output=tribo.Output(samples=2))
+
+
+def measure_inactive() -> dict[str, float]:
+    """Microseconds of a step over a small and a large grid, without the first steps of a run."""
+    runs = {
+        (side, steps): tribo.prepare(small_over(side, steps), method="verlet", step=STEP)
+        for side in (SMALL, LARGE)
+        for steps in (FEW, SLIDE)
+    }
+    shortest = dict.fromkeys(runs, np.inf)
+    for _ in range(ROUNDS):
+        for key, run in runs.items():
+            shortest[key] = min(shortest[key], run.run().cost.wall_seconds)
+    alone, beside = (
+        1e6 * (shortest[side, SLIDE] - shortest[side, FEW]) / (SLIDE - FEW)
+        for side in (SMALL, LARGE)
+    )
+    return {"alone_microseconds": alone, "beside_microseconds": beside, "ratio": beside / alone}
+
+
 def main() -> None:
     """Measure every size in one process, smallest first."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--json", action="store_true")
     parser.add_argument("--most", type=int, default=SIZES[-1])
+    parser.add_argument("--inactive", action="store_true")
     options = parser.parse_args()
+    if options.inactive:
+        found = measure_inactive()
+        print(json.dumps(found) if options.json else found)
+        return
     rows = [measure(size) for size in SIZES if size <= options.most]
     if options.json:
         print(json.dumps(rows, indent=1))

@@ -289,6 +289,7 @@ def test_command(tmp_path, capsys):
     assert table["effects"] == ["contact", "swing", "clamped ends"]
     assert set(table["effects"]) | set(table["absent"]) == set(Effect)
     assert table["degrees_of_freedom"] == 6
+    assert table["threads"] == {"number": 1, "why": "since a step is too short to be shared"}
     assert (table["method"], table["step"]) == ("verlet", 0.01)
     assert table["predicted"]["force_evaluations"] == 200
     assert table["predicted"]["seconds"] > 0.0 and table["predicted"]["memory_bytes"] > 0
@@ -297,6 +298,7 @@ def test_command(tmp_path, capsys):
     lines = capsys.readouterr().out.splitlines()
     assert len(lines) <= 40 and max(map(len, lines)) <= 100
     assert "Degrees of freedom: 6 (6 swings)." in lines
+    assert "Threads: 1, since a step is too short to be shared." in lines
 
 
 def test_reason_of_the_method():

@@ -38,6 +38,7 @@ def repeat(
     progress: Shown = None,
     out: str | Path | None = None,
     resume: bool = False,
+    threads: int | None = None,
 ) -> Result:
     """Run the scene of a result again with its settings.
 
@@ -50,7 +51,7 @@ def repeat(
         As :func:`tribo.load_result` returns it.
     plugins : bool
         Whether the scene may name code.
-    progress, out, resume
+    progress, out, resume, threads
         As for :func:`tribo.simulate`.
 
     Returns
@@ -81,6 +82,7 @@ def repeat(
         progress=progress,
         out=out,
         resume=resume,
+        threads=threads,
     )
 
 

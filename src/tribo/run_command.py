@@ -16,9 +16,10 @@ from tribo.scene_options import (
     as_number,
     check_figure,
     load_with_values,
+    parsed,
     with_samples,
 )
-from tribo.validation import InputError
+from tribo.validation import InputError, integer
 
 if TYPE_CHECKING:
     from tribo.run.result import Result
@@ -46,6 +47,12 @@ def add_run(run: argparse.ArgumentParser) -> None:
     run.add_argument("--json", action="store_true", help="print only the end state, as JSON")
     add_numerics(run)
     run.add_argument("--samples", metavar="N", help="number of evenly spaced times to record")
+    run.add_argument(
+        "--threads",
+        metavar="N",
+        help="threads that share each step of a large surface (default: TRIBO_THREADS, or as many "
+        "as there are cores); the results do not depend on it",
+    )
     add_set(run)
     run.add_argument(
         "--figure", type=Path, metavar="FILE", help="draw the works on the first asperite"
@@ -74,9 +81,17 @@ def _simulated(options: argparse.Namespace) -> Result:
     from tribo.simulation import simulate
 
     accuracy, step = (as_number(f"--{n}", getattr(options, n)) for n in ("accuracy", "step"))
+    threads = _threads(options)
     scene = with_samples(load_with_values(options), options.samples)
     out, resume = options.out, options.resume
-    return simulate(scene, accuracy, options.method, step, out=out, resume=resume)
+    return simulate(scene, accuracy, options.method, step, out=out, resume=resume, threads=threads)
+
+
+def _threads(options: argparse.Namespace) -> int | None:
+    """The number of threads, if it is given.  Raises InputError."""
+    if options.threads is None:
+        return None
+    return integer("--threads", parsed(options.threads), 1)
 
 
 def _repeated(options: argparse.Namespace) -> tuple[Result, bool]:
@@ -88,7 +103,13 @@ def _repeated(options: argparse.Namespace) -> tuple[Result, bool]:
         if getattr(options, name):
             raise InputError(f"--{name}", "cannot go with the file of a run; give a scene file")
     before = load_result(options.scene)
-    result = repeat(before, not options.no_plugins, out=options.out, resume=options.resume)
+    result = repeat(
+        before,
+        not options.no_plugins,
+        out=options.out,
+        resume=options.resume,
+        threads=_threads(options),
+    )
     found = differences(before, result)
     print(f"{options.scene}: {sentence(before, result, found)}", file=sys.stderr)
     return result, not found

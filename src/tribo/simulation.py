@@ -27,6 +27,7 @@ from tribo.run.layout import Layout, lay_out
 from tribo.run.loop_selection import Integrator
 from tribo.run.result import Result, load_result, netcdf_path
 from tribo.run.state import Origin, State, continued, digest_of
+from tribo.run.threads import threads_of
 from tribo.validation import InputError, TriboWarning, as_path, boolean, inside, must_be
 
 
@@ -38,6 +39,7 @@ def prepare(
     progress: Progress | None = None,
     start: State | None = None,
     allow_unresolved: bool = False,
+    threads: int | None = None,
 ) -> Simulation:
     """Compile and plan a scene once; method and settings are fixed here.
 
@@ -63,6 +65,9 @@ def prepare(
     allow_unresolved : bool
         Whether a step of a splitting method may be too long to resolve the fastest pendulum or
         spring, as in the scene's numerics.
+    threads : int, optional
+        Threads that share each step of a splitting method where that pays.  Without it
+        TRIBO_THREADS, or as many as there are cores.  The results do not depend on it.
 
     Returns
     -------
@@ -82,7 +87,7 @@ def prepare(
     if progress is not None and not callable(progress):
         raise must_be("progress", "a function", progress)
     layout, choice, origin = _chosen(scene, accuracy, method, step, start, allow_unresolved)
-    integrator = _integrator(layout, choice, progress, origin)
+    integrator = _integrator(layout, choice, progress, origin, threads)
     return Simulation(make_plan(choice, integrator), integrator)
 
 
@@ -120,10 +125,12 @@ def _integrator(
     choice: Choice,
     progress: Progress | None,
     origin: Origin | None,
+    threads: int | None,
     journal: Journal | None = None,
 ) -> Integrator:
     """The compiled time loop; warns of bobs that start deep in a core."""
-    integrator = integrator_for(layout, choice.method, progress, origin, journal)
+    count = threads_of(layout.model, choice.method, threads).number
+    integrator = integrator_for(layout, choice.method, progress, origin, journal, count)
     for note in core_notes(layout):  # energies in Python: those of plug-ins have compiled by now
         warnings.warn(note, TriboWarning, stacklevel=3)
     return integrator
@@ -157,12 +164,13 @@ def simulate(
     out: str | Path | None = None,
     resume: bool = False,
     allow_unresolved: bool = False,
+    threads: int | None = None,
 ) -> Result:
     """Run a scene once.
 
     Parameters
     ----------
-    scene, accuracy, method, step, start, allow_unresolved
+    scene, accuracy, method, step, start, allow_unresolved, threads
         As for :func:`prepare`.  A run from ``result.state()`` by the same method and step gives bit
         for bit what a run without the pause gives that records the same times.
     progress : callable or bool, optional
@@ -192,10 +200,10 @@ def simulate(
     layout, choice, origin = _chosen(scene, accuracy, method, step, start, allow_unresolved)
     with Reported(progress, layout.scene.duration, "t") as report:
         if out is None:
-            integrator = _integrator(layout, choice, report, origin)
+            integrator = _integrator(layout, choice, report, origin, threads)
             result = Simulation(make_plan(choice, integrator), integrator).compute_first()
         else:
-            result = _run_to_file(as_path(out), resume, layout, choice, origin, report)
+            result = _run_to_file(as_path(out), resume, layout, choice, origin, threads, report)
     return with_warning(result)
 
 
@@ -205,6 +213,7 @@ def _run_to_file(
     layout: Layout,
     choice: Choice,
     origin: Origin | None,
+    threads: int | None,
     progress: Progress | None,
 ) -> Result:
     """Run with a journal beside a file, which the result replaces once it is complete."""
@@ -217,7 +226,7 @@ def _run_to_file(
         refuse_other(path, identity_of(result.scene, result.settings, result.version), identity)
         return result
     with Journal(part, identity, resume) as journal:
-        integrator = _integrator(layout, choice, progress, origin, journal)
+        integrator = _integrator(layout, choice, progress, origin, threads, journal)
         result = Simulation(make_plan(choice, integrator), integrator).compute_first()
         if result.status != Status.INTERRUPTED:
             result.save(path)

@@ -12,7 +12,7 @@ import pytest
 import tribo
 from tribo.integrators.methods import METHODS
 from tribo.kernels.compiled import shared_kernel
-from tribo.kernels.contact import contact_forces
+from tribo.kernels.contact_forces import contact_forces
 from tribo.kernels.numba_passes import LinkedLibrary, LoopCompiler
 from tribo.potentials import as_potential
 from tribo.run.general_loop import GeneralLoop

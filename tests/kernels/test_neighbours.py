@@ -139,9 +139,9 @@ def test_a_list_that_outgrows_its_room(method, monkeypatch):
         nowhere = np.full_like(neighbours.place, np.nan)
         return neighbours._replace(index=np.zeros(grown[-1], np.int32), place=nowhere)
 
-    def cramped(self):
+    def cramped(self, splits):
         """A list with room for one."""
-        return whole(self)._replace(index=np.zeros(1, np.int32))
+        return whole(self, splits)._replace(index=np.zeros(1, np.int32))
 
     whole = layouts.Layout.neighbours
     monkeypatch.setattr(general_loop, "with_room", exactly)

@@ -23,7 +23,7 @@ from unittest import mock
 import numpy as np
 from scipy.linalg import expm
 
-from support import reference
+from support import inactive, reference
 from support.formulas import FORMULAS
 from support.laws import identities, kind, tables
 from support.loops import LOOPS
@@ -149,7 +149,7 @@ class Accurate(NamedTuple):
 class Limited(NamedTuple):
     """The same with lower limits, so that a small scene counts as large."""
 
-    check: Steps | Accurate
+    check: Callable[[], str]
     limits: dict[str, int]  # by their places in the package
 
     def __call__(self):
@@ -512,6 +512,13 @@ def further_series() -> str:
     return ""
 
 
+def asperites_out_of_reach() -> str:
+    """Those that are not stepped, in a short run, and how that is decided."""
+    turning = inactive.crossing((2.1,), 24, 2)
+    clamped = inactive.crossing((2.1,), 24, 2, "clamped", 7.5)
+    return inactive.check_paths(turning) or inactive.check(clamped)
+
+
 def without_reservoirs(table):
     """The table as the independent solver takes it."""
     surfaces = [{k: v for k, v in s.items() if k != "langevin"} for s in table["surface"]]
@@ -560,6 +567,7 @@ CHECKS["all pairs"] = Steps("rows", "midpoint", 0.02, 2, 1e-3)
 LISTS = {"contacts.UNLISTED_PAIRS": 0}
 CHECKS["listed pairs"] = Limited(CHECKS["all pairs"], LISTS)
 CHECKS["listed pairs, verlet"] = Limited(Steps("rows", "verlet", 0.02, 2, 1e-3), LISTS)
+CHECKS["inactive asperites"] = Limited(asperites_out_of_reach, LISTS | {"inactive.MARGIN": 2})
 for _scene in ("forced on free", "free on free"):
     CHECKS[f"pair, {_scene}"] = AsPair(_scene, 1e-8, 1e-7)
 for _scene in ("arms alike", "pulled and loaded", "driven bars", "rigid asperites", "reservoirs"):

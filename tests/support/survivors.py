@@ -30,6 +30,13 @@ EQUIVALENT = {
     "max(extent_z * nz, size_z)": (
         "wider cells hold all pairs within reach, which are then sorted: only the cost changes"
     ),
+    "integrators/inactive.py: longest_paths: broadcast(0.0) -> broadcast(1.0)": (
+        "rigid asperites have less to reach than this says: only the cost changes"
+    ),
+    "integrators/inactive.py: longest_paths: s.dof_phi >= 0 -> s.dof_phi >= 1": AFTER_SWINGS,
+    "integrators/inactive.py: longest_paths: "
+    "where_less(0.0, frequency, block(v, i) / frequency, 1.0) -> "
+    "where_less(0.0, frequency, block(v, i) / frequency, 2.0)": ("amplitudes above 1 count as 1"),
     "run/accounts.py: _columns: -1 -> -2": "any negative slot is absent",
     "run/accounts.py: _drive: a.acc_drive >= 0 -> a.acc_drive >= 1": (
         "the first slots are those of contact; no drive has slot 0"

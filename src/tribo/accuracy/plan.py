@@ -71,9 +71,10 @@ def integrator_for(
     progress: Progress | None = None,
     origin: Origin | None = None,
     journal: Journal | None = None,
+    threads: int = 1,
 ) -> Integrator:
     """A compiled loop with the usual first step.  Raises InputError."""
-    return Integrator(layout, method, first_step(layout), progress, origin, journal)
+    return Integrator(layout, method, first_step(layout), progress, origin, journal, threads)
 
 
 def make_plan(choice: Choice, integrator: Integrator) -> Plan:

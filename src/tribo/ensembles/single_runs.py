@@ -16,7 +16,7 @@ from tribo.validation import InputError
 
 def planned(scene: Scene, method: str | None, step: float | None) -> Simulation:
     """The scene, with the method and settings of all members.  Raises InputError."""
-    simulation = prepare(scene, method=method, step=step)
+    simulation = prepare(scene, method=method, step=step, threads=1)
     if simulation.accuracy is None:
         return simulation
     result = simulation.compute_first()
@@ -111,7 +111,7 @@ def run_alone(simulation: Simulation, kept: Kept, members: Members, found: KeptV
 def _alone(simulation: Simulation, scene: Scene) -> Simulation:
     if simulation.accuracy is None:
         return from_settings(scene, simulation.settings)
-    return prepare(scene, simulation.accuracy, simulation.method.name)
+    return prepare(scene, simulation.accuracy, simulation.method.name, threads=1)
 
 
 def _take(found: KeptValues, index: int, result: Result, kept: Kept) -> None:

@@ -61,7 +61,7 @@ def scene_bytes(layout: Layout, method: Method, stages: int) -> int:
     vectors = VECTORS if method.splits else VECTORS + stages
     coordinates, accounts = layout.room
     state = NUMBER * vectors * (2 * coordinates + accounts)
-    tables = (layout.model, layout.neighbours(), layout.asperites, layout.surfaces)
+    tables = (layout.model, layout.neighbours(method.splits), layout.asperites, layout.surfaces)
     return state + _bytes_of(tables) + _bytes_of_rotations(layout, method, stages)
 
 

@@ -138,6 +138,8 @@ class Search(Integrator):
         The scene.
     method : Method
         Of all runs.
+    threads : int
+        Threads that share each step.
 
     Attributes
     ----------
@@ -147,8 +149,8 @@ class Search(Integrator):
         Part of the duration that the last of these reached.
     """
 
-    def __init__(self, layout: Layout, method: Method) -> None:
-        super().__init__(layout, method, first_step(layout))
+    def __init__(self, layout: Layout, method: Method, threads: int = 1) -> None:
+        super().__init__(layout, method, first_step(layout), threads=threads)
         self.finished: list[Taken] = []
         self.reached = 1.0
         self._left = 1e9 * BUDGET / evaluation_time(layout, method)
@@ -170,7 +172,8 @@ class Search(Integrator):
             assert isinstance(setting, Tolerance)
             run = self.pair.integrate(setting, start, times, None, Limit(self))
         else:
-            loop = GeneralLoop(self.layout, self.method, setting, start, self.first_step)
+            first = self.first_step
+            loop = GeneralLoop(self.layout, self.method, setting, start, first, self.threads)
             run = self._integrated(loop, times)
         self._left -= run.evaluations
         if run.status == Status.INTERRUPTED:

@@ -43,11 +43,11 @@ def compilations(loop: Any) -> int:
     return sum(loop.stats.cache_misses.values())
 
 
-def kept_speed(layout: Layout, method: Method, measure: Callable[[], float]) -> float:
+def kept_speed(layout: Layout, method: Method, threads: int, measure: Callable[[], float]) -> float:
     """Nanoseconds of an evaluation of a scene of this kind; measured if none are kept."""
     path = path_of(layout, method)
     kept = _read(path)
-    key = _kind(layout, method)
+    key = _kind(layout, method, threads)
     if key not in kept:
         kept[key] = measure()
         _write(path, kept)
@@ -57,7 +57,7 @@ def kept_speed(layout: Layout, method: Method, measure: Callable[[], float]) -> 
 def measured(search: Search, step: float) -> float:
     """Nanoseconds of an evaluation, by a short run with a given step from the start."""
     layout, method = search.layout, search.method
-    loop = GeneralLoop(layout, method, step, layout.start, 0.0)
+    loop = GeneralLoop(layout, method, step, layout.start, 0.0, search.threads)
     steps = max(1, int(1e9 * MEASURED / evaluation_time(layout, method)))
     times = layout.times
     columns = loop.room(times.size + 1)
@@ -68,6 +68,15 @@ def measured(search: Search, step: float) -> float:
     return 1e9 * seconds / max(1, int(loop.clocks["evaluations"][0]) - before)
 
 
+def inactive_at_start(layout: Layout, method: Method) -> int:
+    """Number of asperites that a run does not step at its start."""
+    if not method.splits:
+        return 0
+    loop = GeneralLoop(layout, method, 1.0, layout.start, 0.0)
+    loop.advance(layout.times[-1:], loop.room(1), 0)
+    return loop.inactive
+
+
 def path_of(layout: Layout, method: Method) -> Path | None:
     """The file beside the machine code; None where that is not kept."""
     if config.DISABLE_JIT:  # type: ignore[attr-defined]
@@ -76,12 +85,13 @@ def path_of(layout: Layout, method: Method) -> Path | None:
     return None if folder is None else Path(folder) / FILE
 
 
-def _kind(layout: Layout, method: Method) -> str:
+def _kind(layout: Layout, method: Method, threads: int) -> str:
     """What the speed of a scene depends on, in one line."""
     scene = layout.scene
     pairs, listed = pairs_of_bobs(layout)
     potentials = [type(item.potential).__name__ for item in scene.interactions]
     sizes = f"{scene.count} {layout.coordinates} {pairs}{' listed' if listed else ''}"
+    sizes += f" threads {threads}"
     return " ".join([method.name, sizes, *potentials, *sorted(scene.effects)])
 
 

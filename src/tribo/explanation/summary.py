@@ -15,11 +15,12 @@ from tribo.accuracy.comparison import Accuracy
 from tribo.explanation.memory import memory_of_run
 from tribo.explanation.prediction import Prediction, Search, pairs_of_bobs, predict
 from tribo.explanation.reasons import why_absent, why_present
-from tribo.explanation.speeds import compilations, kept_speed, loop_of, measured
-from tribo.integrators.methods import noisy
+from tribo.explanation.speeds import compilations, inactive_at_start, kept_speed, loop_of, measured
+from tribo.integrators.methods import Method, noisy
 from tribo.kernels.potential_in_lanes import is_vectorized
 from tribo.model.scene import Effect, Scene
 from tribo.run.layout import Layout, lay_out
+from tribo.run.threads import Threads, threads_of
 from tribo.validation import InputError, inside
 
 # Width of the text [columns].
@@ -68,12 +69,16 @@ class Contact:
     scalar : tuple of str
         The potentials whose forces are computed one after another, since their formula does not
         compile for eight distances at once.
+    inactive : int
+        Asperites that are out of reach of all others at the start.  They are not stepped until they
+        come within reach; their motion is computed in closed form.
     """
 
     pairs: int
     by_list: bool
     arithmetic: str
     scalar: tuple[str, ...]
+    inactive: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,6 +101,8 @@ class Explanation:
         The integration method.
     why : str
         Why it was chosen; empty where it was given.
+    threads : Threads
+        How many threads share each step, and why so many.
     accuracy : float, dict or None
         The accuracy that was asked for; None with a given step.
     step : float or None
@@ -115,6 +122,7 @@ class Explanation:
     contact: Contact
     method: str
     why: str
+    threads: Threads
     accuracy: Accuracy | None
     step: float | None
     compiled: bool
@@ -138,6 +146,7 @@ class Explanation:
             "ledger": self.scene.output.ledger,
             "method": self.method,
             "why": self.why,
+            "threads": self.threads._asdict(),
             "accuracy": self.accuracy,
             "step": self.step,
             "compiled": self.compiled,
@@ -166,8 +175,10 @@ class Explanation:
         sentences = [
             f"Degrees of freedom: {self.degrees_of_freedom} ({', '.join(made_of)}).",
             f"Contact: {self._contact()}.",
+            *self._inactive(),
             *self._ledger(),
             f"Method: {self.method}, {self._request()}, {reason_of_method(self.scene, self.why)}.",
+            f"Threads: {self.threads.number}, {self.threads.why}.",
             f"Cost: about {_rounded(cost.force_evaluations)} force evaluations, "
             f"{_time(cost.seconds)} on this machine, {_bytes(cost.memory_bytes)} of memory. "
             f"{self._basis()}{self._shortcoming()}",
@@ -183,6 +194,15 @@ class Explanation:
         names = ", ".join(self.contact.scalar)
         how = f"one after another (scalar) for {names}" if names else "eight at once (lanes)"
         return f"{place} {self.contact.pairs:,}; forces are computed {how}"
+
+    def _inactive(self) -> list[str]:
+        live = self.scene.count - self.contact.inactive
+        if live == self.scene.count:
+            return []
+        return [
+            f"Live: {live:,} of {self.scene.count:,} asperites at the start. The others are out of "
+            "reach, and are computed in closed form until they come within reach."
+        ]
 
     def _ledger(self) -> list[str]:
         kept = {"surfaces": "sums of works over each surface", "none": "no works are computed"}
@@ -236,7 +256,8 @@ def explain(scene: Scene) -> Explanation:
         choice = choose(layout, given.accuracy, given.method, given.step)
     loop = loop_of(layout, choice.method)
     before = compilations(loop)
-    search = Search(layout, choice.method)
+    threads = threads_of(layout.model, choice.method, None)
+    search = Search(layout, choice.method, threads.number)
     compiled = compilations(loop) == before
     found = predict(choice, search)
     present = [effect for effect in Effect if effect in scene.effects]
@@ -245,9 +266,10 @@ def explain(scene: Scene) -> Explanation:
         effects={str(effect): why_present(scene, effect) for effect in present},
         absent={str(effect): why_absent(effect) for effect in Effect if effect not in present},
         coordinates=coordinates(scene),
-        contact=contact(layout),
+        contact=contact(layout, choice.method),
         method=choice.method.name,
         why=choice.why,
+        threads=threads,
         accuracy=choice.accuracy,
         step=_step(found),
         compiled=compiled,
@@ -274,13 +296,14 @@ def coordinates(scene: Scene) -> dict[str, int]:
     }
 
 
-def contact(layout: Layout) -> Contact:
+def contact(layout: Layout, method: Method) -> Contact:
     """How contact is computed."""
     pairs, by_list = pairs_of_bobs(layout)
     acting = (*layout.model.contacts, *(layout.model.within or ()))
     scalar = [item.potential for item in acting if not in_lanes(item.potential)]
     names = tuple(dict.fromkeys(type(potential).__name__ for potential in scalar))
-    return Contact(pairs, by_list, "scalar" if names else "lanes", names)
+    inactive = inactive_at_start(layout, method)
+    return Contact(pairs, by_list, "scalar" if names else "lanes", names, inactive)
 
 
 def in_lanes(potential: Any) -> bool:
@@ -305,7 +328,7 @@ def _predicted(layout: Layout, choice: Choice, search: Search, found: Prediction
         seconds = sum(run.seconds for run in found.tried)
         return 1e9 * seconds / max(1.0, sum(run.evaluations for run in found.tried))
 
-    nanoseconds = kept_speed(layout, choice.method, speed)
+    nanoseconds = kept_speed(layout, choice.method, search.threads, speed)
     each = RATES[choice.method.name].step
     return Predicted(
         force_evaluations=round(found.evaluations),

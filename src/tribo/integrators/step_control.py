@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tribo.kernels.blocks import active_of
 from tribo.kernels.compiled import expanded, kernel
 from tribo.kernels.contact import fastest_approach, least_clearance, next_encounter
 from tribo.kernels.equations_of_motion import equations_of_motion, place_bobs, top_speeds
@@ -53,7 +54,7 @@ class Tolerance(NamedTuple):
 def current_encounter(model, neighbours, t, y, speeds):
     """The encounter rate [1 / time] and the smallest distance of two bobs, for bobs in place."""
     n = y.size // 2
-    top_speeds(model, t, y[:n], y[n:], speeds)
+    top_speeds(model, active_of(neighbours), t, y[:n], y[n:], speeds)
     found = next_encounter(model, neighbours, speeds)
     return found.rate, found.closest
 
@@ -65,8 +66,8 @@ def encounter_bound(model, neighbours, clock, y, speeds, h):
     No pair can have moved farther towards its next encounter than the fastest bobs of all have.
     """
     n = y.size // 2
-    top_speeds(model, clock.t, y[:n], y[n:], speeds)
-    speed = fastest_approach(model, speeds)
+    top_speeds(model, active_of(neighbours), clock.t, y[:n], y[n:], speeds)
+    speed = fastest_approach(model, active_of(neighbours), speeds)
     clock.clearance -= speed * clock.encounter_age
     clearance = least_clearance(model, clock.clearance)
     if clearance > 0.0 and h * speed <= ENCOUNTER_UPDATE * clearance:

@@ -6,8 +6,40 @@ the last block of a surface have asperites without forces, which never move.
 
 from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.records import ALONG_X, ALONG_Y
-from tribo.kernels.simd import broadcast
+from tribo.kernels.simd import LANES, broadcast
 from tribo.kernels.simd_arrays import block, set_block
+
+
+@inlined
+def active_of(neighbours):
+    """The active blocks; None where all are."""
+    if neighbours is None:
+        return None
+    return neighbours.active
+
+
+@inlined
+def first_block(active, s, k):
+    """Place of the first active block of surface k, whose record is s; all are without `active`."""
+    if active is None:
+        return s.start // LANES
+    return active.first[k]
+
+
+@inlined
+def last_block(active, s, k):
+    """Place of its last active block, plus one."""
+    if active is None:
+        return s.stop // LANES
+    return active.first[k + 1]
+
+
+@inlined
+def column_of(active, n):
+    """First column of the nth active block."""
+    if active is None:
+        return LANES * n
+    return LANES * active.blocks[n]
 
 
 @inlined

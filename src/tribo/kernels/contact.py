@@ -9,13 +9,13 @@ from typing import NamedTuple
 import numpy as np
 from numba import literal_unroll
 
-from tribo.kernels.blocks import clear
+from tribo.kernels.blocks import active_of, column_of, first_block, last_block
 from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.kinematics import nearest_image
 from tribo.kernels.neighbours import image, is_partner, partner_species
 from tribo.kernels.potential_in_lanes import force_in_lanes
 from tribo.kernels.python_callback import call_at
-from tribo.kernels.records import ALONG_X, ALONG_Y, CHARGE, FX, FY, X, Y, Z
+from tribo.kernels.records import CHARGE, FX, FY, X, Y, Z
 from tribo.kernels.simd import (
     LANES,
     absolute,
@@ -163,40 +163,38 @@ def add_row(model, contact, fx, fy, i, other, row, neighbours):
 
 
 @inlined
-def add_contact(model, contact, fx, fy, neighbours):
-    """Add the forces of one interaction to the rows fx and fy of a table, one column a bob."""
-    for k in range(contact.pairs.shape[0]):
-        one = model.surfaces[contact.pairs[k, 0]]
-        other = model.surfaces[contact.pairs[k, 1]]
-        for first in range(one.start, one.end, LANES):
-            # Numbers that are stored one by one delay the next load of the block.
-            own_x = broadcast(0.0)
-            own_y = broadcast(0.0)
-            for i in range(first, min(first + LANES, one.end)):
-                row = row_of(contact, k, other, i, one.start, neighbours)
-                x, y = add_row(model, contact, fx, fy, i, other, row, neighbours)
-                own_x = with_lane(own_x, i - first, x)
-                own_y = with_lane(own_y, i - first, y)
-            add_block(fx, first, own_x)
-            add_block(fy, first, own_y)
+def add_rows(model, contact, k, begin, end, fx, fy, back_x, back_y, neighbours):
+    """Add the forces of the kth pair of surfaces on the active blocks of the first in a range.
+
+    `fx` and `fy` are rows of a table with one column a bob, `back_x` and `back_y` those for the
+    reactions.
+    """
+    one = model.surfaces[contact.pairs[k, 0]]
+    other = model.surfaces[contact.pairs[k, 1]]
+    active = active_of(neighbours)
+    for n in range(begin, end):
+        first = column_of(active, n)
+        # Numbers that are stored one by one delay the next load of the block.
+        own_x = broadcast(0.0)
+        own_y = broadcast(0.0)
+        for i in range(first, min(first + LANES, one.end)):
+            row = row_of(contact, k, other, i, one.start, neighbours)
+            x, y = add_row(model, contact, back_x, back_y, i, other, row, neighbours)
+            own_x = with_lane(own_x, i - first, x)
+            own_y = with_lane(own_y, i - first, y)
+        add_block(fx, first, own_x)
+        add_block(fy, first, own_y)
 
 
 @inlined
-def contact_forces(model, neighbours):
-    """Add the contact force f1 on newly placed bobs, and set the forces within surfaces."""
-    for contact in literal_unroll(model.contacts):
-        add_contact(model, contact, model.bobs[FX], model.bobs[FY], neighbours)
-    add_calculated(model, model.calculators)
-    add_within(model, model.within, neighbours)
-
-
-@kernel
-def add_within(model, within, neighbours):
-    """Set the forces among the bobs of one surface."""
-    if within is not None:
-        clear(model.inner)
-        for contact in literal_unroll(within):
-            add_contact(model, contact, model.inner[ALONG_X], model.inner[ALONG_Y], neighbours)
+def add_contact(model, contact, fx, fy, neighbours):
+    """Add the forces of one interaction to the rows fx and fy of a table, one column a bob."""
+    for k in range(contact.pairs.shape[0]):
+        own = contact.pairs[k, 0]
+        one = model.surfaces[own]
+        active = active_of(neighbours)
+        begin, end = first_block(active, one, own), last_block(active, one, own)
+        add_rows(model, contact, k, begin, end, fx, fy, fx, fy, neighbours)
 
 
 @kernel
@@ -351,7 +349,8 @@ def encounter_of_contact(model, contact, neighbours, speeds, thermal, found):
                         elif faster > ignored:
                             ignored, passing, passed = faster, i, j
         if neighbours is not None and contact.rows[k] >= 0:
-            rate = max(rate, closing_speed(one, other, speeds) / neighbours.skin)
+            speed = closing_speed(model, neighbours.active, contact.pairs[k], speeds)
+            rate = max(rate, speed / neighbours.skin)
             clearance = min(clearance, neighbours.skin)
     return Encounter(rate, closest, clearance, ignored, passing, passed)
 
@@ -405,12 +404,12 @@ def shortest_feature(contacts):
 
 
 @kernel
-def fastest_approach(model, speeds):
+def fastest_approach(model, active, speeds):
     """Largest speed at which two bobs that have a contact can approach each other."""
     fastest = 0.0
     for k in range(model.surfaces.shape[0]):
         for m in range(k if model.within is None else k + 1):
-            fastest = max(fastest, closing_speed(model.surfaces[k], model.surfaces[m], speeds))
+            fastest = max(fastest, closing_speed(model, active, (k, m), speeds))
     return fastest
 
 
@@ -421,16 +420,19 @@ def least_clearance(model, clearance):
 
 
 @kernel
-def closing_speed(one, other, speeds):
-    """Largest speed at which any bob of one surface can approach any of another."""
+def closing_speed(model, active, pair, speeds):
+    """Largest speed at which any active bob of one surface can approach any of another."""
     low_x = broadcast(math.inf)
     low_y = broadcast(math.inf)
     high_x = broadcast(-math.inf)
     high_y = broadcast(-math.inf)
     swing = broadcast(0.0)
-    for surface in (one, other):
-        for i in range(surface.start, surface.end, LANES):
-            n = surface.end - i
+    for m in range(2):
+        k = pair[m]
+        s = model.surfaces[k]
+        for place in range(first_block(active, s, k), last_block(active, s, k)):
+            i = column_of(active, place)
+            n = s.end - i
             x = block(speeds[0], i)
             y = block(speeds[1], i)
             low_x = np.minimum(low_x, between_lanes(0, n, x, math.inf))
@@ -438,6 +440,8 @@ def closing_speed(one, other, speeds):
             low_y = np.minimum(low_y, between_lanes(0, n, y, math.inf))
             high_y = np.maximum(high_y, between_lanes(0, n, y, -math.inf))
             swing = np.maximum(swing, between_lanes(0, n, block(speeds[2], i), 0.0))
+    if maximum(high_x) == -math.inf:  # no block is active
+        return 0.0
     x = maximum(high_x) + maximum(-low_x)
     y = maximum(high_y) + maximum(-low_y)
     return math.sqrt(x * x + y * y) + 2.0 * maximum(swing)

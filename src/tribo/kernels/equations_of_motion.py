@@ -7,9 +7,18 @@ oscillator's coordinates are its displacement from the resting bar in the same u
 """
 
 from tribo.kernels.baths import bath_accelerations, bath_forces, torsional_accelerations
-from tribo.kernels.blocks import clear, coordinates, numbers, set_vectors, vectors
+from tribo.kernels.blocks import (
+    clear,
+    column_of,
+    coordinates,
+    first_block,
+    last_block,
+    numbers,
+    set_vectors,
+    vectors,
+)
 from tribo.kernels.compiled import inlined, kernel
-from tribo.kernels.contact import contact_forces
+from tribo.kernels.contact_forces import contact_forces
 from tribo.kernels.fields import field_forces
 from tribo.kernels.kinematics import bar_velocity, bob_position
 from tribo.kernels.langevin import friction_force
@@ -170,12 +179,13 @@ def drive_block(model, s, i, t, q):
 
 
 @inlined
-def drive_forces(model, t, q):
-    """Set f2 on every bar."""
+def drive_forces(model, active, t, q):
+    """Set f2 on every bar of the active blocks."""
     gather_contact(model)
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
-        for i in range(s.start, s.stop, LANES):
+        for n in range(first_block(active, s, k), last_block(active, s, k)):
+            i = column_of(active, n)
             drive_block(model, s, i, t, q)
 
 
@@ -191,9 +201,8 @@ def update_neighbours(model, neighbours, t, q):
 def forces(model, neighbours, t):
     """Set the forces that depend on positions alone: contact, fields, springs.
 
-    The bobs are newly placed.
+    The bobs are newly placed, and listed.
     """
-    refresh(model, neighbours)
     contact_forces(model, neighbours)
     field_forces(model, model.fields, t)
     clear(model.internal)
@@ -298,8 +307,9 @@ def accelerate(model, torsion, t, q, acceleration):
 def equations_of_motion(model, neighbours, t, q, v, acceleration):
     """Set q'' of all coordinates."""
     place_bobs(model, t, q)
+    refresh(model, neighbours)
     forces(model, neighbours, t)
-    drive_forces(model, t, q)
+    drive_forces(model, None, t, q)
     bath_forces(model, model.bath, q)
     friction_forces(model, model.friction, v)
     swing_frictions(model, model.swing_friction, v)
@@ -310,16 +320,18 @@ def equations_of_motion(model, neighbours, t, q, v, acceleration):
 
 
 @kernel
-def top_speeds(model, t, q, v, speeds):
+def top_speeds(model, active, t, q, v, speeds):
     """Set the velocity of each centre of mass, or driven bar, and the bob's largest speed about it.
 
     The second follows from the energy of the swing, so a pendulum at its turning point counts with
-    the speed that it will have at its rest angle.  `speeds` is (3, n).
+    the speed that it will have at its rest angle.  `speeds` is (3, n); those of inactive blocks are
+    not set.
     """
     a = model.asperites
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
-        for i in range(s.start, s.stop, LANES):
+        for n in range(first_block(active, s, k), last_block(active, s, k)):
+            i = column_of(active, n)
             twist = block(q, i) - bar_angles(model, s, i, t, q)
             omega = block(v, i)
             rate = block(a[KAPPA], i) / block(a[INERTIA], i) * twist * twist + omega * omega

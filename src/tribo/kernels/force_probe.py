@@ -105,7 +105,7 @@ def force_probe(model, neighbours, places, times, y, baths, begin, q, v, acceler
             s = model.surfaces[j]
             for i in range(s.start, s.stop, LANES):
                 add_bath(model.internal, found[k], baths[k], i)
-        drive_forces(model, t, q)
+        drive_forces(model, None, t, q)
         friction_forces(model, model.friction, v)
         swing_frictions(model, model.swing_friction, v)
         custom_forces(model, t, q, v)

@@ -11,10 +11,12 @@ import math
 
 import numpy as np
 
+from tribo.kernels.blocks import column_of, first_block, last_block
 from tribo.kernels.compiled import kernel, owning_kernel
 from tribo.kernels.kinematics import nearest_image
-from tribo.kernels.records import X, Y, Z
-from tribo.kernels.simd import LANES
+from tribo.kernels.records import ALONG_X, ALONG_Y, X, Y, Z
+from tribo.kernels.simd import LANES, broadcast, sum_of_lanes
+from tribo.kernels.simd_arrays import block
 
 
 @kernel
@@ -26,16 +28,40 @@ def image(difference, box, axis):
 
 
 @kernel
-def outdated(surfaces, bobs, neighbours):
-    """Whether any two bobs can have crossed the skin since the list was built."""
-    limit = 0.25 * neighbours.skin * neighbours.skin
-    for k in range(surfaces.shape[0]):
-        for i in range(surfaces[k].start, surfaces[k].end):
-            dx = bobs[X, i] - neighbours.place[i, 0]
-            dy = bobs[Y, i] - neighbours.place[i, 1]
-            if not dx * dx + dy * dy < limit:
-                return True
-    return False
+def have_crossed(model, active, place, width, elapsed):
+    """Whether two bobs can have moved by `width` towards each other since they were at `place`.
+
+    Inactive blocks move with their surface for the time `elapsed`.
+    """
+    limit = 0.25 * width * width
+    crossed = broadcast(0.0)
+    for k in range(model.surfaces.shape[0]):
+        s = model.surfaces[k]
+        if not moved_with_surface(active, s, k, elapsed) < limit:
+            return True
+        for n in range(first_block(active, s, k), last_block(active, s, k)):
+            i = column_of(active, n)
+            dx = block(model.bobs[X], i) - block(place[ALONG_X], i)
+            dy = block(model.bobs[Y], i) - block(place[ALONG_Y], i)
+            crossed = crossed + (1.0 - (dx * dx + dy * dy < limit))
+    return sum_of_lanes(crossed) > 0.0
+
+
+@kernel
+def moved_with_surface(active, s, k, elapsed):
+    """Square of the distance that inactive blocks of a surface have moved with it."""
+    if active is not None:
+        if active.eligible[k] == 1:
+            return (s.vx * s.vx + s.vy * s.vy) * (elapsed * elapsed)
+    return 0.0
+
+
+@kernel
+def keep_places(model, place):
+    """Set `place` to the positions of all bobs."""
+    for i in range(place.shape[1]):
+        place[ALONG_X, i] = model.bobs[X, i]
+        place[ALONG_Y, i] = model.bobs[Y, i]
 
 
 @kernel
@@ -63,18 +89,20 @@ def cell_of(place, low, width, count, period):
 
 
 @owning_kernel
-def boxes_of(model, s):
-    """Centres and half widths of the boxes around the blocks of a surface, in x, y and z.
+def boxes_of(model, active, k):
+    """Centres and half widths of the boxes around the active blocks of a surface, in x, y and z.
 
     Both are (3, blocks).
     """
-    count = (s.end - s.start + LANES - 1) // LANES
+    s = model.surfaces[k]
+    begin = first_block(active, s, k)
+    count = last_block(active, s, k) - begin
     centres = np.empty((3, count))
     halves = np.empty((3, count))
     for axis in range(3):
         places = model.asperites[Z] if axis == 2 else model.bobs[X + axis]
         for m in range(count):
-            first = s.start + LANES * m
+            first = column_of(active, begin + m)
             low = places[first]
             high = low
             for i in range(first + 1, min(first + LANES, s.end)):
@@ -180,13 +208,34 @@ def gap(distance, width, period):
 
 
 @kernel
-def near_blocks(centres, halves, own, k, reach, cells, first, order, box_x, box_z, near):
-    """Blocks whose box is within reach of the kth of some boxes, ascending; returns their number.
+def periods(box):
+    """Lengths of a scene's box along x and z; 0 where it is not periodic."""
+    if box is None:
+        return 0.0, 0.0
+    return box.x, box.z
 
-    `own` are the centres and half widths of those boxes.
+
+@owning_kernel
+def sort_boxes(box, own, boxes, reach):
+    """Sort boxes into cells, so that :func:`near_blocks` finds those within reach of `own`."""
+    box_x, box_z = periods(box)
+    centres, halves = boxes
+    size_x = reach + largest(own[1][0]) + largest(halves[0])
+    size_z = reach + largest(own[1][2]) + largest(halves[2])
+    return sort_into_cells(centres[0], centres[2], size_x, size_z, box_x, box_z)
+
+
+@kernel
+def near_blocks(box, own, k, boxes, reach, sorted_boxes, near):
+    """Boxes within reach of the kth of `own` boxes, ascending; returns their number.
+
+    Both are centres and half widths.
     """
+    cells, first, order = sorted_boxes
+    box_x, box_z = periods(box)
     low_x, low_z, width_x, width_z, nx, nz = cells
     place, half = own
+    centres, halves = boxes
     cx = cell_of(place[0, k], low_x, width_x, nx, box_x)
     cz = cell_of(place[2, k], low_z, width_z, nz, box_z)
     count = 0
@@ -217,12 +266,26 @@ def near_blocks(centres, halves, own, k, reach, cells, first, order, box_x, box_
     return count
 
 
+@kernel
+def fill_rows(start, row, stop, used):
+    """Let rows up to `stop` begin at a place of the list; returns `stop`."""
+    for empty in range(row, stop):
+        start[empty] = used
+    return stop
+
+
 @owning_kernel
-def list_pair(model, box, neighbours, one, other, k, used):
+def list_pair(model, box, neighbours, k, used):
     """Fill the rows of the kth pair of surfaces; returns the length of the list that it needs.
 
-    Within one surface a pair of bobs belongs to the row of the first.
+    Within one surface a pair of bobs belongs to the row of the first.  Rows of inactive bobs are
+    empty.
     """
+    mine = neighbours.pairs[k, 0]
+    theirs = neighbours.pairs[k, 1]
+    one = model.surfaces[mine]
+    other = model.surfaces[theirs]
+    active = neighbours.active
     xs = model.bobs[X]
     ys = model.bobs[Y]
     zs = model.asperites[Z]
@@ -230,28 +293,27 @@ def list_pair(model, box, neighbours, one, other, k, used):
     row = neighbours.pairs[k, 2]
     start = neighbours.start
     index = neighbours.index
-    box_x = 0.0
-    box_z = 0.0
-    if box is not None:
-        box_x = box.x
-        box_z = box.z
-    own = boxes_of(model, one)
-    centres, halves = boxes_of(model, other)
-    size_x = reach + largest(own[1][0]) + largest(halves[0])
-    size_z = reach + largest(own[1][2]) + largest(halves[2])
-    cells, first, order = sort_into_cells(centres[0], centres[2], size_x, size_z, box_x, box_z)
-    near = np.empty(order.size, np.int64)
-    for block in range(own[0].shape[1]):
-        count = near_blocks(
-            centres, halves, own, block, reach, cells, first, order, box_x, box_z, near
-        )
-        begin = one.start + LANES * block
+    box_x, box_z = periods(box)
+    own = boxes_of(model, active, mine)
+    boxes = boxes_of(model, active, theirs)
+    centres, halves = boxes
+    top = row - one.start
+    if centres.shape[1] == 0:
+        fill_rows(start, row, top + one.end, used)
+        return used
+    sorted_boxes = sort_boxes(box, own, boxes, reach)
+    near = np.empty(centres.shape[1], np.int64)
+    for own_block in range(own[0].shape[1]):
+        count = near_blocks(box, own, own_block, boxes, reach, sorted_boxes, near)
+        begin = column_of(active, first_block(active, one, mine) + own_block)
+        row = fill_rows(start, row, top + begin, used)
         for i in range(begin, min(begin + LANES, one.end)):
             start[row] = used
             if partner_species(model.species, neighbours.species[k], i) != -2:
                 for n in range(count):
                     m = near[n]
-                    last = other.start + LANES * m + LANES - 1
+                    place = first_block(active, other, theirs) + m
+                    last = column_of(active, place) + LANES - 1
                     dx = gap(xs[i] - centres[0, m], halves[0, m], box_x)
                     dy = gap(ys[i] - centres[1, m], halves[1, m], 0.0)
                     dz = gap(zs[i] - centres[2, m], halves[2, m], box_z)
@@ -260,6 +322,7 @@ def list_pair(model, box, neighbours, one, other, k, used):
                             index[used] = last // LANES
                         used += 1
             row += 1
+    fill_rows(start, row, top + one.end, used)
     return used
 
 
@@ -267,23 +330,26 @@ def list_pair(model, box, neighbours, one, other, k, used):
 def refresh(model, neighbours):
     """Rebuild the list if bobs have moved too far.
 
-    For rows that do not fit, all pairs are computed until the list is given more room.
+    All blocks are active.
     """
     if neighbours is not None:
-        bobs = model.bobs
-        if not outdated(model.surfaces, bobs, neighbours):
-            return
-        start = neighbours.start
-        used = 0
-        for k in range(neighbours.reach.size):
-            one = model.surfaces[neighbours.pairs[k, 0]]
-            other = model.surfaces[neighbours.pairs[k, 1]]
-            used = list_pair(model, model.box, neighbours, one, other, k, used)
-        start[start.size - 1] = used
-        for i in range(bobs.shape[1]):
-            neighbours.place[i, 0] = bobs[X, i]
-            neighbours.place[i, 1] = bobs[Y, i]
-        neighbours.made[0] += 1
+        if have_crossed(model, None, neighbours.place, neighbours.skin, 0.0):
+            rebuild(model, neighbours)
+
+
+@kernel
+def rebuild(model, neighbours):
+    """Build the list for the bobs where they are.
+
+    For rows that do not fit, all pairs are computed until the list is given more room.
+    """
+    start = neighbours.start
+    used = 0
+    for k in range(neighbours.reach.size):
+        used = list_pair(model, model.box, neighbours, k, used)
+    start[start.size - 1] = used
+    keep_places(model, neighbours.place)
+    neighbours.made[0] += 1
 
 
 @kernel

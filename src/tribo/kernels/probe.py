@@ -1,6 +1,7 @@
 """Contacts, distances and accelerations at given positions: nothing moves."""
 
-from tribo.kernels.contact import contact_energy, contact_forces, separation
+from tribo.kernels.contact import contact_energy, separation
+from tribo.kernels.contact_forces import contact_forces
 from tribo.kernels.equations_of_motion import equations_of_motion, update_neighbours
 from tribo.kernels.neighbours import image
 from tribo.kernels.records import CHARGE, FX, FY, X, Y, Z

@@ -252,6 +252,18 @@ class Box(NamedTuple):
     z: float
 
 
+class Active(NamedTuple):
+    """The blocks that are stepped; all others are inactive, see `integrators.inactive`."""
+
+    blocks: np.ndarray  # column / LANES of the active blocks, surface after surface, ascending
+    first: np.ndarray  # (surfaces + 1,) place of each surface's first one in `blocks`
+    since: np.ndarray  # (blocks,) time that each inactive block has reached; nan of active ones
+    eligible: np.ndarray  # (surfaces,) 1 where the motion without contact is known
+    place: np.ndarray  # (2, n) positions of the bobs when the active blocks were selected
+    selected: np.ndarray  # (1,) when that was [time]; nan before
+    margin: float  # by which inactive blocks are farther away than the list reaches [length]
+
+
 class Neighbours(NamedTuple):
     """Lists of the blocks of bobs that may be within reach, row by row in the order of the bobs.
 
@@ -264,9 +276,11 @@ class Neighbours(NamedTuple):
     reach: np.ndarray  # (m,) largest distance listed, cutoff plus skin [length]
     start: np.ndarray  # (rows + 1,) first place of each row in `index`
     index: np.ndarray  # blocks: column / LANES; rows that end beyond its room are not used
-    place: np.ndarray  # (n, 2) positions of the bobs when the list was built; nan before
+    place: np.ndarray  # (2, n) positions of the bobs when the list was built; nan before
     skin: float  # by which the list reaches farther than the cutoff [length]
     made: np.ndarray  # (1,) number of times that the list was built
+    listed: np.ndarray  # (1,) when splitting methods built it last [time]; nan before
+    active: Any  # Active, or None where all blocks are
 
 
 class Springs(NamedTuple):
@@ -312,3 +326,4 @@ class Model(NamedTuple):
     fields: Any  # tuple of FieldOn, or None
     drives: Any  # tuple of Custom, or None
     ends: Any  # tuple of Custom, or None
+    team: Any  # Team, see `kernels.team`; None where a step is too short to be shared by threads

@@ -134,9 +134,13 @@ def _data(context, builder, kind, array):
     return context.make_array(kind)(context, builder, array).data
 
 
+def element(context, builder, kind, array, i):
+    """The address of element i of an array of one dimension, for intrinsics."""
+    return builder.gep(_data(context, builder, kind, array), [i])
+
+
 def _address(context, builder, kind, array, i):
-    data = _data(context, builder, kind, array)
-    return builder.bitcast(builder.gep(data, [i]), _VECTOR.as_pointer())
+    return builder.bitcast(element(context, builder, kind, array, i), _VECTOR.as_pointer())
 
 
 @intrinsic

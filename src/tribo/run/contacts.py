@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tribo.kernels.records import Calculator, Contact, Model, Neighbours
+from tribo.kernels.records import Active, Calculator, Contact, Model, Neighbours
 from tribo.kernels.simd_arrays import room
 from tribo.model.interaction import Interaction
 from tribo.model.scene import Scene
@@ -77,7 +77,7 @@ def lay_out_contacts(
     return tuple(between), tuple(within) or None, rows, SKIN * longest
 
 
-def neighbours(model: Model, rows: int, skin: float) -> Neighbours:
+def neighbours(model: Model, rows: int, skin: float, active: Active | None) -> Neighbours:
     """An empty neighbour list of so many rows, which the first evaluation of forces fills."""
     contacts = (*model.contacts, *(model.within or ()))
     all_species = (-1, -1)
@@ -95,19 +95,28 @@ def neighbours(model: Model, rows: int, skin: float) -> Neighbours:
         reach=np.array([pair[3] for pair in listed]),
         start=np.zeros(rows + 1, np.int64),
         index=np.zeros(8 * rows, np.int32),
-        place=np.full((model.asperites.shape[1], 2), np.nan),
+        place=nowhere(model.asperites.shape[1]),
         skin=skin,
         made=np.zeros(1, np.int64),
+        listed=np.full(1, np.nan),
+        active=active,
     )
+
+
+def nowhere(count: int) -> np.ndarray:
+    """Positions of so many bobs that are not known yet, (2, count)."""
+    place = room((2, count))
+    place[:] = np.nan
+    return place
 
 
 def with_room(neighbours: Neighbours | None) -> Neighbours | None:
     """The same list, or an empty one with more room if it had too little."""
     if neighbours is None or neighbours.start[-1] <= neighbours.index.size:
         return neighbours
-    room = int(EXTRA_ROOM * neighbours.start[-1])
+    space = int(EXTRA_ROOM * neighbours.start[-1])
     return neighbours._replace(
-        index=np.zeros(room, np.int32), place=np.full_like(neighbours.place, np.nan)
+        index=np.zeros(space, np.int32), place=nowhere(neighbours.place.shape[1])
     )
 
 

@@ -9,17 +9,24 @@ from typing import Any
 import numpy as np
 
 from tribo.integrators.methods import Method
+from tribo.integrators.splitting import assist
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.compiled import time_loop, undisturbed
 from tribo.kernels.records import CLOCK
 from tribo.kernels.samples import STORED, Record, State, empty_state, initial_state
+from tribo.kernels.simd import LANES
 from tribo.kernels.simd_arrays import room, with_spare_lanes
+from tribo.kernels.team import CLOSED
 from tribo.plugins.compile_errors import compiling
 from tribo.plugins.sources import source_stamp
 from tribo.run.contacts import with_room
 from tribo.run.integrate import Columns, Memory, Setting
 from tribo.run.layout import Layout
 from tribo.run.samples import Samples
+from tribo.run.threads import assisted
+
+# Which blocks are active, and how long the others have not been advanced.
+SELECTION = ("blocks", "first", "since", "place", "selected")
 
 
 class GeneralLoop:
@@ -37,6 +44,8 @@ class GeneralLoop:
         y at t = 0.
     first_step : float
         The first step of an adaptive method [time].
+    threads : int
+        Threads that share each step; the results do not depend on it.
 
     Attributes
     ----------
@@ -59,8 +68,10 @@ class GeneralLoop:
         setting: Setting,
         start: np.ndarray,
         first_step: float,
+        threads: int = 1,
     ) -> None:
         self.layout = layout
+        self._assistants = threads - 1
         self.adaptive = method.adaptive
         self.clocks = np.zeros(1, CLOCK).view(np.recarray)
         self.clocks.h = first_step if method.adaptive else 0.0
@@ -73,7 +84,7 @@ class GeneralLoop:
         self.state = initial_state(y, accounts, method.remembers, method.splits)
         core = places.q[: layout.core]
         self._recorded = np.concatenate([core, coordinates + core]), places.s
-        self._neighbours = layout.neighbours()
+        self._neighbours = layout.neighbours(method.splits)
         self._noise: tuple[np.random.Generator, ...] = ()
         work = method.coefficients.workspace(layout.model, self.state)
         if method.splits:
@@ -85,6 +96,9 @@ class GeneralLoop:
             self._scratch += (empty_state(self.state),)
         self._constants = (method.coefficients, in_blocks(setting, layout))
         self.compiled = time_loop(method.loop, source_stamp(layout.plugins))
+        self._assist: Any = None
+        if self._assistants:
+            self._assist = time_loop(assist, source_stamp(layout.plugins))
 
     def room(self, samples: int) -> Columns:
         """Arrays for so many samples."""
@@ -100,8 +114,14 @@ class GeneralLoop:
 
     def advance(self, times: np.ndarray, columns: Columns, budget: int) -> int:
         """Take at most `budget` steps, and record the samples at `times`; a code of a status."""
-        code: int = self.compiled(self.layout.model, *self._arguments(times, columns, budget))
+        model, arguments = self.layout.model, self._arguments(times, columns, budget)
+        with assisted(model.team, self._assistants, self.assist):
+            code: int = self.compiled(model, *arguments)
         return code
+
+    def assist(self) -> None:
+        """Share the steps that another thread takes, until it has no more."""
+        self._assist(self.layout.model, self._neighbours, self.state, self._scratch[0])
 
     def _arguments(self, times: np.ndarray, columns: Columns, budget: int) -> tuple[Any, ...]:
         """The arguments of the loop, behind the model."""
@@ -123,13 +143,24 @@ class GeneralLoop:
         if self._neighbours is not None:
             self._neighbours.place[:] = np.nan
 
+    @property
+    def inactive(self) -> int:
+        """Number of asperites that are not stepped, until blocks are selected again."""
+        if self._neighbours is None or self._neighbours.active is None:
+            return 0
+        own = self._neighbours.active.since[self.layout.places.columns // LANES]
+        return int(np.count_nonzero(np.isfinite(own)))
+
     def memory(self) -> Memory:
         """All that another loop of this kind needs to continue, until this one goes on."""
         memory = {"clock": numbers_of(self.clocks)}
         memory |= self.state._asdict()
         if self._neighbours is not None:
-            for name in ("start", "index", "place", "made"):
+            for name in ("start", "index", "place", "made", "listed"):
                 memory[f"neighbours_{name}"] = getattr(self._neighbours, name)
+            if self._neighbours.active is not None:
+                for name in SELECTION:
+                    memory[f"active_{name}"] = getattr(self._neighbours.active, name)
         if self._noise:
             text = json.dumps(self._noise[0].bit_generator.state)
             memory["noise"] = np.frombuffer(text.encode(), np.uint8)
@@ -143,9 +174,13 @@ class GeneralLoop:
             self._neighbours = self._neighbours._replace(
                 start=memory["neighbours_start"].copy(),
                 index=memory["neighbours_index"].copy(),
-                place=memory["neighbours_place"].copy(),
+                place=with_spare_lanes(memory["neighbours_place"]),
                 made=memory["neighbours_made"].copy(),
+                listed=memory["neighbours_listed"].copy(),
             )
+            if self._neighbours.active is not None:
+                for name in SELECTION:
+                    getattr(self._neighbours.active, name)[...] = memory[f"active_{name}"]
         if self._noise:
             self.restore_noise(memory["noise"])
 
@@ -159,14 +194,17 @@ class GeneralLoop:
         return Samples(times, *(column[: times.size] for column in columns))
 
 
-def compile_loop(layout: Layout, method: Method) -> float:
+def compile_loop(layout: Layout, method: Method, threads: int = 1) -> float:
     """Compile a loop for a scene, or load it from the disk cache; returns the seconds."""
     began = time.perf_counter()
     setting: Setting = 1.0
     if method.adaptive:
         setting = Tolerance(np.ones(2 * layout.coordinates), np.ones(layout.accounts), 1.0, 1.0)
-    loop = GeneralLoop(layout, method, setting, layout.start, 0.0)
+    loop = GeneralLoop(layout, method, setting, layout.start, 0.0, threads)
     with undisturbed(), compiling(loop.compiled, layout.named_plugins):
+        if threads > 1:
+            layout.model.team.counters[CLOSED] = 1
+            loop.assist()
         loop.advance(np.ones(1), loop.room(1), 0)
     return time.perf_counter() - began
 

@@ -58,7 +58,8 @@ class ReusedLoop(GeneralLoop):
             setting = Tolerance(np.ones(2 * n), np.ones(accounts), 1.0, 1.0)
         super().__init__(layout, method, setting, layout.start, first_step)
         self._method, self._longest = method, first_step
-        self._own = list(_arrays_in((self.clocks, self.state, self._scratch)))
+        active = None if self._neighbours is None else self._neighbours.active
+        self._own = list(_arrays_in((self.clocks, self.state, self._scratch, active)))
         self._fresh = [array.copy() for array in self._own]
         examples = self._arguments(layout.times, self.room(1), 0)
         self._entry = EntryPoint(self.compiled, (layout.model,), examples)

@@ -22,9 +22,11 @@ from tribo.run.batch import Batch, batch_of, batches_of
 from tribo.run.force_records import fields_on_surfaces, user_forces
 from tribo.run.further_series import further_series
 from tribo.run.identity import loaded
+from tribo.run.inactive import active_blocks
 from tribo.run.model_tables import model_tables
 from tribo.run.scene_records import resting_bobs, scene_records
 from tribo.run.start import start_of
+from tribo.run.threads import team_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,11 +210,15 @@ class Layout:
         places += [(f"surface[{c.surface}].drive", c.plugin) for c in model.drives or ()]
         return places + [(f"surface[{c.surface}].bars", c.plugin) for c in model.ends or ()]
 
-    def neighbours(self) -> Neighbours | None:
-        """An empty neighbour list, which the first evaluation of the forces fills."""
+    def neighbours(self, splits: bool = False) -> Neighbours | None:
+        """An empty neighbour list, which the first evaluation of the forces fills.
+
+        Splitting methods, for which `splits` is true, leave inactive blocks out.
+        """
         if self.rows == 0:
             return None
-        return contacts.neighbours(self.model, self.rows, self.skin)
+        active = active_blocks(self.scene, self.model, self.skin) if splits else None
+        return contacts.neighbours(self.model, self.rows, self.skin, active)
 
 
 def _orders(scene: Scene, bobs: list[np.ndarray], listed: bool) -> list[np.ndarray]:
@@ -263,6 +269,7 @@ def lay_out(scene: Scene) -> Layout:
         ends=(ends := user_forces(scene, origin, "bars", Ends)),
         end_forces=room((4, theirs.columns)) if ends else None,
     )
+    model = model._replace(team=team_of(scene, model, between + (within or ())))
     return Layout(
         scene=scene,
         asperites=asperites.view(np.recarray),

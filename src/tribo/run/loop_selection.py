@@ -35,6 +35,8 @@ class Integrator:
         The state from which the layout begins; its runs take the general loop.
     journal : Journal, optional
         Keeps what each integration reaches, and has what was reached before.
+    threads : int
+        Threads that share each step of the general loop.
 
     Attributes
     ----------
@@ -42,6 +44,8 @@ class Integrator:
         As given.
     compile_seconds : float
         Time to compile the loop, or to load it from disk.
+    threads : int
+        As given.
     pair : Pair or None
         The loop of a pair of asperites, where the method provides one.
 
@@ -59,6 +63,7 @@ class Integrator:
         progress: Progress | None = None,
         origin: Origin | None = None,
         journal: Journal | None = None,
+        threads: int = 1,
     ) -> None:
         self.layout = layout
         self.method = method
@@ -66,12 +71,13 @@ class Integrator:
         self._progress = progress
         self.origin = origin
         self._journal = journal
+        self.threads = threads
         pair = origin is None and has_pair_loop(layout, method)
         self.pair = Pair(layout, method, first_step) if pair else None
         if self.pair is not None:
             self.compile_seconds = self.pair.compile_seconds
         else:
-            self.compile_seconds = compile_loop(layout, method)
+            self.compile_seconds = compile_loop(layout, method, threads)
 
     def __call__(
         self,
@@ -110,7 +116,7 @@ class Integrator:
         first = self.first_step
         if isinstance(setting, Tolerance):
             first = first_step_at(setting, first, self.method.order)
-        loop = GeneralLoop(self.layout, self.method, setting, start, first)
+        loop = GeneralLoop(self.layout, self.method, setting, start, first, self.threads)
         before = None
         if self.origin is not None:
             exactly = np.array_equal(start, self.layout.start)

@@ -57,6 +57,7 @@ def model_tables(
         fields=None,
         drives=None,
         ends=None,
+        team=None,
     )
 
 

@@ -136,7 +136,7 @@ def run_point(scene: Scene, names: Sequence[str], group: Members | None) -> Foun
 def _single(scene: Scene, names: Sequence[str]) -> Found:
     """One run."""
     ends = replace(scene.output, samples=2, times=None)
-    result = prepare(replace(scene, output=ends)).compute_first()
+    result = prepare(replace(scene, output=ends), threads=1).compute_first()
     status = str(result.status)
     if result.status == Status.COMPLETED and result.met is False:
         status = MISSED

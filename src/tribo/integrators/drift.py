@@ -1,0 +1,170 @@
+"""Drifts of splitting methods: torsion springs rotate their pendulums, and nothing else acts.
+
+They are exact for any time.
+"""
+
+import math
+
+import numpy as np
+
+from tribo.integrators.rotations import changes, rotation
+from tribo.kernels.blocks import coordinates, is_fixed
+from tribo.kernels.compiled import inlined, kernel
+from tribo.kernels.equations_of_motion import place_block
+from tribo.kernels.kinematics import end_force, rotational_power
+from tribo.kernels.levers import lever_of_bar, pivot_lengths
+from tribo.kernels.powers import place_of
+from tribo.kernels.records import (
+    BAR_LENGTH,
+    COS_PHI,
+    FREQUENCY,
+    I2,
+    INERTIA,
+    KAPPA,
+    NU_START,
+    PHI_START,
+    SIN_PHI,
+)
+from tribo.kernels.simd import LANES
+from tribo.kernels.simd_arrays import add_block, block, set_block
+from tribo.kernels.simd_functions import sine_cosine
+
+# Gauss-Legendre nodes and weights on (0, 1), for the ends of clamped bars that rotate.
+_ROOT = math.sqrt(0.6)
+NODES = np.array([0.5 - 0.5 * _ROOT, 0.5, 0.5 + 0.5 * _ROOT])
+WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18.0
+
+
+@inlined
+def add_end_impulses(model, s, i, impulse, vx, vy, accounts):
+    """Add the impulse on the ends of clamped bars at rest, and its pseudowork."""
+    a = model.asperites
+    sin = block(a[SIN_PHI], i)
+    x, y = end_force(impulse, block(a[BAR_LENGTH], i), sin, block(a[COS_PHI], i))
+    stride = s.account_stride
+    k = place_of(s, s.acc_ends + 2 * stride, i)
+    add_block(accounts, k, x)
+    add_block(accounts, k + stride, y)
+    add_block(accounts, k + 2 * stride, x * vx + y * vy)
+
+
+@kernel
+def settle_end_works(model, q, accounts, arcs):
+    """Add the works of the ends of clamped bars at rest since they were last settled.
+
+    They are functions of the angles alone: the integral of x sin x is sin x - x cos x.
+    """
+    a = model.asperites
+    for k in range(model.surfaces.shape[0]):
+        s = model.surfaces[k]
+        if s.acc_ends >= 0 and s.turning == 0:
+            for i in range(s.start, s.stop, LANES):
+                twist = block(q, i) - block(a[PHI_START], i)
+                sin, cos = sine_cosine(twist)
+                arc = sin - twist * cos
+                force = block(a[KAPPA], i) / block(a[BAR_LENGTH], i)
+                swept = s.facing * force * (arc - block(arcs, i))
+                work = lever_of_bar(model, model.pivots, i) * swept
+                m = place_of(s, s.acc_ends, i)
+                stride = s.account_stride
+                add_block(accounts, m, -work)
+                add_block(accounts, m + stride, work)
+                add_block(accounts, m + 4 * stride, pivot_lengths(model.pivots, i) * swept)
+                set_block(arcs, i, arc)
+
+
+@kernel
+def add_turning_end_works(model, s, i, twist, rate, impulse, t, tau, vx, vy, accounts):
+    """Add the works of the ends where clamped bars turn, by Gauss-Legendre quadrature."""
+    a = model.asperites
+    stiffness = block(a[KAPPA], i)
+    bar_length = block(a[BAR_LENGTH], i)
+    nu = block(a[NU_START], i)
+    stride = s.account_stride
+    k = place_of(s, s.acc_ends, i)
+    turning = 0.5 * nu * impulse
+    add_block(accounts, k, -turning)
+    add_block(accounts, k + stride, -turning)
+    for m in range(NODES.size):
+        weight = WEIGHTS[m] * tau
+        turn = rotation(block(a[FREQUENCY], i), NODES[m] * tau)
+        change, change_of_rate = changes(twist, rate, turn)
+        now = twist + change
+        now_rate = rate + change_of_rate
+        phi = block(a[PHI_START], i) + nu * (t + NODES[m] * tau)
+        sin, cos = sine_cosine(phi)
+        x, y = end_force(stiffness * now, bar_length, sin, cos)
+        sin, cos = sine_cosine(now + phi)
+        tx = s.facing * cos
+        ty = s.facing * sin
+        swept = weight * rotational_power(1.0, now_rate + nu, tx, ty, x, y)
+        with_bar = -lever_of_bar(model, model.pivots, i) * swept
+        add_block(accounts, k, with_bar)
+        add_block(accounts, k + stride, -with_bar)
+        add_block(accounts, k + 2 * stride, weight * x)
+        add_block(accounts, k + 3 * stride, weight * y)
+        pseudowork = weight * (x * vx + y * vy) + pivot_lengths(model.pivots, i) * swept
+        add_block(accounts, k + 4 * stride, pseudowork)
+
+
+@inlined
+def drift_clamped(model, turning, s, i, t, tau, q, v, accounts, turn):
+    """Pendulums on bars that rotate uniformly or rest."""
+    a = model.asperites
+    nu = block(a[NU_START], i)
+    old = block(q, i)
+    omega = block(v, i)
+    twist = old - (block(a[PHI_START], i) + nu * t)
+    rate = omega - nu
+    change, change_of_rate = changes(twist, rate, turn)
+    if s.acc_ends >= 0:
+        impulse = 0.0 - block(a[INERTIA], i) * change_of_rate
+        vx = coordinates(s.dof_x, s, i, v)
+        vy = coordinates(s.dof_y, s, i, v)
+        if turning is None:
+            add_end_impulses(model, s, i, impulse, vx, vy, accounts)
+        elif s.turning == 0:
+            add_end_impulses(model, s, i, impulse, vx, vy, accounts)
+        else:
+            add_turning_end_works(model, s, i, twist, rate, impulse, t, tau, vx, vy, accounts)
+    set_block(q, i, old + (change + nu * tau))
+    set_block(v, i, omega + change_of_rate)
+
+
+@inlined
+def drift_free(model, s, i, tau, q, v, turn):
+    """Pendulums and bars rotate against each other about their uniform mean."""
+    k = s.dof_phi + i - s.start
+    swing = block(q, i)
+    phi = block(q, k)
+    omega = block(v, i)
+    nu = block(v, k)
+    inertia = block(model.asperites[INERTIA], i)
+    i2 = block(model.asperites[I2], i)
+    change, change_of_rate = changes(swing - phi, omega - nu, turn)
+    share = i2 / (inertia + i2)
+    mean = (inertia * omega + i2 * nu) / (inertia + i2)
+    set_block(q, i, swing + (mean * tau + share * change))
+    set_block(q, k, phi + (mean * tau - (1.0 - share) * change))
+    set_block(v, i, omega + share * change_of_rate)
+    set_block(v, k, nu - (1.0 - share) * change_of_rate)
+
+
+@inlined
+def move(slot, s, i, tau, q, v):
+    """Move a block's coordinates from `slot` on at their velocities, if there are any."""
+    if slot >= 0:
+        k = slot + i - s.start
+        add_block(q, k, tau * block(v, k))
+
+
+@inlined
+def drift_block(model, s, i, now, tau, q, v, accounts, turn):
+    """Drift of a block for tau, which ends now, and the bobs' places then."""
+    if s.dof_phi >= 0:
+        drift_free(model, s, i, tau, q, v, turn)
+    elif not is_fixed(model.fixed, s):
+        drift_clamped(model, model.turning, s, i, now - tau, tau, q, v, accounts, turn)
+    move(s.dof_x, s, i, tau, q, v)
+    move(s.dof_y, s, i, tau, q, v)
+    place_block(model, s, i, now, q)

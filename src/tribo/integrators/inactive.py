@@ -1,0 +1,134 @@
+"""Inactive blocks of asperites: out of reach of all others, and not stepped.
+
+Where bars keep their uniform motion and nothing but contact acts, an asperite without contact
+swings on its torsion spring alone, and one drift is exact for any time.  Such blocks are left out
+of the loops over blocks; they drift before they can come within reach, and for each sample.
+
+A block is inactive while its bobs, wherever they may swing, are farther from all others than the
+list of neighbours reaches, by a margin.  When the list is rebuilt, and two bobs can have moved by
+the margin towards each other, the active blocks are selected again.
+"""
+
+import numpy as np
+
+from tribo.integrators.drift import drift_block
+from tribo.integrators.rotations import rotation
+from tribo.kernels.blocks import is_fixed
+from tribo.kernels.compiled import kernel, owning_kernel
+from tribo.kernels.equations_of_motion import bar_angles
+from tribo.kernels.neighbours import (
+    boxes_of,
+    have_crossed,
+    keep_places,
+    near_blocks,
+    rebuild,
+    sort_boxes,
+)
+from tribo.kernels.records import FREQUENCY, L1
+from tribo.kernels.simd import LANES, broadcast, maximum, sqrt, where_less
+from tribo.kernels.simd_arrays import block
+
+
+@kernel
+def update_lists(model, neighbours, active, t, q, v, accounts):
+    """Rebuild the list of neighbours if bobs, which are in place, have moved too far."""
+    if neighbours is not None:
+        age = t - neighbours.listed[0]
+        if have_crossed(model, active, neighbours.place, neighbours.skin, age):
+            select_active(model, neighbours, active, t, q, v, accounts)
+            rebuild(model, neighbours)
+            neighbours.listed[0] = t
+
+
+@kernel
+def select_active(model, neighbours, active, t, q, v, accounts):
+    """Select the active blocks again, if bobs have moved too far for the last selection."""
+    if active is not None:
+        if have_crossed(model, active, active.place, active.margin, t - active.selected[0]):
+            advance_inactive(model, active, t, q, v, accounts)
+            set_active(model, neighbours, active, t, q, v)
+            keep_places(model, active.place)
+            active.selected[0] = t
+
+
+@kernel
+def advance_inactive(model, active, t, q, v, accounts):
+    """Let all inactive blocks drift to the time t."""
+    if active is not None:
+        for k in range(model.surfaces.shape[0]):
+            s = model.surfaces[k]
+            if active.eligible[k] == 1:
+                for i in range(s.start, s.stop, LANES):
+                    tau = t - active.since[i // LANES]
+                    if abs(tau) > 0.0:  # nan for active blocks
+                        turn = rotation(block(model.asperites[FREQUENCY], i), tau)
+                        drift_block(model, s, i, t, tau, q, v, accounts, turn)
+                        active.since[i // LANES] = t
+
+
+@owning_kernel
+def set_active(model, neighbours, active, t, q, v):
+    """Set the active blocks: those within reach of others, and those that cannot be inactive."""
+    wanted = np.zeros(active.since.size, np.int8)
+    for k in range(neighbours.reach.size):
+        mark_pair(model, model.box, neighbours, active, k, t, q, v, wanted)
+    n = 0
+    for k in range(model.surfaces.shape[0]):
+        s = model.surfaces[k]
+        active.first[k] = n
+        for m in range(s.start // LANES, s.stop // LANES):
+            active.since[m] = t
+            if wanted[m] == 1 or active.eligible[k] == 0:
+                active.since[m] = np.nan
+                active.blocks[n] = m
+                n += 1
+    active.first[model.surfaces.shape[0]] = n
+
+
+@owning_kernel
+def mark_pair(model, box, neighbours, active, k, t, q, v, wanted):
+    """Mark the blocks of the kth pair of surfaces that are within reach of each other."""
+    one = model.surfaces[neighbours.pairs[k, 0]]
+    other = model.surfaces[neighbours.pairs[k, 1]]
+    reach = neighbours.reach[k] + active.margin
+    own = boxes_of_paths(model, active, neighbours.pairs[k, 0], t, q, v)
+    boxes = boxes_of_paths(model, active, neighbours.pairs[k, 1], t, q, v)
+    sorted_boxes = sort_boxes(box, own, boxes, reach)
+    near = np.empty(active.since.size, np.int64)
+    for m in range((one.stop - one.start) // LANES):
+        count = near_blocks(box, own, m, boxes, reach, sorted_boxes, near)
+        for n in range(count):
+            wanted[one.start // LANES + m] = 1
+            wanted[other.start // LANES + near[n]] = 1
+
+
+@owning_kernel
+def boxes_of_paths(model, active, k, t, q, v):
+    """Boxes around all blocks of a surface, with the paths on which inactive bobs would swing."""
+    centres, halves = boxes_of(model, None, k)
+    if active.eligible[k] == 1:
+        s = model.surfaces[k]
+        for m in range(centres.shape[1]):
+            path = maximum(longest_paths(model, s, s.start + LANES * m, t, q, v))
+            halves[0, m] += path
+            halves[1, m] += path
+    return centres, halves
+
+
+@kernel
+def longest_paths(model, s, i, t, q, v):
+    """Bounds on the distances that free swings carry a block of bobs from where they are.
+
+    A swing of amplitude A goes by an angle of up to 2 A, and no bob goes farther than the diameter
+    of its circle, as it may without a torsion spring.
+    """
+    if is_fixed(model.fixed, s):
+        return broadcast(0.0)
+    diameter = 2.0 * block(model.asperites[L1], i)
+    if s.dof_phi >= 0:
+        return diameter
+    frequency = block(model.asperites[FREQUENCY], i)
+    twist = block(q, i) - bar_angles(model, s, i, t, q)
+    rate = where_less(0.0, frequency, block(v, i) / frequency, 1.0)
+    amplitude = sqrt(twist * twist + rate * rate)
+    return diameter * where_less(amplitude, 1.0, amplitude, 1.0)
