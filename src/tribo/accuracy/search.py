@@ -312,10 +312,8 @@ class _Search:
                 f"would take {self.method.name} {few:.0e} steps, more than {self.most:.0e}; give a "
                 "larger accuracy, a method that chooses its steps, or max_evaluations",
             )
-        fine = self._expected(fine_level(self.method) * level)
-        self.costly = bool(self.rounds) and not self._affords(
-            2.0 * self._expected(level) + fine, fine
-        )
+        coarse, fine = self._expected(level), self._expected(fine_level(self.method) * level)
+        self.costly = bool(self.rounds) and not self._affords(COARSE_RUNS * coarse + fine)
         return not self.costly
 
     def run_round(self, level: float) -> bool:
@@ -331,8 +329,7 @@ class _Search:
         self._plan(1 + COARSE_RUNS, self._seconds(level))
         finest = self._run(fine, self.stops.fine, finer)
         last = _Round(level, coarse, fine, [finest])
-        taken = finest.evaluations
-        self.costly = bool(self.rounds) and not self._affords(2.0 * taken, taken)
+        self.costly = bool(self.rounds) and not self._affords(COARSE_RUNS * finest.evaluations)
         if self.costly:
             return False
         self.rounds.append(last)
@@ -380,7 +377,7 @@ class _Search:
         return lower if lower > self.too_fine else self._looser()
 
     def found(self) -> FoundSettings:
-        """The round whose fine run is nearest to the request."""
+        """The settings and runs of the best round."""
         chosen, stopped = self._best(), None
         if self.too_fine > 0.0:
             stopped = next(item.stopped for item in self.rounds if item.stopped is not None)
@@ -400,20 +397,23 @@ class _Search:
         )
 
     def _best(self) -> _Round:
-        """The round with the smallest excess.
+        """The finest round whose excess is about the smallest.
 
         Where runs stop, and others have errors as large as the scales, the finest that stopped.
         """
         known = [item for item in self.rounds if item.excess * self.wanted <= KNOWN]
         if known or self.too_fine == 0.0:
-            return min(known or self.rounds, key=lambda item: (item.excess, item.level))
+            candidates = known or self.rounds
+            least = min(item.excess for item in candidates)
+            near = [item for item in candidates if STALLED * item.excess <= least]
+            return min(near, key=lambda item: item.level)
         return min(self.rounds, key=lambda item: item.level)
 
-    def _affords(self, further: float, fine: float) -> bool:
-        """Whether a round with `further` evaluations may be made for a fine run of so many."""
-        delivered = max(fine, float(self._best().finest.evaluations))
-        total = self.spent + further
-        return total <= max(MOST_COST * delivered, SHORT_SEARCH / self.layout.scene.count)
+    def _affords(self, further: float) -> bool:
+        """Whether a round with `further` evaluations leaves the search cheap enough."""
+        most = MOST_COST * self._best().finest.evaluations
+        short = SHORT_SEARCH / self.layout.scene.count
+        return self.spent + further <= max(most, short)
 
     def _is_out_of_reach(self, last: _Round) -> bool:
         """Whether amplified rounding keeps finer settings from the request, or it is unknown."""
