@@ -329,7 +329,7 @@ class _Search:
         self._plan(1 + COARSE_RUNS, self._seconds(level))
         finest = self._run(fine, self.stops.fine, finer)
         last = _Round(level, coarse, fine, [finest])
-        self.costly = bool(self.rounds) and not self._affords(COARSE_RUNS * finest.evaluations)
+        self.costly = bool(self.rounds) and not self._affords(COARSE_RUNS * self._expected(level))
         if self.costly:
             return False
         self.rounds.append(last)
