@@ -8,6 +8,7 @@ import pytest
 
 import tribo
 from tribo import paper
+from tribo.accuracy import run_time
 from tribo.cli import main
 from tribo.explanation import prediction, reasons, speeds, summary
 from tribo.integrators.methods import METHODS
@@ -226,7 +227,7 @@ def test_a_long_search_is_extrapolated(monkeypatch, part):
     taken = tribo.simulate(scene).cost.force_evaluations
     layout = lay_out(scene)
     method = tribo.prepare(scene).method
-    budget = 1e-9 * part * taken * prediction.evaluation_time(layout, method)
+    budget = 1e-9 * part * taken * run_time.evaluation_time(layout, method)
     monkeypatch.setattr(prediction, "BUDGET", budget)
     explained = tribo.explain(scene)
     assert explained.predicted.basis == "extrapolated"
@@ -252,7 +253,7 @@ def test_contact():
     grid = {"shape": (9, 9), "spacing": (1.5, 1.5)}
     jones = tribo.with_cutoff(tribo.LennardJones(0.1, 1.0), 2.5)
     many = two_rows(grid, grid, interactions=jones)
-    pairs, by_list = prediction.pairs_of_bobs(lay_out(many))
+    pairs, by_list = run_time.pairs_of_bobs(lay_out(many))
     assert by_list and pairs < 81 * 81
 
 

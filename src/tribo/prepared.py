@@ -17,6 +17,7 @@ from tribo.accuracy.comparison import (
 from tribo.accuracy.estimate import excess_of_request
 from tribo.accuracy.levels import fine_level
 from tribo.accuracy.plan import Plan, single_setting
+from tribo.accuracy.search import MOST_COST, FoundSettings
 from tribo.accuracy.stop_times import StopTimes
 from tribo.kernels.status import Status
 from tribo.run.identity import settings_of, version
@@ -140,7 +141,7 @@ class Simulation:
     def compute_first(self) -> Result:
         """As :meth:`first_result`, without warnings: for callers that report what falls short."""
         runs = self.plan.tuned.runs if self.plan.tuned is not None else ()
-        return self._estimated_result(runs) if runs else self.compute()
+        return self._estimated_result(runs, self.plan.tuned) if runs else self.compute()
 
     @property
     def empty_ledger(self) -> Ledger:
@@ -213,8 +214,13 @@ class Simulation:
         cost = _cost([run], self.compile_seconds, self._digit_ratio)
         return self._result(run.status, None, notes, {}, Known(ledger), Known(cost), run)
 
-    def _estimated_result(self, runs: Sequence[Integration]) -> Result:
-        """The last run as a result, its error estimated from the two before it."""
+    def _estimated_result(
+        self, runs: Sequence[Integration], search: FoundSettings | None = None
+    ) -> Result:
+        """The last run as a result, its error estimated from the two before it.
+
+        Its cost is that of the search, if this found it, or else of the runs.
+        """
         fine, met = runs[-1], False
         notes: tuple[str, ...] = ()
         bounds: dict[str, float] = {}
@@ -233,7 +239,7 @@ class Simulation:
             notes,
             bounds,
             lambda: _reported(layout, fine),
-            lambda: _cost(runs, seconds, ratio),
+            lambda: _cost(runs, seconds, ratio, search),
             fine,
         )
 
@@ -256,6 +262,11 @@ class Simulation:
             why = f"with tolerances that could keep it, runs stop as {tuned.stopped}"
         elif tuned.amplification is None:
             why = "the search for settings was interrupted"
+        elif tuned.costly:
+            why = (
+                f"finer settings would take more than {MOST_COST:g} times the evaluations of the "
+                "run that is delivered"
+            )
         else:
             why = out_of_reach(strictest(self.accuracy), tuned.amplification)
         if excess * strictest(self.accuracy) > 1.0:
@@ -301,7 +312,7 @@ class Simulation:
         costs is bounded by what the order of the method lets a digit cost.
         """
         runs = () if self.plan.tuned is None else self.plan.tuned.runs
-        if len(runs) < 3 or runs[-2].evaluations <= 0:
+        if len(runs) < 3 or runs[-1].status != Status.COMPLETED or runs[-2].evaluations <= 0:
             return None
         ratios_per_digit = -1.0 / np.log10(fine_level(self.method))
         seen = (runs[-1].evaluations / runs[-2].evaluations) ** ratios_per_digit
@@ -320,12 +331,18 @@ def _reported(layout: Layout, run: Integration) -> Ledger:
     return ledger.rows(slice(int(np.searchsorted(samples.t, layout.beginning)), None))
 
 
-def _cost(runs: Sequence[Integration], compile_seconds: float, ratio: float | None) -> Cost:
-    """What the runs cost, and what a digit more or less would cost, by `ratio`."""
-    seconds = sum(run.seconds for run in runs)
+def _cost(
+    runs: Sequence[Integration],
+    compile_seconds: float,
+    ratio: float | None,
+    search: FoundSettings | None = None,
+) -> Cost:
+    """What the runs or the search cost, and what a digit more or less would cost, by `ratio`."""
+    seconds = sum(run.seconds for run in runs) if search is None else search.seconds
+    evaluations = sum(run.evaluations for run in runs) if search is None else search.evaluations
     return Cost(
         steps=runs[-1].steps,
-        force_evaluations=sum(run.evaluations for run in runs),
+        force_evaluations=evaluations,
         wall_seconds=seconds,
         compile_seconds=compile_seconds,
         digit_more=None if ratio is None else seconds * ratio,

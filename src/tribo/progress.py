@@ -33,6 +33,7 @@ class ProgressBar:
         self._unit = unit
         self._began = time.time()
         self._bar: Any = None
+        self._runs = ""
 
     def __call__(self, reached: float) -> None:
         """Show what is reached."""
@@ -43,8 +44,28 @@ class ProgressBar:
 
             # The rate is that from now on: what was done before may have been read from a file.
             self._bar = tqdm(total=self._total, initial=reached, leave=False, unit=self._unit)
+            self._bar.set_description(self._runs, refresh=False)
         self._bar.n = reached
         self._bar.refresh()
+
+    def announce(self, number: int, runs: int, seconds: float | None) -> None:
+        """Begin a run.
+
+        Parameters
+        ----------
+        number, runs : int
+            Which run it is, and how many there will be.
+        seconds : float or None
+            What it and those that follow should take together, which is printed from DELAY on.
+        """
+        self._runs = f"run {number} of {runs}"
+        if self._bar is not None:
+            self._bar.reset()
+            self._bar.set_description(self._runs)
+        if seconds is not None and seconds >= DELAY:
+            left = runs - number + 1
+            plan = f"{left} run{'s' * (left > 1)} planned, about {seconds:.2g} s"
+            print(plan, file=sys.stderr, flush=True)
 
     def close(self) -> None:
         """Remove the bar."""

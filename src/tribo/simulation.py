@@ -18,7 +18,7 @@ from tribo.integrators import methods
 from tribo.kernels.status import Status
 from tribo.model.scene import Scene
 from tribo.prepared import Simulation, with_warning
-from tribo.progress import Reported, Shown
+from tribo.progress import ProgressBar, Reported, Shown
 from tribo.run.deep_core import core_notes
 from tribo.run.identity import identity_of, refuse_other, settings_of, version
 from tribo.run.integrate import Progress
@@ -201,10 +201,16 @@ def simulate(
     with Reported(progress, layout.scene.duration, "t") as report:
         if out is None:
             integrator = _integrator(layout, choice, report, origin, threads)
-            result = Simulation(make_plan(choice, integrator), integrator).compute_first()
+            result = _first_result(choice, integrator, report)
         else:
             result = _run_to_file(as_path(out), resume, layout, choice, origin, threads, report)
     return with_warning(result)
+
+
+def _first_result(choice: Choice, integrator: Integrator, progress: Progress | None) -> Result:
+    """Plan and run; a progress bar also shows which of the runs it is."""
+    announce = progress.announce if isinstance(progress, ProgressBar) else None
+    return Simulation(make_plan(choice, integrator, announce), integrator).compute_first()
 
 
 def _run_to_file(
@@ -227,7 +233,7 @@ def _run_to_file(
         return result
     with Journal(part, identity, resume) as journal:
         integrator = _integrator(layout, choice, progress, origin, threads, journal)
-        result = Simulation(make_plan(choice, integrator), integrator).compute_first()
+        result = _first_result(choice, integrator, progress)
         if result.status != Status.INTERRUPTED:
             result.save(path)
             journal.remove()

@@ -56,10 +56,9 @@ def test_works_below_round_off_are_no_scale():
 
 
 def test_a_duration_in_which_nothing_happens():
-    """The energy of contact is out of reach relative to works of 1e-31; angles are exact."""
+    """Errors are relative to the energy of contact, not to works of 1e-31; angles are exact."""
     result = simulate(replace(changed("A"), duration=1e-30))
-    assert result.status == "completed" and result.met is False
-    assert "errors may exceed the scales of their quantities" in " ".join(result.notes)
+    assert result.status == "completed" and result.met
     assert result.error_estimate["theta"] < 1e-8
 
 

@@ -15,6 +15,7 @@ until steps are that short.  Encounters ahead are those of bobs that keep their 
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
 
 import numpy as np
@@ -106,12 +107,15 @@ class Choice:
         The step [time]; None with an accuracy.
     why : str
         Why the method was chosen; empty where it was given.
+    seconds : float
+        Wall time of the choice [s].
     """
 
     method: methods.Method
     accuracy: Accuracy | None
     step: float | None
     why: str = ""
+    seconds: float = 0.0
 
 
 def choose(
@@ -152,8 +156,9 @@ def choose(
         return _noisy(layout, accuracy, step)
     wanted = check_accuracy(DEFAULT_ACCURACY if accuracy is None else accuracy)
     if method is None:
+        began = time.perf_counter()
         chosen, why = cheapest(layout, strictest(wanted))
-        return Choice(chosen, wanted, None, why)
+        return Choice(chosen, wanted, None, why, time.perf_counter() - began)
     chosen = methods.named(method)
     if step is None and (chosen.adaptive or accuracy is not None):
         return Choice(chosen, wanted, None)

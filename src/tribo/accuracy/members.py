@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from tribo.accuracy.comparison import Accuracy, observables
-from tribo.accuracy.scales import ENERGIES, EPSILON, KINDS, TOTALS, mean_velocity
+from tribo.accuracy.scales import KINDS, mean_velocity, motion_scales
 from tribo.run.columns import Columns, columns_of
 from tribo.run.layout import Layout
 from tribo.run.member_samples import MemberSamples
@@ -80,16 +80,10 @@ def _scales(
         each = np.abs(series).reshape(-1, members, series.shape[1])
         return np.asarray(each.max(axis=(0, 2)))
 
-    energies = {name: tops[name] for name in ENERGIES if name in tops}
-    energy = np.max(list(energies.values()), axis=0)
-    works = np.max([top for n, top in energies.items() if n.startswith("w")] or [energy], axis=0)
     internal, a = largest(entry.energy), layout.together.asperites
-    energy = np.where(works > EPSILON * internal, energy, internal)
-    return {
-        "rate": np.maximum(tops["omega"], tops["nu"]),
-        "length": np.max(np.atleast_2d(a.l1 + a.l2), axis=1)[:members],
-        "velocity": largest(entry.bob_speed(mean_velocity(layout))),
-        "energy": energy,
-        "total": np.max([energy, *(tops[name] for name in TOTALS if name in tops)], axis=0),
-        "angle": 1.0,
-    }
+    speed = largest(entry.bob_speed(mean_velocity(layout)))
+    inertia, mass, length = (
+        np.max(np.atleast_2d(each), axis=1)[:members] for each in (a.inertia, a.mass, a.l1 + a.l2)
+    )
+    moving = motion_scales(tops, speed, internal, inertia, mass, layout.scene.count)
+    return moving | {"length": length, "angle": 1.0}

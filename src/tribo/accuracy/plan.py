@@ -9,8 +9,9 @@ import numpy as np
 from tribo.accuracy.cheapest_setting import cheapest_setting
 from tribo.accuracy.choose_method import Choice
 from tribo.accuracy.comparison import Accuracy
+from tribo.accuracy.run_time import counted, evaluation_time
 from tribo.accuracy.scales import first_step
-from tribo.accuracy.search import FoundSettings, find_settings
+from tribo.accuracy.search import Announce, FoundSettings, find_settings
 from tribo.accuracy.stop_times import PARTS, StopTimes
 from tribo.integrators import methods
 from tribo.run.integrate import Progress, Setting
@@ -77,7 +78,7 @@ def integrator_for(
     return Integrator(layout, method, first_step(layout), progress, origin, journal, threads)
 
 
-def make_plan(choice: Choice, integrator: Integrator) -> Plan:
+def make_plan(choice: Choice, integrator: Integrator, announce: Announce | None = None) -> Plan:
     """The plan of a run; looks for the settings that keep an accuracy.
 
     Parameters
@@ -86,6 +87,8 @@ def make_plan(choice: Choice, integrator: Integrator) -> Plan:
         The method, and the accuracy or the step.
     integrator : Integrator
         Runs the scene by that method.
+    announce : callable, optional
+        Called before each run: see :data:`tribo.accuracy.search.Announce`.
 
     Returns
     -------
@@ -100,10 +103,14 @@ def make_plan(choice: Choice, integrator: Integrator) -> Plan:
     name, times = choice.method.name, layout.times
     if accuracy is None:
         assert choice.step is not None
+        if announce is not None:
+            each = 1e-9 * evaluation_time(layout, choice.method)
+            announce(1, 1, each * counted(layout, choice.method, choice.step))
         return Plan(name, choice.why, choice.step, times)
     stops = StopTimes.for_samples(times)
     _check_memory(layout, stops)
-    tuned = find_settings(layout, choice.method, accuracy, stops, integrator)
+    tuned = find_settings(layout, choice.method, accuracy, stops, integrator, announce)
+    tuned = replace(tuned, seconds=tuned.seconds + choice.seconds)
     return Plan(name, choice.why, tuned.fine, stops.fine, accuracy, tuned)
 
 

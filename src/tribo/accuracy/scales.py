@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,7 +38,13 @@ ENERGIES = tuple(
 # The quantities of surfaces and of the system by which their energies are measured.  The energy of
 # contacts is none: it has an arbitrary origin.
 TOTALS = tuple(name for name, kind in KINDS.items() if kind == "total" and name != "contact_energy")
-MEASURED = ("omega", "nu", *ENERGIES, *TOTALS)
+# Energies of a position, with which those of the motion are compared.
+POTENTIALS = ("contact_energy", "field_energy")
+MEASURED = ("omega", "nu", *ENERGIES, *TOTALS, *POTENTIALS)
+# Motion with less energy than this fraction of the energy of contacts and fields is made of
+# round-off.  Two rows of five in an equilibrium have works of 1e-15 of that energy, and a total of
+# 1e-14.
+UNRESOLVED = 256.0 * EPSILON
 # The smallest relative tolerance: nine roundings.  Step control cannot resolve less.
 FLOOR = 2e-15
 
@@ -46,6 +52,10 @@ FLOOR = 2e-15
 @dataclass(frozen=True)
 class Scales:
     """One scale for each kind of quantity, which its errors are relative to.
+
+    No scale is made of round-off: where energies, rates or velocities are below UNRESOLVED of the
+    energy of contacts and fields by asperite, or of the rate or velocity that this energy could
+    give an asperite, these are the scales.
 
     Attributes
     ----------
@@ -100,17 +110,62 @@ def scales_of(layout: Layout, tops: Mapping[str, float], speed: float, internal:
     internal
         the largest internal energy
     """
-    energies = {name: tops[name] for name in ENERGIES if name in tops}
-    highest = max(energies.values())
-    works = max((top for name, top in energies.items() if name.startswith("w")), default=highest)
-    energy = highest if works > EPSILON * internal else internal
-    return Scales(
-        rate=max(tops["omega"], tops["nu"]),
-        length=_longest_rod(layout),
-        velocity=speed,
-        energy=energy,
-        total=max([energy, *(tops[name] for name in TOTALS if name in tops)]),
+    a = layout.together.asperites
+    by_kind = motion_scales(
+        tops, speed, internal, np.max(a.inertia), np.max(a.mass), layout.scene.count
     )
+    return Scales(length=_longest_rod(layout), **{kind: float(x) for kind, x in by_kind.items()})
+
+
+# A value of one run, or those of several members (members,).
+Values = float | np.ndarray
+
+
+def motion_scales(
+    tops: Mapping[str, Values],
+    speed: Values,
+    internal: Values,
+    inertia: Values,
+    mass: Values,
+    asperites: int,
+) -> dict[str, np.ndarray]:
+    """The scales of rates, velocities and energies, by kind; see :class:`Scales`.
+
+    Parameters
+    ----------
+    tops
+        the largest magnitude of each quantity
+    speed
+        the largest of a bob relative to the mean of the surfaces' initial velocities
+    internal
+        the largest internal energy
+    inertia, mass
+        the largest of an asperite
+    asperites
+        how many there are
+    """
+    energies = {name: tops[name] for name in ENERGIES if name in tops}
+    highest = _highest(energies.values())
+    works = _highest([top for name, top in energies.items() if name.startswith("w")] or [highest])
+    potential = _highest([tops[name] for name in POTENTIALS if name in tops] or [0.0]) / asperites
+    measured = np.where(works > EPSILON * np.asarray(internal), highest, internal)
+    energy = _resolved(measured, potential)
+    return {
+        "rate": _resolved(_highest([tops["omega"], tops["nu"]]), np.sqrt(potential / inertia)),
+        "velocity": _resolved(speed, np.sqrt(potential / mass)),
+        "energy": energy,
+        "total": _highest([energy, *(tops[name] for name in TOTALS if name in tops)]),
+    }
+
+
+def _highest(values: Iterable[Values]) -> np.ndarray:
+    return np.asarray(np.max(np.broadcast_arrays(*values), axis=0))
+
+
+def _resolved(measured: Values, possible: Values) -> np.ndarray:
+    """What was measured, or what is possible where only round-off was."""
+    possible = np.where(np.isfinite(possible), possible, 0.0)
+    return np.where(measured > UNRESOLVED * possible, measured, possible)
 
 
 def mean_velocity(layout: Layout) -> np.ndarray:
@@ -227,11 +282,13 @@ def tolerance_scales(layout: Layout, samples: Samples) -> ToleranceScales:
     work = max(largest(top * weights), _work_of_impulses(layout, reported))
     # Where nothing does work, the change of an energy is round-off.
     energy = max(work, change) if work > 0.0 or top.size == 0 else highest
+    potential = max(largest(samples.contact), largest(samples.field)) / layout.scene.count
+    inertia = float(np.max(batch.asperites.inertia))
     return ToleranceScales(
         velocity=velocity,
-        energy=energy or guess.energy,
+        energy=float(_resolved(energy, potential)) or guess.energy,
         impulse=largest(top[weights == 0.0]) or guess.impulse,
-        rate=max(spin, turn) or guess.rate,
+        rate=float(_resolved(max(spin, turn), np.sqrt(potential / inertia))) or guess.rate,
         spin=spin or guess.spin,
         twist=twist or guess.twist,
     )

@@ -8,6 +8,8 @@ round-off beyond the request.
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -24,7 +26,7 @@ from tribo.accuracy.comparison import (
     out_of_reach,
     strictest,
 )
-from tribo.accuracy.estimate import excess_of_request
+from tribo.accuracy.estimate import excess_of_request, rounding
 from tribo.accuracy.levels import (
     NEAR,
     coarsest_level,
@@ -34,11 +36,8 @@ from tribo.accuracy.levels import (
     setting_at,
     work,
 )
-from tribo.accuracy.scales import (
-    EPSILON,
-    first_guess,
-    tolerance_scales,
-)
+from tribo.accuracy.run_time import evaluation_time, rate_of
+from tribo.accuracy.scales import EPSILON, first_guess, tolerance_scales
 from tribo.accuracy.stop_times import StopTimes
 from tribo.integrators.methods import Method
 from tribo.kernels.status import Status
@@ -66,6 +65,8 @@ LOWER = 0.1
 # The next level aims at this fraction of the request.
 AIM = 0.3
 # Requests below this measure the amplification at once, because rounding counts in their estimate.
+# Others do so if the first round misses them: where nothing moves but by weak forces, a change of
+# the start matters a thousand times more than rounding, which is relative to what it rounds.
 TIGHT = 1e-9
 # Work of a long run [force evaluations x asperites], which is refused early if its request is out
 # of reach: 20 s at the 0.13 us that benchmarks/calibrate.py measures for an asperite.  The tries of
@@ -85,6 +86,15 @@ UNNOTICED = 0.02
 CLOSE = 3.0
 # Largest error, relative to the scales, of a run that is delivered where finer ones stop.
 KNOWN = 0.01
+# Estimates below this many times the effect of rounding gain too little from finer settings.
+MOST_ROUNDED = 3.0
+# Evaluations of a search, in units of those of the run that it delivers, beyond which no further
+# round begins.  Five rounds of a method of order 8 take eight to ten times as many.
+MOST_COST = 10.0
+# Work [force evaluations x asperites] of searches that may take more than that: 0.2 s.
+SHORT_SEARCH = 1.5e6
+# Coarse runs of a round, which the fine run is compared with.
+COARSE_RUNS = 2
 
 
 class Errors(NamedTuple):
@@ -119,15 +129,22 @@ class FoundSettings:
     level
         of the fine setting, relative to the scales
     runs
-        of the search, in order; the last is the one to deliver
+        of the search, in order; the last is the one to deliver, and the two before it those that it
+        was compared with, if it was
     amplification
         of a small change of the start; None where it was not measured
     met
         whether the fine run kept the accuracy
+    evaluations
+        of all forces, in all runs of the search
+    seconds
+        wall time of the search
+    costly
+        whether a further round would have cost too much
     stopped
         the status of runs with finer settings, if these stopped
     errors
-        the last ones that were estimated; None if no run was compared
+        of the run to deliver; None if it was compared with no other
     """
 
     coarse: Setting
@@ -136,12 +153,25 @@ class FoundSettings:
     runs: tuple[Integration, ...]
     amplification: float | None
     met: bool
+    evaluations: int
+    seconds: float
+    costly: bool = False
     stopped: Status | None = None
     errors: Errors | None = None
 
 
+# Called before each run with its number, how many runs there will be unless more rounds are needed,
+# and the predicted seconds of those that are left, or None while the pilot has not shown them.
+Announce = Callable[[int, int, float | None], None]
+
+
 def find_settings(
-    layout: Layout, method: Method, accuracy: Accuracy, stops: StopTimes, attempt: Attempt
+    layout: Layout,
+    method: Method,
+    accuracy: Accuracy,
+    stops: StopTimes,
+    attempt: Attempt,
+    announce: Announce | None = None,
 ) -> FoundSettings:
     """Settings of which a fine run agrees with two coarse ones within `accuracy`, if there are any.
 
@@ -157,11 +187,13 @@ def find_settings(
         of the three runs of each round
     attempt
         runs the scene with a setting
+    announce
+        see :data:`Announce`
 
     Returns
     -------
     FoundSettings
-        the last ones tried, whether they keep the accuracy or not
+        those whose error estimate is nearest to the request, whether they keep it or not
 
     Raises
     ------
@@ -169,7 +201,7 @@ def find_settings(
         if the accuracy is out of reach and its runs would be long, or if equal steps would be too
         many
     """
-    search = _Search(layout, method, accuracy, stops, attempt)
+    search = _Search(layout, method, accuracy, stops, attempt, announce)
     level = FIRST * method.first_level * strictest(accuracy)
     level = min(max(level, finest_level(method)), coarsest_level(layout, method))
     if not search.run_pilot(level):
@@ -177,7 +209,8 @@ def find_settings(
     for _ in range(ROUNDS):
         if not search.allows(level):
             break
-        search.run_round(level)
+        if not search.run_round(level):
+            break
         lower = search.next_level(level)
         if lower is None:
             break
@@ -187,14 +220,19 @@ def find_settings(
 
 @dataclass
 class _Round:
-    """Two coarse runs and a fine one."""
+    """A fine run, and the two coarse ones that it is compared with."""
 
     level: float  # of the coarse runs
     coarse: Setting
     fine: Setting
-    runs: list[Integration] = field(default_factory=list)
+    runs: list[Integration] = field(default_factory=list)  # the fine one is the last
     excess: float = np.inf  # the largest estimate of the fine run relative to the request
     errors: Errors | None = None  # of the fine run
+
+    @property
+    def finest(self) -> Integration:
+        """The fine run."""
+        return self.runs[-1]
 
     @property
     def stopped(self) -> Status | None:
@@ -212,8 +250,9 @@ class _Search:
         accuracy: Accuracy,
         stops: StopTimes,
         attempt: Attempt,
+        announce: Announce | None,
     ) -> None:
-        self.layout, self.method, self.stops, self.attempt = layout, method, stops, attempt
+        self.layout, self.method, self.stops = layout, method, stops
         self.accuracy, self.wanted = accuracy, strictest(accuracy)
         self.most = most_evaluations(layout.scene)
         self.runs: list[Integration] = []
@@ -224,6 +263,13 @@ class _Search:
         # Level and evaluations of the last run that completed.
         self.known: tuple[float, float] = (1.0, np.inf)
         self.stalls = 0
+        self.costly = False
+        self.spent = 0  # evaluations of all runs
+        self._attempt_run, self._announce = attempt, announce
+        self._began = time.perf_counter()
+        self._number, self._of = 0, 0  # of the last run, and of all that are planned
+        self._left: float | None = None  # seconds of those, until they are announced
+        self._plan(method.adaptive + 1 + COARSE_RUNS)
 
     def run_pilot(self, level: float) -> bool:
         """Run the pilot of an adaptive method; none with equal steps.
@@ -233,13 +279,14 @@ class _Search:
         """
         if not self.method.adaptive:
             return True
-        setting, pilot = _resolved(self.layout, self.method, self.stops.few, self.attempt)
+        setting, pilot = _resolved(self.layout, self.method, self.stops.few, self._attempt)
         self.runs.append(pilot)
         if pilot.status in ABORTED:
             self.rounds.append(_Round(level, setting, setting, [pilot]))
             return False
         if pilot.status != Status.COMPLETED:
             return True
+        self._plan(1 + COARSE_RUNS)
         self.reached, self.known = PILOT_LEVEL, (PILOT_LEVEL, pilot.evaluations)
         longer = self._expected(fine_level(self.method) * level) / pilot.evaluations
         if longer * work(self.layout, pilot) < LONG_RUN:
@@ -255,20 +302,22 @@ class _Search:
         return True
 
     def allows(self, level: float) -> bool:
-        """Whether a round has few enough equal steps; refuses the accuracy if the first has not."""
+        """Whether a round is short enough; refuses the accuracy if the first has too many steps."""
         few = equal_steps(self.layout, self.method, fine_level(self.method) * level)
-        if few <= self.most:
-            return True
-        if self.runs:
-            return False
-        raise InputError(
-            "accuracy",
-            f"would take {self.method.name} {few:.0e} steps, more than {self.most:.0e}; give a "
-            "larger accuracy, a method that chooses its steps, or max_evaluations",
-        )
+        if few > self.most:
+            if self.runs:
+                return False
+            raise InputError(
+                "accuracy",
+                f"would take {self.method.name} {few:.0e} steps, more than {self.most:.0e}; give a "
+                "larger accuracy, a method that chooses its steps, or max_evaluations",
+            )
+        coarse, fine = self._expected(level), self._expected(fine_level(self.method) * level)
+        self.costly = bool(self.rounds) and not self._affords(COARSE_RUNS * coarse + fine)
+        return not self.costly
 
-    def run_round(self, level: float) -> None:
-        """Two coarse runs at `level`, and a fine one."""
+    def run_round(self, level: float) -> bool:
+        """A fine run, and two coarse ones at `level`; whether it was not too costly."""
         layout, method = self.layout, self.method
         scales = (
             tolerance_scales(layout, self.runs[-1].samples) if self.runs else first_guess(layout)
@@ -277,58 +326,60 @@ class _Search:
         near = NEAR * fine_level(method) ** (1.0 / method.order)
         coarse = setting_at(layout, method, scales, level)
         fine = setting_at(layout, method, scales, finer, near)
-        last = _Round(level, coarse, fine)
+        self._plan(1 + COARSE_RUNS, self._seconds(level))
+        finest = self._run(fine, self.stops.fine, finer)
+        last = _Round(level, coarse, fine, [finest])
+        self.costly = bool(self.rounds) and not self._affords(COARSE_RUNS * self._expected(level))
+        if self.costly:
+            return False
         self.rounds.append(last)
-        each = ((coarse, level), (coarse, level), (fine, finer))
-        for (setting, its_level), times in zip(each, self.stops, strict=True):
-            most = max(UNEXPECTED * self._expected(its_level), UNNOTICED * self.most)
-            run = self.attempt(setting, times, most=min(self.most, most))
-            last.runs.append(run)
-            self.runs.append(run)
-            if run.status in ABORTED:
-                return
-            if run.status == Status.COMPLETED:
-                self.known = (its_level, run.evaluations)
+        for times in (self.stops.few, self.stops.many):
+            if last.stopped is None:
+                last.runs.insert(-1, self._run(coarse, times, level))
+        self.runs.append(finest)
         if last.stopped is None:
             self.reached = level
+        return True
 
     def next_level(self, level: float) -> float | None:
         """The level of the round after one at `level`; None if the search ends."""
         last = self.rounds[-1]
-        fine = last.runs[-1]
-        if fine.status in FROM_OUTSIDE or sum(run.evaluations for run in self.runs) > self.most:
+        if last.stopped in FROM_OUTSIDE:
             return None
         if self.method.adaptive and last.stopped is not None:
             self.too_fine = max(self.too_fine, level)
-            return self._looser()
+            return None if self.spent > self.most else self._looser()
         finest = finest_level(self.method)
         shorter = level * SHORTER**self.method.order
+        fine = last.finest
         can_be_too_long = not self.method.adaptive and work(self.layout, fine) < SHORTER * LONG_RUN
-        if can_be_too_long and any(run.status in TOO_LONG for run in last.runs):
+        if can_be_too_long and last.stopped in TOO_LONG:
             return shorter
-        known = self.wanted >= TIGHT or self._measure() is not None
         before = self.rounds[-2].excess if len(self.rounds) > 1 else np.inf
-        last.excess = self._excess(last)
-        if can_be_too_long and len(self.runs) == 3 and last.excess * self.wanted > 1.0:
+        if last.stopped is None:
+            if self.wanted < TIGHT:
+                self._measure(last)
+            last.excess = self._excess(last)
+        if can_be_too_long and len(self.rounds) == 1 and last.excess * self.wanted > 1.0:
             self.amplification, last.excess = None, np.inf
             return shorter
-        self.stalls = self.stalls + 1 if last.excess > STALLED * before else 0
-        if last.excess <= 1.0 or level <= finest or self.stalls == MOST_STALLS or not known:
+        excess = last.excess
+        if excess > 1.0 and self.amplification is None and last.stopped is None:
+            self._measure(last)
+            last.excess = self._excess(last)
+        self.stalls = self.stalls + 1 if excess > STALLED * before else 0
+        if self.spent > self.most or excess <= 1.0 or level <= finest or self.stalls == MOST_STALLS:
             return None
-        amplification = self._measure()
-        unknown = self.too_fine > 0.0 and last.excess * self.wanted > KNOWN
-        if amplification is None or (amplification * EPSILON > self.wanted and not unknown):
+        if last.stopped is None and self._is_out_of_reach(last):
             return None
-        lower = AIM / last.excess if np.isfinite(last.excess) else LOWER**2
+        lower = AIM / excess if np.isfinite(excess) else LOWER**2
         lower = max(level * min(LOWER, lower), finest)
         return lower if lower > self.too_fine else self._looser()
 
     def found(self) -> FoundSettings:
-        """What the search found: the last round, or the best one if finer runs stopped."""
-        chosen, stopped = self.rounds[-1], None
+        """The settings and runs of the best round."""
+        chosen, stopped = self._best(), None
         if self.too_fine > 0.0:
-            known = [item for item in self.rounds if item.excess * self.wanted <= KNOWN]
-            chosen = min(known or self.rounds, key=lambda item: item.level)
             stopped = next(item.stopped for item in self.rounds if item.stopped is not None)
         others = [run for run in self.runs if run not in chosen.runs]
         return FoundSettings(
@@ -338,9 +389,43 @@ class _Search:
             (*others, *chosen.runs),
             self.amplification,
             chosen.excess <= 1.0,
+            self.spent,
+            time.perf_counter() - self._began,
+            self.costly,
             stopped,
             chosen.errors,
         )
+
+    def _best(self) -> _Round:
+        """The finest round whose excess is about the smallest.
+
+        Where runs stop, and others have errors as large as the scales, the finest that stopped.
+        """
+        known = [item for item in self.rounds if item.excess * self.wanted <= KNOWN]
+        if known or self.too_fine == 0.0:
+            candidates = known or self.rounds
+            least = min(item.excess for item in candidates)
+            near = [item for item in candidates if STALLED * item.excess <= least]
+            return min(near, key=lambda item: item.level)
+        return min(self.rounds, key=lambda item: item.level)
+
+    def _affords(self, further: float) -> bool:
+        """Whether a round with `further` evaluations leaves the search cheap enough."""
+        most = MOST_COST * self._best().finest.evaluations
+        short = SHORT_SEARCH / self.layout.scene.count
+        return self.spent + further <= max(most, short)
+
+    def _is_out_of_reach(self, last: _Round) -> bool:
+        """Whether amplified rounding keeps finer settings from the request, or it is unknown."""
+        if self.amplification is None:
+            return True
+        estimate = last.excess * self.wanted
+        if self.too_fine > 0.0 and estimate > KNOWN:
+            return False
+        if self.amplification * EPSILON > self.wanted:
+            return True
+        rounded = rounding(self.amplification, last.finest.steps)
+        return rounded > self.wanted and estimate < MOST_ROUNDED * rounded
 
     def _looser(self) -> float | None:
         """A level between one at which runs stop and one at which they do not; None if close."""
@@ -352,24 +437,65 @@ class _Search:
         before, evaluations = self.known
         return evaluations * (before / level) ** (1.0 / self.method.order)
 
+    def _run(self, setting: Setting, times: np.ndarray, level: float) -> Integration:
+        """A run of a round."""
+        most = max(UNEXPECTED * self._expected(level), UNNOTICED * self.most)
+        run = self._attempt(setting, times, most=min(self.most, most))
+        if run.status == Status.COMPLETED:
+            self.known = (level, run.evaluations)
+        return run
+
+    def _attempt(
+        self,
+        setting: Setting,
+        times: np.ndarray,
+        start: np.ndarray | None = None,
+        *,
+        most: float | None = None,
+    ) -> Integration:
+        """A run that counts as one of the search."""
+        self._number += 1
+        if self._announce is not None:
+            self._announce(self._number, max(self._number, self._of), self._left)
+            self._left = None
+        run = self._attempt_run(setting, times, start, most=most)
+        self.spent += run.evaluations
+        return run
+
+    def _plan(self, further: int, seconds: float | None = None) -> None:
+        """How many further runs are planned, and what they should take."""
+        self._of, self._left = self._number + further, seconds
+
+    def _seconds(self, level: float) -> float:
+        """What a round at a level should take, by the last run or else by the model of costs."""
+        layout, method = self.layout, self.method
+        rate, finer = rate_of(layout, method), fine_level(method) * level
+        before, evaluations = self.known
+        coarse = (before / level) ** (1.0 / rate.slope) * evaluations
+        each = 1e-9 * evaluation_time(layout, method)
+        if not method.adaptive:
+            coarse = equal_steps(layout, method, level) * rate.step
+        elif self.runs and self.runs[-1].evaluations > 0:
+            each = self.runs[-1].seconds / self.runs[-1].evaluations
+        fine = (level / finer) ** (1.0 / rate.slope) * coarse
+        return each * (fine + COARSE_RUNS * coarse)
+
     def _amplification(self, setting: Setting, run: Integration) -> float | None:
         names = observables(self.accuracy)
-        return measure_amplification(self.layout, self.attempt, setting, run, names)
+        return measure_amplification(self.layout, self._attempt, setting, run, names)
 
-    def _measure(self) -> float | None:
-        """The amplification, measured by a coarse run unless it is known."""
+    def _measure(self, last: _Round) -> None:
+        """Measure the amplification by a coarse run, unless it is known."""
         if self.amplification is None:
-            last = self.rounds[-1]
             self.amplification = self._amplification(last.coarse, last.runs[0])
-        return self.amplification
 
     def _excess(self, last: _Round) -> float:
         """The largest estimate of the fine run relative to the request."""
-        bounds, scales = error_bounds(
-            self.layout, last.runs[-1], last.runs[:-1], self.amplification, self.accuracy
-        )
+        *coarser, fine = last.runs
+        grown = self.amplification
+        bounds, scales = error_bounds(self.layout, fine, coarser, grown, self.accuracy)
         excess = excess_of_request(bounds, scales, self.accuracy)
-        last.errors = Errors(last.runs[-1], self.amplification, bounds, excess)
+        last.errors = Errors(fine, grown, bounds, excess)
         return excess
 
 

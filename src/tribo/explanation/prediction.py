@@ -14,22 +14,21 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tribo.accuracy.choose_method import PAIR, RATES, Choice, Rate
+from tribo.accuracy.choose_method import RATES, Choice
 from tribo.accuracy.comparison import strictest
 from tribo.accuracy.levels import fine_level
 from tribo.accuracy.plan import Plan, make_plan
+from tribo.accuracy.run_time import counted, evaluation_time, rate_of
 from tribo.accuracy.scales import first_step
-from tribo.accuracy.search import FIRST, PILOT_LEVEL
+from tribo.accuracy.search import COARSE_RUNS, FIRST, PILOT_LEVEL
 from tribo.accuracy.stop_times import StopTimes
 from tribo.integrators.methods import Method
-from tribo.integrators.splitting import Splitting
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import PAUSED, Status
 from tribo.run.general_loop import GeneralLoop
 from tribo.run.integrate import Columns, Integration, Setting, TimeLoop, integrate
 from tribo.run.layout import Layout
 from tribo.run.loop_selection import Integrator
-from tribo.run.pair_adapter import has_pair_loop
 from tribo.run.progress_guard import TRIALS
 from tribo.run.runaway import up_to_runaway
 from tribo.run.streamed_ledger import StreamedLedger
@@ -38,12 +37,6 @@ from tribo.run.streamed_ledger import StreamedLedger
 BUDGET = 2.0
 # Parts of the budget after which a run is looked at.
 PARTS = 16
-# Time of a pair of bobs, and of a call of an ASE calculator [ns]: Coulomb takes 1.4 by
-# benchmarks/by_hand.py, and others a little more; EMT takes a million.
-PAIR_OF_BOBS = 2.0
-CALCULATOR_CALL = 1e6
-# Neighbours of a bob in a list, as in benchmarks/scale.py: each is in reach of about a dozen.
-LISTED = 16.0
 
 
 class OverBudgetError(Exception):
@@ -82,51 +75,6 @@ class Prediction:
     plan: Plan | None
     tried: tuple[Taken, ...]
     samples: int
-
-
-def pairs_of_bobs(layout: Layout) -> tuple[int, bool]:
-    """The pairs of bobs that are visited in one evaluation, and whether some are listed.
-
-    Of listed bobs each is taken to have LISTED neighbours.
-    """
-    counts = [surface.count for surface in layout.scene.surfaces]
-    visited, listed = 0.0, False
-    for contact in (*layout.model.contacts, *(layout.model.within or ())):
-        for (one, other), row in zip(contact.pairs.tolist(), contact.rows.tolist(), strict=True):
-            among = counts[one] * (counts[one] - 1) // 2
-            every = among if one == other else counts[one] * counts[other]
-            visited += every if row < 0 else LISTED * counts[one]
-            listed = listed or row >= 0
-    return round(visited), listed
-
-
-def evaluation_time(layout: Layout, method: Method) -> float:
-    """Nanoseconds of one evaluation by the model of costs, which knows no effect apart."""
-    rate = rate_of(layout, method)
-    oscillators = layout.coordinates - layout.core
-    pairs, _ = pairs_of_bobs(layout)
-    return (
-        rate.run
-        + layout.scene.count * rate.asperite
-        + oscillators * rate.oscillator
-        + pairs * PAIR_OF_BOBS
-        + len(layout.calculator_calls) * CALCULATOR_CALL
-    )
-
-
-def rate_of(layout: Layout, method: Method) -> Rate:
-    """The costs of a method on a scene."""
-    return PAIR if has_pair_loop(layout, method) else RATES[method.name]
-
-
-def counted(layout: Layout, method: Method, step: float) -> float:
-    """The evaluations of one run with a given step."""
-    each = RATES[method.name].step
-    if isinstance(method.coefficients, Splitting):
-        each = method.coefficients.kicks.size
-    intervals = np.diff(layout.times)
-    steps = np.sum(np.maximum(1.0, np.ceil(intervals / step - 1e-9)))
-    return float(steps * each + (not method.splits))
 
 
 class Search(Integrator):
@@ -258,7 +206,7 @@ def predict(choice: Choice, search: Search) -> Prediction:
         samples = max(sum(run.times.size for run in tried), 2 * sum(t.size for t in stops))
         return Prediction(extrapolated(choice, search), "extrapolated", None, tried, samples)
     assert plan.tuned is not None
-    total = float(sum(run.evaluations for run in plan.tuned.runs))
+    total = float(plan.tuned.evaluations)
     tried = tuple(search.finished)
     samples = sum(run.times.size for run in tried)
     return Prediction(total, "searched", plan, tried, samples)
@@ -275,10 +223,9 @@ def extrapolated(choice: Choice, search: Search) -> float:
         assert choice.accuracy is not None
         level = FIRST * method.first_level * strictest(choice.accuracy)
         coarse = whole * (PILOT_LEVEL / min(level, PILOT_LEVEL)) ** (1.0 / slope)
-        return total + (2.0 + finer) * coarse
+        return total + (COARSE_RUNS + finer) * coarse
     stops = StopTimes.for_samples(search.layout.times)
     if np.array_equal(last.times, stops.fine):
-        return total
-    if np.array_equal(last.times, stops.many):
-        return total + finer * whole
-    return total + (1.0 + finer) * whole
+        return total + COARSE_RUNS * whole / finer
+    left = 1.0 if np.array_equal(last.times, stops.many) else 2.0
+    return total + left * whole

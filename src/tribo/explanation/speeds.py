@@ -15,7 +15,8 @@ from typing import Any
 
 from numba import config
 
-from tribo.explanation.prediction import Search, evaluation_time, pairs_of_bobs
+from tribo.accuracy.run_time import evaluation_time, pairs_of_bobs
+from tribo.explanation.prediction import Search
 from tribo.integrators.methods import Method
 from tribo.kernels.compiled import package_stamp, time_loop
 from tribo.pair.loop import pair_collocation

@@ -12,8 +12,9 @@ from numba import config, typeof
 
 from tribo.accuracy.choose_method import RATES, Choice, choose
 from tribo.accuracy.comparison import Accuracy
+from tribo.accuracy.run_time import pairs_of_bobs
 from tribo.explanation.memory import memory_of_run
-from tribo.explanation.prediction import Prediction, Search, pairs_of_bobs, predict
+from tribo.explanation.prediction import Prediction, Search, predict
 from tribo.explanation.reasons import why_absent, why_present
 from tribo.explanation.speeds import compilations, inactive_at_start, kept_speed, loop_of, measured
 from tribo.integrators.methods import Method, noisy
