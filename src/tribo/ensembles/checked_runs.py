@@ -257,7 +257,7 @@ class CheckedRuns:
         tolerance = tolerance_at(self.simulation, ToleranceScales(*scales), level, way.near)
         if begun.numbers is None:
             return way.loop.run(tolerance, begun.starts)
-        assert isinstance(way.loop, PairMembers)
+        assert isinstance(way.loop, PairMembers | PairLanes)
         return way.loop.run(tolerance, begun.starts, begun.numbers)
 
     def excess(self, fine: MemberRuns, runs: MemberRuns) -> np.ndarray:
@@ -295,18 +295,17 @@ class CheckedRuns:
 
 
 def _ways(simulation: Simulation, own_numbers: bool) -> dict[str, Way]:
-    """The ways to run members, by method; with `own_numbers` not in lanes."""
+    """The ways to run members, by method."""
     pair, method, layout = simulation.integrator.pair, simulation.method, simulation.layout
     if pair is None:
         general = GeneralMembers(layout, method, simulation.integrator.first_step)
         return {method.name: Way(general, NEAR_ALONE, 1.0)}
     times = layout.times
     ways = {method.name: Way(PairMembers(pair, times), NEAR_ALONE, 1.0)}
-    if has_lanes(pair) and times.size == 2 and not own_numbers:
-        ways |= {
-            name: Way(PairLanes(pair, explicit, times[-1]), NEAR_IN_LANES, COST_IN_LANES)
-            for name, explicit in (("rkn8", RKN8), ("rkn12", RKN12))
-        }
+    if has_lanes(pair) and times.size == 2:
+        for name, explicit in (("rkn8", RKN8), ("rkn12", RKN12)):
+            loop = PairLanes(pair, explicit, times[-1], own_numbers)
+            ways[name] = Way(loop, NEAR_IN_LANES, COST_IN_LANES)
     return ways
 
 
