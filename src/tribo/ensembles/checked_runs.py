@@ -25,6 +25,7 @@ from tribo.accuracy.members import FineMembers
 from tribo.accuracy.scales import FLOOR, ToleranceScales
 from tribo.ensembles.kept_values import STATUS_TYPE, UNKNOWN, Kept, KeptValues
 from tribo.ensembles.members import Members, values_at_start
+from tribo.ensembles.rough_runs import rough_differences
 from tribo.integrators.nystrom_tableaux import RKN8, RKN12
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import COMPLETED, Status
@@ -71,6 +72,11 @@ NEAR_IN_LANES = 1.25
 # Time of an evaluation of all forces in lanes, relative to that of the collocation: 6 and 13 ns, as
 # measured on cases A and C of the paper.
 COST_IN_LANES = 0.47
+# Level of a rougher run, relative to that of the plan.
+ROUGHER = 8.0
+# Its longest step on the way to an encounter, relative to that of the plan: tolerances do not
+# control errors of such steps.
+ROUGHER_NEAR = 1.5
 # Times that a member is refined before it gets a run of its own.
 REFINEMENTS = 3
 
@@ -136,6 +142,8 @@ class CheckedPlan(NamedTuple):
         Of their tolerances.
     most_evaluations : int
         Members that take more are checked.
+    largest_difference : float
+        Members with numbers of their own that differ by more from a rougher run are checked.
     scales : tuple of float
         Of the tolerances: fields of :class:`tribo.accuracy.scales.ToleranceScales`.
     """
@@ -143,6 +151,7 @@ class CheckedPlan(NamedTuple):
     method: str
     level: float
     most_evaluations: int
+    largest_difference: float
     scales: tuple[float, ...]
 
     @property
@@ -152,15 +161,16 @@ class CheckedPlan(NamedTuple):
             "method": self.method,
             "level": self.level,
             "most_evaluations": self.most_evaluations,
+            "largest_difference": self.largest_difference,
             "scales": json.dumps(self.scales),
         }
 
     @classmethod
     def from_attributes(cls, attributes: Mapping[str, str | float]) -> Self:
         """The plan in the attributes of a data set."""
-        method, level, evaluations, scales = (attributes[name] for name in cls._fields)
+        method, level, evaluations, largest, scales = (attributes[name] for name in cls._fields)
         numbers = tuple(json.loads(str(scales)))
-        return cls(str(method), float(level), int(evaluations), numbers)
+        return cls(str(method), float(level), int(evaluations), float(largest), numbers)
 
 
 class CheckedRuns:
@@ -237,6 +247,7 @@ class CheckedRuns:
             np.full(complete.size, np.nan),
         )
         many = runs.counts[:, EVALUATIONS] > plan.most_evaluations
+        many |= self.differences(plan, runs, begun) > plan.largest_difference
         some = (members.numbers < SAMPLE) | (members.numbers % CHECKED == 0)
         checked = complete & (many | some)
         if checked.any():
@@ -251,10 +262,26 @@ class CheckedRuns:
         layout = self.simulation.layout
         return Begun(starts, pair_numbers(layout, len(starts), members.values))
 
-    def run(self, method: str, level: float, scales: tuple[float, ...], begun: Begun) -> MemberRuns:
-        """Run members by one way with tolerances of one level."""
+    def differences(self, plan: CheckedPlan, runs: MemberRuns, begun: Begun) -> np.ndarray:
+        """The differences of members from rougher runs, (members,); 0 without own numbers."""
+        if begun.numbers is None:
+            return np.zeros(len(runs.counts))
+        near = ROUGHER_NEAR * self.ways[plan.method].near
+        rough = self.run(plan.method, ROUGHER * plan.level, plan.scales, begun, near)
+        return rough_differences(runs, rough, begun.numbers, self._accuracy)
+
+    def run(
+        self,
+        method: str,
+        level: float,
+        scales: tuple[float, ...],
+        begun: Begun,
+        near: float | None = None,
+    ) -> MemberRuns:
+        """Run members by one way with tolerances of one level; `near` in place of the way's."""
         way = self.ways[method]
-        tolerance = tolerance_at(self.simulation, ToleranceScales(*scales), level, way.near)
+        near = way.near if near is None else near
+        tolerance = tolerance_at(self.simulation, ToleranceScales(*scales), level, near)
         if begun.numbers is None:
             return way.loop.run(tolerance, begun.starts)
         assert isinstance(way.loop, PairMembers | PairLanes)
