@@ -49,7 +49,7 @@ def checked_plan(runs: CheckedRuns, variation: Variation, count: int, threads: i
     simulation = runs.simulation
     scales = tolerance_scales(simulation.layout, simulation.finest.samples)
     chosen = _cheapest(runs, variation, count, tuple(vars(scales).values()))
-    return _with_limits(runs, variation, count, threads, chosen)
+    return chosen._replace(most_evaluations=_most(runs, variation, count, threads, chosen))
 
 
 def _cheapest(
@@ -60,8 +60,7 @@ def _cheapest(
     levels = np.maximum(LEVELS * runs.strictest, runs.finest)
     fine = runs.run(runs.exact, levels[-1], scales, begun)
     known = fine.counts[:, CODE] == COMPLETED
-    safe = max(FLOOR, FINER * runs.strictest)
-    best, least = CheckedPlan(runs.exact, safe, -1, 0.0, scales), np.inf
+    best, least = CheckedPlan(runs.exact, max(FLOOR, FINER * runs.strictest), -1, scales), np.inf
     for method, way in runs.ways.items():
         too_loose, good = -1, levels.size - 1
         while good - too_loose > 1:
@@ -72,41 +71,25 @@ def _cheapest(
             else:
                 too_loose = k
         if good < levels.size - 1 and cost < least:
-            best, least = best._replace(method=method, level=float(levels[good])), cost
+            best, least = CheckedPlan(method, float(levels[good]), -1, scales), cost
     return best
 
 
-def _with_limits(
+def _most(
     runs: CheckedRuns, variation: Variation, count: int, threads: int, plan: CheckedPlan
-) -> CheckedPlan:
-    """The plan with the evaluations and the differences above which members are checked."""
+) -> int:
+    """The evaluations above which members are checked; -1 for all."""
+    if runs.own_numbers:  # each has scales of its own, which its evaluations do not show
+        return -1
     begun, piece = runs.begin(variation.sample(count, runs.pilot)), min(PIECE, runs.chunk)
 
-    def properties_of(some: Begun) -> np.ndarray:
-        found = runs.run(plan.method, plan.level, plan.scales, some)
-        differences = runs.differences(plan, found, some)
-        return np.column_stack([found.counts[:, [CODE, EVALUATIONS]], differences])
+    def counts_from(some: Begun) -> np.ndarray:
+        return runs.run(plan.method, plan.level, plan.scales, some).counts
 
-    found = np.concatenate(list(in_threads(properties_of, begun.pieces(piece), threads)))
-    code, evaluations, differences = found.T
-    complete = np.flatnonzero(code == COMPLETED)
-    most = int(_limit(runs, plan, begun, complete, evaluations))
-    plan = plan._replace(most_evaluations=most)
-    if not runs.own_numbers:
-        return plan
-    others = complete[evaluations[complete] <= most]
-    return plan._replace(largest_difference=_limit(runs, plan, begun, others, differences))
-
-
-def _limit(
-    runs: CheckedRuns, plan: CheckedPlan, begun: Begun, members: np.ndarray, values: np.ndarray
-) -> float:
-    """The value above which members are checked; -1 for all.
-
-    Some `members` of the pilot are checked in the order of their values, from the largest on.
-    """
-    order = members[np.argsort(-values[members], kind="stable")]
-    piece = min(PIECE, runs.chunk)
+    counts = np.concatenate(list(in_threads(counts_from, begun.pieces(piece), threads)))
+    evaluations = counts[:, EVALUATIONS]
+    complete = np.flatnonzero(counts[:, CODE] == COMPLETED)
+    order = complete[np.argsort(-evaluations[complete], kind="stable")]
     stop, size, missed = 0, BATCH, np.array([], int)
     while stop < order.size:
         batch, stop = order[stop : stop + size], stop + size
@@ -114,10 +97,8 @@ def _limit(
         if not bad.size:
             break
         size, missed = 2 * size, np.append(missed, bad)
-    rest = float(values[order[stop]]) if stop < order.size else -1.0
-    if not missed.size:
-        return rest
-    return float(min(rest, np.nextafter(values[missed].min(), -np.inf)))
+    rest = int(evaluations[order[stop]]) if stop < order.size else -1
+    return min(rest, int(evaluations[missed].min()) - 1) if missed.size else rest
 
 
 def _misses(runs: CheckedRuns, plan: CheckedPlan, begun: Begun, piece: int) -> np.ndarray:

@@ -73,10 +73,13 @@ NEAR_IN_LANES = 1.25
 # measured on cases A and C of the paper.
 COST_IN_LANES = 0.47
 # Level of a rougher run, relative to that of the plan.
-ROUGHER = 8.0
+ROUGHER = 4.0
 # Its longest step on the way to an encounter, relative to that of the plan: tolerances do not
 # control errors of such steps.
 ROUGHER_NEAR = 1.5
+# Largest difference of a run from a rougher one, in units of the accuracy, with which it is not
+# checked: the error of the rougher one, which is the larger, is most of the difference.
+AGREED = 1.0
 # Times that a member is refined before it gets a run of its own.
 REFINEMENTS = 3
 
@@ -141,9 +144,8 @@ class CheckedPlan(NamedTuple):
     level : float
         Of their tolerances.
     most_evaluations : int
-        Members that take more are checked.
-    largest_difference : float
-        Members with numbers of their own that differ by more from a rougher run are checked.
+        Members that take more are checked; -1 where they have numbers of their own, and are all
+        compared with rougher runs.
     scales : tuple of float
         Of the tolerances: fields of :class:`tribo.accuracy.scales.ToleranceScales`.
     """
@@ -151,7 +153,6 @@ class CheckedPlan(NamedTuple):
     method: str
     level: float
     most_evaluations: int
-    largest_difference: float
     scales: tuple[float, ...]
 
     @property
@@ -161,16 +162,15 @@ class CheckedPlan(NamedTuple):
             "method": self.method,
             "level": self.level,
             "most_evaluations": self.most_evaluations,
-            "largest_difference": self.largest_difference,
             "scales": json.dumps(self.scales),
         }
 
     @classmethod
     def from_attributes(cls, attributes: Mapping[str, str | float]) -> Self:
         """The plan in the attributes of a data set."""
-        method, level, evaluations, largest, scales = (attributes[name] for name in cls._fields)
+        method, level, evaluations, scales = (attributes[name] for name in cls._fields)
         numbers = tuple(json.loads(str(scales)))
-        return cls(str(method), float(level), int(evaluations), float(largest), numbers)
+        return cls(str(method), float(level), int(evaluations), numbers)
 
 
 class CheckedRuns:
@@ -246,10 +246,8 @@ class CheckedRuns:
             np.full(complete.size, plan.level),
             np.full(complete.size, np.nan),
         )
-        many = runs.counts[:, EVALUATIONS] > plan.most_evaluations
-        many |= self.differences(plan, runs, begun) > plan.largest_difference
         some = (members.numbers < SAMPLE) | (members.numbers % CHECKED == 0)
-        checked = complete & (many | some)
+        checked = complete & (self._doubtful(runs, begun) | some)
         if checked.any():
             self._refine(found, np.flatnonzero(checked), runs, begun)
         return found
@@ -262,13 +260,14 @@ class CheckedRuns:
         layout = self.simulation.layout
         return Begun(starts, pair_numbers(layout, len(starts), members.values))
 
-    def differences(self, plan: CheckedPlan, runs: MemberRuns, begun: Begun) -> np.ndarray:
-        """The differences of members from rougher runs, (members,); 0 without own numbers."""
+    def _doubtful(self, runs: MemberRuns, begun: Begun) -> np.ndarray:
+        """Whether runs by the plan may miss their accuracy, (members,)."""
+        plan = self.plan
         if begun.numbers is None:
-            return np.zeros(len(runs.counts))
+            return np.asarray(runs.counts[:, EVALUATIONS] > plan.most_evaluations)
         near = ROUGHER_NEAR * self.ways[plan.method].near
         rough = self.run(plan.method, ROUGHER * plan.level, plan.scales, begun, near)
-        return rough_differences(runs, rough, begun.numbers, self._accuracy)
+        return rough_differences(runs, rough, begun.numbers, self._accuracy) > AGREED
 
     def run(
         self,

@@ -12,7 +12,7 @@ from tribo.kernels.simd_arrays import row_at
 
 
 def _is_plain(kind: Any, number: types.Type) -> bool:
-    numbers = kind.types if isinstance(kind, types.BaseNamedTuple) else ()
+    numbers: tuple[types.Type, ...] = getattr(kind, "types", ())
     return bool(numbers) and all(each == number for each in numbers)
 
 
@@ -37,7 +37,7 @@ def numbers_in_lanes(typing_context, shared, table, rows, first):
 
 @intrinsic
 def numbers_at_lane(typing_context, each, i):
-    """A NamedTuple of Lanes with the floats of lane i; a scene or a potential of floats as it is."""
+    """The floats of a NamedTuple of Lanes in lane i; one of floats as it is."""
     if not _is_plain(each, lanes):
         return each(each, i), lambda context, builder, sig, args: args[0]
 

@@ -31,7 +31,7 @@ def has_lanes(pair: Pair) -> bool:
 
     At most one asperite may be free, and neither surface may move along y.
     """
-    along_x = not np.any([pair.layout.velocity_of(i)[1] for i in (0, 1)])
+    along_x = all(surface.velocity[1] == 0.0 for surface in pair.layout.scene.surfaces)
     return bool(along_x and _follow_from_motion(pair.scene_arguments[0])[0])
 
 
@@ -100,7 +100,9 @@ class PairLanes:
         scenes, others = None, np.zeros(len(starts), bool)
         if numbers is not None:
             records = numbers.records(self._pair.layout)
-            scenes = np.column_stack([records.view(float).reshape(len(starts), -1), numbers.potential])
+            scenes = np.column_stack(
+                [records.view(float).reshape(len(starts), -1), numbers.potential]
+            )
             others = ~_follow_from_motion(records) | np.any(numbers.velocity[..., 1], axis=1)
         starts = np.ascontiguousarray(starts)
         self._loop(*self._arguments(scenes, bounds, samples, counts, starts))
