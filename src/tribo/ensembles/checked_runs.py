@@ -2,7 +2,8 @@
 
 All members are run by one method with one setting (:mod:`tribo.ensembles.checked_plan`).  The first
 members, one in so many of the others, and all that took more evaluations than the plan says, are
-run again with a finer setting.
+run again with a finer setting.  So are members with numbers of their own that differ from a rougher
+run by more than the accuracy.
 A member that misses its accuracy is delivered from the finer run, once that agrees with a still
 finer one, or else from a run of its own with a search for its settings.
 
@@ -78,8 +79,8 @@ ROUGHER = 4.0
 # control errors of such steps.
 ROUGHER_NEAR = 1.5
 # Largest difference of a run from a rougher one, in units of the accuracy, with which it is not
-# checked: the error of the rougher one, which is the larger, is most of the difference.
-AGREED = 1.0
+# checked: most of the difference is the error of the rougher one, some three times as large.
+AGREED = 0.5
 # Times that a member is refined before it gets a run of its own.
 REFINEMENTS = 3
 
