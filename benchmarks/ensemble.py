@@ -14,6 +14,9 @@ the largest of them, against heyoka in extended precision, and for rows at its f
 double precision.  heyoka's tolerance is the loosest with which it is below the one wanted; tribo is
 asked for that accuracy, and its true error is printed.
 
+Further rows are of the cases with other numbers varied in place of the angle, one at a time: the
+velocity of the upper surface, its kappa, and the strength of the interaction.  heyoka is not run.
+
 heyoka integrates the motion alone, as its fastest way: works follow by conservation of energy and
 momentum, by the same formulas as in benchmarks/pair.py.  Runs are interleaved, and the fastest of
 each counts.
@@ -39,6 +42,13 @@ from tribo import paper
 
 # Angles of the members [rad].
 START = stats.uniform(0.0, 0.2)
+
+# Numbers of members, by their keys.
+NUMBERS = {
+    "upper.velocity": stats.uniform(0.4, 0.2),
+    "upper.asperite.kappa": stats.uniform(0.8, 0.4),
+    "interaction.strength": stats.uniform(0.15, 0.1),
+}
 
 # Batches of members that a thread of heyoka's takes at a time.
 CHUNK = 256
@@ -203,6 +213,11 @@ class Tribo:
         self._scene = replace(motion.scene, numerics=tribo.Numerics(accuracy=accuracy))
         self._names = motion.names
 
+    def run_numbers(self, members: int, threads: int, key: str) -> xarray.Dataset:
+        """The data set of so many members that differ in a number of `NUMBERS`."""
+        vary = {key: NUMBERS[key]}
+        return tribo.ensemble(self._scene, members, vary, keep=self._names, threads=threads)
+
     def run(self, members: int | np.ndarray, threads: int) -> xarray.Dataset:
         """The data set of so many members, or of given angles (members, angles)."""
         given = isinstance(members, np.ndarray)
@@ -334,6 +349,36 @@ def measure(cases: list[str], members: int, rounds: int) -> list[dict[str, Any]]
     return rows
 
 
+def measure_numbers(cases: list[str], members: int, rounds: int) -> list[dict[str, Any]]:
+    """Members a second that differ in numbers, of tribo alone."""
+    rows = []
+    for case in cases:
+        for wanted in ERRORS:
+            own = Tribo(Pair(case), wanted)
+            for key in NUMBERS:
+                own.run_numbers(64, 1, key)
+                for threads in (1, 2):
+                    seconds = np.inf
+                    for _ in range(rounds):
+                        began = time.perf_counter()
+                        own.run_numbers(members, threads, key)
+                        seconds = min(seconds, time.perf_counter() - began)
+                    row = {"case": case, "error": wanted, "threads": threads, "varied": key}
+                    rows.append(row | {"tribo_per_second": members / seconds})
+    return rows
+
+
+def report_numbers(rows: list[dict[str, Any]]) -> str:
+    """The table of varied numbers as text."""
+    lines = ["   case  error  threads    tribo / s  varied"]
+    for row in rows:
+        lines.append(
+            f"{row['case']:>7} {row['error']:>6.0e} {row['threads']:>8} "
+            f"{row['tribo_per_second']:>12.0f}  {row['varied']}"
+        )
+    return "\n".join(lines)
+
+
 def report(rows: list[dict[str, Any]]) -> str:
     """The table as text."""
     lines = ["   case  error  threads    tribo / s   heyoka / s  ratio  true errors"]
@@ -355,8 +400,14 @@ def main() -> None:
     parser.add_argument("--members", type=int, default=200_000)
     parser.add_argument("--cases", default="AC,3,16")
     options = parser.parse_args()
-    rows = measure(cases_in(options.cases), options.members, options.rounds)
-    print(json.dumps({"rows": rows}, indent=1) if options.json else report(rows))
+    cases = cases_in(options.cases)
+    rows = measure(cases, options.members, options.rounds)
+    pairs = [case for case in cases if not case.isdigit()]
+    numbers = measure_numbers(pairs, options.members, options.rounds)
+    if options.json:
+        print(json.dumps({"rows": rows, "numbers": numbers}, indent=1))
+    else:
+        print(report(rows), report_numbers(numbers), sep="\n\n")
 
 
 if __name__ == "__main__":

@@ -15,10 +15,14 @@ from tribo.accuracy.cheapest_setting import NEAR_ALONE
 from tribo.ensembles import checked_runs
 from tribo.ensembles.members import Variation
 from tribo.integrators.nystrom_tableaux import RKN8, RKN12
+from tribo.kernels.status import PAUSED
+from tribo.model.parameters import with_values
+from tribo.pair.members import CODE
 from tribo.run.initial_state import InitialState
 from tribo.run.lane_members import PairLanes, has_lanes
 from tribo.run.ledger import assemble
 from tribo.run.members import PairMembers
+from tribo.run.pair_numbers import pair_numbers
 
 KEEP = [f"{s}.{q}" for s in ("upper", "lower") for q in ("w1", "w2", "delta_e_int", "omega")]
 KEEP += ["upper.W", "contact_energy", "total_energy_change"]
@@ -337,11 +341,12 @@ NUMBERS = {
 
 @pytest.mark.parametrize("case", ["A", "C"])
 def test_numbers_of_their_own(case):
-    """Members in batches have the values of single runs of their scenes, alone the same bits."""
+    """Members in lanes have the values of single runs of their scenes, alone the same bits."""
     scene = scene_of(case)
     data = ensemble(scene, 300, NUMBERS, keep=KEEP, threads=2)
+    assert data.attrs["method"].startswith("rkn")
     assert set(data["status"].values) == {"completed"}
-    assert np.isfinite(data["error"]).all()
+    assert np.isfinite(data["error"][:64]).all()
     assert float(data["error"].max()) <= 1e-6
     few = ensemble(scene, 70, NUMBERS, keep=KEEP, threads=1)
     variation = Variation(scene, NUMBERS, 0)
@@ -353,6 +358,40 @@ def test_numbers_of_their_own(case):
             np.testing.assert_array_equal(data[name][member], few[name][member], name)
             error = np.abs(data[name][member] - run.ledger.series(name)[0][-1]).max()
             assert error <= 1e-6 * scales_of(run), name
+
+
+def test_own_numbers_in_lanes():
+    """Those of the scene change no bit; a member that moves along y needs another loop."""
+    simulation = tribo.prepare(scene_of("A"))
+    layout, pair, tolerance = simulation.layout, simulation.integrator.pair, simulation.plan.setting
+    starts = np.tile(layout.start, (11, 1))
+    starts[:, 0] = np.linspace(-1.2, 0.4, 11)
+    duration = simulation.scene.duration
+    usual = PairLanes(pair, RKN8, duration).run(tolerance, starts)
+    own = PairLanes(pair, RKN8, duration, own_numbers=True)
+    speeds = np.tile(simulation.scene.surfaces[0].velocity, (11, 1))
+    same = own.run(tolerance, starts, pair_numbers(layout, 11, {"upper.velocity": speeds}))
+    np.testing.assert_array_equal(same.samples.y, usual.samples.y)
+    np.testing.assert_array_equal(same.counts, usual.counts)
+    speeds[4, 1] = 1e-3
+    moved = own.run(tolerance, starts, pair_numbers(layout, 11, {"upper.velocity": speeds}))
+    assert np.flatnonzero(moved.counts[:, CODE] == PAUSED).tolist() == [4]
+
+
+def test_own_numbers_that_need_finer_settings():
+    """A member that is in no sample, far from all others, is detected."""
+    scene = scene_of("A")
+    strengths = np.full(300, 0.2)
+    strengths[[151, 222]] = 1e-6, 40.0
+    data = ensemble(scene, 300, {"interaction.strength": strengths}, keep=KEEP)
+    for member in (0, 151, 222):
+        assert data["status"][member] == "completed"
+        one = with_values(scene, {"interaction.strength": float(strengths[member])})
+        run = tribo.simulate(one, accuracy=1e-10)
+        for name in ("upper.w1", "lower.delta_e_int"):
+            error = np.abs(data[name][member] - run.ledger.series(name)[0][-1]).max()
+            assert error <= 1e-6 * scales_of(run), (member, name)
+    assert np.isfinite(data["error"][151]) or np.isnan(data["level"][151])
 
 
 def test_numbers_of_their_own_over_time():

@@ -156,12 +156,12 @@ def test_half_width_determines_the_number():
     scene, wanted = warm(), {"upper.delta_E_int": 0.1, "applied_work": 0.2}
     data = ensemble(scene, half_width=wanted, seed=2, step=0.1)
     first = data.isel(member=slice(0, runner.FIRST_STAGE))
+    totals = ("upper.W", "upper.W_ps", "upper.delta_K", "upper.delta_E_int", "applied_work")
     scale = max(
-        float(np.abs(run[name]).max())
+        float(np.abs(run.ledger.series(name)[0]).max())
         for seed in first["seed"].values.tolist()
-        for run in [tribo.simulate(replace(scene, seed=seed), step=0.1)["upper"]]
-        for name in run
-        if name.startswith(("w", "delta_e_int", "delta_k_trans", "heat"))
+        for run in [tribo.simulate(replace(scene, seed=seed), step=0.1)]
+        for name in (*totals, "total_energy_change")
     )
     needed = [members_needed(first[name].values, x * scale) for name, x in wanted.items()]
     assert data.sizes["member"] == max(needed) > runner.FIRST_STAGE

@@ -9,8 +9,9 @@ import pytest
 import tribo
 from tribo.explanation import summary
 from tribo.kernels.compiled import shared_kernel
-from tribo.kernels.potential_in_lanes import force_in_lanes, is_vectorized
-from tribo.kernels.simd import LANES
+from tribo.kernels.numbers_in_lanes import numbers_at_lane, numbers_in_lanes
+from tribo.kernels.potential_in_lanes import force_in_lanes, is_vectorized, range_in_lanes
+from tribo.kernels.simd import LANES, broadcast, lane, where_less
 from tribo.kernels.simd_arrays import load, rows_of, store
 from tribo.potentials import BUILT_IN, as_potential, expression, scaled, sum_of, with_cutoff
 from tribo.run.layout import lay_out
@@ -120,3 +121,32 @@ def test_a_users_potential(potential, arithmetic):
         (tribo.Surface("upper"), tribo.Surface("lower", facing="up")), potential, 1.0
     )
     assert summary.contact(lay_out(scene)).arithmetic == arithmetic
+
+
+@shared_kernel
+def own_forces(potential, table, places, rows, out):
+    """Forces of eight potentials with numbers of their own: together, and one after another."""
+    own = numbers_in_lanes(potential, table, rows_of(rows), 0)
+    r = load(rows_of(places), 0)
+    end = range_in_lanes(own)
+    force = force_in_lanes(own, r, end, broadcast(1.3), broadcast(0.7), 0, LANES)
+    store(rows_of(out), 0, where_less(r, end, force, 0.0))
+    for i in range(LANES):
+        one, x = numbers_at_lane(own, i), lane(r, i)
+        out[1, i] = one.force_between(x, 1.3, 0.7) if x < one.range() else 0.0
+
+
+@pytest.mark.parametrize("kind", ["hertz", "mie"])
+def test_potentials_side_by_side(kind):
+    """Each distance has the numbers of its lane, also where a cutoff or a formula is one by one."""
+    potential = as_potential(POTENTIALS[kind])
+    table = np.array(potential) * np.linspace(0.8, 1.2, LANES)[:, None]
+    places, out = np.linspace(0.7, 1.4, LANES)[None], np.zeros((2, LANES))
+    own_forces(potential, table, places, np.ascontiguousarray(table.T), out)
+    np.testing.assert_allclose(out[0], out[1], rtol=1e-13)
+    expected = [
+        type(potential)(*row).force_between(x, 1.3, 0.7)
+        for row, x in zip(table, places[0], strict=True)
+    ]
+    reach = [type(potential)(*row).range() for row in table]
+    np.testing.assert_allclose(out[1], np.where(places[0] < reach, expected, 0.0), rtol=1e-12)

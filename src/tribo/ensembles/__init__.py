@@ -72,8 +72,8 @@ def ensemble(
         defines them, or is a client of dask.distributed.
     half_width : mapping, optional
         Quantity of a surface as a whole or of the system, as "upper.W" -> the largest half-width
-        of the 95 % interval of its mean, at any recorded time, in units of the scale of energies.
-        It determines the number of members.
+        of the 95 % interval of its mean, at any recorded time, in units of the largest work or
+        change of energy of a surface or of the system.  It determines the number of members.
     method, step
         As for :func:`prepare`.  Required where no accuracy of single runs can be kept.
     progress : callable or bool, optional

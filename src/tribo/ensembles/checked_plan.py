@@ -6,7 +6,10 @@ ledger follows from the motion by conservation of energy, explicit ones with mem
 
 Members of a pilot are then checked in the order of their evaluations, from the most on, batch by
 batch, until a batch has none that misses its accuracy.  Members that take more evaluations than the
-rest of the pilot are checked in the whole ensemble, and all members where they differ in numbers.
+rest of the pilot are checked in the whole ensemble.
+
+Members with numbers of their own have scales of their own, which their evaluations do not show.
+They are run at a level below the cheapest one, and compared with rougher runs at that.
 """
 
 from __future__ import annotations
@@ -14,7 +17,15 @@ from __future__ import annotations
 import numpy as np
 
 from tribo.accuracy.scales import FLOOR, tolerance_scales
-from tribo.ensembles.checked_runs import FINER, KEPT, SAMPLE, Begun, CheckedPlan, CheckedRuns
+from tribo.ensembles.checked_runs import (
+    FINER,
+    KEPT,
+    ROUGHER,
+    SAMPLE,
+    Begun,
+    CheckedPlan,
+    CheckedRuns,
+)
 from tribo.ensembles.engines import in_threads
 from tribo.ensembles.members import Variation
 from tribo.kernels.status import COMPLETED
@@ -49,6 +60,8 @@ def checked_plan(runs: CheckedRuns, variation: Variation, count: int, threads: i
     simulation = runs.simulation
     scales = tolerance_scales(simulation.layout, simulation.finest.samples)
     chosen = _cheapest(runs, variation, count, tuple(vars(scales).values()))
+    if runs.own_numbers:  # each member is compared with a run at the level that is chosen
+        return chosen._replace(level=max(FLOOR, chosen.level / ROUGHER))
     return chosen._replace(most_evaluations=_most(runs, variation, count, threads, chosen))
 
 
@@ -79,8 +92,6 @@ def _most(
     runs: CheckedRuns, variation: Variation, count: int, threads: int, plan: CheckedPlan
 ) -> int:
     """The evaluations above which members are checked; -1 for all."""
-    if runs.own_numbers:  # each has scales of its own, which its evaluations do not show
-        return -1
     begun, piece = runs.begin(variation.sample(count, runs.pilot)), min(PIECE, runs.chunk)
 
     def counts_from(some: Begun) -> np.ndarray:

@@ -2,7 +2,8 @@
 
 All members are run by one method with one setting (:mod:`tribo.ensembles.checked_plan`).  The first
 members, one in so many of the others, and all that took more evaluations than the plan says, are
-run again with a finer setting.
+run again with a finer setting.  So are members with numbers of their own that differ from a rougher
+run by more than the accuracy.
 A member that misses its accuracy is delivered from the finer run, once that agrees with a still
 finer one, or else from a run of its own with a search for its settings.
 
@@ -25,6 +26,7 @@ from tribo.accuracy.members import FineMembers
 from tribo.accuracy.scales import FLOOR, ToleranceScales
 from tribo.ensembles.kept_values import STATUS_TYPE, UNKNOWN, Kept, KeptValues
 from tribo.ensembles.members import Members, values_at_start
+from tribo.ensembles.rough_runs import rough_differences
 from tribo.integrators.nystrom_tableaux import RKN8, RKN12
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import COMPLETED, Status
@@ -71,6 +73,14 @@ NEAR_IN_LANES = 1.25
 # Time of an evaluation of all forces in lanes, relative to that of the collocation: 6 and 13 ns, as
 # measured on cases A and C of the paper.
 COST_IN_LANES = 0.47
+# Level of a rougher run, relative to that of the plan.
+ROUGHER = 4.0
+# Its longest step on the way to an encounter, relative to that of the plan: tolerances do not
+# control errors of such steps.
+ROUGHER_NEAR = 1.5
+# Largest difference of a run from a rougher one, in units of the accuracy, with which it is not
+# checked: most of the difference is the error of the rougher one, some three times as large.
+AGREED = 0.5
 # Times that a member is refined before it gets a run of its own.
 REFINEMENTS = 3
 
@@ -135,7 +145,8 @@ class CheckedPlan(NamedTuple):
     level : float
         Of their tolerances.
     most_evaluations : int
-        Members that take more are checked.
+        Members that take more are checked; -1 where they have numbers of their own, and are all
+        compared with rougher runs.
     scales : tuple of float
         Of the tolerances: fields of :class:`tribo.accuracy.scales.ToleranceScales`.
     """
@@ -236,9 +247,8 @@ class CheckedRuns:
             np.full(complete.size, plan.level),
             np.full(complete.size, np.nan),
         )
-        many = runs.counts[:, EVALUATIONS] > plan.most_evaluations
         some = (members.numbers < SAMPLE) | (members.numbers % CHECKED == 0)
-        checked = complete & (many | some)
+        checked = complete & (self._doubtful(runs, begun) | some)
         if checked.any():
             self._refine(found, np.flatnonzero(checked), runs, begun)
         return found
@@ -251,13 +261,30 @@ class CheckedRuns:
         layout = self.simulation.layout
         return Begun(starts, pair_numbers(layout, len(starts), members.values))
 
-    def run(self, method: str, level: float, scales: tuple[float, ...], begun: Begun) -> MemberRuns:
-        """Run members by one way with tolerances of one level."""
+    def _doubtful(self, runs: MemberRuns, begun: Begun) -> np.ndarray:
+        """Whether runs by the plan may miss their accuracy, (members,)."""
+        plan = self.plan
+        if begun.numbers is None:
+            return np.asarray(runs.counts[:, EVALUATIONS] > plan.most_evaluations)
+        near = ROUGHER_NEAR * self.ways[plan.method].near
+        rough = self.run(plan.method, ROUGHER * plan.level, plan.scales, begun, near)
+        return rough_differences(runs, rough, begun.numbers, self._accuracy) > AGREED
+
+    def run(
+        self,
+        method: str,
+        level: float,
+        scales: tuple[float, ...],
+        begun: Begun,
+        near: float | None = None,
+    ) -> MemberRuns:
+        """Run members by one way with tolerances of one level; `near` in place of the way's."""
         way = self.ways[method]
-        tolerance = tolerance_at(self.simulation, ToleranceScales(*scales), level, way.near)
+        near = way.near if near is None else near
+        tolerance = tolerance_at(self.simulation, ToleranceScales(*scales), level, near)
         if begun.numbers is None:
             return way.loop.run(tolerance, begun.starts)
-        assert isinstance(way.loop, PairMembers)
+        assert isinstance(way.loop, PairMembers | PairLanes)
         return way.loop.run(tolerance, begun.starts, begun.numbers)
 
     def excess(self, fine: MemberRuns, runs: MemberRuns) -> np.ndarray:
@@ -295,18 +322,17 @@ class CheckedRuns:
 
 
 def _ways(simulation: Simulation, own_numbers: bool) -> dict[str, Way]:
-    """The ways to run members, by method; with `own_numbers` not in lanes."""
+    """The ways to run members, by method."""
     pair, method, layout = simulation.integrator.pair, simulation.method, simulation.layout
     if pair is None:
         general = GeneralMembers(layout, method, simulation.integrator.first_step)
         return {method.name: Way(general, NEAR_ALONE, 1.0)}
     times = layout.times
     ways = {method.name: Way(PairMembers(pair, times), NEAR_ALONE, 1.0)}
-    if has_lanes(pair) and times.size == 2 and not own_numbers:
-        ways |= {
-            name: Way(PairLanes(pair, explicit, times[-1]), NEAR_IN_LANES, COST_IN_LANES)
-            for name, explicit in (("rkn8", RKN8), ("rkn12", RKN12))
-        }
+    if has_lanes(pair) and times.size == 2:
+        for name, explicit in (("rkn8", RKN8), ("rkn12", RKN12)):
+            loop = PairLanes(pair, explicit, times[-1], own_numbers)
+            ways[name] = Way(loop, NEAR_IN_LANES, COST_IN_LANES)
     return ways
 
 

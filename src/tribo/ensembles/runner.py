@@ -38,7 +38,7 @@ class Outcome(NamedTuple):
 
     status: Status
     values: np.ndarray  # (names, times); NaN after it stopped
-    scale: float  # of energies, by tribo.accuracy.scales.reported_scales
+    scale: float  # of totals, by tribo.accuracy.scales.reported_scales
     errors: dict[str, float | None]  # as a result's error_estimate
     met: bool | None
     notes: tuple[str, ...]
@@ -241,7 +241,7 @@ def run_member(
     return Outcome(
         result.status,
         _values(result, names),
-        reported_scales(simulation.layout, result.ledger).energy,
+        reported_scales(simulation.layout, result.ledger).total,
         result.error_estimate,
         result.met,
         result.notes,

@@ -11,7 +11,8 @@ from numba import config, njit, types
 from numba.core.errors import TypingError
 from numba.extending import overload
 
-from tribo.kernels.simd import LanesType, lane, lanes, with_lane
+from tribo.kernels.numbers_in_lanes import numbers_at_lane
+from tribo.kernels.simd import LANES, LanesType, broadcast, lane, lanes, with_lane
 
 
 def is_vectorized(potential_type: Any) -> bool:
@@ -28,8 +29,9 @@ def is_vectorized(potential_type: Any) -> bool:
         If the formula fails to compile for a reason other than an operation that Lanes lack.
     """
     formula = njit(error_model="numpy")(potential_type.instance_class.force_between)
+    charge = lanes if lanes in potential_type.types else types.float64
     try:
-        formula.get_call_template((potential_type, lanes, types.float64, lanes), {})
+        formula.get_call_template((potential_type, lanes, charge, lanes), {})
     except TypingError as error:
         if lanes.name not in str(error):
             raise
@@ -43,11 +45,12 @@ def force_in_lanes(potential, r, end, charge, others, low, high):
     Parameters
     ----------
     potential : NamedTuple
+        One potential, or with Lanes as its numbers one for each distance.
     r : Lanes
         Distances.
-    end : float
+    end : float or Lanes
         Distance from which the force is zero [length].
-    charge : float
+    charge : float or Lanes
         Charge of one bob.
     others : Lanes or float
         Charges of the other bobs, or of the other bob.
@@ -69,8 +72,9 @@ def _force_in_lanes(potential, r, end, charge, others, low, high):
 def _one_by_one(potential, r, end, charge, others, low, high):
     force = r
     for i in range(low, high):
-        if lane(r, i) < end:
-            value = potential.force_between(lane(r, i), charge, _lane_of(others, i))
+        if lane(r, i) < _lane_of(end, i):
+            own = numbers_at_lane(potential, i)
+            value = own.force_between(lane(r, i), _lane_of(charge, i), _lane_of(others, i))
             force = with_lane(force, i, value)
     return force
 
@@ -83,6 +87,23 @@ def _lane_of(x, i):
 @overload(_lane_of)
 def _find_lane_of(x, i):
     return (lambda x, i: lane(x, i)) if isinstance(x, LanesType) else (lambda x, i: x)
+
+
+def range_in_lanes(potential):
+    """The distance from which a potential's force is zero; Lanes where its numbers are."""
+    return potential.range()
+
+
+@overload(range_in_lanes, strict=False)
+def _range_in_lanes(potential):
+    return _ranges if lanes in potential.types else range_in_lanes
+
+
+def _ranges(potential):
+    ranges = broadcast(0.0)
+    for i in range(LANES):
+        ranges = with_lane(ranges, i, numbers_at_lane(potential, i).range())
+    return ranges
 
 
 if config.DISABLE_JIT:  # type: ignore[attr-defined]

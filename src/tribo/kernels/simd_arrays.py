@@ -100,13 +100,18 @@ def _setitem(data, at, value):
     return None
 
 
+def row_at(builder, data, row):
+    """The instructions that load a row of Rows."""
+    place = builder.bitcast(_element(builder, data, row), _VECTOR.as_pointer())
+    return builder.load(place, align=8)
+
+
 @intrinsic
 def load(typing_context, data, row):
     """Row `row` of Rows."""
 
     def build(context, builder, sig, args):
-        place = builder.bitcast(_element(builder, *args), _VECTOR.as_pointer())
-        return builder.load(place, align=8)
+        return row_at(builder, *args)
 
     return lanes(rows, types.intp), build
 

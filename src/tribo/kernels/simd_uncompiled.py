@@ -52,6 +52,10 @@ def between_lanes(low, high, x, other):
     return np.where(_between(low, high), x, other)
 
 
+def numbers_at_lane(each, i):
+    return each
+
+
 def any_below(low, high, x, limit):
     return bool(np.any(x[_between(low, high)] <= limit))
 

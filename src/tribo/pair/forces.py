@@ -13,31 +13,34 @@ from numba.extending import register_jitable
 
 from tribo.kernels.compiled import inlined
 from tribo.kernels.contact import separation
-from tribo.kernels.potential_in_lanes import force_in_lanes
+from tribo.kernels.potential_in_lanes import force_in_lanes, range_in_lanes
 from tribo.kernels.simd import LANES, broadcast, lane, sqrt, where_less, with_lane
 from tribo.kernels.simd_functions import sine_cosine
 
-PAIR = np.dtype(
-    [
-        ("gap_x", "f8"),  # from the second centre of mass to the first, at t = 0
-        ("gap_y", "f8"),
-        ("z_squared", "f8"),  # square of the bobs' distance in z
-        ("velocity_x", "f8"),  # of the first surface relative to the second
-        ("velocity_y", "f8"),
-        ("mobility", "f8"),  # sum of 1 / mass of the free ones: k displaces the gap by mobility * k
-        ("charge1", "f8"),
-        ("charge2", "f8"),
-        ("arm1", "f8"),  # l1 times facing: the bob is at arm (sin q, -cos q) from r_cm
-        ("arm2", "f8"),
-        ("lever_x1", "f8"),  # q1'' = cos q1 lever_x1 f_x + sin q1 lever_y1 f_y - omega_squared1 q1
-        ("lever_y1", "f8"),
-        ("omega_squared1", "f8"),  # kappa / inertia
-        ("lever_x2", "f8"),  # here, too, f is the force on the first bob
-        ("lever_y2", "f8"),
-        ("omega_squared2", "f8"),
-    ],
-    align=True,
-)
+
+class PairScene(NamedTuple):
+    """Two asperites, by numbers; in Lanes those of scenes side by side."""
+
+    gap_x: Any  # from the second centre of mass to the first, at t = 0
+    gap_y: Any
+    z_squared: Any  # square of the bobs' distance in z
+    velocity_x: Any  # of the first surface relative to the second
+    velocity_y: Any
+    mobility: Any  # sum of 1 / mass of the free ones: k displaces the gap by mobility * k
+    charge1: Any
+    charge2: Any
+    arm1: Any  # l1 times facing: the bob is at arm (sin q, -cos q) from r_cm
+    arm2: Any
+    lever_x1: Any  # q1'' = cos q1 lever_x1 f_x + sin q1 lever_y1 f_y - omega_squared1 q1
+    lever_y1: Any
+    omega_squared1: Any  # kappa / inertia
+    lever_x2: Any  # here, too, f is the force on the first bob
+    lever_y2: Any
+    omega_squared2: Any
+
+
+# A scene as the record of one of them.
+PAIR = np.dtype([(name, "f8") for name in PairScene._fields], align=True)
 
 
 class PairContact(NamedTuple):
@@ -55,7 +58,7 @@ class PairContact(NamedTuple):
 @inlined
 def force_over_distance(pair, potential, r, inverse):
     """Contact force over distance; `inverse` is 1 / r."""
-    cutoff = potential.range()
+    cutoff = range_in_lanes(potential)
     force = force_in_lanes(potential, r, cutoff, pair.charge1, pair.charge2, 0, LANES) * inverse
     return where_less(r, cutoff, force, 0.0)
 

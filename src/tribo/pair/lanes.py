@@ -15,6 +15,7 @@ import numpy as np
 
 from tribo.integrators.nystrom import Nystrom
 from tribo.kernels.compiled import inlined, kernel
+from tribo.kernels.numbers_in_lanes import numbers_at_lane, numbers_in_lanes
 from tribo.kernels.simd import (
     LANES,
     absolute,
@@ -29,7 +30,7 @@ from tribo.kernels.simd import (
 from tribo.kernels.simd_arrays import load, rows_of, store
 from tribo.kernels.simd_functions import near_zero, reduced
 from tribo.kernels.status import COMPLETED, PAUSED
-from tribo.pair.forces import contact_of, distance, swing_accelerations
+from tribo.pair.forces import PairScene, contact_of, distance, swing_accelerations
 from tribo.pair.loop import ENERGY
 from tribo.pair.members import CODE, EVALUATIONS, STEPS
 from tribo.pair.step import Q1, Q2, V1, V2, X1, X2, Y1, Y2, J, K, S
@@ -79,6 +80,28 @@ def coefficients(method: Nystrom) -> np.ndarray:
     )
 
 
+# Numbers of a pair in a row of scenes; those of the potential are behind them.
+PAIR_NUMBERS = len(PairScene._fields)
+
+
+@inlined
+def own_scenes(pair, potential, work, at, scenes):
+    """The pairs and potentials of the members in a register, or those of all members.
+
+    `at` is the first row of their numbers.
+    """
+    own = numbers_in_lanes(pair, scenes, work, at)
+    return own, numbers_in_lanes(potential, scenes, work, at + PAIR_NUMBERS)
+
+
+@kernel
+def load_scene(work, at, i, m, scenes):
+    """Put the numbers of member m into lane i."""
+    if scenes is not None:
+        for number in range(scenes.shape[1]):
+            work[at + number, i] = scenes[m, number]
+
+
 @inlined
 def accelerations(pair, potential, t, q1, q2, k):
     """q1'', q2'', k'' and the distance."""
@@ -103,8 +126,9 @@ def step_length(work, base, limits):
 
 
 @inlined
-def evaluate_stage(pair, potential, work, base, limits, table, at, i):
+def evaluate_stage(pair, potential, scenes, work, base, limits, table, at, stages, i):
     """The accelerations at stage i, whose coefficients begin at `at`."""
+    pair, potential = own_scenes(pair, potential, work, base + F + 3 * stages, scenes)
     h = step_length(work, base, limits)
     sum1, sum2, sumk = broadcast(0.0), broadcast(0.0), broadcast(0.0)
     for j in range(i):
@@ -132,16 +156,17 @@ def rate_of_encounters(pair, potential, r, q1, q2, v1, v2, j):
     speed = speed + (abs(pair.arm1) * omega1 + abs(pair.arm2) * omega2)
     clear = r
     for i in range(LANES):
-        clear = with_lane(clear, i, potential.clearance(lane(r, i)))
+        clear = with_lane(clear, i, numbers_at_lane(potential, i).clearance(lane(r, i)))
     return speed / clear
 
 
 @inlined
-def end_step(pair, potential, work, base, limits, table, at, stages):
+def end_step(pair, potential, scenes, work, base, limits, table, at, stages):
     """Accept the steps whose errors are small, and choose the next ones.
 
     Returns Lanes that are above zero where a member is at its end, or cannot continue.
     """
+    pair, potential = own_scenes(pair, potential, work, base + F + 3 * stages, scenes)
     h = step_length(work, base, limits)
     twice1, twice2, twicek = broadcast(0.0), broadcast(0.0), broadcast(0.0)
     once1, once2, oncek = broadcast(0.0), broadcast(0.0), broadcast(0.0)
@@ -205,15 +230,19 @@ def energy_at(pair, potential, t, q1, q2, k):
 
 
 @kernel
-def prepare_starts(pair, potential, starts, samples):
+def prepare_starts(pair, potential, work, at, scenes, starts, samples):
     """Write the first samples, with the accelerations at the start in place of accounts."""
     members, n = starts.shape[0], starts.shape[1] // 2
     for first in range(0, members, LANES):
         q1, q2 = broadcast(starts[first, 0]), broadcast(starts[first, 1])
+        for i in range(LANES):
+            load_scene(work, at, i, min(first + i, members - 1), scenes)
+        pairs, potentials = own_scenes(pair, potential, work, at, scenes)
         for i in range(min(LANES, members - first)):
             q1 = with_lane(q1, i, starts[first + i, 0])
             q2 = with_lane(q2, i, starts[first + i, 1])
-        f1, f2, fk, _ = accelerations(pair, potential, broadcast(0.0), q1, q2, broadcast(0.0))
+        zero = broadcast(0.0)
+        f1, f2, fk, _ = accelerations(pairs, potentials, zero, q1, q2, zero)
         for i in range(min(LANES, members - first)):
             m = first + i
             for column in range(ENERGY):
@@ -222,7 +251,8 @@ def prepare_starts(pair, potential, starts, samples):
             samples[0, m, V1], samples[0, m, V2] = starts[m, n], starts[m, n + 1]
             samples[0, m, START], samples[0, m, START + 1] = lane(f1, i), lane(f2, i)
             samples[0, m, START + 2] = lane(fk, i)
-            samples[0, m, ENERGY] = energy_at(pair, potential, 0.0, lane(q1, i), lane(q2, i), 0.0)
+            one, its = numbers_at_lane(pairs, i), numbers_at_lane(potentials, i)
+            samples[0, m, ENERGY] = energy_at(one, its, 0.0, lane(q1, i), lane(q2, i), 0.0)
 
 
 @kernel
@@ -300,15 +330,19 @@ def half_square_gain(x, before):
 
 
 def pair_members_in_lanes(
-    pairs, potential, memory, tables, bounds, starts, samples, counts, running, stages
+    pair, potential, scenes, memory, tables, bounds, starts, samples, counts, running, stages
 ):
     """Integrate members from their starts to the end, GROUPS * LANES at a time.
 
     Parameters
     ----------
-    pairs, potential
-        As for :func:`tribo.pair.loop.pair_collocation`.
-    memory : ndarray, (GROUPS * (F + 3 * stages), 8)
+    pair : PairScene
+        That of all members.
+    potential : NamedTuple
+        That of all members.
+    scenes : ndarray, (members, numbers), or None
+        The numbers of the pair of each member, and of its potential if that has floats alone.
+    memory : ndarray, (GROUPS * (F + 3 * stages + numbers), 8)
         Zeros.
     tables : ndarray, (n, 8)
         :func:`coefficients` of the method, row by row.
@@ -326,16 +360,17 @@ def pair_members_in_lanes(
     stages : int
         Of the method.
     """
-    pair = pairs[0]
     work, table, limits = rows_of(memory), rows_of(tables), rows_of(bounds)
     members = starts.shape[0]
-    size = F + 3 * stages
-    prepare_starts(pair, potential, starts, samples)
+    size = memory.shape[0] // GROUPS
+    own = F + 3 * stages
+    prepare_starts(pair, potential, work, own, scenes, starts, samples)
     waiting = 0
     for g in range(GROUPS):
         for i in range(LANES):
             running[g, i] = -1
             clear_lane(work, g * size, i)
+            load_scene(work, g * size + own, i, min(waiting, members - 1), scenes)
             if waiting < members:
                 running[g, i] = waiting
                 load_member(work, g * size, i, waiting, limits, samples)
@@ -345,21 +380,25 @@ def pair_members_in_lanes(
         at = 0
         for i in range(1, stages):
             for g in range(GROUPS):
-                evaluate_stage(pair, potential, work, g * size, limits, table, at, i)
+                evaluate_stage(
+                    pair, potential, scenes, work, g * size, limits, table, at, stages, i
+                )
             at += 1 + i
         for g in range(GROUPS):
-            ended = end_step(pair, potential, work, g * size, limits, table, at, stages)
+            base = g * size
+            ended = end_step(pair, potential, scenes, work, base, limits, table, at, stages)
             if sum_of_lanes(ended) > 0.0:
+                pairs, potentials = own_scenes(pair, potential, work, base + own, scenes)
                 for i in range(LANES):
                     m = running[g, i]
                     if m >= 0 and lane(ended, i) > 0.0:
-                        write_end(
-                            pair, potential, work, g * size, i, m, limits, samples, counts, stages
-                        )
+                        one, its = numbers_at_lane(pairs, i), numbers_at_lane(potentials, i)
+                        write_end(one, its, work, base, i, m, limits, samples, counts, stages)
                         left -= 1
                         running[g, i] = -1
-                        clear_lane(work, g * size, i)
+                        clear_lane(work, base, i)
                         if waiting < members:
                             running[g, i] = waiting
-                            load_member(work, g * size, i, waiting, limits, samples)
+                            load_scene(work, base + own, i, waiting, scenes)
+                            load_member(work, base, i, waiting, limits, samples)
                             waiting += 1

@@ -7,18 +7,23 @@ import numpy as np
 from tribo.integrators.nystrom import Nystrom
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.compiled import EntryPoint, time_loop
+from tribo.kernels.potential_numbers import numbers_of
 from tribo.kernels.simd import LANES
+from tribo.kernels.status import PAUSED
 from tribo.pair import lanes
+from tribo.pair.forces import PairScene
 from tribo.pair.lanes import GROUPS, coefficients, pair_members_in_lanes
 from tribo.pair.loop import COLUMNS
+from tribo.pair.members import CODE
 from tribo.pair.step import FIRST, OF_J, OF_V1, OF_V2
 from tribo.plugins.compile_errors import compiling
 from tribo.plugins.sources import source_stamp
 from tribo.run.member_samples import MemberRuns
-from tribo.run.members import MOST_STEPS, PairMemberSamples
+from tribo.run.members import MOST_STEPS, PairMemberSamples, member_runs
 from tribo.run.pair_adapter import Pair
+from tribo.run.pair_numbers import PairNumbers
 
-Arguments = tuple[np.ndarray | int, ...]
+Arguments = tuple[np.ndarray | int | None, ...]
 
 
 def has_lanes(pair: Pair) -> bool:
@@ -26,11 +31,15 @@ def has_lanes(pair: Pair) -> bool:
 
     At most one asperite may be free, and neither surface may move along y.
     """
-    (record,) = pair.scene_arguments[0]
-    levers = [record[f"lever_x{i}"] == record[f"lever_y{i}"] != 0.0 for i in (1, 2)]
-    arms = record["arm1"] != 0.0 and record["arm2"] != 0.0
-    across = not np.any(pair.layout.asperites.vy) and record["gap_y"] != 0.0
-    return bool(arms and across and any(levers) and record["lever_x1"] and record["lever_x2"])
+    along_x = all(surface.velocity[1] == 0.0 for surface in pair.layout.scene.surfaces)
+    return bool(along_x and _follow_from_motion(pair.scene_arguments[0])[0])
+
+
+def _follow_from_motion(records: np.ndarray) -> np.ndarray:
+    """Whether the ledgers of pairs that do not move along y do so, (members,)."""
+    used = [records[name] != 0.0 for name in ("arm1", "arm2", "lever_x1", "lever_x2", "gap_y")]
+    forced = [records[f"lever_x{i}"] == records[f"lever_y{i}"] for i in (1, 2)]
+    return np.asarray(np.logical_and.reduce(used) & np.logical_or.reduce(forced))
 
 
 class PairLanes:
@@ -44,6 +53,8 @@ class PairLanes:
         The method.
     duration : float
         Of the runs [time].
+    own_numbers : bool
+        Whether members have numbers of their own.
 
     Raises
     ------
@@ -51,20 +62,33 @@ class PairLanes:
         If the potential does not compile.
     """
 
-    def __init__(self, pair: Pair, method: Nystrom, duration: float) -> None:
+    def __init__(
+        self, pair: Pair, method: Nystrom, duration: float, own_numbers: bool = False
+    ) -> None:
         self._pair = pair
         self._times = np.array([0.0, duration])
         self._stages = method.c.size
         flat = coefficients(method)
         self._table = np.zeros((-(-flat.size // LANES), LANES))
         self._table.flat[: flat.size] = flat
-        examples = self._arguments(np.zeros((1, LANES)), *self._memory(1))
+        (record,), potential = pair.scene_arguments
+        numbers = len(PairScene._fields) + len(numbers_of(potential))
+        scenes = np.zeros((1, numbers)) if own_numbers else None
+        rows = lanes.F + 3 * self._stages + (numbers if own_numbers else 0)
+        self._rows = GROUPS * rows
+        examples = self._arguments(scenes, np.zeros((1, LANES)), *self._memory(1))
         loop = time_loop(pair_members_in_lanes, source_stamp(pair.layout.plugins))
         with compiling(loop, pair.layout.named_plugins):
-            self._loop = EntryPoint(loop, pair.scene_arguments, examples)
+            self._loop = EntryPoint(loop, (PairScene(*record.item()), potential), examples)
 
-    def run(self, tolerance: Tolerance, starts: np.ndarray) -> MemberRuns:
-        """Run members from `starts` (members, 2 coordinates), in this thread."""
+    def run(
+        self, tolerance: Tolerance, starts: np.ndarray, numbers: PairNumbers | None = None
+    ) -> MemberRuns:
+        """Run members from `starts` (members, 2 coordinates), in this thread.
+
+        With `numbers` of their own, where they have such.  Those whose ledger does not follow from
+        their motion have the status PAUSED.
+        """
         limits = self._pair.limits(tolerance)[0]
         bounds = np.zeros((1, LANES))
         bounds[0, [lanes.UNIT1, lanes.UNIT2, lanes.UNITK]] = 1.0 / limits[[OF_V1, OF_V2, OF_J]]
@@ -73,15 +97,25 @@ class PairLanes:
         bounds[0, lanes.END] = self._times[-1]
         bounds[0, lanes.MOST_TRIALS] = MOST_STEPS
         samples, counts = self._memory(len(starts))
-        self._loop(*self._arguments(bounds, samples, counts, np.ascontiguousarray(starts)))
+        scenes, others = None, np.zeros(len(starts), bool)
+        if numbers is not None:
+            records = numbers.records(self._pair.layout)
+            scenes = np.column_stack(
+                [records.view(float).reshape(len(starts), -1), numbers.potential]
+            )
+            others = ~_follow_from_motion(records) | np.any(numbers.velocity[..., 1], axis=1)
+        starts = np.ascontiguousarray(starts)
+        self._loop(*self._arguments(scenes, bounds, samples, counts, starts))
+        counts[others, CODE] = PAUSED
         found = PairMemberSamples(self._times, samples, self._pair.factors)
-        return MemberRuns(self._pair.layout, found, counts)
+        return member_runs(self._pair.layout, found, counts, numbers)
 
     def _memory(self, members: int) -> tuple[np.ndarray, np.ndarray]:
         return np.empty((2, members, COLUMNS)), np.empty((members, 3), np.int64)
 
     def _arguments(
         self,
+        scenes: np.ndarray | None,
         bounds: np.ndarray,
         samples: np.ndarray,
         counts: np.ndarray,
@@ -89,7 +123,8 @@ class PairLanes:
     ) -> Arguments:
         """The arguments of the loop, behind the scene."""
         return (
-            np.zeros((GROUPS * (lanes.F + 3 * self._stages), LANES)),
+            scenes,
+            np.zeros((self._rows, LANES)),
             self._table,
             bounds,
             np.empty((1, self._pair.layout.start.size)) if starts is None else starts,

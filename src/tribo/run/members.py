@@ -15,6 +15,7 @@ from tribo.pair.members import pair_members
 from tribo.pair.step import LIMITS, STATE
 from tribo.plugins.compile_errors import compiling
 from tribo.plugins.sources import source_stamp
+from tribo.run.layout import Layout
 from tribo.run.member_samples import MemberRuns, MemberSamples
 from tribo.run.pair_adapter import Factors, Pair, PairSamples
 from tribo.run.pair_numbers import LayoutOfMembers, PairNumbers
@@ -129,10 +130,7 @@ class PairMembers:
             record, potential = numbers.records(layout), np.ascontiguousarray(numbers.potential)
         self._loop(record, potential, rows, *memory, MOST_STEPS)
         samples = PairMemberSamples(self._times, memory.samples, self._pair.factors)
-        if numbers is None:
-            return MemberRuns(layout, samples, memory.counts)
-        own = samples.with_factors(*numbers.factors(layout))
-        return MemberRuns(LayoutOfMembers.of(layout, numbers), own, memory.counts)
+        return member_runs(layout, samples, memory.counts, numbers)
 
     def _memory(self, members: int) -> Memory:
         """Memory for so many members."""
@@ -146,3 +144,13 @@ class PairMembers:
             np.empty((times.size, members, COLUMNS)),
             np.empty((members, 3), np.int64),
         )
+
+
+def member_runs(
+    layout: Layout, samples: PairMemberSamples, counts: np.ndarray, numbers: PairNumbers | None
+) -> MemberRuns:
+    """Runs of a pair's members, with numbers of their own or those of the scene."""
+    if numbers is None:
+        return MemberRuns(layout, samples, counts)
+    own = samples.with_factors(*numbers.factors(layout))
+    return MemberRuns(LayoutOfMembers.of(layout, numbers), own, counts)

@@ -1,0 +1,72 @@
+"""Differences of members that have numbers of their own from rougher runs, which tell their errors.
+
+The energies of such members may differ by far, and so may the errors that one tolerance causes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from tribo.accuracy.scales import KINDS
+from tribo.kernels.status import COMPLETED
+from tribo.pair.members import CODE
+from tribo.run.ledger import assemble
+from tribo.run.member_samples import MemberRuns
+from tribo.run.pair_numbers import PairNumbers
+
+
+def rough_differences(
+    runs: MemberRuns, rough: MemberRuns, numbers: PairNumbers, accuracy: Mapping[str, float]
+) -> np.ndarray:
+    """The largest difference of each member of a pair from a rougher run.
+
+    The scales of errors are not computed, which would take longer than both runs, but lower bounds
+    on them.
+
+    Parameters
+    ----------
+    runs, rough : MemberRuns
+        The same members.
+    numbers : PairNumbers
+        Of the members.
+    accuracy : mapping
+        The relative error wanted, by quantity.
+
+    Returns
+    -------
+    ndarray, (members,)
+        In units of the accuracy, or above it; infinite where a run did not complete.
+    """
+    members, scales = len(runs.counts), _least_scales(runs, numbers)
+    own, other = (assemble(each.layout, each.samples) for each in (runs, rough))
+    found = np.zeros(members)
+    for name, relative in accuracy.items():
+        scale = relative * scales[KINDS[name.rpartition(".")[2]]]
+        for one, two in zip(own.series(name), other.series(name), strict=True):
+            with np.errstate(divide="ignore", invalid="ignore"):
+                gaps = np.abs(one - two).reshape(-1, members, *one.shape[1:2] or (1,))
+                found = np.fmax(found, gaps.max(axis=(0, 2)) / scale)
+    complete = (runs.counts[:, CODE] == COMPLETED) & (rough.counts[:, CODE] == COMPLETED)
+    return np.where(complete & ~np.isnan(found), found, np.inf)
+
+
+def _least_scales(runs: MemberRuns, numbers: PairNumbers) -> dict[str, np.ndarray | float]:
+    """Lower bounds on the scales of each member, by kind of quantity."""
+    a, members = numbers.asperites, len(runs.counts)
+    n = runs.samples.y.shape[1] // 2
+    rows = runs.samples.y.reshape(-1, members, 2 * n)
+    swings, rates = rows[..., :2], rows[..., n : n + 2]
+    doubled = a["inertia"] * rates**2 + a["kappa"] * swings**2
+    energy = 0.5 * np.abs(doubled - doubled[0]).max(axis=(0, 2))
+    fastest = np.abs(rates).max(axis=(0, 2))
+    speed = 0.5 * np.hypot(*(numbers.velocity[:, 0] - numbers.velocity[:, 1]).T)
+    return {
+        "rate": fastest,
+        "length": (a["l1"] + a["l2"]).max(axis=1),
+        "velocity": np.maximum(speed, fastest * a["l1"].min(axis=1)),
+        "energy": energy,
+        "total": energy,
+        "angle": 1.0,
+    }
