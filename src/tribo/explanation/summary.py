@@ -20,6 +20,7 @@ from tribo.integrators.methods import noisy
 from tribo.kernels.potential_in_lanes import is_vectorized
 from tribo.model.scene import Effect, Scene
 from tribo.run.layout import Layout, lay_out
+from tribo.run.ledger import check_keep
 from tribo.validation import InputError, inside
 
 # Width of the text [columns].
@@ -136,6 +137,7 @@ class Explanation:
             "coordinates": self.coordinates,
             "contact": vars(self.contact),
             "ledger": self.scene.output.ledger,
+            "keep": self.scene.output.keep,
             "method": self.method,
             "why": self.why,
             "accuracy": self.accuracy,
@@ -187,7 +189,9 @@ class Explanation:
     def _ledger(self) -> list[str]:
         kept = {"surfaces": "sums of works over each surface", "none": "no works are computed"}
         ledger = self.scene.output.ledger
-        return [f"Ledger: {kept[ledger]}."] if ledger in kept else []
+        found = [f"Ledger: {kept[ledger]}."] if ledger in kept else []
+        keep = self.scene.output.keep
+        return found if keep is None else [*found, f"Recorded: only {', '.join(keep)}."]
 
     def _request(self) -> str:
         step = "steps of its own" if self.step is None else f"steps of {self.step:.3g}"
@@ -232,6 +236,7 @@ def explain(scene: Scene) -> Explanation:
     if not isinstance(scene, Scene):
         raise InputError("scene", f"must be a tribo.Scene, got {scene!r}")
     layout, given = lay_out(scene), scene.numerics
+    check_keep(layout)
     with inside("numerics"):
         choice = choose(layout, given.accuracy, given.method, given.step)
     loop = loop_of(layout, choice.method)
