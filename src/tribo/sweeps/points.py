@@ -98,7 +98,7 @@ def kept_names(scene: Scene, keep: Sequence[str] | None) -> list[str]:
         return total_names(scene)
     if not is_list(keep) or len(keep) == 0:
         raise InputError("keep", f'must list quantities, as ["upper.W"], got {short_repr(keep)}')
-    layout = lay_out(_recording(scene, keep))
+    layout = lay_out(_recording(scene, list(map(str, keep))))
     ledger = assemble(layout, Samples.at_zero(layout))
     for name in map(str, keep):
         surface, _, kind = name.rpartition(".")
