@@ -38,7 +38,7 @@ from tribo.run.notes import (
 from tribo.run.result import Cost, Known, Result
 from tribo.run.samples import Samples
 from tribo.run.state import digest_of, state_of
-from tribo.run.streamed_ledger import StreamedLedger, exceeds_memory
+from tribo.run.streamed_ledger import StreamedLedger, is_streamed
 from tribo.validation import InputError, TriboWarning
 
 
@@ -81,7 +81,7 @@ class Simulation:
         start = digest_of(integrator.origin)
         self._settings = settings_of(plan.method, plan.accuracy, step, start)
         self._notes = run_notes(self.layout, self.method, step)
-        self._streams = exceeds_memory(self.layout, plan.times.size)
+        self._streams = plan.tuned is None and is_streamed(self.layout, plan.times.size)
         self._initial_state = InitialState(self.layout)
 
     def run(self, start: Start | None = None, estimate: bool = True) -> Result:
@@ -208,9 +208,11 @@ class Simulation:
         """A run without an error estimate, of which not all samples are kept."""
         streamed = StreamedLedger(self.layout)
         run = self.integrator(self.plan.setting, self.plan.times, y, streamed)
-        note = "of the asperites' series only the first and the last sample are kept"
-        ledger = streamed.with_ends(run.samples)
-        notes = (*passage_notes(self.layout, run), *drive_notes(self.layout, ledger), note)
+        ledger = streamed.whole(run.samples)
+        ends = assemble(self.layout, run.samples.ends())
+        notes = (*passage_notes(self.layout, run), *drive_notes(self.layout, ends))
+        if not ledger.kept:
+            notes += ("of the asperites' series only the first and the last sample are kept",)
         cost = _cost([run], self.compile_seconds, self._digit_ratio)
         return self._result(run.status, None, notes, {}, Known(ledger), Known(cost), run)
 
@@ -285,7 +287,14 @@ class Simulation:
     ) -> Result:
         """A result, with what all results of the simulation share."""
         layout, method = self.layout, self.method.name
+        keep = self.scene.output.keep
+        if keep is not None:  # the result does not refer to samples
+            ledger, cost = assemble_ledger().only(keep), add_up_cost()
+            assemble_ledger, add_up_cost = Known(ledger), Known(cost)
+            bounds = _bounds_of(ledger, bounds)
         notes = stop_notes(layout, run) + notes
+        if keep is not None:
+            run = run.without_samples()
         if self.layout.calculator_calls:
             notes = calculator_notes(self.layout) + notes
         return Result(
@@ -329,6 +338,12 @@ def _reported(layout: Layout, run: Integration) -> Ledger:
     if samples.t[0] == layout.beginning:
         return ledger
     return ledger.rows(slice(int(np.searchsorted(samples.t, layout.beginning)), None))
+
+
+def _bounds_of(ledger: Ledger, bounds: Mapping[str, float]) -> dict[str, float]:
+    """The bounds on the errors of quantities in a ledger, and of observables, as "upper.W"."""
+    names = {*ledger.names, *ledger.kept}
+    return {name: bound for name, bound in bounds.items() if name in names or "." in name}
 
 
 def _cost(

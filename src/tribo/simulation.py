@@ -24,9 +24,11 @@ from tribo.run.identity import identity_of, refuse_other, settings_of, version
 from tribo.run.integrate import Progress
 from tribo.run.journal import PART, Journal
 from tribo.run.layout import Layout, lay_out
+from tribo.run.ledger import check_keep
 from tribo.run.loop_selection import Integrator
 from tribo.run.result import Result, load_result, netcdf_path
 from tribo.run.state import Origin, State, continued, digest_of
+from tribo.run.streamed_ledger import is_streamed
 from tribo.run.threads import threads_of
 from tribo.validation import InputError, TriboWarning, as_path, boolean, inside, must_be
 
@@ -117,6 +119,7 @@ def _chosen(
         choice = choose(layout, accuracy, given.method if method is None else method, step)
     if isinstance(choice.accuracy, Mapping):
         check_observables(layout, choice.accuracy)
+    check_keep(layout)
     return layout, choice, origin
 
 
@@ -231,6 +234,13 @@ def _run_to_file(
         result = load_result(path)
         refuse_other(path, identity_of(result.scene, result.settings, result.version), identity)
         return result
+    streamed = choice.accuracy is None and is_streamed(layout, layout.times.size)
+    if resume and part.exists() and streamed:
+        raise InputError(
+            "resume",
+            f"cannot continue {path.name + PART}, as the samples of this run are too many to hold "
+            "and are not in the file; start again without resume",
+        )
     with Journal(part, identity, resume) as journal:
         integrator = _integrator(layout, choice, progress, origin, threads, journal)
         result = _first_result(choice, integrator, progress)

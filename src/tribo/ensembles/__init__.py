@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -82,6 +83,11 @@ def ensemble(
     keep : sequence of str, optional
         Quantities of each member that are kept, and nothing else: "upper.w1" or "contact_energy".
         It makes the members of a scene of one asperite on one run thousands of times faster.
+        Forces and energies as series need no ``output.series`` here.  At the end,
+        "upper.friction_force" is the average over time of each member, and
+        ``upper.friction_force_time_half_width`` that of its 95 % interval, as of
+        :meth:`tribo.Result.friction_force`.  By default the scene's ``output.keep``; without that,
+        means of all sums.
     threads : int, optional
         Threads that run such members; by default one for each core.  Values do not depend on it.
     at : {"end", "samples"}
@@ -128,6 +134,10 @@ def ensemble(
     if not isinstance(scene, Scene):
         raise InputError("scene", f"must be a tribo.Scene, got {short_repr(scene)}")
     scene = scene.with_heights()
+    if keep is None and half_width is None:
+        keep = scene.output.keep
+    if scene.output.keep is not None:
+        scene = replace(scene, output=replace(scene.output, keep=None))
     wanted = None if half_width is None else checked_half_width(scene, half_width)
     source = {} if vary is None else vary
     if sampler is not None:

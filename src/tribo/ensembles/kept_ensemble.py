@@ -22,7 +22,8 @@ from tribo.model.settings import Output
 from tribo.prepared import Simulation
 from tribo.run.identity import Identity, identity_of, refuse_other, settings_of, version
 from tribo.run.journal import PART
-from tribo.validation import InputError, as_path, boolean, choice
+from tribo.run.quantities import FURTHER
+from tribo.validation import InputError, as_path, boolean, choice, is_list
 
 if TYPE_CHECKING:
     import xarray
@@ -41,9 +42,15 @@ class Wanted(NamedTuple):
     resume: bool
 
     def scene(self, scene: Scene) -> Scene:
-        """The scene with the times at which quantities are kept."""
-        samples = choice("at", self.at, (END, SAMPLES)) == SAMPLES
-        return scene if samples else replace(scene, output=Output(samples=2))
+        """The scene with the times, and with the further series, that the quantities need."""
+        given = self.keep if is_list(self.keep) else ()  # refused later
+        names = [str(name).rpartition(".")[2] for name in given]
+        series = tuple(word for word, group in FURTHER.items() if any(n in group for n in names))
+        output = replace(scene.output, series=series, keep=None)
+        at_end = choice("at", self.at, (END, SAMPLES)) == END
+        if at_end and "forces" not in series:  # forces are averages over times
+            output = Output(samples=2, series=series)
+        return replace(scene, output=output)
 
     @staticmethod
     def check_absent(at: str, statistics: bool, out: object, resume: bool) -> None:

@@ -71,11 +71,12 @@ def kept_runs(
 def _in_batches(simulation: Simulation, own_numbers: Sequence[str]) -> bool:
     """Whether members are run in batches: of a pair, also those with some numbers of their own."""
     layout, pair = simulation.layout, simulation.integrator.pair
+    if layout.scene.output.series:
+        return False  # forces and energies as series, and their averages, are of single runs
     if any(surface.initial.temperature for surface in layout.scene.surfaces):
         return False  # the start is drawn where a scene is laid out
     if own_numbers:
-        plain = pair is not None and not layout.scene.output.series
-        return plain and are_pair_numbers(layout, own_numbers)
+        return pair is not None and are_pair_numbers(layout, own_numbers)
     if pair is not None or not has_batches(layout):
         return pair is not None
     tuned = simulation.plan.tuned

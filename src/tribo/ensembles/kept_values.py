@@ -12,10 +12,14 @@ import numpy as np
 from tribo.ensembles.dataset import varied_coordinates
 from tribo.ensembles.members import Members
 from tribo.kernels.status import Status
+from tribo.model.scene import Scene
 from tribo.model.scene_writer import scene_text
 from tribo.prepared import Simulation
 from tribo.run.dataset import Variable
-from tribo.run.quantities import QUANTITIES
+from tribo.run.friction import BLOCKS
+from tribo.run.ledger import Ledger
+from tribo.run.quantities import EVERY_QUANTITY
+from tribo.run.result import Result
 from tribo.run.streamed_ledger import exceeds_memory
 from tribo.validation import InputError, short_repr
 
@@ -27,6 +31,10 @@ MISSED = "AccuracyMissed"
 # The status of a member that still needs a run with a search for its own settings, and in a file of
 # one that has not been run.
 UNKNOWN = ""
+# The quantity of which the average over time takes the place of the value at the end, and what is
+# added to its name for the half-width of its 95 % interval, from block averages of one run.
+AVERAGED = "friction_force"
+INTERVAL = f"{AVERAGED}_time_half_width"
 # Of an array of names of statuses.
 STATUS_TYPE = f"U{max(map(len, [MISSED, *Status]))}"
 
@@ -97,19 +105,23 @@ class Kept:
             raise InputError(
                 "at", f'"samples" would keep series that are too long: {times} times; give fewer'
             )
-        for name in keep:
-            surface, _, _ = str(name).rpartition(".")
-            alone = not surface and str(name) not in ledger.system
-            if alone or not ledger.series(str(name)):
+        names: list[str] = []
+        for name in map(str, keep):
+            shape = _shape(name, ledger, simulation.scene)
+            if shape is None and not (name.endswith(f".{INTERVAL}") and not at_samples):
                 raise InputError(
                     f"keep.{name}",
                     f'must be a quantity of a surface, as "{next(iter(surfaces))}.w1", or one of '
                     'the system, as "contact_energy"',
                 )
-        names = tuple(dict.fromkeys(map(str, keep)))
+            names.append(name)
+            if name.endswith(f".{AVERAGED}") and not at_samples:
+                _check_averaged(times)
+                names.append(f"{name.rpartition('.')[0]}.{INTERVAL}")
+        unique = tuple(dict.fromkeys(names))
         leading = (times,) if at_samples else ()
-        shapes = tuple(leading + ledger.series(name)[0].shape[1:] for name in names)
-        return cls(names, at_samples, shapes)
+        own = (_shape(name, ledger, simulation.scene) or () for name in unique)
+        return cls(unique, at_samples, tuple((*leading, *shape) for shape in own))
 
     @property
     def times(self) -> int:
@@ -129,9 +141,53 @@ class Kept:
 
     def about(self, name: str) -> dict[str, str]:
         """The units and the meaning of a quantity."""
-        quantity = QUANTITIES[name.rpartition(".")[2]]
-        when = "" if self.at_samples else ", at the end"
-        return {"units": quantity.units, "long_name": f"{quantity.long_name}{when}"}
+        return about_kept(name, not self.at_samples)
+
+    def values_of(self, result: Result, at_end: Ledger) -> dict[str, np.ndarray | float]:
+        """The kept values of a complete result, whose ledger at its end is `at_end`."""
+        found: dict[str, np.ndarray | float] = {}
+        for name in self.names:
+            surface, _, kind = name.rpartition(".")
+            if self.at_samples:
+                found[name] = result.ledger.series(name)[0]
+            elif kind == AVERAGED:
+                found[name] = result.friction_force(surface).mean
+            elif kind == INTERVAL:
+                found[name] = result.friction_force(surface).half_width
+            else:
+                found[name] = at_end.series(name)[0][-1]
+        return found
+
+
+def about_kept(name: str, at_end: bool) -> dict[str, str]:
+    """The units and the meaning of a kept quantity of single runs."""
+    kind = name.rpartition(".")[2]
+    averaged = at_end and kind in (AVERAGED, INTERVAL)
+    quantity = EVERY_QUANTITY[AVERAGED if averaged else kind]
+    when = ", averaged over time" if averaged else ", at the end" * at_end
+    before = "half-width of the 95 % interval of: " * (kind == INTERVAL)
+    return {"units": quantity.units, "long_name": f"{before}{quantity.long_name}{when}"}
+
+
+def _shape(name: str, ledger: Ledger, scene: Scene) -> tuple[int, ...] | None:
+    """The shape of a quantity at one time; None if the scene does not report it."""
+    surface, _, kind = name.rpartition(".")
+    if not surface:
+        return () if kind in ledger.system else None
+    count = {each.name: each.count for each in scene.surfaces}
+    if kind in ledger.surfaces.get(surface, ()):
+        return (count[surface],)
+    return () if kind in ledger.blocks.get(surface, ()) else None
+
+
+def _check_averaged(times: int) -> None:
+    """Refuse averages over time of too few samples."""
+    least = 2 * BLOCKS + 1
+    if times < least:
+        raise InputError(
+            "output.samples",
+            f"must be at least {least} for the average of {AVERAGED} over time, got {times}",
+        )
 
 
 def of_members(kept: Kept, members: Members, found: KeptValues) -> dict[str, Variable]:

@@ -122,7 +122,6 @@ def _take(found: KeptValues, index: int, result: Result, kept: Kept) -> None:
     found.status[index] = MISSED if completed and result.met is False else str(result.status)
     found.steps[index] = result.cost.steps
     known = found.status[index] == Status.COMPLETED
-    ledger = result.ledger if kept.at_samples else result.ledger.at_end()
+    values = kept.values_of(result, result.ledger.at_end()) if known else {}
     for name in kept.names:
-        series = ledger.series(name)[0] if known else np.full(1, np.nan)
-        found.values[name][index] = series if known and kept.at_samples else series[-1]
+        found.values[name][index] = values.get(name, np.nan)

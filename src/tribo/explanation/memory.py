@@ -10,8 +10,13 @@ import numpy as np
 from tribo.integrators.methods import Method
 from tribo.kernels.samples import STORED
 from tribo.run.layout import Layout
-from tribo.run.quantities import reported
-from tribo.run.streamed_ledger import PORTION_BYTES, exceeds_memory
+from tribo.run.quantities import (
+    ASPERITE_QUANTITIES,
+    FURTHER_OF_ASPERITES,
+    OPTIONAL_QUANTITIES,
+    reported,
+)
+from tribo.run.streamed_ledger import PORTION_BYTES, is_streamed
 
 # Bytes of a number.
 NUMBER = 8
@@ -49,8 +54,8 @@ def memory_of_run(layout: Layout, method: Method, stages: int, kept: int) -> int
     samples, raw, row = layout.times.size, _raw_sample(layout), _ledger_row(layout)
     if kept:
         series = LEAST_COMPARED + kept * raw + samples * LEDGERS_COMPARED * row
-    elif exceeds_memory(layout, samples):
-        series = float(PORTION_BYTES)
+    elif is_streamed(layout, samples):
+        series = float(PORTION_BYTES) + samples * _kept_row(layout)
     else:
         series = LEAST + samples * (raw + LEDGERS * row)
     return round(scene_bytes(layout, method, stages) + series)
@@ -85,6 +90,14 @@ def _ledger_row(layout: Layout) -> int:
     names = reported(layout.scene.output.ledger, optional, optional).asperites
     further = sum(s.count * len(layout.further[s.name]) for s in layout.scene.surfaces)
     return NUMBER * (len(names) * layout.scene.count + further)
+
+
+def _kept_row(layout: Layout) -> int:
+    """Bytes of one time of what ``output.keep`` names, of asperites and while it is joined."""
+    names = [name.rpartition(".") for name in layout.scene.output.keep or ()]
+    counts = {s.name: s.count for s in layout.scene.surfaces}
+    of_asperites = ASPERITE_QUANTITIES | OPTIONAL_QUANTITIES | FURTHER_OF_ASPERITES
+    return 2 * NUMBER * sum(counts[s] if n in of_asperites else 1 for s, _, n in names)
 
 
 def _bytes_of(item: Any) -> int:

@@ -21,6 +21,7 @@ from tribo.integrators.methods import Method, noisy
 from tribo.kernels.potential_in_lanes import is_vectorized
 from tribo.model.scene import Effect, Scene
 from tribo.run.layout import Layout, lay_out
+from tribo.run.ledger import check_keep
 from tribo.run.threads import Threads, threads_of
 from tribo.validation import InputError, inside
 
@@ -145,6 +146,7 @@ class Explanation:
             "coordinates": self.coordinates,
             "contact": vars(self.contact),
             "ledger": self.scene.output.ledger,
+            "keep": self.scene.output.keep,
             "method": self.method,
             "why": self.why,
             "threads": self.threads._asdict(),
@@ -208,7 +210,9 @@ class Explanation:
     def _ledger(self) -> list[str]:
         kept = {"surfaces": "sums of works over each surface", "none": "no works are computed"}
         ledger = self.scene.output.ledger
-        return [f"Ledger: {kept[ledger]}."] if ledger in kept else []
+        found = [f"Ledger: {kept[ledger]}."] if ledger in kept else []
+        keep = self.scene.output.keep
+        return found if keep is None else [*found, f"Recorded: only {', '.join(keep)}."]
 
     def _request(self) -> str:
         step = "steps of its own" if self.step is None else f"steps of {self.step:.3g}"
@@ -253,6 +257,7 @@ def explain(scene: Scene) -> Explanation:
     if not isinstance(scene, Scene):
         raise InputError("scene", f"must be a tribo.Scene, got {scene!r}")
     layout, given = lay_out(scene), scene.numerics
+    check_keep(layout)
     with inside("numerics"):
         choice = choose(layout, given.accuracy, given.method, given.step)
     loop = loop_of(layout, choice.method)

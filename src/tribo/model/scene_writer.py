@@ -49,6 +49,8 @@ def scene_table(scene: Scene) -> dict[str, Any]:
         del table["output"]["samples"]
     if not scene.output.series:
         del table["output"]["series"]
+    if scene.output.keep is not None:
+        table["output"]["keep"] = list(scene.output.keep)
     table["numerics"] = _table_of(scene.numerics)
     table["periodic"] = _table_of(scene.periodic)
     table["interaction"] = [

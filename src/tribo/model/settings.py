@@ -46,21 +46,26 @@ class Output:
         "surfaces", or none of them, "none".  A run does not compute what is not kept.
     series : tuple of str
         Further series: "forces" on every asperite, "energies" of every kind, or both.
+    keep : tuple of str, optional
+        The only quantities that are recorded, as "upper.W" or "contact_energy"; all without it.
 
     Raises
     ------
     InputError
-        If `samples` is too small or too large, `times` do not increase, or `ledger` or `series`
-        are none of these words.
+        If `samples` is too small or too large, `times` do not increase, `ledger` or `series` are
+        none of these words, or `keep` is no list of names.
     """
 
     samples: int = 401
     times: Sequence[float] | None = None
     ledger: str = "asperites"
     series: tuple[str, ...] = ()
+    keep: Sequence[str] | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "series", _words("series", self.series, SERIES))
+        if self.keep is not None:
+            object.__setattr__(self, "keep", _names(self.keep))
         integer("samples", self.samples, 2, LARGEST_COUNT)
         choice("ledger", self.ledger, LEDGERS)
         if self.times is not None:
@@ -122,6 +127,16 @@ def _words(field: str, value: object, words: Sequence[str]) -> tuple[str, ...]:
         raise must_be(field, f"a list of words, as {json.dumps(words)}", value)
     given = [choice(f"{field}[{i}]", word, words) for i, word in enumerate(value)]
     return tuple(word for word in words if word in given)
+
+
+def _names(value: object) -> tuple[str, ...]:
+    """The names of quantities that are kept, each once."""
+    if not is_list(value) or len(value) == 0:
+        raise must_be("keep", 'a list of quantities, as ["upper.W", "upper.x_cm"]', value)
+    for i, name in enumerate(value):
+        if not isinstance(name, str):
+            raise must_be(f"keep[{i}]", 'the name of a quantity, as "upper.W"', name)
+    return tuple(dict.fromkeys(value))
 
 
 def check_accuracy(value: object) -> float | dict[str, float]:

@@ -16,7 +16,7 @@ from tribo.files import replace_file
 from tribo.model.scene import Scene
 from tribo.model.scene_writer import scene_text
 from tribo.run.identity import plugin_stamps, version
-from tribo.run.ledger import Ledger
+from tribo.run.ledger import Ledger, known
 from tribo.run.quantities import EVERY_QUANTITY, SUMMED_QUANTITIES, UNITS, Table
 from tribo.run.state import State
 from tribo.validation import InputError
@@ -68,8 +68,9 @@ def _series(
 
 def _has_ends_alone(result: Result) -> bool:
     """Whether the asperites' series have the first and the last time alone."""
-    table = next(iter(result.ledger.surfaces.values()))
-    return len(table["theta"]) != result.t.size
+    tables = result.ledger.surfaces.values()
+    first = next((series for table in tables for series in table.values()), result.t)
+    return len(first) != result.t.size
 
 
 def _coordinates(result: Result) -> dict[str, Variable]:
@@ -187,4 +188,11 @@ def ledger_of(data: xarray.Dataset, scene: Scene) -> Ledger:
             surfaces[surface][key] = variable.values
         else:
             blocks[surface][key] = variable.values
-    return Ledger(data["time"].values, surfaces, blocks, system)
+    kept = tuple(scene.output.keep or ())
+    return Ledger(
+        data["time"].values,
+        {name: known(table, kept) for name, table in surfaces.items()},
+        {name: known(table, kept) for name, table in blocks.items()},
+        known(system, kept),
+        kept,
+    )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Protocol
 
@@ -122,6 +122,11 @@ class Integration:
         """All that the time loop needs to continue from the end, built when it is first needed."""
         return self.remembered()
 
+    def without_samples(self) -> Integration:
+        """The same with the first sample and the last two alone."""
+        few = self.samples.last_interval()
+        return replace(self, recorded=lambda: few, _samples=few)
+
     @property
     def steps(self) -> int:
         """Steps taken."""
@@ -167,7 +172,7 @@ def integrate(
     progress : callable, optional
         Called with the time reached.
     streamed : StreamedLedger, optional
-        Takes in the samples, of which only the first and the last are kept then.
+        Takes in the samples, of which only the first and the last two are kept then.
     checkpoints : Checkpoints, optional
         Keeps what is reached, and has what was reached before; not of a streamed run.
     columns : tuple of ndarray, optional
@@ -180,7 +185,7 @@ def integrate(
     began = time.perf_counter()
     rows = times.size if streamed is None else portion_size(loop.layout)
     columns = columns or loop.room(min(rows, times.size) + 1)
-    samples: Samples | None = None
+    held: Samples | None = None
     status = Status.COMPLETED
     for first in range(0, times.size, rows):
         portion = times[first : first + rows]
@@ -195,14 +200,15 @@ def integrate(
         new = _recorded(loop, portion, columns, status)
         if before is not None and first == 0:
             new = before.then(new)
-        add_reactions(loop.layout, new, new if samples is None else samples)
+        add_reactions(loop.layout, new, new if held is None else held)
+        samples = new if held is None else held.then(new)
         if streamed is not None:
-            streamed.add(new if samples is None else samples.first().then(new))
-            new = new.ends() if samples is None else samples.first().then(new.last())
-        samples = new
+            streamed.add(samples, 0 if held is None else held.t.size)
+            samples = samples.last_interval()
+        held = samples
         if status != Status.COMPLETED:
             break
-    whole = samples
+    whole = held
     assert whole is not None
     seconds = time.perf_counter() - began
     return Integration(lambda: whole, status, counts, seconds, lambda: memory, passages)

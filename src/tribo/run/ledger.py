@@ -10,7 +10,7 @@ The identities that must hold, and by which the accounts are audited:
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
@@ -20,12 +20,28 @@ import numpy as np
 from tribo.run.forces import Forces
 from tribo.run.further_series import system_names
 from tribo.run.layout import Layout
-from tribo.run.quantities import EVERY_QUANTITY, Quantity, Reported, Table, needs_accounts, reported
+from tribo.run.quantities import (
+    EVERY_QUANTITY,
+    QUANTITIES,
+    Quantity,
+    Reported,
+    Table,
+    needs_accounts,
+    reported,
+)
 from tribo.run.samples import Samples
 from tribo.run.totals import System, Whole
+from tribo.validation import InputError, must_be
 
 # Characters of a line of a text that stands for series.
 WIDTH = 100
+
+
+class NotKeptError(InputError, KeyError, AttributeError):
+    """A quantity that ``output.keep`` leaves out."""
+
+    def __str__(self) -> str:
+        return f"{self.field}: {self.problem}"
 
 
 class Series(Mapping[str, np.ndarray]):
@@ -39,18 +55,26 @@ class Series(Mapping[str, np.ndarray]):
         Of the quantities.
     compute : callable
         Computes the series of a name.
+    kept : tuple of str
+        The names in ``output.keep``, where no others were recorded.
     """
 
-    def __init__(self, names: Collection[str], compute: Callable[[str], np.ndarray]) -> None:
+    def __init__(
+        self,
+        names: Collection[str],
+        compute: Callable[[str], np.ndarray],
+        kept: tuple[str, ...] = (),
+    ) -> None:
         self._names = names
         self._compute = compute
+        self._kept = kept
         self._known: dict[str, np.ndarray] = {}
 
     def __getitem__(self, name: str) -> np.ndarray:
         known = self._known.get(name)
         if known is None:
             if name not in self._names:
-                raise KeyError(self._absence(name))
+                raise self._absence(name)
             known = self._known[name] = self._compute(name)
         return known
 
@@ -59,11 +83,22 @@ class Series(Mapping[str, np.ndarray]):
             raise AttributeError(name)
         try:
             return self[name]
-        except KeyError:
-            raise AttributeError(self._absence(name)) from None
+        except NotKeptError:
+            raise
+        except KeyError as error:
+            raise AttributeError(error.args[0]) from None
 
-    def _absence(self, name: str) -> str:
-        """Why there is no such series."""
+    def _absence(self, name: str) -> KeyError:
+        """The error that says why there is no such series."""
+        if self._kept and name in EVERY_QUANTITY:
+            return NotKeptError(
+                "output.keep",
+                f'has only {", ".join(self._kept)}, so that "{name}" was not recorded; add it, and '
+                "run again",
+            )
+        return KeyError(self._reason(name))
+
+    def _reason(self, name: str) -> str:
         if needs_accounts(name) and not any(map(needs_accounts, self._names)):
             return f'"{name}" is not kept; works need another output.ledger, as "asperites"'
         return f"no quantity {name!r}; there are {', '.join(self._names)}"
@@ -85,12 +120,12 @@ class Series(Mapping[str, np.ndarray]):
         return name in self._names
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _known, (dict(self),)
+        return known, (dict(self), self._kept)
 
 
-def _known(table: Table) -> Series:
+def known(table: Table, kept: tuple[str, ...] = ()) -> Series:
     """Series that are known already."""
-    return Series(table, table.__getitem__)
+    return Series(table, table.__getitem__, kept)
 
 
 @dataclass(eq=False, repr=False)
@@ -107,12 +142,15 @@ class Ledger:
         Surface -> quantity of the surface as a whole -> (times,).
     system : mapping
         Quantity of the system -> (times,).
+    kept : tuple of str
+        The names in ``output.keep``, where no others were recorded; else empty.
     """
 
     t: np.ndarray  # (times,)
     surfaces: Mapping[str, Table]  # surface -> quantity -> (times, asperites)
     blocks: Mapping[str, Table]  # surface -> quantity -> (times,)
     system: Table  # quantity -> (times,)
+    kept: tuple[str, ...] = ()  # names in output.keep; empty where all is recorded
 
     def __repr__(self) -> str:
         counts = ", ".join(f'{len(self.of(name))} of "{name}"' for name in self.surfaces)
@@ -134,19 +172,38 @@ class Ledger:
 
     def of(self, surface: str) -> Series:
         """All series of a surface.  Raises KeyError if there is no such surface."""
-        return _known({**self.surfaces[surface], **self.blocks[surface]})
+        return known({**self.surfaces[surface], **self.blocks[surface]}, self.kept)
 
     def rows(self, selected: slice | np.ndarray) -> Ledger:
         """The ledger at some of its times: a slice, indices or a mask."""
 
         def rows_of(table: Table) -> Series:
-            return Series(table, lambda name: table[name][selected])
+            return Series(table, lambda name: table[name][selected], self.kept)
 
         return Ledger(
             self.t[selected],
             {name: rows_of(table) for name, table in self.surfaces.items()},
             {name: rows_of(table) for name, table in self.blocks.items()},
             rows_of(self.system),
+            self.kept,
+        )
+
+    def only(self, keep: Sequence[str]) -> Ledger:
+        """The ledger of the named quantities alone, as "upper.W", in arrays of their own."""
+        if self.kept:
+            return self
+        kept = tuple(keep)
+
+        def some(table: Table, surface: str) -> Series:
+            names = [name for name in table if (f"{surface}." * bool(surface)) + name in kept]
+            return known({name: np.array(table[name]) for name in names}, kept)
+
+        return Ledger(
+            np.array(self.t),
+            {name: some(table, name) for name, table in self.surfaces.items()},
+            {name: some(table, name) for name, table in self.blocks.items()},
+            some(self.system, ""),
+            kept,
         )
 
     def at_end(self) -> Ledger:
@@ -154,7 +211,7 @@ class Ledger:
         return self.rows(slice(-1, None))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Ledger, (self.t, dict(self.surfaces), dict(self.blocks), self.system)
+        return Ledger, (self.t, dict(self.surfaces), dict(self.blocks), self.system, self.kept)
 
 
 class Assembled(Ledger):
@@ -239,3 +296,23 @@ def series_of(quantities: Mapping[str, Quantity], source: Whole | System, name: 
 def assemble(layout: Layout, samples: Samples) -> Assembled:
     """The ledger of raw samples, the first of which is the start of the run."""
     return Assembled(layout, samples)
+
+
+def check_keep(layout: Layout) -> None:
+    """Refuse names in ``output.keep`` of quantities that the scene does not report."""
+    ledger = assemble(layout, Samples.at_zero(layout))
+    for i, full in enumerate(layout.scene.output.keep or ()):
+        surface, _, name = full.rpartition(".")
+        table: Collection[str] = ledger.system if not surface else ()
+        if surface in layout.parts:
+            table = ledger.of(surface)
+        if name not in table:
+            first = next(iter(layout.parts))
+            further = name in EVERY_QUANTITY and name not in QUANTITIES
+            series = ' (this one may need output.series = ["forces", "energies"])' * further
+            raise must_be(
+                f"output.keep[{i}]",
+                f'a quantity of a surface that the scene reports, as "{first}.W" or "{first}.x_cm",'
+                f' or one of the system, as "contact_energy"{series}',
+                full,
+            )

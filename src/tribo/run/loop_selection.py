@@ -98,7 +98,7 @@ class Integrator:
         start : ndarray, (2 coordinates,), optional
             y at t = 0; the scene's without it.
         streamed : StreamedLedger, optional
-            Takes the samples in, of which only the first and the last are kept then.
+            Takes the samples in, of which only the first and the last two are kept then.
         most : float, optional
             Force evaluations that adaptive steps may take; those of the scene without it.
 

@@ -185,6 +185,19 @@ FURTHER_OF_SURFACES = {
 FURTHER_OF_SYSTEM = {
     "field_energy": Quantity("energy", "potential energy in fields", System.field_energy)
 }
+# The groups in ``output.series``.
+FURTHER: dict[str, Mapping[str, Quantity]] = {
+    "forces": {
+        name: each
+        for name, each in (FURTHER_OF_ASPERITES | FURTHER_OF_SURFACES).items()
+        if each.kind == "force"
+    },
+    "energies": {
+        name: each
+        for name, each in (FURTHER_OF_ASPERITES | FURTHER_OF_SURFACES | FURTHER_OF_SYSTEM).items()
+        if each.kind == "energy"
+    },
+}
 EVERY_QUANTITY = QUANTITIES | FURTHER_OF_ASPERITES | FURTHER_OF_SURFACES | FURTHER_OF_SYSTEM
 
 

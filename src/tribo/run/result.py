@@ -30,6 +30,13 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
+# Quantities of surfaces in the summary, their words and their formats.
+SHOWN = (
+    ("W", "work", " .6g"),
+    ("W_ps", "pseudowork", " .6g"),
+    ("delta_E_int", "internal energy", "+.6g"),
+)
+
 # The ending of names of tables.
 CSV = ".csv"
 # Endings of names of files that ask for other formats.
@@ -206,7 +213,7 @@ class Result(Presentation):
             The forces were not recorded, or there are too few samples.
         """
         series = self[surface]
-        if "friction_force" not in series:
+        if "friction_force" not in series and not self.ledger.kept:
             raise InputError("output.series", 'does not contain "forces"; add it, and run again')
         return average(self.t, series["friction_force"], after, blocks)
 
@@ -254,7 +261,8 @@ class Result(Presentation):
         """The friction force on every surface, where forces are reported at enough times."""
         if "forces" not in self.scene.output.series or self.t.size <= 2 * BLOCKS:
             return {}
-        averages = {name: self.friction_force(name) for name in self.ledger.blocks}
+        blocks = self.ledger.blocks.items()
+        averages = {name: self.friction_force(name) for name, b in blocks if "friction_force" in b}
         return {"friction_force": {name: each._asdict() for name, each in averages.items()}}
 
     @property
@@ -285,11 +293,14 @@ class Result(Presentation):
         ]
         if self.status != Status.COMPLETED:
             lines.append(f"  {MEANINGS[self.status]}")
+        if self.ledger.kept:
+            lines.append(f"  only {', '.join(self.ledger.kept)} are recorded")
         for name, block in self.ledger.at_end().blocks.items():
-            works = "works are not kept, "
-            if "W" in block:
-                works = f"work {block['W'][-1]: .6g}, pseudowork {block['W_ps'][-1]: .6g}, "
-            lines.append(f"  {name:>10}: {works}internal energy {block['delta_E_int'][-1]:+.6g}")
+            parts = [f"{word} {block[key][-1]:{form}}" for key, word, form in SHOWN if key in block]
+            if "W" not in block and not self.ledger.kept:
+                parts = ["works are not kept", *parts]
+            if parts:
+                lines.append(f"  {name:>10}: {', '.join(parts)}")
         return "\n".join(lines + [f"  note: {note}" for note in self.notes])
 
     def _digits(self) -> str:

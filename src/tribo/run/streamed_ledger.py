@@ -8,7 +8,7 @@ import numpy as np
 
 from tribo.kernels.force_probe import ROWS
 from tribo.run.layout import Layout
-from tribo.run.ledger import Ledger, assemble
+from tribo.run.ledger import Ledger, assemble, known
 from tribo.run.quantities import ASPERITE_QUANTITIES, OPTIONAL_QUANTITIES, Table
 from tribo.run.samples import Samples
 
@@ -23,33 +23,53 @@ PORTION_BYTES = 2**27
 class StreamedLedger:
     """The ledger of a run whose samples arrive in portions.
 
-    The series of the surfaces as wholes and of the system are complete; those of the asperites
-    are left out.
+    It has the complete series that ``output.keep`` names; without it, those of the surfaces as
+    wholes and of the system, while those of the asperites are left out.
     """
 
     def __init__(self, layout: Layout) -> None:
         self._layout = layout
         self._portions: list[Ledger] = []
 
-    def add(self, samples: Samples) -> None:
-        """Take in a portion, whose first sample is the first of the run."""
-        new = slice(1 if self._portions else 0, None)
-        ledger = assemble(self._layout, samples).rows(new)
+    def add(self, samples: Samples, earlier: int) -> None:
+        """Take in a portion after `earlier` samples that were taken in before.
+
+        These are the first of the run and the last two, which changes and means over an interval
+        are relative to.
+        """
+        ledger = assemble(self._layout, samples).rows(slice(earlier, None))
+        keep = self._layout.scene.output.keep
+        if keep is not None:
+            self._portions.append(ledger.only(keep))
+            return
         blocks = {name: dict(table) for name, table in ledger.blocks.items()}
         self._portions.append(Ledger(ledger.t, {}, blocks, dict(ledger.system)))
 
-    def with_ends(self, samples: Samples) -> Ledger:
-        """All series, and those of the asperites at `samples`, the first and the last."""
+    def whole(self, samples: Samples) -> Ledger:
+        """All series; those of asperites that are left out are at the ends of `samples`."""
         portions = self._portions
-        return Ledger(
-            np.concatenate([portion.t for portion in portions]),
-            assemble(self._layout, samples).surfaces,
-            {
-                name: _joined([portion.blocks[name] for portion in portions])
-                for name in portions[0].blocks
-            },
-            _joined([portion.system for portion in portions]),
-        )
+        t = np.concatenate([portion.t for portion in portions])
+        kept = portions[0].kept
+        blocks = {
+            name: _joined([portion.blocks[name] for portion in portions], kept)
+            for name in portions[0].blocks
+        }
+        system = _joined([portion.system for portion in portions], kept)
+        if not kept:
+            ends = np.unique([0, samples.t.size - 1])
+            return Ledger(t, assemble(self._layout, samples).rows(ends).surfaces, blocks, system)
+        surfaces = {
+            name: _joined([portion.surfaces[name] for portion in portions], kept)
+            for name in portions[0].surfaces
+        }
+        return Ledger(t, surfaces, blocks, system, kept)
+
+
+def is_streamed(layout: Layout, times: int) -> bool:
+    """Whether a run with a given step does not hold so many samples of all asperites."""
+    if layout.scene.output.keep is None:
+        return exceeds_memory(layout, times)
+    return times * _sample_bytes(layout) > PORTION_BYTES
 
 
 def exceeds_memory(layout: Layout, times: int) -> bool:
@@ -62,8 +82,9 @@ def portion_size(layout: Layout) -> int:
     return max(1, PORTION_BYTES // _sample_bytes(layout))
 
 
-def _joined(tables: list[Table]) -> Table:
-    return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
+def _joined(tables: list[Table], kept: tuple[str, ...]) -> Table:
+    names = tables[0]
+    return known({name: np.concatenate([each[name] for each in tables]) for name in names}, kept)
 
 
 def _sample_bytes(layout: Layout) -> int:

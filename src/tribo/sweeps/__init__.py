@@ -55,7 +55,9 @@ def sweep(
         them; without it each point is one run.
     keep : sequence of str, optional
         Quantities whose values at the end are kept, as "upper.w1" or "contact_energy"; by default
-        those of surfaces as wholes and of the system.
+        the scene's ``output.keep``, or else those of surfaces as wholes and of the system.
+        "upper.friction_force" is its average over time, with the half-width of the 95 % interval
+        as ``upper.friction_force_time_half_width``.
     vary : mapping, optional
         What differs between the members of a point, as for :func:`ensemble`.
     seed : int

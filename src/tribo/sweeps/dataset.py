@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from tribo.ensembles.kept_values import about_kept
 from tribo.kernels.status import Status
 from tribo.model.scene_writer import scene_text
 from tribo.run.dataset import Variable
-from tribo.run.quantities import QUANTITIES, SUMMED_QUANTITIES
+from tribo.run.quantities import SUMMED_QUANTITIES
 from tribo.sweeps.grid import Grid
 from tribo.sweeps.points import Found, mean_and_half_width
 from tribo.validation import InputError
@@ -76,8 +77,9 @@ def _quantity(
     own = ("member",) * members + (f"{surface}_asperite",)
     dimensions = (*keys, *own[: len(rest)])
     whole = len(rest) == int(members) and kind in SUMMED_QUANTITIES
-    quantity = (SUMMED_QUANTITIES if whole else QUANTITIES)[kind]
-    about = {"units": quantity.units, "long_name": f"{quantity.long_name}, at the end"}
+    about = about_kept(name, at_end=True)
+    if whole:
+        about["long_name"] = f"{SUMMED_QUANTITIES[kind].long_name}, at the end"
     variables: dict[str, Variable] = {name: (dimensions, values, about)}
     if members:
         per_point = values.reshape(grid.size, *rest)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import tomllib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
@@ -12,7 +13,8 @@ import numpy as np
 from tribo.ensembles import ensemble
 from tribo.ensembles.engines import Engine, run_jobs
 from tribo.ensembles.intervals import interval
-from tribo.ensembles.kept_values import MISSED
+from tribo.ensembles.kept_ensemble import END, Wanted
+from tribo.ensembles.kept_values import MISSED, Kept
 from tribo.ensembles.members import Source, Variation
 from tribo.ensembles.runner import total_names
 from tribo.kernels.status import Status
@@ -91,14 +93,16 @@ class Job(NamedTuple):
 
 def kept_names(scene: Scene, keep: Sequence[str] | None) -> list[str]:
     """The names of the quantities that are kept, each once.  Raises InputError."""
+    keep = scene.output.keep if keep is None else keep
     if keep is None:
         return total_names(scene)
     if not is_list(keep) or len(keep) == 0:
         raise InputError("keep", f'must list quantities, as ["upper.W"], got {short_repr(keep)}')
-    layout = lay_out(scene)
+    layout = lay_out(_recording(scene, list(map(str, keep))))
     ledger = assemble(layout, Samples.at_zero(layout))
     for name in map(str, keep):
-        if not ledger.series(name) or ("." not in name and name not in ledger.system):
+        surface, _, kind = name.rpartition(".")
+        if kind not in (ledger.of(surface) if surface in layout.parts else ledger.system):
             first = scene.surfaces[0].name
             raise InputError(
                 f"keep.{name}",
@@ -106,6 +110,12 @@ def kept_names(scene: Scene, keep: Sequence[str] | None) -> list[str]:
                 'system, as "contact_energy"',
             )
     return list(dict.fromkeys(map(str, keep)))
+
+
+def _recording(scene: Scene, keep: Sequence[str]) -> Scene:
+    """The scene with the times and the series that the kept quantities need."""
+    output = Wanted(keep, END, False, None, False).scene(scene).output
+    return replace(scene, output=replace(output, ledger=scene.output.ledger))
 
 
 def found_at(
@@ -135,8 +145,9 @@ def run_point(scene: Scene, names: Sequence[str], group: Members | None) -> Foun
 
 def _single(scene: Scene, names: Sequence[str]) -> Found:
     """One run."""
-    ends = replace(scene.output, samples=2, times=None)
-    result = prepare(replace(scene, output=ends), threads=1).compute_first()
+    simulation = prepare(_recording(scene, names), threads=1)
+    kept = Kept.checked(simulation, names, False)
+    result = simulation.compute_first()
     status = str(result.status)
     if result.status == Status.COMPLETED and result.met is False:
         status = MISSED
@@ -144,10 +155,10 @@ def _single(scene: Scene, names: Sequence[str]) -> Found:
     counts["seconds"] = result.cost.wall_seconds
     if status not in WITH_VALUES:
         return Found(status, counts=counts, note=result.shortcoming)
-    ledger = result.ledger.at_end()
-    values = {name: ledger.series(name)[0][-1].tolist() for name in names}
+    found = kept.values_of(result, result.ledger.at_end())
+    values = {name: np.asarray(each).tolist() for name, each in found.items()}
     bounds = result.error_estimate
-    errors = {name: bounds.get(name, bounds[name.rpartition(".")[2]]) for name in names}
+    errors = {name: bounds.get(name, bounds.get(name.rpartition(".")[2])) for name in values}
     known = {name: bound for name, bound in errors.items() if bound is not None}
     return Found(status, values, known, counts, result.shortcoming)
 
@@ -158,7 +169,8 @@ def _several(scene: Scene, names: Sequence[str], group: Members) -> Found:
     if data.attrs["status"] == Status.INTERRUPTED:
         return Found(Found.INTERRUPTED)
     others = [str(status) for status in data["status"].values if status != Status.COMPLETED]
-    kept = {name: f"{name}_end" if f"{name}_end" in data else name for name in names}
+    every = json.loads(data.attrs["keep"])
+    kept = {name: f"{name}_end" if f"{name}_end" in data else name for name in every}
     return Found(
         others[0] if others else str(Status.COMPLETED),
         {name: data[own].values.tolist() for name, own in kept.items()},
