@@ -129,9 +129,16 @@ class Layout:
     def sampled_baths(self) -> tuple[int, int]:
         """The shape of what a sample has of the baths, (0, 0) where no series needs it."""
         bathed = self.model.bath is not None or self.model.torsional is not None
-        if self.scene.output.series and bathed:
-            return BATH_ROWS, self.model.asperites.shape[1]
-        return 0, 0
+        series = self.scene.output.series
+        if not (series and bathed):
+            return 0, 0
+        most = max(self.oscillators.values()) if "oscillators" in series else 0
+        return BATH_ROWS + 2 * most, self.model.asperites.shape[1]
+
+    @cached_property
+    def oscillators(self) -> dict[str, int]:
+        """Surface -> the number of oscillators on each bar that move along x and y."""
+        return {surface.name: surface.bath.masses.size for surface in self.scene.surfaces}
 
     @cached_property
     def accounted(self) -> Batch:

@@ -11,12 +11,13 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Callable, Collection, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
 
+from tribo.kernels.samples import BATH_ROWS
 from tribo.run.forces import Forces
 from tribo.run.further_series import system_names
 from tribo.run.layout import Layout
@@ -107,12 +108,16 @@ class Ledger:
         Surface -> quantity of the surface as a whole -> (times,).
     system : mapping
         Quantity of the system -> (times,).
+    oscillators : mapping
+        Surface with a bath -> displacements of its oscillators from their bars, (times, asperites,
+        oscillators, 2); empty where the scene's output does not ask for them.
     """
 
     t: np.ndarray  # (times,)
     surfaces: Mapping[str, Table]  # surface -> quantity -> (times, asperites)
     blocks: Mapping[str, Table]  # surface -> quantity -> (times,)
     system: Table  # quantity -> (times,)
+    oscillators: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         counts = ", ".join(f'{len(self.of(name))} of "{name}"' for name in self.surfaces)
@@ -147,6 +152,7 @@ class Ledger:
             {name: rows_of(table) for name, table in self.surfaces.items()},
             {name: rows_of(table) for name, table in self.blocks.items()},
             rows_of(self.system),
+            {name: values[selected] for name, values in self.oscillators.items()},
         )
 
     def at_end(self) -> Ledger:
@@ -154,7 +160,8 @@ class Ledger:
         return self.rows(slice(-1, None))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Ledger, (self.t, dict(self.surfaces), dict(self.blocks), self.system)
+        parts = dict(self.surfaces), dict(self.blocks), self.system, dict(self.oscillators)
+        return Ledger, (self.t, *parts)
 
 
 class Assembled(Ledger):
@@ -211,6 +218,19 @@ class Assembled(Ledger):
         further = frozenset(system_names(scene))
         found = reported(scene.output.ledger, False, False, further).system
         return Series(found, partial(series_of, found, self._system))
+
+    @cached_property
+    def oscillators(self) -> dict[str, np.ndarray]:  # type: ignore[override]
+        """Surface with a bath -> displacements of its oscillators from their bars."""
+        layout, rows = self._layout, self._samples.baths[:, BATH_ROWS:]
+        halves = np.stack(np.split(rows, 2, axis=1), axis=-1)  # times, oscillators, columns, 2
+        return {
+            name: halves[:, :count, layout.places.columns[part]].swapaxes(1, 2)
+            for (name, part), count in zip(
+                layout.parts.items(), layout.oscillators.values(), strict=True
+            )
+            if 0 < count <= halves.shape[1]
+        }
 
     def _reported(self, surface: str) -> Reported:
         """The quantities of a surface and of its asperites."""

@@ -41,14 +41,16 @@ class StreamedLedger:
     def with_ends(self, samples: Samples) -> Ledger:
         """All series, and those of the asperites at `samples`, the first and the last."""
         portions = self._portions
+        ends = assemble(self._layout, samples)
         return Ledger(
             np.concatenate([portion.t for portion in portions]),
-            assemble(self._layout, samples).surfaces,
+            ends.surfaces,
             {
                 name: _joined([portion.blocks[name] for portion in portions])
                 for name in portions[0].blocks
             },
             _joined([portion.system for portion in portions]),
+            ends.oscillators,
         )
 
 
