@@ -141,19 +141,35 @@ def listed_pairs() -> str:
     from tribo.run import layout as layouts
 
     rng = np.random.default_rng(3)
-    for box in ({}, {"x": 12.0}, {"z": 11.0}, {"x": 12.0, "z": 11.0}, {"x": 5.0, "z": 3.5}):
-        places = rng.uniform(0.0, 12.0, (70, 3)) * [1.0, 0.05, 1.0]
+    for count, extent, box in (
+        (70, 12.0, {}),
+        (70, 12.0, {"x": 12.0}),
+        (70, 12.0, {"z": 11.0}),
+        (70, 12.0, {"x": 5.0, "z": 3.5}),
+        (400, 40.0, {}),
+        (400, 40.0, {"x": 40.0, "z": 0.7 * 40.0}),
+    ):
+        places = rng.uniform(0.0, extent, (count, 3)) * [1.0, 0.08, 0.7] + [0.0, 0.0, 5.0]
         with mock.patch("tribo.run.contacts.UNLISTED_PAIRS", 0):
             layout = layouts.lay_out(scene_from(two_clouds(places, box)))
-        neighbours, columns = layout.neighbours(), layout.places.columns
+        columns = layout.places.columns
+        neighbours = layout.neighbours()
+        neighbours = neighbours._replace(index=np.zeros(60 * count, np.int32))
         near, far = 0.49 * layout.skin, 0.51 * layout.skin
-        for slide, lists_made in ((0.0, 1), (near, 1), (far, 2), (5.3, 3)):
-            place = places[:, 0] + slide * (np.arange(70) < 30), places[:, 1]
+        for slide, rise, lists_made in (
+            (0.0, 0.0, 1),
+            (0.0, near, 1),
+            (near, 0.0, 1),
+            (0.7 * far, 0.75 * far, 2),
+            (5.3, 0.0, 3),
+        ):
+            moves = np.arange(count) < 30
+            place = places[:, 0] + slide * moves, places[:, 1] + rise * moves
             layout.model.bobs[[[X], [Y]], columns] = place
             refresh(layout.model, neighbours)
             if neighbours.made[0] != lists_made:
                 return f"slide {slide}: list {neighbours.made[0]} instead of {lists_made}"
-            if slide == near:
+            if near in (slide, rise):
                 continue  # the list is the one before
             now = np.column_stack([*place, layout.depths])
             for k, pair in enumerate(neighbours.pairs.tolist()):
@@ -338,38 +354,195 @@ def hot_starts() -> str:
     from tribo.model.scene_file import scene_from
     from tribo.run.layout import lay_out
 
-    count = 500
-
-    def layout_at(temperature):
-        row = {"shape": [count, 1], "spacing": [1.0, 0.0], "asperite": {"kappa": 1.7, "m1": 0.6}}
-        row["initial"] = {"temperature": temperature}
-        surfaces = [
-            row | {"name": "loose", "drive": {"kind": "free", "load": 0.1}, "bars": "free"},
-            row | {"name": "held", "drive": "bars"},
-            row | {"name": "block", "drive": {"kind": "free", "rigid": True}},
-        ]
-        contact = {"potential": "coulomb", "strength": 0.1}
-        return lay_out(scene_from({"duration": 1.0, "interaction": contact, "surface": surfaces}))
-
-    layout, cold = layout_at(0.3), layout_at(0.0)
+    count, temperature, kappa, m1, m2, length, phi = 500, 0.3, 1.7, 0.6, 1.2, 1.4, 0.2
+    asperite = {"kappa": kappa, "m1": m1, "m2": m2, "length": length}
+    row = {"shape": [count, 1], "spacing": [1.0, 0.0], "asperite": asperite}
+    row["initial"] = {"temperature": temperature, "phi": phi}
+    surfaces = [
+        row | {"name": "loose", "drive": {"kind": "free", "load": 0.1}, "bars": "free"},
+        row | {"name": "held", "drive": "bars"},
+        row | {"name": "block", "drive": {"kind": "free", "rigid": True}},
+    ]
+    contact = {"potential": "coulomb", "strength": 0.1}
+    table = {"duration": 1.0, "interaction": contact, "surface": surfaces}
+    layout = lay_out(scene_from(table))
     q, v = np.split(layout.start, 2)
     a = layout.asperites
     loose, held, block = (np.arange(k * count, (k + 1) * count) for k in range(3))
-    inertia = a.inertia + np.where(a.surface == 1, a.mass * a.pivot**2, 0.0)
-    columns = [q[part] * np.sqrt(1.7 / 0.3) for part in (loose, held)]
-    columns += [v[part] * np.sqrt(inertia[part] / 0.3) for part in (loose, held)]
-    columns.append(v[a.dof_phi[loose]] * np.sqrt(a.i2[loose] / 0.3))
-    columns += [v[d[loose]] * np.sqrt(a.mass[loose] / 0.3) for d in (a.dof_x, a.dof_y)]
+    mass, l2 = m1 + m2, length * m1 / (m1 + m2)
+    about_centre, about_bar = m1 * m2 / mass * length**2, m1 * length**2
+    columns = [(q[part] - phi) * np.sqrt(kappa / temperature) for part in (loose, held)]
+    for part, inertia in ((loose, about_centre), (held, about_bar)):
+        columns.append(v[part] * np.sqrt(inertia / temperature))
+    columns.append(v[a.dof_phi[loose]] * np.sqrt(a.i2[loose] / temperature))
+    columns += [v[d[loose]] * np.sqrt(mass / temperature) for d in (a.dof_x, a.dof_y)]
+    if np.any(abs(np.mean(columns, axis=1)) > 5.0 / np.sqrt(count)):
+        return "not about the start at rest"
     covariance = np.array(columns) @ np.array(columns).T / count
     if np.any(abs(covariance - np.eye(len(columns))) > 5.0 * np.sqrt(2.0 / count)):
         return "not the covariance of a thermal state"
-    for d in (a.dof_x, a.dof_y):
-        if not np.array_equal(q[d[held]], cold.start[d[held]]):
+    places = q[a.dof_x[held]], q[a.dof_y[held]]
+    for place, expected in zip(places, (np.sin(phi), 1.0 - np.cos(phi)), strict=True):
+        if not np.allclose(place, -l2 * expected, 0.0, 1e-12):
             return "held bars are displaced"
     speed = v[a.dof_x[block]]
-    if not 0.0 < abs(speed[0]) < 5.0 * np.sqrt(0.3 / np.sum(a.mass[block])):
+    if not 0.0 < abs(speed[0]) < 5.0 * np.sqrt(temperature / (count * mass)):
         return "not the speed of a block"
     return "" if np.all(speed == speed[0]) else "a block moves apart"
+
+
+def given_starts() -> str:
+    """Displacements and velocities that are given are those of each centre of mass."""
+    from tribo.model.scene_file import scene_from
+    from tribo.run.layout import lay_out
+
+    given = {"x": [0.1, 0.2, 0.3], "y": 0.4, "vx": 0.5, "vy": [0.6, 0.7, 0.8]}
+    surface = {"name": "upper", "shape": [3, 1], "spacing": [1.0, 0.0], "initial": given}
+    surface["drive"] = {"kind": "free", "load": 0.1}
+    contact = {"potential": "coulomb", "strength": 0.1}
+    lower = {"name": "lower", "facing": "up", "bob": [0.0, -2.0]}
+    table = {"duration": 1.0, "interaction": contact, "surface": [surface, lower]}
+    layout = lay_out(scene_from(table))
+    q, v = np.split(layout.start, 2)
+    for name, value in given.items():
+        slots = layout.asperites[f"dof_{name[-1]}"][:3]
+        found = (v if name.startswith("v") else q)[slots]
+        if not np.array_equal(found, np.broadcast_to(value, 3)):
+            return f"{name} = {found}"
+    return ""
+
+
+def cells() -> str:
+    """Points in cells of at least a size, as many as fit, each point in the cell around it."""
+    from tribo.kernels.neighbours import sort_into_cells
+
+    rng = np.random.default_rng(7)
+    xs, zs = rng.uniform(3.0, 15.0, 60), rng.uniform(-9.0, 0.0, 60)
+    extent_x, extent_z = np.ptp(xs), np.ptp(zs)
+    for size_x, size_z, box_x, box_z, expected in (
+        (2.0, 3.0, 0.0, 0.0, (int(extent_x / 2.0), int(extent_z / 3.0))),
+        (2.0, 3.0, 0.9, 10.0, (1, 3)),  # below three cells there is one
+        (2.0, 3.0, 13.0, 5.9, (6, 1)),
+        (50.0, 40.0, 0.0, 0.0, (1, 1)),
+        (1e-3, 1e-3, 0.0, 0.0, None),
+    ):
+        geometry, first, order = sort_into_cells(xs, zs, size_x, size_z, box_x, box_z)
+        _, _, width_x, width_z, nx, nz = geometry
+        if expected is None:
+            if not 60 <= nx * nz <= 2 * 60 + 16:
+                return f"{nx * nz} cells for 60 points"
+        elif (nx, nz) != expected or width_x < size_x or width_z < size_z:
+            return f"{nx} x {nz} cells of {width_x} x {width_z} instead of {expected}"
+        if expected not in (None, (1, 1)) and max(width_x / size_x, width_z / size_z) > 3.0:
+            return "wide cells"
+        place_x = np.mod(xs, box_x) if box_x else xs - np.min(xs)
+        place_z = np.mod(zs, box_z) if box_z else zs - np.min(zs)
+        cell_x = np.minimum((place_x / width_x).astype(int), nx - 1)
+        cell_z = np.minimum((place_z / width_z).astype(int), nz - 1)
+        cell = cell_z * nx + cell_x
+        if not np.array_equal(order, np.argsort(cell, kind="stable")):
+            return "order of the points"
+        if not np.array_equal(np.diff(first), np.bincount(cell, minlength=nx * nz)):
+            return "numbers of points in cells"
+    return ""
+
+
+def boxes_within_reach() -> str:
+    """Of boxes in cells, exactly those within reach of another box, in ascending order."""
+    from tribo.kernels.neighbours import near_blocks, sort_into_cells
+
+    rng = np.random.default_rng(9)
+    reach = 1.5
+    for x, z in ((0.0, 0.0), (20.0, 0.0), (0.0, 30.0), (20.0, 30.0), (4.0, 0.9), (0.9, 4.0)):
+        half_x, half_z = 0.5 * min(x or 1.0, 1.0), 0.5 * min(z or 1.0, 1.0)
+        own, theirs = (
+            (
+                rng.uniform(-5.0, 25.0, (3, count)) * [[1.0], [0.2], [1.2]],
+                rng.uniform(0.0, 1.0, (3, count)) * [[half_x], [0.7], [half_z]],
+            )
+            for count in (25, 300)
+        )
+        largest = reach + np.max(own[1], axis=1) + np.max(theirs[1], axis=1)
+        cells = sort_into_cells(theirs[0][0], theirs[0][2], largest[0], largest[2], x, z)
+        away = theirs[0][:, None, :] - own[0][:, :, None]
+        for axis, box in ((0, x), (2, z)):
+            if box:
+                away[axis] -= box * np.round(away[axis] / box)
+        gaps = np.maximum(abs(away) - theirs[1][:, None, :] - own[1][:, :, None], 0.0)
+        for k, near in enumerate(np.sum(gaps**2, axis=0) < reach**2):
+            found = np.full(300, -1)
+            count = near_blocks(*theirs, own, k, reach, *cells, x, z, found)
+            if not np.array_equal(found[:count], np.flatnonzero(near)):
+                return f"period {x}, {z}: box {k}"
+    return ""
+
+
+def cold_baths() -> str:
+    """Oscillators of a bath at temperature 0 start where their bars are."""
+    from tribo.model.scene_file import scene_from
+    from tribo.run.layout import lay_out
+
+    m1, m2, length, swing = 0.6, 1.2, 1.4, 0.3
+    shift = {"x": [0.1, 0.2, 0.4], "y": [-0.3, 0.5, 0.7]}
+    bath = {"oscillators": [{"mass": 0.2, "frequency": 1.5}, {"mass": 0.1, "frequency": 2.0}]}
+    l2 = length * m1 / (m1 + m2)
+    sideways, along = l2 * np.sin(swing), l2 * (1.0 - np.cos(swing))
+    for drive, given in (
+        ({"kind": "free", "load": 0.1}, shift),
+        ({"kind": "forced"}, {}),
+        ("bars", {}),
+    ):
+        surface = {
+            "name": "upper",
+            "shape": [3, 1],
+            "spacing": [1.0, 0.0],
+            "asperite": {"m1": m1, "m2": m2, "length": length},
+            "drive": drive,
+            "initial": {"theta": swing} | given,
+            "bath": bath,
+        }
+        contact = {"potential": "coulomb", "strength": 0.1}
+        lower = {"name": "lower", "facing": "up", "bob": [0.0, -3.0]}
+        table = {"duration": 1.0, "interaction": contact, "surface": [surface, lower]}
+        layout = lay_out(scene_from(table))
+        q, _ = np.split(layout.start, 2)
+        first = layout.asperites.dof_bath[:3]
+        for axis, (name, moved) in enumerate((("x", -sideways), ("y", -along))):
+            bars = moved + np.broadcast_to(given.get(name, 0.0), 3)
+            for oscillator in range(2):
+                if not np.allclose(q[first + 2 * axis + oscillator], bars, 0.0, 1e-14):
+                    return f"{name} of oscillators below the drive {drive}"
+    return ""
+
+
+def partners() -> str:
+    """Bobs of the two kinds of a contact are partners of one another; without kinds, all are."""
+    from tribo.kernels.neighbours import is_partner, partner_species
+
+    species = np.array([0, 1, 2, 1])
+    for kinds in (None, (-1, -1), (0, 1), (1, 0), (1, 1), (2, 1)):
+        for i, j in np.ndindex(4, 4):
+            found = is_partner(species, partner_species(species, kinds, i), j)
+            pair = sorted((species[i], species[j]))
+            if found != (kinds in (None, (-1, -1)) or pair == sorted(kinds)):
+                return f"bobs {i} and {j} of {species} for {kinds}"
+    if not is_partner(None, partner_species(None, (0, 1), 2), 3):
+        return "a scene without species"
+    return ""
+
+
+def short_rows() -> str:
+    """A part of an array is sorted, and the rest is as it was."""
+    from tribo.kernels.neighbours import sort_row
+
+    rng = np.random.default_rng(8)
+    for start, end in ((0, 0), (0, 1), (0, 9), (2, 7), (3, 5)):
+        row = rng.permutation(9)
+        expected = np.concatenate([row[:start], np.sort(row[start:end]), row[end:]])
+        sort_row(row, start, end)
+        if not np.array_equal(row, expected):
+            return f"from {start} to {end}"
+    return ""
 
 
 FORMULAS = {
@@ -383,4 +556,10 @@ FORMULAS = {
     "columns by slot": columns_by_slot,
     "hot baths": hot_baths,
     "hot starts": hot_starts,
+    "given starts": given_starts,
+    "cold baths": cold_baths,
+    "cells": cells,
+    "boxes within reach": boxes_within_reach,
+    "partners": partners,
+    "short rows": short_rows,
 }
