@@ -515,6 +515,9 @@ def further_series() -> str:
             return "kinetic energy of the bath at the start"
     if np.max(np.abs(total - total[0] - result.system["total_energy_change"])) > 1e-12:
         return "sum of all energies"
+    plain = replace(scene, duration=0.01, output=tribo.Output(samples=2))
+    if tribo.simulate(plain, method="verlet", step=0.01).ledger.oscillators:
+        return "oscillators that are not asked for"
     return ""
 
 

@@ -132,8 +132,10 @@ class Layout:
         series = self.scene.output.series
         if not (series and bathed):
             return 0, 0
-        most = max(self.oscillators.values()) if "oscillators" in series else 0
-        return BATH_ROWS + 2 * most, self.model.asperites.shape[1]
+        rows = BATH_ROWS
+        if "oscillators" in series:
+            rows += 2 * max(self.oscillators.values())
+        return rows, self.model.asperites.shape[1]
 
     @cached_property
     def oscillators(self) -> dict[str, int]:

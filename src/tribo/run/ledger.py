@@ -223,13 +223,15 @@ class Assembled(Ledger):
     def oscillators(self) -> dict[str, np.ndarray]:  # type: ignore[override]
         """Surface with a bath -> displacements of its oscillators from their bars."""
         layout, rows = self._layout, self._samples.baths[:, BATH_ROWS:]
-        halves = np.stack(np.split(rows, 2, axis=1), axis=-1)  # times, oscillators, columns, 2
+        if rows.shape[1] == 0:
+            return {}
+        counts = layout.oscillators
+        most, columns = max(counts.values()), rows.shape[2]
+        axes = rows.reshape(len(rows), 2, most, columns)
         return {
-            name: halves[:, :count, layout.places.columns[part]].swapaxes(1, 2)
-            for (name, part), count in zip(
-                layout.parts.items(), layout.oscillators.values(), strict=True
-            )
-            if 0 < count <= halves.shape[1]
+            name: axes[:, :, : counts[name], layout.places.columns[part]].transpose(0, 3, 2, 1)
+            for name, part in layout.parts.items()
+            if counts[name]
         }
 
     def _reported(self, surface: str) -> Reported:
