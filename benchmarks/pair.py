@@ -501,26 +501,33 @@ def report(rows: list[dict[str, Any]]) -> str:
     return "\n".join(lines)
 
 
+# Tables of the page: a sentence, and the column of the rows that is shown for each program.
+TABLES = {
+    "ratio_to_number": "Times to the number, divided by that of tribo:",
+    "to_number": "Microseconds to the number:",
+    "microseconds": "Microseconds of the integration:",
+}
+
+
 def markdown(rows: list[dict[str, Any]]) -> str:
-    """The table of docs/explanation/pairs.md."""
+    """The tables of docs/explanation/pairs.md."""
+    return "\n\n".join(f"{text}\n\n{_table(rows, key)}" for key, text in TABLES.items())
+
+
+def _table(rows: list[dict[str, Any]], key: str) -> str:
+    """One number of every program, for each case and accuracy; ratios with their means."""
     titles = {"heyoka-motion": "heyoka, motion alone", "scipy": "SciPy"}
-    others = list(PROGRAMS)[1:]
-    titled = [titles.get(name, name) for name in PROGRAMS]
-    lines = [["case", "true error below", *(f"{titles.get(n, n)} / tribo" for n in others)]]
-    lines[0] += [*titled, *(f"{title}, to the number" for title in titled)]
+    programs = list(PROGRAMS)[1:] if key.startswith("ratio") else list(PROGRAMS)
+    lines = [["case", "true error below", *(titles.get(name, name) for name in programs)]]
     lines.append(["---"] * len(lines[0]))
     for case, wanted in sorted({(row["case"], -row["wanted"]) for row in rows}):
         found = {r["program"]: r for r in rows if (r["case"], -r["wanted"]) == (case, wanted)}
-
-        def shown(names: list[str], key: str, found: dict[str, Any] = found) -> list[str]:
-            return [f"{found[n][key]:.3g}" if n in found else "-" for n in names]
-
-        programs = list(PROGRAMS)
-        times = [*shown(programs, "microseconds"), *shown(programs, "to_number")]
-        lines.append([case, f"{-wanted:.0e}", *shown(others, "ratio_to_number"), *times])
-    means = [[row["ratio_to_number"] for row in rows if row["program"] == name] for name in others]
-    mean = [f"{geometric_mean(ratios):.3g}" if ratios else "-" for ratios in means]
-    lines.append(["geometric mean", "", *mean, *[""] * (2 * len(PROGRAMS))])
+        values = [f"{found[name][key]:.3g}" if name in found else "-" for name in programs]
+        lines.append([case, f"{-wanted:.0e}", *values])
+    if key.startswith("ratio"):
+        ratios = [[row[key] for row in rows if row["program"] == name] for name in programs]
+        means = [f"{geometric_mean(each):.3g}" if each else "-" for each in ratios]
+        lines.append(["geometric mean", "", *means])
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 

@@ -2,12 +2,12 @@
 
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 from tribo import atlas
-from tribo.integrators.methods import METHODS
+from tribo.integrators.methods import METHODS, Method
 from tribo.plotting.style import drawing_on, save
 
 MEASURED = Path(__file__).resolve().parent / "measured" / "atlas.json"
@@ -18,6 +18,13 @@ SHOWN = {
     "completed, accuracy not met": "not met",
     "completed, error above its estimate": "wrong",
     "NoProgress": "costly",
+}
+
+# Which methods each table of methods has: few enough for the width of a page.
+KINDS: dict[str, Callable[[Method], bool]] = {
+    "adaptive": lambda method: method.adaptive,
+    "equal": lambda method: not method.adaptive and not method.splits,
+    "splitting": lambda method: method.splits,
 }
 
 
@@ -38,13 +45,14 @@ def outcomes() -> Iterator[list[str]]:
         yield [f"`{name}`: {entry.scene().title}", outcome, *numbers, entry.failure]
 
 
-def by_method() -> Iterator[list[str]]:
-    """Every scene by every method: force evaluations, or why there is no number."""
-    yield ["scene", *(f"`{method}`" for method in METHODS)]
+def by_method(kind: str) -> Iterator[list[str]]:
+    """Every scene by every method of a kind: force evaluations, or why there is no number."""
+    methods = [name for name, method in METHODS.items() if KINDS[kind](method)]
+    yield ["scene", *(f"`{method}`" for method in methods)]
     for name, data in measured().items():
         cells = {cell["method"]: _cell(cell) for cell in data["methods"]}
         if cells:
-            yield [f"`{name}`", *(cells[method] for method in METHODS)]
+            yield [f"`{name}`", *(cells[method] for method in methods)]
 
 
 def stability() -> Iterator[list[str]]:

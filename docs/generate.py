@@ -70,7 +70,7 @@ def everything(folder: Path) -> None:
         "effect_costs": measure_effects.costs(),
         "by_hand": measure_effects.by_hand(),
         "atlas": atlas_tables.outcomes(),
-        "atlas_methods": atlas_tables.by_method(),
+        **{f"atlas_{kind}": atlas_tables.by_method(kind) for kind in atlas_tables.KINDS},
         "atlas_stability": atlas_tables.stability(),
     }.items():
         (folder / f"{name}.md").write_text(markdown(rows), encoding="utf-8")

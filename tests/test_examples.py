@@ -55,6 +55,17 @@ def heat_into_baths(shown):
     assert shown["largest error of 40 until then"] < 0.01
 
 
+def lammps_export(shown):
+    """The atoms and the potential of the files have the energy of the scene."""
+    assert shown["energy of the files / energy of the scene"] == pytest.approx(1.0, rel=1e-13)
+
+
+def load_and_energy(shown):
+    """Amontons' law within the intervals; the budget is closed to the error of verlet's step."""
+    assert shown["exponent"] == pytest.approx(1.0, abs=0.1)
+    assert shown["largest gap / work, to 0.001"] == 0.0
+
+
 def logarithmic_velocity(shown):
     """Friction by Kramers' rate, within 6 % at every speed: the error of the mean of 40 tips."""
     assert len(shown) == 4
@@ -118,10 +129,14 @@ CHECKS = {name: globals()[name] for name in EXAMPLES}
 # Examples that take more than five seconds of CPU time, most of it to compile a loop that no other
 # test of the default set needs.
 LONG = {
-    *("aubry_transition", "commensurate_rows", "free_block", "friction_against_load", "postcard"),
+    *("aubry_transition", "commensurate_rows", "free_block", "friction_against_load"),
+    *("load_and_energy", "postcard"),
     *("rough_surface", "stick_slip", "structural_lubricity", "thermal_friction"),
     "washboard_resonance",
 }
+
+# Examples whose motion is chaotic, so that averages differ by this ratio from machine to machine.
+CHAOTIC = {"load_and_energy": 0.1}
 
 
 @pytest.mark.parametrize(
@@ -133,7 +148,7 @@ def test_example(name, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == [f"{name}.png"]
     CHECKS[name](shown)
     stored = json.loads((GALLERY / "numbers.json").read_text(encoding="utf-8"))[name]
-    assert shown == pytest.approx(stored, rel=1e-2, abs=1e-7)
+    assert shown == pytest.approx(stored, rel=CHAOTIC.get(name, 1e-2), abs=1e-7)
 
 
 @pytest.mark.parametrize("name", EXAMPLES)

@@ -6,6 +6,7 @@ import argparse
 import json
 import sys
 import warnings
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -233,6 +234,11 @@ def _add_view(view: argparse.ArgumentParser) -> None:
         "-o", "--out", type=Path, required=True, metavar="PAGE.html", help="the page to write"
     )
     view.add_argument(
+        "--bath",
+        action="store_true",
+        help='draw bath oscillators; the file of a run must have the series "oscillators"',
+    )
+    view.add_argument(
         "--no-plugins", action="store_true", help="refuse a scene file that names code"
     )
     view.set_defaults(command=_view)
@@ -320,10 +326,14 @@ def _view(options: argparse.Namespace) -> int:
 
     checked_target("--out", options.out)
     if options.scene.suffix == ".toml":
-        result = simulate(load(options))
+        scene = load(options)
+        if options.bath:
+            series = (*scene.output.series, "oscillators")
+            scene = replace(scene, output=replace(scene.output, series=series))
+        result = simulate(scene)
     else:
         result = load_result(options.scene)
-    print(result.to_html(options.out))
+    print(result.to_html(options.out, options.bath))
     return COMPLETED if result.status == "completed" else STOPPED
 
 

@@ -2,6 +2,7 @@
 
 import json
 import math
+import pickle
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -15,7 +16,7 @@ from support.everything import everything
 from tribo.model.scene_writer import scene_table
 from tribo.run.layout import lay_out
 
-BOTH = ("forces", "energies")
+EVERY = ("forces", "energies", "oscillators")
 
 
 def asking(scene, *series, **output):
@@ -28,7 +29,9 @@ def result():
     """A run with contact between and within, a field, a pull, a load, springs and a bath."""
     scene = everything(2.0, samples=201)
     fields = (replace(scene.fields[0], velocity=(0.0, 0.0)),)
-    return tribo.simulate(asking(replace(scene, fields=fields), *BOTH), method="verlet", step=0.002)
+    return tribo.simulate(
+        asking(replace(scene, fields=fields), *EVERY), method="verlet", step=0.002
+    )
 
 
 def vectors(table, name):
@@ -108,7 +111,7 @@ def test_names_follow_the_effects(result):
 
 def test_noise_has_means():
     """f_T is its impulse over the interval; the end alone says the same; runs continue."""
-    scene = asking(chain((1.0, 2.0, 4.0)), *BOTH)
+    scene = asking(chain((1.0, 2.0, 4.0)), *EVERY)
     how = {"method": "verlet", "step": 0.02}
     whole = tribo.simulate(scene, **how)
     upper = whole["upper"]
@@ -142,7 +145,7 @@ def test_reactions_and_rigid_asperites():
             "lower", facing="up", drive=tribo.Free(), asperite=tribo.Asperite(kappa=math.inf)
         ),
     )
-    output = tribo.Output(samples=201, series=BOTH)
+    output = tribo.Output(samples=201, series=EVERY)
     scene = tribo.Scene(surfaces, tribo.Morse(D=0.1, alpha=2.0, r0=0.5), 2.0, output=output)
     result = tribo.simulate(scene, method="verlet", step=0.002)
     for name in ("upper", "lower"):
@@ -189,9 +192,26 @@ def test_friction_force(result, tmp_path):
     assert list(average.get_ydata()) == [found.mean] * 2
 
 
+def test_oscillators(result, tmp_path):
+    """Displacements times stiffnesses are the force on each bar; files and pickles keep them."""
+    found, bath = result.oscillators("lower"), result.scene.surfaces[1].bath
+    assert found.shape == (201, 2, bath.masses.size, 2)
+    stiffness = bath.masses * bath.frequencies**2
+    force = np.einsum("m,tamx->xta", stiffness, found)
+    assert force == pytest.approx(vectors(result["lower"], "f_bath"), rel=1e-12, abs=1e-14)
+    assert np.abs(force).max() > 1e-3 and not found[0].any()
+    result.save(tmp_path / "result.nc")
+    for copy in (tribo.load_result(tmp_path / "result.nc"), pickle.loads(pickle.dumps(result))):
+        assert np.array_equal(copy.oscillators("lower"), found)
+    with pytest.raises(tribo.InputError, match="upper: has no bath oscillators"):
+        result.oscillators("upper")
+    with pytest.raises(tribo.InputError, match='does not contain "oscillators"'):
+        tribo.simulate(pair(), method="verlet", step=0.1).oscillators("upper")
+
+
 def test_pairs_and_accuracies(tmp_path):
     """The loop for a pair reports them too; an accuracy of a force is refused."""
-    scene = asking(replace(pair(), output=tribo.Output(samples=41)), *BOTH)
+    scene = asking(replace(pair(), output=tribo.Output(samples=41)), *EVERY)
     result = tribo.simulate(scene, accuracy=1e-6)
     assert result.met and result["upper"].f1_x == pytest.approx(-result["lower"].f1_x, abs=1e-15)
     # The contact force is minus the slope of the contact energy along the path of the bobs.
@@ -202,8 +222,10 @@ def test_pairs_and_accuracies(tmp_path):
     with pytest.raises(tribo.InputError, match=r"accuracy\.upper\.f1_x: is not a reported"):
         tribo.simulate(scene, accuracy={"upper.f1_x": 1e-3})
     scene.save(tmp_path / "scene.toml")
-    assert tribo.load_scene(tmp_path / "scene.toml").output.series == BOTH
-    with pytest.raises(tribo.InputError, match=r'series\[0\]: must be "forces" or "energies"'):
+    assert tribo.load_scene(tmp_path / "scene.toml").output.series == EVERY
+    with pytest.raises(
+        tribo.InputError, match=r"series\[0\]: must be .forces. or .energies. or .osc"
+    ):
         tribo.Output(series=["force"])
     with pytest.raises(tribo.InputError, match="series: must be a list of words"):
         tribo.Output(series="forces")

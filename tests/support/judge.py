@@ -487,7 +487,7 @@ def further_series() -> str:
     push = tribo.Pushed(force=(0.4, -0.2), rate=(0.5, 0.7))
     upper, lower = scene.surfaces
     surfaces = (replace(upper, bath=bath), replace(lower, drive=push, velocity=(0.0, 0.3)))
-    output = tribo.Output(samples=41, series=("forces", "energies"))
+    output = tribo.Output(samples=41, series=("forces", "energies", "oscillators"))
     scene = replace(scene, surfaces=surfaces, output=output)
     result = tribo.simulate(scene, method="verlet", step=0.01)
     total = result.system["contact_energy"] + result.system["field_energy"]
@@ -505,10 +505,19 @@ def further_series() -> str:
         heat = table.k_bath + table.e_bath
         if np.any(table.k_bath <= 0.0) or np.any(table.e_bath < -1e-15):
             return f"energies of the bath of {name}"
+        own = next(each.bath for each in surfaces if each.name == name)
+        stretch = np.einsum(
+            "m,tamx->xta", own.masses * own.frequencies**2, result.oscillators(name)
+        )
+        if np.max(np.abs(stretch - [table.f_bath_x, table.f_bath_y])) > 1e-12:
+            return f"oscillators of the bath of {name}"
         if name == "upper" and abs(heat[0] - 0.5 * 2.0 * 0.3 * 0.4**2) > 1e-12:
             return "kinetic energy of the bath at the start"
     if np.max(np.abs(total - total[0] - result.system["total_energy_change"])) > 1e-12:
         return "sum of all energies"
+    plain = replace(scene, duration=0.01, output=tribo.Output(samples=2))
+    if tribo.simulate(plain, method="verlet", step=0.01).ledger.oscillators:
+        return "oscillators that are not asked for"
     return ""
 
 

@@ -17,8 +17,15 @@ class Gauss(NamedTuple):
 
 
 def work(speed: float) -> float:
-    upper = Surface("upper", bob=(-5.0, 0.0), velocity=(speed, 0.0), asperite=Asperite(kappa=2.0))
+    upper = Surface("upper", bob=[-5.0, 0.0], velocity=(speed, 0.0), asperite=Asperite(kappa=2.0))
     lower = Surface("lower", facing="up", drive=Pulled(stiffness=1.0, speed=0.0))
+    rows = [
+        Surface("row", shape=[4, 1], spacing=[1.0, 0.0], heights=[0.0, 0.1, 0.0, 0.1]),
+        Surface("sheet", drive="bars", langevin={"gamma": 1.0, "on": "swing"}, species="C"),
+        Surface("block", drive={"kind": "free", "load": 0.1}, springs={"stiffness": 2.0}),
+        Surface("listed", positions=[[0.0, 0.0, 0.0]], bars="free", bath={"spectrum": "drude"}),
+    ]
+    assert [row.drive for row in rows] and rows[0].shape[0] == 4
     fields = [Field(Corrugation(0.1, 1.0), on=["lower"])]
     output = Output(times=[1.0, 20.0])
     scene = Scene([upper, lower], Gauss(0.05, 0.2), duration=20.0, fields=fields, output=output)

@@ -4,6 +4,7 @@ import base64
 import json
 import re
 import shutil
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -17,6 +18,9 @@ from tribo.viewer import contents
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 # No sandbox, as in containers; no request of the browser's own.
 ARGUMENTS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-sync"]
+
+
+NUMERICS = tribo.Numerics(method="verlet", step=0.01)
 
 
 @pytest.fixture(scope="module")
@@ -79,6 +83,53 @@ def test_the_page_loads_nothing(page):
     assert not re.findall(r"https?:|src=|@import|url\(", text)
     assert "default-src 'none'" in text
     assert set(re.findall(r"\[\[\w+\]\]", text)) == {"[[DATA]]"}  # of the title
+
+
+@pytest.fixture(scope="module")
+def bathed(result):
+    """The same with a bath on the lower bar, which 30 listed oscillators make."""
+    bath = tribo.Bath(np.full(30, 0.05), np.linspace(0.5, 3.0, 30))
+    upper, lower = result.scene.surfaces
+    output = Output(samples=41, series=["oscillators"])
+    scene = replace(result.scene, surfaces=(upper, replace(lower, bath=bath)), output=output)
+    return tribo.simulate(replace(scene, numerics=NUMERICS))
+
+
+def test_bath_oscillators_on_request(bathed, tmp_path):
+    """Evenly chosen ones are dots below the bar, with displacements that are magnified alike."""
+    page = bathed.to_html(tmp_path / "bath.html", bath=True)
+    upper, lower = held(page)["surfaces"]
+    assert upper["dots"] is None and page.stat().st_size < 3e6
+    dots = numbers(lower["dots"], "<f4").reshape(41, 12, 2)
+    bar = np.stack([bathed["lower"][f"{axis}_bar"] for axis in "xy"], axis=-1)
+    rod = bathed.scene.surfaces[1].asperite.for_each(1)["length"][0]
+    row = dots[0] - bar[0]
+    assert row[:, 1] == pytest.approx(-0.4 * rod) and np.all(np.diff(row[:, 0]) > 0.0)
+    chosen = np.linspace(0, 29, 12).round().astype(int)
+    true = bathed.oscillators("lower")[:, 0]
+    drawn = true[:, chosen] * 0.25 * rod / np.abs(true).max()
+    assert dots - bar - row == pytest.approx(drawn, abs=1e-5)
+    assert np.abs(drawn).max() > 0.1 * rod
+    factor = 0.25 * rod / np.abs(true).max()
+    assert f"displaced {factor:.3g} times" in held(page)["notes"][-1]
+
+
+def test_bath_in_other_pictures(result, bathed, tmp_path, capsys):
+    """Snapshots and films have the dots too; a result without oscillators is refused."""
+    for bath, number in ((False, 0), (True, 12)):
+        marks = bathed.plot.snapshots([40.0], bath=bath).collections
+        assert sum(len(each.get_offsets()) == 12 for each in marks) == number // 12
+    assert bathed.animate(tmp_path / "a.gif", frames=2, dpi=30, bath=True).stat().st_size > 0
+    with pytest.raises(InputError, match="bath: no surface has bath oscillators"):
+        result.to_html(tmp_path / "a.html", bath=True)
+    scene = replace(bathed.scene, output=Output(samples=3), numerics=NUMERICS)
+    scene.save(tmp_path / "a.toml")
+    arguments = ["view", str(tmp_path / "a.toml"), "-o", str(tmp_path / "a.html")]
+    assert main([*arguments, "--bath"]) == 0
+    assert held(tmp_path / "a.html")["surfaces"][1]["dots"]
+    tribo.simulate(scene).save(tmp_path / "a.nc")
+    assert main(["view", str(tmp_path / "a.nc"), *arguments[2:], "--bath"]) == 2
+    assert 'output.series: does not contain "oscillators"' in capsys.readouterr().err
 
 
 def test_frames_are_thinned(result, monkeypatch):

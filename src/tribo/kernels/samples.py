@@ -25,6 +25,7 @@ from tribo.kernels.springs import spring_energies
 SPRINGS, BATH, TORSIONAL, WITHIN, MOMENTUM_X, MOMENTUM_Y, STORED = range(7)
 
 # Rows of what samples may have of the baths: their force on each bar, and their kinetic energy.
+# Displacements of oscillators from the bar follow on request: a row of each x, then of each y.
 PULL_X, PULL_Y, KINETIC, BATH_ROWS = range(4)
 
 
@@ -65,7 +66,7 @@ class Record(NamedTuple):
     contact: np.ndarray  # (times,) energy of all contacts
     field: np.ndarray  # (times,) energy in all external fields
     stored: np.ndarray  # (times, surfaces, STORED) energies within, and the baths' momentum
-    baths: np.ndarray  # (times, BATH_ROWS, n) the bath of each bar; empty where not asked for
+    baths: np.ndarray  # (times, rows, n) the bath of each bar; empty where not asked for
     y_places: np.ndarray  # (2 coordinates,) where the kernels have them
     s_places: np.ndarray  # (accounts,) the same
 
@@ -169,6 +170,22 @@ def write_baths(model, bath, q, v, record):
 
 
 @kernel
+def write_oscillators(model, bath, q, record):
+    """Record the displacements of the oscillators on each bar, as many as have rows."""
+    if bath is not None:
+        half = (record.shape[0] - BATH_ROWS) // 2
+        for k in range(model.surfaces.shape[0]):
+            s = model.surfaces[k]
+            for i in range(s.start, s.end):
+                first = first_slot(s, i)
+                for m in range(min(half, s.oscillators)):
+                    x = q[first + m] - model.displaced[ALONG_X, i]
+                    y = q[first + s.oscillators + m] - model.displaced[ALONG_Y, i]
+                    record[BATH_ROWS + m, i] = x
+                    record[BATH_ROWS + half + m, i] = y
+
+
+@kernel
 def add_torsional_kinetic(model, torsional, v, record):
     """Add the kinetic energy of the torsional oscillators on each bar."""
     if torsional is not None:
@@ -203,5 +220,6 @@ def write_sample(model, neighbours, clock, state, record):
     if record.baths.shape[1] > 0:
         clear(record.baths[k])
         write_baths(model, model.bath, q, v, record.baths[k])
+        write_oscillators(model, model.bath, q, record.baths[k])
         add_torsional_kinetic(model, model.torsional, v, record.baths[k])
     clock.sample += 1

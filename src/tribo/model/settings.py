@@ -28,7 +28,7 @@ FINEST, COARSEST = 1e-13, 0.1
 # Of what the works and pseudoworks are kept.
 LEDGERS = ("asperites", "surfaces", "none")
 # Groups of further series that are reported on request.
-SERIES = ("forces", "energies")
+SERIES = ("forces", "energies", "oscillators")
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,8 @@ class Output:
         Works and pseudoworks of each asperite, "asperites", their sums over each surface,
         "surfaces", or none of them, "none".  A run does not compute what is not kept.
     series : tuple of str
-        Further series: "forces" on every asperite, "energies" of every kind, or both.
+        Further series: "forces" on every asperite, "energies" of every kind, and displacements of
+        all bath "oscillators".
     keep : tuple of str, optional
         The only quantities that are recorded, as "upper.W" or "contact_energy"; all without it.
 
@@ -66,6 +67,8 @@ class Output:
         object.__setattr__(self, "series", _words("series", self.series, SERIES))
         if self.keep is not None:
             object.__setattr__(self, "keep", _names(self.keep))
+            if "oscillators" in self.series:
+                raise InputError("series", '"oscillators" cannot go with keep, which omits them')
         integer("samples", self.samples, 2, LARGEST_COUNT)
         choice("ledger", self.ledger, LEDGERS)
         if self.times is not None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -27,6 +29,11 @@ from tribo.validation import (
     number,
     vector,
 )
+
+if TYPE_CHECKING:
+    Number = TypeVar("Number")
+    Pair = tuple[Number, Number] | list[Number] | np.ndarray
+    Settings = Mapping[str, object]  # a table of a scene file
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,6 +107,29 @@ class Surface(ComparedByValue):
     species: str | tuple[str, ...] = ""
     asperite: Asperite = field(default_factory=Asperite)
     initial: Initial = field(default_factory=Initial)
+
+    if TYPE_CHECKING:
+        # The constructor takes more than the fields then hold.
+        def __init__(
+            self,
+            name: str,
+            facing: str = ...,
+            bob: Pair[float] = ...,
+            velocity: Pair[float] = ...,
+            shape: Pair[int] = ...,
+            spacing: Pair[float] = ...,
+            depth: float = ...,
+            heights: Sequence[float] | np.ndarray | Roughness | Topography | Settings | None = ...,
+            positions: Sequence[Sequence[float]] | np.ndarray | None = ...,
+            drive: Drive | str | Settings = ...,
+            bars: str | Ends | Settings = ...,
+            springs: Springs | Settings = ...,
+            bath: Bath | Settings = ...,
+            langevin: Langevin | Settings | None = ...,
+            species: str | Sequence[str] = ...,
+            asperite: Asperite = ...,
+            initial: Initial = ...,
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         self._check_place()

@@ -41,6 +41,7 @@ def animate(
     rate: int = 20,
     surface: str | None = None,
     dpi: int = 100,
+    bath: bool = False,
 ) -> Path:
     """Write a moving picture of the run: GIF, or MP4 where ffmpeg is installed.
 
@@ -57,6 +58,9 @@ def animate(
         The surface whose works are shown, summed over its asperites; the first without it.
     dpi : int
         Pixels an inch; the picture is 6 inches wide.
+    bath : bool
+        Whether bath oscillators are drawn; the scene's output must ask for the series
+        "oscillators".
 
     Returns
     -------
@@ -66,8 +70,9 @@ def animate(
     Raises
     ------
     InputError
-        If the name ends otherwise, ffmpeg is missing, the file cannot be written, or the run was
-        too large to keep the places of its asperites.
+        If the name ends otherwise, ffmpeg is missing, the file cannot be written, the run was
+        too large to keep the places of its asperites, or those of the bath's oscillators are not
+        recorded.
     """
     from matplotlib.animation import writers
 
@@ -82,7 +87,7 @@ def animate(
     checked_target("path", path)
     samples = np.unique(np.linspace(0, len(result.t) - 1, frames).round().astype(int))
     with style(), tempfile.TemporaryDirectory() as folder:
-        film = Film(result, surface or result.scene.surfaces[0].name)
+        film = Film(result, surface or result.scene.surfaces[0].name, bath)
         written = Path(folder) / f"film{kind}"
         _write(film, samples, writers[WRITERS[kind]](fps=rate), written, dpi)
         replace_file(path, written.read_bytes())
@@ -107,6 +112,8 @@ class Film:
     result : Result
     surface : str
         The surface whose works are shown.
+    bath : bool
+        Whether bath oscillators are drawn.
 
     Attributes
     ----------
@@ -115,12 +122,12 @@ class Film:
         The work of each name, up to the sample shown.
     """
 
-    def __init__(self, result: Result, surface: str) -> None:
+    def __init__(self, result: Result, surface: str, bath: bool = False) -> None:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
 
         self._result = result
-        boxes = np.array([pose(result, k).box for k in _some(len(result.t))])
+        boxes = np.array([pose(result, k, bath).box for k in _some(len(result.t))])
         lows, highs = boxes.min(axis=0), boxes.max(axis=0)
         box = (float(lows[0]), float(highs[1]), float(lows[2]), float(highs[3]))
         ideal = WIDTH * (box[3] - box[2]) / (box[1] - box[0]) + 0.3
@@ -132,7 +139,7 @@ class Film:
         above.set_axis_off()
         frame(above, box, bottom=2 * EDGE, top=2 * EDGE, left=3 * EDGE, right=3 * EDGE)
         scale = min(WIDTH / (box[1] - box[0]), height / (box[3] - box[2])) * POINTS_PER_INCH
-        self._picture = Picture(above, result, scale, typical_swing(result))
+        self._picture = Picture(above, result, scale, typical_swing(result), bath)
         self._clock = above.text(0.01, 0.98, "", transform=above.transAxes, va="top")
         below = self.figure.add_axes((0.09, 0.44 / total, 0.62, (CURVES - 0.54) / total))
         self._works = _named_works(result, surface)

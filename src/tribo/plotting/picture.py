@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from tribo.model.surface import Surface
+from tribo.plotting.oscillators import oscillator_dots
 from tribo.plotting.style import INK
 from tribo.run.result import Result
 from tribo.validation import InputError
@@ -21,15 +22,15 @@ MOST_DETAILED = 120
 # Displacement in the drawing for a depth of 1, to the right and upward (oblique projection).
 OBLIQUE = np.array([0.35, 0.2])
 
-# Colours of bars, rods and bobs: by where the surface faces.
+# Colours of bars, by where the surface faces; of rods, bobs and bath oscillators.
 COLOURS = {"down": "#3f74b5", "up": "#6b7280"}
-ROD_COLOUR, BOB_COLOUR = "#b98a2f", "#f3c969"
+ROD_COLOUR, BOB_COLOUR, BATH_COLOUR = "#b98a2f", "#f3c969", "#9a5fb5"
 
 # Colours of the swing of many bobs, from the most negative to the most positive.
 SWING_COLOURS = "coolwarm"
 
-# Diameter of a bob, widths of a bar and of a rod [rod length].
-BOB, BAR, ROD = 0.2, 0.1, 0.05
+# Diameters of a bob and of a bath oscillator, widths of a bar and of a rod [rod length].
+BOB, DOT, BAR, ROD = 0.2, 0.06, 0.1, 0.05
 
 
 class Pose(NamedTuple):
@@ -39,6 +40,8 @@ class Pose(NamedTuple):
     ----------
     bars, bobs : ndarray, (n, 2)
         Centres in the drawing [length].
+    dots : ndarray, (m, 2)
+        Bath oscillators; none unless they are asked for [length].
     ends : ndarray, (n, 2, 2)
         Left and right end of each bar [length].
     swing : ndarray, (n,)
@@ -49,32 +52,56 @@ class Pose(NamedTuple):
     bobs: np.ndarray
     ends: np.ndarray
     swing: np.ndarray
+    dots: np.ndarray
 
     @property
     def box(self) -> tuple[float, float, float, float]:
-        """Left, right, bottom and top of all bars and bobs."""
-        points = np.concatenate([self.ends.reshape(-1, 2), self.bobs])
+        """Left, right, bottom and top of all bars, bobs and dots."""
+        points = np.concatenate([self.ends.reshape(-1, 2), self.bobs, self.dots])
         (left, bottom), (right, top) = points.min(axis=0), points.max(axis=0)
         return float(left), float(right), float(bottom), float(top)
 
 
-def pose(result: Result, sample: int) -> Pose:
+def pose(result: Result, sample: int, bath: bool = False) -> Pose:
     """The asperites at a sample, those at a depth shifted to the right and upward.
+
+    Parameters
+    ----------
+    result : Result
+    sample : int
+    bath : bool
+        Whether bath oscillators are drawn.
+
+    Returns
+    -------
+    Pose
 
     Raises
     ------
     InputError
-        The run was too large to keep the places of single asperites.
+        The run was too large to keep the places of single asperites, or those of the bath's
+        oscillators are not recorded.
     """
     parts = [_pose(result, surface, sample) for surface in result.scene.surfaces]
-    return Pose(*map(np.concatenate, zip(*parts, strict=True)))
+    dots = oscillator_dots(result, np.array([sample])) if bath else {}
+    surfaces = {surface.name: surface for surface in result.scene.surfaces}
+    places = [
+        (group[0] + _shift(surfaces[name])[:, None]).reshape(-1, 2) for name, group in dots.items()
+    ]
+    bars, bobs, ends, swing = map(np.concatenate, zip(*parts, strict=True))
+    return Pose(bars, bobs, ends, swing, np.concatenate([np.empty((0, 2)), *places]))
 
 
-def _pose(result: Result, surface: Surface, sample: int) -> Pose:
+def _shift(surface: Surface) -> np.ndarray:
+    """(n, 2) displacement in the drawing of each asperite, for its depth."""
+    return np.asarray(surface.resting_bobs()[:, 2:] * OBLIQUE)
+
+
+def _pose(result: Result, surface: Surface, sample: int) -> tuple[np.ndarray, ...]:
     series = result[surface.name]
     if len(series["theta"]) != len(result.t):
         raise InputError("output.samples", "must be fewer, to keep the places of single asperites")
-    shift = surface.resting_bobs()[:, 2:] * OBLIQUE
+    shift = _shift(surface)
     bars, bobs = (
         np.stack([series[f"{axis}_{point}"][sample] for axis in "xy"], axis=1) + shift
         for point in ("bar", "bob")
@@ -83,7 +110,7 @@ def _pose(result: Result, surface: Surface, sample: int) -> Pose:
     half = 0.5 * surface.asperite.for_each(surface.count)["bar_length"][:, None]
     half = half * np.stack([np.cos(phi), np.sin(phi)], axis=1)
     ends = np.stack([bars - half, bars + half], axis=1)
-    return Pose(bars, bobs, ends, series["theta"][sample] - surface.rest - phi)
+    return bars, bobs, ends, series["theta"][sample] - surface.rest - phi
 
 
 class Picture:
@@ -98,12 +125,17 @@ class Picture:
         Size of one unit of length in the drawing [points].
     swing : float
         The least swing that has the strongest colour where asperites are many [rad].
+    bath : bool
+        Whether bath oscillators are drawn.
     """
 
-    def __init__(self, ax: Axes, result: Result, scale: float, swing: float) -> None:
+    def __init__(
+        self, ax: Axes, result: Result, scale: float, swing: float, bath: bool = False
+    ) -> None:
         from matplotlib.collections import LineCollection
 
         self._result = result
+        self._bath = bath
         surfaces = result.scene.surfaces
         facing = np.concatenate([[s.facing] * s.count for s in surfaces])
         rods = np.concatenate([s.asperite.for_each(s.count)["length"] for s in surfaces])
@@ -131,6 +163,8 @@ class Picture:
         diameter = max(1.5 if not self._is_detailed else 2.5, BOB * size)
         self._bobs = ax.scatter(nothing, nothing, s=diameter**2, zorder=2.3, **marks)
 
+        self._dots = ax.scatter([], [], s=(DOT * size) ** 2, zorder=2.0, color=BATH_COLOUR)
+
     @property
     def colours(self) -> PathCollection | None:
         """What a colour bar of the swing needs; None where bobs have no colours."""
@@ -138,8 +172,9 @@ class Picture:
 
     def show(self, sample: int, shift: tuple[float, float] = (0.0, 0.0)) -> None:
         """Move all asperites to their places at a sample, displaced by `shift` [length]."""
-        now = pose(self._result, sample)
+        now = pose(self._result, sample, self._bath)
         self._bobs.set_offsets(now.bobs + shift)
+        self._dots.set_offsets(now.dots + shift)
         if self._is_detailed:
             self._bars.set_segments(list(now.ends + shift))
             self._rods.set_segments(list(np.stack([now.bars, now.bobs], axis=1) + shift))

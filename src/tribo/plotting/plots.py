@@ -223,7 +223,12 @@ class Plots:
             _legend(ax)
         return ax
 
-    def snapshots(self, times: Sequence[float] | None = None, ax: Axes | None = None) -> Axes:
+    def snapshots(
+        self,
+        times: Sequence[float] | None = None,
+        ax: Axes | None = None,
+        bath: bool = False,
+    ) -> Axes:
         """Draw all asperites at several times below one another.
 
         More than 120 asperites are drawn as their bobs alone, coloured by swing.
@@ -234,15 +239,18 @@ class Plots:
             Each means the nearest sample [time].  Four from start to end without it.
         ax : matplotlib.axes.Axes, optional
             Where to draw; a new figure without it.
+        bath : bool
+            Whether bath oscillators are drawn, as dots behind their bars with magnified
+            displacements; the scene's output must ask for the series "oscillators".
 
         Raises
         ------
         InputError
-            A time is not in the run.
+            A time is not in the run, or the oscillators are not recorded.
         """
         result = self._result
         samples = [nearest_sample(result, t) for t in _times(result, times)]
-        boxes = np.array([pose(result, k).box for k in samples])
+        boxes = np.array([pose(result, k, bath).box for k in samples])
         left, right = boxes[:, 0].min(), boxes[:, 1].max()
         is_given = ax is not None
         with drawing_on(ax, WIDE) as ax:
@@ -255,7 +263,7 @@ class Plots:
             for k, box, label in zip(
                 samples, boxes, time_labels(result.t[samples].tolist()), strict=True
             ):
-                picture = Picture(ax, result, 1.0 / point, swing)
+                picture = Picture(ax, result, 1.0 / point, swing, bath)
                 picture.show(k, (0.0, floor - box[3]))
                 middle = floor - 0.5 * (box[3] - box[2])
                 note(ax, (left - (MARGIN - EDGE) * point, middle), label, ha="left", va="center")

@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 # Before the names of the arrays of a state.
 STATE = "state."
+# After the name of a surface in that of its bath oscillators' displacements.
+OSCILLATORS = ".oscillators"
 # Before the hash of a file, which is computed with zeros in its place.
 HASH = b"blake2b:"
 NO_DIGEST = b"0" * 64
@@ -44,6 +46,8 @@ def dataset(result: Result) -> xarray.Dataset:
         times = "end" if _has_ends_alone(result) else "time"
         variables |= _series(table, result.error_estimate, name, (times, f"{name}_asperite"))
         variables |= _series(result.ledger.blocks[name], result.error_estimate, name, ("time",))
+        if name in result.ledger.oscillators:
+            variables[f"{name}{OSCILLATORS}"] = _oscillators(result, name, times)
     variables |= _series(result.system, result.error_estimate, "", ("time",))
     return xarray.Dataset(variables, coords=_coordinates(result), attrs=_attributes(result))
 
@@ -64,6 +68,16 @@ def _series(
             about = about | {"long_name": f"bound on the error of: {quantity.long_name}"}
             variables[f"{name}_error"] = ((), bound, about)
     return variables
+
+
+def _oscillators(result: Result, surface: str, times: str) -> Variable:
+    """The displacements of the bath oscillators of a surface."""
+    dimensions = (times, f"{surface}_asperite", f"{surface}_oscillator", "axis")
+    about = {
+        "units": UNITS["length"],
+        "long_name": "displacement of the bath oscillator from its bar",
+    }
+    return dimensions, result.ledger.oscillators[surface], about
 
 
 def _has_ends_alone(result: Result) -> bool:
@@ -188,6 +202,11 @@ def ledger_of(data: xarray.Dataset, scene: Scene) -> Ledger:
             surfaces[surface][key] = variable.values
         else:
             blocks[surface][key] = variable.values
+    oscillators = {
+        name: data[f"{name}{OSCILLATORS}"].values
+        for name in surfaces
+        if f"{name}{OSCILLATORS}" in data
+    }
     kept = tuple(scene.output.keep or ())
     return Ledger(
         data["time"].values,
@@ -195,4 +214,5 @@ def ledger_of(data: xarray.Dataset, scene: Scene) -> Ledger:
         {name: known(table, kept) for name, table in blocks.items()},
         known(system, kept),
         kept,
+        oscillators,
     )

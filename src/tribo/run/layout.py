@@ -131,9 +131,18 @@ class Layout:
     def sampled_baths(self) -> tuple[int, int]:
         """The shape of what a sample has of the baths, (0, 0) where no series needs it."""
         bathed = self.model.bath is not None or self.model.torsional is not None
-        if self.scene.output.series and bathed:
-            return BATH_ROWS, self.model.asperites.shape[1]
-        return 0, 0
+        series = self.scene.output.series
+        if not (series and bathed):
+            return 0, 0
+        rows = BATH_ROWS
+        if "oscillators" in series:
+            rows += 2 * max(self.oscillators.values())
+        return rows, self.model.asperites.shape[1]
+
+    @cached_property
+    def oscillators(self) -> dict[str, int]:
+        """Surface -> the number of oscillators on each bar that move along x and y."""
+        return {surface.name: surface.bath.masses.size for surface in self.scene.surfaces}
 
     @cached_property
     def accounted(self) -> Batch:

@@ -11,12 +11,13 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
 
+from tribo.kernels.samples import BATH_ROWS
 from tribo.run.forces import Forces
 from tribo.run.further_series import system_names
 from tribo.run.layout import Layout
@@ -144,6 +145,9 @@ class Ledger:
         Quantity of the system -> (times,).
     kept : tuple of str
         The names in ``output.keep``, where no others were recorded; else empty.
+    oscillators : mapping
+        Surface with a bath -> displacements of its oscillators from their bars, (times, asperites,
+        oscillators, 2); empty where the scene's output does not ask for them.
     """
 
     t: np.ndarray  # (times,)
@@ -151,6 +155,7 @@ class Ledger:
     blocks: Mapping[str, Table]  # surface -> quantity -> (times,)
     system: Table  # quantity -> (times,)
     kept: tuple[str, ...] = ()  # names in output.keep; empty where all is recorded
+    oscillators: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         counts = ", ".join(f'{len(self.of(name))} of "{name}"' for name in self.surfaces)
@@ -186,6 +191,7 @@ class Ledger:
             {name: rows_of(table) for name, table in self.blocks.items()},
             rows_of(self.system),
             self.kept,
+            {name: values[selected] for name, values in self.oscillators.items()},
         )
 
     def only(self, keep: Sequence[str]) -> Ledger:
@@ -211,7 +217,8 @@ class Ledger:
         return self.rows(slice(-1, None))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Ledger, (self.t, dict(self.surfaces), dict(self.blocks), self.system, self.kept)
+        parts = dict(self.surfaces), dict(self.blocks), self.system, self.kept
+        return Ledger, (self.t, *parts, dict(self.oscillators))
 
 
 class Assembled(Ledger):
@@ -268,6 +275,21 @@ class Assembled(Ledger):
         further = frozenset(system_names(scene))
         found = reported(scene.output.ledger, False, False, further).system
         return Series(found, partial(series_of, found, self._system))
+
+    @cached_property
+    def oscillators(self) -> dict[str, np.ndarray]:  # type: ignore[override]
+        """Surface with a bath -> displacements of its oscillators from their bars."""
+        layout, rows = self._layout, self._samples.baths[:, BATH_ROWS:]
+        if rows.shape[1] == 0:
+            return {}
+        counts = layout.oscillators
+        most, columns = max(counts.values()), rows.shape[2]
+        axes = rows.reshape(len(rows), 2, most, columns)
+        return {
+            name: axes[:, :, : counts[name], layout.places.columns[part]].transpose(0, 3, 2, 1)
+            for name, part in layout.parts.items()
+            if counts[name]
+        }
 
     def _reported(self, surface: str) -> Reported:
         """The quantities of a surface and of its asperites."""

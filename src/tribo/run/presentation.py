@@ -33,7 +33,8 @@ class Presentation:
         path : str or Path
             The file, which is replaced if it exists; its name ends on .gif or .mp4.
         **settings
-            ``frames``, ``rate``, ``surface`` and ``dpi`` of :func:`tribo.plotting.animate`.
+            ``frames``, ``rate``, ``surface``, ``dpi`` and ``bath`` of
+            :func:`tribo.plotting.animate`.
 
         Returns
         -------

@@ -217,6 +217,36 @@ class Result(Presentation):
             raise InputError("output.series", 'does not contain "forces"; add it, and run again')
         return average(self.t, series["friction_force"], after, blocks)
 
+    def oscillators(self, surface: str) -> np.ndarray:
+        """The displacements of the bath oscillators of a surface from their bars.
+
+        The scene's output must ask for the series "oscillators".  Torsional oscillators are not
+        among them.
+
+        Parameters
+        ----------
+        surface : str
+            Name of the surface.
+
+        Returns
+        -------
+        ndarray, (times, asperites, oscillators, 2)
+            Along x and along y [length].
+
+        Raises
+        ------
+        InputError
+            They were not recorded, or the surface has no such oscillators.
+        """
+        found = self.ledger.oscillators
+        if surface not in found:
+            if "oscillators" in self.scene.output.series:
+                raise InputError(surface, "has no bath oscillators that move along x and y")
+            raise InputError(
+                "output.series", 'does not contain "oscillators"; add it, and run again'
+            )
+        return found[surface]
+
     def state(self) -> State:
         """The full state at the end, from which :func:`tribo.simulate` continues.
 
@@ -345,13 +375,16 @@ class Result(Presentation):
         else:
             dataset.save(self, netcdf_path("path", path))
 
-    def to_html(self, path: str | Path) -> Path:
+    def to_html(self, path: str | Path, bath: bool = False) -> Path:
         """Write a page that plays the run in a browser: one file that loads nothing else.
 
         Parameters
         ----------
         path : str or Path
             The file, which is replaced if it exists.
+        bath : bool
+            Whether bath oscillators are drawn, as dots behind their bars with magnified
+            displacements; the scene's output must ask for the series "oscillators".
 
         Returns
         -------
@@ -361,10 +394,11 @@ class Result(Presentation):
         Raises
         ------
         InputError
-            The file cannot be written, or the places of asperites are not recorded.
+            The file cannot be written, or the places of asperites, or of the oscillators that are
+            asked for, are not recorded.
         """
         # The viewer stands above the results that it shows, so that it is not imported here.
-        written: Path = importlib.import_module("tribo.viewer").write_page(self, path)
+        written: Path = importlib.import_module("tribo.viewer").write_page(self, path, bath)
         return written
 
 

@@ -24,7 +24,7 @@ class Samples:
     contact: np.ndarray  # (times,) energy of contacts between surfaces
     field: np.ndarray  # (times,) energy in external fields
     stored: np.ndarray  # (times, surfaces, STORED)
-    baths: np.ndarray  # (times, BATH_ROWS, columns), or (times, 0, 0) where no series needs it
+    baths: np.ndarray  # (times, rows, columns), or (times, 0, 0) where no series needs it
 
     @classmethod
     def at_zero(cls, layout: Layout) -> Samples:

@@ -57,7 +57,8 @@ class StreamedLedger:
         system = _joined([portion.system for portion in portions], kept)
         if not kept:
             ends = np.unique([0, samples.t.size - 1])
-            return Ledger(t, assemble(self._layout, samples).rows(ends).surfaces, blocks, system)
+            at_ends = assemble(self._layout, samples).rows(ends)
+            return Ledger(t, at_ends.surfaces, blocks, system, kept, at_ends.oscillators)
         surfaces = {
             name: _joined([portion.surfaces[name] for portion in portions], kept)
             for name in portions[0].surfaces

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from tribo.model.surface import Surface
+from tribo.plotting.oscillators import MOST, magnification, oscillator_dots
 from tribo.run.contact_probe import ContactProbe
 from tribo.run.quantities import EVERY_QUANTITY, Table
 from tribo.run.result import Result
@@ -27,12 +28,14 @@ MOST_ARROWS = 200
 WORKS = ("w1", "w1_ps", "w2", "w2_ps", "wL", "wR")
 
 
-def contents(result: Result) -> dict[str, Any]:
+def contents(result: Result, bath: bool = False) -> dict[str, Any]:
     """Everything that the page shows, for JSON.
 
     Parameters
     ----------
     result : Result
+    bath : bool
+        Whether bath oscillators are drawn.
 
     Returns
     -------
@@ -42,28 +45,43 @@ def contents(result: Result) -> dict[str, Any]:
     Raises
     ------
     InputError
-        The result has no places to draw.
+        The result has no places to draw, or none of the bath oscillators that are asked for.
     """
-    frames = _frames(result)
     scene = result.scene
+    frames = _frames(result, bath)
+    surfaces = [_drawn(result, surface, frames) for surface in scene.surfaces]
+    notes, dots = list(result.notes), {}
+    if bath:
+        dots = oscillator_dots(result, frames)
+        factor = magnification(result)
+        notes.append(
+            f"Dots are bath oscillators in order of frequency, displaced {factor:.3g} times as far "
+            "from their bars as in the run."
+        )
+    for surface in surfaces:
+        places = dots.get(surface["name"])
+        surface["dots"] = None if places is None else _singles(places)
     return {
         "title": scene.title or "A run of tribo",
         "status": str(result.status),
         "method": result.method,
         "accuracy": _accuracy(result),
-        "notes": list(result.notes),
+        "notes": notes,
         "times": _doubles(result.t),
         "frames": frames.tolist(),
-        "surfaces": [_drawn(result, surface, frames) for surface in scene.surfaces],
+        "surfaces": surfaces,
         "forces": _forces(result, frames),
         "groups": _groups(result),
     }
 
 
-def _frames(result: Result) -> np.ndarray:
+def _frames(result: Result, bath: bool) -> np.ndarray:
     """The samples that are drawn: all, or as many as a page can hold, the last among them."""
     samples = len(result.t)
-    most = max(2, MOST_PLACES // (len(PLACES) * result.scene.count))
+    numbers = len(PLACES) * result.scene.count
+    if bath:
+        numbers += sum(2 * s.count * min(MOST, s.bath.masses.size) for s in result.scene.surfaces)
+    most = max(2, MOST_PLACES // numbers)
     if samples <= most:
         return np.arange(samples)
     return np.unique(np.linspace(0, samples - 1, most).round().astype(int))

@@ -17,7 +17,7 @@ from tribo.viewer.contents import contents
 SCRIPTS = ("run.js", "drawing.js", "curves.js", "player.js")
 
 
-def write_page(result: Result, path: str | Path) -> Path:
+def write_page(result: Result, path: str | Path, bath: bool = False) -> Path:
     """Write a page that plays a run.
 
     Parameters
@@ -25,6 +25,8 @@ def write_page(result: Result, path: str | Path) -> Path:
     result : Result
     path : str or Path
         The file, which is replaced if it exists.
+    bath : bool
+        Whether bath oscillators are drawn.
 
     Returns
     -------
@@ -34,21 +36,22 @@ def write_page(result: Result, path: str | Path) -> Path:
     Raises
     ------
     InputError
-        The file cannot be written, or the result has no places to draw.
+        The file cannot be written, or the result has no places to draw, or none of the bath
+        oscillators that are asked for.
     """
     path = as_path(path)
-    replace_file(path, document(result).encode())
+    replace_file(path, document(result, bath).encode())
     return path
 
 
-def document(result: Result) -> str:
+def document(result: Result, bath: bool = False) -> str:
     """The page as text."""
     parts = files("tribo.viewer").joinpath("parts")
 
     def part(name: str) -> str:
         return parts.joinpath(name).read_text(encoding="utf-8")
 
-    held = contents(result)
+    held = contents(result, bath)
     # "<" would end the script that holds the data; JSON may write it as an escape.
     data = json.dumps(without_nan(held), allow_nan=False).replace("<", "\\u003c")
     filled = {

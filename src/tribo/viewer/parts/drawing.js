@@ -26,7 +26,7 @@ function prepared(canvas) {
 // What all frames cover: left, right, bottom, top.
 function extent(run) {
   const box = [Infinity, -Infinity, Infinity, -Infinity];
-  for (const { places, count, depth, barLength } of run.surfaces) {
+  for (const { places, count, depth, barLength, dots, dotsNow } of run.surfaces) {
     for (let k = 0; k < places.length; k += PLACES) {
       const asperite = (k / PLACES) % count;
       const dx = OBLIQUE[0] * depth[asperite];
@@ -36,6 +36,15 @@ function extent(run) {
       box[1] = Math.max(box[1], places[k] + dx + half, places[k + 3] + dx);
       box[2] = Math.min(box[2], places[k + 1] + dy, places[k + 4] + dy);
       box[3] = Math.max(box[3], places[k + 1] + dy, places[k + 4] + dy);
+    }
+    for (let k = 0; dots !== null && k < dots.length; k += 2) {
+      const asperite = Math.floor(((k % dotsNow.length) / dotsNow.length) * count);
+      const x = dots[k] + OBLIQUE[0] * depth[asperite];
+      const y = dots[k + 1] + OBLIQUE[1] * depth[asperite];
+      box[0] = Math.min(box[0], x);
+      box[1] = Math.max(box[1], x);
+      box[2] = Math.min(box[2], y);
+      box[3] = Math.max(box[3], y);
     }
   }
   return box;
@@ -98,6 +107,21 @@ function makeDrawing(run, canvas) {
     context.stroke();
   }
 
+  // Bath oscillators, behind the bars.
+  function bath(context, view, surface) {
+    const radius = Math.max(1.5, 0.03 * rod * view.scale);
+    const each = surface.dotsNow.length / surface.count;
+    context.beginPath();
+    for (let k = 0; k < surface.dotsNow.length; k += 2) {
+      const depth = surface.depth[Math.floor(k / each)];
+      const [x, y] = view(surface.dotsNow[k], surface.dotsNow[k + 1], depth);
+      context.moveTo(x + radius, y);
+      context.arc(x, y, radius, 0, 2 * Math.PI);
+    }
+    context.fillStyle = colour("c3");
+    context.fill();
+  }
+
   function points(context, view, surface) {
     context.fillStyle = colour(surface.facing);
     const size = Math.max(1.5, 0.12 * rod * view.scale);
@@ -151,6 +175,9 @@ function makeDrawing(run, canvas) {
     for (const surface of run.surfaces) {
       between(surface.places, surface.now.length, place, surface.now);
       for (const layer of layers) layer(context, view, surface);
+      if (surface.dots === null) continue;
+      between(surface.dots, surface.dotsNow.length, place, surface.dotsNow);
+      bath(context, view, surface);
     }
     if (withArrows && run.forces !== null && strongest > 0) arrows(context, view, place);
   };

@@ -17,7 +17,12 @@ function readRun(data) {
     depth: singles(surface.depth),
     places: singles(surface.places),
     now: new Float32Array(PLACES * surface.count),
+    dots: surface.dots === null ? null : singles(surface.dots),
   }));
+  for (const surface of surfaces) {
+    const size = surface.dots === null ? 0 : surface.dots.length / data.frames.length;
+    surface.dotsNow = new Float32Array(size);
+  }
   return {
     ...data,
     times,

@@ -1,0 +1,76 @@
+"""Where the dots of bath oscillators are drawn: in a row behind the bar, each displaced.
+
+The order in the row is that of frequencies.  One factor magnifies all displacements of a result, so
+that the largest is seen.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tribo.model.surface import Surface
+from tribo.run.result import Result
+from tribo.validation import InputError
+
+# Most dots of a bar: of more oscillators, evenly spaced ones are drawn.
+MOST = 12
+# Distance of the row from the bar, and the largest displacement in the drawing [rod length].
+DISTANCE, REACH = 0.4, 0.25
+# The part of the bar that the row is beside.
+PART = 0.9
+
+
+def oscillator_dots(result: Result, samples: np.ndarray) -> dict[str, np.ndarray]:
+    """The places of the dots at some samples.
+
+    Parameters
+    ----------
+    result : Result
+    samples : ndarray of int, (n,)
+
+    Returns
+    -------
+    dict of str to ndarray, (n, asperites, dots, 2)
+        Surface with a bath -> x and y [length].
+
+    Raises
+    ------
+    InputError
+        There are no oscillators, or their displacements are not recorded.
+    """
+    factor = magnification(result)
+    return {s.name: _dots(result, s, samples, factor) for s in _with_bath(result)}
+
+
+def magnification(result: Result) -> float:
+    """The factor of all displacements in the drawing.  Raises InputError as above."""
+    surfaces = _with_bath(result)
+    if not surfaces:
+        raise InputError("bath", "no surface has bath oscillators that move along x and y")
+    largest = max(float(np.abs(result.oscillators(each.name)).max()) for each in surfaces)
+    return REACH * _rod(surfaces[0]) / largest if largest > 0.0 else 1.0
+
+
+def _with_bath(result: Result) -> list[Surface]:
+    return [each for each in result.scene.surfaces if each.bath.masses.size]
+
+
+def _rod(surface: Surface) -> float:
+    """The median length of the rods of a surface."""
+    return float(np.median(surface.asperite.for_each(surface.count)["length"]))
+
+
+def _dots(result: Result, surface: Surface, samples: np.ndarray, factor: float) -> np.ndarray:
+    """The dots of one surface."""
+    values = surface.asperite.for_each(surface.count)
+    order = np.argsort(surface.bath.frequencies, kind="stable")
+    shown = order[np.unique(np.linspace(0, order.size - 1, MOST).round().astype(int))]
+    displacements = result.oscillators(surface.name)[samples][:, :, shown]
+    along = values["bar_length"][:, None] * np.linspace(-0.5, 0.5, shown.size + 2)[1:-1] * PART
+    behind = DISTANCE * _rod(surface) * (1.0 if surface.facing == "down" else -1.0)
+    series = result[surface.name]
+    phi = series["phi"][samples][:, :, None]
+    cos, sin = np.cos(phi), np.sin(phi)
+    row = np.stack([cos * along - sin * behind, sin * along + cos * behind], axis=-1)
+    bars = np.stack([series[f"{axis}_bar"][samples] for axis in "xy"], axis=-1)
+    return np.asarray(bars[:, :, None] + row + factor * displacements)
