@@ -120,15 +120,27 @@ def closing_speeds() -> str:
     from tribo.kernels.contact import closing_speed
 
     rng = np.random.default_rng(2)
-    surfaces = [SimpleNamespace(start=8, end=19), SimpleNamespace(start=32, end=34)]
-    for sign in (1.0, -1.0):
+    surfaces = [
+        SimpleNamespace(start=start, end=end, stop=stop)
+        for start, end, stop in ((0, 8, 8), (8, 19, 24), (32, 34, 40))
+    ]
+    model = SimpleNamespace(surfaces=surfaces)
+    every = [*range(8, 19), 32, 33]
+    none = SimpleNamespace(blocks=[0], first=[0, 1, 1, 1])
+    if closing_speed(model, none, (1, 2), np.ones((3, 48))) != 0.0:
+        return "of blocks that are not active"
+    for sign, active, columns in (
+        (1.0, None, every),
+        (-1.0, None, every),
+        (1.0, SimpleNamespace(blocks=[0, 1, 4], first=[0, 1, 2, 3]), [*range(8, 16), 32, 33]),
+        (-1.0, SimpleNamespace(blocks=[4], first=[0, 0, 0, 1]), [32, 33]),
+    ):
         speeds = np.full((3, 48), 1e3)  # of other surfaces
-        columns = [*range(8, 19), 32, 33]
         own = rng.normal(2.0 * sign, 1.0, (3, len(columns)))
         own[2] = np.abs(own[2])
         speeds[:, columns] = own
         expected = np.hypot(*np.ptp(own[:2], axis=1)) + 2.0 * np.max(own[2])
-        if not np.isclose(closing_speed(*surfaces, speeds), expected, 1e-12):
+        if not np.isclose(closing_speed(model, active, (1, 2), speeds), expected, 1e-12):
             return "not the diagonal"
     return ""
 
@@ -458,7 +470,7 @@ def cells() -> str:
 
 def boxes_within_reach() -> str:
     """Of boxes in cells, exactly those within reach of another box, in ascending order."""
-    from tribo.kernels.neighbours import near_blocks, sort_into_cells
+    from tribo.kernels.neighbours import near_blocks, sort_boxes
 
     rng = np.random.default_rng(9)
     reach = 1.5
@@ -471,8 +483,8 @@ def boxes_within_reach() -> str:
             )
             for count in (25, 300)
         )
-        largest = reach + np.max(own[1], axis=1) + np.max(theirs[1], axis=1)
-        cells = sort_into_cells(theirs[0][0], theirs[0][2], largest[0], largest[2], x, z)
+        lengths = SimpleNamespace(x=x, z=z) if x or z else None
+        cells = sort_boxes(lengths, own, theirs, reach)
         away = theirs[0][:, None, :] - own[0][:, :, None]
         for axis, box in ((0, x), (2, z)):
             if box:
@@ -480,7 +492,7 @@ def boxes_within_reach() -> str:
         gaps = np.maximum(abs(away) - theirs[1][:, None, :] - own[1][:, :, None], 0.0)
         for k, near in enumerate(np.sum(gaps**2, axis=0) < reach**2):
             found = np.full(300, -1)
-            count = near_blocks(*theirs, own, k, reach, *cells, x, z, found)
+            count = near_blocks(lengths, own, k, theirs, reach, cells, found)
             if not np.array_equal(found[:count], np.flatnonzero(near)):
                 return f"period {x}, {z}: box {k}"
     return ""

@@ -1,5 +1,7 @@
 """Which asperites have to be stepped, and when that is decided, by the distances of all bobs."""
 
+from types import SimpleNamespace
+
 import numpy as np
 
 STEP = 0.03
@@ -162,6 +164,9 @@ def check(scene) -> str:
     times = np.array([end, 1.5 * end])
     sliding = np.zeros(scene.count, bool)
     sliding[loop.layout.parts["slider"]] = True
+    lower = loop.layout.parts["lower"]  # the first surface of its pair, which has the rows
+    first = loop.layout.model.surfaces[0].start
+    rows = neighbours.pairs[0, 2] + loop.layout.places.columns[lower] - first
     speed = np.abs(scene.surfaces[2].velocity[0] - scene.surfaces[0].velocity[0])
     rooms = [each.room(2) for each in (loop, every)]
     listed = chosen = (np.full((scene.count, 3), np.nan), 0.0)
@@ -188,6 +193,9 @@ def check(scene) -> str:
             return f"t = {t}: blocks are selected at another time"
         if late:
             listed = places, t
+            lengths = np.diff(neighbours.start)
+            if np.any(lengths < 0) or np.any(lengths[rows][asleep[lower]]):
+                return f"t = {t}: rows of bobs that are not stepped"
         if late and far:
             chosen, reach = (places, t), cutoff + skin + room
             if np.any(asleep != out_of_reach(every.layout, places, paths, reach, period)):
@@ -204,7 +212,11 @@ def check(scene) -> str:
 def check_paths(scene) -> str:
     """What is wrong with the boxes around blocks and their free swings; uncompiled code only."""
     from tribo.integrators.inactive import boxes_of_paths
+    from tribo.kernels.neighbours import moved_with_surface
 
+    surface = SimpleNamespace(vx=3.0, vy=4.0)
+    if moved_with_surface(SimpleNamespace(eligible=[1]), surface, 0, -2.0) != 100.0:
+        return "the distance that a surface moves"
     loop, _ = loops(scene)
     loop.advance(scene.times, loop.room(1), 0)
     layout, q, v = loop.layout, *loop.state.y.reshape(2, -1)
