@@ -87,14 +87,6 @@ def test_before_there_is_a_result(interrupted, name):
     assert err == "tribo: Interrupted: the command was interrupted before it had a result\n"
 
 
-@pytest.fixture
-def heeded():
-    """SIGINT raises KeyboardInterrupt; shells switch it off for what they run in the background."""
-    usual = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, usual)
-
-
 @pytest.mark.usefixtures("heeded")
 def test_compilers_are_not_interrupted():
     """LLVM would free a module twice; the interrupt is raised once the block has ended."""

@@ -18,6 +18,7 @@ from tribo.explanation import summary
 from tribo.plotting.series import work_curves
 from tribo.run.layout import lay_out
 from tribo.run.pair_adapter import is_pair
+from tribo.run.threads import Threads
 
 TESTS = Path(__file__).parents[1]
 
@@ -161,9 +162,9 @@ def test_explained():
     """The text names a ledger that is not the default, and the JSON any."""
     for kind, line in (("surfaces", "sums of works"), ("none", "no works"), ("asperites", "")):
         scene = encounter(kind)
-        bobs = summary.Contact(0, False, "lanes", ())
+        bobs = summary.Contact(0, False, "lanes", (), 0)
         cost = summary.Predicted(1, 1.0, 1, "counted", None)
-        how = ("verlet", "", None, 0.1, True, cost, 0)
+        how = ("verlet", "", Threads(1, ""), None, 0.1, True, cost, 0)
         found = summary.Explanation(scene, {}, {}, {}, bobs, *how)
         assert (f"Ledger: {line}" in str(found)) == bool(line)
         assert json.loads(found.to_json())["ledger"] == kind

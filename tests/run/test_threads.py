@@ -72,6 +72,7 @@ def test_a_list_that_outgrows_its_room(shared, monkeypatch):
     assert given[0] == 1 < given[-1]
 
 
+@pytest.mark.usefixtures("heeded")
 @pytest.mark.parametrize("error", [KeyboardInterrupt, ZeroDivisionError])
 def test_threads_end_with_the_run(shared, error):
     """Ctrl-C while threads share a step stops the run at once; an error of a report is raised."""

@@ -111,10 +111,10 @@ def test_statuses(monkeypatch):
     scene = tribo.Scene(side_by_side, tribo.Coulomb(1.0), 4.0)
     prepare = points.prepare
 
-    def refuse_third(scene):
+    def refuse_third(scene, threads):
         if scene.interactions[0].potential.strength == 2.0:
             raise InputError("accuracy", "is out of reach")
-        return prepare(scene)
+        return prepare(scene, threads=threads)
 
     monkeypatch.setattr(points, "prepare", refuse_third)
     data = sweep(scene, {"interaction.strength": [-1.0, 1.0, 2.0]})
