@@ -66,3 +66,13 @@ def test_arithmetic():
         assert np.allclose(out[6, :3], (np.sum(a), np.max(a), b[4]), rtol=1e-14)
         scaled = (a, 2.0 * a, b, np.full(8, a[1]), a * b, a - b, a + b, 3.0 * b)
         assert np.allclose(out[7], np.sum(scaled, axis=1), rtol=1e-13, atol=1e-14)
+
+
+def test_small_arrays_stand_side_by_side():
+    """Distances of arrays in memory are the same in every process, but for a few of them."""
+    small = [simd_arrays.room((2, 9)) for _ in range(200)]
+    places = np.array([array.ctypes.data for array in small])
+    assert np.count_nonzero(np.diff(places) == 8 * 32) > 190
+    for array in (*small, simd_arrays.room((2, 10**5))):
+        assert array.ctypes.data % 64 == 0 and array.flags.c_contiguous and not np.any(array)
+        array[:] = 1.0

@@ -7,14 +7,12 @@ EQUIVALENT = {
         "a bound on the rate that is too high: only the cost changes"
     ),
     "kernels/equations_of_motion.py: bar_angles: s.dof_phi >= 0 -> s.dof_phi >= 1": AFTER_SWINGS,
-    "kernels/equations_of_motion.py: accelerate_block: s.dof_phi >= 0 -> s.dof_phi >= 1": (
+    "kernels/equations_of_motion.py: accelerations: s.dof_phi >= 0 -> s.dof_phi >= 1": (
         AFTER_SWINGS
     ),
-    "kernels/equations_of_motion.py: accelerate_block: s.dof_phi >= 0 -> s.dof_phi >= 1 (2)": (
+    "kernels/equations_of_motion.py: accelerations: s.dof_phi >= 0 -> s.dof_phi >= 1 (2)": (
         AFTER_SWINGS
     ),
-    "kernels/equations_of_motion.py: accelerate_block: s.dof_x >= 0 -> s.dof_x >= 1": AFTER_SWINGS,
-    "kernels/equations_of_motion.py: accelerate_block: s.dof_y >= 0 -> s.dof_y >= 1": AFTER_SWINGS,
     "integrators/bath_substep.py: push_bars: slot < 0 -> slot < 1": (
         "the first slots are those of contact; no bath and no reservoir has slot 0"
     ),
@@ -22,8 +20,8 @@ EQUIVALENT = {
         "the first slots are those of contact; no drive has slot 0"
     ),
     "kernels/powers.py: powers_in_ledger: "
-    "powers_of_block(model, ledger, s, i, 1.0, t, q, v, power) -> "
-    "powers_of_block(model, ledger, s, i, 2.0, t, q, v, power)": (
+    "powers_of_block(model, ledger, s, i, 1.0, t, q, velocities, power) -> "
+    "powers_of_block(model, ledger, s, i, 2.0, t, q, velocities, power)": (
         "only whether the torsion springs count matters: any number but 0 says that they do"
     ),
     "kernels/neighbours.py: sort_into_cells: max(extent_z / nz, size_z) -> "

@@ -23,6 +23,8 @@ from tribo.kernels.records import (
     COS_PHI,
     I2,
     INERTIA,
+    INVERSE_INERTIA,
+    INVERSE_MASS,
     L2,
     MASS,
     OSCILLATOR_FREQUENCY,
@@ -45,9 +47,9 @@ def push_bars(model, s, i, px, py, v, accounts, slot):
     a = model.asperites
     along = block(model.bobs[TX], i) * px + block(model.bobs[TY], i) * py
     omega = block(v, i)
-    change = 0.0 - block(a[L2], i) * along / block(a[INERTIA], i)
-    change_x = px / block(a[MASS], i)
-    change_y = py / block(a[MASS], i)
+    change = 0.0 - block(a[L2], i) * along * block(a[INVERSE_INERTIA], i)
+    change_x = px * block(a[INVERSE_MASS], i)
+    change_y = py * block(a[INVERSE_MASS], i)
     vx = coordinates(s.dof_x, s, i, v) + 0.5 * change_x
     vy = coordinates(s.dof_y, s, i, v) + 0.5 * change_y
     set_block(v, i, omega + change)

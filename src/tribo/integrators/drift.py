@@ -25,7 +25,7 @@ from tribo.kernels.records import (
     PHI_START,
     SIN_PHI,
 )
-from tribo.kernels.simd import LANES
+from tribo.kernels.simd import LANES, broadcast
 from tribo.kernels.simd_arrays import add_block, block, set_block
 from tribo.kernels.simd_functions import sine_cosine
 
@@ -108,8 +108,11 @@ def add_turning_end_works(model, s, i, twist, rate, impulse, t, tau, vx, vy, acc
 
 
 @inlined
-def drift_clamped(model, turning, s, i, t, tau, q, v, accounts, turn):
-    """Pendulums on bars that rotate uniformly or rest."""
+def drift_clamped(model, s, i, t, tau, q, v, turn):
+    """Pendulums on bars that rotate uniformly or rest.
+
+    Returns the new swings; twist, its rate, and the change of the rate.
+    """
     a = model.asperites
     nu = block(a[NU_START], i)
     old = block(q, i)
@@ -117,23 +120,30 @@ def drift_clamped(model, turning, s, i, t, tau, q, v, accounts, turn):
     twist = old - (block(a[PHI_START], i) + nu * t)
     rate = omega - nu
     change, change_of_rate = changes(twist, rate, turn)
-    if s.acc_ends >= 0:
-        impulse = 0.0 - block(a[INERTIA], i) * change_of_rate
-        vx = coordinates(s.dof_x, s, i, v)
-        vy = coordinates(s.dof_y, s, i, v)
-        if turning is None:
-            add_end_impulses(model, s, i, impulse, vx, vy, accounts)
-        elif s.turning == 0:
-            add_end_impulses(model, s, i, impulse, vx, vy, accounts)
-        else:
-            add_turning_end_works(model, s, i, twist, rate, impulse, t, tau, vx, vy, accounts)
-    set_block(q, i, old + (change + nu * tau))
+    now = old + (change + nu * tau)
+    set_block(q, i, now)
     set_block(v, i, omega + change_of_rate)
+    return now, (twist, rate, change_of_rate)
+
+
+@inlined
+def add_end_works(model, turning, s, i, twists, t, tau, v, accounts):
+    """Add impulses of the ends of clamped bars in a drift, and works where they turn."""
+    twist, rate, change_of_rate = twists
+    impulse = 0.0 - block(model.asperites[INERTIA], i) * change_of_rate
+    vx = coordinates(s.dof_x, s, i, v)
+    vy = coordinates(s.dof_y, s, i, v)
+    if turning is None:
+        add_end_impulses(model, s, i, impulse, vx, vy, accounts)
+    elif s.turning == 0:
+        add_end_impulses(model, s, i, impulse, vx, vy, accounts)
+    else:
+        add_turning_end_works(model, s, i, twist, rate, impulse, t, tau, vx, vy, accounts)
 
 
 @inlined
 def drift_free(model, s, i, tau, q, v, turn):
-    """Pendulums and bars rotate against each other about their uniform mean."""
+    """Pendulums and bars rotate against each other about their uniform mean; the new swings."""
     k = s.dof_phi + i - s.start
     swing = block(q, i)
     phi = block(q, k)
@@ -144,27 +154,39 @@ def drift_free(model, s, i, tau, q, v, turn):
     change, change_of_rate = changes(swing - phi, omega - nu, turn)
     share = i2 / (inertia + i2)
     mean = (inertia * omega + i2 * nu) / (inertia + i2)
-    set_block(q, i, swing + (mean * tau + share * change))
+    now = swing + (mean * tau + share * change)
+    set_block(q, i, now)
     set_block(q, k, phi + (mean * tau - (1.0 - share) * change))
     set_block(v, i, omega + share * change_of_rate)
     set_block(v, k, nu - (1.0 - share) * change_of_rate)
+    return now
 
 
 @inlined
 def move(slot, s, i, tau, q, v):
-    """Move a block's coordinates from `slot` on at their velocities, if there are any."""
-    if slot >= 0:
-        k = slot + i - s.start
-        add_block(q, k, tau * block(v, k))
+    """Move a block's coordinates from `slot` on at their velocities; returns them, 0 without."""
+    if slot < 0:
+        return broadcast(0.0)
+    k = slot + i - s.start
+    now = block(q, k) + tau * block(v, k)
+    set_block(q, k, now)
+    return now
 
 
 @inlined
 def drift_block(model, s, i, now, tau, q, v, accounts, turn):
     """Drift of a block for tau, which ends now, and the bobs' places then."""
+    zero = broadcast(0.0)
+    twists = zero, zero, zero
     if s.dof_phi >= 0:
-        drift_free(model, s, i, tau, q, v, turn)
-    elif not is_fixed(model.fixed, s):
-        drift_clamped(model, model.turning, s, i, now - tau, tau, q, v, accounts, turn)
-    move(s.dof_x, s, i, tau, q, v)
-    move(s.dof_y, s, i, tau, q, v)
-    place_block(model, s, i, now, q)
+        swing = drift_free(model, s, i, tau, q, v, turn)
+    elif is_fixed(model.fixed, s):
+        swing = block(q, i)
+    else:
+        swing, twists = drift_clamped(model, s, i, now - tau, tau, q, v, turn)
+    x = move(s.dof_x, s, i, tau, q, v)
+    y = move(s.dof_y, s, i, tau, q, v)
+    place_block(model, s, i, now, swing, x, y)
+    # Works come last, since the next forces do not wait for them.
+    if s.acc_ends >= 0 and not is_fixed(model.fixed, s):
+        add_end_works(model, model.turning, s, i, twists, now - tau, tau, v, accounts)

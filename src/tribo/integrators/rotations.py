@@ -2,7 +2,9 @@
 
 import numpy as np
 
+from tribo.kernels.blocks import column_of
 from tribo.kernels.compiled import inlined, kernel
+from tribo.kernels.records import FREQUENCY
 from tribo.kernels.simd import LANES, where_less
 from tribo.kernels.simd_arrays import block, room, set_block
 from tribo.kernels.simd_functions import sine_cosine
@@ -43,10 +45,31 @@ def set_rotations(frequencies, tau, rotations):
         return
     rotations[0, last] = tau
     for i in range(0, last, LANES):
-        versine, over, times = rotation(block(frequencies, i), tau)
-        set_block(rotations[0], i, versine)
-        set_block(rotations[1], i, over)
-        set_block(rotations[2], i, times)
+        set_rotation(frequencies, i, tau, rotations)
+
+
+@kernel
+def set_active_rotations(model, active, tau, rotations):
+    """The same of pendulums in active blocks; the time of their selection is kept as well."""
+    if active is None:
+        set_rotations(model.asperites[FREQUENCY], tau, rotations)
+        return
+    last = model.asperites.shape[1]
+    if rotations[0, last] == tau and rotations[0, last + 1] == active.selected[0]:
+        return
+    rotations[0, last] = tau
+    rotations[0, last + 1] = active.selected[0]
+    for n in range(active.first[model.surfaces.shape[0]]):
+        set_rotation(model.asperites[FREQUENCY], column_of(active, n), tau, rotations)
+
+
+@kernel
+def set_rotation(frequencies, i, tau, rotations):
+    """Set the rotations of a block of oscillators."""
+    versine, over, times = rotation(block(frequencies, i), tau)
+    set_block(rotations[0], i, versine)
+    set_block(rotations[1], i, over)
+    set_block(rotations[2], i, times)
 
 
 @inlined

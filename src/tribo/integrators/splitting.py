@@ -20,7 +20,15 @@ import numpy as np
 from tribo.integrators.bath_substep import bath_substep
 from tribo.integrators.drift import drift_block, settle_end_works
 from tribo.integrators.inactive import advance_inactive, update_lists
-from tribo.integrators.rotations import empty_rotations, rotation_of, set_rotations
+from tribo.integrators.kicks import (
+    acts_twice,
+    add_half_shared_works,
+    has_substep,
+    kick_part,
+    repeat_kick,
+    settle_custom_forces,
+)
+from tribo.integrators.rotations import empty_rotations, rotation_of, set_active_rotations
 from tribo.integrators.step_control import (
     advance_equally,
     all_finite,
@@ -36,23 +44,12 @@ from tribo.kernels.baths import set_bath_momenta
 from tribo.kernels.blocks import active_of, clear, column_of, first_block, last_block
 from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.contact_forces import contact_piece
-from tribo.kernels.equations_of_motion import (
-    accelerate,
-    accelerate_block,
-    drive_block,
-    drive_forces,
-    forces,
-    gather_contact,
-    place_bobs,
-)
+from tribo.kernels.equations_of_motion import forces, gather_contact, place_bobs
 from tribo.kernels.neighbours import crowded
-from tribo.kernels.powers import Powers, powers_of_block, shared_powers
-from tribo.kernels.records import (
-    FREQUENCY,
-    Model,
-)
+from tribo.kernels.powers import Powers, shared_powers
+from tribo.kernels.records import Model
 from tribo.kernels.samples import State, copy
-from tribo.kernels.simd_arrays import block, room, set_block
+from tribo.kernels.simd_arrays import room
 from tribo.kernels.status import (
     BOBS_COINCIDE,
     COMPLETED,
@@ -61,7 +58,6 @@ from tribo.kernels.status import (
 )
 from tribo.kernels.team import (
     DRIFT,
-    DRIVE,
     KICK,
     PHASE,
     REACTIONS,
@@ -72,12 +68,6 @@ from tribo.kernels.team import (
     part_of,
     wait_for_piece,
 )
-from tribo.kernels.user_forces import custom_forces
-
-# Iterations for velocities in the middle of a kick, on which forces of plug-ins may depend.  A
-# force that rotates a velocity by z in a kick should not change its square: with one or two
-# iterations it does so by z^4 / 4, with three by z^6 / 16.
-ITERATIONS = 3
 
 
 class Work(NamedTuple):
@@ -132,7 +122,7 @@ def alternating(drifts: tuple[float, ...], kicks: tuple[float, ...]) -> Splittin
 @inlined
 def drift(model, active, team, now, tau, state, work):
     """Drift of all active asperites for tau, which ends now, and the bobs' places then."""
-    set_rotations(model.asperites[FREQUENCY], tau, work.rotations[0])
+    set_active_rotations(model, active, tau, work.rotations[0])
     if team is None:
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
@@ -154,54 +144,12 @@ def drift_part(model, active, s, begin, end, now, tau, state, work):
 
 
 @inlined
-def kick_slot(slot, s, i, tau, acceleration, v, middle):
-    """Set a block's velocities from `slot` on, if there are any, after and in the middle."""
-    if slot >= 0:
-        k = slot + i - s.start
-        change = tau * block(acceleration, k)
-        old = block(v, k)
-        set_block(middle, k, old + 0.5 * change)
-        set_block(v, k, old + change)
-
-
-@kernel
-def settle_custom_forces(model, drives, ends, t, tau, q, v, work):
-    """Set the forces of plug-ins on the bars for their velocities in the middle of a kick.
-
-    These are found by iteration from the velocities before the kick.
-    """
-    if drives is not None or ends is not None:
-        custom_forces(model, t, q, v)
-        for _ in range(ITERATIONS):
-            accelerate(model, 0.0, t, q, work.acceleration)
-            for m in range(model.core):
-                work.middle[m] = v[m] + 0.5 * tau * work.acceleration[m]
-            custom_forces(model, t, q, work.middle)
-
-
-@inlined
-def kick_block(model, s, i, t, tau, q, v, work, power):
-    """Kick a block of asperites, and add works at the mid-kick velocities."""
-    acceleration = work.acceleration
-    middle = work.middle
-    kick_slot(s.start, s, i, tau, acceleration, v, middle)
-    kick_slot(s.dof_phi, s, i, tau, acceleration, v, middle)
-    kick_slot(s.dof_x, s, i, tau, acceleration, v, middle)
-    kick_slot(s.dof_y, s, i, tau, acceleration, v, middle)
-    powers_of_block(model, model.ledger, s, i, 0.0, t, q, middle, power)
-
-
-@inlined
 def kick(model, active, team, t, tau, state, work):
     """Contact, fields and springs, in place, and the drive act for tau."""
     n = state.y.size // 2
     q = state.y[:n]
-    if team is None:
-        drive_forces(model, active, t, q)
-    else:
-        gather_contact(model)
-        share_phase(model, active, team, DRIVE, t, tau, state, work)
-    settle_custom_forces(model, model.drives, model.ends, t, tau, q, state.y[n:], work)
+    gather_contact(model)
+    settle_custom_forces(model, model.drives, model.ends, active, t, tau, q, state.y[n:], work)
     if team is None:
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
@@ -209,19 +157,10 @@ def kick(model, active, team, t, tau, state, work):
             kick_part(model, active, s, begin, end, t, tau, state, work)
     else:
         share_phase(model, active, team, KICK, t, tau, state, work)
-    shared_powers(model, model.ledger, t, work.middle, Powers(state.s, model.sums, tau))
-
-
-@inlined
-def kick_part(model, active, s, begin, end, t, tau, state, work):
-    """Kick some active blocks of a surface."""
-    m = state.y.size // 2
-    q = state.y[:m]
-    power = Powers(state.s, model.sums, tau)
-    for n in range(begin, end):
-        i = column_of(active, n)
-        accelerate_block(model, s, i, 0.0, t, q, work.acceleration)
-        kick_block(model, s, i, t, tau, q, state.y[m:], work, power)
+    if acts_twice(model):
+        add_half_shared_works(model, t, tau, state)
+    else:
+        shared_powers(model, model.ledger, t, work.middle, Powers(state.s, model.sums, tau))
 
 
 @kernel
@@ -248,9 +187,6 @@ def step_piece(model, active, team, piece, state, work):
     phase, t, tau = team.counters[PHASE], team.numbers[0], team.numbers[1]
     if phase == DRIFT:
         drift_part(model, active, s, begin, end, t, tau, state, work)
-    elif phase == DRIVE:
-        for n in range(begin, end):
-            drive_block(model, s, column_of(active, n), t, state.y[: state.y.size // 2])
     else:
         kick_part(model, active, s, begin, end, t, tau, state, work)
 
@@ -272,24 +208,6 @@ def assist_team(model, team, neighbours, state, work):
             step_piece(model, active_of(neighbours), team, piece, state, work)
         finish_piece(team)
         piece = wait_for_piece(team)
-
-
-@inlined
-def repeat_kick(model, active, drives, ends, t, tau, state, work):
-    """The same forces act again for tau; those of plug-ins are for the velocities of now."""
-    if drives is not None or ends is not None:
-        kick(model, active, model.team, t, tau, state, work)
-        return
-    m = state.y.size // 2
-    q = state.y[:m]
-    v = state.y[m:]
-    power = Powers(state.s, model.sums, tau)
-    for k in range(model.surfaces.shape[0]):
-        s = model.surfaces[k]
-        for n in range(first_block(active, s, k), last_block(active, s, k)):
-            i = column_of(active, n)
-            kick_block(model, s, i, t, tau, q, v, work, power)
-    shared_powers(model, model.ledger, t, work.middle, power)
 
 
 @kernel
@@ -327,13 +245,6 @@ def arrive(model, neighbours, clock, state, work):
 
 
 @inlined
-def has_substep(model):
-    """Whether baths or reservoirs act between two half kicks."""
-    baths = model.bath is not None or model.torsional is not None
-    return baths or model.friction is not None or model.swing_friction is not None
-
-
-@inlined
 def take_step(model, neighbours, splitting, clock, h, state, work, noise):
     """The drifts and kicks of a step, but for its last drift, which is left."""
     n = state.y.size // 2
@@ -354,7 +265,10 @@ def take_step(model, neighbours, splitting, clock, h, state, work, noise):
         if has_substep(model):
             kick(model, active, model.team, t, 0.5 * tau, state, work)
             bath_substep(model, tau, q, v, s, work.bath[m], work.torsional[m], noise)
-            repeat_kick(model, active, model.drives, model.ends, t, 0.5 * tau, state, work)
+            if acts_twice(model):
+                repeat_kick(model, active, t, 0.5 * tau, state, work)
+            else:
+                kick(model, active, model.team, t, 0.5 * tau, state, work)
         else:
             kick(model, active, model.team, t, tau, state, work)
     clock.drift_lag = splitting.drifts[splitting.kicks.size] * h
@@ -373,6 +287,7 @@ def splitting_steps(
         (model, neighbours, splitting, state, times, record, work)
     )
     last = times[times.size - 1]
+    work.rotations[0, 0, model.asperites.shape[1]] = np.nan  # other blocks may have become active
     clear(model.friction)
     clear(model.swing_friction)
     set_bath_momenta(model, model.bath, state.y[state.y.size // 2 :])
@@ -395,6 +310,7 @@ def splitting_steps(
         take_step(model, neighbours, splitting, clock, h, state, work, noise)
         advance_equally(clock, times[clock.sample], h, landing)
         updated = update_encounter(model, neighbours, clock, state.y, work.speeds, h)
-        if updated and not all_finite(state.y):
+        # Whatever is not finite reaches the velocities of the asperites within a step.
+        if updated and not all_finite(state.y[state.y.size // 2 :][: model.core]):
             return NOT_FINITE
     return PAUSED

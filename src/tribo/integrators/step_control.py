@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo.kernels.blocks import active_of
-from tribo.kernels.compiled import expanded, kernel
+from tribo.kernels.compiled import expanded, inlined, kernel
 from tribo.kernels.contact import fastest_approach, least_clearance, next_encounter
 from tribo.kernels.equations_of_motion import equations_of_motion, place_bobs, top_speeds
 from tribo.kernels.neighbours import crowded, is_empty, refresh
@@ -59,7 +59,7 @@ def current_encounter(model, neighbours, t, y, speeds):
     return found.rate, found.closest
 
 
-@kernel
+@inlined
 def encounter_bound(model, neighbours, clock, y, speeds, h):
     """An upper bound on the encounter rate, pair by pair only where it matters for a step h.
 
@@ -81,7 +81,7 @@ def encounter_bound(model, neighbours, clock, y, speeds, h):
     return found.rate
 
 
-@kernel
+@inlined
 def all_finite(x):
     """Whether every component is finite, and its square."""
     outside = broadcast(0.0)
@@ -128,7 +128,7 @@ def time_left(clock, goal):
     return (goal - clock.t) - clock.t_low
 
 
-@kernel
+@inlined
 def record_due(model, neighbours, clock, state, times, record):
     """Record every sample that is due; returns the time left until the next, 0 after the last."""
     while clock.sample < times.size:
@@ -158,7 +158,7 @@ def equal_step_status(clock, h, end):
     return ENCOUNTER_JUMPED if h * clock.encounter_rate > 1.0 else COMPLETED
 
 
-@kernel
+@inlined
 def update_encounter(model, neighbours, clock, y, speeds, h):
     """Compute the encounter rate after an equal step, every few steps or where one is near.
 

@@ -51,6 +51,30 @@ def coordinates(slot, s, i, q):
 
 
 @inlined
+def set_coordinates(slot, s, i, q, x):
+    """Set coordinates, velocities or accelerations of a block, if its surface has them."""
+    if slot >= 0:
+        set_block(q, slot + i - s.start, x)
+
+
+@inlined
+def all_coordinates(s, i, q):
+    """All coordinates or velocities of a block, q'' too: swing, bar's angle, x and y; 0 without."""
+    angles = block(q, i), coordinates(s.dof_phi, s, i, q)
+    return *angles, coordinates(s.dof_x, s, i, q), coordinates(s.dof_y, s, i, q)
+
+
+@inlined
+def set_all(s, i, q, values):
+    """Set all coordinates, velocities or accelerations that a block has."""
+    swing, phi, x, y = values
+    set_block(q, i, swing)
+    set_coordinates(s.dof_phi, s, i, q, phi)
+    set_coordinates(s.dof_x, s, i, q, x)
+    set_coordinates(s.dof_y, s, i, q, y)
+
+
+@inlined
 def vectors(table, i):
     """x and y of a block of a table of vectors; without a table -0, which changes no sum."""
     if table is None:

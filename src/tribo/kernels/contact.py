@@ -403,7 +403,7 @@ def shortest_feature(contacts):
     return shortest
 
 
-@kernel
+@inlined
 def fastest_approach(model, active, speeds):
     """Largest speed at which two bobs that have a contact can approach each other."""
     fastest = 0.0
@@ -413,13 +413,13 @@ def fastest_approach(model, active, speeds):
     return fastest
 
 
-@kernel
+@inlined
 def least_clearance(model, clearance):
     """The smallest clearance of any pair, from a lower bound; no less than the shortest feature."""
     return max(clearance, min(shortest_feature(model.contacts), shortest_feature(model.within)))
 
 
-@kernel
+@inlined
 def closing_speed(model, active, pair, speeds):
     """Largest speed at which any active bob of one surface can approach any of another."""
     low_x = broadcast(math.inf)

@@ -8,12 +8,14 @@ oscillator's coordinates are its displacement from the resting bar in the same u
 
 from tribo.kernels.baths import bath_accelerations, bath_forces, torsional_accelerations
 from tribo.kernels.blocks import (
+    all_coordinates,
     clear,
     column_of,
     coordinates,
     first_block,
     last_block,
     numbers,
+    set_all,
     set_vectors,
     vectors,
 )
@@ -29,7 +31,8 @@ from tribo.kernels.records import (
     FX,
     FY,
     I2,
-    INERTIA,
+    INVERSE_INERTIA,
+    INVERSE_MASS,
     KAPPA,
     L1,
     L2,
@@ -79,15 +82,13 @@ def place_bars(displaced, s, i, x, y, l2, sin, cos):
 
 
 @inlined
-def place_block(model, s, i, t, q):
+def place_block(model, s, i, t, swing, x, y):
     """Set positions and directions of a block of bobs, and clear their contact forces."""
     a = model.asperites
     b = model.bobs
-    sin, cos = sine_cosine(block(q, i))
+    sin, cos = sine_cosine(swing)
     tx = s.facing * cos
     ty = s.facing * sin
-    x = coordinates(s.dof_x, s, i, q)
-    y = coordinates(s.dof_y, s, i, q)
     place_bars(model.displaced, s, i, x, y, block(a[L2], i), sin, cos)
     x = block(a[X_START], i) + s.vx * t + x
     y = block(a[Y_START], i) + s.vy * t + y
@@ -106,7 +107,8 @@ def place_bobs(model, t, q):
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         for i in range(s.start, s.stop, LANES):
-            place_block(model, s, i, t, q)
+            swing, _, x, y = all_coordinates(s, i, q)
+            place_block(model, s, i, t, swing, x, y)
 
 
 @inlined
@@ -158,7 +160,7 @@ def gather_contact(model):
 
 @inlined
 def drive_block(model, s, i, t, q):
-    """Set f2 on a block of bars, contact forces in place."""
+    """Set f2 on a block of bars, contact forces in place; returns it."""
     b = model.bobs
     fx = block(b[FX], i)
     fy = block(b[FY], i)
@@ -175,7 +177,9 @@ def drive_block(model, s, i, t, q):
         gx = broadcast(0.0)
     gy = broadcast(s.load + s.load_rate * t) if s.loaded else -fy
     present = block(model.asperites[PRESENT], i)
-    set_vectors(model.drive, i, present * gx, present * gy)
+    gx, gy = present * gx, present * gy
+    set_vectors(model.drive, i, gx, gy)
+    return gx, gy
 
 
 @inlined
@@ -218,25 +222,22 @@ def end_force_sums(end_forces, i):
     return x, block(end_forces[LEFT_Y], i) + block(end_forces[RIGHT_Y], i)
 
 
-@kernel
-def add_end_torques(model, end_forces, s, i, t, q, acceleration):
-    """Add the torques of a plug-in's forces on the ends of bars to phi''."""
-    if end_forces is not None:
-        if s.user_ends == 1:
-            sin, cos = sine_cosine(bar_angles(model, s, i, t, q))
-            half = 0.5 * block(model.asperites[BAR_LENGTH], i)
-            x = block(end_forces[RIGHT_X], i) - block(end_forces[LEFT_X], i)
-            y = block(end_forces[RIGHT_Y], i) - block(end_forces[LEFT_Y], i)
-            torque = half * (cos * y - sin * x)
-            k = s.dof_phi + i - s.start
-            old = block(acceleration, k)
-            set_block(acceleration, k, old + torque / block(model.asperites[I2], i))
+@inlined
+def end_torques(model, end_forces, s, i, t, q):
+    """Torques of a plug-in's forces on the ends of a block of bars, about the bars' centres."""
+    if end_forces is None:
+        return broadcast(-0.0)
+    sin, cos = sine_cosine(bar_angles(model, s, i, t, q))
+    half = 0.5 * block(model.asperites[BAR_LENGTH], i)
+    x = block(end_forces[RIGHT_X], i) - block(end_forces[LEFT_X], i)
+    y = block(end_forces[RIGHT_Y], i) - block(end_forces[LEFT_Y], i)
+    return half * (cos * y - sin * x)
 
 
 @inlined
-def bar_forces(model, i):
+def bar_forces(model, i, drive):
     """Force on a block of bars: f2 + f_int + f_T, and f_L + f_R of a plug-in."""
-    x, y = vectors(model.drive, i)
+    x, y = drive
     fx, fy = vectors(model.internal, i)
     x, y = x + fx, y + fy
     fx, fy = vectors(model.friction, i)
@@ -268,39 +269,37 @@ def torques(model, i, bob_x, bob_y, bar_x, bar_y):
 
 
 @inlined
-def accelerate_block(model, s, i, torsion, t, q, acceleration):
-    """Set q'' of a block of asperites from the forces in place.
+def accelerations(model, s, i, torsion, t, q, drive):
+    """q'' of a block from the forces in place: swings, bars' angles, x and y.
 
-    `torsion` is 0 where the torsion springs are integrated separately, and 1 elsewhere.  Clamped
-    ends have f_L + f_R = 0, and act on the bar's angle only.
+    `torsion` is 0 where the torsion springs are integrated separately, and 1 elsewhere.  `drive` is
+    f2.  Clamped ends have f_L + f_R = 0, and act on the bar's angle only.
     """
     a = model.asperites
     bob_x, bob_y = bob_forces(model, i)
-    bar_x, bar_y = bar_forces(model, i)
+    bar_x, bar_y = bar_forces(model, i, drive)
     torque = torques(model, i, bob_x, bob_y, bar_x, bar_y)
+    turning = broadcast(0.0)
     if torsion != 0.0 or s.dof_phi >= 0:
         twist = block(q, i) - bar_angles(model, s, i, t, q)
         spring = torsion * block(a[KAPPA], i) * twist
         torque = torque - spring
         if s.dof_phi >= 0:
-            set_block(acceleration, s.dof_phi + i - s.start, spring / block(a[I2], i))
-    set_block(acceleration, i, torque / block(a[INERTIA], i))
-    if s.dof_x >= 0:
-        ax = (bob_x + bar_x) / block(a[MASS], i)
-        set_block(acceleration, s.dof_x + i - s.start, ax)
-    if s.dof_y >= 0:
-        ay = (bob_y + bar_y) / block(a[MASS], i)
-        set_block(acceleration, s.dof_y + i - s.start, ay)
-    add_end_torques(model, model.end_forces, s, i, t, q, acceleration)
+            ends = end_torques(model, model.end_forces, s, i, t, q)
+            turning = (spring + ends) / block(a[I2], i)
+    mobility = block(a[INVERSE_MASS], i)
+    x, y = (bob_x + bar_x) * mobility, (bob_y + bar_y) * mobility
+    return torque * block(a[INVERSE_INERTIA], i), turning, x, y
 
 
 @inlined
 def accelerate(model, torsion, t, q, acceleration):
-    """Set q'' of all asperites from the forces in place; see :func:`accelerate_block`."""
+    """Set q'' of all asperites from the forces in place; see :func:`accelerations`."""
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         for i in range(s.start, s.stop, LANES):
-            accelerate_block(model, s, i, torsion, t, q, acceleration)
+            drive = vectors(model.drive, i)
+            set_all(s, i, acceleration, accelerations(model, s, i, torsion, t, q, drive))
 
 
 @inlined
@@ -319,7 +318,7 @@ def equations_of_motion(model, neighbours, t, q, v, acceleration):
     torsional_accelerations(model, model.torsional, t, q, acceleration)
 
 
-@kernel
+@inlined
 def top_speeds(model, active, t, q, v, speeds):
     """Set the velocity of each centre of mass, or driven bar, and the bob's largest speed about it.
 
@@ -334,7 +333,8 @@ def top_speeds(model, active, t, q, v, speeds):
             i = column_of(active, n)
             twist = block(q, i) - bar_angles(model, s, i, t, q)
             omega = block(v, i)
-            rate = block(a[KAPPA], i) / block(a[INERTIA], i) * twist * twist + omega * omega
+            stiffness = block(a[KAPPA], i) * block(a[INVERSE_INERTIA], i)
+            rate = stiffness * twist * twist + omega * omega
             set_block(speeds[0], i, s.vx + coordinates(s.dof_x, s, i, v))
             set_block(speeds[1], i, s.vy + coordinates(s.dof_y, s, i, v))
             set_block(speeds[2], i, block(a[L1], i) * sqrt(rate))

@@ -6,7 +6,6 @@ and an infinite MASS, and the coordinates x and y stay constant.  `pivots` has t
 pivot to the centre of mass: l2 on driven bars, 0 elsewhere; None without driven bars.
 """
 
-from tribo.kernels.blocks import coordinates
 from tribo.kernels.compiled import inlined
 from tribo.kernels.records import L1, L2, TX, TY
 from tribo.kernels.simd import broadcast
@@ -40,11 +39,12 @@ def pivot_length(pivots, i):
 
 
 @inlined
-def velocities_of_centres(model, pivots, s, i, v):
-    """Velocities of the centres of mass of a block in the surface's first frame, bobs in place."""
-    vx = coordinates(s.dof_x, s, i, v)
-    vy = coordinates(s.dof_y, s, i, v)
+def velocities_of_centres(model, pivots, i, omega, vx, vy):
+    """Velocities of the centres of mass of a block in the surface's first frame, bobs in place.
+
+    They are those of the coordinates x and y without driven bars.
+    """
     if pivots is None:
         return vx, vy
-    speed = block(pivots[0], i) * block(v, i)
+    speed = block(pivots[0], i) * omega
     return vx + speed * block(model.bobs[TX], i), vy + speed * block(model.bobs[TY], i)

@@ -31,7 +31,7 @@ import numpy as np
 from numba import literal_unroll
 
 from tribo.kernels.baths import set_bath_momenta, torsional_torque
-from tribo.kernels.blocks import coordinates, is_fixed, vectors
+from tribo.kernels.blocks import all_coordinates, coordinates, is_fixed, vectors
 from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.equations_of_motion import (
     bar_angles,
@@ -115,11 +115,13 @@ def set_power(power, s, slot, i, x):
 @inlined
 def set_four(power, s, slot, i, first, second, third, fourth):
     """The same of four accounts in a row."""
+    k = place_of(s, slot, i)
+    begins = i == s.start
     stride = s.account_stride
-    set_power(power, s, slot, i, first)
-    set_power(power, s, slot + stride, i, second)
-    set_power(power, s, slot + 2 * stride, i, third)
-    set_power(power, s, slot + 3 * stride, i, fourth)
+    write_block(power.accounts, power.sums, power.tau, k, begins, first)
+    write_block(power.accounts, power.sums, power.tau, k + stride, begins, second)
+    write_block(power.accounts, power.sums, power.tau, k + 2 * stride, begins, third)
+    write_block(power.accounts, power.sums, power.tau, k + 3 * stride, begins, fourth)
 
 
 @inlined
@@ -127,7 +129,7 @@ def held_torques(model, fixed, s, i, phi, q):
     """Torques that clamped bars hold: of torsion springs, or of the forces on rigid asperites."""
     if is_fixed(fixed, s):
         bob_x, bob_y = bob_forces(model, i)
-        bar_x, bar_y = bar_forces(model, i)
+        bar_x, bar_y = bar_forces(model, i, vectors(model.drive, i))
         return torques(model, i, bob_x, bob_y, bar_x, bar_y)
     return block(model.asperites[KAPPA], i) * (block(q, i) - phi)
 
@@ -151,7 +153,7 @@ def clamped_ends(model, s, i, t, q, omega, vx, vy, power):
 
 
 @kernel
-def custom_end_powers(model, end_forces, s, i, t, q, v, power):
+def custom_end_powers(model, end_forces, s, i, t, q, velocities, power):
     """Set the powers of a plug-in's forces on the ends of bars, at r2 + r_L and r2 + r_R."""
     if end_forces is not None:
         if s.acc_user_ends >= 0:
@@ -161,15 +163,14 @@ def custom_end_powers(model, end_forces, s, i, t, q, v, power):
             right_x = block(end_forces[RIGHT_X], i)
             right_y = block(end_forces[RIGHT_Y], i)
             sin, cos = sine_cosine(bar_angles(model, s, i, t, q))
-            tip = 0.5 * block(a[BAR_LENGTH], i) * coordinates(s.dof_phi, s, i, v)
+            omega, nu, vx, vy = velocities
+            tip = 0.5 * block(a[BAR_LENGTH], i) * nu
             tip_x = -tip * sin
             tip_y = tip * cos
             zero = broadcast(0.0)
             tx = block(model.bobs[TX], i)
             ty = block(model.bobs[TY], i)
-            x, y = bar_velocity(zero, zero, block(v, i), block(a[L2], i), tx, ty)
-            vx = coordinates(s.dof_x, s, i, v)
-            vy = coordinates(s.dof_y, s, i, v)
+            x, y = bar_velocity(zero, zero, omega, block(a[L2], i), tx, ty)
             left = left_x * (x - tip_x) + left_y * (y - tip_y)
             right = right_x * (x + tip_x) + right_y * (y + tip_y)
             k = s.acc_user_ends
@@ -258,15 +259,15 @@ def set_drive_powers(model, sums, s, i, omega, vx, vy, power):
 
 
 @inlined
-def powers_of_block(model, ledger, s, i, torsion, t, q, v, power):
+def powers_of_block(model, ledger, s, i, torsion, t, q, velocities, power):
     """Set the powers of a block's accounts, forces in place, if there is a ledger.
 
     `torsion` is 0 where the torsion springs, and the ends that hold them, are integrated
     separately; the ends that hold rigid asperites never are.
     """
     if ledger is not None:
-        omega = block(v, i)
-        vx, vy = velocities_of_centres(model, model.pivots, s, i, v)
+        omega, _, vx, vy = velocities
+        vx, vy = velocities_of_centres(model, model.pivots, i, omega, vx, vy)
         set_contact_powers(model, model.sums, s, i, omega, power)
         if s.acc_slide >= 0:
             k = s.acc_slide
@@ -280,7 +281,7 @@ def powers_of_block(model, ledger, s, i, torsion, t, q, v, power):
         set_internal_powers(model, s, i, omega, vx, vy, power)
         set_bar_powers(model, model.friction, s.acc_thermal, s, i, omega, vx, vy, power)
         set_swing_powers(model, model.swing_friction, s, i, omega, power)
-        custom_end_powers(model, model.end_forces, s, i, t, q, v, power)
+        custom_end_powers(model, model.end_forces, s, i, t, q, velocities, power)
 
 
 @kernel
@@ -378,7 +379,8 @@ def powers_in_ledger(model, ledger, t, q, v, accounts):
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
             for i in range(s.start, s.stop, LANES):
-                powers_of_block(model, ledger, s, i, 1.0, t, q, v, power)
+                velocities = all_coordinates(s, i, v)
+                powers_of_block(model, ledger, s, i, 1.0, t, q, velocities, power)
         set_bath_momenta(model, model.bath, v)
         shared_powers(model, ledger, t, v, power)
         torsional_powers(model, model.torsional, t, q, v, accounts)

@@ -51,7 +51,8 @@ ASPERITE = np.dtype(
 # refer to the bar's centre, see `kernels.levers`; rigid asperites have an infinite inertia.  phi,
 # with its sine and cosine, and nu are those at the start.  The frequency is that of the torsion
 # spring's rotation, of the pendulum and, if that can turn, of the bar.  Those that fill the last
-# block of a surface are not present, 0 instead of 1: no drive or friction acts on them.
+# block of a surface are not present, 0 instead of 1: no drive or friction acts on them.  Inverses
+# are here since a product takes a third of the time of a division.
 CONSTANTS = (
     "mass",
     "inertia",
@@ -70,6 +71,8 @@ CONSTANTS = (
     "z",
     "charge",
     "present",
+    "inverse_mass",
+    "inverse_inertia",
 )
 (
     MASS,
@@ -89,6 +92,8 @@ CONSTANTS = (
     Z,
     CHARGE,
     PRESENT,
+    INVERSE_MASS,
+    INVERSE_INERTIA,
 ) = range(len(CONSTANTS))
 
 FORCED, FREE, RIGID, PULLED, CUSTOM, BARS, PUSHED = range(7)

@@ -7,6 +7,7 @@ block lies in two cache lines.  A few, of springs, do not, and reach beyond the 
 
 import math
 import operator
+import threading
 
 import numpy as np
 from llvmlite import ir
@@ -18,13 +19,41 @@ from tribo.kernels.array_pointers import PointerType
 from tribo.kernels.compiled import inlined
 from tribo.kernels.simd import _FLOAT, _VECTOR, LANES, lanes
 
+# Small arrays are parts of arrays of this size [floats], so that they stand side by side; those of
+# a few asperites fit into one.  A load waits for an earlier store to an address with the same last
+# twelve bits.  Where those were left to chance, a step of three asperites on three took 132 ns in
+# one process and 170 ns in another.
+SHARED_SIZE = 8192
+
+# The largest array that is such a part [floats]: larger ones have all such addresses anyway.
+LARGEST_PART = 1024
+
+_lock = threading.Lock()
+_shared = np.zeros(0)
+
 
 def room(shape: tuple[int, ...]) -> np.ndarray:
     """A C-contiguous array of zeros that begins with a cache line, with room for a block after."""
     size = math.prod(shape)
-    array = np.zeros(size + 2 * LANES)
+    return _floats(LANES * (size // LANES + 2))[:size].reshape(shape)
+
+
+def _floats(size: int) -> np.ndarray:
+    """So many zeros, a multiple of eight, that begin with a cache line."""
+    global _shared
+    if size > LARGEST_PART:
+        return _aligned(size)
+    with _lock:
+        if size > _shared.size:
+            _shared = _aligned(SHARED_SIZE)
+        part, _shared = _shared[:size], _shared[size:]
+    return part
+
+
+def _aligned(size: int) -> np.ndarray:
+    array = np.zeros(size + LANES)
     first = -(array.ctypes.data // 8) % LANES
-    return array[first : first + size].reshape(shape)
+    return array[first : first + size]
 
 
 def with_spare_lanes(values: np.ndarray) -> np.ndarray:

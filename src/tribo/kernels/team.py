@@ -1,6 +1,6 @@
 """Threads that share the work of a step.
 
-A step has phases: contact, drift, drive, kick.  Each phase has a number of pieces that depends on
+A step has phases: contact, drift, kick.  Each phase has a number of pieces that depends on
 the scene alone, and each piece writes where no other does, so that the results have the same bits
 for any number of threads.  The thread of the time loop begins a phase and takes pieces until none
 is left; assistants take pieces too.  Then it waits for the pieces that assistants have taken.  None
@@ -23,7 +23,7 @@ from tribo.kernels.compiled import kernel
 from tribo.kernels.simd_arrays import element
 
 # Phases.
-CONTACT, REACTIONS, DRIFT, DRIVE, KICK = range(5)
+CONTACT, REACTIONS, DRIFT, KICK = range(4)
 
 # Places of the counters.  Those that threads write at the same time are in cache lines of their
 # own, of at most 16 numbers.

@@ -72,10 +72,12 @@ def _constants(scene: Scene, asperites: np.ndarray, columns: np.ndarray, count: 
     rigid = np.array([s.asperite.is_rigid for s in scene.surfaces])[asperites["surface"]]
     table[records.INERTIA, columns[rigid]] = np.inf
     table[records.PRESENT, columns] = 1.0
+    table[records.INVERSE_MASS] = 1.0 / table[records.MASS]
+    table[records.INVERSE_INERTIA] = 1.0 / table[records.INERTIA]
     phi = asperites["phi"]
     table[records.SIN_PHI, columns], table[records.COS_PHI, columns] = np.sin(phi), np.cos(phi)
     turning = asperites["dof_phi"] >= 0
-    mobility = 1.0 / table[records.INERTIA, columns]
+    mobility = table[records.INVERSE_INERTIA, columns]
     mobility += np.where(turning, 1.0 / asperites["i2"], 0.0)
     table[records.FREQUENCY, columns] = np.sqrt(asperites["kappa"] * mobility)
     every = [s.asperite.for_each(s.count)["charge"] for s in scene.surfaces]

@@ -1,0 +1,158 @@
+"""Kicks of splitting methods: forces change velocities at fixed coordinates, and do work.
+
+Where baths or reservoirs act in the middle of a kick, the same forces act in both halves.  A force
+does its work at the mean velocity of each half: at v + a tau / 4 in the first, where v + a tau / 2
+is the velocity before the substep, and at v' + a tau / 4 in the second, where v' is the one after
+it.  The mean of both is the mean of the velocities before and after the substep.
+"""
+
+from tribo.kernels.blocks import (
+    all_coordinates,
+    column_of,
+    first_block,
+    last_block,
+    set_all,
+    vectors,
+)
+from tribo.kernels.compiled import inlined, kernel
+from tribo.kernels.equations_of_motion import (
+    accelerate,
+    accelerations,
+    drive_block,
+    drive_forces,
+)
+from tribo.kernels.powers import Powers, powers_of_block, shared_powers
+from tribo.kernels.simd import broadcast
+from tribo.kernels.simd_arrays import block, set_block
+from tribo.kernels.user_forces import custom_forces
+
+# Iterations for velocities in the middle of a kick, on which forces of plug-ins may depend.  A
+# force that rotates a velocity by z in a kick should not change its square: with one or two
+# iterations it does so by z^4 / 4, with three by z^6 / 16.
+ITERATIONS = 3
+
+
+@kernel
+def settle_custom_forces(model, drives, ends, active, t, tau, q, v, work):
+    """Set the forces of plug-ins on the bars for their velocities in the middle of a kick.
+
+    These are found by iteration from the velocities before the kick.
+    """
+    if drives is not None or ends is not None:
+        drive_forces(model, active, t, q)
+        custom_forces(model, t, q, v)
+        for _ in range(ITERATIONS):
+            accelerate(model, 0.0, t, q, work.acceleration)
+            for m in range(model.core):
+                work.middle[m] = v[m] + 0.5 * tau * work.acceleration[m]
+            custom_forces(model, t, q, work.middle)
+
+
+@inlined
+def has_substep(model):
+    """Whether baths or reservoirs act between two half kicks."""
+    baths = model.bath is not None or model.torsional is not None
+    return baths or model.friction is not None or model.swing_friction is not None
+
+
+@inlined
+def acts_twice(model):
+    """Whether the forces of the first half kick act in the second: those of plug-ins may differ."""
+    return has_substep(model) and model.drives is None and model.ends is None
+
+
+@inlined
+def drive_in_kick(model, drives, s, i, t, q):
+    """f2 on a block of bars, which is already in place where there are plug-ins."""
+    if drives is None:
+        return drive_block(model, s, i, t, q)
+    return vectors(model.drive, i)
+
+
+@inlined
+def kick_slot(slot, s, i, change, v, middle):
+    """Change a block's velocities from `slot` on; returns them in the middle, 0 without."""
+    if slot < 0:
+        return broadcast(0.0)
+    k = slot + i - s.start
+    old = block(v, k)
+    between = old + 0.5 * change
+    set_block(v, k, old + change)
+    set_block(middle, k, between)
+    return between
+
+
+@inlined
+def kick_block(model, s, i, t, tau, q, v, middle, accounts, acceleration):
+    """Kick a block of asperites, and add works at the mid-kick velocities."""
+    swing, phi, x, y = acceleration
+    omega = kick_slot(s.start, s, i, tau * swing, v, middle)
+    nu = kick_slot(s.dof_phi, s, i, tau * phi, v, middle)
+    vx = kick_slot(s.dof_x, s, i, tau * x, v, middle)
+    vy = kick_slot(s.dof_y, s, i, tau * y, v, middle)
+    power = Powers(accounts, model.sums, tau)
+    powers_of_block(model, model.ledger, s, i, 0.0, t, q, (omega, nu, vx, vy), power)
+
+
+@inlined
+def pushed(velocities, tau, acceleration):
+    """Velocities of a block after a time."""
+    omega, nu, vx, vy = velocities
+    swing, phi, x, y = acceleration
+    return omega + tau * swing, nu + tau * phi, vx + tau * x, vy + tau * y
+
+
+@inlined
+def mean(one, other):
+    """Means of the velocities of a block."""
+    a, b, c, d = one
+    e, f, g, h = other
+    return 0.5 * (a + e), 0.5 * (b + f), 0.5 * (c + g), 0.5 * (d + h)
+
+
+@inlined
+def add_half_shared_works(model, t, tau, state):
+    """Add half of the works that are of no asperite: noise changes a surface's momentum."""
+    if model.friction is not None:
+        power = Powers(state.s, model.sums, tau)
+        shared_powers(model, model.ledger, t, state.y[state.y.size // 2 :], power)
+
+
+@inlined
+def kick_part(model, active, s, begin, end, t, tau, state, work):
+    """Kick some active blocks of a surface; works are added unless the forces act twice."""
+    m = state.y.size // 2
+    q = state.y[:m]
+    v = state.y[m:]
+    for n in range(begin, end):
+        i = column_of(active, n)
+        drive = drive_in_kick(model, model.drives, s, i, t, q)
+        acceleration = accelerations(model, s, i, 0.0, t, q, drive)
+        if acts_twice(model):
+            after = pushed(all_coordinates(s, i, v), tau, acceleration)
+            set_all(s, i, v, after)
+            set_all(s, i, work.middle, after)
+            set_all(s, i, work.acceleration, acceleration)
+        else:
+            kick_block(model, s, i, t, tau, q, v, work.middle, state.s, acceleration)
+
+
+@inlined
+def repeat_kick(model, active, t, tau, state, work):
+    """The same forces act again for tau; the works of both half kicks are added."""
+    m = state.y.size // 2
+    q = state.y[:m]
+    v = state.y[m:]
+    power = Powers(state.s, model.sums, 2.0 * tau)
+    if model.friction is None:
+        shared_powers(model, model.ledger, t, v, power)
+    else:
+        add_half_shared_works(model, t, tau, state)
+    for k in range(model.surfaces.shape[0]):
+        s = model.surfaces[k]
+        for n in range(first_block(active, s, k), last_block(active, s, k)):
+            i = column_of(active, n)
+            now = all_coordinates(s, i, v)
+            set_all(s, i, v, pushed(now, tau, all_coordinates(s, i, work.acceleration)))
+            between = mean(all_coordinates(s, i, work.middle), now)
+            powers_of_block(model, model.ledger, s, i, 0.0, t, q, between, power)
