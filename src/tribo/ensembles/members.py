@@ -173,7 +173,7 @@ class Variation:
                 "vary",
                 "is empty, and nothing in the scene is drawn: all members would be the same; vary "
                 'an initial value, as "surface.theta", or give a reservoir, a bath or a start a '
-                "temperature",
+                "temperature; random heights follow the scene's seed, which a sweep can vary",
             )
         self._last_seeds: tuple[int, np.ndarray] = (-1, np.empty(0))
         self._last_draws: dict[str, tuple[int, np.ndarray]] = {}

@@ -137,7 +137,13 @@ class Explanation:
         return sum(self.coordinates.values())
 
     def to_json(self) -> str:
-        """All of it as one JSON object."""
+        """The whole explanation as JSON, as ``tribo explain --json`` prints it.
+
+        Returns
+        -------
+        str
+            One JSON object.
+        """
         table = {
             "effects": list(self.effects),
             "absent": list(self.absent),

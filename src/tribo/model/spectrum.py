@@ -107,7 +107,15 @@ class Spectrum:
         object.__setattr__(self, "n", integer("n", self.n, 1, LARGEST_COUNT))
 
     def oscillators(self) -> tuple[np.ndarray, np.ndarray]:
-        """Masses (n,) [mass] and angular frequencies (n,) [rad / time]."""
+        """The oscillators that stand for the continuum.
+
+        Returns
+        -------
+        masses : ndarray, (n,)
+            [mass].
+        frequencies : ndarray, (n,)
+            Angular frequencies [rad / time].
+        """
         x = (np.arange(self.n) + 0.5) / self.n
         if self.kind == "drude":
             w, share = np.tan(np.pi / 2.0 * x), np.ones(self.n)

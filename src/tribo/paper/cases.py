@@ -120,7 +120,18 @@ class Run:
         return cls(case, simulate(short, method="midpoint", step=step))
 
     def series(self, quantity: str) -> np.ndarray:
-        """Series (times,) of a printed quantity; Theta is the theta of the lower asperite."""
+        """A printed quantity at all recorded times.
+
+        Parameters
+        ----------
+        quantity : str
+            As in the paper's table: "Theta" is the theta of the lower asperite, "wL + wR" the sum
+            of the works on the ends, and all others are of the upper asperite.
+
+        Returns
+        -------
+        ndarray, (times,)
+        """
         upper = self.result["upper"]
         if quantity == "Theta":
             return self.result["lower"].theta[:, 0]
@@ -131,7 +142,18 @@ class Run:
         return upper[_name(quantity)][:, 0]
 
     def error(self, quantity: str) -> float:
-        """Error estimate of a quantity: the sum of those of its parts."""
+        """The error estimate of a printed quantity: the sum of those of its parts.
+
+        Parameters
+        ----------
+        quantity : str
+            As in the paper's table.
+
+        Returns
+        -------
+        float
+            In the unit of the quantity.
+        """
         bounds = self.result.error_estimate
         parts = {"Theta": ["theta"], "wL + wR": ["wL", "wR"], "w - w_ps": ["w", "w_ps"]}
         names = parts.get(quantity, [_name(quantity)])
@@ -139,7 +161,20 @@ class Run:
         return twice * sum(bounds[name] or 0.0 for name in names)
 
     def at(self, quantity: str, t: float | np.ndarray) -> np.ndarray:
-        """The quantity at a time, or at several, by a spline that is accurate to 1e-9."""
+        """A printed quantity at any times, by a spline that is accurate to 1e-9.
+
+        Parameters
+        ----------
+        quantity : str
+            As in the paper's table.
+        t : float or ndarray
+            Times [time].
+
+        Returns
+        -------
+        ndarray
+            In the shape of `t`.
+        """
         from scipy.interpolate import make_interp_spline
 
         if quantity not in self._splines:
@@ -147,7 +182,20 @@ class Run:
         return np.asarray(self._splines[quantity](t))
 
     def root(self, values: np.ndarray, near: float) -> float:
-        """The time at which a series changes sign, of several the nearest to `near`."""
+        """The time at which a series changes sign.
+
+        Parameters
+        ----------
+        values : ndarray, (times,)
+            The series.
+        near : float
+            Of several changes the nearest to this time is taken [time].
+
+        Returns
+        -------
+        float
+            [time].
+        """
         from scipy.interpolate import make_interp_spline
         from scipy.optimize import brentq
 
@@ -158,12 +206,36 @@ class Run:
         return float(brentq(spline, t[k], t[k + 1], xtol=1e-12))
 
     def derivative(self, quantity: str) -> np.ndarray:
-        """Time derivative of a series."""
+        """The time derivative of a printed quantity.
+
+        Parameters
+        ----------
+        quantity : str
+            As in the paper's table.
+
+        Returns
+        -------
+        ndarray, (times,)
+            In the unit of the quantity over time.
+        """
         self.at(quantity, 0.0)
         return np.asarray(self._splines[quantity].derivative()(self.result.t))
 
     def event(self, name: str, near: float) -> float:
-        """The time of an event for which the paper prints a time; `near` is the printed time."""
+        """The computed time of an event for which the paper prints a time.
+
+        Parameters
+        ----------
+        name : str
+            As in the paper's table, such as "time the bobs pass".
+        near : float
+            The printed time [time].
+
+        Returns
+        -------
+        float
+            [time].
+        """
         upper, lower = self.result["upper"], self.result["lower"]
         if name == "time the bobs pass":
             return self.root((upper.x_bob - lower.x_bob)[:, 0], near)

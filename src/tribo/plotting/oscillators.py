@@ -1,7 +1,7 @@
 """Where the dots of bath oscillators are drawn: in a row behind the bar, each displaced.
 
 The order in the row is that of frequencies.  One factor magnifies all displacements of a result, so
-that the largest is seen.
+that the largest is seen.  Torsional oscillators are not drawn: results do not record their angles.
 """
 
 from __future__ import annotations
@@ -46,7 +46,9 @@ def magnification(result: Result) -> float:
     """The factor of all displacements in the drawing.  Raises InputError as above."""
     surfaces = _with_bath(result)
     if not surfaces:
-        raise InputError("bath", "no surface has bath oscillators that move along x and y")
+        raise InputError(
+            "bath", "no surface has bath oscillators along x and y; torsional ones are not drawn"
+        )
     largest = max(float(np.abs(result.oscillators(each.name)).max()) for each in surfaces)
     return REACH * _rod(surfaces[0]) / largest if largest > 0.0 else 1.0
 

@@ -127,6 +127,10 @@ class Plots:
             All together without it.
         ax : matplotlib.axes.Axes, optional
             Where to draw; a new figure without it.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
         """
         return work_curves(self._result, self._surface(surface), asperite, ax=ax)
 
@@ -242,6 +246,10 @@ class Plots:
         bath : bool
             Whether bath oscillators are drawn, as dots behind their bars with magnified
             displacements; the scene's output must ask for the series "oscillators".
+
+        Returns
+        -------
+        matplotlib.axes.Axes
 
         Raises
         ------

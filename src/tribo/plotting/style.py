@@ -126,6 +126,10 @@ def drawing_on(ax: Axes | None, width: float, height: float | None = None) -> It
         Axes to draw in.
     width, height : float
         Size of new Axes [inch].
+
+    Yields
+    ------
+    matplotlib.axes.Axes
     """
     if ax is not None:
         yield ax

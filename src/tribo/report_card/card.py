@@ -166,7 +166,13 @@ class Report:
         raise KeyError(f"must be one of {names}, got {name!r}")
 
     def to_json(self) -> str:
-        """The card as strict JSON, as ``tribo check --json`` prints it; null stands for nan."""
+        """The card as strict JSON, as ``tribo check --json`` prints it.
+
+        Returns
+        -------
+        str
+            One JSON object; numbers that are not finite are null.
+        """
         table = {
             "potential": self.potential,
             "passed": self.passed,

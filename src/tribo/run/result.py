@@ -303,7 +303,13 @@ class Result(Presentation):
         return f"the accuracy is not met: {self.notes[-1]}" if self.met is False else ""
 
     def to_json(self) -> str:
-        """`end` as strict JSON: numbers that are not finite are null."""
+        """The property `end` as strict JSON, as ``tribo run --json`` prints it.
+
+        Returns
+        -------
+        str
+            One JSON object; numbers that are not finite are null.
+        """
         return json.dumps(without_nan(self.end), indent=1, allow_nan=False)
 
     def __repr__(self) -> str:

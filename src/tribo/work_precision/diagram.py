@@ -158,7 +158,13 @@ class WorkPrecision:
     status: Status = Status.COMPLETED
 
     def to_json(self) -> str:
-        """JSON as ``tribo accuracy --json`` prints it."""
+        """All runs as JSON, as ``tribo accuracy --json`` prints them.
+
+        Returns
+        -------
+        str
+            One JSON object.
+        """
         table = {
             "rows": [asdict(row) for row in self.rows],
             "reference": asdict(self.reference),
@@ -258,6 +264,11 @@ class WorkPrecision:
         ----------
         path : str or Path
             A .png, .pdf or .svg file.
+
+        Returns
+        -------
+        Path
+            The file.
 
         Raises
         ------

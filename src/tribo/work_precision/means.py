@@ -97,7 +97,13 @@ class MeansPrecision:
         return [self.rows[-1].scaled_to(goal) for goal in GOALS] if self.rows else []
 
     def to_json(self) -> str:
-        """JSON as ``tribo accuracy --json`` prints it for a scene with thermal noise."""
+        """All runs as JSON, as ``tribo accuracy --json`` prints them for a scene with noise.
+
+        Returns
+        -------
+        str
+            One JSON object.
+        """
         table = {
             "rows": [asdict(row) for row in self.rows],
             "reference": None,
