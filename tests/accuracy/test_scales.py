@@ -13,14 +13,8 @@ from support.hard_scenes import simulate
 from tribo import paper
 from tribo.accuracy.estimate import estimate
 from tribo.accuracy.roundoff import rounding_of_terms
-from tribo.accuracy.scales import (
-    KINDS,
-    Scales,
-    first_guess,
-    kind_of,
-    reported_scales,
-    tolerance_scales,
-)
+from tribo.accuracy.scales import KINDS, Scales, kind_of, reported_scales
+from tribo.accuracy.tolerance_scales import first_guess, tolerance_scales
 from tribo.run.entry import Entry
 from tribo.run.layout import lay_out
 from tribo.run.ledger import assemble
