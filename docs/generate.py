@@ -26,7 +26,7 @@ from tribo.integrators import methods
 from tribo.kernels.compiled import package_stamp
 from tribo.kernels.status import MEANINGS
 from tribo.model import roughness
-from tribo.model.scene import Effect
+from tribo.model.effects import Effect
 from tribo.paper import figures as paper_figures
 from tribo.potentials import LennardJones, with_cutoff
 from tribo.report_card import check

@@ -12,7 +12,7 @@ from tribo.accuracy import run_time
 from tribo.cli import main
 from tribo.explanation import prediction, reasons, speeds, summary
 from tribo.integrators.methods import METHODS
-from tribo.model.scene import Effect
+from tribo.model.effects import Effect
 from tribo.potentials import as_potential, expression
 from tribo.run import progress_guard
 from tribo.run.layout import lay_out

@@ -67,7 +67,8 @@ if TYPE_CHECKING:  # "X as X" exports a name to type checkers
     from tribo.report_card import check as check
     from tribo.run.friction import FrictionForce as FrictionForce
     from tribo.run.relax import NoEquilibriumError as NoEquilibriumError, relax as relax
-    from tribo.run.result import Result as Result, load_result as load_result
+    from tribo.run.result import Result as Result
+    from tribo.run.saved_results import load_result as load_result
     from tribo.run.state import State as State
     from tribo.simulation import prepare as prepare, simulate as simulate
     from tribo.sweeps import sweep as sweep
@@ -103,7 +104,7 @@ _HOME = {
     "Interaction": "tribo.model.interaction",
     "Langevin": "tribo.model.langevin",
     "LennardJones": "tribo.potentials",
-    "load_result": "tribo.run.result",
+    "load_result": "tribo.run.saved_results",
     "load_scene": "tribo.model.scene_file",
     "Mie": "tribo.potentials",
     "Morse": "tribo.potentials",

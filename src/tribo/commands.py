@@ -321,7 +321,7 @@ def _explain(options: argparse.Namespace) -> int:
 
 
 def _view(options: argparse.Namespace) -> int:
-    from tribo.run.result import load_result
+    from tribo.run.saved_results import load_result
     from tribo.simulation import simulate
 
     checked_target("--out", options.out)
@@ -339,7 +339,7 @@ def _view(options: argparse.Namespace) -> int:
 
 def _plot(options: argparse.Namespace) -> int:
     from tribo import plotting
-    from tribo.run.result import load_result
+    from tribo.run.saved_results import load_result
 
     path = plotting.figure_path("--out", options.out or options.file.with_suffix(".png"))
     checked_target("--out", path)

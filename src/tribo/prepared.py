@@ -15,11 +15,13 @@ from tribo.accuracy.comparison import (
     strictest,
 )
 from tribo.accuracy.estimate import excess_of_request
+from tribo.accuracy.found_settings import FoundSettings
 from tribo.accuracy.levels import fine_level
 from tribo.accuracy.plan import Plan, single_setting
-from tribo.accuracy.search import MOST_COST, FoundSettings
+from tribo.accuracy.search import MOST_COST
 from tribo.accuracy.stop_times import StopTimes
 from tribo.kernels.status import Status
+from tribo.run.cost import Cost
 from tribo.run.identity import settings_of, version
 from tribo.run.initial_state import InitialState, Start
 from tribo.run.integrate import Integration, Setting
@@ -35,7 +37,7 @@ from tribo.run.notes import (
     run_notes,
     stop_notes,
 )
-from tribo.run.result import Cost, Known, Result
+from tribo.run.result import Known, Result
 from tribo.run.samples import Samples
 from tribo.run.state import digest_of, state_of
 from tribo.run.streamed_ledger import StreamedLedger, is_streamed

@@ -97,7 +97,7 @@ def _threads(options: argparse.Namespace) -> int | None:
 def _repeated(options: argparse.Namespace) -> tuple[Result, bool]:
     """The result of the run in a file, and whether it has the bits of the file."""
     from tribo.repeat import differences, repeat, sentence
-    from tribo.run.result import load_result
+    from tribo.run.saved_results import load_result
 
     for name in CHANGES:
         if getattr(options, name):

@@ -26,7 +26,8 @@ from tribo.run.journal import PART, Journal
 from tribo.run.layout import Layout, lay_out
 from tribo.run.ledger import check_keep
 from tribo.run.loop_selection import Integrator
-from tribo.run.result import Result, load_result, netcdf_path
+from tribo.run.result import Result, netcdf_path
+from tribo.run.saved_results import load_result
 from tribo.run.state import Origin, State, continued, digest_of
 from tribo.run.streamed_ledger import is_streamed
 from tribo.run.threads import threads_of

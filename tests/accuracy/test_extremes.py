@@ -10,7 +10,8 @@ from support.hard_scenes import changed, simulate, stopped
 from tribo.accuracy.levels import fine_level, finest_level
 from tribo.accuracy.plan import integrator_for
 from tribo.accuracy.roundoff import rounding_of_terms
-from tribo.accuracy.scales import EPSILON, FLOOR, first_guess, tolerance_scales, tolerances
+from tribo.accuracy.scales import EPSILON
+from tribo.accuracy.tolerance_scales import FLOOR, first_guess, tolerance_scales, tolerances
 from tribo.integrators.methods import METHODS
 from tribo.run.entry import Entry
 from tribo.run.integrate import first_step_at

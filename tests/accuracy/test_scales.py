@@ -11,16 +11,10 @@ import pytest
 import tribo
 from support.hard_scenes import simulate
 from tribo import paper
-from tribo.accuracy.estimate import estimate
+from tribo.accuracy.estimate import DIVERGED, DIVERGED_IN_CHAOS, estimate
 from tribo.accuracy.roundoff import rounding_of_terms
-from tribo.accuracy.scales import (
-    KINDS,
-    Scales,
-    first_guess,
-    kind_of,
-    reported_scales,
-    tolerance_scales,
-)
+from tribo.accuracy.scales import KINDS, Scales, kind_of, reported_scales
+from tribo.accuracy.tolerance_scales import first_guess, tolerance_scales
 from tribo.run.entry import Entry
 from tribo.run.layout import lay_out
 from tribo.run.ledger import assemble
@@ -147,14 +141,16 @@ def test_diverged_runs_know_nothing():
     """Where one quantity differs by a part of its scale, each may be off by twice its own."""
     scales = Scales(rate=1.0, length=1.0, velocity=1.0, energy=2.0, total=2.0)
 
-    def bounds(apart):
+    def bounds(apart, diverged=DIVERGED):
         """Estimates of two energies, the first of which differs from the coarser run."""
         names, tops = ("contact_energy", "applied_work"), np.array([1.0, 1e-6])
-        return estimate(names, tops, apart * tops, scales, False, 0.0, {})
+        return estimate(names, tops, apart * tops, scales, False, 0.0, {}, diverged)
 
     assert bounds(10.0)["applied_work"] == pytest.approx(30.0)
     assert bounds(0.1)["applied_work"] == pytest.approx(4.0)
     assert bounds(1e-3)["applied_work"] == pytest.approx(6e-5, rel=1e-3)
+    assert bounds(0.02)["applied_work"] == pytest.approx(1.2e-3, rel=1e-3)
+    assert bounds(0.02, DIVERGED_IN_CHAOS)["applied_work"] == pytest.approx(4.0)
 
 
 @pytest.mark.parametrize("bars", ["free", "clamped"])

@@ -12,6 +12,7 @@ from scipy import stats
 import tribo
 from tribo import Initial, InputError, Output, ensemble, paper
 from tribo.accuracy.cheapest_setting import NEAR_ALONE
+from tribo.accuracy.tolerance_scales import ToleranceScales
 from tribo.ensembles import checked_runs
 from tribo.ensembles.members import Variation
 from tribo.integrators.nystrom_tableaux import RKN8, RKN12
@@ -57,7 +58,7 @@ def test_members_are_single_runs(case):
     names = ("upper.theta", "lower.theta")
     for member in (0, 7, 99):
         start = {name: float(data[name][member, 0]) for name in names}
-        scales = tribo.accuracy.scales.ToleranceScales(*json.loads(data.attrs["scales"]))
+        scales = ToleranceScales(*json.loads(data.attrs["scales"]))
         tolerance = checked_runs.tolerance_at(
             simulation, scales, float(data["level"][member]), NEAR_ALONE
         )
@@ -252,7 +253,7 @@ def test_members_of_rows_alone(monkeypatch):
     data = ensemble(scene, 100, vary, keep=keep, at="samples", threads=2)
     assert set(data["status"].values) == {"completed"}
     simulation = tribo.prepare(scene)
-    scales = tribo.accuracy.scales.ToleranceScales(*json.loads(data.attrs["scales"]))
+    scales = ToleranceScales(*json.loads(data.attrs["scales"]))
     for member in (0, 17, 99):
         alone = tribo.ensemble_member(data, member)
         start = {name: data[name][member].values for name in vary}

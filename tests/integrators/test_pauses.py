@@ -19,7 +19,7 @@ from tribo import (
     Surface,
     with_cutoff,
 )
-from tribo.accuracy.scales import first_step
+from tribo.accuracy.tolerance_scales import first_step
 from tribo.integrators.methods import METHODS
 from tribo.integrators.step_control import Tolerance
 from tribo.paper import scene as case

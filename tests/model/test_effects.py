@@ -22,7 +22,7 @@ from tribo import (
     Springs,
     Surface,
 )
-from tribo.model.scene import Effect
+from tribo.model.effects import Effect
 from tribo.run.layout import lay_out
 
 PLAIN = {"swing", "contact", "clamped ends"}  # of the paper's forced sliding

@@ -15,8 +15,8 @@ from support.strategies import asperites, coulombs, dyadic, potentials
 from tribo import paper
 from tribo.accuracy.levels import setting_at
 from tribo.accuracy.plan import integrator_for
-from tribo.accuracy.scales import first_guess
-from tribo.accuracy.search import PILOT_LEVEL
+from tribo.accuracy.search_runs import PILOT_LEVEL
+from tribo.accuracy.tolerance_scales import first_guess
 from tribo.integrators.methods import METHODS
 from tribo.kernels.compiled import time_loop
 from tribo.kernels.status import COMPLETED, PAUSED
@@ -24,7 +24,8 @@ from tribo.pair.loop import COLUMNS, pair_collocation
 from tribo.plugins.sources import source_stamp
 from tribo.run.layout import lay_out
 from tribo.run.ledger import assemble
-from tribo.run.pair_adapter import PairSamples, has_pair_loop, is_pair
+from tribo.run.pair_adapter import has_pair_loop, is_pair
+from tribo.run.pair_samples import PairSamples
 from tribo.run.samples import Samples
 
 RADAU = METHODS["gauss-radau-15"]

@@ -8,7 +8,7 @@ import pytest
 import tribo
 from support.transformations import boosted, drive_in_units
 from tribo.model.drives import as_drive, as_table
-from tribo.model.scene import Effect
+from tribo.model.effects import Effect
 
 FORCE, RATE = np.array([0.6, -0.3]), np.array([0.2, 0.5])
 HOW = {"method": "verlet", "step": 0.01}

@@ -117,7 +117,7 @@ def errors() -> str:
 
 def closing_speeds() -> str:
     """Two surfaces close in at the diagonal of their velocities, and two swings at most."""
-    from tribo.kernels.contact import closing_speed
+    from tribo.kernels.encounters import closing_speed
 
     rng = np.random.default_rng(2)
     surfaces = [
@@ -250,20 +250,21 @@ def errors_of_a_pair() -> str:
     """The error of a pair's step: the worst rate's, and that of the worst account."""
     rng = np.random.default_rng(4)
     with registers_as_arrays():
-        from tribo.pair import step
+        from tribo.pair import step_rows as rows
+        from tribo.pair.step_sums import error_of
 
-        work = rng.uniform(1e-6, 1e-5, (step.ROWS, 8))
-        work[step.PLACE] = 1e10 * rng.normal(size=8)
-        places = (step.V1, step.OF_V1), (step.V2, step.OF_V2), (step.J, step.OF_J)
+        work = rng.uniform(1e-6, 1e-5, (rows.ROWS, 8))
+        work[rows.PLACE] = 1e10 * rng.normal(size=8)
+        places = (rows.V1, rows.OF_V1), (rows.V2, rows.OF_V2), (rows.J, rows.OF_J)
         units = [
-            work[step.LIMITS, limit] + 2.0 * EPSILON * abs(work[step.PLACE, rate])
+            work[rows.LIMITS, limit] + 2.0 * EPSILON * abs(work[rows.PLACE, rate])
             for rate, limit in places
         ]
         for worst in range(3):
             leading = np.where(np.arange(3) == worst, -1.0, 1e-3)
             gains = rng.normal(size=8)
-            found = step.error_of(0.5, work, SimpleNamespace(leading=leading, leading_gains=gains))
-            accounts = np.max(0.5 * abs(gains) * work[step.ALLOWED])
+            found = error_of(0.5, work, SimpleNamespace(leading=leading, leading_gains=gains))
+            accounts = np.max(0.5 * abs(gains) * work[rows.ALLOWED])
             if not np.isclose(found, np.max(0.5 * abs(leading) / units) + accounts, 1e-12):
                 return f"rate {worst}"
     return ""
@@ -278,6 +279,7 @@ def steps_towards_encounters() -> str:
     sums = SimpleNamespace(once=(0.0, 0.0, 0.0))
     with registers_as_arrays():
         from tribo.pair import step
+        from tribo.pair.step_rows import ROWS
 
         nothing = {
             "solve": lambda *_: (True, None),
@@ -289,7 +291,7 @@ def steps_towards_encounters() -> str:
             "store_start": lambda *_: None,
         }
         for rate, later in ((0.2, 0.8), (0.6, 0.8), (0.8, 0.8), (1.2, 0.8)):
-            work = np.zeros((step.ROWS, 8))
+            work = np.zeros((ROWS, 8))
             changed = nothing | {"encounter_after": lambda *_, later=later: later}
             with mock.patch.multiple(step, **changed):
                 _, growth, _ = step.try_step(None, None, clock, length, rate, 1.0, work)

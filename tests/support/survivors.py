@@ -3,7 +3,7 @@
 AFTER_SWINGS = "the first slots are those of the swings; no other coordinate has slot 0"
 # No result changes: mutant -> why.
 EQUIVALENT = {
-    "kernels/contact.py: fastest_approach: fastest = 0.0 -> fastest = 1.0": (
+    "kernels/encounters.py: fastest_approach: fastest = 0.0 -> fastest = 1.0": (
         "a bound on the rate that is too high: only the cost changes"
     ),
     "kernels/equations_of_motion.py: bar_angles: s.dof_phi >= 0 -> s.dof_phi >= 1": AFTER_SWINGS,

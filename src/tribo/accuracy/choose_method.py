@@ -22,7 +22,7 @@ import numpy as np
 
 from tribo.accuracy.comparison import Accuracy, strictest
 from tribo.accuracy.encounter_estimate import steps_towards
-from tribo.accuracy.scales import first_step, unit_step
+from tribo.accuracy.tolerance_scales import first_step, unit_step
 from tribo.integrators import methods
 from tribo.model.scene import Scene
 from tribo.model.settings import check_accuracy

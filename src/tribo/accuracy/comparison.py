@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from tribo.accuracy.estimate import distance, estimate, rounding
+from tribo.accuracy.estimate import DIVERGED, DIVERGED_IN_CHAOS, distance, estimate, rounding
 from tribo.accuracy.roundoff import rounding_of_terms
 from tribo.accuracy.scales import (
     EPSILON,
@@ -124,7 +124,9 @@ def error_bounds(
     terms = rounding_of_terms(layout, entry, fine.steps)
     least = rounded + LEAST * wanted
     gaps = at_shared.minus(coarse).largest()
-    bounds = estimate(run.names, tops, gaps, scales, bool(rough), least, terms)
+    chaotic = amplification is not None and amplification * PERTURBATION >= DIVERGED
+    limit = DIVERGED_IN_CHAOS if chaotic else DIVERGED
+    bounds = estimate(run.names, tops, gaps, scales, bool(rough), least, terms, limit)
     if any(other.status != Status.COMPLETED for other in coarser):
         bounds = dict.fromkeys(bounds, np.inf)
     return bounds, scales

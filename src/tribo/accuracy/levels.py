@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tribo.accuracy.scales import FLOOR, ToleranceScales, tolerances, unit_step
+from tribo.accuracy.tolerance_scales import FLOOR, ToleranceScales, tolerances, unit_step
 from tribo.integrators.methods import Method
 from tribo.run.integrate import Integration, Setting
 from tribo.run.layout import Layout

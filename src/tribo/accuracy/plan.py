@@ -9,10 +9,12 @@ import numpy as np
 from tribo.accuracy.cheapest_setting import cheapest_setting
 from tribo.accuracy.choose_method import Choice
 from tribo.accuracy.comparison import Accuracy
+from tribo.accuracy.found_settings import FoundSettings
 from tribo.accuracy.run_time import counted, evaluation_time
-from tribo.accuracy.scales import first_step
-from tribo.accuracy.search import Announce, FoundSettings, find_settings
+from tribo.accuracy.search import find_settings
+from tribo.accuracy.search_runs import Announce
 from tribo.accuracy.stop_times import PARTS, StopTimes
+from tribo.accuracy.tolerance_scales import first_step
 from tribo.integrators import methods
 from tribo.run.integrate import Progress, Setting
 from tribo.run.journal import Journal
@@ -88,7 +90,7 @@ def make_plan(choice: Choice, integrator: Integrator, announce: Announce | None 
     integrator : Integrator
         Runs the scene by that method.
     announce : callable, optional
-        Called before each run: see :data:`tribo.accuracy.search.Announce`.
+        Called before each run: see :data:`tribo.accuracy.search_runs.Announce`.
 
     Returns
     -------

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tribo.accuracy.scales import FLOOR, tolerance_scales
+from tribo.accuracy.tolerance_scales import FLOOR, tolerance_scales
 from tribo.ensembles.checked_runs import (
     FINER,
     KEPT,

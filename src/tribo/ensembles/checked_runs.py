@@ -23,7 +23,7 @@ from tribo.accuracy.cheapest_setting import NEAR_ALONE
 from tribo.accuracy.comparison import strictest
 from tribo.accuracy.levels import setting_at
 from tribo.accuracy.members import FineMembers
-from tribo.accuracy.scales import FLOOR, ToleranceScales
+from tribo.accuracy.tolerance_scales import FLOOR, ToleranceScales
 from tribo.ensembles.kept_values import STATUS_TYPE, UNKNOWN, Kept, KeptValues
 from tribo.ensembles.members import Members, values_at_start
 from tribo.ensembles.rough_runs import rough_differences
@@ -148,7 +148,7 @@ class CheckedPlan(NamedTuple):
         Members that take more are checked; -1 where they have numbers of their own, and are all
         compared with rougher runs.
     scales : tuple of float
-        Of the tolerances: fields of :class:`tribo.accuracy.scales.ToleranceScales`.
+        Of the tolerances: fields of :class:`tribo.accuracy.tolerance_scales.ToleranceScales`.
     """
 
     method: str

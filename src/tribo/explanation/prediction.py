@@ -19,9 +19,10 @@ from tribo.accuracy.comparison import strictest
 from tribo.accuracy.levels import fine_level
 from tribo.accuracy.plan import Plan, make_plan
 from tribo.accuracy.run_time import counted, evaluation_time, rate_of
-from tribo.accuracy.scales import first_step
-from tribo.accuracy.search import COARSE_RUNS, FIRST, PILOT_LEVEL
+from tribo.accuracy.search import FIRST
+from tribo.accuracy.search_runs import COARSE_RUNS, PILOT_LEVEL
 from tribo.accuracy.stop_times import StopTimes
+from tribo.accuracy.tolerance_scales import first_step
 from tribo.integrators.methods import Method
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import PAUSED, Status

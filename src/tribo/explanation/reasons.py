@@ -7,8 +7,9 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from tribo.model.drives import Custom, DrivenBars, Ends, Forced, Pulled, Pushed
+from tribo.model.effects import Effect
 from tribo.model.interaction import Interaction
-from tribo.model.scene import Effect, Scene
+from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.potentials.from_ase import Live
 from tribo.potentials.tables import as_table

@@ -19,7 +19,8 @@ from tribo.explanation.reasons import why_absent, why_present
 from tribo.explanation.speeds import compilations, inactive_at_start, kept_speed, loop_of, measured
 from tribo.integrators.methods import Method, noisy
 from tribo.kernels.potential_in_lanes import is_vectorized
-from tribo.model.scene import Effect, Scene
+from tribo.model.effects import Effect
+from tribo.model.scene import Scene
 from tribo.run.layout import Layout, lay_out
 from tribo.run.ledger import check_keep
 from tribo.run.threads import Threads, threads_of

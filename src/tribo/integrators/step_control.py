@@ -7,7 +7,7 @@ import numpy as np
 
 from tribo.kernels.blocks import active_of
 from tribo.kernels.compiled import expanded, inlined, kernel
-from tribo.kernels.contact import fastest_approach, least_clearance, next_encounter
+from tribo.kernels.encounters import fastest_approach, least_clearance, next_encounter
 from tribo.kernels.equations_of_motion import equations_of_motion, place_bobs, top_speeds
 from tribo.kernels.neighbours import crowded, is_empty, refresh
 from tribo.kernels.powers import all_powers

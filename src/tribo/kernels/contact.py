@@ -4,9 +4,7 @@ The latter are internal forces of the surface.
 """
 
 import math
-from typing import NamedTuple
 
-import numpy as np
 from numba import literal_unroll
 
 from tribo.kernels.blocks import active_of, column_of, first_block, last_block
@@ -23,7 +21,6 @@ from tribo.kernels.simd import (
     between_lanes,
     broadcast,
     lane,
-    maximum,
     seldom,
     sqrt,
     sum_of_lanes,
@@ -34,11 +31,6 @@ from tribo.kernels.simd_arrays import add_block, block, set_block
 
 # Square of a distance below which the squares of its components lose digits to underflow.
 SQUARE_IS_SAFE = 1e-280
-# With noise, an encounter can matter if at some distance up to the present one, of this many that
-# are evenly spaced, the potential energy exceeds this fraction of k_B T.  The first is a sixteenth:
-# one in sixteen pairs that pass each other comes closer.
-PROBES = 16
-NEGLIGIBLE = 0.01
 
 
 @kernel
@@ -277,171 +269,3 @@ def contact_energy(model, neighbours):
         for k in range(contact.pairs.shape[0]):
             energy += pair_energy(model, contact, k, neighbours)
     return energy
-
-
-class Encounter(NamedTuple):
-    """The next encounters of bobs."""
-
-    rate: float  # largest (relative speed) / (distance to the next change of force) [1 / time]
-    closest: float  # smallest distance of a pair [length]
-    clearance: float  # smallest distance that a pair may move before its force changes [length]
-    ignored: float  # largest rate of pairs whose potential cannot matter [1 / time]
-    one: int  # the bobs of the fastest of these
-    other: int
-
-
-@kernel
-def thermal_energy(model, friction, swing_friction):
-    """The largest k_B T of a surface with noise; None where no surface has a reservoir."""
-    if friction is None:
-        if swing_friction is None:
-            return None
-    energy = 0.0
-    for k in range(model.surfaces.shape[0]):
-        if model.surfaces[k].gamma + model.surfaces[k].swing_gamma > 0.0:
-            energy = max(energy, model.surfaces[k].temperature)
-    return energy
-
-
-@kernel
-def can_matter(potential, r, charge, other_charge, thermal):
-    """Whether a pair at r can come to feel its potential, against the thermal energy."""
-    if thermal == 0.0:
-        return True
-    for k in range(PROBES):
-        energy = potential.energy_between((k + 1) / PROBES * r, charge, other_charge)
-        if not abs(energy) < NEGLIGIBLE * thermal:
-            return True
-    return False
-
-
-@kernel
-def encounter_of_contact(model, contact, neighbours, speeds, thermal, found):
-    """The encounters found before, or those of one interaction where they come sooner."""
-    charges = model.asperites[CHARGE]
-    rate, closest, clearance, ignored, passing, passed = found
-    potential = contact.potential
-    for k in range(contact.pairs.shape[0]):
-        one = model.surfaces[contact.pairs[k, 0]]
-        other = model.surfaces[contact.pairs[k, 1]]
-        for i in range(one.start, one.end):
-            partners = partner_species(model.species, contact.species, i)
-            start = first_candidate(other, i)
-            first, last, is_listed = row_of(contact, k, other, i, one.start, neighbours)
-            for n in range(first, last):
-                m = block_of(neighbours, is_listed, n)
-                for j in range(max(start, m), min(m + LANES, other.end)):
-                    if not is_partner(model.species, partners, j):
-                        continue
-                    r = distance_of(model, i, j)
-                    vx = speeds[0, i] - speeds[0, j]
-                    vy = speeds[1, i] - speeds[1, j]
-                    speed = math.sqrt(vx * vx + vy * vy) + speeds[2, i] + speeds[2, j]
-                    closest = min(closest, r)
-                    own = potential.clearance(r)
-                    clearance = min(clearance, own)
-                    faster = speed / own
-                    if faster > rate:
-                        if thermal is None:
-                            rate = faster
-                        elif can_matter(potential, r, charges[i], charges[j], thermal):
-                            rate = faster
-                        elif faster > ignored:
-                            ignored, passing, passed = faster, i, j
-        if neighbours is not None and contact.rows[k] >= 0:
-            speed = closing_speed(model, neighbours.active, contact.pairs[k], speeds)
-            rate = max(rate, speed / neighbours.skin)
-            clearance = min(clearance, neighbours.skin)
-    return Encounter(rate, closest, clearance, ignored, passing, passed)
-
-
-@kernel
-def next_encounter(model, neighbours, speeds):
-    """The next encounters of all pairs.
-
-    A potential's clearance(r) is the distance that a pair at r may move before its force changes.
-    Pairs that are not listed are farther apart than the cutoff by what is left of the skin.  With
-    thermal noise, pairs whose potential is far below k_B T are counted apart.
-
-    Parameters
-    ----------
-    model : Model
-        The scene, bobs in place.
-    neighbours : Neighbours or None
-        The list of neighbours.
-    speeds : ndarray, (3, n)
-        Velocity of each centre of mass, and the largest speed of the bob about it.
-
-    Returns
-    -------
-    Encounter
-    """
-    found = Encounter(0.0, np.inf, np.inf, 0.0, -1, -1)
-    thermal = thermal_energy(model, model.friction, model.swing_friction)
-    for contact in literal_unroll(model.contacts):
-        found = encounter_of_contact(model, contact, neighbours, speeds, thermal, found)
-    return encounter_within(model, model.within, neighbours, speeds, thermal, found)
-
-
-@kernel
-def encounter_within(model, within, neighbours, speeds, thermal, found):
-    """The same, with the contact within surfaces."""
-    if within is not None:
-        for contact in literal_unroll(within):
-            found = encounter_of_contact(model, contact, neighbours, speeds, thermal, found)
-    return found
-
-
-@kernel
-def shortest_feature(contacts):
-    """The smallest length over which a force changes; infinite without contacts."""
-    shortest = np.inf
-    if contacts is not None:
-        for contact in literal_unroll(contacts):
-            length, _ = contact.potential.feature()
-            shortest = min(shortest, length)
-    return shortest
-
-
-@inlined
-def fastest_approach(model, active, speeds):
-    """Largest speed at which two bobs that have a contact can approach each other."""
-    fastest = 0.0
-    for k in range(model.surfaces.shape[0]):
-        for m in range(k if model.within is None else k + 1):
-            fastest = max(fastest, closing_speed(model, active, (k, m), speeds))
-    return fastest
-
-
-@inlined
-def least_clearance(model, clearance):
-    """The smallest clearance of any pair, from a lower bound; no less than the shortest feature."""
-    return max(clearance, min(shortest_feature(model.contacts), shortest_feature(model.within)))
-
-
-@inlined
-def closing_speed(model, active, pair, speeds):
-    """Largest speed at which any active bob of one surface can approach any of another."""
-    low_x = broadcast(math.inf)
-    low_y = broadcast(math.inf)
-    high_x = broadcast(-math.inf)
-    high_y = broadcast(-math.inf)
-    swing = broadcast(0.0)
-    for m in range(2):
-        k = pair[m]
-        s = model.surfaces[k]
-        for place in range(first_block(active, s, k), last_block(active, s, k)):
-            i = column_of(active, place)
-            n = s.end - i
-            x = block(speeds[0], i)
-            y = block(speeds[1], i)
-            low_x = np.minimum(low_x, between_lanes(0, n, x, math.inf))
-            high_x = np.maximum(high_x, between_lanes(0, n, x, -math.inf))
-            low_y = np.minimum(low_y, between_lanes(0, n, y, math.inf))
-            high_y = np.maximum(high_y, between_lanes(0, n, y, -math.inf))
-            swing = np.maximum(swing, between_lanes(0, n, block(speeds[2], i), 0.0))
-    if maximum(high_x) == -math.inf:  # no block is active
-        return 0.0
-    x = maximum(high_x) + maximum(-low_x)
-    y = maximum(high_y) + maximum(-low_y)
-    return math.sqrt(x * x + y * y) + 2.0 * maximum(swing)

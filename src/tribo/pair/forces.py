@@ -108,7 +108,7 @@ def swing_accelerations(pair, contact, q1, q2):
 def encounter_rate_of(pair, potential, r, q1, q2, v1, v2, j):
     """Rate of encounters of bobs at a distance r [1 / time].
 
-    See :func:`tribo.kernels.contact.next_encounter`.
+    See :func:`tribo.kernels.encounters.next_encounter`.
     """
     omega1 = math.sqrt(v1 * v1 + pair.omega_squared1 * q1 * q1)
     omega2 = math.sqrt(v2 * v2 + pair.omega_squared2 * q2 * q2)

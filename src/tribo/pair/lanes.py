@@ -33,40 +33,31 @@ from tribo.kernels.status import COMPLETED, PAUSED
 from tribo.pair.forces import PairScene, contact_of, distance, swing_accelerations
 from tribo.pair.loop import ENERGY
 from tribo.pair.members import CODE, EVALUATIONS, STEPS
-from tribo.pair.step import Q1, Q2, V1, V2, X1, X2, Y1, Y2, J, K, S
+from tribo.pair.step_rows import Q1, Q2, V1, V2, X1, X2, Y1, Y2, J, K, S
 
 # Registers in flight.
 GROUPS = 2
-
 # Rows of a register's memory, behind Q1 to J: the time, the next step, the numbers of steps that
 # were tried and accepted, and the accelerations at the stages, three rows each.
 T, H, TRIALS, ACCEPTED, F = range(J + 1, J + 6)
-
 # Largest swing whose sine and cosine need no reduction [rad].
 QUARTER_PI = 0.785
-
 # Largest swing of a member in a lane [rad]: up to a million quarter turns are reduced exactly.
 LARGEST_SWING = 1e6
-
 # Bounds on the ratio of a step to the one before it.
 LEAST_GROWTH, MOST_GROWTH = 0.2, 4.0
-
 # Parts of the growth that an error allows: of those from 0.75 to 0.92 they take the fewest
 # evaluations on cases A and C of the paper.
 CAUTION, CAUTION_AT_HIGH_ORDER = 0.75, 0.8
-
 # Stages from which on the error is taken to grow as h^16, and not as h^8: other roots take
 # longer than what they save.
 HIGH_ORDER = 12
-
 # A step is rejected if it is longer than this times the way to an encounter at its end.  Its start
 # limits it too, and the error estimate sees the force at its end.
 LARGEST_APPROACH = 4.0
-
 # Places in the limits: reciprocal tolerances of the rates, the first step, the largest part of the
 # way to an encounter, the time of the end, and the largest number of steps that are tried.
 UNIT1, UNIT2, UNITK, FIRST, NEAR, END, MOST_TRIALS = range(7)
-
 # Column of a record where the accelerations at the start stand until its member is loaded.
 START = J + 1
 

@@ -23,7 +23,8 @@ from tribo.kernels.simd import LANES, broadcast, lane, sum_of_lanes
 from tribo.kernels.simd_arrays import rows_of, store
 from tribo.kernels.status import BOBS_COINCIDE, COMPLETED, NOT_FINITE, PAUSED
 from tribo.pair.forces import contact_at, distance, encounter_rate_of, swing_accelerations
-from tribo.pair.step import (
+from tribo.pair.step import Nodes, try_step
+from tribo.pair.step_rows import (
     ACCOUNTS,
     BEGINNING,
     FIRST,
@@ -40,11 +41,8 @@ from tribo.pair.step import (
     V2,
     J,
     K,
-    Nodes,
-    end_values,
-    powers,
-    try_step,
 )
+from tribo.pair.step_sums import end_values, powers
 
 # Column of a record with the contact energy, behind the first six of PLACE and the accounts.
 ENERGY = J + 1 + LANES

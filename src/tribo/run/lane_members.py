@@ -15,7 +15,7 @@ from tribo.pair.forces import PairScene
 from tribo.pair.lanes import GROUPS, coefficients, pair_members_in_lanes
 from tribo.pair.loop import COLUMNS
 from tribo.pair.members import CODE
-from tribo.pair.step import FIRST, OF_J, OF_V1, OF_V2
+from tribo.pair.step_rows import FIRST, OF_J, OF_V1, OF_V2
 from tribo.plugins.compile_errors import compiling
 from tribo.plugins.sources import source_stamp
 from tribo.run.member_samples import MemberRuns

@@ -12,13 +12,15 @@ from tribo.kernels.compiled import EntryPoint, time_loop
 from tribo.kernels.potential_numbers import numbers_of
 from tribo.pair.loop import COLUMNS
 from tribo.pair.members import pair_members
-from tribo.pair.step import LIMITS, STATE
+from tribo.pair.step_rows import LIMITS, STATE
 from tribo.plugins.compile_errors import compiling
 from tribo.plugins.sources import source_stamp
 from tribo.run.layout import Layout
 from tribo.run.member_samples import MemberRuns, MemberSamples
-from tribo.run.pair_adapter import Factors, Pair, PairSamples
+from tribo.run.pair_adapter import Pair
+from tribo.run.pair_factors import Factors
 from tribo.run.pair_numbers import LayoutOfMembers, PairNumbers
+from tribo.run.pair_samples import PairSamples
 
 # Steps after which a member is left to a run of its own, which is guarded against no progress.
 MOST_STEPS = 2048
@@ -62,7 +64,7 @@ class PairMemberSamples(PairSamples, MemberSamples):
     def with_factors(self, state: np.ndarray, accounts: np.ndarray) -> MemberSamples:
         """The samples as they are where each member has factors of its own.
 
-        They are those of :func:`tribo.run.pair_adapter.factors_of`, (members, ..., columns).
+        They are those of :func:`tribo.run.pair_factors.factors_of`, (members, ..., columns).
         """
         columns = self._columns.reshape(-1, self.members, state.shape[2]).swapaxes(0, 1)
         y, s = (

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from tribo.integrators.methods import Method
-from tribo.kernels.contact import NEGLIGIBLE
+from tribo.kernels.encounters import NEGLIGIBLE
 from tribo.kernels.records import CLOCK
 from tribo.kernels.status import Status
 from tribo.model.drives import Forced

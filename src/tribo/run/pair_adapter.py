@@ -7,9 +7,6 @@ multiple of one of them; two matrices hold the factors.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Hashable
-from dataclasses import dataclass, fields
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -20,35 +17,23 @@ from tribo.integrators.methods import Method
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.compiled import EntryPoint, time_loop
 from tribo.kernels.records import CHARGE, CLOCK, FORCED, FREE, Z
-from tribo.kernels.samples import STORED
 from tribo.kernels.simd import LANES
 from tribo.kernels.status import COMPLETED, PAUSED, Status
 from tribo.pair.forces import PAIR
 from tribo.pair.loop import COLUMNS, ENERGY, pair_collocation
-from tribo.pair.step import (
+from tribo.pair.step import table
+from tribo.pair.step_rows import (
     FIRST,
-    J_Y,
     LEVEL,
     LIMITS,
     OF_J,
     OF_V1,
     OF_V2,
-    Q1,
-    Q2,
     ROWS,
     STATE,
-    T1,
-    T2,
     V1,
     V2,
-    X1,
-    X2,
-    Y1,
-    Y2,
     J,
-    K,
-    S,
-    table,
 )
 from tribo.plugins.compile_errors import compiling
 from tribo.plugins.sources import source_stamp
@@ -63,11 +48,9 @@ from tribo.run.integrate import (
     integrate,
 )
 from tribo.run.layout import Layout
-from tribo.run.samples import Samples
+from tribo.run.pair_factors import FIRST_ACCOUNT, Factors, factors_of
+from tribo.run.pair_samples import PairSamples
 
-# Columns behind the record's accounts, in place of the contact energy: see `_arcs`.
-ARC1, ARC2 = ENERGY, ENERGY + 1
-FIRST_ACCOUNT = J + 1
 # First step in units of the one that is usual: the loop's method is of order 15, and a first step
 # that is too long costs one rejection only.
 FIRST_STEP_FACTOR = 8.0
@@ -96,123 +79,6 @@ def is_pair(layout: Layout) -> bool:
         and bool(np.all(np.isin(surfaces.drive, (FORCED, FREE)) & (surfaces.loaded == 0)))
         and bool(np.all((a.dof_phi < 0) & (a.phi == 0.0) & (a.nu == 0.0) & (a.dof_y < 0)))
     )
-
-
-@dataclass(frozen=True, eq=False)
-class Factors:
-    """The factors from a row of the loop's record, with its arcs, to the scene's layout.
-
-    Attributes
-    ----------
-    state : ndarray, (2 coordinates, columns)
-        Those of y.
-    accounts : ndarray, (accounts, columns)
-        Those of s.
-    linear : dict
-        Those of linear functions of s by their keys, (columns, ...); without the arcs where these
-        have no part.
-    """
-
-    state: np.ndarray
-    accounts: np.ndarray
-    linear: dict[Hashable, np.ndarray]
-
-
-class PairSamples(Samples):
-    """The samples of a pair, which stay in the loop's record until they are asked for.
-
-    Parameters
-    ----------
-    t : ndarray, (times,)
-        When they were recorded.
-    record : ndarray, (times, COLUMNS)
-        Rows of the loop's record.
-    first : ndarray, (COLUMNS,) or (times, COLUMNS)
-        The first row of the run, or that of each row's run.
-    factors : Factors
-        Of the scene's layout.
-    """
-
-    def __init__(
-        self, t: np.ndarray, record: np.ndarray, first: np.ndarray, factors: Factors
-    ) -> None:
-        self.t = t
-        self._record = record
-        self._first = first
-        self._factors = factors
-
-    @cached_property
-    def y(self) -> np.ndarray:  # type: ignore[override]
-        """Coordinates and their rates, (times, 2 coordinates)."""
-        return self._record[:, :ENERGY] @ self._factors.state[:, :ENERGY].T
-
-    @cached_property
-    def s(self) -> np.ndarray:  # type: ignore[override]
-        """Accounts, (times, accounts)."""
-        return self._columns @ self._factors.accounts.T
-
-    @property
-    def contact(self) -> np.ndarray:  # type: ignore[override]
-        """Energy of the contact, (times,)."""
-        return self._record[:, ENERGY]
-
-    @cached_property
-    def field(self) -> np.ndarray:  # type: ignore[override]
-        """Zeros, (times,)."""
-        return np.zeros(self.t.size)
-
-    @cached_property
-    def stored(self) -> np.ndarray:  # type: ignore[override]
-        """Zeros, (times, 2, STORED)."""
-        return np.zeros((self.t.size, 2, STORED))
-
-    @property
-    def baths(self) -> np.ndarray:  # type: ignore[override]
-        """Empty, (times, 0, 0)."""
-        return np.empty((self.t.size, 0, 0))
-
-    def linear(self, key: Hashable, function: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-        """The value of a linear function of `s`, from the record's columns that it depends on."""
-        factors = self._factors.linear.get(key)
-        if factors is None:
-            factors = function(self._factors.accounts.T)
-            if not factors[ENERGY:].any():  # the arcs, which take longer, have no part
-                factors = factors[:ENERGY]
-            self._factors.linear[key] = factors
-        columns = self._record[:, :ENERGY] if len(factors) == ENERGY else self._columns
-        if factors.size > len(factors):
-            values = columns @ factors.reshape(len(factors), -1)
-            return values.reshape(len(values), *factors.shape[1:])
-        # Sums row by row, unlike products of matrices, have the same bits for any number of times.
-        value = np.vecdot(columns, factors if factors.ndim == 1 else factors[:, 0])
-        return value if factors.ndim == 1 else value[:, None]
-
-    def then(self, *later: Samples) -> Samples:
-        """These samples, followed by `later` ones of runs with the same start."""
-        parts = [each for each in (self, *later) if isinstance(each, PairSamples)]
-        if len(parts) <= len(later):
-            return super().then(*later)
-        t = np.concatenate([each.t for each in parts])
-        record = np.concatenate([each._record for each in parts])
-        return PairSamples(t, record, self._first, self._factors)
-
-    def _rows(self, selected: np.ndarray) -> PairSamples:
-        return PairSamples(self.t[selected], self._record[selected], self._first, self._factors)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return Samples, tuple(getattr(self, f.name) for f in fields(Samples))
-
-    @cached_property
-    def _arcs(self) -> np.ndarray:
-        """Integrals of q omega sin q: the powers of the end forces are multiples of it."""
-        q = self._record[:, [Q1, Q2]]
-        first = self._first[..., [Q1, Q2]]
-        return (np.sin(q) - q * np.cos(q)) - (np.sin(first) - first * np.cos(first))
-
-    @cached_property
-    def _columns(self) -> np.ndarray:
-        """The record's columns before the energy, and the arcs."""
-        return np.concatenate([self._record[:, :ENERGY], self._arcs], axis=1)
 
 
 class Pair:
@@ -402,37 +268,3 @@ def record_of(
         record[f"lever_y{i + 1}"] = lever * across
         record[f"omega_squared{i + 1}"] = one["kappa"] / one["inertia"]
     return record
-
-
-def factors_of(
-    layout: Layout, asperites: np.ndarray, mobility: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """The factors of coordinates and of accounts, (..., 2 coordinates or accounts, columns).
-
-    `asperites` and `mobility` are (..., 2), with the slots of the layout.  For the meaning of the
-    accounts see :mod:`tribo.kernels.powers`.
-    """
-    n, shape = layout.coordinates, asperites.shape[:-1]
-    to_state = np.zeros((*shape, 2 * n, ENERGY + 2))
-    to_accounts = np.zeros((*shape, layout.accounts, ENERGY + 2))
-    columns = ((Q1, V1, X1, Y1, T1, ARC1), (Q2, V2, X2, Y2, T2, ARC2))
-    for i, (slots, sign) in enumerate(zip(layout.asperites, (1.0, -1.0), strict=True)):
-        q, v, about_x, about_y, twist, arc = columns[i]
-        a, slide = asperites[..., i], mobility[..., i]
-        to_state[..., i, q] = to_state[..., n + i, v] = 1.0
-        first = FIRST_ACCOUNT
-        contact = slots.acc_contact
-        to_accounts[..., contact, J] = to_accounts[..., contact + 1, first + J_Y] = sign
-        to_accounts[..., contact + 2, first + about_x] = sign * a["facing"]
-        to_accounts[..., contact + 3, first + about_y] = sign * a["facing"]
-        if slots.dof_x >= 0:
-            to_state[..., slots.dof_x, K] = to_state[..., n + slots.dof_x, J] = slide
-            block = layout.surfaces[i].acc_block
-            for slot in (slots.acc_slide, block):
-                to_accounts[..., slot, first + S] = sign * slide
-        if slots.acc_ends >= 0:
-            end = a["kappa"] / a["bar_length"]
-            to_accounts[..., slots.acc_ends, arc] = -a["l2"] * a["facing"] * end
-            to_accounts[..., slots.acc_ends + 1, arc] = a["l2"] * a["facing"] * end
-            to_accounts[..., slots.acc_ends + 3, first + twist] = end
-    return to_state, to_accounts

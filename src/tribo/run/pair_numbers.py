@@ -16,7 +16,8 @@ from tribo.model.parameters import INTERACTION, with_values
 from tribo.model.surface import Surface
 from tribo.run.batch import Asperites, Batch, batch_of
 from tribo.run.layout import Layout
-from tribo.run.pair_adapter import factors_of, mobility_of, record_of
+from tribo.run.pair_adapter import mobility_of, record_of
+from tribo.run.pair_factors import factors_of
 from tribo.run.scene_records import fill_parameters, resting_bobs
 from tribo.validation import inside
 
@@ -53,7 +54,7 @@ class PairNumbers(NamedTuple):
         return record_of(self.asperites, layout.depths, self.charges, mobility)
 
     def factors(self, layout: Layout) -> tuple[np.ndarray, np.ndarray]:
-        """Those of :func:`tribo.run.pair_adapter.factors_of`, for each member."""
+        """Those of :func:`tribo.run.pair_factors.factors_of`, for each member."""
         return factors_of(layout, self.asperites, mobility_of(layout, self.asperites))
 
 

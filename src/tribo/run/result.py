@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib
 import json
 import math
-import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -17,8 +16,9 @@ import numpy as np
 from tribo.kernels.status import MEANINGS, Status
 from tribo.model.scene import Scene
 from tribo.run import dataset, report
+from tribo.run.cost import Cost
 from tribo.run.friction import BLOCKS, FrictionForce, average
-from tribo.run.identity import Identity, opened
+from tribo.run.identity import Identity
 from tribo.run.ledger import Ledger, Series
 from tribo.run.presentation import Presentation
 from tribo.run.quantities import Table
@@ -41,32 +41,6 @@ SHOWN = (
 CSV = ".csv"
 # Endings of names of files that ask for other formats.
 OTHER_FORMATS = (CSV, ".json", ".npy", ".npz", ".parquet", ".pkl", ".txt", ".xlsx")
-
-
-@dataclass(frozen=True)
-class Cost:
-    """What a run cost.
-
-    Attributes
-    ----------
-    steps : int
-        Steps of the run that the result is of.
-    force_evaluations : int
-        Evaluations of all forces, in that run and in those that estimate its error.
-    wall_seconds : float
-        Time that these runs took [s].
-    compile_seconds : float
-        Time to compile the time loop, or to load it from disk [s].
-    digit_more, digit_fewer : float or None
-        Estimated times of a run with an accuracy ten times better or worse [s]; None if unknown.
-    """
-
-    steps: int
-    force_evaluations: int  # of the run delivered and of those made to estimate its error
-    wall_seconds: float
-    compile_seconds: float
-    digit_more: float | None = None  # seconds that one more digit would take; None: unknown
-    digit_fewer: float | None = None  # and one fewer
 
 
 @dataclass(frozen=True, eq=False)
@@ -424,42 +398,3 @@ def without_nan(value: object) -> object:
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value
-
-
-def load_result(path: str | Path) -> Result:
-    """Read a result from the file that :meth:`tribo.Result.save` wrote.
-
-    Parameters
-    ----------
-    path : str or Path
-        The file.
-
-    Returns
-    -------
-    Result
-
-    Raises
-    ------
-    InputError
-        There is no such file, or it holds no result.
-    """
-    path = as_path(path)
-    data = dataset.load(path)
-    settings, stamps = (json.loads(data.attrs[name]) for name in ("settings", "plugins"))
-    scene = opened(tomllib.loads(data.attrs["scene"]), stamps, path.parent)
-    bounds = json.loads(data.attrs["error_estimate"])
-    return Result(
-        scene=scene,
-        status=Status(data.attrs["status"]),
-        method=data.attrs["method"],
-        why=data.attrs["why"],
-        accuracy=json.loads(data.attrs["accuracy"]),
-        met=json.loads(data.attrs["met"]),
-        notes=tuple(json.loads(data.attrs["notes"])),
-        bounds={name: bound for name, bound in bounds.items() if bound is not None},
-        assemble=Known(dataset.ledger_of(data, scene)),
-        add_up=Known(Cost(**json.loads(data.attrs["cost"]))),
-        take_state=Known(dataset.state_in(data, scene)),
-        settings=settings,
-        version=data.attrs["version"],
-    )

@@ -19,7 +19,8 @@ from tribo.accuracy.choose_method import choose
 from tribo.accuracy.estimate import check_observables, distance, excess_of_request, safety
 from tribo.accuracy.levels import setting_at
 from tribo.accuracy.plan import integrator_for
-from tribo.accuracy.scales import FLOOR, ToleranceScales, reported_scales, tolerance_scales
+from tribo.accuracy.scales import reported_scales
+from tribo.accuracy.tolerance_scales import FLOOR, ToleranceScales, tolerance_scales
 from tribo.integrators import methods
 from tribo.kernels.status import Status
 from tribo.model.scene import Scene

@@ -1,0 +1,136 @@
+"""The runs of a search: how many they are, what they cost, and what the next ones should cost."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from tribo.accuracy.comparison import Attempt
+from tribo.accuracy.levels import equal_steps, fine_level, setting_at
+from tribo.accuracy.run_time import evaluation_time, rate_of
+from tribo.accuracy.tolerance_scales import first_guess, tolerance_scales
+from tribo.integrators.methods import Method
+from tribo.kernels.status import Status
+from tribo.run.integrate import Integration, Setting
+from tribo.run.layout import Layout
+from tribo.run.progress_guard import most_evaluations
+
+# Level of the tolerances of the pilot run: three digits are enough for scales.
+PILOT_LEVEL = 1e-3
+# Most pilot runs.  Each finds smaller scales until they are those of the motion; where these are
+# tiny, 1e-60 of the first guess, four are enough.
+PILOTS = 8
+# A run stops after this times the evaluations expected from the last by the order of the method,
+# since errors of rounding, which do not fall with the step, then control its steps.  With rods of
+# 1e5 and longer, a tenth of the level took eight times the evaluations instead of 1.3 times.
+UNEXPECTED = 4.0
+# But not before this fraction of the evaluations that any run may take.
+UNNOTICED = 0.02
+# Coarse runs of a round, which the fine run is compared with.
+COARSE_RUNS = 2
+
+# Called before each run with its number, how many runs there will be unless more rounds are needed,
+# and the predicted seconds of those that are left, or None while the pilot has not shown them.
+Announce = Callable[[int, int, float | None], None]
+
+
+class SearchRuns:
+    """Runs the scene with one setting after another, and counts.
+
+    Parameters
+    ----------
+    layout : Layout
+        The scene.
+    method : Method
+        Of all runs.
+    attempt : Attempt
+        Runs the scene with a setting.
+    announce : Announce or None
+        See :data:`Announce`.
+    """
+
+    def __init__(
+        self, layout: Layout, method: Method, attempt: Attempt, announce: Announce | None
+    ) -> None:
+        self.layout, self.method = layout, method
+        self.most = most_evaluations(layout.scene)
+        self.spent = 0  # evaluations of all runs
+        # Level and evaluations of the last run that completed.
+        self.known: tuple[float, float] = (1.0, np.inf)
+        self._attempt_run, self._announce = attempt, announce
+        self._began = time.perf_counter()
+        self._number, self._of = 0, 0  # of the last run, and of all that are planned
+        self._left: float | None = None  # seconds of those, until they are announced
+        self.plan(method.adaptive + 1 + COARSE_RUNS)
+
+    @property
+    def elapsed(self) -> float:
+        """Wall time since the start of the search [s]."""
+        return time.perf_counter() - self._began
+
+    def pilot(self, times: np.ndarray) -> tuple[Setting, Integration]:
+        """A run whose tolerances resolve the energies and rates that it finds, and its setting.
+
+        Those below the tolerances of a run are its errors, such as oscillations of a stiff pendulum
+        that feels no force yet; the next run has tolerances relative to them.
+        """
+        scales = first_guess(self.layout)
+        for _ in range(PILOTS):
+            setting = setting_at(self.layout, self.method, scales, PILOT_LEVEL)
+            run = self.attempt(setting, times)
+            found = tolerance_scales(self.layout, run.samples)
+            resolved = min(found.energy / scales.energy, found.rate / scales.rate) >= PILOT_LEVEL
+            if run.status != Status.COMPLETED or resolved:
+                break
+            scales = found
+        return setting, run
+
+    def expected(self, level: float) -> float:
+        """Evaluations of a run at a level, by those of the last one and the order of the method."""
+        before, evaluations = self.known
+        return evaluations * (before / level) ** (1.0 / self.method.order)
+
+    def run(self, setting: Setting, times: np.ndarray, level: float) -> Integration:
+        """A run of a round."""
+        most = max(UNEXPECTED * self.expected(level), UNNOTICED * self.most)
+        run = self.attempt(setting, times, most=min(self.most, most))
+        if run.status == Status.COMPLETED:
+            self.known = (level, run.evaluations)
+        return run
+
+    def attempt(
+        self,
+        setting: Setting,
+        times: np.ndarray,
+        start: np.ndarray | None = None,
+        *,
+        most: float | None = None,
+    ) -> Integration:
+        """A run that counts as one of the search."""
+        self._number += 1
+        if self._announce is not None:
+            self._announce(self._number, max(self._number, self._of), self._left)
+            self._left = None
+        run = self._attempt_run(setting, times, start, most=most)
+        self.spent += run.evaluations
+        return run
+
+    def plan(self, further: int, seconds: float | None = None) -> None:
+        """How many further runs are planned, and what they should take."""
+        self._of, self._left = self._number + further, seconds
+
+    def seconds(self, level: float, last: Integration | None) -> float:
+        """What a round at a level should take, by the last run or else by the model of costs."""
+        layout, method = self.layout, self.method
+        rate, finer = rate_of(layout, method), fine_level(method) * level
+        before, evaluations = self.known
+        coarse = (before / level) ** (1.0 / rate.slope) * evaluations
+        each = 1e-9 * evaluation_time(layout, method)
+        if not method.adaptive:
+            coarse = equal_steps(layout, method, level) * rate.step
+        elif last is not None and last.evaluations > 0:
+            each = last.seconds / last.evaluations
+        fine = (level / finer) ** (1.0 / rate.slope) * coarse
+        return each * (fine + COARSE_RUNS * coarse)

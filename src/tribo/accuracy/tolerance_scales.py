@@ -1,0 +1,204 @@
+"""Tolerances of a run, and the scales of energy, rate and accounts that they are made from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tribo.accuracy.scales import fastest_of, largest, longest_rod, resolved
+from tribo.integrators.step_control import Tolerance
+from tribo.run.batch import Batch
+from tribo.run.layout import Layout
+from tribo.run.motion import Motion, internal_energy
+from tribo.run.resolution import bath_frequency, pendulum_frequency
+from tribo.run.samples import Samples
+
+# The smallest relative tolerance: nine roundings.  Step control cannot resolve less.
+FLOOR = 2e-15
+
+
+@dataclass(frozen=True)
+class ToleranceScales:
+    """The scales of local tolerances, which are the same in every inertial frame.
+
+    Attributes
+    ----------
+    velocity
+        the largest speed of a bob relative to the surfaces' mean [length / time]
+    energy
+        the largest work or change of an asperite's internal energy [energy]
+    impulse
+        the largest impulse of a force [mass length / time]
+    rate
+        the largest ``|omega|`` or ``|nu|`` [1 / time]
+    spin
+        the largest ``|omega|`` [1 / time]
+    twist
+        the largest ``|theta - rest - phi|`` [radian]
+    """
+
+    velocity: float
+    energy: float
+    impulse: float
+    rate: float
+    spin: float
+    twist: float
+
+
+def first_guess(layout: Layout) -> ToleranceScales:
+    """Scales for a first, coarse run, from the start of the scene."""
+    a = layout.together.asperites
+    relative = _relative_velocity(layout, layout.together)
+    frequency = np.sqrt(a.kappa / a.inertia)
+    omega = np.max(np.abs(layout.start[layout.coordinates :][: layout.scene.count]))
+    velocity = float(np.max(np.hypot(relative[:, 0], relative[:, 1])) + np.max(a.l1) * omega)
+    velocity = velocity or float(np.max(frequency * a.l1)) or 1.0
+    rate = float(max(omega, largest(a.nu), np.max(frequency), velocity / np.max(a.l1)))
+    energy = float(np.max(a.mass)) * velocity**2
+    return ToleranceScales(velocity, energy, energy / velocity, rate, rate, 1.0)
+
+
+def _relative_velocity(layout: Layout, batch: Batch) -> np.ndarray:
+    """Initial velocity of each asperite relative to the mean of the surfaces' (asperites, 2)."""
+    first = layout.velocity[0]  # less this all is exact where all surfaces move fast
+    starts = [part.start for part in layout.parts.values()]
+    mean = np.mean([layout.velocity[start] - first for start in starts], axis=0)
+    return np.asarray((batch.velocity.T - first) - mean)
+
+
+def tolerance_scales(layout: Layout, samples: Samples) -> ToleranceScales:
+    """Scales measured in a run; `first_guess` replaces those that are zero.
+
+    The works are those in the frame of the surfaces' mean velocity.
+    """
+    guess = first_guess(layout)
+    batch, motion = layout.together, Motion(layout, layout.together, samples)
+    relative = _relative_velocity(layout, batch)
+    velocity = max(guess.velocity, fastest_of(batch, motion, relative.T))
+    torsion = motion.swing - motion.phi
+    internal = internal_energy(batch.asperites, motion.omega, motion.nu, torsion)
+    highest, change = largest(internal), largest(internal - internal[0])
+    spin, turn, twist = largest(motion.omega), largest(motion.nu), largest(torsion)
+    weights = _account_weights(layout)
+    top = np.max(np.abs(samples.s), axis=0, initial=0.0)
+    # Works in the laboratory are reported at the scene's times; in between they may be far larger.
+    reported = samples.s[np.isin(samples.t, layout.times)]
+    work = max(largest(top * weights), _work_of_impulses(layout, reported))
+    # Where nothing does work, the change of an energy is round-off.
+    energy = max(work, change) if work > 0.0 or top.size == 0 else highest
+    potential = max(largest(samples.contact), largest(samples.field)) / layout.scene.count
+    inertia = float(np.max(batch.asperites.inertia))
+    return ToleranceScales(
+        velocity=velocity,
+        energy=float(resolved(energy, potential)) or guess.energy,
+        impulse=largest(top[weights == 0.0]) or guess.impulse,
+        rate=float(resolved(max(spin, turn), np.sqrt(potential / inertia))) or guess.rate,
+        spin=spin or guess.spin,
+        twist=twist or guess.twist,
+    )
+
+
+# Places of the impulses (x, y, ...) in each group of accounts.
+IMPULSES = {
+    "acc_contact": (0, 1),
+    "acc_drive": (0, 1),
+    "acc_ends": (2, 3),
+    "acc_user_ends": (2, 3, 4, 5),
+    "acc_internal": (0, 1),
+    "acc_field": (0, 1),
+    "acc_thermal": (0, 1),
+}
+
+# Places of integrals that have no factor of the arm's length yet.
+WITHOUT_ARM = {"acc_contact": (2, 3), "acc_drive": (2,)}
+
+
+def _account_weights(layout: Layout) -> np.ndarray:
+    """The factor that makes a work of each account; 0 for impulses. Shape (accounts,)."""
+    weights = np.ones(layout.accounts)
+    a = layout.accounted.asperites
+    length = a.l1 + a.l2
+    for name, offsets in IMPULSES.items():
+        present = getattr(a, name) >= 0
+        for k in offsets:
+            weights[(getattr(a, name) + k * a.stride)[present]] = 0.0
+        for k in WITHOUT_ARM.get(name, ()):
+            weights[(getattr(a, name) + k * a.stride)[present]] = length[present]
+    return weights
+
+
+def _work_of_impulses(layout: Layout, s: np.ndarray) -> float:
+    """The largest V . J of an impulse J, where V is relative to the surfaces' mean velocity."""
+    a = layout.accounted.asperites
+    velocity = _relative_velocity(layout, layout.accounted)
+    highest = 0.0
+    for name, offsets in IMPULSES.items():
+        present = getattr(a, name) >= 0
+        stride, (vx, vy) = a.stride[present], velocity[present].T
+        for k in offsets[::2]:
+            jx, jy = (s[:, getattr(a, name)[present] + m * stride] for m in (k, k + 1))
+            highest = max(highest, largest(vx * jx + vy * jy))
+    return highest
+
+
+def tolerances(layout: Layout, scales: ToleranceScales, level: float, near: float) -> Tolerance:
+    """Local tolerances of all coordinates, rates and accounts for an accuracy of about `level`.
+
+    A coordinate's tolerance is the smaller of two: `level` times its own scale, and the change
+    that alters an energy by `level` times the scale of energies.  The second governs weakly
+    coupled scenes, whose works are tiny.
+
+    Parameters
+    ----------
+    layout
+        the scene
+    scales
+        of a run of the scene, or a first guess
+    level
+        relative to the scales, at least ``FLOOR``
+    near
+        the largest step, as a fraction of the time to the next encounter
+    """
+    level = max(level, FLOOR)
+    a = layout.together.asperites
+    energy = level * scales.energy
+    speed = level * scales.velocity
+    q = np.full(layout.coordinates, level * longest_rod(layout))
+    v = np.full(layout.coordinates, speed)
+    swing = slice(0, layout.scene.count)
+    # An error of a rate matters to the energy by the rate itself, or else by its own square.
+    spin = np.maximum(scales.spin, np.sqrt(energy / a.inertia))
+    with np.errstate(over="ignore"):  # infinite where a torsion or a rate is tiny
+        q[swing] = np.minimum(level, energy / _positive(a.kappa * scales.twist))
+        v[swing] = np.minimum(level * scales.rate, energy / _positive(a.inertia * spin))
+    turning = a.dof_phi >= 0
+    q[a.dof_phi[turning]] = q[swing][turning]
+    v[a.dof_phi[turning]] = np.minimum(level * scales.rate, energy / (a.i2[turning] * scales.rate))
+    for slots in (a.dof_x, a.dof_y):
+        live = slots >= 0
+        v[slots[live]] = np.minimum(speed, energy / (a.mass[live] * scales.velocity))
+    weights = _account_weights(layout)
+    # An impulse whose work is a small difference has no digits beyond its own round-off.
+    impulse = level * min(scales.impulse, scales.energy / scales.velocity)
+    impulse = max(impulse, FLOOR * scales.impulse)
+    s = np.where(weights > 0.0, energy / np.where(weights > 0.0, weights, 1.0), impulse)
+    return Tolerance(np.concatenate([q, v]), s, level, near)
+
+
+def _positive(values: np.ndarray) -> np.ndarray:
+    return np.maximum(values, np.finfo(float).tiny)
+
+
+def first_step(layout: Layout) -> float:
+    """The first step: short against the run and the period of every pendulum and oscillator."""
+    a = layout.together.asperites
+    pendulum = float(np.max(np.sqrt(a.kappa * np.maximum(1.0 / a.inertia, 1.0 / a.i2))))
+    fastest = max(pendulum, bath_frequency(layout))
+    return min(0.05 / fastest if fastest > 0.0 else np.inf, 1e-3 * layout.scene.duration)
+
+
+def unit_step(layout: Layout) -> float:
+    """The unit of equal steps: the time in which the fastest pendulum turns by one radian."""
+    fastest = pendulum_frequency(layout)
+    return min(1.0 / fastest if fastest > 0.0 else np.inf, 0.01 * layout.scene.duration)
