@@ -16,8 +16,8 @@ from tribo.plotting.style import (
     INK,
     POINTS_PER_INCH,
     WIDE,
+    colour_bar,
     drawing_on,
-    figure_of,
     note,
     point_length,
     time_labels,
@@ -27,7 +27,6 @@ from tribo.validation import InputError, must_be
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.collections import PathCollection
 
 # Above this number of asperites of a surface, angles are a band rather than lines.
 MOST_LINES = 6
@@ -279,7 +278,7 @@ class Plots:
             if picture.colours is not None:
                 floor -= (BAR_ROOM - GAP) * point
                 place = (left + 0.6 * (right - left), floor + 16.0 * point)
-                _colour_bar(ax, picture.colours, place, 0.4 * (right - left), 4.0 * point)
+                colour_bar(ax, picture.colours, place, 0.4 * (right - left), 4.0 * point)
             ax.set_xlim(left - MARGIN * point, right + EDGE * point)
             ax.set_ylim(floor, EDGE * point)
             ax.set_aspect("equal")
@@ -395,14 +394,3 @@ def _budget(result: Result) -> dict[str, np.ndarray]:
         changes[f"kinetic, {name}"] = block["delta_K"]
         changes[f"internal, {name}"] = block["delta_E_int"]
     return curves | {name: values for name, values in changes.items() if np.any(values)}
-
-
-def _colour_bar(
-    ax: Axes, colours: PathCollection, place: tuple[float, float], width: float, height: float
-) -> None:
-    """Draw the scale of the swings in a box, whose place and size are in the units of `ax`."""
-    inset = ax.inset_axes((*place, width, height), transform=ax.transData)
-    bar = figure_of(ax).colorbar(colours, cax=inset, orientation="horizontal", extend="both")
-    bar.set_label("swing (rad)", fontsize=7.0, labelpad=0.0)
-    bar.ax.tick_params(labelsize=6.0, top=False, pad=1.0)
-    bar.ax.minorticks_off()

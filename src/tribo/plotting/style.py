@@ -16,6 +16,7 @@ from tribo.validation import InputError, as_path
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.collections import PathCollection
     from matplotlib.figure import Figure
     from numpy.typing import ArrayLike
 
@@ -323,3 +324,14 @@ def trim(ax: Axes) -> None:
     (left, right), (bottom, top) = ax.get_xlim(), ax.get_ylim()
     figure = figure_of(ax)
     figure.set_figheight(figure.get_figwidth() * (top - bottom) / (right - left))
+
+
+def colour_bar(
+    ax: Axes, colours: PathCollection, place: tuple[float, float], width: float, height: float
+) -> None:
+    """Draw the scale of the swings in a box, whose place and size are in the units of `ax`."""
+    inset = ax.inset_axes((*place, width, height), transform=ax.transData)
+    bar = figure_of(ax).colorbar(colours, cax=inset, orientation="horizontal", extend="both")
+    bar.set_label("swing (rad)", fontsize=7.0, labelpad=0.0)
+    bar.ax.tick_params(labelsize=6.0, top=False, pad=1.0)
+    bar.ax.minorticks_off()
