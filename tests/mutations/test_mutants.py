@@ -54,7 +54,7 @@ FILES = [
     if not path.stem.endswith(("__init__", "tableaux"))  # coefficients have tests of their own
 ]
 # Part of all mutants that the default set has.
-SAMPLE = 0.004
+SAMPLE = 0.003
 
 
 def candidates(file):

@@ -32,8 +32,9 @@ def test_decay_is_exact(drive, inertia):
     assert table.heat[:, 0] == pytest.approx(lost, abs=1e-13)
     assert np.array_equal(table.heat, -table.w_T)
     assert np.max(np.abs(table.w_T_ps)) == 0.0
-    other = tribo.simulate(scene, accuracy=1e-10)
-    assert other["one"].heat[:, 0] == pytest.approx(lost, abs=1e-9)
+    if isinstance(drive, DrivenBars):  # each takes a loop of its own
+        other = tribo.simulate(scene, accuracy=1e-10)
+        assert other["one"].heat[:, 0] == pytest.approx(lost, abs=1e-9)
 
 
 @pytest.mark.parametrize("method", ["rkn8", "kahan-li-6"])
