@@ -208,7 +208,7 @@ class Simulation:
 
     def _streamed_run(self, y: np.ndarray) -> Result:
         """A run without an error estimate, of which not all samples are kept."""
-        streamed = StreamedLedger(self.layout)
+        streamed = StreamedLedger(self.layout, guarded=not self.method.adaptive)
         run = self.integrator(self.plan.setting, self.plan.times, y, streamed)
         ledger = streamed.whole(run.samples)
         ends = assemble(self.layout, run.samples.ends())

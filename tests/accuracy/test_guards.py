@@ -12,7 +12,7 @@ from tribo.accuracy.plan import integrator_for
 from tribo.integrators.methods import METHODS
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import Status
-from tribo.run import integrate, progress_guard
+from tribo.run import integrate, progress_guard, streamed_ledger
 from tribo.run.closest_bobs import closest_bobs
 from tribo.run.layout import lay_out
 from tribo.run.samples import Samples
@@ -133,6 +133,39 @@ def test_energy_that_runs_away_stops_a_run():
     assert "a last step of 0.02" in note_of_stop(result)
 
 
+@pytest.mark.parametrize("samples", [1, 4])
+def test_runaway_of_a_run_in_portions(monkeypatch, samples):
+    """It ends at the same sample, whatever the number of samples in a portion."""
+    scene, how = stiff(), {"step": 0.02, "method": "midpoint"}
+    whole = stopped("EnergyRunaway", scene, **how)
+    monkeypatch.setattr(streamed_ledger, "PORTION_BYTES", 0)
+    monkeypatch.setattr(integrate, "portion_size", lambda layout: samples)
+    keep = ("total_energy_change", "upper.omega")
+    result = stopped(
+        "EnergyRunaway", replace(scene, output=replace(scene.output, keep=keep)), **how
+    )
+    assert np.array_equal(result.t, whole.t)
+    assert np.array_equal(result["upper"].omega, whole["upper"].omega)
+    assert np.array_equal(result.system[keep[0]], whole.system[keep[0]])
+    assert "a last step of 0.02" in note_of_stop(result)
+
+
+def test_portions_know_the_works_before(monkeypatch):
+    """The largest work and energy so far are handed from portion to portion."""
+    known = []
+
+    def first_lost(layout, samples, system, before):
+        known.append(before)
+        return None, before + 1.0
+
+    monkeypatch.setattr(streamed_ledger, "first_lost", first_lost)
+    monkeypatch.setattr(streamed_ledger, "PORTION_BYTES", 0)
+    output = tribo.Output(samples=4, keep=("total_energy_change",))
+    scene = replace(stiff(), duration=0.06, output=output)
+    tribo.simulate(scene, step=0.02, method="midpoint")
+    assert known == [0.0, 1.0, 2.0, 3.0]
+
+
 def test_inaccurate_energy_is_no_runaway():
     """A long step alone does not stop a run."""
     scene = replace(changed("A"), output=tribo.Output(samples=41))
@@ -142,7 +175,7 @@ def test_inaccurate_energy_is_no_runaway():
     assert result.status == "completed" and error > 1e-4
 
 
-def test_energy_of_a_field_is_no_runaway():
+def test_energy_of_a_field_is_no_runaway(monkeypatch):
     """A point at rest where a field has no energy has none; the field then accelerates it."""
     point = tribo.Surface(
         "point",
@@ -156,3 +189,8 @@ def test_energy_of_a_field_is_no_runaway():
     result = tribo.simulate(scene, step=0.05, method="verlet")
     assert result.status == "completed"
     assert result["point"].delta_k_trans[-1, 0] > 1e-3
+    monkeypatch.setattr(streamed_ledger, "PORTION_BYTES", 0)
+    output = replace(scene.output, keep=("point.delta_k_trans",))
+    again = tribo.simulate(replace(scene, output=output), step=0.05, method="verlet")
+    assert again.status == "completed"
+    assert np.array_equal(again["point"].delta_k_trans, result["point"].delta_k_trans)

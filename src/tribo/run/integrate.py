@@ -203,7 +203,9 @@ def integrate(
         add_reactions(loop.layout, new, new if held is None else held)
         samples = new if held is None else held.then(new)
         if streamed is not None:
-            streamed.add(samples, 0 if held is None else held.t.size)
+            lost = streamed.add(samples, 0 if held is None else held.t.size)
+            if lost is not None:
+                status, samples = Status.ENERGY_RUNAWAY, samples.at(samples.t[: lost + 1])
             samples = samples.last_interval()
         held = samples
         if status != Status.COMPLETED:

@@ -126,7 +126,7 @@ class Integrator:
         run = integrate(
             loop, times, calls, self._progress, streamed, checkpoints, before=before, most=most
         )
-        # Of a streamed run there are no samples, and adaptive steps keep the energy.
+        # A streamed run is guarded while its samples arrive, and adaptive steps keep the energy.
         if streamed is not None or self.method.adaptive:
             return run
         return up_to_runaway(self.layout, run)

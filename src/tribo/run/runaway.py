@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from tribo.kernels.samples import BATH, SPRINGS, TORSIONAL, WITHIN
 from tribo.kernels.status import Status
-from tribo.run.integrate import Integration
 from tribo.run.layout import Layout
 from tribo.run.ledger import assemble
 from tribo.run.motion import internal_energy, motions
+from tribo.run.quantities import Table
 from tribo.run.samples import Samples
+
+if TYPE_CHECKING:
+    from tribo.run.integrate import Integration
 
 # Energy that appears, in units of that at the start, from which a run counts as lost: a step that
 # is too long for a spring multiplies it by 1e3 in tens of steps, an inaccurate one does not.
@@ -22,26 +26,50 @@ RUNAWAY = 1e3
 def up_to_runaway(layout: Layout, run: Integration) -> Integration:
     """The run, or its part up to the first sample at which its energy has run away.
 
-    That is where the energy exceeds RUNAWAY times that at the start, and its change differs from
-    the applied work by more than any applied work and any energy of contact or of fields so far.
     Without a ledger it is not known.
     """
     samples = run.samples
-    if layout.model.ledger is None:
+    if layout.model.ledger is None or not np.any(grows(layout, samples)):
         return run
-    with np.errstate(over="ignore", invalid="ignore"):  # an energy may exceed all numbers
-        grown = grows(layout, samples)
-        if not np.any(grown):
-            return run
-        system = assemble(layout, samples).system
-        excess = np.abs(system["total_energy_change"] - system["applied_work"])
-        known = np.maximum(np.abs(samples.contact), np.abs(samples.field))
-        known = np.maximum(known, np.abs(system["applied_work"]))
-        lost = np.flatnonzero(grown & (excess > np.maximum.accumulate(known)))
-    if lost.size == 0:
+    lost, _ = first_lost(layout, samples, assemble(layout, samples).system)
+    if lost is None:
         return run
-    kept = samples.at(samples.t[: lost[0] + 1])
+    kept = samples.at(samples.t[: lost + 1])
     return replace(run, recorded=lambda: kept, _samples=kept, status=Status.ENERGY_RUNAWAY)
+
+
+def first_lost(
+    layout: Layout, samples: Samples, system: Table, known: float = 0.0
+) -> tuple[int | None, float]:
+    """The first sample at which the energy has run away, if there is one.
+
+    That is where the energy exceeds RUNAWAY times that at the start, and its change differs from
+    the applied work by more than any applied work and any energy of contact or of fields so far.
+
+    Parameters
+    ----------
+    layout
+        the scene
+    samples
+        of a run, the first of which is its start
+    system
+        the ledger of the system at these samples
+    known
+        the largest of those works and energies before
+
+    Returns
+    -------
+    lost : int or None
+        index of the sample
+    known : float
+        the largest of those works and energies so far
+    """
+    with np.errstate(over="ignore", invalid="ignore"):  # an energy may exceed all numbers
+        excess = np.abs(system["total_energy_change"] - system["applied_work"])
+        terms = np.abs([samples.contact, samples.field, system["applied_work"]])
+        so_far = np.maximum.accumulate(np.maximum(np.max(terms, axis=0), known))
+        lost = np.flatnonzero(grows(layout, samples) & (excess > so_far))
+    return (int(lost[0]) if lost.size else None), float(so_far[-1])
 
 
 def grows(layout: Layout, samples: Samples) -> np.ndarray:

@@ -10,6 +10,7 @@ from tribo.kernels.force_probe import ROWS
 from tribo.run.layout import Layout
 from tribo.run.ledger import Ledger, assemble, known
 from tribo.run.quantities import ASPERITE_QUANTITIES, OPTIONAL_QUANTITIES, Table
+from tribo.run.runaway import first_lost
 from tribo.run.samples import Samples
 
 # Bytes of all samples of a run. Above it, only the first and the last sample of each asperite are
@@ -25,19 +26,36 @@ class StreamedLedger:
 
     It has the complete series that ``output.keep`` names; without it, those of the surfaces as
     wholes and of the system, while those of the asperites are left out.
+
+    Parameters
+    ----------
+    layout : Layout
+        The scene.
+    guarded : bool
+        Whether the energy may run away, as with equal steps.
     """
 
-    def __init__(self, layout: Layout) -> None:
+    def __init__(self, layout: Layout, guarded: bool = False) -> None:
         self._layout = layout
+        self._guarded = guarded and layout.model.ledger is not None
+        self._known = 0.0  # see `first_lost`
         self._portions: list[Ledger] = []
 
-    def add(self, samples: Samples, earlier: int) -> None:
+    def add(self, samples: Samples, earlier: int) -> int | None:
         """Take in a portion after `earlier` samples that were taken in before.
 
         These are the first of the run and the last two, which changes and means over an interval
-        are relative to.
+        are relative to.  Returns the index of the first sample at which the energy has run away, if
+        there is one; those after it are left out.
         """
-        ledger = assemble(self._layout, samples).rows(slice(earlier, None))
+        ledger, lost = assemble(self._layout, samples), None
+        if self._guarded:
+            lost, self._known = first_lost(self._layout, samples, ledger.system, self._known)
+        self._keep(ledger.rows(slice(earlier, None if lost is None else lost + 1)))
+        return lost
+
+    def _keep(self, ledger: Ledger) -> None:
+        """Keep what the scene asks for."""
         keep = self._layout.scene.output.keep
         if keep is not None:
             self._portions.append(ledger.only(keep))
