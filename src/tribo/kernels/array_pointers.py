@@ -23,6 +23,8 @@ from numba.core.typing.templates import (
 )
 from numba.extending import intrinsic, models, register_model
 
+from tribo.kernels.tuple_types import KernelTuple
+
 # Tuples of these modules have arrays for kernels; those of plug-ins stay what their authors expect.
 OURS = ("tribo.kernels.", "tribo.integrators.")
 
@@ -62,17 +64,24 @@ def _make(context, builder, kind: PointerType, data, shape: list) -> Any:
     return made._getvalue()
 
 
-def _value_of(context, builder, kind, value):
-    """The value with pointers instead of arrays."""
+def _argument_type(kind: Any) -> Any:
+    """The same for an argument of a time loop, which many kernels take as a whole."""
     new = _type_of(kind)
+    if isinstance(new, types.NamedTuple) and new != kind:
+        return KernelTuple(new, new.instance_class)
+    return new
+
+
+def _value_of(context, builder, kind, new, value):
+    """The value of type `kind` with pointers instead of arrays, of type `new`."""
     if new == kind:
         return value
     if isinstance(kind, types.Array):
         array = context.make_array(kind)(context, builder, value)
         return _make(context, builder, new, array.data, cgutils.unpack_tuple(builder, array.shape))
     members = cgutils.unpack_tuple(builder, value)
-    pairs = zip(kind, members, strict=True)
-    converted = [_value_of(context, builder, each, member) for each, member in pairs]
+    each = zip(kind, new, members, strict=True)
+    converted = [_value_of(context, builder, *one) for one in each]
     return context.make_tuple(builder, new, converted)
 
 
@@ -83,9 +92,9 @@ def _pointers(typing_context, arrays):
     """
 
     def build(context, builder, sig, args):
-        return _value_of(context, builder, sig.args[0], args[0])
+        return _value_of(context, builder, sig.args[0], sig.return_type, args[0])
 
-    return _type_of(arrays)(arrays), build
+    return types.Tuple([_argument_type(each) for each in arrays])(arrays), build
 
 
 def _unchanged(arrays):

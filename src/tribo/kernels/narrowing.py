@@ -46,7 +46,7 @@ def narrowed(function: FunctionType, model: types.Type) -> types.Type:
         kind if name in fields else types.none
         for name, kind in zip(model.fields, model, strict=True)
     ]
-    return types.NamedTuple(kept, model.instance_class)
+    return type(model)(kept, model.instance_class)
 
 
 @functools.cache
@@ -56,12 +56,11 @@ def fields_used(function: FunctionType) -> frozenset[str] | None:
     waiting, seen = [function], {function}
     while waiting:
         current = waiting.pop()
-        visitor = _Uses()
-        visitor.visit(ast.parse(textwrap.dedent(inspect.getsource(current))))
-        if visitor.escapes:
+        uses = _uses(current)
+        if uses.escapes:
             return None
-        found |= visitor.fields
-        for name, place in visitor.calls:
+        found |= uses.fields
+        for name, place in uses.calls:
             callee = _kernel(current, name)
             if callee is None or _parameters(callee)[place : place + 1] != (NAME,):
                 return None
@@ -112,6 +111,14 @@ class _Uses(ast.NodeVisitor):
     def visit_Name(self, node: ast.Name) -> None:
         """Any other use."""
         self.escapes |= node.id == NAME
+
+
+@functools.cache
+def _uses(function: FunctionType) -> _Uses:
+    """The uses of the model in the source of a function."""
+    uses = _Uses()
+    uses.visit(ast.parse(textwrap.dedent(inspect.getsource(function))))
+    return uses
 
 
 @lower_cast(types.BaseNamedTuple, types.BaseNamedTuple)

@@ -13,11 +13,14 @@ from numba import _dynfunc  # type: ignore[attr-defined]
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, DefaultPassBuilder, StateDict
 from numba.core.compiler_machinery import PassManager, register_pass
-from numba.core.typed_passes import NativeLowering, NopythonRewrites
+from numba.core.lowering import Lower
+from numba.core.typed_passes import InlineOverloads, NativeLowering, NopythonRewrites
 from numba.core.untyped_passes import InlineClosureLikes, MakeFunctionToJitFunction, WithLifting
 
+from tribo.kernels.tuple_types import TupleLibrary
 
-class LinkedLibrary(JITCodeLibrary):
+
+class LinkedLibrary(TupleLibrary):
     """The code of one kernel without that of those it calls; neither optimised nor machine code.
 
     Were each kernel linked with all that it calls, as numba does, the deepest one would be copied
@@ -33,6 +36,9 @@ class LinkedLibrary(JITCodeLibrary):
         for library in self._linking_libraries:
             self._reload_init.update(library._reload_init)
         self._finalize_dynamic_globals()
+        for function in self._final_module.functions:
+            if not function.is_declaration:
+                function.linkage = "linkonce_odr"  # as numba sets it in a copy
         self._finalized = True
 
     def _get_module_for_linking(self) -> Any:
@@ -59,7 +65,7 @@ class LinkedLibrary(JITCodeLibrary):
         return list(found)
 
 
-class LoopLibrary(JITCodeLibrary):
+class LoopLibrary(TupleLibrary):
     """The code of a time loop, optimised once.
 
     numba optimises twice, so that the first pass brings together the reference counts that the
@@ -75,11 +81,23 @@ class LoopLibrary(JITCodeLibrary):
 WRONG_CALL = ctypes.cast(ctypes.pythonapi.PyErr_BadArgument, ctypes.c_void_p).value
 
 
+class KernelLower(Lower):
+    """numba's lowering without the sizes of arguments, which only debuggers need.
+
+    LLVM has to parse a module of its own for each of them.
+    """
+
+    def storevar(self, value: Any, name: str, argidx: int | None = None) -> None:
+        """Store the value into a variable."""
+        super().storevar(value, name, argidx if self.context.enable_nrt else None)
+
+
 @register_pass(mutates_CFG=True, analysis_only=False)
 class LinkedLowering(NativeLowering):
     """Lower a kernel to code for its callers."""
 
     _name = "linked_lowering"
+    lowering_class = KernelLower
 
     def run_pass(self, state: StateDict) -> bool:
         """Lower into a :class:`LinkedLibrary`, with an entry point that only marks it."""
@@ -112,8 +130,15 @@ class LoopLowering(NativeLowering):
         return super().run_pass(state)
 
 
-# Passes for `with` blocks, closures, generator expressions, and arithmetic of whole arrays.
-UNNEEDED = WithLifting, InlineClosureLikes, MakeFunctionToJitFunction, NopythonRewrites
+# Passes for `with` blocks, closures, generator expressions, arithmetic of whole arrays, and
+# overloads that are expanded in their callers.
+UNNEEDED = (
+    WithLifting,
+    InlineClosureLikes,
+    MakeFunctionToJitFunction,
+    NopythonRewrites,
+    InlineOverloads,
+)
 
 
 class KernelCompiler(CompilerBase):
