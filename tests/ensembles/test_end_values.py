@@ -126,7 +126,7 @@ def test_neither_threads_nor_number_change_a_member():
 
 
 def test_few_members_with_large_errors_are_found():
-    """At the setting that the first 64 members allow, 1 % of these angles would miss the accuracy."""
+    """At the setting that the first 64 members allow, 1 % of these angles miss the accuracy."""
     keep = ["upper.omega", "upper.theta", "upper.w1"]
     starts = {"upper.theta": stats.norm(0.0, 0.1), "lower.theta": stats.norm(np.pi, 0.1)}
     ends = [ensemble(scene_of("A", a), 4096, starts, keep=keep, seed=3) for a in (1e-9, 1e-12)]
