@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Self
@@ -278,8 +279,10 @@ class Tally:
         self, status: np.ndarray, level: np.ndarray, error: np.ndarray, common_level: float
     ) -> None:
         """Take in some members; `common_level` is that of most of them, NaN if there is none."""
-        for name, count in zip(*np.unique(status, return_counts=True), strict=True):
-            self.status[str(name)] = self.status.get(str(name), 0) + int(count)
+        others = status[status != str(Status.COMPLETED)]  # comparing is quicker than counting
+        counts = Counter(others.tolist())
+        counts[str(Status.COMPLETED)] = status.size - others.size
+        self.status = dict(Counter(self.status) + counts)
         self.checked += int(np.isfinite(error).sum())
         if np.isfinite(common_level):
             self.refined += int((level != common_level).sum())
