@@ -234,6 +234,7 @@ WRONG = [
         "pushed",
         'must be "forced" or "free" or "pulled" or "push" or "bars", got',
     ),
+    ("surface[0].drive", "pulled", "is missing", "surface[0].drive.stiffness"),
     ("surface[0].drive", 5, "must be a table, got 5"),
     (
         "surface[0].drive.kind",

@@ -209,7 +209,7 @@ def as_drive(value: object, folder: Path = Path()) -> Drive:
     if isinstance(value, Drive) and type(value) is not Drive:
         return value
     if isinstance(value, str):
-        return KINDS[choice("", value, KINDS)]()
+        value = {"kind": choice("", value, KINDS)}
     if isinstance(value, dict) and plugins.is_named(value.get("kind")):
         parameters = dict(value)
         name, load = parameters.pop("kind"), parameters.pop("load", None)
