@@ -54,26 +54,24 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"tribo {__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
-    add_run(commands.add_parser("run", help="simulate a scene file, or repeat the run of a file"))
-    _add_sweep(commands.add_parser("sweep", help="run a scene with every combination of values"))
-    _add_ensemble(commands.add_parser("ensemble", help="run a scene from many starts"))
-    _add_paper(commands.add_parser("paper", help="compare the paper's cases with its numbers"))
-    _add_explain(commands.add_parser("explain", help="say what a run will do and cost"))
-    _add_accuracy(commands.add_parser("accuracy", help="measure error against time per method"))
-    _add_check(commands.add_parser("check", help="test a potential and print a report card"))
-    _add_atlas(commands.add_parser("atlas", help="run hard scenes and compare with references"))
-    _add_view(commands.add_parser("view", help="write a page that plays a run in a browser"))
-    _add_plot(commands.add_parser("plot", help="draw the file of a run in one figure"))
-    _add_export_lammps(
-        commands.add_parser("export-lammps", help="write a scene as files of LAMMPS")
-    )
-    add_new(commands.add_parser("new", help="print or write a commented scene file to start from"))
-    add_doctor(commands.add_parser("doctor", help="print versions, cores, cache and speed"))
-    add_completion(
-        commands.add_parser("completion", help="print a script that completes commands"),
-        parser,
-        commands.choices.values(),
-    )
+    def command(name: str, purpose: str) -> argparse.ArgumentParser:
+        return commands.add_parser(name, help=purpose, description=purpose.capitalize() + ".")
+
+    add_run(command("run", "simulate a scene file, or repeat the run of a file"))
+    _add_sweep(command("sweep", "run a scene with every combination of values"))
+    _add_ensemble(command("ensemble", "run a scene from many starts"))
+    _add_paper(command("paper", "compare the paper's cases with its numbers"))
+    _add_explain(command("explain", "say what a run will do and cost"))
+    _add_accuracy(command("accuracy", "measure the error of each method against its time"))
+    _add_check(command("check", "check a potential and print a report card"))
+    _add_atlas(command("atlas", "run hard scenes and compare with references"))
+    _add_view(command("view", "write a page that plays a run in a browser"))
+    _add_plot(command("plot", "draw the file of a run in one figure"))
+    _add_export_lammps(command("export-lammps", "write a scene as input files of LAMMPS"))
+    add_new(command("new", "print or write a commented scene file to start from"))
+    add_doctor(command("doctor", "print versions, cores, cache and speed"))
+    completion = command("completion", "print a script that completes commands")
+    add_completion(completion, parser, commands.choices.values())
     return parser
 
 
