@@ -137,7 +137,7 @@ class Pilot:
         stop, size, missed = 0, BATCH, np.array([], int)
         while stop < order.size:
             batch, stop = order[stop : stop + size], stop + size
-            bad = batch[~(self._errors(plan, batch) <= KEPT)]
+            bad = batch[~(self._errors(plan, batch, self._runs.exact) <= KEPT)]
             if not bad.size:
                 break
             size, missed = 2 * size, np.append(missed, bad)
@@ -145,16 +145,17 @@ class Pilot:
         if missed.size:
             most = min(most, int(evaluations[missed].min()) - 1)
         others = np.sort(complete[evaluations[complete] <= most])[::OTHERS]
-        error = self._errors(plan, others).max(initial=0.0)
+        # Finer runs in lanes are quicker, and other members are compared with the exact method.
+        error = self._errors(plan, others, plan.method).max(initial=0.0)
         return plan._replace(most_evaluations=most), float(error)
 
-    def _errors(self, plan: CheckedPlan, members: np.ndarray) -> np.ndarray:
-        """Differences from finer runs, in units of the accuracy, (members,)."""
+    def _errors(self, plan: CheckedPlan, members: np.ndarray, method: str) -> np.ndarray:
+        """Differences from finer runs by a method, in units of the accuracy, (members,)."""
+        level = self._runs.finer(plan.level)
 
         def errors(some: Begun) -> np.ndarray:
-            coarse = self._run(plan, some)
-            fine = self._runs.run(self._runs.exact, self._runs.finer(plan.level), plan.scales, some)
-            return self._runs.excess(fine, coarse)
+            fine = self._runs.run(method, level, plan.scales, some)
+            return self._runs.excess(fine, self._run(plan, some))
 
         return np.concatenate([np.empty(0), *self._each(errors, self._begun.of_members(members))])
 

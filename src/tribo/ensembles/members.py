@@ -238,7 +238,7 @@ class Variation:
     def _seeds_of(self, block: int) -> np.ndarray:
         """The seeds of a block of members."""
         if self._last_seeds[0] != block:
-            seeds = self._sequence(block).generate_state(BLOCK, np.uint64)
+            seeds = np.random.PCG64(self._sequence(block)).random_raw(BLOCK)
             self._last_seeds = block, seeds >> np.uint64(1)  # integers in files are signed
         return self._last_seeds[1]
 

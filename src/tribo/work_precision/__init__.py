@@ -3,12 +3,11 @@
 With thermal noise, where no run is near another: the half-width of means against members.
 """
 
-from tribo.work_precision.diagram import Cheapest, Reference, Row, WorkPrecision, with_front
+from tribo.work_precision.diagram import Cheapest, Reference, Row, WorkPrecision
 from tribo.work_precision.means import MeanRow, MeansPrecision, means_precision
-from tribo.work_precision.measure import TIMES, work_precision
+from tribo.work_precision.measure import work_precision
 
 __all__ = [
-    "TIMES",
     "Cheapest",
     "MeanRow",
     "MeansPrecision",
@@ -16,6 +15,5 @@ __all__ = [
     "Row",
     "WorkPrecision",
     "means_precision",
-    "with_front",
     "work_precision",
 ]
