@@ -11,7 +11,7 @@ import tribo
 from support.sliding import long_slide
 from tribo import atlas, paper
 from tribo.accuracy import cheapest_setting, choose_method, levels, search
-from tribo.accuracy.comparison import error_bounds
+from tribo.accuracy.comparison import PERTURBATION, error_bounds, measure_amplification
 from tribo.accuracy.stop_times import MOST_STOPS, PARTS, StopTimes
 from tribo.integrators.methods import METHODS
 from tribo.kernels.status import Status
@@ -47,6 +47,17 @@ def test_accuracy_of_observables_in_a_file(tmp_path):
     again = tribo.load_scene(tmp_path / "scene.toml")
     assert again.numerics.accuracy == {"upper.W": 1e-3}
     assert tribo.simulate(again).met
+
+
+@pytest.mark.parametrize(("status", "least"), [("BobsCoincide", 1.0), ("completed", 0.0)])
+def test_a_changed_start_that_stops_is_far_off(status, least):
+    """Where a run goes on and that from a changed start stops, the change has grown to a scale."""
+    simulation = tribo.prepare(case("A"), accuracy=1e-6)
+    layout, setting = simulation.layout, simulation.plan.setting
+    run = simulation.integrator(setting, layout.times)
+    other = replace(run, status=Status(status))
+    found = measure_amplification(layout, lambda *given: other, setting, run)
+    assert found == least / PERTURBATION
 
 
 def test_too_many_equal_steps():

@@ -170,7 +170,10 @@ def measure_amplification(
     scaled = [name for name in chosen if scales.of(kind_of(name)) > 0.0]
     shared = other.samples.at(run.samples.t)
     mine = own.rows(np.searchsorted(run.samples.t, shared.t))
-    return distance(mine, assemble(layout, shared), scales, scaled) / PERTURBATION
+    apart = distance(mine, assemble(layout, shared), scales, scaled)
+    if other.status != run.status:  # one has stopped where the other goes on
+        apart = max(apart, 1.0)
+    return apart / PERTURBATION
 
 
 def out_of_reach(accuracy: float, amplification: float) -> str:

@@ -172,7 +172,7 @@ class Scene(ComparedByValue):
                     raise InputError(
                         f"interaction[{i}].cutoff",
                         f"must be at most half of periodic.{name} = {length:g} [length], "
-                        f"got {reach:g}",
+                        f"got {reach:g}; the sum over all images (Ewald's) is not computed",
                     )
 
     def _check_series(self) -> None:
