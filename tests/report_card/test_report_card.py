@@ -526,7 +526,7 @@ def test_figure(run, tmp_path, kind):
     assert (tmp_path / f"card.{kind}").read_bytes().startswith(begins)
 
 
-def test_figure_shows_the_curves():
+def test_figure_shows_the_curves(no_runs):
     """Energy, force and disagreement at the card's own distances, and the cutoff."""
     from tribo.report_card.figure import card_figure
 
@@ -543,7 +543,7 @@ def test_figure_shows_the_curves():
 # --- another program -----------------------------------------------------------------------------
 
 
-def test_a_given_calculator():
+def test_a_given_calculator(no_runs):
     """A potential passes with its own calculator, and fails with another one."""
     from ase.calculators.morse import MorsePotential
 
