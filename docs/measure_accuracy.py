@@ -19,7 +19,8 @@ from typing import Any
 import tribo
 from tribo import paper
 from tribo.integrators.methods import METHODS
-from tribo.work_precision import TIMES, Reference, Row, WorkPrecision, work_precision
+from tribo.work_precision import Reference, Row, WorkPrecision, work_precision
+from tribo.work_precision.measure import TIMES
 
 HERE = Path(__file__).resolve().parent
 FOLDER = HERE / "measured"

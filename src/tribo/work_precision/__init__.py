@@ -1,14 +1,14 @@
-"""Error against cost: the runs of every method on a scene, and what an accuracy costs at least.
+"""Error against cost: the runs of every method on a scene, and the lowest cost of an accuracy.
 
-With thermal noise, where no run is near another: the half-width of means against members.
+With thermal noise single runs do not converge; there it is the half-width of means against the
+number of members.
 """
 
-from tribo.work_precision.diagram import Cheapest, Reference, Row, WorkPrecision, with_front
+from tribo.work_precision.diagram import Cheapest, Reference, Row, WorkPrecision
 from tribo.work_precision.means import MeanRow, MeansPrecision, means_precision
-from tribo.work_precision.measure import TIMES, work_precision
+from tribo.work_precision.measure import work_precision
 
 __all__ = [
-    "TIMES",
     "Cheapest",
     "MeanRow",
     "MeansPrecision",
@@ -16,6 +16,5 @@ __all__ = [
     "Row",
     "WorkPrecision",
     "means_precision",
-    "with_front",
     "work_precision",
 ]
