@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -358,11 +359,13 @@ def typical_swing(result: Result) -> float:
 
 
 def _legend(ax: Axes) -> None:
-    """Names of all lines above the graph, clear of the curves."""
+    """Names of all lines above the graph, clear of the curves, in rows of at most three."""
+    number = max(1, len(ax.get_legend_handles_labels()[1]))
+    rows = math.ceil(number / 3)
     ax.legend(
         loc="lower center",
         bbox_to_anchor=(0.5, 1.0),
-        ncols=3,
+        ncols=math.ceil(number / rows),
         frameon=False,
         fontsize=7.5,
         borderaxespad=0.2,
