@@ -73,7 +73,7 @@ class Plots:
     ----------
     result : Result
     label : str
-        What stands before the names of lines in legends.
+        Text before the names of lines in legends.
     linestyle : str or tuple
         Line style of matplotlib.
     """
@@ -126,7 +126,7 @@ class Plots:
         asperite : int, optional
             All together without it.
         ax : matplotlib.axes.Axes, optional
-            Where to draw; a new figure without it.
+            The axes to draw on; by default a new figure.
 
         Returns
         -------
@@ -242,7 +242,7 @@ class Plots:
         times : sequence of float, optional
             Each means the nearest sample [time].  Four from start to end without it.
         ax : matplotlib.axes.Axes, optional
-            Where to draw; a new figure without it.
+            The axes to draw on; by default a new figure.
         bath : bool
             Whether bath oscillators are drawn, as dots behind their bars with magnified
             displacements; the scene's output must ask for the series "oscillators".
@@ -316,7 +316,7 @@ def compare(
     kind : str
         "angles", "energy_budget" or "phase".
     ax : matplotlib.axes.Axes, optional
-        Where to draw; a new figure without it.
+        The axes to draw on; by default a new figure.
 
     Returns
     -------
