@@ -14,8 +14,8 @@ from tribo.model.rows import GOLDEN_MEAN, incommensurate_rows
 
 SIZES = np.array([1, 2, 4, 8, 16, 32, 64, 128, 256])
 CONTACT = tribo.with_cutoff(tribo.Morse(D=0.1, alpha=3.0, r0=1.0), cutoff=3.0, switch_from=2.5)
-# Stiffness of the springs to the stage [force / length], speed of the stage, samples in a period.
-STIFF, SPEED, SAMPLES = 20.0, 0.04, 200
+# Stiffness of the springs to the stage [force / length], and its speed [length / time].
+STIFF, SPEED = 20.0, 0.04
 
 
 def rows(n, spacing):
@@ -29,11 +29,10 @@ def rows(n, spacing):
 
 def friction(n, spacing):
     """Largest pull per asperite in the second of two periods [force]."""
-    output = tribo.Output(samples=2 * SAMPLES + 1)
-    scene = tribo.Scene(rows(n, spacing), CONTACT, duration=2.0 / SPEED, output=output)
+    scene = tribo.Scene(rows(n, spacing), CONTACT, 2.0 / SPEED, output=tribo.Output(samples=401))
     result = tribo.simulate(scene, method="verlet", step=0.04)
     bars = result["upper"].x_bar.mean(axis=1)
-    return np.max(STIFF * (bars[0] + SPEED * result.t - bars)[SAMPLES:])
+    return np.max(STIFF * (bars[0] + SPEED * result.t - bars)[len(bars) // 2 :])
 
 
 def rigid(n):
@@ -44,12 +43,13 @@ def rigid(n):
 def main(folder="."):
     """Friction of many that fit, per asperite, and of a whole row that does not."""
     fits, misfits = (np.array([friction(n, s) for n in SIZES]) for s in (1.0, GOLDEN_MEAN))
-    ax = tribo.plotting.axes(tribo.plotting.COLUMN, 2.6)
-    n = np.arange(1, 351)
-    ax.loglog(n, fits[0] * rigid(n), ".", ms=1.8, mew=0.0, color="#d55e00")
-    ax.loglog(SIZES, fits, "o-", ms=4, lw=0.5, color="#0b62a4")
-    ax.loglog(SIZES, misfits, "s", ms=4, color="#d55e00")
-    ax.set(xlabel="asperites $N$", ylabel="static friction per asperite")
+    with tribo.plotting.style():
+        ax, n = tribo.plotting.axes(tribo.plotting.COLUMN, 2.6), np.arange(1, 351)
+        ax.loglog(SIZES, fits, "o-", ms=4, lw=0.5, color="#0b62a4", label="fits")
+        ax.loglog(SIZES, misfits, "s", ms=4, color="#d55e00", label="does not fit")
+        ax.loglog(n, fits[0] * rigid(n), ".", ms=1.8, mew=0.0, color="#d55e00", label="closed form")
+        ax.set(xlabel="asperites $N$", ylabel="static friction per asperite")
+        ax.legend(loc="lower left", frameon=False)
     tribo.plotting.save(ax, f"{folder}/commensurate_rows.png")
     ratios = np.array([fits[-1], SIZES[-1] * misfits[-1]]) / fits[0]
     return dict(zip(("F_N / F_1 of 256 that fit", "N F_N / F_1 of 256"), ratios, strict=True))

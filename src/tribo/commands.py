@@ -8,7 +8,6 @@ import sys
 import warnings
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from tribo.command_help import FIRST_STEPS, CommandParser, add_completion
 from tribo.doctor import add_doctor
@@ -28,9 +27,6 @@ from tribo.scene_options import (
 )
 from tribo.starters.command_line import add_new
 from tribo.validation import InputError, TriboWarning
-
-if TYPE_CHECKING:
-    pass
 
 
 def run_command(arguments: list[str] | None) -> int:
@@ -55,7 +51,8 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
     def command(name: str, purpose: str) -> argparse.ArgumentParser:
-        return commands.add_parser(name, help=purpose, description=purpose.capitalize() + ".")
+        sentence = f"{purpose[0].upper()}{purpose[1:]}."
+        return commands.add_parser(name, help=purpose, description=sentence)
 
     add_run(command("run", "simulate a scene file, or repeat the run of a file"))
     _add_sweep(command("sweep", "run a scene with every combination of values"))
@@ -82,79 +79,93 @@ def _add_sweep(sweep: argparse.ArgumentParser) -> None:
         action="append",
         required=True,
         metavar="KEY=VALUES",
-        help="values with commas between them, as 'upper.drive.load=0.1,0.2,0.4'; if repeated, "
-        "every combination is run",
+        help="values separated by commas, as 'upper.drive.load=0.1,0.2,0.4'; if repeated, every "
+        "combination is run",
     )
-    sweep.add_argument("--members", type=int, metavar="N", help="runs of each point (default: 1)")
+    sweep.add_argument(
+        "--members", type=int, metavar="N", help="number of runs at each point (default: 1)"
+    )
     add_vary(sweep)
     sweep.add_argument(
         "--keep",
         metavar="NAMES",
-        help="quantities at the end, with commas (default: those of whole surfaces)",
+        help="quantities to keep at the end, with commas (default: those of whole surfaces)",
     )
-    sweep.add_argument("--seed", type=int, default=0, help="of the members (default: 0)")
+    sweep.add_argument("--seed", type=int, default=0, help="seed of the members (default: 0)")
     add_numerics(sweep)
     sweep.add_argument(
-        "--processes", type=int, default=1, metavar="N", help="points at a time (default: 1)"
+        "--processes",
+        type=int,
+        default=1,
+        metavar="N",
+        help="number of points run at a time (default: 1)",
     )
     sweep.add_argument(
         "--out",
         type=Path,
         metavar="FILE",
-        help="write all points as NetCDF; FILE.part keeps those that are finished",
+        help="write all points as NetCDF; during the sweep FILE.part keeps the finished ones",
     )
-    sweep.add_argument("--resume", action="store_true", help="go on with the points in FILE.part")
+    sweep.add_argument(
+        "--resume", action="store_true", help="continue from the points in FILE.part"
+    )
     sweep.set_defaults(command=_sweep)
 
 
 def _add_ensemble(ensemble: argparse.ArgumentParser) -> None:
     add_scene(ensemble)
     add_vary(ensemble)
-    ensemble.add_argument("-n", type=int, help="number of members; with grids that of their points")
+    ensemble.add_argument(
+        "-n", type=int, help="number of members; with grids, the number of their points"
+    )
     ensemble.add_argument(
         "--keep",
         metavar="NAMES",
-        help="quantities at the end, with commas, as upper.w1,contact_energy (default: means of "
-        "all, over time)",
+        help="quantities to keep, separated by commas, as upper.w1,contact_energy (default: time "
+        "averages of all)",
     )
     ensemble.add_argument(
         "--at",
         choices=["end", "samples"],
         default="end",
-        help="keep quantities at the end, or at all times of the scene's output (default: end)",
+        help="keep them at the end, or at all times of the scene's output (default: end)",
     )
     ensemble.add_argument(
         "--statistics",
         action="store_true",
-        help="of the kept quantities, means, covariances, quantiles and histograms in place of the "
+        help="return means, covariances, quantiles and histograms of the kept quantities, not the "
         "members",
     )
-    ensemble.add_argument("--seed", type=int, default=0, help="of the ensemble (default: 0)")
+    ensemble.add_argument("--seed", type=int, default=0, help="seed of the ensemble (default: 0)")
     ensemble.add_argument(
         "--sampler",
         choices=["sobol", "latin-hypercube"],
-        help="quasi-random points in place of random numbers; for sobol, N should be a power of 2",
+        help="draw quasi-random instead of random numbers; for sobol, N should be a power of 2",
     )
     ensemble.add_argument(
         "--out",
         type=Path,
         metavar="FILE",
-        help="write all members or statistics as NetCDF; with --keep, FILE.part keeps what is "
-        "reached while the members are run, and if they are interrupted",
+        help="write all members or statistics as NetCDF; with --keep, the finished members are in "
+        "FILE.part until all are",
     )
     ensemble.add_argument(
         "--resume",
         action="store_true",
-        help="continue FILE.part, to the same bits as without the pause; print the result if FILE "
-        "is complete",
+        help="continue from FILE.part, with the same bits as without a stop; print the result if "
+        "FILE is complete",
     )
     ensemble.set_defaults(command=_ensemble)
 
 
 def _add_paper(paper: argparse.ArgumentParser) -> None:
-    paper.add_argument("case", nargs="?", choices=list("ABCDE"), help="one case (default: all)")
+    paper.add_argument(
+        "case", nargs="?", choices=list("ABCDE"), help="case of the paper (default: all)"
+    )
     paper.add_argument("--json", action="store_true", help="print the comparison as JSON")
-    paper.add_argument("--figures", type=Path, metavar="DIR", help="draw the paper's figures")
+    paper.add_argument(
+        "--figures", type=Path, metavar="DIR", help="write the paper's figures to this folder"
+    )
     paper.set_defaults(command=_paper)
 
 
@@ -170,9 +181,14 @@ def _add_accuracy(accuracy: argparse.ArgumentParser) -> None:
     add_set(accuracy)
     accuracy.add_argument("--json", action="store_true", help="print the rows as JSON")
     accuracy.add_argument(
-        "--figure", type=Path, metavar="FILE", help="draw error against time and evaluations"
+        "--figure",
+        type=Path,
+        metavar="FILE",
+        help="write a figure of error against time and evaluations",
     )
-    accuracy.add_argument("--methods", nargs="+", metavar="NAME", help="methods (default: all)")
+    accuracy.add_argument(
+        "--methods", nargs="+", metavar="NAME", help="methods to compare (default: all)"
+    )
     accuracy.add_argument(
         "--observables",
         nargs="+",
@@ -180,7 +196,10 @@ def _add_accuracy(accuracy: argparse.ArgumentParser) -> None:
         help='observables whose errors count, as "upper.W" (default: all)',
     )
     accuracy.add_argument(
-        "--seconds", type=float, default=30.0, help="time for all runs together (default: 30)"
+        "--seconds",
+        type=float,
+        default=30.0,
+        help="limit of the time of all runs together (default: 30)",
     )
     accuracy.set_defaults(command=_accuracy)
 
@@ -210,13 +229,15 @@ def _add_check(check: argparse.ArgumentParser) -> None:
         "--figure",
         type=Path,
         metavar="FILE",
-        help="draw energy, force and the difference between force and derivative",
+        help="write a figure of energy, force, and the error of the force",
     )
     check.set_defaults(command=_check)
 
 
 def _add_atlas(atlas: argparse.ArgumentParser) -> None:
-    atlas.add_argument("names", nargs="*", metavar="NAME", help="scenes (default: all)")
+    atlas.add_argument(
+        "names", nargs="*", metavar="NAME", help="scenes of the atlas (default: all)"
+    )
     atlas.add_argument("--json", action="store_true", help="print the table as JSON")
     atlas.set_defaults(command=_atlas)
 
@@ -226,7 +247,7 @@ def _add_view(view: argparse.ArgumentParser) -> None:
         "scene",
         type=Path,
         metavar="SCENE.toml|FILE.nc",
-        help="a scene file, which is run, or the file of a run",
+        help="a scene file, to be run, or the file of a run",
     )
     view.add_argument(
         "-o", "--out", type=Path, required=True, metavar="PAGE.html", help="the page to write"
@@ -246,7 +267,7 @@ def _add_export_lammps(export: argparse.ArgumentParser) -> None:
     add_scene(export)
     add_set(export)
     export.add_argument(
-        "-o", "--out", type=Path, required=True, metavar="DIR", help="the folder of the files"
+        "-o", "--out", type=Path, required=True, metavar="DIR", help="the folder to write to"
     )
     export.set_defaults(command=_export_lammps)
 

@@ -51,12 +51,15 @@ def _machine() -> dict[str, str]:
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     folders = _code_folders()
     code = [file for folder in folders for file in folder.glob("*.nbc")]
-    size = sum(file.stat().st_size for file in code) / 1e6
-    where = os.path.commonpath(folders) if folders else "nowhere"
+    found = "no compiled functions yet"
+    if folders:
+        size = sum(file.stat().st_size for file in code) / 1e6
+        place = os.path.commonpath(folders)
+        found = f"{len(code)} compiled functions, {size:.1f} MB, below {place}"
     return {
         "system": f"{platform.system()} {platform.machine()}",
         "cores": str(cores),
-        "cache": f"{len(code)} compiled functions, {size:.1f} MB, below {where}",
+        "cache": found,
     }
 
 

@@ -57,13 +57,13 @@ class Simulation:
     Attributes
     ----------
     scene : Scene
-        What is run.
+        The scene to run.
     method : Method
         How time advances.
     accuracy : float, mapping or None
         The relative error of everything, or of each observable named; None with a given step.
     why : str
-        Why the method was chosen; empty where it was given.
+        The reason for the method; empty if it was given.
     compile_seconds : float
         Time to compile the time loop, or to load it from disk [s].
     integrator : Integrator

@@ -12,6 +12,9 @@ from tribo.validation import must_be
 # Seconds before a bar appears: shorter computations show none.
 DELAY = 1.0
 
+# How a bar looks: six digits of what is reached, the time spent and the time left.
+FORMAT = "{desc}{percentage:3.0f}%|{bar}| {n:.6g}/{total:.6g} {unit} [{elapsed}<{remaining}]"
+
 # A function that is called with what is reached; or whether a bar is shown: None on a terminal and
 # in a notebook alone, True in any case, False never.
 Shown = Callable[[float], None] | bool | None
@@ -23,7 +26,7 @@ class ProgressBar:
     Parameters
     ----------
     total : float
-        What is to be reached.
+        The value at the end.
     unit : str
         Its unit.
     """
@@ -43,7 +46,13 @@ class ProgressBar:
             from tqdm.auto import tqdm
 
             # The rate is that from now on: what was done before may have been read from a file.
-            self._bar = tqdm(total=self._total, initial=reached, leave=False, unit=self._unit)
+            self._bar = tqdm(
+                total=self._total,
+                initial=reached,
+                leave=False,
+                unit=self._unit,
+                bar_format=FORMAT,
+            )
             self._bar.set_description(self._runs, refresh=False)
         self._bar.n = reached
         self._bar.refresh()
@@ -56,7 +65,7 @@ class ProgressBar:
         number, runs : int
             Which run it is, and how many there will be.
         seconds : float or None
-            What it and those that follow should take together, which is printed from DELAY on.
+            The predicted time of it and of those that follow, which is printed from DELAY on.
         """
         self._runs = f"run {number} of {runs}"
         if self._bar is not None:
@@ -81,7 +90,7 @@ class Reported:
     progress : callable, bool or None
         See :data:`Shown`.
     total : float
-        What is to be reached.
+        The value at the end.
     unit : str
         Its unit.
 

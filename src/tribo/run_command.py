@@ -35,14 +35,14 @@ def add_run(run: argparse.ArgumentParser) -> None:
         "--out",
         type=Path,
         metavar="FILE",
-        help="write all time series as NetCDF; FILE.part keeps what is reached while the run goes "
-        "on, and if it is interrupted",
+        help="write all time series as NetCDF; during the run and after an interruption, FILE.part "
+        "has the samples so far",
     )
     run.add_argument(
         "--resume",
         action="store_true",
-        help="continue FILE.part, to the same bits as without the pause; print the result if FILE "
-        "is complete",
+        help="continue from FILE.part, with the same bits as without a stop; print the result if "
+        "FILE is complete",
     )
     run.add_argument("--json", action="store_true", help="print only the end state, as JSON")
     add_numerics(run)
@@ -50,12 +50,15 @@ def add_run(run: argparse.ArgumentParser) -> None:
     run.add_argument(
         "--threads",
         metavar="N",
-        help="threads that share each step of a large surface (default: TRIBO_THREADS, or as many "
-        "as there are cores); the results do not depend on it",
+        help="threads that share each step of a large surface; the results do not depend on it "
+        "(default: TRIBO_THREADS, or the number of cores)",
     )
     add_set(run)
     run.add_argument(
-        "--figure", type=Path, metavar="FILE", help="draw the works on the first asperite"
+        "--figure",
+        type=Path,
+        metavar="FILE",
+        help="write a figure of the works on the first asperite",
     )
     run.set_defaults(command=_run)
 

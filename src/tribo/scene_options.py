@@ -22,7 +22,7 @@ def add_scene(command: argparse.ArgumentParser, files: str = "SCENE.toml") -> No
         "scene",
         type=Path,
         metavar=files,
-        help="the file; if it names a plug-in, the code of that runs too",
+        help="the file; code of a plug-in that it names is executed",
     )
     command.add_argument(
         "--no-plugins", action="store_true", help="refuse a scene file that names code"
@@ -36,7 +36,7 @@ def add_set(command: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="KEY=VALUE",
-        help="a value in place of the file's, as 'upper.drive.load=0.4', 'upper.theta=0.1', "
+        help="replaces a value of the file, as 'upper.drive.load=0.4', 'upper.theta=0.1', "
         "'interaction.strength=0.3' or 'duration=20'; may be repeated",
     )
 
@@ -47,25 +47,25 @@ def add_numerics(command: argparse.ArgumentParser) -> None:
         "--accuracy", metavar="A", help="largest relative error, as 1e-6 (default: the file's)"
     )
     command.add_argument(
-        "--method", metavar="M", help="method (default: the file's, or the fastest)"
+        "--method", metavar="M", help="integration method (default: the file's, or the fastest)"
     )
-    command.add_argument("--step", metavar="H", help="step, in place of an accuracy")
+    command.add_argument("--step", metavar="H", help="time step, instead of an accuracy")
 
 
 def add_vary(command: argparse.ArgumentParser) -> None:
-    """Add what differs between members of an ensemble."""
+    """Add the values that differ between members of an ensemble."""
     command.add_argument(
         "--vary",
         action="append",
         default=[],
         metavar="KEY=DISTRIBUTION",
-        help="what differs between members, as 'upper.theta=normal(0,0.1)', "
+        help="draw a value for each member, as 'upper.theta=normal(0,0.1)', "
         "'interaction.strength=uniform(0.1,0.2)' or 'upper.theta=grid(-1,1,1000)'; may be repeated",
     )
 
 
 def load(options: argparse.Namespace) -> Scene:
-    """The scene in the file, whose code is refused if that is wanted.  Raises InputError."""
+    """The scene in the file; with --no-plugins its code is refused.  Raises InputError."""
     from tribo.model.scene_file import load_scene
     from tribo.plugins.unloaded import Code, code
 

@@ -49,28 +49,28 @@ def prepare(
     Parameters
     ----------
     scene : Scene
-        What is run.
+        The scene to run.
     accuracy : float or mapping, optional
         The largest error of any reported quantity, relative to its scale, or of each observable
-        that is named, as ``{"upper.W": 1e-3}``.  Without it and without a step, the accuracy or
-        the step of the scene's numerics, else 1e-8.
+        that is named, as ``{"upper.W": 1e-3}``.  By default, unless a step is given, the accuracy
+        or the step of the scene's numerics, else 1e-8.
     method : str, optional
-        A method's name.  Without it, that of the scene's numerics; else a model of costs chooses
-        the fastest.
+        The name of a method.  By default that of the scene's numerics, else the fastest by a model
+        of costs.
     step : float, optional
-        A step [time] in place of an accuracy; such runs have no error estimate.
+        A step [time] instead of an accuracy; such runs have no error estimate.
     progress : callable, optional
-        Called with the time reached, a few times a second.
+        A function that is called with the time reached, a few times a second.
     start : State, optional
-        The state from which all runs begin, as that of a result, in place of the scene's start at
-        t = 0.  In the scene that the state is of, works and changes go on from where they were; in
-        one with other forces they are counted from the state.
+        The state from which all runs begin, such as that of a result; by default the start of the
+        scene at t = 0.  In the scene of the state, works and changes of energy continue from their
+        values in the state; in a scene with other forces they begin at zero.
     allow_unresolved : bool
         Whether a step of a splitting method may be too long to resolve the fastest pendulum or
         spring, as in the scene's numerics.
     threads : int, optional
-        Threads that share each step of a splitting method where that pays.  Without it
-        TRIBO_THREADS, or as many as there are cores.  The results do not depend on it.
+        Threads that share each step of a splitting method if that saves time; by default
+        TRIBO_THREADS, else the number of cores.  The results do not depend on it.
 
     Returns
     -------
@@ -174,18 +174,21 @@ def simulate(
 
     Parameters
     ----------
-    scene, accuracy, method, step, start, allow_unresolved, threads
-        As for :func:`prepare`.  A run from ``result.state()`` by the same method and step gives bit
-        for bit what a run without the pause gives that records the same times.
+    scene, accuracy, method, step, allow_unresolved, threads
+        As for :func:`prepare`.
+    start : State, optional
+        The state ``result.state()`` of another run, from which this one continues.  With the same
+        method, step and recorded times it has the bits of a run without the pause.
     progress : callable or bool, optional
-        Called with the time reached, a few times a second.  Without it a bar appears on a terminal
-        or in a notebook after a second; True shows it elsewhere too, False never.
+        A function that is called with the time reached, a few times a second.  By default a bar
+        appears on a terminal or in a notebook after a second; True shows it elsewhere too, False
+        never.
     out : str or Path, optional
-        A NetCDF file for the result.  While the run goes on, ``out`` with ``.part`` behind its name
-        keeps what is reached, also of a run that is interrupted.
+        A NetCDF file for the result.  During the run and after an interruption, ``out`` with
+        ``.part`` appended to its name has the samples so far.
     resume : bool
-        Continue what ``out.part`` has, to the bits of a run without a pause; begin if there is no
-        such file, and only read ``out`` if that is complete.
+        Continue from ``out.part``, with the same bits as a run without a pause.  Without such a
+        file the run starts from the beginning, or ``out`` is read if it is complete.
 
     Returns
     -------

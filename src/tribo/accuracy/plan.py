@@ -34,11 +34,12 @@ class Plan:
     method : str
         The name of the method.
     why : str
-        Why the method was chosen; empty where it was given.
+        The reason for the method; empty if it was given.
     setting : float or Tolerance
-        Of the run that is delivered.
+        Settings of the run that is delivered.
     times : ndarray, (times,)
-        When that run stops: at the scene's times, and where it is compared with coarser runs.
+        Times at which that run stops: those of the scene, and those of comparisons with coarser
+        runs.
     accuracy : float, mapping or None
         The relative error of everything, or of each observable named; None with a given step.
     tuned : Tuned or None

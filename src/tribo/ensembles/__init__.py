@@ -60,10 +60,10 @@ def ensemble(
         Number of members, at least 2.  With `half_width`, the largest number.  By default that of
         the arrays in `vary`.
     vary : mapping, optional
-        What differs between members: "surface.theta" (or phi, omega, nu), "surface.velocity", or a
-        number of the scene as "surface.asperite.kappa", "surface.langevin.temperature" (or of its
-        drive or bath) or "interaction.strength" ->
-        an array of shape (n,), (n, asperites) or, for velocities, (n, 2); or a distribution with
+        Quantities that differ between members: "surface.theta" (or phi, omega, nu),
+        "surface.velocity", or a number of the scene as "surface.asperite.kappa",
+        "surface.langevin.temperature" (or of its drive or bath) or "interaction.strength" -> an
+        array of shape (n,), (n, asperites) or, for velocities, (n, 2); or a distribution with
         ``rvs(size=, random_state=)``, as those of scipy.stats, from which each asperite of each
         member draws.  :func:`tribo.grid` makes the arrays of a grid.
     seed : int

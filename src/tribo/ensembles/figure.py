@@ -30,7 +30,7 @@ def mean_band(data: xarray.Dataset, name: str, ax: Axes | None = None) -> Axes:
     name : str
         A quantity that has a mean, as "upper.W".
     ax : matplotlib.axes.Axes, optional
-        Where to draw; a new figure without it.
+        The axes to draw on; by default a new figure.
 
     Returns
     -------

@@ -28,12 +28,12 @@ def ensemble_member(data: xarray.Dataset, number: int) -> xarray.Dataset:
     data : xarray.Dataset
         As :func:`tribo.ensemble` returns it with `keep`, or from its file.
     number : int
-        Of the member, from 0 on.
+        The number of the member, from 0.
 
     Returns
     -------
     xarray.Dataset
-        That of this member, bit for bit as in `data`, by the same version on the same machine.
+        The quantities of this member, with the bits in `data` if version and machine are the same.
 
     Raises
     ------

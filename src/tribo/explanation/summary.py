@@ -91,7 +91,7 @@ class Explanation:
     Attributes
     ----------
     scene : Scene
-        What would be run.
+        The scene to explain.
     effects : dict
         Each effect that is present -> the keys of the scene that call for it.
     absent : dict
@@ -250,7 +250,7 @@ def explain(scene: Scene) -> Explanation:
     Parameters
     ----------
     scene : Scene
-        What would be run.
+        The scene to explain.
 
     Returns
     -------

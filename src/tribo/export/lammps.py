@@ -44,7 +44,7 @@ class LammpsFiles(NamedTuple):
     data, forces, run : Path
         Atoms; interactions; and the input file that includes both and runs.
     omitted : tuple of str
-        What of the scene LAMMPS cannot do, one sentence each.
+        Effects of the scene that LAMMPS cannot simulate, one sentence each.
     """
 
     data: Path

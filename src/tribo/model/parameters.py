@@ -65,7 +65,7 @@ def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
     Parameters
     ----------
     scene : Scene
-        What is changed.
+        The scene to change.
     values : mapping
         Key -> value, as in a scene file.  A number for a velocity is its x component.
 

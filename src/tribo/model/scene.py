@@ -20,6 +20,7 @@ from tribo.model.interaction import Interaction, Periodic, as_periodic
 from tribo.model.settings import Numerics, Output
 from tribo.model.surface import Surface
 from tribo.potentials.from_ase import Live
+from tribo.potentials.mixins import Potential
 from tribo.validation import (
     POSITIVE,
     SHORTEST_DURATION,
@@ -78,7 +79,7 @@ class Scene(ComparedByValue):
         def __init__(
             self,
             surfaces: Sequence[Surface],
-            interactions: Interaction | Sequence[object],  # potentials are tuples
+            interactions: Interaction | Potential | Live | Sequence[object],  # or any NamedTuple
             duration: float,
             title: str = ...,
             seed: int = ...,

@@ -65,9 +65,9 @@ class Surface(ComparedByValue):
     positions : (n, 3) array, optional
         x, y, z of the resting bobs [length], instead of `bob`, `shape`, `spacing` and `depth`.
     drive : Drive or str or dict
-        What holds or moves the surface: :class:`Forced`, :class:`Free`, :class:`Pulled`,
-        :class:`Pushed`, :class:`DrivenBars`, :class:`Custom`; or "forced", "free", "bars", or its
-        table in a scene file.
+        The forces or constraints that hold or move the surface: :class:`Forced`, :class:`Free`,
+        :class:`Pulled`, :class:`Pushed`, :class:`DrivenBars`, :class:`Custom`; or "forced",
+        "free", "bars", or its table in a scene file.
     bars : str or Ends
         "clamped", "free", or :class:`Ends` for a user's forces on the ends of the bars.
     springs : Springs or dict

@@ -65,7 +65,7 @@ def draw(folder: str | Path, cases: Iterable[str]) -> list[Path]:
     Parameters
     ----------
     folder : str or Path
-        Where to write; made if it does not exist.
+        The folder to write to; made if it does not exist.
     cases : iterable of str
         Of "A" to "E".
 

@@ -119,7 +119,7 @@ class Picture:
     Parameters
     ----------
     ax : matplotlib.axes.Axes
-        Where to draw.  Its limits stay as they are.
+        The axes to draw on.  Their limits stay as they are.
     result : Result
     scale : float
         Size of one unit of length in the drawing [points].

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -72,7 +73,7 @@ class Plots:
     ----------
     result : Result
     label : str
-        What stands before the names of lines in legends.
+        Text before the names of lines in legends.
     linestyle : str or tuple
         Line style of matplotlib.
     """
@@ -125,7 +126,7 @@ class Plots:
         asperite : int, optional
             All together without it.
         ax : matplotlib.axes.Axes, optional
-            Where to draw; a new figure without it.
+            The axes to draw on; by default a new figure.
 
         Returns
         -------
@@ -241,7 +242,7 @@ class Plots:
         times : sequence of float, optional
             Each means the nearest sample [time].  Four from start to end without it.
         ax : matplotlib.axes.Axes, optional
-            Where to draw; a new figure without it.
+            The axes to draw on; by default a new figure.
         bath : bool
             Whether bath oscillators are drawn, as dots behind their bars with magnified
             displacements; the scene's output must ask for the series "oscillators".
@@ -315,7 +316,7 @@ def compare(
     kind : str
         "angles", "energy_budget" or "phase".
     ax : matplotlib.axes.Axes, optional
-        Where to draw; a new figure without it.
+        The axes to draw on; by default a new figure.
 
     Returns
     -------
@@ -358,11 +359,13 @@ def typical_swing(result: Result) -> float:
 
 
 def _legend(ax: Axes) -> None:
-    """Names of all lines above the graph, clear of the curves."""
+    """Names of all lines above the graph, clear of the curves, in rows of at most three."""
+    number = max(1, len(ax.get_legend_handles_labels()[1]))
+    rows = math.ceil(number / 3)
     ax.legend(
         loc="lower center",
         bbox_to_anchor=(0.5, 1.0),
-        ncols=3,
+        ncols=math.ceil(number / rows),
         frameon=False,
         fontsize=7.5,
         borderaxespad=0.2,

@@ -41,7 +41,7 @@ def angle_curve(
     surface, asperite : str, int
         The asperite.
     ax : matplotlib.axes.Axes, optional
-        Where to draw; a new figure without it.
+        The axes to draw on; by default a new figure.
 
     Returns
     -------
@@ -78,7 +78,7 @@ def work_curves(
     span : tuple of float, optional
         Times between which curves are shown; labels stand at the later one [time].  All without it.
     ax : matplotlib.axes.Axes, optional
-        Where to draw; a new figure without it.
+        The axes to draw on; by default a new figure.
 
     Returns
     -------

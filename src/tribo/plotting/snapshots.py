@@ -151,7 +151,7 @@ def snapshot(
         another surface.  Arrows have the directions of the forces, not their sizes.  There is no
         arrow where no force acts.
     ax : matplotlib.axes.Axes, optional
-        Where to draw; a new figure without it.
+        The axes to draw on; by default a new figure.
 
     Returns
     -------
@@ -250,7 +250,7 @@ def sequence(
     phases : sequence of str
         Words beside the gaps, one fewer than the times.
     ax : matplotlib.axes.Axes, optional
-        Where to draw; a new figure without it.
+        The axes to draw on; by default a new figure.
 
     Returns
     -------

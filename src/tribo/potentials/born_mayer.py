@@ -30,19 +30,19 @@ class BornMayer(NamedTuple):
     rho: float
 
     def energy(self, r):
-        """U(r)."""
+        """Energy U(r) [energy] at distance r [length]."""
         return self.A * np.exp(-r / self.rho)
 
     def force(self, r):
-        """-dU/dr."""
+        """Force -dU/dr [energy / length], positive if it repels."""
         return self.A / self.rho * np.exp(-r / self.rho)
 
     def feature(self):
-        """Length over which the force changes, and the distance beyond which it is weak."""
+        """Length over which the force changes, and distance beyond which it is weak [length]."""
         return self.rho, WEAK_FROM * self.rho
 
     def constraints(self):
-        """Each constraint: the parameter, whether it is met, and the message if not."""
+        """For each constraint: the parameter, whether it is met, and the message if not."""
         return (
             ("A", self.A >= 0.0, "must not be negative [energy]"),
             ("rho", self.rho > 0.0, "must be positive [length]"),

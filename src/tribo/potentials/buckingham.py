@@ -38,16 +38,16 @@ class Buckingham(NamedTuple):
     C: float
 
     def energy(self, r):
-        """U(r)."""
+        """Energy U(r) [energy] at distance r [length]."""
         return self.A * np.exp(-r / self.rho) - self.C / r**6
 
     def force(self, r):
-        """-dU/dr."""
-        inverse = 1.0 / r  # which loops over pairs need too
+        """Force -dU/dr [energy / length], positive if it repels."""
+        inverse = 1.0 / r  # loops over pairs compute it too
         return self.A / self.rho * np.exp(-r / self.rho) - 6.0 * self.C * inverse**7
 
     def feature(self):
-        """Length over which the force changes, and the distance beyond which it is weak."""
+        """Length over which the force changes, and distance beyond which it is weak [length]."""
         return self.rho, WEAK_FROM * self.rho
 
     def _stationary(self, branch):
@@ -59,18 +59,18 @@ class Buckingham(NamedTuple):
         return float(-7.0 * self.rho * w.real) if w.imag == 0.0 else float("nan")
 
     def minimum(self):
-        """(r, U, d2U/dr2) at the minimum; nan if there is none."""
+        """Position, energy and curvature (r, U, d2U/dr2) of the minimum; nan if there is none."""
         r = self._stationary(-1)
         curvature = self.A / self.rho**2 * np.exp(-r / self.rho) - 42.0 * self.C / r**8
         return r, self.energy(r), curvature
 
     def domain(self):
-        """From the top of the barrier to infinity."""
+        """Smallest and largest valid r [length]: from the top of the barrier to infinity."""
         barrier = self._stationary(0)
         return (barrier if barrier > 0.0 else 0.0), float("inf")
 
     def constraints(self):
-        """Each constraint: the parameter, whether it is met, and the message if not."""
+        """For each constraint: the parameter, whether it is met, and the message if not."""
         return (
             ("A", self.A > 0.0, "must be positive [energy]"),
             ("rho", self.rho > 0.0, "must be positive [length]"),

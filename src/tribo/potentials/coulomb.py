@@ -23,14 +23,14 @@ class Coulomb(NamedTuple):
     strength: float
 
     def energy(self, r):
-        """U(r) between charges of 1."""
+        """Energy U(r) [energy] of two charges of 1 at distance r [length]."""
         return self.strength / r
 
     def force(self, r):
-        """-dU/dr between charges of 1."""
-        inverse = 1.0 / r  # which loops over pairs need too
+        """Force -dU/dr [energy / length] between charges of 1, positive if it repels."""
+        inverse = 1.0 / r  # loops over pairs compute it too
         return self.strength * inverse * inverse
 
     def coupling(self, one, other):
-        """q_i q_j, by which U and force are multiplied."""
+        """Factor q_i q_j of the energy and the force."""
         return one * other

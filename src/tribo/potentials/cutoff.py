@@ -37,11 +37,11 @@ class WithCutoff(BetweenCharges, Wrapper):
         return max(self.potential.clearance(r), r - self.cutoff)
 
     def range(self):
-        """Distance from which U and force are zero."""
+        """Distance from which U and the force are zero [length]."""
         return min(self.cutoff, self.potential.range())
 
     def constraints(self: Any) -> tuple[Constraint, ...]:
-        """Each constraint: the parameter, whether it is met, and the message if not."""
+        """For each constraint: the parameter, whether it is met, and the message if not."""
         repeated = type(self.potential) in AT_CUTOFF.values()
         return (
             must_be_potential("potential", self.potential),
@@ -66,15 +66,15 @@ class Truncated(NamedTuple):
     cutoff: float
 
     def energy_between(self, r, one, other):
-        """U(r) between two charges."""
+        """Energy U(r) [energy] of two charges at distance r [length]."""
         return (r < self.cutoff) * self.potential.energy_between(r, one, other)
 
     def force_between(self, r, one, other):
-        """-dU/dr between two charges."""
+        """Force -dU/dr [energy / length] between two charges, positive if it repels."""
         return (r < self.cutoff) * self.potential.force_between(r, one, other)
 
     def smoothness(self):
-        """At the cutoff U jumps."""
+        """Number of continuous derivatives of U; -1, since U jumps at the cutoff."""
         return min(-1, smoothness_below(self.potential, self.cutoff))
 
 
@@ -94,16 +94,16 @@ class Shifted(NamedTuple):
     cutoff: float
 
     def energy_between(self, r, one, other):
-        """U(r) between two charges."""
+        """Energy U(r) [energy] of two charges at distance r [length]."""
         end = self.potential.energy_between(self.cutoff, one, other)
         return (r < self.cutoff) * (self.potential.energy_between(r, one, other) - end)
 
     def force_between(self, r, one, other):
-        """-dU/dr between two charges."""
+        """Force -dU/dr [energy / length] between two charges, positive if it repels."""
         return (r < self.cutoff) * self.potential.force_between(r, one, other)
 
     def smoothness(self):
-        """At the cutoff the force jumps."""
+        """Number of continuous derivatives of U; at most 0, since the force jumps."""
         return min(0, smoothness_below(self.potential, self.cutoff))
 
 
@@ -123,19 +123,19 @@ class ForceShifted(NamedTuple):
     cutoff: float
 
     def energy_between(self, r, one, other):
-        """U(r) between two charges."""
+        """Energy U(r) [energy] of two charges at distance r [length]."""
         end = self.potential.energy_between(self.cutoff, one, other)
         slope = self.potential.force_between(self.cutoff, one, other)
         plain = self.potential.energy_between(r, one, other)
         return (r < self.cutoff) * (plain - end + (r - self.cutoff) * slope)
 
     def force_between(self, r, one, other):
-        """-dU/dr between two charges."""
+        """Force -dU/dr [energy / length] between two charges, positive if it repels."""
         end = self.potential.force_between(self.cutoff, one, other)
         return (r < self.cutoff) * (self.potential.force_between(r, one, other) - end)
 
     def smoothness(self):
-        """At the cutoff the force has a kink."""
+        """Number of continuous derivatives of U; at most 1, since the force has a kink."""
         return min(1, smoothness_below(self.potential, self.cutoff))
 
 
@@ -160,14 +160,14 @@ class Switched(NamedTuple):
     switch_from: float
 
     def energy_between(self, r, one, other):
-        """U(r) between two charges."""
-        inverse = 1.0 / (self.cutoff - self.switch_from)  # which loops over pairs compute once
+        """Energy U(r) [energy] of two charges at distance r [length]."""
+        inverse = 1.0 / (self.cutoff - self.switch_from)  # loops over pairs compute it once
         u = np.minimum(np.maximum((r - self.switch_from) * inverse, 0.0), 1.0)
         switch = 1.0 - u * u * u * (10.0 - u * (15.0 - 6.0 * u))
         return self.potential.energy_between(r, one, other) * switch
 
     def force_between(self, r, one, other):
-        """-dU/dr between two charges."""
+        """Force -dU/dr [energy / length] between two charges, positive if it repels."""
         inverse = 1.0 / (self.cutoff - self.switch_from)
         u = np.minimum(np.maximum((r - self.switch_from) * inverse, 0.0), 1.0)
         switch = 1.0 - u * u * u * (10.0 - u * (15.0 - 6.0 * u))
@@ -184,7 +184,7 @@ class Switched(NamedTuple):
         return min(2, self.potential.smoothness_within())
 
     def constraints(self):
-        """Each constraint: the parameter, whether it is met, and the message if not."""
+        """For each constraint: the parameter, whether it is met, and the message if not."""
         below = f"must be below the cutoff {self.cutoff:g} [length]"
         return (
             *WithCutoff.constraints(self),

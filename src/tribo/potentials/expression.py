@@ -57,10 +57,10 @@ class Expression(NamedTuple):
 '''
 BODY = '''
     def energy(self, r):
-        """U(r)."""
+        """Energy U(r) [energy] at distance r [length]."""
         return {energy}
     def force(self, r):
-        """-dU/dr."""
+        """Force -dU/dr [energy / length], positive if it repels."""
         return -({slope})
 Expression.expression_text = {text!r}
 '''

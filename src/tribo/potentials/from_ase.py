@@ -102,7 +102,7 @@ class ZeroForce(NamedTuple):
         return self.length, self.reach if self.length > 0.0 else 0.0
 
     def range(self):
-        """The calculator's reach."""
+        """Distance from which the calculator's force is zero [length]."""
         return self.reach
 
 

@@ -30,27 +30,27 @@ class Gaussian(NamedTuple):
     width: float
 
     def energy(self, r):
-        """U(r)."""
+        """Energy U(r) [energy] at distance r [length]."""
         x = r / self.width
         return self.height * np.exp(-0.5 * x * x)
 
     def force(self, r):
-        """-dU/dr."""
+        """Force -dU/dr [energy / length], positive if it repels."""
         x = r / self.width
         return self.height / self.width * x * np.exp(-0.5 * x * x)
 
     def feature(self):
-        """Length over which the force changes, and the distance beyond which it is weak."""
+        """Length over which the force changes, and distance beyond which it is weak [length]."""
         return self.width, WEAK_FROM * self.width
 
     def smoothness(self):
-        """All derivatives are continuous."""
+        """Number of continuous derivatives of U: all."""
         return float("inf")
 
     def range(self):
-        """It is zero at no finite distance."""
+        """Distance from which U is zero [length]: none."""
         return float("inf")
 
     def constraints(self):
-        """Each constraint: the parameter, whether it is met, and the message if not."""
+        """For each constraint: the parameter, whether it is met, and the message if not."""
         return (("width", self.width > 0.0, "must be positive [length]"),)

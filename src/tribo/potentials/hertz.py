@@ -30,33 +30,33 @@ class Hertz(NamedTuple):
     d: float
 
     def energy(self, r):
-        """U(r)."""
+        """Energy U(r) [energy] at distance r [length]."""
         overlap = np.maximum(1.0 - r / self.d, 0.0)
         return self.A * overlap * overlap * np.sqrt(overlap)
 
     def force(self, r):
-        """-dU/dr."""
+        """Force -dU/dr [energy / length], positive if it repels."""
         overlap = np.maximum(1.0 - r / self.d, 0.0)
         return 2.5 * self.A / self.d * overlap * np.sqrt(overlap)
 
     def feature(self):
-        """Length over which the force changes, and the distance beyond which it is weak."""
+        """Length over which the force changes, and distance beyond which it is weak [length]."""
         return 0.25 * self.d, self.d
 
     def range(self):
-        """Distance from which U and force are zero."""
+        """Distance from which U and the force are zero [length]."""
         return self.d
 
     def smoothness(self):
-        """At d the third derivative of U is infinite."""
+        """Number of continuous derivatives of U: at d the third is infinite."""
         return 2
 
     def smoothness_within(self):
-        """Below d it is smooth."""
+        """Number of continuous derivatives of U below d: all."""
         return float("inf")
 
     def constraints(self):
-        """Each constraint: the parameter, whether it is met, and the message if not."""
+        """For each constraint: the parameter, whether it is met, and the message if not."""
         return (
             ("A", self.A >= 0.0, "must not be negative [energy]"),
             ("d", self.d > 0.0, "must be positive [length]"),

@@ -25,27 +25,27 @@ class LennardJones(NamedTuple):
     sigma: float
 
     def energy(self, r):
-        """U(r)."""
+        """Energy U(r) [energy] at distance r [length]."""
         s6 = (self.sigma * (1.0 / r)) ** 6  # as below, so that both are computed once
         return 4.0 * self.epsilon * s6 * (s6 - 1.0)
 
     def force(self, r):
-        """-dU/dr."""
-        inverse = 1.0 / r  # which loops over pairs need too
+        """Force -dU/dr [energy / length], positive if it repels."""
+        inverse = 1.0 / r  # loops over pairs compute it too
         s6 = (self.sigma * inverse) ** 6
         return 24.0 * self.epsilon * inverse * s6 * (2.0 * s6 - 1.0)
 
     def feature(self):
-        """Length over which the force changes, and the distance beyond which it is weak."""
+        """Length over which the force changes, and distance beyond which it is weak [length]."""
         return self.sigma / 6.0, 2.0 * self.sigma
 
     def minimum(self):
-        """(r, U, d2U/dr2) at the minimum."""
+        """Position, energy and curvature (r, U, d2U/dr2) of the minimum."""
         r = 2.0 ** (1.0 / 6.0) * self.sigma
         return r, -self.epsilon, 72.0 * self.epsilon / (r * r)
 
     def constraints(self):
-        """Each constraint: the parameter, whether it is met, and the message if not."""
+        """For each constraint: the parameter, whether it is met, and the message if not."""
         return (
             ("epsilon", self.epsilon >= 0.0, "must not be negative [energy]"),
             ("sigma", self.sigma > 0.0, "must be positive [length]"),

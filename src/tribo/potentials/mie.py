@@ -33,26 +33,26 @@ class Mie(NamedTuple):
     m: float
 
     def energy(self, r):
-        """U(r)."""
+        """Energy U(r) [energy] at distance r [length]."""
         n, m, s = self.n, self.m, self.sigma / r
         return self.epsilon * n / (n - m) * (n / m) ** (m / (n - m)) * (s**n - s**m)
 
     def force(self, r):
-        """-dU/dr."""
+        """Force -dU/dr [energy / length], positive if it repels."""
         n, m, s = self.n, self.m, self.sigma / r
         return self.epsilon * n / (n - m) * (n / m) ** (m / (n - m)) * (n * s**n - m * s**m) / r
 
     def feature(self):
-        """Length over which the force changes, and the distance beyond which it is weak."""
+        """Length over which the force changes, and distance beyond which it is weak [length]."""
         return 2.0 * self.sigma / self.n, 2.0 * self.sigma
 
     def minimum(self):
-        """(r, U, d2U/dr2) at the minimum."""
+        """Position, energy and curvature (r, U, d2U/dr2) of the minimum."""
         r = (self.n / self.m) ** (1.0 / (self.n - self.m)) * self.sigma
         return r, -self.epsilon, self.n * self.m * self.epsilon / (r * r)
 
     def constraints(self):
-        """Each constraint: the parameter, whether it is met, and the message if not."""
+        """For each constraint: the parameter, whether it is met, and the message if not."""
         return (
             ("epsilon", self.epsilon >= 0.0, "must not be negative [energy]"),
             ("sigma", self.sigma > 0.0, "must be positive [length]"),

@@ -57,43 +57,43 @@ class BetweenCharges:
     force_between: Callable[[Real, Real, Real], Real]
 
     def energy(self, r):
-        """U(r) between charges of 1."""
+        """Energy U(r) [energy] of two charges of 1 at distance r [length]."""
         return self.energy_between(r, 1.0, 1.0)
 
     def force(self, r):
-        """-dU/dr between charges of 1."""
+        """Force -dU/dr [energy / length] between charges of 1, positive if it repels."""
         return self.force_between(r, 1.0, 1.0)
 
 
 class Wrapper:
-    """Every method but energy and force, as the wrapped `potential` defines it."""
+    """Methods other than energy and force, taken from the wrapped `potential`."""
 
     potential: Potential
 
     def feature(self):
-        """As the wrapped potential."""
+        """The value of the wrapped potential."""
         return self.potential.feature()
 
     def clearance(self, r):
-        """As the wrapped potential."""
+        """The value of the wrapped potential."""
         return self.potential.clearance(r)
 
     def range(self):
-        """As the wrapped potential."""
+        """The value of the wrapped potential."""
         return self.potential.range()
 
     def smoothness(self):
-        """As the wrapped potential."""
+        """The value of the wrapped potential."""
         return self.potential.smoothness()
 
     def smoothness_within(self):
-        """As the wrapped potential."""
+        """The value of the wrapped potential."""
         return self.potential.smoothness_within()
 
     def domain(self):
-        """As the wrapped potential."""
+        """The value of the wrapped potential."""
         return self.potential.domain()
 
     def constraints(self):
-        """Each constraint: the parameter, whether it is met, and the message if not."""
+        """For each constraint: the parameter, whether it is met, and the message if not."""
         return (must_be_potential("potential", self.potential),)

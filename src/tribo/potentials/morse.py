@@ -30,25 +30,25 @@ class Morse(NamedTuple):
     r0: float
 
     def energy(self, r):
-        """U(r)."""
+        """Energy U(r) [energy] at distance r [length]."""
         e = np.exp(-self.alpha * (r - self.r0))
         return self.D * e * (e - 2.0)
 
     def force(self, r):
-        """-dU/dr."""
+        """Force -dU/dr [energy / length], positive if it repels."""
         e = np.exp(-self.alpha * (r - self.r0))
         return 2.0 * self.alpha * self.D * e * (e - 1.0)
 
     def feature(self):
-        """Length over which the force changes, and the distance beyond which it is weak."""
+        """Length over which the force changes, and distance beyond which it is weak [length]."""
         return 1.0 / self.alpha, self.r0 + 6.0 / self.alpha
 
     def minimum(self):
-        """(r, U, d2U/dr2) at the minimum."""
+        """Position, energy and curvature (r, U, d2U/dr2) of the minimum."""
         return self.r0, -self.D, 2.0 * self.D * self.alpha * self.alpha
 
     def constraints(self):
-        """Each constraint: the parameter, whether it is met, and the message if not."""
+        """For each constraint: the parameter, whether it is met, and the message if not."""
         return (
             ("D", self.D >= 0.0, "must not be negative [energy]"),
             ("alpha", self.alpha > 0.0, "must be positive [1 / length]"),

@@ -27,22 +27,22 @@ class Plummer(NamedTuple):
     softening: float
 
     def energy(self, r):
-        """U(r) between charges of 1."""
+        """Energy U(r) [energy] of two charges of 1 at distance r [length]."""
         return self.strength / np.sqrt(r * r + self.softening * self.softening)
 
     def force(self, r):
-        """-dU/dr between charges of 1."""
+        """Force -dU/dr [energy / length] between charges of 1, positive if it repels."""
         square = r * r + self.softening * self.softening
         return self.strength * r / (square * np.sqrt(square))
 
     def coupling(self, one, other):
-        """q_i q_j, by which U and force are multiplied."""
+        """Factor q_i q_j of the energy and the force."""
         return one * other
 
     def feature(self):
-        """Length over which the force changes near r = 0; at larger r that length is r."""
+        """Length over which the force changes near r = 0 [length]; farther out that length is r."""
         return self.softening, 0.0
 
     def constraints(self):
-        """Each constraint: the parameter, whether it is met, and the message if not."""
+        """For each constraint: the parameter, whether it is met, and the message if not."""
         return (("softening", self.softening > 0.0, "must be positive [length]"),)

@@ -28,27 +28,27 @@ class SoftSphere(NamedTuple):
     n: float
 
     def energy(self, r):
-        """U(r)."""
+        """Energy U(r) [energy] at distance r [length]."""
         return self.epsilon * (self.sigma / r) ** self.n
 
     def force(self, r):
-        """-dU/dr."""
+        """Force -dU/dr [energy / length], positive if it repels."""
         return self.n * self.epsilon * (self.sigma / r) ** self.n / r
 
     def feature(self):
-        """Length over which the force changes, and the distance beyond which it is weak."""
+        """Length over which the force changes, and distance beyond which it is weak [length]."""
         return 2.0 * self.sigma / max(self.n, 2.0), 2.0 * self.sigma
 
     def smoothness(self):
-        """All derivatives are continuous."""
+        """Number of continuous derivatives of U: all."""
         return float("inf")
 
     def range(self):
-        """It is zero at no finite distance."""
+        """Distance from which U is zero [length]: none."""
         return float("inf")
 
     def constraints(self):
-        """Each constraint: the parameter, whether it is met, and the message if not."""
+        """For each constraint: the parameter, whether it is met, and the message if not."""
         return (
             ("epsilon", self.epsilon >= 0.0, "must not be negative [energy]"),
             ("sigma", self.sigma > 0.0, "must be positive [length]"),

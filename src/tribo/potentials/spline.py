@@ -62,7 +62,7 @@ class Table(NamedTuple):
     length: float
 
     def energy(self, r):
-        """U(r)."""
+        """Energy U(r) [energy] at distance r [length]."""
         k, h, t = self.interval(r)
         s = 1.0 - t
         ends = s * s * (1.0 + 2.0 * t) * self.values[k]
@@ -71,7 +71,7 @@ class Table(NamedTuple):
         return (r < self.r[-1]) * (ends + bend) + self.defined(r)
 
     def force(self, r):
-        """-dU/dr."""
+        """Force -dU/dr [energy / length], positive if it repels."""
         k, h, t = self.interval(r)
         s = 1.0 - t
         rise = 6.0 * t * s * (self.values[k + 1] - self.values[k]) / h
@@ -90,25 +90,25 @@ class Table(NamedTuple):
         return np.sqrt(np.minimum(r - self.r[0], 0.0))
 
     def feature(self):
-        """Length over which the force changes, and the distance beyond which it is weak."""
+        """Length over which the force changes, and distance beyond which it is weak [length]."""
         return self.length, self.r[-1]
 
     def range(self):
-        """The last point, from which U is zero."""
+        """Distance of the last point, from which U is zero [length]."""
         return self.r[-1]
 
     def smoothness(self):
-        """The first of U, U' and U'' that is not zero at the last point jumps there."""
+        """Number of continuous derivatives of U, with the jump to zero at the last point."""
         ends = (self.values, self.slopes, curvatures(self.r, self.values, self.slopes))
         jumps = (abs(each[-1]) > ROUND_OFF * np.max(np.abs(each)) for each in ends)
         return next((order - 1 for order, jump in enumerate(jumps) if jump), 2)
 
     def smoothness_within(self):
-        """Number of continuous derivatives of a cubic spline."""
+        """Number of continuous derivatives of U before the last point: those of a cubic spline."""
         return 2
 
     def domain(self):
-        """From the first point to the last."""
+        """Smallest and largest valid r [length]: the first and the last point."""
         return float(self.r[0]), float(self.r[-1])
 
     def __eq__(self, other):

@@ -24,13 +24,13 @@ class Sum(NamedTuple):
     second: Potential
 
     def energy_between(self, r, one, other):
-        """U(r) between two charges."""
+        """Energy U(r) [energy] of two charges at distance r [length]."""
         first = (r < self.first.range()) * self.first.energy_between(r, one, other)
         second = (r < self.second.range()) * self.second.energy_between(r, one, other)
         return first + second
 
     def force_between(self, r, one, other):
-        """-dU/dr between two charges."""
+        """Force -dU/dr [energy / length] between two charges, positive if it repels."""
         first = (r < self.first.range()) * self.first.force_between(r, one, other)
         second = (r < self.second.range()) * self.second.force_between(r, one, other)
         return first + second
@@ -66,7 +66,7 @@ class Sum(NamedTuple):
         return max(low, other_low), min(high, other_high)
 
     def constraints(self):
-        """Each constraint: the parameter, whether it is met, and the message if not."""
+        """For each constraint: the parameter, whether it is met, and the message if not."""
         return tuple(map(must_be_potential, self._fields, self))
 
 
@@ -86,17 +86,17 @@ class Scaled(NamedTuple):
     factor: float
 
     def energy(self, r):
-        """U(r) between charges of 1."""
+        """Energy U(r) [energy] of two charges of 1 at distance r [length]."""
         return self.factor * self.potential.energy(r)
 
     def force(self, r):
-        """-dU/dr between charges of 1."""
+        """Force -dU/dr [energy / length] between charges of 1, positive if it repels."""
         return self.factor * self.potential.force(r)
 
     def energy_between(self, r, one, other):
-        """U(r) between two charges."""
+        """Energy U(r) [energy] of two charges at distance r [length]."""
         return self.factor * self.potential.energy_between(r, one, other)
 
     def force_between(self, r, one, other):
-        """-dU/dr between two charges."""
+        """Force -dU/dr [energy / length] between two charges, positive if it repels."""
         return self.factor * self.potential.force_between(r, one, other)

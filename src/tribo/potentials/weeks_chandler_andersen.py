@@ -32,34 +32,34 @@ class WeeksChandlerAndersen(NamedTuple):
     sigma: float
 
     def energy(self, r):
-        """U(r)."""
+        """Energy U(r) [energy] at distance r [length]."""
         s6 = (self.sigma / r) ** 6
         return (r < self.range()) * (4.0 * self.epsilon * s6 * (s6 - 1.0) + self.epsilon)
 
     def force(self, r):
-        """-dU/dr."""
-        inverse = 1.0 / r  # which loops over pairs need too
+        """Force -dU/dr [energy / length], positive if it repels."""
+        inverse = 1.0 / r  # loops over pairs compute it too
         s6 = (self.sigma * inverse) ** 6
         return (r < self.range()) * (24.0 * self.epsilon * inverse * s6 * (2.0 * s6 - 1.0))
 
     def feature(self):
-        """Length over which the force changes, and the distance beyond which it is weak."""
+        """Length over which the force changes, and distance beyond which it is weak [length]."""
         return self.sigma / 6.0, END * self.sigma
 
     def range(self):
-        """Distance from which U and force are zero."""
+        """Distance from which U and the force are zero [length]."""
         return END * self.sigma
 
     def smoothness(self):
-        """At its end the force has a kink."""
+        """Number of continuous derivatives of U: the force has a kink at its end."""
         return 1
 
     def smoothness_within(self):
-        """Below its end it is as smooth as Lennard-Jones."""
+        """Number of continuous derivatives of U below its end: all."""
         return float("inf")
 
     def constraints(self):
-        """Each constraint: the parameter, whether it is met, and the message if not."""
+        """For each constraint: the parameter, whether it is met, and the message if not."""
         return (
             ("epsilon", self.epsilon >= 0.0, "must not be negative [energy]"),
             ("sigma", self.sigma > 0.0, "must be positive [length]"),

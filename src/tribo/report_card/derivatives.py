@@ -59,7 +59,7 @@ def derivative(function: Function, r: ArrayLike, reach: ArrayLike) -> tuple[np.n
     function : callable
         Takes an array of ``numpy.longdouble`` and returns one.
     r : array_like
-        Where the derivative is wanted.
+        The distances of the derivatives.
     reach : array_like
         Largest distance from r, on either side, at which the function is evaluated.
 

@@ -20,14 +20,14 @@ BLOCKS = 10
 
 
 class FrictionForce(NamedTuple):
-    """A time average.
+    """The friction force on a surface: its time average and its spread.
 
     Attributes
     ----------
     mean : float
         The time average [force].
     half_width : float
-        Of its 95 % interval, from block averages [force].
+        Half-width of its 95 % interval, from block averages [force].
     spread : float
         The standard deviation of the force over time [force].
     """

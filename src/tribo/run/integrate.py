@@ -164,9 +164,9 @@ def integrate(
     Parameters
     ----------
     loop : TimeLoop
-        Where the run starts.
+        The state at the start.
     times : ndarray, (times,)
-        When to record.
+        The times to record.
     calls : tuple of Call
         ASE calculators that the loop calls.
     progress : callable, optional

@@ -81,12 +81,12 @@ def relax(scene: Scene) -> State:
     Parameters
     ----------
     scene : Scene
-        What is relaxed.
+        The scene to relax.
 
     Returns
     -------
     State
-        At t = 0; ``tribo.simulate(scene, start=state)`` begins there.
+        The equilibrium, at t = 0, from which ``tribo.simulate(scene, start=state)`` begins.
 
     Raises
     ------

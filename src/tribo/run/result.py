@@ -64,7 +64,7 @@ class Result(Presentation):
     Attributes
     ----------
     scene : Scene
-        What was run.
+        The scene that was run.
     t : ndarray, (times,)
         The recorded times [time].
     ledger : Ledger
@@ -78,11 +78,11 @@ class Result(Presentation):
     method : str
         The integration method.
     why : str
-        Why the method was chosen; empty where it was given.
+        The reason for the method; empty if it was given.
     cost : Cost
         Steps, force evaluations and times.
     accuracy : float, dict or None
-        The accuracy that was asked for, or one for each observable by name; None where a method
+        The requested accuracy, or one for each observable by name; None where a method
         and a step were given.
     met : bool or None
         Whether every error estimate is within the accuracy; None without estimates.
@@ -114,7 +114,7 @@ class Result(Presentation):
 
     @property
     def ledger(self) -> Ledger:
-        """All series, each computed from the raw samples when it is first asked for."""
+        """All series, each computed from the raw samples when it is first read."""
         if self._ledger is None:
             self._ledger = self.assemble()
         return self._ledger
@@ -271,7 +271,7 @@ class Result(Presentation):
 
     @property
     def shortcoming(self) -> str:
-        """Why the run is not what was asked for, in one sentence; empty where it is."""
+        """The reason why the run missed its request, in one sentence; empty if it did not."""
         if self.status != Status.COMPLETED:
             return f"the run stopped at t = {self.t[-1]:g}, {self.status}: {MEANINGS[self.status]}"
         return f"the accuracy is not met: {self.notes[-1]}" if self.met is False else ""
@@ -375,7 +375,7 @@ class Result(Presentation):
         ------
         InputError
             The file cannot be written, or the places of asperites, or of the oscillators that are
-            asked for, are not recorded.
+            requested, are not recorded.
         """
         # The viewer stands above the results that it shows, so that it is not imported here.
         written: Path = importlib.import_module("tribo.viewer").write_page(self, path, bath)

@@ -57,7 +57,7 @@ class State:
     method : str
         The method's name; empty where nothing has run.
     scene : Scene
-        What was run, or relaxed.
+        The scene that was run or relaxed.
     """
 
     t: float

@@ -51,15 +51,15 @@ def sweep(
         words.  The keys are those of :func:`ensemble`, and "duration" and "seed".  A number for a
         velocity is its x component.
     members : int, optional
-        Runs of each point, at least 2, from starts that differ as `vary` and thermal noise let
-        them; without it each point is one run.
+        Number of runs at each point, at least 2, with starts that differ by `vary` and thermal
+        noise; by default one run.
     keep : sequence of str, optional
         Quantities whose values at the end are kept, as "upper.w1" or "contact_energy"; by default
         the scene's ``output.keep``, or else those of surfaces as wholes and of the system.
         "upper.friction_force" is its average over time, with the half-width of the 95 % interval
         as ``upper.friction_force_time_half_width``.
     vary : mapping, optional
-        What differs between the members of a point, as for :func:`ensemble`.
+        Quantities that differ between the members of a point, as for :func:`ensemble`.
     seed : int
         The seed of the members, the same at each point.
     accuracy, method, step
@@ -68,13 +68,13 @@ def sweep(
         Runs the points in parallel, as for :func:`ensemble`; without it they are run in this
         process, one by one.
     out : str or Path, optional
-        A NetCDF file for the data set.  While the sweep goes on, ``out`` with ``.part`` behind its
-        name keeps the points that are finished.
+        A NetCDF file for the data set.  During the sweep, ``out`` with ``.part`` appended to its
+        name has the finished points.
     resume : bool
         Take the finished points from ``out.part``; read ``out`` if that is complete.
     progress : callable or bool, optional
-        Called with the number of points that are finished.  Without it a bar appears on a terminal
-        after a second; True shows it elsewhere too, False never.
+        A function that is called with the number of finished points.  By default a bar appears on
+        a terminal or in a notebook after a second; True shows it elsewhere too, False never.
 
     Returns
     -------

@@ -1,6 +1,7 @@
-"""Error against cost: the runs of every method on a scene, and what an accuracy costs at least.
+"""Error against cost: the runs of every method on a scene, and the lowest cost of an accuracy.
 
-With thermal noise, where no run is near another: the half-width of means against members.
+With thermal noise single runs do not converge; there it is the half-width of means against the
+number of members.
 """
 
 from tribo.work_precision.diagram import Cheapest, Reference, Row, WorkPrecision

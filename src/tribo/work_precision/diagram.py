@@ -247,7 +247,7 @@ class WorkPrecision:
         cost : {"seconds", "force_evaluations"}
             The horizontal axis.
         ax : matplotlib.axes.Axes, optional
-            Where to draw; a new figure without it.
+            The axes to draw on; by default a new figure.
 
         Returns
         -------

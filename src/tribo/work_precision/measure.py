@@ -68,7 +68,7 @@ def work_precision(
     Parameters
     ----------
     scene : Scene
-        What is run.
+        The scene to run.
     names : iterable of str, optional
         Names of methods; all without it.  Methods that cannot integrate the scene are left out.
     observables : iterable of str
