@@ -35,6 +35,13 @@ def test_first_steps(capsys):
         assert f"\n    {step.split()[1]} " in text
 
 
+def test_purpose(capsys):
+    """The help of a command begins with its purpose, and names keep their capitals."""
+    with pytest.raises(SystemExit, match="0"):
+        main(["export-lammps", "--help"])
+    assert "\nWrite a scene as input files of LAMMPS.\n" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize("shell", SHELLS)
 def test_script(shell, capsys):
     assert main(["completion", shell]) == 0

@@ -104,6 +104,8 @@ def test_the_rate_of_a_resumed_bar(monkeypatch):
     bar(1500)
     assert bar._bar.format_dict["initial"] == 1000
     assert bar._bar.format_dict["n"] == 1500
+    bar(1500.0000000000002)
+    assert " 1500/3000 members [" in str(bar._bar)
     bar.close()
 
 
