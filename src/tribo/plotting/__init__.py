@@ -14,9 +14,10 @@ Lengths in drawings are in the scene's units.  Sizes of letters, gaps and margin
 """
 
 from tribo.plotting.animation import animate
+from tribo.plotting.comparison import compare
 from tribo.plotting.geometry import AsperiteGeometry, SceneGeometry, scene_geometry, shifted
 from tribo.plotting.overview import overview
-from tribo.plotting.plots import Plots, compare
+from tribo.plotting.plots import Plots
 from tribo.plotting.series import WORKS, angle_curve, spread, work_curves
 from tribo.plotting.snapshots import draw_asperite, draw_asperites, extent, sequence, snapshot
 from tribo.plotting.style import (

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from tribo.model.surface import Surface
+from tribo.plotting.maps import surface_map
 from tribo.plotting.picture import Picture, pose
 from tribo.plotting.series import work_curves
 from tribo.plotting.style import (
@@ -46,9 +47,6 @@ WIDTHS = (2.6, 1.0)
 
 # Width of lines where there is one surface, and of all paths in a phase plot [points].
 WIDTH, PATH_WIDTH = 1.1, 0.7
-
-# Line styles of the results of a comparison, one after the other.
-DASHES: tuple[Any, ...] = ("-", (0, (4, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)))
 
 # Height of a graph over its width.
 ASPECT = 0.66
@@ -285,6 +283,40 @@ class Plots:
             ax.set_aspect("equal")
         return ax
 
+    def map(
+        self,
+        quantity: str = "w1",
+        surface: str | None = None,
+        t: float | None = None,
+        ax: Axes | None = None,
+    ) -> Axes:
+        """Draw a quantity of every asperite of a grid in colour, over x and z.
+
+        Parameters
+        ----------
+        quantity : str
+            "height" [length], or a series of each asperite: "w1", "theta", or "f1_y" where the
+            scene's output asks for the series "forces".
+        surface : str, optional
+            The first without it.
+        t : float, optional
+            The nearest sample counts, the last without it [time].
+        ax : matplotlib.axes.Axes, optional
+            The axes to draw on; by default a new figure.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If the surface is no grid, or has no such series, or the time is not in the run.
+        """
+        result, name = self._result, self._surface(surface)
+        sample = -1 if t is None else nearest_sample(result, t)
+        return surface_map(result, name, quantity, sample, ax)
+
     def _surface(self, name: str | None) -> str:
         names = [surface.name for surface in self._result.scene.surfaces]
         if name is not None and name not in names:
@@ -302,47 +334,6 @@ class Plots:
 
     def _width(self, index: int) -> float:
         return WIDTHS[index % 2] if len(self._result.scene.surfaces) > 1 else WIDTH
-
-
-def compare(
-    results: Mapping[str, Result], kind: str = "energy_budget", ax: Axes | None = None
-) -> Axes:
-    """Draw the same plot of several results in one figure, each with a line style of its own.
-
-    Parameters
-    ----------
-    results : mapping of str to Result
-        Results by the names that legends show.
-    kind : str
-        "angles", "energy_budget" or "phase".
-    ax : matplotlib.axes.Axes, optional
-        The axes to draw on; by default a new figure.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-
-    Raises
-    ------
-    InputError
-        If there is no plot of this kind, or no result.
-
-    Examples
-    --------
-    ``plotting.compare({"soft": one, "stiff": other}, "angles")``
-    """
-    if kind not in (kinds := ("angles", "energy_budget", "phase")):
-        raise must_be("kind", f"one of {', '.join(kinds)}", kind)
-    if not 1 <= len(results) <= len(DASHES):
-        raise must_be("results", f"1 to {len(DASHES)} results", len(results))
-    with drawing_on(ax, WIDE, ASPECT * WIDE) as ax:
-        for dashes, (label, result) in zip(DASHES, results.items(), strict=False):
-            getattr(Plots(result, label, dashes), kind)(ax=ax)
-        if kind != "phase":
-            ax.set_xlim(
-                min(r.t[0] for r in results.values()), max(r.t[-1] for r in results.values())
-            )
-    return ax
 
 
 def nearest_sample(result: Result, t: float) -> int:

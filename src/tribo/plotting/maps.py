@@ -1,0 +1,92 @@
+"""Maps of grids: a quantity of every asperite of a surface, over x and z."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from tribo.plotting.style import COLUMN, drawing_on, figure_of
+from tribo.run.result import Result
+from tribo.run.scene_records import resting_bobs
+from tribo.validation import InputError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+# The heights of a surface, which are no series.
+HEIGHT = "height"
+# Colours of heights, and of quantities that have a sign.
+OF_HEIGHTS, OF_SIGNS = "viridis", "RdBu_r"
+# Percentile of the magnitudes that has the strongest colour.
+STRONGEST = 99.5
+
+
+def surface_map(
+    result: Result, name: str, quantity: str, sample: int, ax: Axes | None = None
+) -> Axes:
+    """Draw a quantity of every asperite of a grid in colour, over the place of its bob at rest.
+
+    Parameters
+    ----------
+    result : Result
+    name : str
+        Of the grid.
+    quantity : str
+        "height" [length], or a series of each asperite: "w1", "theta", or "f1_y" where the scene's
+        output asks for the series "forces".
+    sample : int
+        Index of the time.
+    ax : matplotlib.axes.Axes, optional
+        The axes to draw on; by default a new figure.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Raises
+    ------
+    InputError
+        If the surface is no grid, or has no such series.
+    """
+    index = [surface.name for surface in result.scene.surfaces].index(name)
+    surface = result.scene.surfaces[index]
+    if surface.positions is not None or min(surface.shape) < 2:
+        raise InputError("surface", f'must be a grid, got "{name}"')
+    bobs = resting_bobs(result.scene, index).reshape(*surface.shape[::-1], 3)
+    heights = bobs[..., 1]
+    values = heights if quantity == HEIGHT else _values(result, name, quantity, sample)
+    values = values.reshape(heights.shape)
+    strongest = np.percentile(np.abs(values), STRONGEST) or 1.0
+    has_sign = quantity != HEIGHT
+    with drawing_on(ax, COLUMN, 0.9 * COLUMN) as ax:
+        image = ax.pcolormesh(
+            bobs[0, :, 0],
+            bobs[:, 0, 2],
+            values,
+            shading="nearest",
+            rasterized=True,
+            cmap=OF_SIGNS if has_sign else OF_HEIGHTS,
+            vmin=-strongest if has_sign else None,
+            vmax=strongest if has_sign else None,
+        )
+        ax.set(xlabel="$x$", ylabel="$z$")
+        ax.set_aspect("equal")
+        ax.tick_params(which="both", top=False, right=False)
+        bar = figure_of(ax).colorbar(
+            image, ax=ax, extend="neither" if quantity == HEIGHT else "both"
+        )
+        bar.set_label(f"{quantity} of {name}")
+    return ax
+
+
+def _values(result: Result, name: str, quantity: str, sample: int) -> np.ndarray:
+    """A series of every asperite at a sample, (n,)."""
+    table = result[name]
+    if quantity not in table or table[quantity].ndim != 2:
+        raise InputError(
+            "quantity",
+            f'must be "{HEIGHT}" or a series of each asperite, as "w1", got {quantity!r}; forces '
+            'need output.series = "forces"',
+        )
+    return np.asarray(table[quantity][sample])
