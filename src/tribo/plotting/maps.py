@@ -20,6 +20,8 @@ HEIGHT = "height"
 OF_HEIGHTS, OF_SIGNS = "viridis", "RdBu_r"
 # Percentile of the magnitudes that has the strongest colour.
 STRONGEST = 99.5
+# Place of the scale of colours, in units of the map: left, bottom, width and height.
+BAR = (1.03, 0.0, 0.04, 1.0)
 
 
 def surface_map(
@@ -33,7 +35,7 @@ def surface_map(
     name : str
         Of the grid.
     quantity : str
-        "height" [length], or a series of each asperite: "w1", "theta", or "f1_y" where the scene's
+        "height" about the mean [length], or a series of each asperite: "w1", "theta", or "f1_y" where the scene's
         output asks for the series "forces".
     sample : int
         Index of the time.
@@ -54,12 +56,12 @@ def surface_map(
     if surface.positions is not None or min(surface.shape) < 2:
         raise InputError("surface", f'must be a grid, got "{name}"')
     bobs = resting_bobs(result.scene, index).reshape(*surface.shape[::-1], 3)
-    heights = bobs[..., 1]
+    heights = bobs[..., 1] - bobs[..., 1].mean()
     values = heights if quantity == HEIGHT else _values(result, name, quantity, sample)
     values = values.reshape(heights.shape)
     strongest = np.percentile(np.abs(values), STRONGEST) or 1.0
     has_sign = quantity != HEIGHT
-    with drawing_on(ax, COLUMN, 0.9 * COLUMN) as ax:
+    with drawing_on(ax, COLUMN, 0.8 * COLUMN) as ax:
         image = ax.pcolormesh(
             bobs[0, :, 0],
             bobs[:, 0, 2],
@@ -73,9 +75,8 @@ def surface_map(
         ax.set(xlabel="$x$", ylabel="$z$")
         ax.set_aspect("equal")
         ax.tick_params(which="both", top=False, right=False)
-        bar = figure_of(ax).colorbar(
-            image, ax=ax, extend="neither" if quantity == HEIGHT else "both"
-        )
+        extend, beside = "both" if has_sign else "neither", ax.inset_axes(BAR)
+        bar = figure_of(ax).colorbar(image, cax=beside, extend=extend, extendfrac=0.03)
         bar.set_label(f"{quantity} of {name}")
     return ax
 

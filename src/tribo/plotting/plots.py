@@ -295,8 +295,8 @@ class Plots:
         Parameters
         ----------
         quantity : str
-            "height" [length], or a series of each asperite: "w1", "theta", or "f1_y" where the
-            scene's output asks for the series "forces".
+            "height" about the mean [length], or a series of each asperite: "w1", "theta", or "f1_y"
+            where the scene's output asks for the series "forces".
         surface : str, optional
             The first without it.
         t : float, optional
