@@ -35,8 +35,8 @@ def surface_map(
     name : str
         Of the grid.
     quantity : str
-        "height" about the mean [length], or a series of each asperite: "w1", "theta", or "f1_y" where the scene's
-        output asks for the series "forces".
+        "height" about the mean [length], or a series of each asperite: "w1", "theta", or "f1_y"
+        where the scene's output asks for the series "forces".
     sample : int
         Index of the time.
     ax : matplotlib.axes.Axes, optional
