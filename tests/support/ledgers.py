@@ -16,8 +16,8 @@ ROUND_OFF = 2e-14
 # Works from which a scene counts as one that has works to compare.
 LEAST = 1e-3
 STEPPED = {"step": 0.02}
-# A method of each family, in equal steps, or with tolerances that the ledger does not choose.
-METHODS = ("verlet", "midpoint", "gauss-8")
+# Methods in equal steps of all scenes; one that remembers its last step takes seven times as long.
+METHODS = ("verlet", "midpoint")
 
 CONTACT = tribo.with_cutoff(tribo.Morse(0.4, 1.6, 0.7), 2.5)
 OSCILLATORS = {"masses": np.full(3, 0.1), "frequencies": np.linspace(1.0, 3.0, 3)}
@@ -125,7 +125,8 @@ def wrong_with(name: str, method: str) -> list[str]:
 def main() -> None:
     """Print what is wrong."""
     cases = [(name, method) for name in SCENES for method in METHODS]
-    for name, method in [*cases, *((name, "verlet") for name in NOISY)]:
+    cases += [("pulled and loaded", "gauss-8"), *((name, "verlet") for name in NOISY)]
+    for name, method in cases:
         for complaint in wrong_with(name, method):
             print(f"{name} by {method}: {complaint}")
 
