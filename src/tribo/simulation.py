@@ -29,7 +29,6 @@ from tribo.run.loop_selection import Integrator
 from tribo.run.result import Result, netcdf_path
 from tribo.run.saved_results import load_result
 from tribo.run.state import Origin, State, continued, digest_of
-from tribo.run.streamed_ledger import is_streamed
 from tribo.run.threads import threads_of
 from tribo.validation import InputError, TriboWarning, as_path, boolean, inside, must_be
 
@@ -238,13 +237,6 @@ def _run_to_file(
         result = load_result(path)
         refuse_other(path, identity_of(result.scene, result.settings, result.version), identity)
         return result
-    streamed = choice.accuracy is None and is_streamed(layout, layout.times.size)
-    if resume and part.exists() and streamed:
-        raise InputError(
-            "resume",
-            f"cannot continue {path.name + PART}, as the samples of this run are too many to hold "
-            "and are not in the file; start again without resume",
-        )
     with Journal(part, identity, resume) as journal:
         integrator = _integrator(layout, choice, progress, origin, threads, journal)
         result = _first_result(choice, integrator, progress)

@@ -28,6 +28,7 @@ from tribo import (
 from tribo.kernels.status import MEANINGS, Status
 from tribo.run.columns import columns_of
 from tribo.run.entry import Entry
+from tribo.run.journal import Journal
 from tribo.run.ledger import assemble
 from tribo.run.quantities import QUANTITIES
 from tribo.run.totals import Group
@@ -476,10 +477,41 @@ def test_long_runs_keep_the_asperites_ends_alone(monkeypatch, tmp_path):
         for key, values in whole.ledger.blocks[name].items():
             assert np.array_equal(streamed[name][key], values)
         assert np.array_equal(streamed[name].theta, whole[name].theta[[0, -1]])
+    for key, values in whole.system.items():
+        assert np.array_equal(streamed.system[key], values)
     assert "only the first and the last sample are kept" in streamed.notes[-1]
     streamed.save(tmp_path / "long.nc")
     assert same_series(tribo.load_result(tmp_path / "long.nc"), streamed)
     assert streamed.to_xarray()["end"].values.tolist() == [0.0, 4.0]
+
+
+def test_long_runs_are_continued_after_kills(monkeypatch, tmp_path):
+    """Killed again and again between portions and while it writes them: the same bits."""
+    monkeypatch.setattr("tribo.run.streamed_ledger.SERIES_BYTES", 0)
+    monkeypatch.setattr("tribo.run.streamed_ledger.PORTION_BYTES", 2500)
+    for name in ("INTERVAL", "RELATIVE_INTERVAL"):
+        monkeypatch.setattr(f"tribo.run.journal.{name}", 0.0)
+    how = {"method": "midpoint", "step": 0.01}
+    whole, out = tribo.simulate(scene(), **how), tmp_path / "long.nc"
+    write, kills = Journal.write, 0
+
+    def killing(journal, number, name, arrays):
+        """Every third frame is the last that a process writes."""
+        write(journal, number, name, arrays)
+        killing.left -= 1
+        if killing.left == 0:
+            raise MemoryError
+
+    monkeypatch.setattr(Journal, "write", killing)
+    while True:
+        killing.left = 3
+        try:
+            found = tribo.simulate(scene(), **how, out=out, resume=True)
+            break
+        except MemoryError:
+            kills += 1
+    assert kills > 3 and same_series(found, whole)
+    assert found.cost.steps == whole.cost.steps
 
 
 @pytest.mark.parametrize("estimate", [False, True])

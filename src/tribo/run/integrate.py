@@ -81,6 +81,23 @@ class Checkpoints(Protocol):
         """Keep the samples so far and the memory, and the status if the integration has ended."""
 
 
+class PortionCheckpoints(Protocol):
+    """Where a streamed integration keeps its portions while it goes on."""
+
+    def restore_portions(
+        self, loop: TimeLoop, streamed: StreamedLedger
+    ) -> tuple[int, Samples | None]:
+        """Take in what was kept, if anything; the number of portions, and the samples held."""
+
+    def due(self) -> bool:
+        """Whether it is time to keep what was reached."""
+
+    def keep_portions(
+        self, loop: TimeLoop, streamed: StreamedLedger, number: int, held: Samples
+    ) -> None:
+        """Keep what was taken in, after so many portions."""
+
+
 @dataclass(eq=False)
 class Integration:
     """One integration of the equations of motion.
@@ -153,6 +170,7 @@ def integrate(
     progress: Progress | None = None,
     streamed: StreamedLedger | None = None,
     checkpoints: Checkpoints | None = None,
+    portions: PortionCheckpoints | None = None,
     columns: Columns | None = None,
     before: Samples | None = None,
     most: float | None = None,
@@ -175,6 +193,8 @@ def integrate(
         Takes in the samples, of which only the first and the last two are kept then.
     checkpoints : Checkpoints, optional
         Keeps what is reached, and has what was reached before; not of a streamed run.
+    portions : PortionCheckpoints, optional
+        The same of a streamed run.
     columns : tuple of ndarray, optional
         The samples of a loop that has begun.
     before : Samples, optional
@@ -186,8 +206,10 @@ def integrate(
     rows = times.size if streamed is None else portion_size(loop.layout)
     columns = columns or loop.room(min(rows, times.size) + 1)
     held: Samples | None = None
-    status = Status.COMPLETED
-    for first in range(0, times.size, rows):
+    status, done = Status.COMPLETED, 0
+    if streamed is not None and portions is not None:
+        done, held = portions.restore_portions(loop, streamed)
+    for first in range(rows * done, times.size, rows):
         portion = times[first : first + rows]
         if first > 0:
             loop.clocks["sample"] = 0
@@ -210,6 +232,9 @@ def integrate(
         held = samples
         if status != Status.COMPLETED:
             break
+        more = first + rows < times.size  # else the result is next
+        if more and streamed is not None and portions is not None and portions.due():
+            portions.keep_portions(loop, streamed, first // rows + 1, held)
     whole = held
     assert whole is not None
     seconds = time.perf_counter() - began

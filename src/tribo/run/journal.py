@@ -14,7 +14,7 @@ import json
 import os
 import struct
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from types import TracebackType
 from typing import BinaryIO, Self
@@ -26,7 +26,9 @@ from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import Status
 from tribo.run.identity import Identity, refuse_other
 from tribo.run.integrate import Columns, Memory, Setting, TimeLoop
+from tribo.run.samples import Samples
 from tribo.run.state import below
+from tribo.run.streamed_ledger import StreamedLedger
 from tribo.validation import InputError
 
 try:
@@ -54,6 +56,8 @@ class Kept:
 
     key: bytes
     samples: list[Columns] = field(default_factory=list)
+    # Of a streamed run, in place of samples: by the number of portions up to there.
+    portions: dict[int, Arrays] = field(default_factory=dict)
     memory: Memory | None = None
     status: Status | None = None
 
@@ -229,7 +233,7 @@ class Entry:
         self._journal = journal
         self._number = number
         self._kept = kept
-        self._done = 0  # samples that the journal has
+        self._done = 0  # samples that the journal has, or portions of a streamed run
         self._took = 0.0
         self._last = time.perf_counter()
 
@@ -265,6 +269,41 @@ class Entry:
         self._last = time.perf_counter()
         self._took = self._last - began
 
+    def restore_portions(
+        self, loop: TimeLoop, streamed: StreamedLedger
+    ) -> tuple[int, Samples | None]:
+        """The same for a streamed run: the portions that were kept, and the last samples held."""
+        memory = self._kept.memory
+        if memory is None:
+            return 0, None
+        self._done = int(memory["portions"])
+        chain, last = [], self._done  # a kill may have left portions without the memory after them
+        while last > 0:
+            chain.append(self._kept.portions[last])
+            last = int(chain[-1]["first"])
+        for arrays in reversed(chain):
+            streamed.take_back(arrays)
+        self._kept.portions = {}
+        loop.restore(below("loop_", memory))
+        return self._done, Samples(**below("held_", memory))
+
+    def keep_portions(
+        self, loop: TimeLoop, streamed: StreamedLedger, number: int, held: Samples
+    ) -> None:
+        """Write what a streamed run has taken in since the last call, after so many portions."""
+        began = time.perf_counter()
+        new = streamed.new_arrays() | {"first": np.array(self._done)}
+        new = {f"portion_{name}": array for name, array in new.items()}
+        new["portions"] = np.array(number)
+        self._journal.write(self._number, ("portions", number), new)
+        self._done = number
+        memory = {f"memory_loop_{name}": array for name, array in loop.memory().items()}
+        memory |= {f"memory_held_{each.name}": getattr(held, each.name) for each in fields(held)}
+        memory |= {"memory_portions": np.array(number), "status": _bytes("")}
+        self._journal.write(self._number, "memory", memory)
+        self._last = time.perf_counter()
+        self._took = self._last - began
+
 
 def _take_in(kept: Kept, arrays: Arrays) -> object:
     """Add a frame to what is kept of its integration; returns the frame's name."""
@@ -275,6 +314,10 @@ def _take_in(kept: Kept, arrays: Arrays) -> object:
         status = arrays["status"].tobytes().decode()
         kept.status = Status(status) if status else None
         return "memory"
+    if "portions" in arrays:
+        number = int(arrays["portions"])
+        kept.portions[number] = below("portion_", arrays)
+        return "portions", number
     columns = below("column_", arrays)
     name = ("samples", sum(len(part[0]) for part in kept.samples))
     kept.samples.append(tuple(columns[str(k)] for k in range(len(columns))))

@@ -107,12 +107,12 @@ class Integrator:
         Integration
         """
         start = self.layout.start if start is None else start
-        checkpoints = None
-        if self._journal is not None and streamed is None:
-            checkpoints = self._journal.integration(key_of(setting, times, start))
+        entry = None
+        if self._journal is not None:
+            entry = self._journal.integration(key_of(setting, times, start))
         if self.pair is not None:
             assert isinstance(setting, Tolerance)
-            return self.pair.integrate(setting, start, times, self._progress, checkpoints, most)
+            return self.pair.integrate(setting, start, times, self._progress, entry, most)
         first = self.first_step
         if isinstance(setting, Tolerance):
             first = first_step_at(setting, first, self.method.order)
@@ -123,8 +123,17 @@ class Integrator:
             self.origin.place(loop, self.method.name, exactly)
             before, times = self.origin.first, times[times >= self.layout.beginning]
         calls = self.layout.calculator_calls
+        whole, portions = (entry, None) if streamed is None else (None, entry)
         run = integrate(
-            loop, times, calls, self._progress, streamed, checkpoints, before=before, most=most
+            loop,
+            times,
+            calls,
+            self._progress,
+            streamed,
+            whole,
+            portions,
+            before=before,
+            most=most,
         )
         # A streamed run is guarded while its samples arrive, and adaptive steps keep the energy.
         if streamed is not None or self.method.adaptive:

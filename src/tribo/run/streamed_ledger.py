@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 
 import numpy as np
@@ -40,6 +41,7 @@ class StreamedLedger:
         self._guarded = guarded and layout.model.ledger is not None
         self._known = 0.0  # see `first_lost`
         self._portions: list[Ledger] = []
+        self._written = 0  # portions that `new_arrays` has returned
 
     def add(self, samples: Samples, earlier: int) -> int | None:
         """Take in a portion after `earlier` samples that were taken in before.
@@ -60,8 +62,36 @@ class StreamedLedger:
         if keep is not None:
             self._portions.append(ledger.only(keep))
             return
-        blocks = {name: dict(table) for name, table in ledger.blocks.items()}
-        self._portions.append(Ledger(ledger.t, {}, blocks, dict(ledger.system)))
+        # Copies: the loop writes the next portion into the same arrays.
+        blocks = {name: _copied(table) for name, table in ledger.blocks.items()}
+        self._portions.append(Ledger(np.array(ledger.t), {}, blocks, _copied(ledger.system)))
+
+    def new_arrays(self) -> dict[str, np.ndarray]:
+        """The portions since the last call, and what the next one needs, as arrays for a file."""
+        new, self._written = self._portions[self._written :], len(self._portions)
+        series = {
+            (part, name, quantity): [getattr(ledger, part)[name][quantity] for ledger in new]
+            for part in ("surfaces", "blocks")
+            for name, table in getattr(new[0], part).items()
+            for quantity in table
+        }
+        series |= {("system", "", name): [x.system[name] for x in new] for name in new[0].system}
+        arrays = {str(k): np.concatenate(values) for k, values in enumerate(series.values())}
+        arrays["t"] = np.concatenate([ledger.t for ledger in new])
+        arrays["names"] = np.frombuffer(json.dumps(list(series)).encode(), np.uint8)
+        arrays["known"] = np.array(self._known)
+        return arrays
+
+    def take_back(self, arrays: dict[str, np.ndarray]) -> None:
+        """Take in portions from the arrays of a file."""
+        parts: dict[str, dict[str, dict[str, np.ndarray]]] = {"surfaces": {}, "blocks": {}}
+        system: dict[str, np.ndarray] = {}
+        for k, (part, name, quantity) in enumerate(json.loads(arrays["names"].tobytes())):
+            table = system if part == "system" else parts[part].setdefault(name, {})
+            table[quantity] = arrays[str(k)]
+        kept = tuple(self._layout.scene.output.keep or ())
+        self._portions.append(Ledger(arrays["t"], parts["surfaces"], parts["blocks"], system, kept))
+        self._written, self._known = len(self._portions), float(arrays["known"])
 
     def whole(self, samples: Samples) -> Ledger:
         """All series; those of asperites that are left out are at the ends of `samples`."""
@@ -99,6 +129,10 @@ def exceeds_memory(layout: Layout, times: int) -> bool:
 def portion_size(layout: Layout) -> int:
     """Samples of one portion."""
     return max(1, PORTION_BYTES // _sample_bytes(layout))
+
+
+def _copied(table: Table) -> dict[str, np.ndarray]:
+    return {name: np.array(table[name]) for name in table}
 
 
 def _joined(tables: list[Table], kept: tuple[str, ...]) -> Table:
