@@ -10,6 +10,7 @@ import tribo
 from support.continued import chain
 from tribo import Coulomb, Free, InputError, Output, Scene, Surface
 from tribo.cli import main
+from tribo.ensembles.figure import mean_band
 from tribo.sweeps import sweep
 
 KEEP = ("upper.W", "upper.x_cm", "contact_energy")
@@ -82,8 +83,8 @@ def test_means_of_noisy_forces_span_portions(monkeypatch):
         assert np.array_equal(result["upper"][key], whole["upper"][key], equal_nan=True)
 
 
-def test_names_are_checked(monkeypatch, tmp_path, capsys):
-    """Unknown names are refused; `resume` of a run in portions too; `explain` lists them."""
+def test_names_are_checked(tmp_path, capsys):
+    """Unknown names are refused; `explain` lists the others."""
     for keep in (["upper.foo"], ["W"], ["theta"], ["lower.W", "upper.f1_x"], ["side.W"]):
         with pytest.raises(InputError, match=r"output\.keep\[[01]\]: must be a quantity of a sur"):
             tribo.simulate(scene(keep=keep), **HOW)
@@ -95,11 +96,6 @@ def test_names_are_checked(monkeypatch, tmp_path, capsys):
     assert tribo.load_scene(path).output.keep == KEEP
     assert main(["explain", str(path)]) == 0
     assert "Recorded: only upper.W, upper.x_cm, contact_energy." in capsys.readouterr().out
-    monkeypatch.setattr("tribo.run.streamed_ledger.PORTION_BYTES", 5000)
-    out = tmp_path / "run.nc"
-    (tmp_path / "run.nc.part").touch()
-    with pytest.raises(InputError, match=r"resume: cannot continue run\.nc\.part"):
-        tribo.simulate(scene(keep=KEEP), **HOW, out=out, resume=True)
 
 
 def test_ensembles_and_sweeps():
@@ -120,6 +116,8 @@ def test_ensembles_and_sweeps():
         scene(), 2, {"upper.theta": thetas[:, None]}, **HOW, keep=forces, at="samples"
     )
     assert np.array_equal(series["upper.friction_force"][1], result["upper"].friction_force)
+    mean = mean_band(series, "upper.friction_force").get_lines()[-1].get_ydata()
+    assert np.array_equal(mean, series["upper.friction_force"].values.mean(axis=0))
     points = sweep(scene(keep=forces), {"upper.theta": [0.0, 0.05]}, **HOW)
     for name in (*forces, "upper.friction_force_time_half_width"):
         assert np.array_equal(points[name], data[name])

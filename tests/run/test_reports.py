@@ -21,7 +21,7 @@ def result():
 
 def test_representations_fit_a_screen(result):
     """A result, its series and its ledger say what they are in a few lines."""
-    for item in (result, result["upper"], result.system, result.ledger):
+    for item in (result, result["upper"], result.system, result.ledger, result.state()):
         lines = repr(item).splitlines()
         assert len(lines) <= 12 and max(map(len, lines)) <= 200
         assert "object at 0x" not in repr(item)

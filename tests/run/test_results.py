@@ -485,14 +485,16 @@ def test_long_runs_keep_the_asperites_ends_alone(monkeypatch, tmp_path):
     assert streamed.to_xarray()["end"].values.tolist() == [0.0, 4.0]
 
 
-def test_long_runs_are_continued_after_kills(monkeypatch, tmp_path):
+@pytest.mark.parametrize("keep", [None, ("upper.W", "contact_energy")])
+def test_long_runs_are_continued_after_kills(monkeypatch, tmp_path, keep):
     """Killed again and again between portions and while it writes them: the same bits."""
     monkeypatch.setattr("tribo.run.streamed_ledger.SERIES_BYTES", 0)
     monkeypatch.setattr("tribo.run.streamed_ledger.PORTION_BYTES", 2500)
     for name in ("INTERVAL", "RELATIVE_INTERVAL"):
         monkeypatch.setattr(f"tribo.run.journal.{name}", 0.0)
+    long = replace(scene(), output=replace(scene().output, keep=keep))
     how = {"method": "midpoint", "step": 0.01}
-    whole, out = tribo.simulate(scene(), **how), tmp_path / "long.nc"
+    whole, out = tribo.simulate(long, **how), tmp_path / "long.nc"
     write, kills = Journal.write, 0
 
     def killing(journal, number, name, arrays):
@@ -506,7 +508,7 @@ def test_long_runs_are_continued_after_kills(monkeypatch, tmp_path):
     while True:
         killing.left = 3
         try:
-            found = tribo.simulate(scene(), **how, out=out, resume=True)
+            found = tribo.simulate(long, **how, out=out, resume=True)
             break
         except MemoryError:
             kills += 1

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from tribo.ensembles.intervals import Interval, interval
 from tribo.plotting import INK, WIDE, drawing_on
 from tribo.validation import InputError
 
@@ -28,7 +31,8 @@ def mean_band(data: xarray.Dataset, name: str, ax: Axes | None = None) -> Axes:
     data : xarray.Dataset
         As :func:`tribo.ensemble` returns it.
     name : str
-        A quantity that has a mean, as "upper.W".
+        A quantity that has a mean, as "upper.W", or one that was kept at all times, with
+        ``at="samples"``, as "upper.friction_force".
     ax : matplotlib.axes.Axes, optional
         The axes to draw on; by default a new figure.
 
@@ -39,15 +43,15 @@ def mean_band(data: xarray.Dataset, name: str, ax: Axes | None = None) -> Axes:
     Raises
     ------
     InputError
-        If the quantity has no mean.
+        If the quantity is not of the members over time, or fewer than two completed.
     """
-    if f"{name}_mean" not in data:
-        known = [str(key)[:-5] for key in data.data_vars if str(key).endswith("_mean")]
+    known = [str(key) for key in data.data_vars if data[key].dims == ("member", "time")]
+    if name not in known:
         raise InputError("name", f"must be one of {', '.join(known)}, got {name!r}")
     time = data["time"].values
     complete = data[name].values[data["status"].values == "completed"]
     shown = complete[:MOST_MEMBERS]
-    mean, half = data[f"{name}_mean"].values, data[f"{name}_half_width"].values
+    mean, half = _over_members(data, name, complete)
     opacity = min(1.0, max(FAINTEST, OPACITY / len(shown)))
     faint: Any = {"color": MEMBER_COLOUR, "linewidth": 0.5, "alpha": opacity}
     with drawing_on(ax, WIDE, 0.55 * WIDE) as ax:
@@ -63,3 +67,12 @@ def mean_band(data: xarray.Dataset, name: str, ax: Axes | None = None) -> Axes:
             handle.set_alpha(1.0)
         ax.margins(y=0.05)
     return ax
+
+
+def _over_members(data: xarray.Dataset, name: str, complete: np.ndarray) -> Interval:
+    """Mean and half-width (times,): those in the data set, else of the complete members."""
+    if f"{name}_mean" in data:
+        return Interval(data[f"{name}_mean"].values, data[f"{name}_half_width"].values)
+    if len(complete) < 2:
+        raise InputError("name", f"needs two members that completed, got {len(complete)}")
+    return interval(complete)

@@ -160,7 +160,8 @@ def load(path: Path) -> xarray.Dataset:
     if not _is_intact(image):
         raise InputError(
             str(path),
-            "cannot be read: it is damaged, or no result that this version of tribo has written",
+            "cannot be read: it is damaged, or no result that this version of tribo has written "
+            "(xarray.open_dataset reads data sets of ensembles and sweeps)",
         )
     return xarray.load_dataset(io.BytesIO(image), engine="h5netcdf")
 

@@ -71,6 +71,10 @@ class State:
     method: str
     scene: Scene
 
+    def __repr__(self) -> str:
+        counts = ", ".join(f'{each.count} of "{each.name}"' for each in self.scene.surfaces)
+        return f"State at t = {self.t:g}: asperites {counts}; {self.method or 'at rest'}"
+
     @property
     def digest(self) -> str:
         """A hash of everything that a run depends on [32 hex digits]."""

@@ -84,13 +84,17 @@ class StreamedLedger:
 
     def take_back(self, arrays: dict[str, np.ndarray]) -> None:
         """Take in portions from the arrays of a file."""
-        parts: dict[str, dict[str, dict[str, np.ndarray]]] = {"surfaces": {}, "blocks": {}}
-        system: dict[str, np.ndarray] = {}
+        scene = self._layout.scene
+        kept, names = tuple(scene.output.keep or ()), [each.name for each in scene.surfaces]
+        parts: dict[str, dict[str, dict[str, np.ndarray]]] = {
+            "surfaces": {name: {} for name in names if kept},
+            "blocks": {name: {} for name in names},
+            "system": {"": {}},
+        }
         for k, (part, name, quantity) in enumerate(json.loads(arrays["names"].tobytes())):
-            table = system if part == "system" else parts[part].setdefault(name, {})
-            table[quantity] = arrays[str(k)]
-        kept = tuple(self._layout.scene.output.keep or ())
-        self._portions.append(Ledger(arrays["t"], parts["surfaces"], parts["blocks"], system, kept))
+            parts[part][name][quantity] = arrays[str(k)]
+        surfaces, blocks, system = parts["surfaces"], parts["blocks"], parts["system"][""]
+        self._portions.append(Ledger(arrays["t"], surfaces, blocks, system, kept))
         self._written, self._known = len(self._portions), float(arrays["known"])
 
     def whole(self, samples: Samples) -> Ledger:
