@@ -14,7 +14,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
-from statistics import median
+from statistics import geometric_mean
 
 import numpy as np
 import pytest
@@ -27,8 +27,9 @@ from tribo.model.scene_file import scene_from
 
 ROOT = Path(tribo.__file__).parents[2]
 SCENES = {row["seed"]: row for row in json.loads(STORED.read_text(encoding="utf-8"))}
-# The median ratio of bar to error of the worst quantities: bars are not useless.
-MEDIAN = 100.0
+# Largest geometric mean of the ratios of bar to error of the worst quantities, so that bars are not
+# useless.  It is 90 to 97: single errors are small by chance, and other roundings change them.
+MEAN = 120.0
 
 
 @pytest.mark.parametrize("seed", SCENES)
@@ -40,11 +41,11 @@ def test_stored_scene(seed):
 
 
 def test_bars_are_not_useless():
-    """Half of the bars are at most a hundred times the error of the worst quantity."""
+    """In the geometric mean they are about a hundred times the error of the worst quantity."""
     ratios = [
         verdict(row["scene"], solution_from(row["solution"]))["ratio"] for row in SCENES.values()
     ]
-    assert median(1.0 / ratio for ratio in ratios if ratio > 0.0) <= MEDIAN
+    assert geometric_mean(1.0 / ratio for ratio in ratios if ratio > 0.0) <= MEAN
 
 
 @pytest.mark.skipif(compiler() is None, reason="there is no C compiler")

@@ -72,7 +72,7 @@ def test_rotational_power():
 def test_end_forces_hold_the_bar():
     """f_L and f_R = -f_L are across the bar, and their couple is minus the spring's torque."""
     torque, length, phi = 0.4, 1.3, 0.3
-    left = np.array(kinematics.end_force(torque, length, np.sin(phi), np.cos(phi)))
+    left = np.array(kinematics.end_force(torque, 1.0 / length, np.sin(phi), np.cos(phi)))
     along = np.array([np.cos(phi), np.sin(phi)])
     assert left @ along == pytest.approx(0.0, abs=1e-15)
     arm = -0.5 * length * along

@@ -12,7 +12,7 @@ from tribo.integrators.methods import METHODS
 from tribo.kernels.compiled import shared_kernel
 from tribo.kernels.numbers_in_lanes import numbers_at_lane, numbers_in_lanes
 from tribo.kernels.potential_in_lanes import force_in_lanes, is_vectorized, range_in_lanes
-from tribo.kernels.simd import LANES, broadcast, lane, where_less
+from tribo.kernels.simd import LANES, NARROW, broadcast, lane, narrow, where_less, widen
 from tribo.kernels.simd_arrays import load, rows_of, store
 from tribo.potentials import BUILT_IN, as_potential, expression, scaled, sum_of, with_cutoff
 from tribo.run.layout import lay_out
@@ -48,11 +48,16 @@ SCALAR = {"mie", "soft-sphere"}
 
 @shared_kernel
 def forces(potential, places, charges, out):
-    """Forces at eight distances: together in row 0 of `out`, one after another in row 1."""
+    """Forces at eight distances: together in row 0 of `out`, one after another in row 1.
+
+    Those at the first four, together, are in row 2.
+    """
     r = load(rows_of(places), 0)
     others = load(rows_of(charges), 0)
     end = potential.range()
     store(rows_of(out), 0, force_in_lanes(potential, r, end, 1.3, others, 0, LANES))
+    four = force_in_lanes(potential, narrow(r), end, 1.3, narrow(others), 0, NARROW)
+    store(rows_of(out), 2, widen(four))
     for i in range(LANES):
         out[1, i] = potential.force_between(places[0, i], 1.3, charges[0, i])
 
@@ -63,7 +68,7 @@ def assert_alike(potential):
     for _ in range(200):
         r = rng.uniform(0.3, min(3.0, potential.range()), (1, LANES))
         charges = rng.uniform(-1.0, 1.5, (1, LANES))
-        out = np.empty((2, LANES))
+        out = np.empty((3, LANES))
         forces(potential, r, charges, out)
         pairs = list(zip(r[0].tolist(), charges[0].tolist(), strict=True))
         written = [potential.force_between(x, 1.3, charge) for x, charge in pairs]
@@ -71,6 +76,7 @@ def assert_alike(potential):
         near = [[potential.force_between(f * x, 1.3, q) for f in (0.9, 1.0, 1.1)] for x, q in pairs]
         scale = np.max(np.abs(near), axis=1)
         assert np.max(np.abs(out[0] - out[1]) / scale) < ROUND_OFF
+        assert np.array_equal(out[2, :NARROW], out[0, :NARROW])
         assert np.max(np.abs(out[1] - written) / scale) < ROUND_OFF
 
 

@@ -10,10 +10,12 @@ from tribo.kernels import simd, simd_arrays, simd_functions
 
 @njit
 def _sine_cosine(x, out):
-    """Row 0 of `x` into both rows of `out`."""
-    sin, cos = simd_functions.sine_cosine(simd_arrays.load(simd_arrays.rows_of(x), 0))
+    """Row 0 of `x` into the rows of `out`."""
+    angles = simd_arrays.load(simd_arrays.rows_of(x), 0)
+    sin, cos, versine = simd_functions.sine_cosine_versine(angles)
     simd_arrays.store(simd_arrays.rows_of(out), 0, sin)
     simd_arrays.store(simd_arrays.rows_of(out), 1, cos)
+    simd_arrays.store(simd_arrays.rows_of(out), 2, versine)
 
 
 @pytest.mark.parametrize("size", [1e-9, 0.5, 3.0, 50.0, 2364.0, 1e5, 1.6e6, 1.7e6, 1e12])
@@ -21,7 +23,7 @@ def _sine_cosine(x, out):
 def test_sine_and_cosine(size, near):
     """To round-off, in all quadrants, and at both sides of the limit of the fast reduction."""
     rng = np.random.default_rng(1)
-    out = np.empty((2, 8))
+    out = np.empty((3, 8))
     for _ in range(100):
         x = rng.uniform(-size, size, (1, 8))
         if near == "multiples of pi/2":
@@ -31,6 +33,9 @@ def test_sine_and_cosine(size, near):
             with mpmath.workdps(40):
                 assert abs(out[0, i] - mpmath.sin(mpmath.mpf(x[0, i]))) < 2.3e-16
                 assert abs(out[1, i] - mpmath.cos(mpmath.mpf(x[0, i]))) < 2.3e-16
+                versine = 2 * mpmath.sin(mpmath.mpf(x[0, i]) / 2) ** 2
+                small = min(1.0, float(versine)) if size < 1.0 else 1.0
+                assert abs(out[2, i] - versine) <= 3.4e-16 * small
 
 
 @njit

@@ -199,7 +199,7 @@ def test_oscillators(result, tmp_path):
     stiffness = bath.masses * bath.frequencies**2
     force = np.einsum("m,tamx->xta", stiffness, found)
     assert force == pytest.approx(vectors(result["lower"], "f_bath"), rel=1e-12, abs=1e-14)
-    assert np.abs(force).max() > 1e-3 and not found[0].any()
+    assert np.abs(force).max() > 1e-3 and np.abs(found[0]).max() < 1e-16
     result.save(tmp_path / "result.nc")
     for copy in (tribo.load_result(tmp_path / "result.nc"), pickle.loads(pickle.dumps(result))):
         assert np.array_equal(copy.oscillators("lower"), found)

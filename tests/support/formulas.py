@@ -39,7 +39,7 @@ def points_of_a_rod() -> str:
             power = kinematics.rotational_power(arm, omega, tx, ty, 0.7, -0.4)
             if not np.isclose(power, np.dot([0.7, -0.4], rate - [vx, vy]), 1e-13):
                 return f"power at the {name}"
-    f = np.array(kinematics.end_force(1.7, 2.5, np.sin(swing), np.cos(swing)))
+    f = np.array(kinematics.end_force(1.7, 1.0 / 2.5, np.sin(swing), np.cos(swing)))
     arm = 2.5 * np.array([np.cos(swing), np.sin(swing)])  # from the left end to the right
     if not np.allclose([arm @ f, arm[0] * f[1] - arm[1] * f[0]], [0.0, 1.7], 0.0, 1e-13):
         return "not the torque of two opposite forces across the bar"

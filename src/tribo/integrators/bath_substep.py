@@ -19,10 +19,10 @@ from tribo.kernels.powers import momentum, place_of
 from tribo.kernels.records import (
     ALONG_X,
     ALONG_Y,
-    BAR_LENGTH,
     COS_PHI,
     I2,
     INERTIA,
+    INVERSE_BAR_LENGTH,
     INVERSE_INERTIA,
     INVERSE_MASS,
     L2,
@@ -68,7 +68,7 @@ def push_bars(model, s, i, px, py, v, accounts, slot):
     if is_fixed(model.fixed, s):
         torque = 0.0 - block(a[L2], i) * along
         x, y = end_force(
-            torque, block(a[BAR_LENGTH], i), block(a[SIN_PHI], i), block(a[COS_PHI], i)
+            torque, block(a[INVERSE_BAR_LENGTH], i), block(a[SIN_PHI], i), block(a[COS_PHI], i)
         )
         k = place_of(s, s.acc_ends + 2 * stride, i)
         add_block(accounts, k, x)
@@ -218,9 +218,8 @@ def thermalise(model, friction, tau, v, accounts, noise):
             px = after_x - before_x
             py = after_y - before_y
             if s.acc_block >= 0:
-                accounts[s.acc_block] += (
-                    0.5 * (px * (before_x + after_x) + py * (before_y + after_y)) / s.total_mass
-                )
+                work = 0.5 * (px * (before_x + after_x) + py * (before_y + after_y))
+                accounts[s.acc_block] += work * s.inverse_total_mass
 
 
 @kernel

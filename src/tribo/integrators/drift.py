@@ -20,6 +20,7 @@ from tribo.kernels.records import (
     FREQUENCY,
     I2,
     INERTIA,
+    INVERSE_BAR_LENGTH,
     KAPPA,
     NU_START,
     PHI_START,
@@ -40,7 +41,7 @@ def add_end_impulses(model, s, i, impulse, vx, vy, accounts):
     """Add the impulse on the ends of clamped bars at rest, and its pseudowork."""
     a = model.asperites
     sin = block(a[SIN_PHI], i)
-    x, y = end_force(impulse, block(a[BAR_LENGTH], i), sin, block(a[COS_PHI], i))
+    x, y = end_force(impulse, block(a[INVERSE_BAR_LENGTH], i), sin, block(a[COS_PHI], i))
     stride = s.account_stride
     k = place_of(s, s.acc_ends + 2 * stride, i)
     add_block(accounts, k, x)
@@ -78,7 +79,7 @@ def add_turning_end_works(model, s, i, twist, rate, impulse, t, tau, vx, vy, acc
     """Add the works of the ends where clamped bars turn, by Gauss-Legendre quadrature."""
     a = model.asperites
     stiffness = block(a[KAPPA], i)
-    bar_length = block(a[BAR_LENGTH], i)
+    inverse_length = block(a[INVERSE_BAR_LENGTH], i)
     nu = block(a[NU_START], i)
     stride = s.account_stride
     k = place_of(s, s.acc_ends, i)
@@ -93,7 +94,7 @@ def add_turning_end_works(model, s, i, twist, rate, impulse, t, tau, vx, vy, acc
         now_rate = rate + change_of_rate
         phi = block(a[PHI_START], i) + nu * (t + NODES[m] * tau)
         sin, cos = sine_cosine(phi)
-        x, y = end_force(stiffness * now, bar_length, sin, cos)
+        x, y = end_force(stiffness * now, inverse_length, sin, cos)
         sin, cos = sine_cosine(now + phi)
         tx = s.facing * cos
         ty = s.facing * sin

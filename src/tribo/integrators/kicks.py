@@ -49,16 +49,39 @@ def settle_custom_forces(model, drives, ends, active, t, tau, q, v, work):
 
 
 @inlined
-def has_substep(model):
-    """Whether baths or reservoirs act between two half kicks."""
-    baths = model.bath is not None or model.torsional is not None
-    return baths or model.friction is not None or model.swing_friction is not None
+def substep_of(model):
+    """True where baths or reservoirs act between two half kicks; None where nothing does."""
+    return any_present(model.bath, model.torsional, model.friction, model.swing_friction)
 
 
 @inlined
-def acts_twice(model):
-    """Whether the forces of the first half kick act in the second: those of plug-ins may differ."""
-    return has_substep(model) and model.drives is None and model.ends is None
+def any_present(bath, torsional, friction, swing_friction):
+    """True, or None without any of them.
+
+    Numba leaves a branch out only where an argument is None, hence neither False nor ``and``.
+    """
+    if bath is None:
+        if torsional is None:
+            if friction is None:
+                if swing_friction is None:
+                    return None
+    return True
+
+
+@inlined
+def repeats(model):
+    """True where the forces of a first half kick act in the second too; None where not."""
+    return if_alike(substep_of(model), model.drives, model.ends)
+
+
+@inlined
+def if_alike(substep, drives, ends):
+    """True where there is a substep, and no plug-in, whose forces may differ after it."""
+    if substep is not None:
+        if drives is None:
+            if ends is None:
+                return True
+    return None
 
 
 @inlined
@@ -119,7 +142,7 @@ def add_half_shared_works(model, t, tau, state):
 
 
 @inlined
-def kick_part(model, active, s, begin, end, t, tau, state, work):
+def kick_part(model, twice, active, s, begin, end, t, tau, state, work):
     """Kick some active blocks of a surface; works are added unless the forces act twice."""
     m = state.y.size // 2
     q = state.y[:m]
@@ -128,13 +151,13 @@ def kick_part(model, active, s, begin, end, t, tau, state, work):
         i = column_of(active, n)
         drive = drive_in_kick(model, model.drives, s, i, t, q)
         acceleration = accelerations(model, s, i, 0.0, t, q, drive)
-        if acts_twice(model):
+        if twice is None:
+            kick_block(model, s, i, t, tau, q, v, work.middle, state.s, acceleration)
+        else:
             after = pushed(all_coordinates(s, i, v), tau, acceleration)
             set_all(s, i, v, after)
             set_all(s, i, work.middle, after)
             set_all(s, i, work.acceleration, acceleration)
-        else:
-            kick_block(model, s, i, t, tau, q, v, work.middle, state.s, acceleration)
 
 
 @inlined

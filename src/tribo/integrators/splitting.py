@@ -21,12 +21,12 @@ from tribo.integrators.bath_substep import bath_substep
 from tribo.integrators.drift import drift_block, settle_end_works
 from tribo.integrators.inactive import advance_inactive, update_lists
 from tribo.integrators.kicks import (
-    acts_twice,
     add_half_shared_works,
-    has_substep,
     kick_part,
     repeat_kick,
+    repeats,
     settle_custom_forces,
+    substep_of,
 )
 from tribo.integrators.rotations import empty_rotations, rotation_of, set_active_rotations
 from tribo.integrators.step_control import (
@@ -144,8 +144,8 @@ def drift_part(model, active, s, begin, end, now, tau, state, work):
 
 
 @inlined
-def kick(model, active, team, t, tau, state, work):
-    """Contact, fields and springs, in place, and the drive act for tau."""
+def kick(model, twice, active, team, t, tau, state, work):
+    """Contact, fields and springs, in place, and the drive act for tau; `twice` as `repeats`."""
     n = state.y.size // 2
     q = state.y[:n]
     gather_contact(model)
@@ -154,13 +154,29 @@ def kick(model, active, team, t, tau, state, work):
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
             begin, end = first_block(active, s, k), last_block(active, s, k)
-            kick_part(model, active, s, begin, end, t, tau, state, work)
+            kick_part(model, twice, active, s, begin, end, t, tau, state, work)
     else:
         share_phase(model, active, team, KICK, t, tau, state, work)
-    if acts_twice(model):
-        add_half_shared_works(model, t, tau, state)
-    else:
+    if twice is None:
         shared_powers(model, model.ledger, t, work.middle, Powers(state.s, model.sums, tau))
+    else:
+        add_half_shared_works(model, t, tau, state)
+
+
+@inlined
+def kick_and_substep(model, substep, twice, active, t, tau, state, work, m, noise):
+    """The mth kick of a step, in halves before and after a substep where there is one."""
+    n = state.y.size // 2
+    if substep is None:
+        kick(model, twice, active, model.team, t, tau, state, work)
+    else:
+        kick(model, twice, active, model.team, t, 0.5 * tau, state, work)
+        q, v = state.y[:n], state.y[n:]
+        bath_substep(model, tau, q, v, state.s, work.bath[m], work.torsional[m], noise)
+        if twice is None:
+            kick(model, twice, active, model.team, t, 0.5 * tau, state, work)
+        else:
+            repeat_kick(model, active, t, 0.5 * tau, state, work)
 
 
 @kernel
@@ -188,7 +204,7 @@ def step_piece(model, active, team, piece, state, work):
     if phase == DRIFT:
         drift_part(model, active, s, begin, end, t, tau, state, work)
     else:
-        kick_part(model, active, s, begin, end, t, tau, state, work)
+        kick_part(model, repeats(model), active, s, begin, end, t, tau, state, work)
 
 
 def assist(model, neighbours, state, work):
@@ -262,15 +278,9 @@ def take_step(model, neighbours, splitting, clock, h, state, work, noise):
         update_lists(model, neighbours, active, t, q, v, s)
         forces(model, neighbours, t)
         clock.evaluations += 1
-        if has_substep(model):
-            kick(model, active, model.team, t, 0.5 * tau, state, work)
-            bath_substep(model, tau, q, v, s, work.bath[m], work.torsional[m], noise)
-            if acts_twice(model):
-                repeat_kick(model, active, t, 0.5 * tau, state, work)
-            else:
-                kick(model, active, model.team, t, 0.5 * tau, state, work)
-        else:
-            kick(model, active, model.team, t, tau, state, work)
+        kick_and_substep(
+            model, substep_of(model), repeats(model), active, t, tau, state, work, m, noise
+        )
     clock.drift_lag = splitting.drifts[splitting.kicks.size] * h
 
 

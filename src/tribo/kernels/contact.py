@@ -16,15 +16,18 @@ from tribo.kernels.python_callback import call_at
 from tribo.kernels.records import CHARGE, FX, FY, X, Y, Z
 from tribo.kernels.simd import (
     LANES,
+    NARROW,
     absolute,
     any_below,
     between_lanes,
     broadcast,
     lane,
+    narrow,
     seldom,
     sqrt,
     sum_of_lanes,
     where_less,
+    widen,
     with_lane,
 )
 from tribo.kernels.simd_arrays import add_block, block, set_block
@@ -51,9 +54,8 @@ def separations_one_by_one(r, dx, dy, dz, low, high):
 
 
 @inlined
-def separations(dx, dy, dz, low, high):
-    """The same of eight pairs, of which those from `low` to `high` are wanted."""
-    square = dx * dx + dy * dy + dz * dz
+def separations(square, dx, dy, dz, low, high):
+    """The same of some pairs at once, of which those from `low` to `high` are wanted."""
     underflows = any_below(low, high, square, SQUARE_IS_SAFE)
     return seldom(underflows, sqrt(square), separations_one_by_one, (dx, dy, dz, low, high))
 
@@ -117,15 +119,33 @@ def differences(model, i, m):
 
 
 @inlined
-def add_block_forces(model, contact, fx, fy, i, m, low, high, dx, dy, r):
-    """Add the forces of bob i on those from `low` to `high` of a block of bobs, at distances r.
+def over_distances(contact, square, dx, dy, dz, charge, others, low, high):
+    """Forces over distances of the pairs from `low` to `high`, 0 elsewhere."""
+    r = separations(square, dx, dy, dz, low, high)
+    end = contact.potential.range()
+    f = force_in_lanes(contact.potential, r, end, charge, others, low, high)
+    return between_lanes(low, high, where_less(r, end, f * (1.0 / r), 0.0), 0.0)
+
+
+@inlined
+def block_over_distances(contact, dx, dy, dz, charge, others, low, high):
+    """The same of eight pairs; of four where these have all that are wanted."""
+    square = dx * dx + dy * dy + dz * dz  # for both, which could round its sums differently
+    if high <= NARROW:
+        near = narrow(square), narrow(dx), narrow(dy), narrow(dz)
+        return widen(over_distances(contact, *near, charge, narrow(others), low, high))
+    return over_distances(contact, square, dx, dy, dz, charge, others, low, high)
+
+
+@inlined
+def add_block_forces(model, contact, fx, fy, i, m, low, high):
+    """Add the forces of bob i on those from `low` to `high` of a block of bobs.
 
     Returns the forces on bob i.
     """
     charges = model.asperites[CHARGE]
-    end = contact.potential.range()
-    f = force_in_lanes(contact.potential, r, end, charges[i], block(charges, m), low, high)
-    f = between_lanes(low, high, where_less(r, end, f * (1.0 / r), 0.0), 0.0)
+    dx, dy, dz = differences(model, i, m)
+    f = block_over_distances(contact, dx, dy, dz, charges[i], block(charges, m), low, high)
     f = without_others(f, model.species, partner_species(model.species, contact.species, i), m)
     set_block(fx, m, block(fx, m) - f * dx)
     set_block(fy, m, block(fy, m) - f * dy)
@@ -146,9 +166,7 @@ def add_row(model, contact, fx, fy, i, other, row, neighbours):
         m = block_of(neighbours, is_listed, n)
         low = max(0, start - m)
         high = min(LANES, other.end - m)
-        dx, dy, dz = differences(model, i, m)
-        r = separations(dx, dy, dz, low, high)
-        x, y = add_block_forces(model, contact, fx, fy, i, m, low, high, dx, dy, r)
+        x, y = add_block_forces(model, contact, fx, fy, i, m, low, high)
         sum_x = sum_x + x
         sum_y = sum_y + y
     return sum_of_lanes(sum_x), sum_of_lanes(sum_y)

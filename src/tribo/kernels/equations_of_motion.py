@@ -56,7 +56,7 @@ from tribo.kernels.records import (
 )
 from tribo.kernels.simd import LANES, broadcast, sqrt, sum_of_lanes
 from tribo.kernels.simd_arrays import block, set_block
-from tribo.kernels.simd_functions import sine_cosine, versine
+from tribo.kernels.simd_functions import sine_cosine, sine_cosine_versine
 from tribo.kernels.springs import spring_forces
 from tribo.kernels.user_forces import custom_forces
 
@@ -70,14 +70,14 @@ def bar_angles(model, s, i, t, q):
 
 
 @inlined
-def place_bars(displaced, s, i, x, y, l2, sin, cos):
+def place_bars(displaced, s, i, x, y, l2, sin, versine):
     """Set the bars' displacements from rest in the initial uniform motion, where they are needed.
 
     The position is r2 = r_cm + l2 (-sin theta, cos theta).
     """
     if displaced is not None:
         x = x - l2 * s.facing * sin
-        y = y - l2 * s.facing * versine(sin, cos)
+        y = y - l2 * s.facing * versine
         set_vectors(displaced, i, x, y)
 
 
@@ -86,10 +86,10 @@ def place_block(model, s, i, t, swing, x, y):
     """Set positions and directions of a block of bobs, and clear their contact forces."""
     a = model.asperites
     b = model.bobs
-    sin, cos = sine_cosine(swing)
+    sin, cos, versine = sine_cosine_versine(swing)
     tx = s.facing * cos
     ty = s.facing * sin
-    place_bars(model.displaced, s, i, x, y, block(a[L2], i), sin, cos)
+    place_bars(model.displaced, s, i, x, y, block(a[L2], i), sin, versine)
     x = block(a[X_START], i) + s.vx * t + x
     y = block(a[Y_START], i) + s.vy * t + y
     x, y = bob_position(x, y, block(a[L1], i), tx, ty)

@@ -14,9 +14,9 @@ from tribo.kernels.equations_of_motion import (
 from tribo.kernels.kinematics import end_force
 from tribo.kernels.powers import held_torques
 from tribo.kernels.records import (
-    BAR_LENGTH,
     FX,
     FY,
+    INVERSE_BAR_LENGTH,
     LEFT_X,
     LEFT_Y,
     RIGHT_X,
@@ -61,7 +61,7 @@ def set_ends(model, end_forces, s, i, t, q, found):
         phi = bar_angles(model, s, i, t, q)
         torque = held_torques(model, model.fixed, s, i, phi, q)
         sin, cos = sine_cosine(phi)
-        x, y = end_force(torque, block(model.asperites[BAR_LENGTH], i), sin, cos)
+        x, y = end_force(torque, block(model.asperites[INVERSE_BAR_LENGTH], i), sin, cos)
         set_pair(found, LEFT, i, x, y)
         set_pair(found, RIGHT, i, -x, -y)
     if end_forces is not None:

@@ -68,14 +68,15 @@ def bar_velocity(
 
 @equation
 def end_force(
-    torque: Number, bar_length: Number, sin_phi: Number, cos_phi: Number
+    torque: Number, inverse_length: Number, sin_phi: Number, cos_phi: Number
 ) -> tuple[Number, Number]:
     """Force on the left end of a clamped bar, f_L = -f_R = (torque / length) (-sin phi, cos phi).
 
     `torque` is that of the torsion spring on the pendulum, kappa (theta - phi - rest) where the
-    bar is at an angle phi.  An angular impulse instead gives the impulse on the end.
+    bar is at an angle phi.  An angular impulse instead gives the impulse on the end.  The length
+    comes as its inverse, since eight divisions take as long as fifty products.
     """
-    force = torque / bar_length
+    force = torque * inverse_length
     return -force * sin_phi, force * cos_phi
 
 

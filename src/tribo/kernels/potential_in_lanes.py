@@ -4,6 +4,7 @@ A formula of + - * / sqrt exp, whole powers, minimum and maximum compiles for La
 With any other operation, or with a branch, the distances are taken one after another.
 """
 
+import functools
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from tribo.kernels.numbers_in_lanes import numbers_at_lane
 from tribo.kernels.simd import LANES, LanesType, broadcast, lane, lanes, with_lane
 
 
+@functools.cache
 def is_vectorized(potential_type: Any) -> bool:
     """Whether a potential's formula compiles for Lanes, with charges of one bob or of eight.
 

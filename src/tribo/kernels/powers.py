@@ -50,6 +50,7 @@ from tribo.kernels.records import (
     BARS,
     FX,
     FY,
+    INVERSE_BAR_LENGTH,
     KAPPA,
     L2,
     LEFT_X,
@@ -140,9 +141,8 @@ def clamped_ends(model, s, i, t, q, omega, vx, vy, power):
     a = model.asperites
     phi = bar_angles(model, s, i, t, q)
     torque = held_torques(model, model.fixed, s, i, phi, q)
-    bar_length = block(a[BAR_LENGTH], i)
     sin, cos = sine_cosine(phi)
-    x, y = end_force(torque, bar_length, sin, cos)
+    x, y = end_force(torque, block(a[INVERSE_BAR_LENGTH], i), sin, cos)
     tx = block(model.bobs[TX], i)
     ty = block(model.bobs[TY], i)
     with_bar = rotational_power(-lever_of_bar(model, model.pivots, i), omega, tx, ty, x, y)
@@ -361,7 +361,7 @@ def block_powers(model, v, power):
         if s.acc_block >= 0:
             fx, fy = external_force(model, s)
             px, py = momentum(model, s, v)
-            x = (fx * px + fy * py) / s.total_mass
+            x = (fx * px + fy * py) * s.inverse_total_mass
             write_one(power.accounts, power.tau, s.acc_block, x)
 
 

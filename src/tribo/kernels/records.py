@@ -73,6 +73,7 @@ CONSTANTS = (
     "present",
     "inverse_mass",
     "inverse_inertia",
+    "inverse_bar_length",
 )
 (
     MASS,
@@ -94,6 +95,7 @@ CONSTANTS = (
     PRESENT,
     INVERSE_MASS,
     INVERSE_INERTIA,
+    INVERSE_BAR_LENGTH,
 ) = range(len(CONSTANTS))
 
 FORCED, FREE, RIGID, PULLED, CUSTOM, BARS, PUSHED = range(7)
@@ -112,6 +114,7 @@ SURFACE = np.dtype(
         ("fixed", "i8"),  # 1 where pendulums are fixed to their bars: rigid asperites
         ("mass", "f8"),  # of all its asperites
         ("total_mass", "f8"),  # of all its asperites and their baths
+        ("inverse_total_mass", "f8"),
         ("loaded", "i8"),  # 1 where a load or a push takes the place of -f1_y
         ("load", "f8"),  # the y force on each bar at t = 0
         ("load_rate", "f8"),  # and its growth

@@ -14,11 +14,11 @@ from tribo.kernels.simd import (
     LANES,
     LanesType,
     absolute,
-    broadcast,
     floor,
     lane,
     maximum,
     power_of_two,
+    spread_like,
     sqrt,
     where_less,
     with_lane,
@@ -43,7 +43,6 @@ def sine_cosine(x):
     """Sine and cosine of eight angles.
 
     Absolute errors are below 2.3e-16 for every finite angle, with and without fused multiply-add.
-    The largest angle decides for all eight whether they need a reduction, and which one.
 
     Parameters
     ----------
@@ -53,6 +52,16 @@ def sine_cosine(x):
     Returns
     -------
     sin, cos : Lanes
+    """
+    sin, cos, _ = sine_cosine_versine(x)
+    return sin, cos
+
+
+@inlined
+def sine_cosine_versine(x):
+    """The same and 1 - cos x, which loses no digits near x = 0.
+
+    The largest angle decides for all eight whether they need a reduction, and which one.
     """
     largest = maximum(absolute(x))
     if largest < 0.5 * QUARTER_TURN:  # as most swings are
@@ -64,36 +73,36 @@ def sine_cosine(x):
 
 @kernel
 def lane_by_lane(x):
-    """Sine and cosine by the C library, for angles beyond a million quarter turns."""
+    """Sine, cosine and 1 - cosine by the C library, for angles beyond a million quarter turns."""
     sin = x
     cos = x
     for i in range(LANES):
         sin = with_lane(sin, i, math.sin(lane(x, i)))
         cos = with_lane(cos, i, math.cos(lane(x, i)))
-    return sin, cos
+    return sin, cos, 1.0 - cos
 
 
 @inlined
 def reduced(x):
-    """Sine and cosine from those of x less the nearest multiple of pi/2.
+    """Sine, cosine and 1 - cosine from those of x less the nearest multiple of pi/2.
 
     The reduction is Cody and Waite's (Software Manual for the Elementary Functions, 1980).
     """
     quarters = (x * 0.6366197723675814 + ROUNDING) - ROUNDING
     rest = (x - quarters * QUARTER_TURN) - quarters * QUARTER_TURN_MIDDLE
-    sin, cos = near_zero(rest - quarters * QUARTER_TURN_LOW)
+    sin, cos, versine = near_zero(rest - quarters * QUARTER_TURN_LOW)
     quadrant = quarters - 4.0 * ((quarters * 0.25 - 0.375 + ROUNDING) - ROUNDING)  # 0, 1, 2 or 3
     even = absolute(absolute(quadrant - 2.0) - 1.0)  # 1 in quadrants 0 and 2, else 0
     one = where_less(even, 0.5, cos, sin)
     other = where_less(even, 0.5, sin, cos)
     one = where_less(quadrant, 1.5, one, 0.0 - one)
     other = where_less(absolute(quadrant - 1.5), 1.0, 0.0 - other, other)
-    return one, other
+    return one, other, where_less(quadrant, 0.5, versine, 1.0 - other)
 
 
 @inlined
 def near_zero(r):
-    """sin r and cos r by polynomials of the least largest error on (-pi/4, pi/4).
+    """sin r, cos r and 1 - cos r by polynomials of the least largest error on (-pi/4, pi/4).
 
     K. C. Ng's, of fdlibm (Sun Microsystems 1993), whose coefficients these are.
     """
@@ -111,13 +120,7 @@ def near_zero(r):
         + z2 * (2.48015872894767294178e-05 - z * 2.75573143513906633035e-07)
         + z4 * (2.08757232129817482790e-09 - z * 1.13596475577881948265e-11)
     )
-    return sin, (1.0 - 0.5 * z) + z2 * cos
-
-
-@inlined
-def versine(sin, cos):
-    """1 - cos x from sin x and cos x, without the loss of digits near x = 0."""
-    return where_less(0.0, cos, sin * sin / (1.0 + cos), 1.0 - cos)
+    return sin, (1.0 - 0.5 * z) + z2 * cos, 0.5 * z - z2 * cos
 
 
 # log 2 as a sum of two numbers, from fdlibm (Sun Microsystems 1993).  The first has 32 significant
@@ -234,7 +237,7 @@ def _power(x, n):
 @inlined
 def _whole_power(x, n):
     """x^n for a whole number n that is not negative, by repeated squaring."""
-    result = broadcast(1.0)
+    result = spread_like(x, 1.0)
     while n > 0:
         if n % 2 == 1:
             result = result * x

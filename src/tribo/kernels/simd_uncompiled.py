@@ -33,6 +33,18 @@ def broadcast(x):
     return np.full(LANES, x)
 
 
+def spread_like(x, number):
+    return np.full(len(x), number)
+
+
+def narrow(x):
+    return x[:4]
+
+
+def widen(x):
+    return np.concatenate([x, np.zeros(4)])
+
+
 def lane(x, i):
     return float(x[i])
 
@@ -43,13 +55,13 @@ def with_lane(x, i, value):
     return new
 
 
-def _between(low, high):
-    numbers = np.arange(LANES)
+def _between(low, high, x):
+    numbers = np.arange(x.size)
     return (low <= numbers) & (numbers < high)
 
 
 def between_lanes(low, high, x, other):
-    return np.where(_between(low, high), x, other)
+    return np.where(_between(low, high, x), x, other)
 
 
 def numbers_at_lane(each, i):
@@ -57,7 +69,7 @@ def numbers_at_lane(each, i):
 
 
 def any_below(low, high, x, limit):
-    return bool(np.any(x[_between(low, high)] <= limit))
+    return bool(np.any(x[_between(low, high, x)] <= limit))
 
 
 def seldom(condition, usual, kernel, arguments):

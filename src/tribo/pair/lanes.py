@@ -98,11 +98,11 @@ def accelerations(pair, potential, t, q1, q2, k):
     """q1'', q2'', k'' and the distance."""
     near = where_less(absolute(q1), QUARTER_PI, absolute(q2), QUARTER_PI)
     if any_below(0, LANES, 0.0 - near, -QUARTER_PI):
-        sin1, cos1 = reduced(q1)
-        sin2, cos2 = reduced(q2)
+        sin1, cos1, _ = reduced(q1)
+        sin2, cos2, _ = reduced(q2)
     else:  # the same bits, in half the time
-        sin1, cos1 = near_zero(q1)
-        sin2, cos2 = near_zero(q2)
+        sin1, cos1, _ = near_zero(q1)
+        sin2, cos2, _ = near_zero(q2)
     contact = contact_of(pair, potential, t, k, sin1, cos1, sin2, cos2)
     f1, f2 = swing_accelerations(pair, contact, q1, q2)
     return f1, f2, contact.fx, contact.r

@@ -74,6 +74,7 @@ def _constants(scene: Scene, asperites: np.ndarray, columns: np.ndarray, count: 
     table[records.PRESENT, columns] = 1.0
     table[records.INVERSE_MASS] = 1.0 / table[records.MASS]
     table[records.INVERSE_INERTIA] = 1.0 / table[records.INERTIA]
+    table[records.INVERSE_BAR_LENGTH] = 1.0 / table[records.BAR_LENGTH]
     phi = asperites["phi"]
     table[records.SIN_PHI, columns], table[records.COS_PHI, columns] = np.sin(phi), np.cos(phi)
     turning = asperites["dof_phi"] >= 0
