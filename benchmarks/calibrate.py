@@ -21,10 +21,10 @@ import numpy as np
 import tribo
 import tribo.run.loop_selection
 from tribo import paper
-from tribo.accuracy import scales as acc
 from tribo.accuracy.choose_method import RATES
 from tribo.accuracy.levels import setting_at
 from tribo.accuracy.plan import integrator_for
+from tribo.accuracy.tolerance_scales import first_guess, unit_step
 from tribo.integrators import methods
 from tribo.integrators.methods import METHODS
 from tribo.run.layout import lay_out
@@ -75,7 +75,7 @@ def evaluation_rates(
     counts: dict[str, list[tuple[float, float]]] = {name: [] for name in names}
     for scene in scenes:
         found = work_precision(scene, names, seconds=seconds)
-        radians = scene.duration / acc.unit_step(tribo.prepare(scene, method="rkn8").layout)
+        radians = scene.duration / unit_step(tribo.prepare(scene, method="rkn8").layout)
         for name in {row.method for row in found.rows}:
             best = min(row.error for row in found.rows if row.method == name)
             coarse = evaluations(found, name, COARSE)
@@ -125,7 +125,7 @@ def nanoseconds(scene: tribo.Scene, names: list[str]) -> dict[str, float]:
         for name, run_by in runs.items():
             layout, method = run_by.layout, METHODS[name]
             level = 1e-8 if method.adaptive else 0.1**method.order
-            setting = setting_at(layout, method, acc.first_guess(layout), level)
+            setting = setting_at(layout, method, first_guess(layout), level)
             run = run_by(setting, scene.times)
             if run.status == "completed":
                 least[name] = min(least[name], 1e9 * run.seconds / run.evaluations)

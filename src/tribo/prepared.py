@@ -83,7 +83,7 @@ class Simulation:
         start = digest_of(integrator.origin)
         self._settings = settings_of(plan.method, plan.accuracy, step, start)
         self._notes = run_notes(self.layout, self.method, step)
-        self._streams = plan.tuned is None and is_streamed(self.layout, plan.times.size)
+        self._streams = is_streamed(self.layout, self.layout.times.size)
         self._initial_state = InitialState(self.layout)
 
     def run(self, start: Start | None = None, estimate: bool = True) -> Result:
@@ -138,12 +138,14 @@ class Simulation:
         for setting, times in zip(settings, self._stops, strict=True):
             if not runs or runs[-1].status not in ABORTED:
                 runs.append(self.integrator(setting, times, y))
-        return self._estimated_result(runs)
+        return self._estimated_result(runs, y)
 
     def compute_first(self) -> Result:
         """As :meth:`first_result`, without warnings: for callers that report what falls short."""
         runs = self.plan.tuned.runs if self.plan.tuned is not None else ()
-        return self._estimated_result(runs, self.plan.tuned) if runs else self.compute()
+        if not runs:
+            return self.compute()
+        return self._estimated_result(runs, self._initial_state({}), self.plan.tuned)
 
     @property
     def empty_ledger(self) -> Ledger:
@@ -208,22 +210,26 @@ class Simulation:
 
     def _streamed_run(self, y: np.ndarray) -> Result:
         """A run without an error estimate, of which not all samples are kept."""
-        streamed = StreamedLedger(self.layout, guarded=not self.method.adaptive)
-        run = self.integrator(self.plan.setting, self.plan.times, y, streamed)
-        ledger = streamed.whole(run.samples)
+        run, ledger = self._stream(y)
         ends = assemble(self.layout, run.samples.ends())
         notes = (*passage_notes(self.layout, run), *drive_notes(self.layout, ends))
-        if not ledger.kept:
-            notes += ("of the asperites' series only the first and the last sample are kept",)
         cost = _cost([run], self.compile_seconds, self._digit_ratio)
+        notes += _left_out(ledger)
         return self._result(run.status, None, notes, {}, Known(ledger), Known(cost), run)
 
+    def _stream(self, y: np.ndarray) -> tuple[Integration, Ledger]:
+        """A run at the scene's times whose samples are taken in as they come."""
+        streamed = StreamedLedger(self.layout, guarded=not self.method.adaptive)
+        run = self.integrator(self.plan.setting, self.layout.times, y, streamed)
+        return run, streamed.whole(run.samples)
+
     def _estimated_result(
-        self, runs: Sequence[Integration], search: FoundSettings | None = None
+        self, runs: Sequence[Integration], y: np.ndarray, search: FoundSettings | None = None
     ) -> Result:
         """The last run as a result, its error estimated from the two before it.
 
-        Its cost is that of the search, if this found it, or else of the runs.
+        Its cost is that of the search, if this found it, or else of the runs.  Where the scene has
+        more samples than these runs, one with the same setting from `y` is the result.
         """
         fine, met = runs[-1], False
         notes: tuple[str, ...] = ()
@@ -237,6 +243,12 @@ class Simulation:
         notes = (*drive_notes(self.layout, assemble(self.layout, fine.samples.ends())), *notes)
         known = met if len(runs) > 1 or fine.status != Status.COMPLETED else None
         layout, seconds, ratio = self.layout, self.compile_seconds, self._digit_ratio
+        if self._streams and fine.status == Status.COMPLETED:
+            run, ledger = self._stream(y)
+            notes += (f"errors are estimated at {self.plan.times.size} times", *_left_out(ledger))
+            cost = _cost(runs, seconds, ratio, search, run)
+            known = known if run.status == Status.COMPLETED else False
+            return self._result(run.status, known, notes, bounds, Known(ledger), Known(cost), run)
         return self._result(
             fine.status,
             known,
@@ -342,6 +354,13 @@ def _reported(layout: Layout, run: Integration) -> Ledger:
     return ledger.rows(slice(int(np.searchsorted(samples.t, layout.beginning)), None))
 
 
+def _left_out(ledger: Ledger) -> tuple[str, ...]:
+    """What a streamed ledger does not have."""
+    if ledger.kept:
+        return ()
+    return ("of the asperites' series only the first and the last sample are kept",)
+
+
 def _bounds_of(ledger: Ledger, bounds: Mapping[str, float]) -> dict[str, float]:
     """The bounds on the errors of quantities in a ledger, and of observables, as "upper.W"."""
     names = {*ledger.names, *ledger.kept}
@@ -353,12 +372,18 @@ def _cost(
     compile_seconds: float,
     ratio: float | None,
     search: FoundSettings | None = None,
+    delivered: Integration | None = None,
 ) -> Cost:
-    """What the runs or the search cost, and what a digit more or less would cost, by `ratio`."""
+    """What the runs or the search cost, and what a digit more or less would cost, by `ratio`.
+
+    `delivered` is the run that the result is of, where it is none of these.
+    """
     seconds = sum(run.seconds for run in runs) if search is None else search.seconds
     evaluations = sum(run.evaluations for run in runs) if search is None else search.evaluations
+    if delivered is not None:
+        seconds, evaluations = seconds + delivered.seconds, evaluations + delivered.evaluations
     return Cost(
-        steps=runs[-1].steps,
+        steps=(delivered or runs[-1]).steps,
         force_evaluations=evaluations,
         wall_seconds=seconds,
         compile_seconds=compile_seconds,

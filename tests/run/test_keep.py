@@ -65,6 +65,29 @@ def test_runs_record_what_is_named(portion, monkeypatch, tmp_path):
     assert max(cell.cell_contents.samples.t.size for cell in samples if is_run(cell)) <= 3
 
 
+@pytest.mark.parametrize("keep", [None, KEEP])
+def test_an_accuracy_needs_few_samples(keep, monkeypatch, tmp_path):
+    """Runs are compared at some times; one with the same setting is recorded at all of them."""
+    whole = tribo.simulate(scene(samples=201), accuracy=1e-7)
+    monkeypatch.setattr("tribo.run.streamed_ledger.SERIES_BYTES", 60_000)
+    monkeypatch.setattr("tribo.run.streamed_ledger.PORTION_BYTES", 5000)
+    long = scene(samples=201, keep=keep)
+    result = tribo.simulate(long, accuracy=1e-7)
+    assert result.met and result.cost.force_evaluations > whole.cost.force_evaluations / 2
+    assert result.notes[-1 if keep else -2] == "errors are estimated at 57 times"
+    assert np.array_equal(result.t, whole.t)
+    for read in (lambda r: r["upper"].W, lambda r: r.system["contact_energy"]):
+        bound = whole.error_estimate["W"] + result.error_estimate["W"]
+        assert 0.0 < np.max(np.abs(read(result) - read(whole))) < bound
+    assert ("theta" in result.error_estimate) == (keep is None)
+    out = tmp_path / "run.nc"
+    assert np.array_equal(tribo.simulate(long, accuracy=1e-7, out=out)["upper"].W, result["upper"].W)
+    assert tribo.load_result(out).met
+    alone = tribo.prepare(long, accuracy=1e-7)
+    assert np.array_equal(alone.run()["upper"].W, result["upper"].W)
+    assert np.array_equal(alone.run(estimate=False)["upper"].W, result["upper"].W)
+
+
 def is_run(cell):
     """Whether a variable of a closure is an integration."""
     return hasattr(cell.cell_contents, "samples")

@@ -8,23 +8,19 @@ from typing import Protocol
 import numpy as np
 
 from tribo.accuracy.estimate import DIVERGED, DIVERGED_IN_CHAOS, distance, estimate, rounding
-from tribo.accuracy.roundoff import rounding_of_terms
+from tribo.accuracy.extremes import extremes
 from tribo.accuracy.scales import (
     EPSILON,
     KINDS,
     Scales,
     kind_of,
-    largest,
-    mean_velocity,
     reported_scales,
     scales_of,
 )
 from tribo.kernels.status import Status
-from tribo.run.columns import columns_of
 from tribo.run.integrate import Integration, Setting
 from tribo.run.layout import Layout
 from tribo.run.ledger import assemble
-from tribo.run.totals import Group
 
 # Smallest estimate, in units of the request.  Where a run happens to be far more accurate than its
 # tolerances, because encounters or samples limit its steps, it differs from the coarser runs by
@@ -110,23 +106,16 @@ def error_bounds(
     wanted = 0.0
     if accuracy is not None:
         names, wanted = observables(accuracy), strictest(accuracy)
-    count, shared = fine.samples.t.size, [run.samples.at(fine.samples.t) for run in coarser]
-    samples = fine.samples.then(*shared)
-    group = Group(layout, samples, (layout.together,))
-    columns, (entry,) = columns_of(layout, group, names), group.entries
-    run, coarse = columns.rows(slice(count)), columns.rows(slice(count, None))
-    at_shared = run.rows(np.searchsorted(fine.samples.t, samples.t[count:]))
-    speed = largest(entry.bob_speed(mean_velocity(layout))[:count])
-    internal = largest(entry.energy[:count])
-    tops = run.largest()
-    scales = scales_of(layout, dict(zip(run.names, tops.tolist(), strict=True)), speed, internal)
+    found = extremes(layout, fine, coarser, names)
+    tops = dict(zip(found.names, found.tops.tolist(), strict=True))
+    scales = scales_of(layout, tops, found.speed, found.internal)
     rough, rounded = np.isfinite(layout.scene.smoothness), rounding(amplification, fine.steps)
-    terms = rounding_of_terms(layout, entry, fine.steps)
     least = rounded + LEAST * wanted
-    gaps = at_shared.minus(coarse).largest()
     chaotic = amplification is not None and amplification * PERTURBATION >= DIVERGED
     limit = DIVERGED_IN_CHAOS if chaotic else DIVERGED
-    bounds = estimate(run.names, tops, gaps, scales, bool(rough), least, terms, limit)
+    bounds = estimate(
+        found.names, found.tops, found.gaps, scales, bool(rough), least, found.terms, limit
+    )
     if any(other.status != Status.COMPLETED for other in coarser):
         bounds = dict.fromkeys(bounds, np.inf)
     return bounds, scales

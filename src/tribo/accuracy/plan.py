@@ -21,7 +21,7 @@ from tribo.run.journal import Journal
 from tribo.run.layout import Layout
 from tribo.run.loop_selection import Integrator
 from tribo.run.state import Origin
-from tribo.run.streamed_ledger import exceeds_memory
+from tribo.run.streamed_ledger import exceeds_memory, is_streamed
 from tribo.validation import InputError
 
 
@@ -39,7 +39,7 @@ class Plan:
         Settings of the run that is delivered.
     times : ndarray, (times,)
         Times at which that run stops: those of the scene, and those of comparisons with coarser
-        runs.
+        runs; the latter alone where samples are too many to hold.
     accuracy : float, mapping or None
         The relative error of everything, or of each observable named; None with a given step.
     tuned : Tuned or None
@@ -110,8 +110,7 @@ def make_plan(choice: Choice, integrator: Integrator, announce: Announce | None 
             each = 1e-9 * evaluation_time(layout, choice.method)
             announce(1, 1, each * counted(layout, choice.method, choice.step))
         return Plan(name, choice.why, choice.step, times)
-    stops = StopTimes.for_samples(times)
-    _check_memory(layout, stops)
+    stops = StopTimes.for_samples(_compared(layout))
     tuned = find_settings(layout, choice.method, accuracy, stops, integrator, announce)
     tuned = replace(tuned, seconds=tuned.seconds + choice.seconds)
     return Plan(name, choice.why, tuned.fine, stops.fine, accuracy, tuned)
@@ -135,18 +134,18 @@ def single_setting(plan: Plan, integrator: Integrator) -> Setting | None:
     )
 
 
-def _check_memory(layout: Layout, stops: StopTimes) -> None:
-    """Refuse to compare runs whose samples are too many to hold."""
-    if not exceeds_memory(layout, stops.fine.size):
-        return
-    asperites = f"{layout.scene.count} asperites"
+def _compared(layout: Layout) -> np.ndarray:
+    """Times at which runs are compared: all that are recorded, or some where these are too many.
+
+    Raises InputError where even these are too many to hold.
+    """
+    times = layout.times
+    if not is_streamed(layout, times.size):
+        return times
     if exceeds_memory(layout, PARTS + 1):
         raise InputError(
             "accuracy",
-            f"cannot be kept with {asperites}, too many to compare runs; give a method and a step",
+            f"cannot be kept with {layout.scene.count} asperites, too many to compare runs; give a "
+            "method and a step",
         )
-    raise InputError(
-        "output.samples",
-        f"{layout.times.size} samples of {asperites} are too many to compare runs; give "
-        "fewer samples, or a method and a step",
-    )
+    return times[np.unique(np.linspace(0, times.size - 1, PARTS + 1).astype(int))]

@@ -1,4 +1,4 @@
-"""How much memory a run will take: the arrays of the scene, the state, samples and the ledger."""
+"""How much memory a run will take: the arrays of the scene, the state, and samples."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from tribo.accuracy.extremes import BYTES, PORTION
+from tribo.accuracy.stop_times import PARTS
 from tribo.integrators.methods import Method
 from tribo.kernels.samples import STORED
 from tribo.run.layout import Layout
@@ -14,7 +16,6 @@ from tribo.run.quantities import (
     ASPERITE_QUANTITIES,
     FURTHER_OF_ASPERITES,
     OPTIONAL_QUANTITIES,
-    reported,
 )
 from tribo.run.streamed_ledger import PORTION_BYTES, is_streamed
 
@@ -23,14 +24,13 @@ NUMBER = 8
 # Vectors of coordinates, velocities and accounts that a step keeps, beside one for each of its
 # evaluations: the state, its rounding errors and rates of change, and a copy.
 VECTORS = 6
-# Ledgers that are held at once, in units of that of the run: with its terms, and where runs are
-# compared with that of the other run too.  Measured by benchmarks/predictions.py on rows and grids.
-LEDGERS = 1.9
-LEDGERS_COMPARED = 3.2
+# Bytes that are held while the last values are computed, in units of the samples; measured by
+# benchmarks/predictions.py on rows and grids.  Series that are read need more.
+SAMPLES_AND_ENDS = 1.45
 # Bytes of all that does not grow with the scene, without and with runs compared; measured there on
 # pairs.
-LEAST = 50_000
-LEAST_COMPARED = 1_300_000
+LEAST = 110_000
+LEAST_COMPARED = 250_000
 
 
 def memory_of_run(layout: Layout, method: Method, stages: int, kept: int) -> int:
@@ -51,13 +51,16 @@ def memory_of_run(layout: Layout, method: Method, stages: int, kept: int) -> int
     -------
     int
     """
-    samples, raw, row = layout.times.size, _raw_sample(layout), _ledger_row(layout)
+    samples, raw = layout.times.size, _raw_sample(layout)
+    series = 0.0
+    if is_streamed(layout, samples):
+        series += PORTION_BYTES + samples * _kept_row(layout)
     if kept:
-        series = LEAST_COMPARED + kept * raw + samples * LEDGERS_COMPARED * row
-    elif is_streamed(layout, samples):
-        series = float(PORTION_BYTES) + samples * _kept_row(layout)
-    else:
-        series = LEAST + samples * (raw + LEDGERS * row)
+        stops = max(samples, PARTS + 1)
+        compared = min(PORTION, BYTES * stops * layout.scene.count)
+        series += LEAST_COMPARED + kept * raw + compared
+    elif series == 0.0:
+        series += LEAST + SAMPLES_AND_ENDS * samples * raw
     return round(scene_bytes(layout, method, stages) + series)
 
 
@@ -82,14 +85,6 @@ def _raw_sample(layout: Layout) -> int:
     """Bytes of one sample of a time loop."""
     own = 2 * layout.core + layout.accounts + 2 + math.prod(layout.sampled_baths)
     return NUMBER * (own + STORED * len(layout.scene.surfaces))
-
-
-def _ledger_row(layout: Layout) -> int:
-    """Bytes of one time of the ledger."""
-    optional = any(s.langevin for s in layout.scene.surfaces) or bool(layout.scene.fields)
-    names = reported(layout.scene.output.ledger, optional, optional).asperites
-    further = sum(s.count * len(layout.further[s.name]) for s in layout.scene.surfaces)
-    return NUMBER * (len(names) * layout.scene.count + further)
 
 
 def _kept_row(layout: Layout) -> int:

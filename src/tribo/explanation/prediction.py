@@ -38,6 +38,8 @@ from tribo.run.streamed_ledger import StreamedLedger
 BUDGET = 2.0
 # Parts of the budget after which a run is looked at.
 PARTS = 16
+# Seconds that a run with a given step takes beside its steps.
+PREPARING = 2e-4
 
 
 class OverBudgetError(Exception):
@@ -69,6 +71,8 @@ class Prediction:
         The runs that were made to predict it.
     samples : int
         Samples of all runs of the search, which are kept until its end; 0 with a given step.
+    beside : float
+        Seconds beside those of the runs: of a search, to compare them; else to prepare one.
     """
 
     evaluations: float
@@ -76,6 +80,7 @@ class Prediction:
     plan: Plan | None
     tried: tuple[Taken, ...]
     samples: int
+    beside: float
 
 
 class Search(Integrator):
@@ -96,12 +101,14 @@ class Search(Integrator):
         The runs from the scene's own start.
     reached : float
         Part of the duration that the last of these reached.
+    running : float
+        Seconds of all runs.
     """
 
     def __init__(self, layout: Layout, method: Method, threads: int = 1) -> None:
         super().__init__(layout, method, first_step(layout), threads=threads)
         self.finished: list[Taken] = []
-        self.reached = 1.0
+        self.reached, self.running = 1.0, 0.0
         self._left = 1e9 * BUDGET / evaluation_time(layout, method)
         self._portion = max(1, int(self._left / (PARTS * RATES[method.name].step)))
 
@@ -127,9 +134,7 @@ class Search(Integrator):
         self._left -= run.evaluations
         if run.status == Status.INTERRUPTED:
             raise KeyboardInterrupt
-        if self._own:
-            seconds = time.perf_counter() - self._began
-            self.finished.append(Taken(times, run.evaluations, seconds))
+        self._finish(run.evaluations)
         return run
 
     def speed(self, setting: Setting, times: np.ndarray) -> float:
@@ -152,9 +157,15 @@ class Search(Integrator):
         if self._own:
             begin, end = self.layout.times[[0, -1]]
             self.reached = float((clock["t"] - begin) / (end - begin))
-            seconds = time.perf_counter() - self._began
-            self.finished.append(Taken(self._times, float(clock["evaluations"]), seconds))
+        self._finish(float(clock["evaluations"]))
         raise OverBudgetError
+
+    def _finish(self, evaluations: float) -> None:
+        """Note what the present run has taken."""
+        seconds = time.perf_counter() - self._began
+        self.running += seconds
+        if self._own:
+            self.finished.append(Taken(self._times, evaluations, seconds))
 
 
 class Limit:
@@ -199,18 +210,25 @@ def predict(choice: Choice, search: Search) -> Prediction:
     """
     if choice.step is not None:
         count = counted(search.layout, choice.method, choice.step)
-        return Prediction(count, "counted", make_plan(choice, search), (), 0)
+        return Prediction(count, "counted", make_plan(choice, search), (), 0, PREPARING)
+    began = time.perf_counter()
     try:
         plan = make_plan(choice, search)
     except OverBudgetError:
         tried, stops = tuple(search.finished), StopTimes.for_samples(search.layout.times)
         samples = max(sum(run.times.size for run in tried), 2 * sum(t.size for t in stops))
-        return Prediction(extrapolated(choice, search), "extrapolated", None, tried, samples)
+        count = extrapolated(choice, search)
+        return Prediction(count, "extrapolated", None, tried, samples, _beside(search, began))
     assert plan.tuned is not None
     total = float(plan.tuned.evaluations)
     tried = tuple(search.finished)
     samples = sum(run.times.size for run in tried)
-    return Prediction(total, "searched", plan, tried, samples)
+    return Prediction(total, "searched", plan, tried, samples, _beside(search, began))
+
+
+def _beside(search: Search, began: float) -> float:
+    """Seconds since a search began, but for those of its runs."""
+    return time.perf_counter() - began - search.running
 
 
 def extrapolated(choice: Choice, search: Search) -> float:

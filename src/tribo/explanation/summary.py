@@ -345,7 +345,7 @@ def _predicted(layout: Layout, choice: Choice, search: Search, found: Prediction
     each = RATES[choice.method.name].step
     return Predicted(
         force_evaluations=round(found.evaluations),
-        seconds=1e-9 * nanoseconds * found.evaluations,
+        seconds=1e-9 * nanoseconds * found.evaluations + found.beside,
         memory_bytes=memory_of_run(layout, choice.method, each, found.samples),
         basis=found.basis,
         met=None if found.plan is None or found.plan.tuned is None else found.plan.tuned.met,

@@ -39,6 +39,10 @@ class Samples:
         found = times[np.searchsorted(times, self.t).clip(max=times.size - 1)] == self.t
         return self if found.all() else self._rows(found)
 
+    def rows(self, selected: slice) -> Samples:
+        """The samples at some places."""
+        return self._rows(np.arange(self.t.size)[selected])
+
     def first(self) -> Samples:
         """The first sample alone."""
         return self._rows(np.array([0]))
