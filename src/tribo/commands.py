@@ -26,7 +26,7 @@ from tribo.scene_options import (
     split,
 )
 from tribo.starters.command_line import add_new
-from tribo.validation import InputError, TriboWarning
+from tribo.validation import TriboWarning
 
 
 def run_command(arguments: list[str] | None) -> int:
@@ -109,6 +109,13 @@ def _add_sweep(sweep: argparse.ArgumentParser) -> None:
     sweep.add_argument(
         "--resume", action="store_true", help="continue from the points in FILE.part"
     )
+    sweep.add_argument(
+        "--figure",
+        type=Path,
+        metavar="FILE",
+        help="draw the first quantity against the first key of --set",
+    )
+    sweep.add_argument("--json", action="store_true", help="print the points as JSON")
     sweep.set_defaults(command=_sweep)
 
 
@@ -155,6 +162,7 @@ def _add_ensemble(ensemble: argparse.ArgumentParser) -> None:
         help="continue from FILE.part, with the same bits as without a stop; print the result if "
         "FILE is complete",
     )
+    ensemble.add_argument("--json", action="store_true", help="print the summary as JSON")
     ensemble.set_defaults(command=_ensemble)
 
 
@@ -279,35 +287,9 @@ def _sweep(options: argparse.Namespace) -> int:
 
 
 def _ensemble(options: argparse.Namespace) -> int:
-    from tribo.ensembles import ensemble
-    from tribo.ensembles.command_line import sampler_named, summary, varied
-    from tribo.files import replace_file
+    from tribo.ensembles.command_line import run_ensemble
 
-    if options.resume and (options.out is None or options.keep is None):
-        raise InputError("--resume", "needs --keep NAMES and --out FILE")
-    if options.out is not None:
-        checked_target("--out", options.out)
-    vary = varied(options.vary)
-    keep = None if options.keep is None else options.keep.split(",")
-    scene, sampler = load(options), None
-    if options.sampler is not None:
-        sampler = sampler_named(options.sampler, scene, vary, options.seed)
-    data = ensemble(
-        scene,
-        options.n,
-        vary,
-        options.seed,
-        keep=keep,
-        at=options.at,
-        statistics=options.statistics,
-        out=None if keep is None else options.out,
-        resume=options.resume,
-        sampler=sampler,
-    )
-    if options.out is not None and keep is None:
-        replace_file(options.out, bytes(data.to_netcdf(engine="h5netcdf")))
-    print(summary(data))
-    return COMPLETED if data.attrs["status"] == "completed" else STOPPED
+    return run_ensemble(options)
 
 
 def _paper(options: argparse.Namespace) -> int:

@@ -1,5 +1,7 @@
 """`tribo ensemble`: the data set of tribo.ensemble in a file, and refusals."""
 
+import json
+
 import numpy as np
 import pytest
 import xarray
@@ -23,11 +25,17 @@ def test_the_file_has_the_members(tmp_path, capsys):
     command = ["ensemble", str(path), *vary, "-n", "70", "--keep", keep, "--seed", "3"]
     assert main([*command, "--out", str(out)]) == 0
     assert "70 completed" in capsys.readouterr().out
+    assert main([*command, "--json"]) == 0
+    table = json.loads(capsys.readouterr().out)
     drawn = {"upper.theta": stats.norm(0.0, 0.1), "lower.omega": stats.uniform(-0.1, 0.2)}
     data = ensemble(scene, 70, drawn, seed=3, keep=keep.split(","))
     with xarray.open_dataset(out) as file:
         for name in (*keep.split(","), "upper.theta", "lower.omega", "status"):
             np.testing.assert_array_equal(file[name], data[name])
+    assert table["members"] == {"completed": 70} and table["n"] == 70
+    numbers = table["quantities"]["upper.w1"]
+    assert numbers["mean"] == float(data["upper.w1"].mean())
+    assert numbers["deviation"] == float(data["upper.w1"].std())
 
 
 def test_statistics_of_a_grid(tmp_path, capsys):
@@ -122,6 +130,9 @@ def test_means_over_time(tmp_path, capsys):
     lines = capsys.readouterr().out.splitlines()
     (row,) = (line.split() for line in lines if line.startswith("upper.W "))
     assert float(row[1]) == pytest.approx(float(data["upper.W_mean"][-1]), rel=1e-5)
+    assert main([*arguments, "--json"]) == 0
+    table = json.loads(capsys.readouterr().out)["quantities"]["upper.W"]
+    assert table["half_width"] == float(data["upper.W_half_width"][-1])
 
 
 @pytest.mark.parametrize(

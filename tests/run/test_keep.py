@@ -81,7 +81,9 @@ def test_an_accuracy_needs_few_samples(keep, monkeypatch, tmp_path):
         assert 0.0 < np.max(np.abs(read(result) - read(whole))) < bound
     assert ("theta" in result.error_estimate) == (keep is None)
     out = tmp_path / "run.nc"
-    assert np.array_equal(tribo.simulate(long, accuracy=1e-7, out=out)["upper"].W, result["upper"].W)
+    assert np.array_equal(
+        tribo.simulate(long, accuracy=1e-7, out=out)["upper"].W, result["upper"].W
+    )
     assert tribo.load_result(out).met
     alone = tribo.prepare(long, accuracy=1e-7)
     assert np.array_equal(alone.run()["upper"].W, result["upper"].W)

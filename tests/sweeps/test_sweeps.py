@@ -15,6 +15,7 @@ from tribo.cli import main
 from tribo.model.parameters import with_values
 from tribo.model.scene_writer import scene_text
 from tribo.sweeps import points
+from tribo.sweeps.figure import quantities, sweep_lines
 
 SCENE = paper.scene("A")
 VALUES = {"upper.velocity": [0.45, 0.5, 0.6], "interaction.strength": [0.1, 0.2]}
@@ -103,6 +104,12 @@ def test_members(tmp_path):
     assert float(data["upper.W_half_width"][0]) == pytest.approx(half, rel=1e-9)
     with xarray.open_dataset(out) as file:
         xarray.testing.assert_equal(numbers(file), numbers(data))
+    assert quantities(data) == ["upper.W"]
+    (drawn,) = sweep_lines(data, "upper.W").containers
+    assert np.array_equal(drawn.lines[0].get_ydata(), data["upper.W_mean"])
+    (bars,) = drawn.lines[2]
+    top = [segment[1, 1] for segment in bars.get_segments()]
+    np.testing.assert_allclose(top, data["upper.W_mean"] + data["upper.W_half_width"])
 
 
 def test_statuses(monkeypatch):
@@ -168,6 +175,41 @@ def test_command(whole, tmp_path, capsys):
     assert float(row[2]) == pytest.approx(float(whole["upper.W"][2, 1]), rel=1e-5)
     with xarray.open_dataset(out) as file:
         xarray.testing.assert_equal(numbers(file), numbers(whole))
+    figure = tmp_path / "a.png"
+    assert main([*command, "--resume", "--json", "--figure", str(figure)]) == 0
+    table = json.loads(capsys.readouterr().out)
+    assert table["status"] == "completed" and len(table["points"]) == 6
+    point = table["points"][5]
+    assert point["values"] == {"upper.velocity": 0.6, "interaction.strength": 0.2}
+    assert point["upper.W"] == float(whole["upper.W"][2, 1]) and point["status"] == "completed"
+    assert figure.stat().st_size > 10_000
+    assert main([*command, "--figure", "a.txt"]) == 2
+
+
+def test_figure(whole):
+    """A line for each value of the other key, with the errors as bars; means have intervals."""
+    ax = sweep_lines(whole, "upper.W", against="interaction.strength")
+    lines = [container for container in ax.containers if container.has_yerr]
+    assert len(lines) == 3
+    for k, line in enumerate(lines):
+        x, y = line.lines[0].get_data()
+        assert np.array_equal(x, VALUES["interaction.strength"])
+        assert np.array_equal(y, whole["upper.W"].values[k])
+        (bars,) = line.lines[2]
+        ends = np.array([segment[:, 1] for segment in bars.get_segments()])
+        error = whole["upper.W_error"].values[k]
+        np.testing.assert_allclose(ends[:, 1] - ends[:, 0], 2.0 * error, rtol=1e-3)
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("interaction.strength", "upper.W at the end")
+    assert ax.get_legend().get_title().get_text() == "bars: error estimate"
+    for name, key, problem in (
+        ("upper.work", None, "name: must be one of upper.W, .*got 'upper.work'"),
+        ("upper.W", "velocity", "against: must be one of upper.velocity, interaction.strength"),
+    ):
+        with pytest.raises(InputError, match=problem):
+            sweep_lines(whole, name, key)
+    many = whole.sel({"upper.velocity": [0.5] * 13}, method="nearest")
+    with pytest.raises(InputError, match="data: has 13 lines"):
+        sweep_lines(many, "upper.W", "interaction.strength")
 
 
 @pytest.mark.parametrize(

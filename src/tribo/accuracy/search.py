@@ -62,9 +62,12 @@ AIM = 0.3
 # the start matters a thousand times more than rounding, which is relative to what it rounds.
 TIGHT = 1e-9
 # Work of a long run [force evaluations x asperites], which is refused early if its request is out
-# of reach: 20 s at the 0.13 us that benchmarks/calibrate.py measures for an asperite.  The tries of
-# `cheapest_setting` end after as much work.
+# of reach: 5 to 10 s at the 0.03 to 0.06 us that benchmarks/calibrate.py measures for an asperite.
+# The tries of `cheapest_setting` end after as much work.
 LONG_RUN = 1.5e8
+# Level of the coarse runs for an accuracy of 1, where a small change of the start grows by 1.  Two
+# grids of 5041 asperites met 1e-3 at a level of 7e-4 where changes grew by 540.
+AMPLIFIED = 300.0
 # The next round takes this fraction of equal steps that are too long.
 SHORTER = 0.25
 # Statuses of runs whose equal steps are too long.
@@ -121,8 +124,10 @@ def find_settings(
     search = _Search(layout, method, accuracy, stops, attempt, announce)
     level = FIRST * method.first_level * strictest(accuracy)
     level = min(max(level, finest_level(method)), coarsest_level(layout, method))
-    if not search.run_pilot(level):
+    first = search.run_pilot(level)
+    if first is None:
         return search.found()
+    level = first
     for _ in range(ROUNDS):
         if not search.allows(level):
             break
@@ -180,35 +185,39 @@ class _Search:
         self.stalls = 0
         self.costly = False
 
-    def run_pilot(self, level: float) -> bool:
+    def run_pilot(self, level: float) -> float | None:
         """Run the pilot of an adaptive method; none with equal steps.
 
-        Returns whether another run can come farther.  Refuses an accuracy out of reach if the fine
-        run of the first round, at `level`, would be long.
+        Returns the level of the first round: `level`, or less where the fine run would be long and
+        small errors grow; None if no other run can come farther.  Refuses an accuracy that is out
+        of reach of such a run.
         """
         if not self.method.adaptive:
-            return True
+            return level
         setting, pilot = self.count.pilot(self.stops.few)
         self.runs.append(pilot)
         if pilot.status in ABORTED:
             self.rounds.append(_Round(level, setting, setting, [pilot]))
-            return False
+            return None
         if pilot.status != Status.COMPLETED:
-            return True
+            return level
         self.count.plan(1 + COARSE_RUNS)
         self.reached, self.count.known = PILOT_LEVEL, (PILOT_LEVEL, pilot.evaluations)
         longer = self.count.expected(fine_level(self.method) * level) / pilot.evaluations
         if longer * work(self.layout, pilot) < LONG_RUN:
-            return True
-        amplification = self._amplification(setting, pilot)
-        if amplification is not None and amplification * EPSILON > self.wanted:
+            return level
+        self.amplification = amplification = self._amplification(setting, pilot)
+        if amplification is None:
+            return level
+        if amplification * EPSILON > self.wanted:
             raise InputError(
                 "accuracy",
                 out_of_reach(self.wanted, amplification).removeprefix("accuracy ")
                 + "; name the observables that matter, or give a method and a step; tribo.ensemble "
                 "averages over many starts",
             )
-        return True
+        amplified = AMPLIFIED * self.wanted / max(amplification, 1.0)
+        return max(min(level, amplified), finest_level(self.method))
 
     def allows(self, level: float) -> bool:
         """Whether a round is short enough; refuses the accuracy if the first has too many steps."""

@@ -1,22 +1,30 @@
-"""The words of the command `tribo ensemble`: what is varied and how, and a summary of members."""
+"""The command `tribo ensemble`: what is varied and how, and a summary of members."""
 
 from __future__ import annotations
 
+import argparse
 import json
 import re
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from tribo.ensembles.members import Distribution, Source
 from tribo.ensembles.sampling import Sampler, dimensions, grid
+from tribo.files import checked_target, replace_file
+from tribo.interrupts import COMPLETED, STOPPED
 from tribo.kernels.status import Status
 from tribo.model.scene import Scene
+from tribo.run.result import without_nan
+from tribo.scene_options import load
 from tribo.validation import InputError, inside, must_be
 
 if TYPE_CHECKING:
     import xarray
+
+# What a summary has of each quantity that is kept.
+COLUMNS = ("mean", "deviation")
 
 # The form of an argument of --vary.
 VARIED = re.compile(r"\s*(?P<key>[^=\s]+)\s*=\s*(?P<name>\w+)\((?P<numbers>[^()]*)\)\s*")
@@ -100,21 +108,73 @@ def sampler_named(name: str, scene: Scene, vary: Mapping[str, Source], seed: int
     return kinds[name](numbers, rng=np.random.default_rng(seed))
 
 
-def summary(data: xarray.Dataset) -> str:
+def run_ensemble(options: argparse.Namespace) -> int:
+    """Run the ensemble and print its summary; the exit status."""
+    from tribo.ensembles import ensemble
+
+    if options.resume and (options.out is None or options.keep is None):
+        raise InputError("--resume", "needs --keep NAMES and --out FILE")
+    if options.out is not None:
+        checked_target("--out", options.out)
+    vary = varied(options.vary)
+    keep = None if options.keep is None else options.keep.split(",")
+    scene, sampler = load(options), None
+    if options.sampler is not None:
+        sampler = sampler_named(options.sampler, scene, vary, options.seed)
+    data = ensemble(
+        scene,
+        options.n,
+        vary,
+        options.seed,
+        keep=keep,
+        at=options.at,
+        statistics=options.statistics,
+        out=None if keep is None else options.out,
+        resume=options.resume,
+        sampler=sampler,
+    )
+    if options.out is not None and keep is None:
+        replace_file(options.out, bytes(data.to_netcdf(engine="h5netcdf")))
+    found = summary(data)
+    print(as_json(found) if options.json else in_words(found))
+    return COMPLETED if data.attrs["status"] == "completed" else STOPPED
+
+
+def summary(data: xarray.Dataset) -> dict[str, Any]:
     """What a command prints: the members by status, and means at the end."""
-    attributes = data.attrs
+    attributes, finished = data.attrs, data.attrs["status"] != Status.INTERRUPTED
+    rest = {"seconds": attributes["seconds"], "method": attributes["method"]}
+    notes = json.loads(attributes["notes"]) if "notes" in attributes else []
     if "keep" not in attributes:
-        return _summary_of_means(data)
-    members = json.loads(attributes["members"])
-    lines = [f"{attributes['status']}: {sum(members.values())} of {attributes['n']} members"]
+        counts = {"completed": data.sizes["member"]}
+        table = _means(data)
+    else:
+        counts = json.loads(attributes["members"])
+        # To read all members of an ensemble that was interrupted takes long.
+        names = json.loads(attributes["keep"]) if finished else []
+        table = {name: dict(zip(COLUMNS, _moments(data, name), strict=True)) for name in names}
+    status, wanted = attributes["status"], int(attributes.get("n", data.sizes.get("member", 0)))
+    head = {"status": status, "n": wanted, "members": counts, "quantities": table}
+    return {**head, "notes": notes, **rest}
+
+
+def as_json(found: Mapping[str, Any]) -> str:
+    """A summary as one JSON object."""
+    return json.dumps(without_nan(dict(found)), indent=1, allow_nan=False)
+
+
+def in_words(found: Mapping[str, Any]) -> str:
+    """A summary as lines."""
+    members, table = found["members"], found["quantities"]
+    lines = [f"{found['status']}: {sum(members.values())} of {found['n']} members"]
     lines += [f"{count} {status}" for status, count in members.items()]
-    if attributes["status"] != Status.INTERRUPTED:  # to read all members takes long
-        lines.append(f"{'quantity':<28} {'mean':>13} {'deviation':>13}")
-        for name in json.loads(attributes["keep"]):
-            mean, deviation = _moments(data, name)
-            lines.append(f"{name:<28} {mean:>13.6g} {deviation:>13.6g}")
-    lines += [f"note: {note}" for note in json.loads(attributes["notes"])]
-    lines.append(f"{attributes['seconds']:.2f} s by {attributes['method']}")
+    if table:
+        columns = list(next(iter(table.values())))
+        lines.append(f"{'quantity':<28} " + " ".join(f"{c.replace('_', '-'):>13}" for c in columns))
+    for name, numbers in table.items():
+        lines.append(f"{name:<28} " + " ".join(f"{x:>13.6g}" for x in numbers.values()))
+    lines += [f"note: {note}" for note in found["notes"]]
+    lines.append(f"{found['seconds']:.2f} s by {found['method']}")
     return "\n".join(lines)
 
 
@@ -128,12 +188,11 @@ def _moments(data: xarray.Dataset, name: str) -> tuple[float, float]:
     return float(np.nanmean(values)), float(np.nanstd(values))
 
 
-def _summary_of_means(data: xarray.Dataset) -> str:
+def _means(data: xarray.Dataset) -> dict[str, dict[str, float]]:
     """The means at the end, with the half-widths of their 95 % intervals."""
-    lines = [f"{data.sizes['member']} members", f"{'quantity':<28} {'mean':>13} {'half-width':>13}"]
+    table = {}
     for name in map(str, data.data_vars):
         if name.endswith("_half_width") and f"{(of := name[:-11])}_mean" in data:
-            mean, half_width = (float(data[f"{of}_{what}"][-1]) for what in ("mean", "half_width"))
-            lines.append(f"{of:<28} {mean:>13.6g} {half_width:>13.2g}")
-    lines.append(f"{data.attrs['seconds']:.2f} s by {data.attrs['method']}")
-    return "\n".join(lines)
+            numbers = {what: float(data[f"{of}_{what}"][-1]) for what in ("mean", "half_width")}
+            table[of] = numbers
+    return table

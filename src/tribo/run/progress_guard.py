@@ -7,7 +7,8 @@ import numpy as np
 from tribo.model.scene import Scene
 
 # Most work of a run with adaptive steps [force evaluations x asperites], where the scene's numerics
-# give no bound: 26 s at the 0.13 us that benchmarks/calibrate.py measures for an asperite.
+# give no bound: 6 to 13 s at the 0.03 to 0.06 us that benchmarks/calibrate.py measures for an
+# asperite.
 MOST_WORK = 2e8
 # Evaluations that runs of any number of asperites may take.
 ALWAYS_ALLOWED = 1e7

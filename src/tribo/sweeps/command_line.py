@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import nullcontext
 from pathlib import Path
@@ -11,8 +12,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tribo.interrupts import COMPLETED, STOPPED
+from tribo.run.result import without_nan
 from tribo.scene_options import (
     as_number,
+    check_figure,
     load,
     parsed_list,
     split,
@@ -28,8 +31,11 @@ LINES, COLUMNS = 20, 5
 
 def run_sweep(options: argparse.Namespace) -> int:
     """Run the sweep and print its points; the exit status."""
+    check_figure(options.figure)
     data = found_by(options)
-    print(summary(data, options.out))
+    if options.figure is not None:
+        _draw(data, options.figure)
+    print(as_json(data) if options.json else summary(data, options.out))
     return COMPLETED if set(data["status"].values.flat) == {"completed"} else STOPPED
 
 
@@ -77,6 +83,33 @@ def found_by(options: argparse.Namespace) -> xarray.Dataset:
             raise InputError(
                 f"--set {key}" if option == "values" else error.field, error.problem
             ) from None
+
+
+def _draw(data: xarray.Dataset, path: Path) -> None:
+    """Draw the first quantity against the first key."""
+    from tribo.plotting import save
+    from tribo.sweeps.figure import quantities, sweep_lines
+
+    names = quantities(data)
+    if not names:
+        raise InputError("--figure", "needs a quantity with one value at each point, as upper.W")
+    save(sweep_lines(data, names[0]), path)
+
+
+def as_json(data: xarray.Dataset) -> str:
+    """The points as one JSON object."""
+    keys = list(map(str, data["status"].dims))
+    scalars = [str(name) for name in data.data_vars if data[name].dims == tuple(keys)]
+    points = [
+        {
+            "values": {key: data[key].values[k].item() for key, k in zip(keys, at, strict=True)},
+            **{name: data[name].values[at].item() for name in scalars},
+        }
+        for at in np.ndindex(data["status"].shape)
+    ]
+    whole = {"status": data.attrs["status"], "points": points}
+    rest = {"notes": json.loads(data.attrs["notes"]), "seconds": data.attrs["seconds"]}
+    return json.dumps(without_nan(whole | rest), indent=1, allow_nan=False)
 
 
 def summary(data: xarray.Dataset, out: Path | None) -> str:

@@ -1,0 +1,114 @@
+"""A quantity of a sweep against one of its keys."""
+
+from __future__ import annotations
+
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tribo.plotting import WIDE, drawing_on
+from tribo.plotting.comparison import DASHES
+from tribo.validation import InputError, must_be
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.axes import Axes
+
+# Lines that can still be told apart.
+MOST_LINES = 12
+# Columns of the legend.
+COLUMNS = 3
+# What error bars show, by the ending of the variable that has them, the first that there is.
+BARS = {
+    "_half_width": "95 % interval of the mean over members",
+    "_time_half_width": "95 % interval of the average over time",
+    "_error": "error estimate",
+}
+
+
+def sweep_lines(
+    data: xarray.Dataset, name: str, against: str | None = None, ax: Axes | None = None
+) -> Axes:
+    """Draw a quantity against one key, with error bars and a line for each value of the others.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        As :func:`tribo.sweep` returns it.
+    name : str
+        A quantity with one value at each point, as "upper.W" or "upper.friction_force"; with
+        members their mean is drawn.
+    against : str, optional
+        The key on the horizontal axis; by default the first.
+    ax : matplotlib.axes.Axes, optional
+        The axes to draw on; by default a new figure.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Raises
+    ------
+    InputError
+        If the data set does not have the quantity or the key, or there are too many lines.
+    """
+    keys = [str(key) for key in data["status"].dims]
+    known = quantities(data)
+    if name not in known:
+        raise must_be("name", f"one of {', '.join(known)}", name)
+    key = keys[0] if against is None else against
+    if key not in keys:
+        raise must_be("against", f"one of {', '.join(keys)}", against)
+    others = [other for other in keys if other != key]
+    lines = list(product(*(range(data.sizes[other]) for other in others)))
+    if len(lines) > MOST_LINES:
+        raise InputError("data", f"has {len(lines)} lines; select values with data.sel or isel")
+    drawn = data[f"{name}_mean" if f"{name}_mean" in data else name]
+    ending = next((end for end in BARS if f"{name}{end}" in data), None)
+    with drawing_on(ax, WIDE, 0.55 * WIDE) as ax:
+        for number, places in enumerate(lines):
+            at = dict(zip(others, places, strict=True))
+            bars = None if ending is None else data[f"{name}{ending}"].isel(at).values
+            label = ", ".join(f"{other} = {data[other].values[at[other]]}" for other in others)
+            how: Any = {"marker": "o", "markersize": 3.0, "capsize": 2.0, "linewidth": 1.0}
+            how["linestyle"] = DASHES[number % len(DASHES)]
+            ax.errorbar(_places(data, key), drawn.isel(at).values, bars, label=label, **how)
+        _label(ax, data, key, name, others, ending)
+    return ax
+
+
+def quantities(data: xarray.Dataset) -> list[str]:
+    """The quantities that have one value at each point, or a mean over its members."""
+    keys = data["status"].dims
+    means = [str(name)[:-5] for name in data.data_vars if str(name).endswith("_mean")]
+    of_points = [
+        str(name)
+        for name in data.data_vars
+        if data[name].dims == keys and "." in str(name) and not str(name).endswith(tuple(BARS))
+    ]
+    whole = [name for name in means if data[f"{name}_mean"].dims == keys]
+    return whole or [name for name in of_points if not name.endswith("_mean")]
+
+
+def _places(data: xarray.Dataset, key: str) -> np.ndarray:
+    """The values of a key; words one after another."""
+    values = data[key].values
+    return values if values.dtype.kind in "fiu" else np.arange(values.size)
+
+
+def _label(
+    ax: Axes, data: xarray.Dataset, key: str, name: str, others: list[str], ending: str | None
+) -> None:
+    """Names of the axes, the words of a key, and what lines and bars are."""
+    ax.set(xlabel=key, ylabel=f"{name} at the end")
+    if ending == "_time_half_width" or name.endswith(".friction_force"):
+        ax.set_ylabel(name)
+    if data[key].values.dtype.kind not in "fiu":
+        ax.set_xticks(_places(data, key), [str(value) for value in data[key].values])
+    title = None if ending is None else f"bars: {BARS[ending]}"
+    if others:
+        above: Any = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "ncols": COLUMNS}
+        ax.legend(frameon=False, title=title, title_fontsize="small", fontsize="small", **above)
+    elif title is not None:
+        ax.set_title(title, fontsize="small")
