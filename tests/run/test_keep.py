@@ -1,5 +1,6 @@
 """``output.keep``: named quantities alone, to the bits of a run that records everything."""
 
+import json
 import pickle
 from dataclasses import replace
 
@@ -148,3 +149,28 @@ def test_ensembles_and_sweeps():
         assert np.array_equal(points[name], data[name])
     with pytest.raises(InputError, match=r"output\.samples: must be at least 21 for the average"):
         tribo.ensemble(scene(samples=9), 2, {"upper.theta": thetas[:, None]}, keep=forces, **HOW)
+
+
+def test_averages_leave_out_the_run_in(tmp_path, capsys):
+    """Of results, their JSON, ensembles and sweeps, by a key of the scene."""
+    keep, output = ["upper.friction_force"], {"series": ("forces",), "run_in": 1.5}
+    path = tmp_path / "scene.toml"
+    late = replace(scene(samples=81, **output), numerics=tribo.Numerics(**HOW))
+    late.save(path)
+    assert tribo.load_scene(path).output.run_in == 1.5
+    result = tribo.simulate(late)
+    average = result.friction_force("upper")
+    assert average == result.friction_force("upper", after=1.5)
+    assert average.mean != pytest.approx(result.friction_force("upper", after=0.0).mean, rel=0.1)
+    assert result.end["friction_force"]["upper"] == average._asdict()
+    assert main(["run", str(path), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["friction_force"]["upper"]["mean"] == average.mean
+    points = sweep(late, {"upper.theta": [0.0]}, keep=keep)
+    members = tribo.ensemble(late, 2, {"upper.theta": np.zeros((2, 1))}, keep=keep)
+    for data in (points, members):
+        assert data["upper.friction_force"].values[0] == average.mean
+        assert data["upper.friction_force_time_half_width"].values[0] == average.half_width
+    with pytest.raises(InputError, match=r"at least 21 from t = 3.5 on for the average"):
+        sweep(replace(late, output=replace(late.output, run_in=3.5)), {"seed": [1]}, keep=keep)
+    with pytest.raises(InputError, match=r"run_in: must not be negative \[time\], got -1"):
+        Output(run_in=-1)

@@ -117,7 +117,7 @@ class Kept:
                 )
             names.append(name)
             if name.endswith(f".{AVERAGED}") and not at_samples:
-                _check_averaged(times)
+                _check_averaged(simulation.scene)
                 names.append(f"{name.rpartition('.')[0]}.{INTERVAL}")
         unique = tuple(dict.fromkeys(names))
         leading = (times,) if at_samples else ()
@@ -181,13 +181,15 @@ def _shape(name: str, ledger: Ledger, scene: Scene) -> tuple[int, ...] | None:
     return () if kind in ledger.blocks.get(surface, ()) else None
 
 
-def _check_averaged(times: int) -> None:
+def _check_averaged(scene: Scene) -> None:
     """Refuse averages over time of too few samples."""
-    least = 2 * BLOCKS + 1
+    least, run_in = 2 * BLOCKS + 1, scene.output.run_in
+    times = int(np.count_nonzero(scene.times >= run_in))
     if times < least:
+        later = f" from t = {run_in:g} on" if run_in > 0.0 else ""
         raise InputError(
             "output.samples",
-            f"must be at least {least} for the average of {AVERAGED} over time, got {times}",
+            f"must be at least {least}{later} for the average of {AVERAGED} over time, got {times}",
         )
 
 

@@ -49,6 +49,8 @@ def scene_table(scene: Scene) -> dict[str, Any]:
         del table["output"]["samples"]
     if not scene.output.series:
         del table["output"]["series"]
+    if not scene.output.run_in:
+        del table["output"]["run_in"]
     if scene.output.keep is not None:
         table["output"]["keep"] = list(scene.output.keep)
     table["numerics"] = _table_of(scene.numerics)

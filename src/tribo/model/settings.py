@@ -10,6 +10,7 @@ import numpy as np
 
 from tribo.validation import (
     LARGEST_COUNT,
+    NOT_NEGATIVE,
     POSITIVE,
     InputError,
     boolean,
@@ -49,12 +50,14 @@ class Output:
         all bath "oscillators".
     keep : tuple of str, optional
         The only quantities that are recorded, as "upper.W" or "contact_energy"; all without it.
+    run_in : float
+        When averages over time begin, as that of the friction force [time].
 
     Raises
     ------
     InputError
         If `samples` is too small or too large, `times` do not increase, `ledger` or `series` are
-        none of these words, or `keep` is no list of names.
+        none of these words, `keep` is no list of names, or `run_in` is negative.
     """
 
     samples: int = 401
@@ -62,8 +65,10 @@ class Output:
     ledger: str = "asperites"
     series: tuple[str, ...] = ()
     keep: Sequence[str] | None = None
+    run_in: float = 0.0
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "run_in", number("run_in", self.run_in, NOT_NEGATIVE, "time"))
         object.__setattr__(self, "series", _words("series", self.series, SERIES))
         if self.keep is not None:
             object.__setattr__(self, "keep", _names(self.keep))

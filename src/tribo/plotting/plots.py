@@ -158,7 +158,7 @@ class Plots:
         return ax
 
     def friction_force(
-        self, surface: str | None = None, after: float = 0.0, ax: Axes | None = None
+        self, surface: str | None = None, after: float | None = None, ax: Axes | None = None
     ) -> Axes:
         """Draw the friction force on a surface over time, with its average and 95 % interval.
 
@@ -166,8 +166,9 @@ class Plots:
         ----------
         surface : str, optional
             Name of the surface; without it the first.
-        after : float
-            When the average begins, to leave out the run-in [time].
+        after : float, optional
+            When the average begins, to leave out the run-in; by default the scene's
+            ``output.run_in`` [time].
         ax : matplotlib.axes.Axes, optional
             Axes to draw in.
 
@@ -181,6 +182,7 @@ class Plots:
             The forces were not recorded, or there are too few samples.
         """
         result, name = self._result, self._surface(surface)
+        after = result.scene.output.run_in if after is None else after
         found = result.friction_force(name, after)
         with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
             label = f"{found.mean:.3g} ± {found.half_width:.1g}"

@@ -158,7 +158,7 @@ class Result(Presentation):
         }
 
     def friction_force(
-        self, surface: str, after: float = 0.0, blocks: int = BLOCKS
+        self, surface: str, after: float | None = None, blocks: int = BLOCKS
     ) -> FrictionForce:
         """The time average of the friction force on a surface, and its spread.
 
@@ -169,8 +169,9 @@ class Result(Presentation):
         ----------
         surface : str
             Name of the surface.
-        after : float
-            When the average begins, to leave out the run-in [time].
+        after : float, optional
+            When the average begins, to leave out the run-in; by default the scene's
+            ``output.run_in`` [time].
         blocks : int
             Number of blocks of equal length whose averages give the interval; each must be much
             longer than the time over which the force is correlated.
@@ -189,6 +190,7 @@ class Result(Presentation):
         series = self[surface]
         if "friction_force" not in series and not self.ledger.kept:
             raise InputError("output.series", 'does not contain "forces"; add it, and run again')
+        after = self.scene.output.run_in if after is None else after
         return average(self.t, series["friction_force"], after, blocks)
 
     def oscillators(self, surface: str) -> np.ndarray:
@@ -263,7 +265,8 @@ class Result(Presentation):
 
     def _friction(self) -> dict[str, Any]:
         """The friction force on every surface, where forces are reported at enough times."""
-        if "forces" not in self.scene.output.series or self.t.size <= 2 * BLOCKS:
+        later = np.count_nonzero(self.t >= self.scene.output.run_in)
+        if "forces" not in self.scene.output.series or later <= 2 * BLOCKS:
             return {}
         blocks = self.ledger.blocks.items()
         averages = {name: self.friction_force(name) for name, b in blocks if "friction_force" in b}
