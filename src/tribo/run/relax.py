@@ -1,6 +1,7 @@
 """Equilibria: where no force moves any coordinate of a scene.
 
-Forces that a drive cancels have no energy, so the forces themselves are followed.  In each step
+Forces that a drive cancels have no energy, which the minimisers of scipy.optimize need, so the
+forces themselves are followed, by scipy's solvers of linear systems and eigenvalues.  In each step
 the damped motion du/dtau = u'' is advanced implicitly, (1 / dtau - J) step = u'' with J the
 derivative of u''.  Short dtau follow the forces downhill; dtau grows on the way, and the last steps
 are Newton's.  C. T. Kelley, D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508.
