@@ -358,6 +358,19 @@ def test_units_and_names():
     assert data["upper.w2_mean"].long_name == "mean of: work of the drive, summed over asperites"
 
 
+def test_further_series():
+    """Those of the surfaces as wholes that the scene's output asks for have means, too."""
+    scene = warm(springs=tribo.Springs(2.0))
+    scene = replace(scene, output=Output(samples=3, series=("forces", "energies")))
+    data = ensemble(scene, n=3, seed=2, step=0.05)
+    alone = tribo.simulate(replace(scene, seed=int(data.seed[1])), step=0.05)
+    for name in ("friction_force", "e_springs"):
+        expected = alone.ledger.of("upper")[name]
+        assert data[f"upper.{name}"].values[1].tobytes() == expected.tobytes()
+    assert data["upper.e_springs_mean"].units == "energy"
+    assert data["upper.e_springs"].values[:, -1].min() > 0.0
+
+
 def test_figure(tmp_path):
     """Members, mean and interval; a quantity without a mean is refused."""
     data = ensemble(warm(), 4, step=0.1)

@@ -171,7 +171,12 @@ def out_of_reach(accuracy: float, amplification: float) -> str:
     if amplification * EPSILON < accuracy:
         reason = "finer settings gain too little, though "
     return (
-        f"accuracy {accuracy:.1e} is out of reach: {reason}a change of {PERTURBATION:.0e} in the "
-        f"start grows to {amplification * PERTURBATION:.1e} of the scale, and round-off of "
-        f"{EPSILON:.1e} with it to about {amplification * EPSILON:.1e}"
+        f"accuracy {accuracy:.1e} is out of reach: {reason}{growth(amplification)}, and round-off "
+        f"of {EPSILON:.1e} with it to about {amplification * EPSILON:.1e}"
     )
+
+
+def growth(amplification: float) -> str:
+    """How much a small change of the start grows, in words."""
+    grown = amplification * PERTURBATION
+    return f"a change of {PERTURBATION:.0e} in the start grows to {grown:.1e} of the scale"

@@ -18,6 +18,7 @@ from tribo.accuracy.comparison import (
     Accuracy,
     Attempt,
     error_bounds,
+    growth,
     measure_amplification,
     observables,
     out_of_reach,
@@ -65,9 +66,11 @@ TIGHT = 1e-9
 # of reach: 5 to 10 s at the 0.03 to 0.06 us that benchmarks/calibrate.py measures for an asperite.
 # The tries of `cheapest_setting` end after as much work.
 LONG_RUN = 1.5e8
-# Level of the coarse runs for an accuracy of 1, where a small change of the start grows by 1.  Two
-# grids of 5041 asperites met 1e-3 at a level of 7e-4 where changes grew by 540.
-AMPLIFIED = 300.0
+# Level of the coarse runs for an accuracy of 1, where a small change of the start grows by 1.  Of
+# two grids of 5041 asperites, where changes grew by 53,000, the error was 0.02 at a level of 6e-6.
+AMPLIFIED = 5.0
+# A long run is refused if growing errors make it this many times as long.
+MOST_LONGER = 4.0
 # The next round takes this fraction of equal steps that are too long.
 SHORTER = 0.25
 # Statuses of runs whose equal steps are too long.
@@ -209,15 +212,24 @@ class _Search:
         self.amplification = amplification = self._amplification(setting, pilot)
         if amplification is None:
             return level
-        if amplification * EPSILON > self.wanted:
-            raise InputError(
-                "accuracy",
-                out_of_reach(self.wanted, amplification).removeprefix("accuracy ")
-                + "; name the observables that matter, or give a method and a step; tribo.ensemble "
-                "averages over many starts",
+        amplified = min(level, AMPLIFIED * self.wanted / max(amplification, 1.0))
+        longer = self.count.expected(amplified) / self.count.expected(level)
+        if amplification * EPSILON > self.wanted or longer > MOST_LONGER:
+            raise InputError("accuracy", self._too_far(amplification, longer))
+        return max(amplified, finest_level(self.method))
+
+    def _too_far(self, amplification: float, longer: float) -> str:
+        """Why a long run is refused, and what to do."""
+        why = out_of_reach(self.wanted, amplification).removeprefix("accuracy ")
+        if amplification * EPSILON <= self.wanted:
+            why = (
+                f"{self.wanted:.1e} would take about {longer:.0f} times the evaluations of a run "
+                f"without growing errors: {growth(amplification)}"
             )
-        amplified = AMPLIFIED * self.wanted / max(amplification, 1.0)
-        return max(min(level, amplified), finest_level(self.method))
+        return (
+            f"{why}; name the observables that matter, or give a method and a step; tribo.ensemble "
+            "averages over many starts"
+        )
 
     def allows(self, level: float) -> bool:
         """Whether a round is short enough; refuses the accuracy if the first has too many steps."""

@@ -122,7 +122,8 @@ def ensemble(
         Without `keep`, for each quantity, as ``upper.W`` (member, time): ``upper.W_mean`` and
         ``upper.W_half_width`` (time,).  The effect of the step or of the tolerances on the mean is
         ``upper.W_bias`` and ``upper.W_bias_half_width`` (time,), or ``upper.W_error``.  Works that
-        are reported of asperites, as ``upper.w2``, are summed over their surface.
+        are reported of asperites, as ``upper.w2``, are summed over their surface; series of
+        surfaces that ``output.series`` asks for, as ``upper.friction_force``, have no error.
 
     Raises
     ------

@@ -18,7 +18,7 @@ from tribo.model.initial import UNITS as UNITS_OF_START
 from tribo.model.scene_writer import scene_text
 from tribo.run.dataset import Variable
 from tribo.run.intervals import CONFIDENCE
-from tribo.run.quantities import ASPERITE_QUANTITIES, OPTIONAL_QUANTITIES, QUANTITIES, UNITS
+from tribo.run.quantities import ASPERITE_QUANTITIES, EVERY_QUANTITY, OPTIONAL_QUANTITIES, UNITS
 
 if TYPE_CHECKING:
     import xarray
@@ -76,7 +76,7 @@ class Collected:
         if kind in SUMMED:
             part = self.runner.simulation.layout.parts[surface]
             terms = part.stop - part.start
-        errors = [outcome.errors[kind] for outcome in self.check.with_estimates]
+        errors = [outcome.errors.get(kind) for outcome in self.check.with_estimates]
         return max((terms * error for error in errors if error is not None), default=None)
 
 
@@ -93,7 +93,7 @@ def dataset(collected: Collected, seconds: float) -> xarray.Dataset:
 def _series(collected: Collected, k: int, name: str) -> dict[str, Variable]:
     """The variables of the quantity with index `k` and name `name`."""
     kind = name.rpartition(".")[2]
-    quantity = QUANTITIES[kind]
+    quantity = EVERY_QUANTITY[kind]
     meaning = quantity.long_name + ", summed over asperites" * (kind in SUMMED)
 
     def variable(values: np.ndarray | float, *dimensions: str, of: str = "") -> Variable:
@@ -148,7 +148,7 @@ def varied_coordinates(varied: Mapping[str, np.ndarray]) -> dict[str, Variable]:
         elif kind not in UNITS_OF_START:
             coordinates[key] = (("member",), values[:, 0], {"long_name": key})
         else:
-            quantity = QUANTITIES["theta" if kind == "swing" else kind]
+            quantity = EVERY_QUANTITY["theta" if kind == "swing" else kind]
             about = {"units": quantity.units, "long_name": f"initial {quantity.long_name}"}
             coordinates[key] = (("member", f"{surface}_asperite"), values, about)
     return coordinates

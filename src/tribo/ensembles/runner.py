@@ -17,8 +17,15 @@ from tribo.kernels.status import MEANINGS, Status
 from tribo.model.scene import Scene
 from tribo.model.scene_file import scene_from
 from tribo.model.scene_writer import scene_text
+from tribo.model.surface import Surface
 from tribo.prepared import Simulation
-from tribo.run.quantities import BLOCK_QUANTITIES, SYSTEM_QUANTITIES, needs_accounts
+from tribo.run.further_series import further_series, system_names
+from tribo.run.quantities import (
+    BLOCK_QUANTITIES,
+    FURTHER_OF_SURFACES,
+    SYSTEM_QUANTITIES,
+    needs_accounts,
+)
 from tribo.run.result import Result
 from tribo.run.streamed_ledger import exceeds_memory
 from tribo.simulation import from_settings
@@ -69,8 +76,18 @@ class Job(NamedTuple):
 
 def total_names(scene: Scene) -> list[str]:
     """Names of the series of the surfaces as wholes and of the system."""
-    blocks = [f"{s.name}.{name}" for s in scene.surfaces for name in BLOCK_QUANTITIES]
-    return _kept(scene, [*blocks, *SYSTEM_QUANTITIES])
+    blocks = [
+        f"{surface.name}.{name}"
+        for surface in scene.surfaces
+        for name in (*BLOCK_QUANTITIES, *_further(scene, surface))
+    ]
+    return _kept(scene, [*blocks, *SYSTEM_QUANTITIES, *system_names(scene)])
+
+
+def _further(scene: Scene, surface: Surface) -> list[str]:
+    """Names of the series of a surface as a whole that the scene's output asks for."""
+    asked = further_series(scene, surface)
+    return [name for name in FURTHER_OF_SURFACES if name in asked]
 
 
 def _kept(scene: Scene, names: list[str]) -> list[str]:
