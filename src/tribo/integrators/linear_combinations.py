@@ -1,66 +1,71 @@
-"""Linear combinations of derivatives, of which the steps of most methods consist."""
+"""Linear combinations of derivatives, of which the steps of most methods consist.
+
+Sizes of all arrays are whole blocks of lanes.
+"""
 
 from tribo.integrators.step_control import EPSILON
-from tribo.kernels.compiled import kernel
+from tribo.kernels.compiled import inlined, kernel
+from tribo.kernels.simd import LANES, absolute, broadcast, maximum, sum_of_lanes, where_less
+from tribo.kernels.simd_arrays import block, set_block
+
+
+@inlined
+def weighted_sum(weights, derivatives, m):
+    """sum_j weights_j rates_j of a block."""
+    total = weights[0] * block(derivatives[0], m)
+    for j in range(1, weights.size):
+        total = total + weights[j] * block(derivatives[j], m)
+    return total
+
+
+@inlined
+def increase(x, low, m, step):
+    """Add to a block of x, with the rounding error kept in `low`."""
+    before = block(x, m)
+    whole = step + block(low, m)
+    new = before + whole
+    set_block(low, m, whole - (new - before))
+    set_block(x, m, new)
 
 
 @kernel
 def combine(y, h, row, derivatives, out):
     """out = y + h sum_j row_j rates_j."""
-    for m in range(y.size):
-        out[m] = y[m]
-    for j in range(row.size):
-        if row[j] != 0.0:
-            weight = h * row[j]
-            for m in range(y.size):
-                out[m] += weight * derivatives[j, m]
+    for m in range(0, y.size, LANES):
+        set_block(out, m, block(y, m) + h * weighted_sum(row, derivatives, m))
 
 
 @kernel
 def combine_twice(q, h, c, v, row, derivatives, out):
     """out = q + c h v + h^2 sum_j row_j rates_j."""
-    for m in range(q.size):
-        total = 0.0
-        for j in range(row.size):
-            total += row[j] * derivatives[j, m]
-        out[m] = q[m] + h * (c * v[m] + h * total)
+    for m in range(0, q.size, LANES):
+        change = c * block(v, m) + h * weighted_sum(row, derivatives, m)
+        set_block(out, m, block(q, m) + h * change)
 
 
 @kernel
 def add(x, low, h, weights, derivatives):
     """x += h sum_j weights_j rates_j, with the rounding error kept in `low`."""
-    for m in range(x.size):
-        total = 0.0
-        for j in range(weights.size):
-            total += weights[j] * derivatives[j, m]
-        step = h * total + low[m]
-        new = x[m] + step
-        low[m] = step - (new - x[m])
-        x[m] = new
+    for m in range(0, x.size, LANES):
+        increase(x, low, m, h * weighted_sum(weights, derivatives, m))
 
 
 @kernel
 def add_twice(q, low, h, v, v_low, weights, derivatives):
     """q += h (v + v_low) + h^2 sum_j weights_j rates_j, with the rounding error kept in `low`."""
-    for m in range(q.size):
-        total = 0.0
-        for j in range(weights.size):
-            total += weights[j] * derivatives[j, m]
-        step = h * (v[m] + (v_low[m] + h * total)) + low[m]
-        new = q[m] + step
-        low[m] = step - (new - q[m])
-        q[m] = new
+    for m in range(0, q.size, LANES):
+        change = block(v_low, m) + h * weighted_sum(weights, derivatives, m)
+        increase(q, low, m, h * (block(v, m) + change))
 
 
 @kernel
 def largest(h, weights, derivatives, scale_of, tolerance):
     """Largest |h sum_j weights_j rates_j| in units of the tolerance (never below round-off)."""
-    worst = 0.0
-    for m in range(scale_of.size):
-        total = 0.0
-        for j in range(weights.size):
-            total += weights[j] * derivatives[j, m]
-        error = abs(h * total) / (tolerance[m] + 2.0 * EPSILON * abs(scale_of[m]))
-        if not error <= worst:  # keeps nan
-            worst = error
-    return worst
+    worst = broadcast(0.0)
+    not_finite = broadcast(0.0)
+    for m in range(0, scale_of.size, LANES):
+        unit = block(tolerance, m) + 2.0 * EPSILON * absolute(block(scale_of, m))
+        error = absolute(h * weighted_sum(weights, derivatives, m)) / unit
+        worst = where_less(worst, error, error, worst)
+        not_finite = not_finite + (error - error)  # nan for inf and nan
+    return maximum(worst) + sum_of_lanes(not_finite)

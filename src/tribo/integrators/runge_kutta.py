@@ -92,7 +92,7 @@ def evaluate_stages(method, model, neighbours, clock, h, state, work):
     copy(state.power, work.powers[0])
     y = work.y
     for i in range(1, method.b.size):
-        combine(state.y, h, method.a[i], work.derivatives, y)
+        combine(state.y, h, method.a[i][:i], work.derivatives, y)
         derivative = work.derivatives[i]
         copy(y[n:], derivative[:n])
         evaluate_rates(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 from numba import config
@@ -11,6 +12,8 @@ from tribo.integrators.methods import Method
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.compiled import EntryPoint
 from tribo.kernels.records import BARS
+from tribo.kernels.simd import LANES
+from tribo.kernels.simd_arrays import room
 from tribo.kernels.status import COMPLETED, PAUSED
 from tribo.model.scene import Scene
 from tribo.pair.members import CODE, EVALUATIONS, STEPS
@@ -58,9 +61,13 @@ class ReusedLoop(GeneralLoop):
             setting = Tolerance(np.ones(2 * n), np.ones(accounts), 1.0, 1.0)
         super().__init__(layout, method, setting, layout.start, first_step)
         self._method, self._longest = method, first_step
+        numbers = room((sum(map(_size, _arrays_in((self.state, self._scratch)))),))
+        self.state, self._scratch = _moved((self.state, self._scratch), numbers)
         active = None if self._neighbours is None else self._neighbours.active
-        self._own = list(_arrays_in((self.clocks, self.state, self._scratch, active)))
+        self._own = [numbers, *_arrays_in((self.clocks, active))]
         self._fresh = [array.copy() for array in self._own]
+        n, kernels = layout.places.q, layout.room[0]
+        self._places = np.concatenate([n, kernels + n])
         examples = self._arguments(layout.times, self.room(1), 0)
         self._entry = EntryPoint(self.compiled, (layout.model,), examples)
 
@@ -68,7 +75,7 @@ class ReusedLoop(GeneralLoop):
         """Run members with a setting."""
         self._constants = (self._method.coefficients, in_blocks(setting, self.layout))
         if isinstance(setting, Tolerance):
-            clock = self._fresh[0]
+            clock = self._fresh[1]
             clock["h"] = first_step_at(setting, self._longest, self._method.order)
             clock["encounter_fraction"] = setting.encounter_fraction
 
@@ -77,8 +84,7 @@ class ReusedLoop(GeneralLoop):
         for array, fresh in zip(self._own, self._fresh, strict=True):
             array[...] = fresh
         self.forget_neighbours()
-        places, y = self.layout.places.q, self.state.y
-        y[places], y[y.size // 2 + places] = start[: places.size], start[places.size :]
+        self.state.y[self._places] = start
         if self._noise:
             self._noise = (np.random.default_rng([seed, 2]),)
 
@@ -159,6 +165,29 @@ class GeneralMembers:
             return self._idle.pop()
         except IndexError:
             return ReusedLoop(self._layout.scene, self._method, self._first_step)
+
+
+def _size(array: np.ndarray) -> int:
+    """Numbers that an array takes, to the end of a block."""
+    return -(-array.size // LANES) * LANES
+
+
+def _moved(item: Any, memory: np.ndarray) -> Any:
+    """Nested tuples whose arrays are parts of one array, which is restored at once."""
+    places = iter(np.cumsum([0, *map(_size, _arrays_in(item))]).tolist())
+
+    def move(one: Any) -> Any:
+        if isinstance(one, np.ndarray):
+            first = next(places)
+            new = memory[first : first + one.size].reshape(one.shape)
+            new[...] = one
+            return new
+        if isinstance(one, tuple):
+            parts = [move(each) for each in one]
+            return type(one)(*parts) if hasattr(one, "_fields") else tuple(parts)
+        return one
+
+    return move(item)
 
 
 def _arrays_in(item: object) -> Iterator[np.ndarray]:
