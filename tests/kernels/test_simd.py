@@ -39,6 +39,30 @@ def test_sine_and_cosine(size, near):
 
 
 @njit
+def _inverse_roots(x, out):
+    """1 / sqrt and sqrt of row 0 of `x`, and of its first half, into the rows of `out`."""
+    squares = simd_arrays.load(simd_arrays.rows_of(x), 0)
+    inverse, half = simd.inverse_root(squares), simd.inverse_root(simd.narrow(squares))
+    simd_arrays.store(simd_arrays.rows_of(out), 0, inverse)
+    simd_arrays.store(simd_arrays.rows_of(out), 1, 1.0 / inverse)
+    simd_arrays.store(simd_arrays.rows_of(out), 2, simd.widen(half))
+
+
+@pytest.mark.skipif(not simd.FAST_INVERSE_ROOTS, reason="the processor has no such instruction")
+def test_inverse_roots():
+    """To 1.2 ulp, over all magnitudes; their inverses are roots to 2 ulp."""
+    rng = np.random.default_rng(1)
+    out = np.empty((3, 8))
+    for _ in range(20_000):
+        x = rng.uniform(1.0, 4.0, (1, 8)) * 4.0 ** rng.integers(-490, 500, (1, 8))
+        _inverse_roots(x, out)
+        root = np.sqrt(x[0].astype(np.longdouble))
+        assert np.max(np.abs(out[0] * root - 1)) < 1.2 * 2.0**-52
+        assert np.max(np.abs(out[1] / root - 1)) < 2.0 * 2.0**-52
+        assert out[2, :4].tobytes() == out[0, :4].tobytes()
+
+
+@njit
 def _everything(x, out):
     """Each operation once."""
     rows, into = simd_arrays.rows_of(x), simd_arrays.rows_of(out)

@@ -15,12 +15,14 @@ from tribo.kernels.potential_in_lanes import force_in_lanes
 from tribo.kernels.python_callback import call_at
 from tribo.kernels.records import CHARGE, FX, FY, X, Y, Z
 from tribo.kernels.simd import (
+    FAST_INVERSE_ROOTS,
     LANES,
     NARROW,
     absolute,
     any_below,
     between_lanes,
     broadcast,
+    inverse_root,
     lane,
     narrow,
     seldom,
@@ -46,6 +48,15 @@ def separation(dx, dy, dz):
 
 
 @kernel
+def inverses_one_by_one(inverse, dx, dy, dz, low, high):
+    """Inverses of distances with those from `low` to `high` computed without underflow."""
+    for i in range(low, high):
+        r = separation(lane(dx, i), lane(dy, i), lane(dz, i))
+        inverse = with_lane(inverse, i, 1.0 / r)
+    return inverse
+
+
+@kernel
 def separations_one_by_one(r, dx, dy, dz, low, high):
     """The distances r with those from `low` to `high` computed without underflow."""
     for i in range(low, high):
@@ -55,9 +66,14 @@ def separations_one_by_one(r, dx, dy, dz, low, high):
 
 @inlined
 def separations(square, dx, dy, dz, low, high):
-    """The same of some pairs at once, of which those from `low` to `high` are wanted."""
+    """Distances and their inverses, of which those from `low` to `high` are wanted."""
     underflows = any_below(low, high, square, SQUARE_IS_SAFE)
-    return seldom(underflows, sqrt(square), separations_one_by_one, (dx, dy, dz, low, high))
+    vectors = dx, dy, dz, low, high
+    if FAST_INVERSE_ROOTS:
+        inverse = seldom(underflows, inverse_root(square), inverses_one_by_one, vectors)
+        return 1.0 / inverse, inverse
+    r = seldom(underflows, sqrt(square), separations_one_by_one, vectors)
+    return r, 1.0 / r
 
 
 @kernel
@@ -121,10 +137,10 @@ def differences(model, i, m):
 @inlined
 def over_distances(contact, square, dx, dy, dz, charge, others, low, high):
     """Forces over distances of the pairs from `low` to `high`, 0 elsewhere."""
-    r = separations(square, dx, dy, dz, low, high)
+    r, inverse = separations(square, dx, dy, dz, low, high)
     end = contact.potential.range()
     f = force_in_lanes(contact.potential, r, end, charge, others, low, high)
-    return between_lanes(low, high, where_less(r, end, f * (1.0 / r), 0.0), 0.0)
+    return between_lanes(low, high, where_less(square, end * end, f * inverse, 0.0), 0.0)
 
 
 @inlined

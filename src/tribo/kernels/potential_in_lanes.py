@@ -13,7 +13,7 @@ from numba.core.errors import TypingError
 from numba.extending import overload
 
 from tribo.kernels.numbers_in_lanes import numbers_at_lane
-from tribo.kernels.simd import LANES, LanesType, broadcast, lane, lanes, with_lane
+from tribo.kernels.simd import LANES, LanesType, broadcast, lane, lanes, spread_like, with_lane
 
 
 @functools.cache
@@ -72,7 +72,7 @@ def _force_in_lanes(potential, r, end, charge, others, low, high):
 
 
 def _one_by_one(potential, r, end, charge, others, low, high):
-    force = r
+    force = spread_like(r, 0.0)
     for i in range(low, high):
         if lane(r, i) < _lane_of(end, i):
             own = numbers_at_lane(potential, i)

@@ -14,7 +14,16 @@ from numba.extending import register_jitable
 from tribo.kernels.compiled import inlined
 from tribo.kernels.contact import separation
 from tribo.kernels.potential_in_lanes import force_in_lanes, range_in_lanes
-from tribo.kernels.simd import LANES, broadcast, lane, sqrt, where_less, with_lane
+from tribo.kernels.simd import (
+    FAST_INVERSE_ROOTS,
+    LANES,
+    broadcast,
+    inverse_root,
+    lane,
+    sqrt,
+    where_less,
+    with_lane,
+)
 from tribo.kernels.simd_functions import sine_cosine
 
 
@@ -56,11 +65,21 @@ class PairContact(NamedTuple):
 
 
 @inlined
-def force_over_distance(pair, potential, r, inverse):
-    """Contact force over distance; `inverse` is 1 / r."""
+def force_over_distance(pair, potential, square, r, inverse):
+    """Contact force over distance r, whose square and inverse are given."""
     cutoff = range_in_lanes(potential)
     force = force_in_lanes(potential, r, cutoff, pair.charge1, pair.charge2, 0, LANES) * inverse
-    return where_less(r, cutoff, force, 0.0)
+    return where_less(square, cutoff * cutoff, force, 0.0)
+
+
+@inlined
+def root_and_inverse(square):
+    """sqrt(square) and its inverse."""
+    if FAST_INVERSE_ROOTS:
+        inverse = inverse_root(square)
+        return 1.0 / inverse, inverse
+    r = sqrt(square)
+    return r, r * (1.0 / square)  # the quotient need not wait for the root
 
 
 @register_jitable(error_model="numpy", forceinline=True, _nrt=False)
@@ -91,8 +110,8 @@ def contact_of(pair, potential, t, k, sin1, cos1, sin2, cos2):
     """The contact force at eight times and directions of the rods."""
     dx, dy = bob_separation(pair, t, k, sin1, cos1, sin2, cos2)
     square = dx * dx + (dy * dy + pair.z_squared)
-    r = sqrt(square)
-    f = force_over_distance(pair, potential, r, r * (1.0 / square))
+    r, inverse = root_and_inverse(square)
+    f = force_over_distance(pair, potential, square, r, inverse)
     return PairContact(sin1, cos1, sin2, cos2, f * dx, f * dy, r)
 
 
