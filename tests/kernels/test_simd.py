@@ -63,6 +63,29 @@ def test_inverse_roots():
 
 
 @njit
+def _exponentials(x, out):
+    """Row 0 of `x` into that of `out`."""
+    powers = simd_functions.exponential(simd_arrays.load(simd_arrays.rows_of(x), 0))
+    simd_arrays.store(simd_arrays.rows_of(out), 0, powers)
+
+
+@pytest.mark.parametrize("size", [0.35, 30.0, 708.0])
+def test_exponentials(size):
+    """To 0.8 ulp; 0 where the result is not a normal number, and infinite above all of them."""
+    rng = np.random.default_rng(1)
+    out = np.empty((1, 8))
+    for _ in range(5000):
+        x = rng.uniform(-size, size, (1, 8))
+        _exponentials(x, out)
+        assert np.max(np.abs(out / np.exp(x.astype(np.longdouble)) - 1)) < 1.7e-16
+    ends = np.array([[-np.inf, -1e9, -708.4, -708.38, 709.78, 709.79, np.inf, np.nan]])
+    _exponentials(ends, out)
+    with np.errstate(over="ignore"):
+        expected = np.where(ends == -708.4, 0.0, np.exp(ends))
+    np.testing.assert_allclose(out, expected, rtol=1e-15)
+
+
+@njit
 def _everything(x, out):
     """Each operation once."""
     rows, into = simd_arrays.rows_of(x), simd_arrays.rows_of(out)

@@ -39,8 +39,10 @@ class Mie(NamedTuple):
 
     def force(self, r):
         """Force -dU/dr [energy / length], positive if it repels."""
-        n, m, s = self.n, self.m, self.sigma / r
-        return self.epsilon * n / (n - m) * (n / m) ** (m / (n - m)) * (n * s**n - m * s**m) / r
+        inverse = 1.0 / r  # loops over pairs compute it too
+        n, m, s = self.n, self.m, self.sigma * inverse
+        scale = self.epsilon * n / (n - m) * (n / m) ** (m / (n - m))
+        return scale * (n * s**n - m * s**m) * inverse
 
     def feature(self):
         """Length over which the force changes, and distance beyond which it is weak [length]."""

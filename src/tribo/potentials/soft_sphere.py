@@ -33,7 +33,8 @@ class SoftSphere(NamedTuple):
 
     def force(self, r):
         """Force -dU/dr [energy / length], positive if it repels."""
-        return self.n * self.epsilon * (self.sigma / r) ** self.n / r
+        inverse = 1.0 / r  # loops over pairs compute it too
+        return self.n * self.epsilon * (self.sigma * inverse) ** self.n * inverse
 
     def feature(self):
         """Length over which the force changes, and distance beyond which it is weak [length]."""
