@@ -4,7 +4,8 @@ Two square grids stand 1.2 apart, with spacing 2 and Lennard-Jones up to a cutof
 0.5.  Both programs get the same positions, cutoff, step and skin of the neighbour list, and
 rebuild the list when a bob has crossed half the skin.  In tribo the bobs are pendulums on bars that
 keep their velocity (forced, or driven bars where bobs of one surface interact too), in LAMMPS atoms
-that keep theirs.
+that keep theirs.  Both truncate the force at the cutoff; with --switch tribo's falls smoothly to
+zero there, which is what it does unless told otherwise, and takes a fifth more time.
 
 The measured steps hold whole periods between two rebuilds; compiling, setup and first lists are
 left out.  LAMMPS runs lj/cut/opt on one thread, lj/cut/omp on more.  The program prints nanoseconds
@@ -13,6 +14,7 @@ wait for one another, and on busy cores take many times as long.
 
     pip install -e ".[bench]"
     python benchmarks/lattice.py [--json] [--n 1000 10000] [--threads 1] [--within no] [--rigid]
+                                 [--switch]
 """
 
 import argparse
@@ -71,7 +73,14 @@ run {measured} pre no
 ACROSS_ONLY = "neigh_modify exclude type 1 1\nneigh_modify exclude type 2 2"
 
 
-def scene(asperites: int, within: bool, ledger: str, duration: float, rigid: bool) -> tribo.Scene:
+def scene(
+    asperites: int,
+    within: bool,
+    ledger: str,
+    duration: float,
+    rigid: bool,
+    at_cutoff: str = "truncate",
+) -> tribo.Scene:
     """Two grids of half the asperites each, with random heights of up to a tenth of sigma."""
     side = math.ceil((asperites / 2) ** 0.5)
     heights = np.random.default_rng(0).uniform(-0.1, 0.1, side * side)
@@ -83,7 +92,7 @@ def scene(asperites: int, within: bool, ledger: str, duration: float, rigid: boo
     }
     upper = tribo.Surface("upper", bob=(0.3, GAP), velocity=(SPEED, 0.0), heights=heights, **grid)
     lower = tribo.Surface("lower", facing="up", heights=-heights[::-1], **grid)
-    potential = tribo.with_cutoff(tribo.LennardJones(EPSILON, SIGMA), CUTOFF)
+    potential = tribo.with_cutoff(tribo.LennardJones(EPSILON, SIGMA), CUTOFF, at_cutoff)
     pairs = [("upper", "lower"), ("upper", "upper"), ("lower", "lower")]
     contacts = [tribo.Interaction(potential, pair) for pair in pairs[: 3 if within else 1]]
     output = tribo.Output(samples=2, ledger=ledger)
@@ -163,7 +172,7 @@ def run_lammps(folder: Path, threads: int) -> str:
 
 
 def measure(
-    asperites: int, threads: int, within: bool, ledgers: list[str], rigid: bool
+    asperites: int, threads: int, within: bool, ledgers: list[str], rigid: bool, at_cutoff: str
 ) -> list[dict[str, object]]:
     """One row for each ledger, with nanoseconds per asperite and step."""
     skin = lay_out(scene(1_000, within, "none", 1.0, False)).skin
@@ -178,7 +187,7 @@ def measure(
         for key, held in (("tribo_ns", False), ("rigid_ns", True))[: 2 if rigid else 1]:
 
             def build(duration, held=held, ledger=ledger):
-                return scene(asperites, within, ledger, duration, held)
+                return scene(asperites, within, ledger, duration, held, at_cutoff)
 
             row[key] = tribo_seconds(build, threads, steps) / unit
         rows.append(row | {"lammps_ns": theirs / unit, "rebuilds": rebuilds})
@@ -200,10 +209,12 @@ def main() -> None:
     )
     parser.add_argument("--ledgers", nargs="+", default=["none", "asperites"])
     parser.add_argument("--rigid", action="store_true", help="measure rigid asperites too")
+    parser.add_argument("--switch", action="store_true", help="a smooth end of tribo's forces")
     options = parser.parse_args()
-    rows = []
+    rows, at_cutoff = [], "switch" if options.switch else "truncate"
     for n, within, threads in itertools.product(options.n, options.within, options.threads):
-        for row in measure(n, threads, within == "yes", options.ledgers, options.rigid):
+        found = measure(n, threads, within == "yes", options.ledgers, options.rigid, at_cutoff)
+        for row in found:
             rows.append(row)
             if not options.json:
                 print(in_words(row), flush=True)
