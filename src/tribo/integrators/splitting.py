@@ -65,6 +65,7 @@ from tribo.kernels.team import (
     end_phase,
     finish_piece,
     next_piece,
+    next_rank,
     part_of,
     wait_for_piece,
 )
@@ -185,11 +186,11 @@ def share_phase(model, active, team, phase, t, tau, state, work):
     team.numbers[0] = t
     team.numbers[1] = tau
     begin_phase(team, phase, team.tiles.shape[0])
-    piece = next_piece(team)
+    piece = next_piece(team, 0)
     while piece >= 0:
         step_piece(model, active, team, piece, state, work)
         finish_piece(team)
-        piece = next_piece(team)
+        piece = next_piece(team, 0)
     end_phase(team)
 
 
@@ -216,14 +217,15 @@ def assist(model, neighbours, state, work):
 @kernel
 def assist_team(model, team, neighbours, state, work):
     """Compute pieces until the team is closed."""
-    piece = wait_for_piece(team)
+    rank = next_rank(team)
+    piece = wait_for_piece(team, rank)
     while piece >= 0:
         if team.counters[PHASE] <= REACTIONS:
             contact_piece(model, team, neighbours, piece)
         else:
             step_piece(model, active_of(neighbours), team, piece, state, work)
         finish_piece(team)
-        piece = wait_for_piece(team)
+        piece = wait_for_piece(team, rank)
 
 
 @kernel

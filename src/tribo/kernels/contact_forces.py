@@ -74,11 +74,11 @@ def share_contacts(model, team, contacts, first, neighbours):
 def share_phase(model, team, neighbours, phase, pieces):
     """Compute all pieces of a phase of contact, together with assistants."""
     begin_phase(team, phase, pieces)
-    piece = next_piece(team)
+    piece = next_piece(team, 0)
     while piece >= 0:
         contact_piece(model, team, neighbours, piece)
         finish_piece(team)
-        piece = next_piece(team)
+        piece = next_piece(team, 0)
     end_phase(team)
 
 

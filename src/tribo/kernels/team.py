@@ -6,8 +6,10 @@ for any number of threads.  The thread of the time loop begins a phase and takes
 is left; assistants take pieces too.  Then it waits for the pieces that assistants have taken.  None
 waits for an assistant that the operating system has stopped between two pieces.
 
-Pieces have tickets, which are numbered through all phases.  A thread takes the next ticket with a
-compare-and-swap; as long as its piece is not finished, the phase cannot change.
+Threads have ranks.  Each begins with the pieces of its own part of all, which are the same in every
+step, so that the numbers in it stay in the memory of its core; then it looks for pieces that others
+have left.  It takes a piece by a compare-and-swap of the last phase in which the piece was taken.
+As long as a piece is not finished, the phase cannot change.
 """
 
 import os
@@ -27,8 +29,13 @@ CONTACT, REACTIONS, DRIFT, KICK = range(4)
 
 # Places of the counters.  Those that threads write at the same time are in cache lines of their
 # own, of at most 16 numbers.
-TICKET, DONE, END, CLOSED, PHASE, FIRST, INTERACTION, PAIR = 0, 16, 32, 48, 49, 50, 51, 52
+WORK, DONE, CLOSED, PHASE, END, INTERACTION, PAIR, THREADS, RANK = 0, 16, 32, 33, 34, 35, 36, 37, 48
 COUNTERS = 64
+# Counter WORK is the number of phases so far times this, plus the pieces of the present one.
+MOST_PIECES = 1 << 20
+# Places in the row of a thread: the last phase that it saw, and how many of its pieces it tried.
+SEEN, TRIED = 0, 1
+OWN_NUMBERS = 16  # a cache line and the next one
 
 # Looks for work after which a waiting thread lets others have its core: about a microsecond.
 LOOKS = 200
@@ -37,7 +44,9 @@ LOOKS = 200
 class Team(NamedTuple):
     """What threads share, and how their work is divided."""
 
-    counters: np.ndarray  # (COUNTERS,): tickets taken, pieces finished, tickets there are, ...
+    counters: np.ndarray  # (COUNTERS,): the present phase, pieces finished, ...
+    taken: np.ndarray  # (pieces,) number of the last phase in which each piece was taken
+    ranks: np.ndarray  # (threads, OWN_NUMBERS) of each thread: SEEN and TRIED
     numbers: np.ndarray  # (2,) of the present phase: times
     tiles: np.ndarray  # (tiles, 3) surface, which of its tiles, and how many it has
     reach: np.ndarray  # (chunks, 2) columns first <= i < last of the reactions to each chunk
@@ -69,27 +78,25 @@ def _publish(typing_context, array, i, value):
 
 @intrinsic
 def _count(typing_context, array, i):
-    """Add one to element i, after all that was written before."""
+    """Add one to element i, after all that was written before; returns what it was."""
 
     def build(context, builder, sig, args):
         place = element(context, builder, sig.args[0], *args)
-        builder.atomic_rmw("add", place, ir.Constant(ir.IntType(64), 1), "acq_rel")
-        return context.get_dummy_value()
+        return builder.atomic_rmw("add", place, ir.Constant(ir.IntType(64), 1), "acq_rel")
 
-    return types.void(array, types.intp), build
+    return types.int64(array, types.intp), build
 
 
 @intrinsic
-def _claim(typing_context, array, i, value):
-    """Add one to element i if it is `value`; whether it was."""
+def _replace(typing_context, array, i, value, new):
+    """Set element i to `new` if it is `value`; whether it was."""
 
     def build(context, builder, sig, args):
         place = element(context, builder, sig.args[0], *args[:2])
-        more = builder.add(args[2], ir.Constant(ir.IntType(64), 1))
-        found = builder.cmpxchg(place, args[2], more, "acq_rel", "acquire")
+        found = builder.cmpxchg(place, *args[2:], "acq_rel", "acquire")
         return builder.extract_value(found, 1)
 
-    return types.boolean(array, types.intp, types.int64), build
+    return types.boolean(array, types.intp, types.int64, types.int64), build
 
 
 @intrinsic
@@ -110,20 +117,34 @@ def begin_phase(team, phase, pieces):
     """Offer the pieces of a phase to all threads; what else it needs is in place."""
     counters = team.counters
     counters[PHASE] = phase
-    counters[FIRST] = counters[END]
-    _publish(counters, END, counters[END] + pieces)
+    counters[END] += pieces
+    number = counters[WORK] // MOST_PIECES + 1
+    _publish(counters, WORK, number * MOST_PIECES + pieces)
 
 
 @kernel
-def next_piece(team):
+def next_piece(team, rank):
     """Take the next piece of the present phase; -1 where none is left."""
-    counters = team.counters
-    while True:
-        ticket = _load(counters, TICKET)
-        if ticket >= _load(counters, END):
-            return -1
-        if _claim(counters, TICKET, ticket):
-            return ticket - counters[FIRST]
+    work = _load(team.counters, WORK)
+    phase, pieces = work // MOST_PIECES, work % MOST_PIECES
+    own = team.ranks[rank]
+    if own[SEEN] != phase:
+        own[SEEN] = phase
+        own[TRIED] = 0
+    first = rank * pieces // team.counters[THREADS]
+    while own[TRIED] < pieces:
+        piece = (first + own[TRIED]) % pieces
+        own[TRIED] += 1
+        before = _load(team.taken, piece)
+        if before < phase and _replace(team.taken, piece, before, phase):
+            return piece
+    return -1
+
+
+@kernel
+def next_rank(team):
+    """The rank of an assistant; that of the time loop's own thread is 0."""
+    return _count(team.counters, RANK) + 1
 
 
 @kernel
@@ -144,11 +165,11 @@ def end_phase(team):
 
 
 @kernel
-def wait_for_piece(team):
+def wait_for_piece(team, rank):
     """The next piece of this phase or of a later one, for an assistant; -1 when it may leave."""
     looks = 0
     while True:
-        piece = next_piece(team)
+        piece = next_piece(team, rank)
         if piece >= 0:
             return piece
         if _load(team.counters, CLOSED) != 0:

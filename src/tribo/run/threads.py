@@ -16,7 +16,7 @@ from tribo.interrupts import held
 from tribo.kernels.records import Contact, Model
 from tribo.kernels.simd import LANES
 from tribo.kernels.simd_arrays import room
-from tribo.kernels.team import CLOSED, COUNTERS, Team
+from tribo.kernels.team import CLOSED, COUNTERS, OWN_NUMBERS, RANK, THREADS, Team
 from tribo.model.scene import Scene
 from tribo.validation import InputError, integer
 
@@ -111,11 +111,15 @@ def team_of(scene: Scene, model: Model, contacts: tuple[Contact, ...]) -> Team |
     if LANES * pairs < SHARED_PAIRS or config.DISABLE_JIT:  # type: ignore[attr-defined]
         return None
     chunks = min(max(max(counts) // ASPERITES_OF_CHUNK, 4), MOST_CHUNKS)
-    columns = model.asperites.shape[1]
+    columns, tiles = model.asperites.shape[1], tiles_of(model)
+    counters = np.zeros(COUNTERS, np.int64)
+    counters[THREADS] = 1
     return Team(
-        counters=np.zeros(COUNTERS, np.int64),
+        counters=counters,
+        taken=np.zeros(max(chunks, len(tiles)), np.int64),
+        ranks=np.zeros((TILES, OWN_NUMBERS), np.int64),
         numbers=np.zeros(2),
-        tiles=tiles_of(model),
+        tiles=tiles,
         reach=np.zeros((chunks, 2), np.int64),
         reactions=room((2 * chunks, columns)),
     )
@@ -124,6 +128,7 @@ def team_of(scene: Scene, model: Model, contacts: tuple[Contact, ...]) -> Team |
 def tiles_of(model: Model) -> np.ndarray:
     """Surface, place in it, and number of its tiles, for each tile.
 
+    They are in the order of their places, so that a part of them has the same part of each surface.
     Works that are summed over a surface are summed by one thread.
     """
     size = LANES * max(1, model.asperites.shape[1] // (TILES * LANES))
@@ -131,7 +136,7 @@ def tiles_of(model: Model) -> np.ndarray:
     for k, surface in enumerate(model.surfaces):
         parts = 1 if model.sums else -(-int(surface.stop - surface.start) // size)
         tiles += [(k, part, parts) for part in range(parts)]
-    return np.array(tiles, np.int64)
+    return np.array(sorted(tiles, key=lambda tile: (tile[1] + 0.5) / tile[2]), np.int64)
 
 
 @contextmanager
@@ -143,7 +148,7 @@ def assisted(team: Team | None, count: int, assist: Callable[[], Any]) -> Iterat
     if team is None or count == 0:
         yield
         return
-    team.counters[CLOSED] = 0
+    team.counters[[CLOSED, RANK, THREADS]] = 0, 0, 1 + count
     assistants = [threading.Thread(target=assist, daemon=True) for _ in range(count)]
     with held():
         try:
@@ -151,6 +156,6 @@ def assisted(team: Team | None, count: int, assist: Callable[[], Any]) -> Iterat
                 assistant.start()
             yield
         finally:
-            team.counters[CLOSED] = 1
+            team.counters[[CLOSED, THREADS]] = 1
             for assistant in assistants:
                 assistant.join()
