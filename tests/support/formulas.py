@@ -103,15 +103,17 @@ def errors() -> str:
     from tribo.integrators.linear_combinations import largest
 
     rng = np.random.default_rng(1)
-    weights, rates = rng.normal(size=4), rng.normal(size=(4, 3))
-    values = np.array([0.0, -1e10, 3e9])
-    tolerance = np.array([1e-3, 1e-6, 1e-6])
-    for component in range(3):
-        only = np.arange(3) == component
+    weights, rates = rng.normal(size=4), rng.normal(size=(4, 16))
+    values, tolerance = np.zeros(16), np.full(16, 1e-3)
+    values[1:3], tolerance[1:3] = (-1e10, 3e9), 1e-6
+    for component in (0, 1, 2, 15):
+        only = np.arange(16) == component
         found = largest(0.5, weights, rates * only, values, tolerance)
         unit = tolerance[component] + 2.0 * EPSILON * abs(values[component])
         if not np.isclose(found, 0.5 * abs(weights @ rates[:, component]) / unit, 1e-12):
             return f"component {component}"
+        if np.isfinite(largest(0.5, weights, np.where(only, np.inf, rates), values, tolerance)):
+            return f"infinite component {component}"
     return ""
 
 

@@ -244,7 +244,9 @@ def _descend(motion: _Accelerations, u: np.ndarray) -> tuple[np.ndarray, float]:
         longest = derivative.longest_step
         interval = interval or min(1.0 / max(derivative.largest, 1e-300), longest / residual)
         step = _implicit_step(derivative, found, interval)
-        step *= min(1.0, longest / np.max(np.abs(step)))
+        length = np.max(np.abs(step))
+        if length > longest:
+            step *= longest / length
         there = motion(u + step)
         close = residual <= ZERO * derivative.largest
         ended = residual <= NOTHING * derivative.largest
