@@ -38,7 +38,7 @@ from tribo.accuracy.levels import (
 from tribo.accuracy.scales import EPSILON
 from tribo.accuracy.search_runs import COARSE_RUNS, PILOT_LEVEL, Announce, SearchRuns
 from tribo.accuracy.stop_times import StopTimes
-from tribo.accuracy.tolerance_scales import first_guess, tolerance_scales
+from tribo.accuracy.tolerance_scales import ToleranceScales, first_guess, tolerance_scales
 from tribo.integrators.methods import Method
 from tribo.kernels.status import Status
 from tribo.run.integrate import Integration, Setting
@@ -181,6 +181,7 @@ class _Search:
         self.accuracy, self.wanted = accuracy, strictest(accuracy)
         self.count = SearchRuns(layout, method, attempt, announce)
         self.runs: list[Integration] = []
+        self.scales: ToleranceScales | None = None  # of the last of them, once they are measured
         self.rounds: list[_Round] = []
         self.amplification: float | None = None
         self.reached = np.inf  # the last level of a round that completed, or of the pilot
@@ -197,7 +198,7 @@ class _Search:
         """
         if not self.method.adaptive:
             return level
-        setting, pilot = self.count.pilot(self.stops.few)
+        setting, pilot, self.scales = self.count.pilot(self.stops.few)
         self.runs.append(pilot)
         if pilot.status in ABORTED:
             self.rounds.append(_Round(level, setting, setting, [pilot]))
@@ -249,10 +250,7 @@ class _Search:
 
     def run_round(self, level: float) -> bool:
         """A fine run, and two coarse ones at `level`; whether it was not too costly."""
-        layout, method = self.layout, self.method
-        scales = (
-            tolerance_scales(layout, self.runs[-1].samples) if self.runs else first_guess(layout)
-        )
+        layout, method, scales = self.layout, self.method, self._scales()
         finer = fine_level(method) * level
         near = NEAR * fine_level(method) ** (1.0 / method.order)
         coarse = setting_at(layout, method, scales, level)
@@ -272,6 +270,7 @@ class _Search:
             if last.stopped is None:
                 last.runs.insert(-1, self.count.run(coarse, times, level))
         self.runs.append(finest)
+        self.scales = None
         if last.stopped is None:
             self.reached = level
         return True
@@ -348,6 +347,12 @@ class _Search:
             near = [item for item in candidates if STALLED * item.excess <= least]
             return min(near, key=lambda item: item.level)
         return min(self.rounds, key=lambda item: item.level)
+
+    def _scales(self) -> ToleranceScales:
+        """Those of the last run, or without one a first guess."""
+        if self.scales is None and self.runs:
+            self.scales = tolerance_scales(self.layout, self.runs[-1].samples)
+        return self.scales or first_guess(self.layout)
 
     def _affords(self, further: float) -> bool:
         """Whether a round with `further` evaluations leaves the search cheap enough."""

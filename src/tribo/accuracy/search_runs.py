@@ -10,7 +10,7 @@ import numpy as np
 from tribo.accuracy.comparison import Attempt
 from tribo.accuracy.levels import equal_steps, fine_level, setting_at
 from tribo.accuracy.run_time import evaluation_time, rate_of
-from tribo.accuracy.tolerance_scales import first_guess, tolerance_scales
+from tribo.accuracy.tolerance_scales import ToleranceScales, first_guess, tolerance_scales
 from tribo.integrators.methods import Method
 from tribo.kernels.status import Status
 from tribo.run.integrate import Integration, Setting
@@ -70,8 +70,10 @@ class SearchRuns:
         """Wall time since the start of the search [s]."""
         return time.perf_counter() - self._began
 
-    def pilot(self, times: np.ndarray) -> tuple[Setting, Integration]:
-        """A run whose tolerances resolve the energies and rates that it finds, and its setting.
+    def pilot(self, times: np.ndarray) -> tuple[Setting, Integration, ToleranceScales]:
+        """A run whose tolerances resolve the energies and rates that it finds.
+
+        Returns its setting, the run, and the scales that it finds.
 
         Those below the tolerances of a run are its errors, such as oscillations of a stiff pendulum
         that feels no force yet; the next run has tolerances relative to them.
@@ -85,7 +87,7 @@ class SearchRuns:
             if run.status != Status.COMPLETED or resolved:
                 break
             scales = found
-        return setting, run
+        return setting, run, found
 
     def expected(self, level: float) -> float:
         """Evaluations of a run at a level, by those of the last one and the order of the method."""

@@ -299,7 +299,7 @@ def coordinates(scene: Scene) -> dict[str, int]:
         return sum(surface.count for surface, yes in pairs if yes)
 
     baths = [s.count * (2 * s.bath.masses.size + s.bath.inertias.size) for s in scene.surfaces]
-    kappa = [s.asperite.for_each(s.count)["kappa"] for s in scene.surfaces]
+    kappa = [s.each["kappa"] for s in scene.surfaces]
     return {
         "swings": int(np.count_nonzero(np.isfinite(np.concatenate(kappa)))),
         "bars": on([s.bars != "clamped" for s in scene.surfaces]),

@@ -59,7 +59,7 @@ def to_ase(result: Result, symbols: Mapping[str, str] | None = None) -> list[Ato
     joined = [np.concatenate(parts[point], axis=1) for point in POINTS]
     positions, velocities = np.split(np.concatenate(joined, axis=1), 2, axis=2)
     forces, charges = _contact_forces(result, joined[0][:, :, :3])
-    values = [s.asperite.for_each(s.count) for s in surfaces]
+    values = [s.each for s in surfaces]
     tags = np.concatenate([np.full(s.count, k) for k, s in enumerate(surfaces)])
     masses = np.concatenate([value[mass] for mass in POINTS.values() for value in values])
     angles = {

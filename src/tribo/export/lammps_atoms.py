@@ -65,7 +65,7 @@ def atoms_of(scene: Scene) -> Atoms:
     bonds, stiffness, constant = [], [], []
     first = 0
     for index, surface in enumerate(scene.surfaces):
-        each = surface.asperite.for_each(surface.count)
+        each = surface.each
         numbers, own = _kinds(surface, index, each["mass"])
         kind_of_each.append(len(kinds) + numbers)
         kinds += own
@@ -102,7 +102,7 @@ def _kinds(surface: Surface, index: int, masses: np.ndarray) -> tuple[np.ndarray
 def _start(scene: Scene, index: int) -> tuple[np.ndarray, np.ndarray]:
     """(n, 3) bobs at t = 0, and (n, 2) displacements of the bars from rest [length]."""
     surface = scene.surfaces[index]
-    each, bobs = surface.asperite.for_each(surface.count), _resting(scene, index)
+    each, bobs = surface.each, _resting(scene, index)
     phi, swing = surface.initial.for_each(surface.count)["phi"], surface.initial_swing
     if swing is None:
         swing = np.zeros(surface.count) if phi is None else phi

@@ -75,7 +75,7 @@ def omitted_effects(scene: Scene, surface: Surface) -> list[str]:
 
 
 def _has_unequal_masses(surface: Surface) -> bool:
-    return bool(np.ptp(surface.asperite.for_each(surface.count)["mass"]) > 0.0)
+    return bool(np.ptp(surface.each["mass"]) > 0.0)
 
 
 def omitted_fields(scene: Scene) -> list[str]:

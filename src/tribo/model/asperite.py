@@ -110,9 +110,8 @@ class Asperite(ComparedByValue):
         from the centre of mass), and `inertia` I = m1 l1^2 + m2 l2^2.
         """
         each = {f.name: broadcast(f.name, getattr(self, f.name), count) for f in fields(self)}
-        m1, m2, length = each["m1"], each["m2"], each["length"]
-        each["mass"] = m1 + m2
-        each["l1"] = length * m2 / each["mass"]
-        each["l2"] = length * m1 / each["mass"]
-        each["inertia"] = m1 * each["l1"] ** 2 + m2 * each["l2"] ** 2
-        return each
+        m1, m2 = self.m1, self.m2
+        mass = m1 + m2
+        l1, l2 = self.length * m2 / mass, self.length * m1 / mass
+        derived = {"mass": mass, "l1": l1, "l2": l2, "inertia": m1 * l1**2 + m2 * l2**2}
+        return each | {name: broadcast(name, value, count) for name, value in derived.items()}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
@@ -269,6 +270,11 @@ class Surface(ComparedByValue):
     def count(self) -> int:
         """Number of asperites."""
         return len(self.positions) if self.positions is not None else self.shape[0] * self.shape[1]
+
+    @cached_property
+    def each(self) -> dict[str, np.ndarray]:
+        """The parameters of each asperite; see :meth:`Asperite.for_each`."""
+        return self.asperite.for_each(self.count)
 
     @property
     def rest(self) -> float:

@@ -127,7 +127,7 @@ def _asperites(result: Result, surface: Surface, t: float) -> list[AsperiteGeome
         return cm + np.stack([cos * x - sin * y, sin * x + cos * y], axis=1)
 
     bob, bar = rigidly("bob"), rigidly("bar")
-    bar_length = surface.asperite.for_each(surface.count)["bar_length"]
+    bar_length = surface.each["bar_length"]
     depth = surface.resting_bobs()[:, 2]
     return [
         AsperiteGeometry(

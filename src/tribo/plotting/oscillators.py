@@ -59,12 +59,12 @@ def _with_bath(result: Result) -> list[Surface]:
 
 def _rod(surface: Surface) -> float:
     """The median length of the rods of a surface."""
-    return float(np.median(surface.asperite.for_each(surface.count)["length"]))
+    return float(np.median(surface.each["length"]))
 
 
 def _dots(result: Result, surface: Surface, samples: np.ndarray, factor: float) -> np.ndarray:
     """The dots of one surface."""
-    values = surface.asperite.for_each(surface.count)
+    values = surface.each
     order = np.argsort(surface.bath.frequencies, kind="stable")
     shown = order[np.unique(np.linspace(0, order.size - 1, MOST).round().astype(int))]
     displacements = result.oscillators(surface.name)[samples][:, :, shown]

@@ -107,7 +107,7 @@ def _pose(result: Result, surface: Surface, sample: int) -> tuple[np.ndarray, ..
         for point in ("bar", "bob")
     )
     phi = series["phi"][sample]
-    half = 0.5 * surface.asperite.for_each(surface.count)["bar_length"][:, None]
+    half = 0.5 * surface.each["bar_length"][:, None]
     half = half * np.stack([np.cos(phi), np.sin(phi)], axis=1)
     ends = np.stack([bars - half, bars + half], axis=1)
     return bars, bobs, ends, series["theta"][sample] - surface.rest - phi
@@ -138,7 +138,7 @@ class Picture:
         self._bath = bath
         surfaces = result.scene.surfaces
         facing = np.concatenate([[s.facing] * s.count for s in surfaces])
-        rods = np.concatenate([s.asperite.for_each(s.count)["length"] for s in surfaces])
+        rods = np.concatenate([s.each["length"] for s in surfaces])
         self._is_detailed = facing.size <= MOST_DETAILED
         size = float(np.median(rods)) * scale
         marks: dict[str, Any] = {"linewidth": 0.5, "edgecolors": INK, "color": BOB_COLOUR}

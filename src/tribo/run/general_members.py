@@ -66,8 +66,8 @@ class ReusedLoop(GeneralLoop):
         active = None if self._neighbours is None else self._neighbours.active
         self._own = [numbers, *_arrays_in((self.clocks, active))]
         self._fresh = [array.copy() for array in self._own]
-        n, kernels = layout.places.q, layout.room[0]
-        self._places = np.concatenate([n, kernels + n])
+        q, coordinates = layout.places.q, layout.room[0]
+        self._places = np.concatenate([q, coordinates + q])
         examples = self._arguments(layout.times, self.room(1), 0)
         self._entry = EntryPoint(self.compiled, (layout.model,), examples)
 

@@ -81,7 +81,7 @@ def _constants(scene: Scene, asperites: np.ndarray, columns: np.ndarray, count: 
     mobility = table[records.INVERSE_INERTIA, columns]
     mobility += np.where(turning, 1.0 / asperites["i2"], 0.0)
     table[records.FREQUENCY, columns] = np.sqrt(asperites["kappa"] * mobility)
-    every = [s.asperite.for_each(s.count)["charge"] for s in scene.surfaces]
+    every = [s.each["charge"] for s in scene.surfaces]
     table[records.CHARGE, columns] = np.concatenate(every)
     depths = [resting_bobs(scene, k)[:, 2] for k in range(len(scene.surfaces))]
     table[records.Z, columns] = np.concatenate(depths)

@@ -193,7 +193,7 @@ def _on_baths(scene: Scene) -> list[str]:
     for surface in scene.surfaces:
         if surface.bath.spectrum is None:
             continue
-        each = surface.asperite.for_each(surface.count)
+        each = surface.each
         stiffness = 0.0 if surface.asperite.is_rigid else each["kappa"]
         frequency = float(np.max(np.sqrt(stiffness / each["inertia"])))
         until = valid_until(surface.bath.spectrum, float(np.min(each["mass"])), frequency)

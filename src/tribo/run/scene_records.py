@@ -36,9 +36,7 @@ def resting_bobs(scene: Scene, index: int) -> np.ndarray:
 
 def _fill_asperites(asperites: np.ndarray, scene: Scene, index: int) -> None:
     surface, first = scene.surfaces[index], scene.surfaces[0]
-    fill_parameters(
-        asperites, surface, surface.asperite.for_each(surface.count), resting_bobs(scene, index)
-    )
+    fill_parameters(asperites, surface, surface.each, resting_bobs(scene, index))
     asperites["facing"] = surface.facing_sign
     asperites["vx"] = surface.velocity[0] - first.velocity[0]
     asperites["vy"] = surface.velocity[1] - first.velocity[1]

@@ -132,10 +132,7 @@ def _number_accounts(scene: Scene, surfaces: np.ndarray, stop: int) -> int:
         "acc_drive": np.isin(surfaces["drive"], (RIGID, PULLED, CUSTOM, BARS, PUSHED))
         | (surfaces["loaded"] == 1)
         | (sums & np.array([np.ptp(arm_ratios(s)) > 0.0 for s in own])),
-        "acc_ends": [
-            s.bars == "clamped" and bool(np.any(s.asperite.for_each(s.count)["kappa"] > 0.0))
-            for s in own
-        ],
+        "acc_ends": [s.bars == "clamped" and bool(np.any(s.each["kappa"] > 0.0)) for s in own],
         "acc_user_ends": [isinstance(s.bars, Ends) for s in own],
         "acc_internal": [
             bool(s.springs)
@@ -172,7 +169,7 @@ def without_accounts(asperites: np.ndarray) -> None:
 
 def arm_ratios(surface: Surface) -> np.ndarray:
     """l2 / l1 of each asperite."""
-    each = surface.asperite.for_each(surface.count)
+    each = surface.each
     return np.asarray(each["l2"] / each["l1"])
 
 

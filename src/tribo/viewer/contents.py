@@ -106,7 +106,7 @@ def _drawn(result: Result, surface: Surface, frames: np.ndarray) -> dict[str, An
             f"a page needs the places of asperites at every sample; of {len(result.t)} samples of "
             f"{result.scene.count} asperites only the first and the last are kept: give fewer",
         )
-    values = surface.asperite.for_each(surface.count)
+    values = surface.each
     places = np.stack([table[name][frames] for name in PLACES], axis=-1)
     return {
         "name": surface.name,
