@@ -134,6 +134,25 @@ def test_statuses(monkeypatch):
         sweep(scene, {"interaction.strength": [2.0]})
 
 
+def test_figure_of_means_over_seeds():
+    """Seeds are samples of which the mean and Student's interval are drawn."""
+    rng = np.random.default_rng(1)
+    drawn = rng.normal(size=(3, 5))
+    keys = {"upper.drive.load": [0.1, 0.2, 0.4], "seed": np.arange(5)}
+    status = (tuple(keys), np.full((3, 5), "completed"))
+    variables = {"status": status, "upper.W": (tuple(keys), drawn)}
+    data = xarray.Dataset(variables, keys)
+    ax = sweep_lines(data, "upper.W")
+    (line,) = ax.containers
+    assert np.allclose(line.lines[0].get_ydata(), drawn.mean(axis=1))
+    (bars,) = line.lines[2]
+    ends = np.array([segment[:, 1] for segment in bars.get_segments()])
+    half_width = stats.t.ppf(0.975, 4) * stats.sem(drawn, axis=1)
+    np.testing.assert_allclose(ends[:, 1] - ends[:, 0], 2.0 * half_width)
+    assert ax.get_title() == "bars: 95 % interval of the mean over seeds"
+    assert len(sweep_lines(data, "upper.W", against="seed").containers) == 3
+
+
 @pytest.mark.parametrize(
     ("values", "options", "field", "problem"),
     [

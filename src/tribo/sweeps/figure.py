@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tribo.ensembles.intervals import interval
 from tribo.plotting import WIDE, drawing_on
 from tribo.plotting.comparison import DASHES
 from tribo.validation import InputError, must_be
@@ -25,12 +26,16 @@ BARS = {
     "_time_half_width": "95 % interval of the average over time",
     "_error": "error estimate",
 }
+# The key whose values are samples.
+SEED = "seed"
 
 
 def sweep_lines(
     data: xarray.Dataset, name: str, against: str | None = None, ax: Axes | None = None
 ) -> Axes:
     """Draw a quantity against one key, with error bars and a line for each value of the others.
+
+    Seeds are samples: of points that differ in nothing else, the mean and its interval are drawn.
 
     Parameters
     ----------
@@ -60,22 +65,35 @@ def sweep_lines(
     key = keys[0] if against is None else against
     if key not in keys:
         raise must_be("against", f"one of {', '.join(keys)}", against)
-    others = [other for other in keys if other != key]
+    drawn, bars, meaning = _points(data, name, averaged=key != SEED)
+    others = [other for other in keys if other != key and other in drawn.dims]
     lines = list(product(*(range(data.sizes[other]) for other in others)))
     if len(lines) > MOST_LINES:
         raise InputError("data", f"has {len(lines)} lines; select values with data.sel or isel")
-    drawn = data[f"{name}_mean" if f"{name}_mean" in data else name]
-    ending = next((end for end in BARS if f"{name}{end}" in data), None)
     with drawing_on(ax, WIDE, 0.55 * WIDE) as ax:
         for number, places in enumerate(lines):
             at = dict(zip(others, places, strict=True))
-            bars = None if ending is None else data[f"{name}{ending}"].isel(at).values
+            half = None if bars is None else bars.isel(at).values
             label = ", ".join(f"{other} = {data[other].values[at[other]]}" for other in others)
             how: Any = {"marker": "o", "markersize": 3.0, "capsize": 2.0, "linewidth": 1.0}
             how["linestyle"] = DASHES[number % len(DASHES)]
-            ax.errorbar(_places(data, key), drawn.isel(at).values, bars, label=label, **how)
-        _label(ax, data, key, name, others, ending)
+            ax.errorbar(_places(data, key), drawn.isel(at).values, half, label=label, **how)
+        _label(ax, data, key, name, others, meaning)
     return ax
+
+
+def _points(
+    data: xarray.Dataset, name: str, averaged: bool
+) -> tuple[xarray.DataArray, xarray.DataArray | None, str]:
+    """What is drawn, its error bars, and what these show; `averaged` over seeds or not."""
+    drawn = data[f"{name}_mean" if f"{name}_mean" in data else name]
+    if averaged and data.sizes.get(SEED, 0) > 1:
+        found = interval(drawn.transpose(SEED, ...).values)
+        one = drawn.isel({SEED: 0})
+        meaning = "95 % interval of the mean over seeds"
+        return one.copy(data=found.mean), one.copy(data=found.half_width), meaning
+    ending = next((end for end in BARS if f"{name}{end}" in data), None)
+    return (drawn, None, "") if ending is None else (drawn, data[f"{name}{ending}"], BARS[ending])
 
 
 def quantities(data: xarray.Dataset) -> list[str]:
@@ -98,15 +116,14 @@ def _places(data: xarray.Dataset, key: str) -> np.ndarray:
 
 
 def _label(
-    ax: Axes, data: xarray.Dataset, key: str, name: str, others: list[str], ending: str | None
+    ax: Axes, data: xarray.Dataset, key: str, name: str, others: list[str], meaning: str
 ) -> None:
     """Names of the axes, the words of a key, and what lines and bars are."""
-    ax.set(xlabel=key, ylabel=f"{name} at the end")
-    if ending == "_time_half_width" or name.endswith(".friction_force"):
-        ax.set_ylabel(name)
+    at_end = "" if name.endswith(".friction_force") else " at the end"
+    ax.set(xlabel=key, ylabel=f"{name}{at_end}")
     if data[key].values.dtype.kind not in "fiu":
         ax.set_xticks(_places(data, key), [str(value) for value in data[key].values])
-    title = None if ending is None else f"bars: {BARS[ending]}"
+    title = f"bars: {meaning}" if meaning else None
     if others:
         above: Any = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "ncols": COLUMNS}
         ax.legend(frameon=False, title=title, title_fontsize="small", fontsize="small", **above)
