@@ -156,6 +156,6 @@ def assisted(team: Team | None, count: int, assist: Callable[[], Any]) -> Iterat
                 assistant.start()
             yield
         finally:
-            team.counters[[CLOSED, THREADS]] = 1
+            team.counters[CLOSED] = 1
             for assistant in assistants:
                 assistant.join()
