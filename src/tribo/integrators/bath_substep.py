@@ -60,7 +60,7 @@ def push_bars(model, s, i, px, py, v, accounts, slot):
     stride = s.account_stride
     k = place_of(s, slot, i)
     swept = along * (omega + 0.5 * change)
-    pivot = pivot_lengths(model.pivots, i)
+    pivot = pivot_lengths(model.pivots, s, i)
     add_block(accounts, k, px)
     add_block(accounts, k + stride, py)
     add_block(accounts, k + 2 * stride, 0.0 - (block(a[L2], i) + pivot) * swept)

@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from tribo.integrators.rotations import changes, rotation
-from tribo.kernels.blocks import coordinates, is_fixed
+from tribo.kernels.blocks import column_of_constants, coordinates, is_fixed, keeps_velocity
 from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.equations_of_motion import place_block
 from tribo.kernels.kinematics import end_force, rotational_power
@@ -37,16 +37,21 @@ WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18.0
 
 
 @inlined
-def add_end_impulses(model, s, i, impulse, vx, vy, accounts):
+def add_end_impulses(model, s, i, impulse, v, accounts):
     """Add the impulse on the ends of clamped bars at rest, and its pseudowork."""
     a = model.asperites
-    sin = block(a[SIN_PHI], i)
-    x, y = end_force(impulse, block(a[INVERSE_BAR_LENGTH], i), sin, block(a[COS_PHI], i))
+    c = column_of_constants(s, i)
+    sin = block(a[SIN_PHI], c)
+    x, y = end_force(impulse, block(a[INVERSE_BAR_LENGTH], c), sin, block(a[COS_PHI], c))
     stride = s.account_stride
     k = place_of(s, s.acc_ends + 2 * stride, i)
-    add_block(accounts, k, x)
+    # Memory limits the steps of large scenes, so accounts that stay zero are left alone.
+    if s.tilted:
+        add_block(accounts, k, x)
     add_block(accounts, k + stride, y)
-    add_block(accounts, k + 2 * stride, x * vx + y * vy)
+    if not keeps_velocity(s):
+        vx, vy = coordinates(s.dof_x, s, i, v), coordinates(s.dof_y, s, i, v)
+        add_block(accounts, k + 2 * stride, x * vx + y * vy)
 
 
 @kernel
@@ -60,17 +65,18 @@ def settle_end_works(model, q, accounts, arcs):
         s = model.surfaces[k]
         if s.acc_ends >= 0 and s.turning == 0:
             for i in range(s.start, s.stop, LANES):
-                twist = block(q, i) - block(a[PHI_START], i)
+                c = column_of_constants(s, i)
+                twist = block(q, i) - block(a[PHI_START], c)
                 sin, cos = sine_cosine(twist)
                 arc = sin - twist * cos
-                force = block(a[KAPPA], i) / block(a[BAR_LENGTH], i)
+                force = block(a[KAPPA], c) / block(a[BAR_LENGTH], c)
                 swept = s.facing * force * (arc - block(arcs, i))
-                work = lever_of_bar(model, model.pivots, i) * swept
+                work = lever_of_bar(model, model.pivots, s, i) * swept
                 m = place_of(s, s.acc_ends, i)
                 stride = s.account_stride
                 add_block(accounts, m, -work)
                 add_block(accounts, m + stride, work)
-                add_block(accounts, m + 4 * stride, pivot_lengths(model.pivots, i) * swept)
+                add_block(accounts, m + 4 * stride, pivot_lengths(model.pivots, s, i) * swept)
                 set_block(arcs, i, arc)
 
 
@@ -78,9 +84,10 @@ def settle_end_works(model, q, accounts, arcs):
 def add_turning_end_works(model, s, i, twist, rate, impulse, t, tau, vx, vy, accounts):
     """Add the works of the ends where clamped bars turn, by Gauss-Legendre quadrature."""
     a = model.asperites
-    stiffness = block(a[KAPPA], i)
-    inverse_length = block(a[INVERSE_BAR_LENGTH], i)
-    nu = block(a[NU_START], i)
+    c = column_of_constants(s, i)
+    stiffness = block(a[KAPPA], c)
+    inverse_length = block(a[INVERSE_BAR_LENGTH], c)
+    nu = block(a[NU_START], c)
     stride = s.account_stride
     k = place_of(s, s.acc_ends, i)
     turning = 0.5 * nu * impulse
@@ -88,23 +95,23 @@ def add_turning_end_works(model, s, i, twist, rate, impulse, t, tau, vx, vy, acc
     add_block(accounts, k + stride, -turning)
     for m in range(NODES.size):
         weight = WEIGHTS[m] * tau
-        turn = rotation(block(a[FREQUENCY], i), NODES[m] * tau)
+        turn = rotation(block(a[FREQUENCY], c), NODES[m] * tau)
         change, change_of_rate = changes(twist, rate, turn)
         now = twist + change
         now_rate = rate + change_of_rate
-        phi = block(a[PHI_START], i) + nu * (t + NODES[m] * tau)
+        phi = block(a[PHI_START], c) + nu * (t + NODES[m] * tau)
         sin, cos = sine_cosine(phi)
         x, y = end_force(stiffness * now, inverse_length, sin, cos)
         sin, cos = sine_cosine(now + phi)
         tx = s.facing * cos
         ty = s.facing * sin
         swept = weight * rotational_power(1.0, now_rate + nu, tx, ty, x, y)
-        with_bar = -lever_of_bar(model, model.pivots, i) * swept
+        with_bar = -lever_of_bar(model, model.pivots, s, i) * swept
         add_block(accounts, k, with_bar)
         add_block(accounts, k + stride, -with_bar)
         add_block(accounts, k + 2 * stride, weight * x)
         add_block(accounts, k + 3 * stride, weight * y)
-        pseudowork = weight * (x * vx + y * vy) + pivot_lengths(model.pivots, i) * swept
+        pseudowork = weight * (x * vx + y * vy) + pivot_lengths(model.pivots, s, i) * swept
         add_block(accounts, k + 4 * stride, pseudowork)
 
 
@@ -115,10 +122,11 @@ def drift_clamped(model, s, i, t, tau, q, v, turn):
     Returns the new swings; twist, its rate, and the change of the rate.
     """
     a = model.asperites
-    nu = block(a[NU_START], i)
+    c = column_of_constants(s, i)
+    nu = block(a[NU_START], c)
     old = block(q, i)
     omega = block(v, i)
-    twist = old - (block(a[PHI_START], i) + nu * t)
+    twist = old - (block(a[PHI_START], c) + nu * t)
     rate = omega - nu
     change, change_of_rate = changes(twist, rate, turn)
     now = old + (change + nu * tau)
@@ -131,14 +139,13 @@ def drift_clamped(model, s, i, t, tau, q, v, turn):
 def add_end_works(model, turning, s, i, twists, t, tau, v, accounts):
     """Add impulses of the ends of clamped bars in a drift, and works where they turn."""
     twist, rate, change_of_rate = twists
-    impulse = 0.0 - block(model.asperites[INERTIA], i) * change_of_rate
-    vx = coordinates(s.dof_x, s, i, v)
-    vy = coordinates(s.dof_y, s, i, v)
+    impulse = 0.0 - block(model.asperites[INERTIA], column_of_constants(s, i)) * change_of_rate
     if turning is None:
-        add_end_impulses(model, s, i, impulse, vx, vy, accounts)
+        add_end_impulses(model, s, i, impulse, v, accounts)
     elif s.turning == 0:
-        add_end_impulses(model, s, i, impulse, vx, vy, accounts)
+        add_end_impulses(model, s, i, impulse, v, accounts)
     else:
+        vx, vy = coordinates(s.dof_x, s, i, v), coordinates(s.dof_y, s, i, v)
         add_turning_end_works(model, s, i, twist, rate, impulse, t, tau, vx, vy, accounts)
 
 
@@ -150,8 +157,9 @@ def drift_free(model, s, i, tau, q, v, turn):
     phi = block(q, k)
     omega = block(v, i)
     nu = block(v, k)
-    inertia = block(model.asperites[INERTIA], i)
-    i2 = block(model.asperites[I2], i)
+    c = column_of_constants(s, i)
+    inertia = block(model.asperites[INERTIA], c)
+    i2 = block(model.asperites[I2], c)
     change, change_of_rate = changes(swing - phi, omega - nu, turn)
     share = i2 / (inertia + i2)
     mean = (inertia * omega + i2 * nu) / (inertia + i2)
@@ -166,8 +174,8 @@ def drift_free(model, s, i, tau, q, v, turn):
 @inlined
 def move(slot, s, i, tau, q, v):
     """Move a block's coordinates from `slot` on at their velocities; returns them, 0 without."""
-    if slot < 0:
-        return broadcast(0.0)
+    if slot < 0 or keeps_velocity(s):
+        return coordinates(slot, s, i, q)
     k = slot + i - s.start
     now = block(q, k) + tau * block(v, k)
     set_block(q, k, now)

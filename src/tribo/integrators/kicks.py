@@ -10,16 +10,20 @@ from tribo.kernels.blocks import (
     all_coordinates,
     column_of,
     first_block,
+    is_fixed,
+    keeps_velocity,
     last_block,
     set_all,
+    set_coordinates,
+    set_vectors,
     vectors,
 )
 from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.equations_of_motion import (
     accelerate,
     accelerations,
-    drive_block,
     drive_forces,
+    drive_of_block,
 )
 from tribo.kernels.powers import Powers, powers_of_block, shared_powers
 from tribo.kernels.simd import broadcast
@@ -86,33 +90,43 @@ def if_alike(substep, drives, ends):
 
 @inlined
 def drive_in_kick(model, drives, s, i, t, q):
-    """f2 on a block of bars, which is already in place where there are plug-ins."""
-    if drives is None:
-        return drive_block(model, s, i, t, q)
-    return vectors(model.drive, i)
+    """f2 on a block of bars, which is already in place where there are plug-ins.
+
+    It is kept where powers are computed from it.
+    """
+    if drives is not None:
+        return vectors(model.drive, i)
+    x, y = drive_of_block(model, s, i, t, q)
+    if s.acc_drive >= 0 or s.acc_block >= 0 or is_fixed(model.fixed, s):
+        set_vectors(model.drive, i, x, y)
+    return x, y
 
 
 @inlined
-def kick_slot(slot, s, i, change, v, middle):
+def kick_slot(slot, s, i, change, v):
     """Change a block's velocities from `slot` on; returns them in the middle, 0 without."""
     if slot < 0:
         return broadcast(0.0)
     k = slot + i - s.start
     old = block(v, k)
-    between = old + 0.5 * change
     set_block(v, k, old + change)
-    set_block(middle, k, between)
-    return between
+    return old + 0.5 * change
 
 
 @inlined
 def kick_block(model, s, i, t, tau, q, v, middle, accounts, acceleration):
     """Kick a block of asperites, and add works at the mid-kick velocities."""
     swing, phi, x, y = acceleration
-    omega = kick_slot(s.start, s, i, tau * swing, v, middle)
-    nu = kick_slot(s.dof_phi, s, i, tau * phi, v, middle)
-    vx = kick_slot(s.dof_x, s, i, tau * x, v, middle)
-    vy = kick_slot(s.dof_y, s, i, tau * y, v, middle)
+    omega = kick_slot(s.start, s, i, tau * swing, v)
+    nu = kick_slot(s.dof_phi, s, i, tau * phi, v)
+    vx = broadcast(0.0)
+    vy = broadcast(0.0)
+    if not keeps_velocity(s):
+        vx = kick_slot(s.dof_x, s, i, tau * x, v)
+        vy = kick_slot(s.dof_y, s, i, tau * y, v)
+    if s.acc_block >= 0:
+        set_coordinates(s.dof_x, s, i, middle, vx)
+        set_coordinates(s.dof_y, s, i, middle, vy)
     power = Powers(accounts, model.sums, tau)
     powers_of_block(model, model.ledger, s, i, 0.0, t, q, (omega, nu, vx, vy), power)
 

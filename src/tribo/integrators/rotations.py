@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tribo.kernels.blocks import column_of
+from tribo.kernels.blocks import column_of, first_block, last_block, selected_at
 from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.records import FREQUENCY
 from tribo.kernels.simd import LANES, where_less
@@ -51,16 +51,20 @@ def set_rotations(frequencies, tau, rotations):
 @kernel
 def set_active_rotations(model, active, tau, rotations):
     """The same of pendulums in active blocks; the time of their selection is kept as well."""
-    if active is None:
-        set_rotations(model.asperites[FREQUENCY], tau, rotations)
-        return
-    last = model.asperites.shape[1]
-    if rotations[0, last] == tau and rotations[0, last + 1] == active.selected[0]:
+    frequencies = model.asperites[FREQUENCY]
+    last = frequencies.size
+    selected = selected_at(active)
+    if rotations[0, last] == tau and rotations[0, last + 1] == selected:
         return
     rotations[0, last] = tau
-    rotations[0, last + 1] = active.selected[0]
-    for n in range(active.first[model.surfaces.shape[0]]):
-        set_rotation(model.asperites[FREQUENCY], column_of(active, n), tau, rotations)
+    rotations[0, last + 1] = selected
+    for k in range(model.surfaces.shape[0]):
+        s = model.surfaces[k]
+        if s.constants_mask == 0:
+            set_rotation(frequencies, s.start, tau, rotations)
+        else:
+            for n in range(first_block(active, s, k), last_block(active, s, k)):
+                set_rotation(frequencies, column_of(active, n), tau, rotations)
 
 
 @kernel

@@ -41,7 +41,14 @@ from tribo.integrators.step_control import (
 )
 from tribo.kernels.array_pointers import pointers
 from tribo.kernels.baths import set_bath_momenta
-from tribo.kernels.blocks import active_of, clear, column_of, first_block, last_block
+from tribo.kernels.blocks import (
+    active_of,
+    clear,
+    column_of,
+    column_of_constants,
+    first_block,
+    last_block,
+)
 from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.contact_forces import contact_piece
 from tribo.kernels.equations_of_motion import forces, gather_contact, place_bobs
@@ -140,7 +147,7 @@ def drift_part(model, active, s, begin, end, now, tau, state, work):
     rotations = work.rotations[0]
     for n in range(begin, end):
         i = column_of(active, n)
-        turn = rotation_of(rotations, i)
+        turn = rotation_of(rotations, column_of_constants(s, i))
         drift_block(model, s, i, now, tau, state.y[:m], state.y[m:], state.s, turn)
 
 

@@ -5,7 +5,7 @@ the last block of a surface have asperites without forces, which never move.
 """
 
 from tribo.kernels.compiled import inlined, kernel
-from tribo.kernels.records import ALONG_X, ALONG_Y
+from tribo.kernels.records import ALONG_X, ALONG_Y, BARS
 from tribo.kernels.simd import LANES, broadcast
 from tribo.kernels.simd_arrays import block, set_block
 
@@ -16,6 +16,14 @@ def active_of(neighbours):
     if neighbours is None:
         return None
     return neighbours.active
+
+
+@inlined
+def selected_at(active):
+    """When the active blocks were selected; 0 where all are active."""
+    if active is None:
+        return 0.0
+    return active.selected[0]
 
 
 @inlined
@@ -40,6 +48,21 @@ def column_of(active, n):
     if active is None:
         return LANES * n
     return LANES * active.blocks[n]
+
+
+@inlined
+def column_of_constants(s, i):
+    """Column of the constants of a block: its own, or the surface's first if all are alike.
+
+    The constants of a million asperites do not fit into the caches, those of one block do.
+    """
+    return s.start + ((i - s.start) & s.constants_mask)
+
+
+@inlined
+def keeps_velocity(s):
+    """Whether the centres of mass of a surface, or its driven bars, move uniformly."""
+    return s.drive == BARS or (s.dof_x < 0 and s.dof_y < 0)
 
 
 @inlined

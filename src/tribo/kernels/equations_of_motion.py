@@ -11,6 +11,7 @@ from tribo.kernels.blocks import (
     all_coordinates,
     clear,
     column_of,
+    column_of_constants,
     coordinates,
     first_block,
     last_block,
@@ -27,6 +28,7 @@ from tribo.kernels.langevin import friction_force
 from tribo.kernels.neighbours import crowded, refresh
 from tribo.kernels.records import (
     BAR_LENGTH,
+    BARS,
     FORCED,
     FX,
     FY,
@@ -66,7 +68,8 @@ def bar_angles(model, s, i, t, q):
     """phi of a block: coordinates where bars are free, uniform where they are clamped."""
     if s.dof_phi >= 0:
         return coordinates(s.dof_phi, s, i, q)
-    return block(model.asperites[PHI_START], i) + block(model.asperites[NU_START], i) * t
+    a, c = model.asperites, column_of_constants(s, i)
+    return block(a[PHI_START], c) + block(a[NU_START], c) * t
 
 
 @inlined
@@ -86,13 +89,14 @@ def place_block(model, s, i, t, swing, x, y):
     """Set positions and directions of a block of bobs, and clear their contact forces."""
     a = model.asperites
     b = model.bobs
+    c = column_of_constants(s, i)
     sin, cos, versine = sine_cosine_versine(swing)
     tx = s.facing * cos
     ty = s.facing * sin
-    place_bars(model.displaced, s, i, x, y, block(a[L2], i), sin, versine)
+    place_bars(model.displaced, s, i, x, y, block(a[L2], c), sin, versine)
     x = block(a[X_START], i) + s.vx * t + x
     y = block(a[Y_START], i) + s.vy * t + y
-    x, y = bob_position(x, y, block(a[L1], i), tx, ty)
+    x, y = bob_position(x, y, block(a[L1], c), tx, ty)
     set_block(b[X], i, x)
     set_block(b[Y], i, y)
     set_block(b[TX], i, tx)
@@ -118,7 +122,8 @@ def velocities_of_bars(model, s, i, v):
     vy = coordinates(s.dof_y, s, i, v)
     tx = block(model.bobs[TX], i)
     ty = block(model.bobs[TY], i)
-    return bar_velocity(vx, vy, block(v, i), block(model.asperites[L2], i), tx, ty)
+    l2 = block(model.asperites[L2], column_of_constants(s, i))
+    return bar_velocity(vx, vy, block(v, i), l2, tx, ty)
 
 
 @kernel
@@ -159,27 +164,28 @@ def gather_contact(model):
 
 
 @inlined
-def drive_block(model, s, i, t, q):
-    """Set f2 on a block of bars, contact forces in place; returns it."""
+def drive_of_block(model, s, i, t, q):
+    """f2 on a block of bars, contact forces in place."""
     b = model.bobs
     fx = block(b[FX], i)
     fy = block(b[FY], i)
+    c = column_of_constants(s, i)
     if s.drive == FORCED:
         gx = -fx
     elif s.drive == RIGID:
-        gx = block(model.asperites[MASS], i) * (s.fx / s.mass) - fx
+        gx = block(model.asperites[MASS], c) * (s.fx / s.mass) - fx
     elif s.drive == PULLED:
-        bar = coordinates(s.dof_x, s, i, q) - block(model.asperites[L2], i) * block(b[TY], i)
+        bar = coordinates(s.dof_x, s, i, q) - block(model.asperites[L2], c) * block(b[TY], i)
         gx = s.stiffness * ((s.anchor + s.speed * t) - bar)
     elif s.drive == PUSHED:
         gx = broadcast(s.push + s.push_rate * t)
     else:
         gx = broadcast(0.0)
     gy = broadcast(s.load + s.load_rate * t) if s.loaded else -fy
+    if s.loaded == 0 and (s.drive == FORCED or s.drive == BARS):
+        return gx, gy  # no contact acts on those that fill the last block
     present = block(model.asperites[PRESENT], i)
-    gx, gy = present * gx, present * gy
-    set_vectors(model.drive, i, gx, gy)
-    return gx, gy
+    return present * gx, present * gy
 
 
 @inlined
@@ -190,7 +196,7 @@ def drive_forces(model, active, t, q):
         s = model.surfaces[k]
         for n in range(first_block(active, s, k), last_block(active, s, k)):
             i = column_of(active, n)
-            drive_block(model, s, i, t, q)
+            set_vectors(model.drive, i, *drive_of_block(model, s, i, t, q))
 
 
 @kernel
@@ -228,7 +234,7 @@ def end_torques(model, end_forces, s, i, t, q):
     if end_forces is None:
         return broadcast(-0.0)
     sin, cos = sine_cosine(bar_angles(model, s, i, t, q))
-    half = 0.5 * block(model.asperites[BAR_LENGTH], i)
+    half = 0.5 * block(model.asperites[BAR_LENGTH], column_of_constants(s, i))
     x = block(end_forces[RIGHT_X], i) - block(end_forces[LEFT_X], i)
     y = block(end_forces[RIGHT_Y], i) - block(end_forces[LEFT_Y], i)
     return half * (cos * y - sin * x)
@@ -258,13 +264,14 @@ def bob_forces(model, i):
 
 
 @inlined
-def torques(model, i, bob_x, bob_y, bar_x, bar_y):
+def torques(model, s, i, bob_x, bob_y, bar_x, bar_y):
     """Torque on a block of pendulums, but for that of the torsion springs."""
     a = model.asperites
+    c = column_of_constants(s, i)
     tx = block(model.bobs[TX], i)
     ty = block(model.bobs[TY], i)
-    torque = block(a[L1], i) * (tx * bob_x + ty * bob_y)
-    torque = torque - block(a[L2], i) * (tx * bar_x + ty * bar_y)
+    torque = block(a[L1], c) * (tx * bob_x + ty * bob_y)
+    torque = torque - block(a[L2], c) * (tx * bar_x + ty * bar_y)
     return torque + numbers(model.swing_friction, i)
 
 
@@ -276,20 +283,21 @@ def accelerations(model, s, i, torsion, t, q, drive):
     f2.  Clamped ends have f_L + f_R = 0, and act on the bar's angle only.
     """
     a = model.asperites
+    c = column_of_constants(s, i)
     bob_x, bob_y = bob_forces(model, i)
     bar_x, bar_y = bar_forces(model, i, drive)
-    torque = torques(model, i, bob_x, bob_y, bar_x, bar_y)
+    torque = torques(model, s, i, bob_x, bob_y, bar_x, bar_y)
     turning = broadcast(0.0)
     if torsion != 0.0 or s.dof_phi >= 0:
         twist = block(q, i) - bar_angles(model, s, i, t, q)
-        spring = torsion * block(a[KAPPA], i) * twist
+        spring = torsion * block(a[KAPPA], c) * twist
         torque = torque - spring
         if s.dof_phi >= 0:
             ends = end_torques(model, model.end_forces, s, i, t, q)
-            turning = (spring + ends) / block(a[I2], i)
-    mobility = block(a[INVERSE_MASS], i)
+            turning = (spring + ends) / block(a[I2], c)
+    mobility = block(a[INVERSE_MASS], c)
     x, y = (bob_x + bar_x) * mobility, (bob_y + bar_y) * mobility
-    return torque * block(a[INVERSE_INERTIA], i), turning, x, y
+    return torque * block(a[INVERSE_INERTIA], c), turning, x, y
 
 
 @inlined
@@ -331,10 +339,11 @@ def top_speeds(model, active, t, q, v, speeds):
         s = model.surfaces[k]
         for n in range(first_block(active, s, k), last_block(active, s, k)):
             i = column_of(active, n)
+            c = column_of_constants(s, i)
             twist = block(q, i) - bar_angles(model, s, i, t, q)
             omega = block(v, i)
-            stiffness = block(a[KAPPA], i) * block(a[INVERSE_INERTIA], i)
+            stiffness = block(a[KAPPA], c) * block(a[INVERSE_INERTIA], c)
             rate = stiffness * twist * twist + omega * omega
             set_block(speeds[0], i, s.vx + coordinates(s.dof_x, s, i, v))
             set_block(speeds[1], i, s.vy + coordinates(s.dof_y, s, i, v))
-            set_block(speeds[2], i, block(a[L1], i) * sqrt(rate))
+            set_block(speeds[2], i, block(a[L1], c) * sqrt(rate))

@@ -6,6 +6,7 @@ and an infinite MASS, and the coordinates x and y stay constant.  `pivots` has t
 pivot to the centre of mass: l2 on driven bars, 0 elsewhere; None without driven bars.
 """
 
+from tribo.kernels.blocks import column_of_constants
 from tribo.kernels.compiled import inlined
 from tribo.kernels.records import L1, L2, TX, TY
 from tribo.kernels.simd import broadcast
@@ -13,23 +14,23 @@ from tribo.kernels.simd_arrays import block
 
 
 @inlined
-def lever_of_bob(model, pivots, i):
+def lever_of_bob(model, pivots, s, i):
     """Distance from the centre of mass to the bob, of a block."""
-    lever = block(model.asperites[L1], i)
-    return lever if pivots is None else lever - block(pivots[0], i)
+    lever = block(model.asperites[L1], column_of_constants(s, i))
+    return lever if pivots is None else lever - pivot_lengths(pivots, s, i)
 
 
 @inlined
-def lever_of_bar(model, pivots, i):
+def lever_of_bar(model, pivots, s, i):
     """Distance from the centre of mass to the bar, of a block."""
-    lever = block(model.asperites[L2], i)
-    return lever if pivots is None else lever + block(pivots[0], i)
+    lever = block(model.asperites[L2], column_of_constants(s, i))
+    return lever if pivots is None else lever + pivot_lengths(pivots, s, i)
 
 
 @inlined
-def pivot_lengths(pivots, i):
+def pivot_lengths(pivots, s, i):
     """The lengths in `pivots`, of a block."""
-    return broadcast(0.0) if pivots is None else block(pivots[0], i)
+    return broadcast(0.0) if pivots is None else block(pivots[0], column_of_constants(s, i))
 
 
 @inlined
@@ -39,12 +40,12 @@ def pivot_length(pivots, i):
 
 
 @inlined
-def velocities_of_centres(model, pivots, i, omega, vx, vy):
+def velocities_of_centres(model, pivots, s, i, omega, vx, vy):
     """Velocities of the centres of mass of a block in the surface's first frame, bobs in place.
 
     They are those of the coordinates x and y without driven bars.
     """
     if pivots is None:
         return vx, vy
-    speed = block(pivots[0], i) * omega
+    speed = pivot_lengths(pivots, s, i) * omega
     return vx + speed * block(model.bobs[TX], i), vy + speed * block(model.bobs[TY], i)

@@ -31,7 +31,13 @@ import numpy as np
 from numba import literal_unroll
 
 from tribo.kernels.baths import set_bath_momenta, torsional_torque
-from tribo.kernels.blocks import all_coordinates, coordinates, is_fixed, vectors
+from tribo.kernels.blocks import (
+    all_coordinates,
+    column_of_constants,
+    coordinates,
+    is_fixed,
+    vectors,
+)
 from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.equations_of_motion import (
     bar_angles,
@@ -131,22 +137,23 @@ def held_torques(model, fixed, s, i, phi, q):
     if is_fixed(fixed, s):
         bob_x, bob_y = bob_forces(model, i)
         bar_x, bar_y = bar_forces(model, i, vectors(model.drive, i))
-        return torques(model, i, bob_x, bob_y, bar_x, bar_y)
-    return block(model.asperites[KAPPA], i) * (block(q, i) - phi)
+        return torques(model, s, i, bob_x, bob_y, bar_x, bar_y)
+    return block(model.asperites[KAPPA], column_of_constants(s, i)) * (block(q, i) - phi)
 
 
 @inlined
 def clamped_ends(model, s, i, t, q, omega, vx, vy, power):
     """Set the powers of f_L, and of f_R = -f_L about the centre of mass."""
     a = model.asperites
+    c = column_of_constants(s, i)
     phi = bar_angles(model, s, i, t, q)
     torque = held_torques(model, model.fixed, s, i, phi, q)
     sin, cos = sine_cosine(phi)
-    x, y = end_force(torque, block(a[INVERSE_BAR_LENGTH], i), sin, cos)
+    x, y = end_force(torque, block(a[INVERSE_BAR_LENGTH], c), sin, cos)
     tx = block(model.bobs[TX], i)
     ty = block(model.bobs[TY], i)
-    with_bar = rotational_power(-lever_of_bar(model, model.pivots, i), omega, tx, ty, x, y)
-    turning = -0.5 * torque * block(a[NU_START], i)
+    with_bar = rotational_power(-lever_of_bar(model, model.pivots, s, i), omega, tx, ty, x, y)
+    turning = -0.5 * torque * block(a[NU_START], c)
     k = s.acc_ends
     set_four(power, s, k, i, turning + with_bar, turning - with_bar, x, y)
     set_power(power, s, k + 4 * s.account_stride, i, x * vx + y * vy)
@@ -158,19 +165,20 @@ def custom_end_powers(model, end_forces, s, i, t, q, velocities, power):
     if end_forces is not None:
         if s.acc_user_ends >= 0:
             a = model.asperites
+            c = column_of_constants(s, i)
             left_x = block(end_forces[LEFT_X], i)
             left_y = block(end_forces[LEFT_Y], i)
             right_x = block(end_forces[RIGHT_X], i)
             right_y = block(end_forces[RIGHT_Y], i)
             sin, cos = sine_cosine(bar_angles(model, s, i, t, q))
             omega, nu, vx, vy = velocities
-            tip = 0.5 * block(a[BAR_LENGTH], i) * nu
+            tip = 0.5 * block(a[BAR_LENGTH], c) * nu
             tip_x = -tip * sin
             tip_y = tip * cos
             zero = broadcast(0.0)
             tx = block(model.bobs[TX], i)
             ty = block(model.bobs[TY], i)
-            x, y = bar_velocity(zero, zero, omega, block(a[L2], i), tx, ty)
+            x, y = bar_velocity(zero, zero, omega, block(a[L2], c), tx, ty)
             left = left_x * (x - tip_x) + left_y * (y - tip_y)
             right = right_x * (x + tip_x) + right_y * (y + tip_y)
             k = s.acc_user_ends
@@ -189,7 +197,7 @@ def set_bob_powers(model, table, slot, s, i, omega, vx, vy, power):
             x, y = vectors(table, i)
             tx = block(model.bobs[TX], i)
             ty = block(model.bobs[TY], i)
-            about = rotational_power(lever_of_bob(model, model.pivots, i), omega, tx, ty, x, y)
+            about = rotational_power(lever_of_bob(model, model.pivots, s, i), omega, tx, ty, x, y)
             set_four(power, s, slot, i, x, y, about, x * vx + y * vy)
 
 
@@ -201,7 +209,7 @@ def set_bar_powers(model, table, slot, s, i, omega, vx, vy, power):
             x, y = vectors(table, i)
             tx = block(model.bobs[TX], i)
             ty = block(model.bobs[TY], i)
-            about = rotational_power(-lever_of_bar(model, model.pivots, i), omega, tx, ty, x, y)
+            about = rotational_power(-lever_of_bar(model, model.pivots, s, i), omega, tx, ty, x, y)
             set_four(power, s, slot, i, x, y, about, x * vx + y * vy)
 
 
@@ -221,9 +229,9 @@ def set_internal_powers(model, s, i, omega, vx, vy, power):
         tx = block(model.bobs[TX], i)
         ty = block(model.bobs[TY], i)
         x, y = vectors(model.internal, i)
-        about = rotational_power(-lever_of_bar(model, model.pivots, i), omega, tx, ty, x, y)
+        about = rotational_power(-lever_of_bar(model, model.pivots, s, i), omega, tx, ty, x, y)
         bob_x, bob_y = vectors(model.inner, i)
-        lever = lever_of_bob(model, model.pivots, i)
+        lever = lever_of_bob(model, model.pivots, s, i)
         about = about + rotational_power(lever, omega, tx, ty, bob_x, bob_y)
         x = x + bob_x
         y = y + bob_y
@@ -238,7 +246,7 @@ def set_contact_powers(model, sums, s, i, omega, power):
     along_x = x * omega * block(model.bobs[TX], i)
     along_y = y * omega * block(model.bobs[TY], i)
     if sums is not None:
-        lever = lever_of_bob(model, model.pivots, i)
+        lever = lever_of_bob(model, model.pivots, s, i)
         along_x = lever * along_x
         along_y = lever * along_y
     set_four(power, s, s.acc_contact, i, x, y, along_x, along_y)
@@ -254,7 +262,7 @@ def set_drive_powers(model, sums, s, i, omega, vx, vy, power):
         x, y = vectors(model.drive, i)
         about = omega * (block(model.bobs[TX], i) * x + block(model.bobs[TY], i) * y)
         if sums is not None:
-            about = lever_of_bar(model, model.pivots, i) * about
+            about = lever_of_bar(model, model.pivots, s, i) * about
         set_four(power, s, s.acc_drive, i, x, y, about, x * vx + y * vy)
 
 
@@ -267,7 +275,7 @@ def powers_of_block(model, ledger, s, i, torsion, t, q, velocities, power):
     """
     if ledger is not None:
         omega, _, vx, vy = velocities
-        vx, vy = velocities_of_centres(model, model.pivots, i, omega, vx, vy)
+        vx, vy = velocities_of_centres(model, model.pivots, s, i, omega, vx, vy)
         set_contact_powers(model, model.sums, s, i, omega, power)
         if s.acc_slide >= 0:
             k = s.acc_slide
@@ -321,7 +329,7 @@ def momentum(model, s, v):
     px = broadcast(0.0)
     py = broadcast(0.0)
     for i in range(s.start, s.stop, LANES):
-        mass = block(model.asperites[MASS], i)
+        mass = block(model.asperites[MASS], column_of_constants(s, i))
         x, y = vectors(model.bath_momentum, i)
         px = px + (x + mass * coordinates(s.dof_x, s, i, v))
         py = py + (y + mass * coordinates(s.dof_y, s, i, v))

@@ -109,6 +109,7 @@ SURFACE = np.dtype(
         ("vx", "f8"),  # its initial velocity, relative to the first surface's
         ("vy", "f8"),
         ("turning", "i8"),  # 1 where clamped bars turn
+        ("tilted", "i8"),  # 1 where the angles of bars at the start, or their rates, are not 0
         ("drive", "i8"),  # FORCED, FREE, RIGID, PULLED, CUSTOM, BARS, PUSHED
         ("user_ends", "i8"),  # 1 where a plug-in exerts the forces on the ends of bars
         ("fixed", "i8"),  # 1 where pendulums are fixed to their bars: rigid asperites
@@ -137,6 +138,7 @@ SURFACE = np.dtype(
         ("dof_y", "i8"),
         ("dof_phi", "i8"),
         ("dof_bath", "i8"),
+        ("constants_mask", "i8"),  # of an asperite's place in its surface: its constants' place
         ("account_stride", "i8"),  # from one account of a group to the next
         ("account_mask", "i8"),  # of an asperite's place in its surface: its place in an account
         ("acc_contact", "i8"),

@@ -13,12 +13,19 @@ from tribo.run import contacts, slots
 from tribo.run.force_records import springs
 from tribo.run.scene_records import resting_bobs
 
+# Constants that differ between asperites that are alike otherwise.
+OF_EACH = (records.X_START, records.Y_START, records.Z, records.CHARGE, records.PRESENT)
+
 
 def model_tables(
     scene: Scene, asperites: np.ndarray, numbering: slots.Numbering, places: slots.Places
 ) -> Model:
     """The tables of the kernels; contacts, fields and forces of plug-ins are still absent."""
     n = numbering.columns
+    constants = _constants(scene, asperites, places.columns, n)
+    pivots = _pivots(asperites, places.columns, n)
+    for surface in numbering.surfaces:
+        surface["constants_mask"] = _constants_mask(surface, constants, pivots)
     bath = _oscillators(numbering, [(s.bath.masses, s.bath.frequencies) for s in scene.surfaces])
     torsional = _oscillators(
         numbering, [(s.bath.inertias, s.bath.torsional_frequencies) for s in scene.surfaces]
@@ -28,7 +35,7 @@ def model_tables(
     on_bars = any(surface.bar_reservoir for surface in scene.surfaces)
     on_swings = any(surface.swing_reservoir for surface in scene.surfaces)
     return Model(
-        asperites=_constants(scene, asperites, places.columns, n),
+        asperites=constants,
         surfaces=numbering.surfaces.view(np.recarray),
         core=numbering.core,
         ledger=None if scene.output.ledger == "none" else True,
@@ -45,7 +52,7 @@ def model_tables(
         displaced=room((2, n)) if pulls else None,
         friction=room((2, n)) if on_bars else None,
         swing_friction=room((1, n)) if on_swings else None,
-        pivots=_pivots(asperites, places.columns, n),
+        pivots=pivots,
         fixed=True if any(s.asperite.is_rigid for s in scene.surfaces) else None,
         turning=True if np.any(numbering.surfaces["turning"]) else None,
         end_forces=None,
@@ -86,6 +93,18 @@ def _constants(scene: Scene, asperites: np.ndarray, columns: np.ndarray, count: 
     depths = [resting_bobs(scene, k)[:, 2] for k in range(len(scene.surfaces))]
     table[records.Z, columns] = np.concatenate(depths)
     return table
+
+
+def _constants_mask(surface: np.record, constants: np.ndarray, pivots: np.ndarray | None) -> int:
+    """0 if the asperites of a surface are alike, -1 otherwise.
+
+    Those that fill its last block would turn if the angles of bars were not zero.
+    """
+    part = slice(surface["start"], surface["end"])
+    rows = [constants[row, part] for row in range(len(constants)) if row not in OF_EACH]
+    rows += [] if pivots is None else [pivots[0, part]]
+    are_alike = not surface["tilted"] and all((row == row[0]).all() for row in rows)
+    return 0 if are_alike else -1
 
 
 def _refer_to_bars(table: np.ndarray, asperites: np.ndarray, columns: np.ndarray) -> None:

@@ -24,6 +24,7 @@ def scene_records(scene: Scene, parts: dict[str, slice]) -> tuple[np.ndarray, np
         surfaces["total_mass"][k] = surfaces["mass"][k] + hung
         surfaces["inverse_total_mass"][k] = 1.0 / surfaces["total_mass"][k]
         surfaces["turning"][k] = np.any(asperites["nu"][part] != 0.0)
+        surfaces["tilted"][k] = surfaces["turning"][k] | np.any(asperites["phi"][part] != 0.0)
         _fill_surface(surfaces[k : k + 1], surface, scene.surfaces[0])
     return asperites, surfaces
 
