@@ -19,6 +19,7 @@ PATTERNS = [
     "integrators/*.py",
     "kernels/baths.py",
     "kernels/blocks.py",
+    "kernels/cells.py",
     "kernels/contact.py",
     "kernels/encounters.py",
     "kernels/equations_of_motion.py",

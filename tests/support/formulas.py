@@ -438,7 +438,8 @@ def given_starts() -> str:
 
 def cells() -> str:
     """Points in cells of at least a size, as many as fit, each point in the cell around it."""
-    from tribo.kernels.neighbours import sort_into_cells
+    from tribo.kernels.cells import sort_into_cells
+    from tribo.run.contacts import empty_cells
 
     rng = np.random.default_rng(7)
     xs, zs = rng.uniform(3.0, 15.0, 60), rng.uniform(-9.0, 0.0, 60)
@@ -451,8 +452,9 @@ def cells() -> str:
         (50.0, 40.0, 0.0, 0.0, (1, 1)),
         (1e-3, 1e-3, 0.0, 0.0, None),
     ):
-        geometry, first, order = sort_into_cells(xs, zs, size_x, size_z, box_x, box_z)
-        _, _, width_x, width_z, nx, nz = geometry
+        cells = empty_cells(60)
+        sort_into_cells(xs, zs, 60, size_x, size_z, box_x, box_z, cells)
+        (width_x, width_z), (nx, nz) = cells.widths, cells.counts
         if expected is None:
             if not 60 <= nx * nz <= 2 * 60 + 16:
                 return f"{nx * nz} cells for 60 points"
@@ -465,40 +467,80 @@ def cells() -> str:
         cell_x = np.minimum((place_x / width_x).astype(int), nx - 1)
         cell_z = np.minimum((place_z / width_z).astype(int), nz - 1)
         cell = cell_z * nx + cell_x
-        if not np.array_equal(order, np.argsort(cell, kind="stable")):
+        if not np.array_equal(cells.order, np.argsort(cell, kind="stable")):
             return "order of the points"
-        if not np.array_equal(np.diff(first), np.bincount(cell, minlength=nx * nz)):
+        first = cells.first[: nx * nz + 1]
+        if first[0] != 0 or not np.array_equal(
+            np.diff(first), np.bincount(cell, minlength=nx * nz)
+        ):
             return "numbers of points in cells"
     return ""
 
 
 def boxes_within_reach() -> str:
     """Of boxes in cells, exactly those within reach of another box, in ascending order."""
-    from tribo.kernels.neighbours import near_blocks, sort_boxes
+    from tribo.kernels.cells import near_blocks, sort_boxes
+    from tribo.kernels.records import Boxes
+    from tribo.run.contacts import empty_cells
 
     rng = np.random.default_rng(9)
     reach = 1.5
     for x, z in ((0.0, 0.0), (20.0, 0.0), (0.0, 30.0), (20.0, 30.0), (4.0, 0.9), (0.9, 4.0)):
         half_x, half_z = 0.5 * min(x or 1.0, 1.0), 0.5 * min(z or 1.0, 1.0)
         own, theirs = (
-            (
-                rng.uniform(-5.0, 25.0, (3, count)) * [[1.0], [0.2], [1.2]],
-                rng.uniform(0.0, 1.0, (3, count)) * [[half_x], [0.7], [half_z]],
+            Boxes(
+                np.array([count]),
+                rng.uniform(-5.0, 25.0, (3, 310)) * [[1.0], [0.2], [1.2]],
+                rng.uniform(0.0, 1.0, (3, 310)) * [[half_x], [0.7], [half_z]],
             )
             for count in (25, 300)
         )
         lengths = SimpleNamespace(x=x, z=z) if x or z else None
-        cells = sort_boxes(lengths, own, theirs, reach)
-        away = theirs[0][:, None, :] - own[0][:, :, None]
+        cells = empty_cells(310)
+        sort_boxes(lengths, own, theirs, reach, cells)
+        away = theirs.centres[:, None, :300] - own.centres[:, :25, None]
         for axis, box in ((0, x), (2, z)):
             if box:
                 away[axis] -= box * np.round(away[axis] / box)
-        gaps = np.maximum(abs(away) - theirs[1][:, None, :] - own[1][:, :, None], 0.0)
+        widths = theirs.halves[:, None, :300] + own.halves[:, :25, None]
+        gaps = np.maximum(abs(away) - widths, 0.0)
         for k, near in enumerate(np.sum(gaps**2, axis=0) < reach**2):
             found = np.full(300, -1)
             count = near_blocks(lengths, own, k, theirs, reach, cells, found)
             if not np.array_equal(found[:count], np.flatnonzero(near)):
                 return f"period {x}, {z}: box {k}"
+    return ""
+
+
+def lists_in_chunks() -> str:
+    """Rows of a list that are filled in chunks, and moved together, are those of one thread."""
+    from support.inactive import crossing
+    from tribo.kernels.equations_of_motion import place_bobs
+    from tribo.kernels.neighbours import join_chunks, list_chunk, list_pair, rebuild
+    from tribo.kernels.team import COUNTERS, PAIR, USED
+    from tribo.run.layout import lay_out
+
+    layout = lay_out(crossing(columns=120, rows=4))
+    model, q = layout.model, layout.start[: layout.core]
+    place_bobs(model, 0.0, np.append(q, np.zeros(layout.room[0] - q.size)))
+    alone, shared = layout.neighbours(), layout.neighbours()
+    rebuild(model, alone)
+    used = alone.start[-1]
+    team = SimpleNamespace(counters=np.zeros(COUNTERS, np.int64), lengths=np.zeros(5, np.int64))
+    end = 0
+    for k in range(shared.reach.size):
+        list_pair(model, None, shared, k, end)  # for its boxes and cells
+        shared.start[:], shared.index[end:] = -1, -1
+        team.counters[PAIR], team.counters[USED] = k, end
+        for chunk in (3, 0, 4, 2, 1):
+            list_chunk(model, team, shared, chunk)
+        end = join_chunks(model, team, shared, k, end)
+        first = shared.pairs[k, 2]
+        rows = slice(first, first + np.count_nonzero(shared.start >= 0))
+        if not np.array_equal(shared.start[rows], alone.start[rows]):
+            return f"starts of the rows of pair {k}"
+    if end != used or not np.array_equal(shared.index[:used], alone.index[:used]):
+        return "blocks in the list"
     return ""
 
 
@@ -558,7 +600,7 @@ def partners() -> str:
 
 def short_rows() -> str:
     """A part of an array is sorted, and the rest is as it was."""
-    from tribo.kernels.neighbours import sort_row
+    from tribo.kernels.cells import sort_row
 
     rng = np.random.default_rng(8)
     for start, end in ((0, 0), (0, 1), (0, 9), (2, 7), (3, 5)):
@@ -585,6 +627,7 @@ FORMULAS = {
     "cold baths": cold_baths,
     "cells": cells,
     "boxes within reach": boxes_within_reach,
+    "lists in chunks": lists_in_chunks,
     "partners": partners,
     "short rows": short_rows,
 }

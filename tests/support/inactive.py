@@ -211,19 +211,25 @@ def check(scene) -> str:
 
 def check_paths(scene) -> str:
     """What is wrong with the boxes around blocks and their free swings; uncompiled code only."""
-    from tribo.integrators.inactive import boxes_of_paths
-    from tribo.kernels.neighbours import moved_with_surface
+    from tribo.integrators.inactive import set_boxes_of_paths
+    from tribo.kernels.neighbours import inactive_have_crossed
 
-    surface = SimpleNamespace(vx=3.0, vy=4.0)
-    if moved_with_surface(SimpleNamespace(eligible=[1]), surface, 0, -2.0) != 100.0:
-        return "the distance that a surface moves"
+    model = SimpleNamespace(surfaces=np.array([(3.0, 4.0)], "f8, f8"))
+    model.surfaces.dtype.names = ("vx", "vy")
+    model.surfaces = model.surfaces.view(np.recarray)
+    for eligible, width, crossed in ((1, 19.9, True), (1, 20.1, False), (0, 19.9, False)):
+        active = SimpleNamespace(eligible=[eligible])
+        if inactive_have_crossed(model, active, width, -2.0) != crossed:
+            return "the distance that a surface moves"
     loop, _ = loops(scene)
     loop.advance(scene.times, loop.room(1), 0)
     layout, q, v = loop.layout, *loop.state.y.reshape(2, -1)
     places, paths = positions(layout), longest_paths(loop)
     for k, (name, part) in enumerate(layout.parts.items()):
         _, low, high = boxes(layout, part, places, paths)
-        centres, halves = boxes_of_paths(layout.model, loop._neighbours.active, k, 0.0, q, v)
+        found, active = loop._neighbours.own, loop._neighbours.active
+        set_boxes_of_paths(layout.model, active, k, 0.0, q, v, found)
+        centres, halves = (each[:, : found.count[0]] for each in found[1:])
         if not (np.allclose(centres - halves, low.T) and np.allclose(centres + halves, high.T)):
             return f"boxes around {name}"
     return ""

@@ -24,8 +24,7 @@ EQUIVALENT = {
     "powers_of_block(model, ledger, s, i, 2.0, t, q, velocities, power)": (
         "only whether the torsion springs count matters: any number but 0 says that they do"
     ),
-    "kernels/neighbours.py: sort_into_cells: max(extent_z / nz, size_z) -> "
-    "max(extent_z * nz, size_z)": (
+    "kernels/cells.py: sort_into_cells: max(extent_z / nz, size_z) -> max(extent_z * nz, size_z)": (
         "wider cells hold all pairs within reach, which are then sorted: only the cost changes"
     ),
     "integrators/inactive.py: longest_paths: broadcast(0.0) -> broadcast(1.0)": (
@@ -55,4 +54,6 @@ NEEDS_COMPILER = {
     "call_calculator": "tests/potentials/test_live_calculators.py",
     "add_calculated": "tests/potentials/test_live_calculators.py",
     "calculated_energy": "tests/potentials/test_live_calculators.py",
+    "share_rows": "tests/run/test_threads.py",
+    "list_piece": "tests/run/test_threads.py",
 }

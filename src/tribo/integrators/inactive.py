@@ -14,15 +14,14 @@ import numpy as np
 from tribo.integrators.drift import drift_block
 from tribo.integrators.rotations import rotation
 from tribo.kernels.blocks import is_fixed
+from tribo.kernels.cells import near_blocks, set_boxes, sort_boxes
 from tribo.kernels.compiled import kernel, owning_kernel
 from tribo.kernels.equations_of_motion import bar_angles
 from tribo.kernels.neighbours import (
-    boxes_of,
     have_crossed,
+    inactive_have_crossed,
     keep_places,
-    near_blocks,
     rebuild,
-    sort_boxes,
 )
 from tribo.kernels.records import FREQUENCY, L1
 from tribo.kernels.simd import LANES, broadcast, maximum, sqrt, where_less
@@ -31,13 +30,20 @@ from tribo.kernels.simd_arrays import block
 
 @kernel
 def update_lists(model, neighbours, active, t, q, v, accounts):
-    """Rebuild the list of neighbours if bobs, which are in place, have moved too far."""
+    """Rebuild the list of neighbours after a drift in which bobs have moved too far."""
     if neighbours is not None:
         age = t - neighbours.listed[0]
-        if have_crossed(model, active, neighbours.place, neighbours.skin, age):
-            select_active(model, neighbours, active, t, q, v, accounts)
-            rebuild(model, neighbours)
-            neighbours.listed[0] = t
+        if neighbours.crossed[0] == 1 or inactive_have_crossed(model, active, neighbours.skin, age):
+            make_lists(model, neighbours, active, t, q, v, accounts)
+
+
+@kernel
+def make_lists(model, neighbours, active, t, q, v, accounts):
+    """Build the list of neighbours for the bobs where they are, if there is a list."""
+    if neighbours is not None:
+        select_active(model, neighbours, active, t, q, v, accounts)
+        rebuild(model, neighbours)
+        neighbours.listed[0] = t
 
 
 @kernel
@@ -91,28 +97,28 @@ def mark_pair(model, box, neighbours, active, k, t, q, v, wanted):
     one = model.surfaces[neighbours.pairs[k, 0]]
     other = model.surfaces[neighbours.pairs[k, 1]]
     reach = neighbours.reach[k] + active.margin
-    own = boxes_of_paths(model, active, neighbours.pairs[k, 0], t, q, v)
-    boxes = boxes_of_paths(model, active, neighbours.pairs[k, 1], t, q, v)
-    sorted_boxes = sort_boxes(box, own, boxes, reach)
+    own, boxes, cells = neighbours.own, neighbours.others, neighbours.cells
+    set_boxes_of_paths(model, active, neighbours.pairs[k, 0], t, q, v, own)
+    set_boxes_of_paths(model, active, neighbours.pairs[k, 1], t, q, v, boxes)
+    sort_boxes(box, own, boxes, reach, cells)
     near = np.empty(active.since.size, np.int64)
     for m in range((one.stop - one.start) // LANES):
-        count = near_blocks(box, own, m, boxes, reach, sorted_boxes, near)
+        count = near_blocks(box, own, m, boxes, reach, cells, near)
         for n in range(count):
             wanted[one.start // LANES + m] = 1
             wanted[other.start // LANES + near[n]] = 1
 
 
-@owning_kernel
-def boxes_of_paths(model, active, k, t, q, v):
-    """Boxes around all blocks of a surface, with the paths on which inactive bobs would swing."""
-    centres, halves = boxes_of(model, None, k)
+@kernel
+def set_boxes_of_paths(model, active, k, t, q, v, boxes):
+    """Set boxes around all blocks of a surface, and around the paths of inactive bobs."""
+    set_boxes(model, None, k, boxes)
     if active.eligible[k] == 1:
         s = model.surfaces[k]
-        for m in range(centres.shape[1]):
+        for m in range(boxes.count[0]):
             path = maximum(longest_paths(model, s, s.start + LANES * m, t, q, v))
-            halves[0, m] += path
-            halves[1, m] += path
-    return centres, halves
+            boxes.halves[0, m] += path
+            boxes.halves[1, m] += path
 
 
 @kernel

@@ -19,7 +19,7 @@ import numpy as np
 
 from tribo.integrators.bath_substep import bath_substep
 from tribo.integrators.drift import drift_block, settle_end_works
-from tribo.integrators.inactive import advance_inactive, update_lists
+from tribo.integrators.inactive import advance_inactive, make_lists, update_lists
 from tribo.integrators.kicks import (
     add_half_shared_works,
     kick_part,
@@ -52,10 +52,11 @@ from tribo.kernels.blocks import (
 from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.contact_forces import contact_piece
 from tribo.kernels.equations_of_motion import forces, gather_contact, place_bobs
-from tribo.kernels.neighbours import crowded
+from tribo.kernels.neighbours import crowded, have_left, is_empty, list_piece, note_crossed
 from tribo.kernels.powers import Powers, shared_powers
 from tribo.kernels.records import Model
 from tribo.kernels.samples import State, copy
+from tribo.kernels.simd import broadcast
 from tribo.kernels.simd_arrays import room
 from tribo.kernels.status import (
     BOBS_COINCIDE,
@@ -66,12 +67,12 @@ from tribo.kernels.status import (
 from tribo.kernels.team import (
     DRIFT,
     KICK,
+    LISTS,
     PHASE,
     REACTIONS,
     begin_phase,
-    end_phase,
+    continue_phase,
     finish_piece,
-    next_piece,
     next_rank,
     part_of,
     wait_for_piece,
@@ -128,34 +129,40 @@ def alternating(drifts: tuple[float, ...], kicks: tuple[float, ...]) -> Splittin
 
 
 @inlined
-def drift(model, active, team, now, tau, state, work):
+def drift(model, neighbours, team, now, tau, state, work):
     """Drift of all active asperites for tau, which ends now, and the bobs' places then."""
+    active = active_of(neighbours)
     set_active_rotations(model, active, tau, work.rotations[0])
     if team is None:
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
             begin, end = first_block(active, s, k), last_block(active, s, k)
-            drift_part(model, active, s, begin, end, now, tau, state, work)
+            drift_part(model, neighbours, s, begin, end, now, tau, state, work)
     else:
-        share_phase(model, active, team, DRIFT, now, tau, state, work)
+        share_phase(model, neighbours, team, DRIFT, now, tau, state, work)
 
 
 @inlined
-def drift_part(model, active, s, begin, end, now, tau, state, work):
+def drift_part(model, neighbours, s, begin, end, now, tau, state, work):
     """Drift of some active blocks of a surface."""
     m = state.y.size // 2
     rotations = work.rotations[0]
+    active = active_of(neighbours)
+    crossed = broadcast(0.0)
     for n in range(begin, end):
         i = column_of(active, n)
         turn = rotation_of(rotations, column_of_constants(s, i))
         drift_block(model, s, i, now, tau, state.y[:m], state.y[m:], state.s, turn)
+        crossed = crossed + have_left(model, neighbours, i)
+    note_crossed(neighbours, crossed)
 
 
 @inlined
-def kick(model, twice, active, team, t, tau, state, work):
+def kick(model, twice, neighbours, team, t, tau, state, work):
     """Contact, fields and springs, in place, and the drive act for tau; `twice` as `repeats`."""
     n = state.y.size // 2
     q = state.y[:n]
+    active = active_of(neighbours)
     gather_contact(model)
     settle_custom_forces(model, model.drives, model.ends, active, t, tau, q, state.y[n:], work)
     if team is None:
@@ -164,7 +171,7 @@ def kick(model, twice, active, team, t, tau, state, work):
             begin, end = first_block(active, s, k), last_block(active, s, k)
             kick_part(model, twice, active, s, begin, end, t, tau, state, work)
     else:
-        share_phase(model, active, team, KICK, t, tau, state, work)
+        share_phase(model, neighbours, team, KICK, t, tau, state, work)
     if twice is None:
         shared_powers(model, model.ledger, t, work.middle, Powers(state.s, model.sums, tau))
     else:
@@ -172,45 +179,43 @@ def kick(model, twice, active, team, t, tau, state, work):
 
 
 @inlined
-def kick_and_substep(model, substep, twice, active, t, tau, state, work, m, noise):
+def kick_and_substep(model, substep, twice, neighbours, t, tau, state, work, m, noise):
     """The mth kick of a step, in halves before and after a substep where there is one."""
     n = state.y.size // 2
     if substep is None:
-        kick(model, twice, active, model.team, t, tau, state, work)
+        kick(model, twice, neighbours, model.team, t, tau, state, work)
     else:
-        kick(model, twice, active, model.team, t, 0.5 * tau, state, work)
+        kick(model, twice, neighbours, model.team, t, 0.5 * tau, state, work)
         q, v = state.y[:n], state.y[n:]
         bath_substep(model, tau, q, v, state.s, work.bath[m], work.torsional[m], noise)
         if twice is None:
-            kick(model, twice, active, model.team, t, 0.5 * tau, state, work)
+            kick(model, twice, neighbours, model.team, t, 0.5 * tau, state, work)
         else:
-            repeat_kick(model, active, t, 0.5 * tau, state, work)
+            repeat_kick(model, active_of(neighbours), t, 0.5 * tau, state, work)
 
 
 @kernel
-def share_phase(model, active, team, phase, t, tau, state, work):
-    """Compute all pieces of a phase, together with assistants."""
+def share_phase(model, neighbours, team, phase, t, tau, state, work):
+    """Compute all pieces of a drift or kick, together with assistants."""
     team.numbers[0] = t
     team.numbers[1] = tau
-    begin_phase(team, phase, team.tiles.shape[0])
-    piece = next_piece(team, 0)
+    piece = begin_phase(team, phase, team.tiles.shape[0])
     while piece >= 0:
-        step_piece(model, active, team, piece, state, work)
-        finish_piece(team)
-        piece = next_piece(team, 0)
-    end_phase(team)
+        step_piece(model, neighbours, team, piece, state, work)
+        piece = continue_phase(team)
 
 
 @kernel
-def step_piece(model, active, team, piece, state, work):
+def step_piece(model, neighbours, team, piece, state, work):
     """Compute a piece of the present phase."""
     k = team.tiles[piece, 0]
     s = model.surfaces[k]
+    active = active_of(neighbours)
     first, last = first_block(active, s, k), last_block(active, s, k)
     begin, end = part_of(first, last, team.tiles[piece, 1], team.tiles[piece, 2])
     phase, t, tau = team.counters[PHASE], team.numbers[0], team.numbers[1]
     if phase == DRIFT:
-        drift_part(model, active, s, begin, end, t, tau, state, work)
+        drift_part(model, neighbours, s, begin, end, t, tau, state, work)
     else:
         kick_part(model, repeats(model), active, s, begin, end, t, tau, state, work)
 
@@ -227,10 +232,12 @@ def assist_team(model, team, neighbours, state, work):
     rank = next_rank(team)
     piece = wait_for_piece(team, rank)
     while piece >= 0:
-        if team.counters[PHASE] <= REACTIONS:
+        if team.counters[PHASE] == LISTS:
+            list_piece(model, team, neighbours, piece)
+        elif team.counters[PHASE] <= REACTIONS:
             contact_piece(model, team, neighbours, piece)
         else:
-            step_piece(model, active_of(neighbours), team, piece, state, work)
+            step_piece(model, neighbours, team, piece, state, work)
         finish_piece(team)
         piece = wait_for_piece(team, rank)
 
@@ -241,7 +248,8 @@ def begin(model, neighbours, clock, state, work):
     n = state.y.size // 2
     q = state.y[:n]
     place_bobs(model, clock.t, q)
-    update_lists(model, neighbours, active_of(neighbours), clock.t, q, state.y[n:], state.s)
+    if is_empty(neighbours):
+        make_lists(model, neighbours, active_of(neighbours), clock.t, q, state.y[n:], state.s)
     if crowded(neighbours):
         return PAUSED
     rate, closest = current_encounter(model, neighbours, clock.t, state.y, work.speeds)
@@ -262,7 +270,7 @@ def arrive(model, neighbours, clock, state, work):
     q = state.y[:n]
     v = state.y[n:]
     active = active_of(neighbours)
-    drift(model, active, model.team, clock.t, clock.drift_lag, state, work)
+    drift(model, neighbours, model.team, clock.t, clock.drift_lag, state, work)
     clock.drift_lag = 0.0
     advance_inactive(model, active, clock.t, q, v, state.s)
     settle_end_works(model, q, state.s, state.memory[0])
@@ -282,13 +290,13 @@ def take_step(model, neighbours, splitting, clock, h, state, work, noise):
         tau = splitting.kicks[m] * h
         ahead = splitting.drifts[m] * h
         t += ahead
-        drift(model, active, model.team, t, clock.drift_lag + ahead, state, work)
+        drift(model, neighbours, model.team, t, clock.drift_lag + ahead, state, work)
         clock.drift_lag = 0.0
         update_lists(model, neighbours, active, t, q, v, s)
         forces(model, neighbours, t)
         clock.evaluations += 1
         kick_and_substep(
-            model, substep_of(model), repeats(model), active, t, tau, state, work, m, noise
+            model, substep_of(model), repeats(model), neighbours, t, tau, state, work, m, noise
         )
     clock.drift_lag = splitting.drifts[splitting.kicks.size] * h
 

@@ -20,9 +20,7 @@ from tribo.kernels.team import (
     PHASE,
     REACTIONS,
     begin_phase,
-    end_phase,
-    finish_piece,
-    next_piece,
+    continue_phase,
     part_of,
 )
 
@@ -73,13 +71,10 @@ def share_contacts(model, team, contacts, first, neighbours):
 @kernel
 def share_phase(model, team, neighbours, phase, pieces):
     """Compute all pieces of a phase of contact, together with assistants."""
-    begin_phase(team, phase, pieces)
-    piece = next_piece(team, 0)
+    piece = begin_phase(team, phase, pieces)
     while piece >= 0:
         contact_piece(model, team, neighbours, piece)
-        finish_piece(team)
-        piece = next_piece(team, 0)
-    end_phase(team)
+        piece = continue_phase(team)
 
 
 @kernel

@@ -1,10 +1,13 @@
 """Lists of the blocks of eight bobs that may be within a cutoff of a bob.
 
 A block is computed as a whole, with loads of neighbours in memory; the bobs of a block are
-neighbours in their surface.  Blocks are sorted into cells in x and z by the centres of the boxes
-around them.  The list reaches a skin farther than the cutoff.  At each evaluation of the forces it
-is rebuilt if two bobs together can have crossed the skin, so it never lacks a pair, however far
-surfaces slide.
+neighbours in their surface.  The list reaches a skin farther than the cutoff.  At each evaluation
+of the forces it is rebuilt if two bobs together can have crossed the skin, so it never lacks a
+pair, however far surfaces slide.
+
+Threads share the rows of each pair of surfaces.  The rows are divided into chunks, whose number
+depends on the scene alone.  Each chunk has an equal part of the room; the rows are then moved
+together.  If a part is too small, one thread fills the rows again.
 """
 
 import math
@@ -12,11 +15,13 @@ import math
 import numpy as np
 
 from tribo.kernels.blocks import column_of, first_block, last_block
-from tribo.kernels.compiled import kernel, owning_kernel
+from tribo.kernels.cells import gap, near_blocks, periods, set_boxes, sort_boxes
+from tribo.kernels.compiled import inlined, kernel, owning_kernel
 from tribo.kernels.kinematics import nearest_image
 from tribo.kernels.records import ALONG_X, ALONG_Y, X, Y, Z
 from tribo.kernels.simd import LANES, broadcast, sum_of_lanes
 from tribo.kernels.simd_arrays import block
+from tribo.kernels.team import LISTS, PAIR, USED, begin_phase, continue_phase, part_of
 
 
 @kernel
@@ -33,27 +38,48 @@ def have_crossed(model, active, place, width, elapsed):
 
     Inactive blocks move with their surface for the time `elapsed`.
     """
-    limit = 0.25 * width * width
     crossed = broadcast(0.0)
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
-        if not moved_with_surface(active, s, k, elapsed) < limit:
-            return True
         for n in range(first_block(active, s, k), last_block(active, s, k)):
-            i = column_of(active, n)
-            dx = block(model.bobs[X], i) - block(place[ALONG_X], i)
-            dy = block(model.bobs[Y], i) - block(place[ALONG_Y], i)
-            crossed = crossed + (1.0 - (dx * dx + dy * dy < limit))
-    return sum_of_lanes(crossed) > 0.0
+            crossed = crossed + have_moved(model, place, width, column_of(active, n))
+    return sum_of_lanes(crossed) > 0.0 or inactive_have_crossed(model, active, width, elapsed)
+
+
+@inlined
+def have_moved(model, place, width, i):
+    """1 in the lanes of bobs of a block that are not within half of `width` of `place`, else 0."""
+    dx = block(model.bobs[X], i) - block(place[ALONG_X], i)
+    dy = block(model.bobs[Y], i) - block(place[ALONG_Y], i)
+    return 1.0 - (dx * dx + dy * dy < 0.25 * width * width)
+
+
+@inlined
+def have_left(model, neighbours, i):
+    """The same of the places where bobs were listed, and of half the skin; 0 without a list."""
+    if neighbours is None:
+        return broadcast(0.0)
+    return have_moved(model, neighbours.place, neighbours.skin, i)
+
+
+@inlined
+def note_crossed(neighbours, crossed):
+    """Have the list rebuilt if there is a lane that is not 0."""
+    if neighbours is not None:
+        if sum_of_lanes(crossed) > 0.0:
+            neighbours.crossed[0] = 1
 
 
 @kernel
-def moved_with_surface(active, s, k, elapsed):
-    """Square of the distance that inactive blocks of a surface have moved with it."""
+def inactive_have_crossed(model, active, width, elapsed):
+    """Whether inactive blocks have moved by half of `width` with their surfaces."""
     if active is not None:
-        if active.eligible[k] == 1:
-            return (s.vx * s.vx + s.vy * s.vy) * (elapsed * elapsed)
-    return 0.0
+        for k in range(model.surfaces.shape[0]):
+            s = model.surfaces[k]
+            if active.eligible[k] == 1:
+                if not (s.vx * s.vx + s.vy * s.vy) * (elapsed * elapsed) < 0.25 * width * width:
+                    return True
+    return False
 
 
 @kernel
@@ -70,113 +96,6 @@ def is_empty(neighbours):
     if neighbours is None:
         return False
     return math.isnan(neighbours.place[0, 0])
-
-
-@kernel
-def cell_count(extent, size, most, period):
-    """Number of cells of at least `size` in an extent; one where a period has fewer than three."""
-    count = int(min(max(extent / size, 1.0), most))
-    return 1 if period > 0.0 and count < 3 else count
-
-
-@kernel
-def cell_of(place, low, width, count, period):
-    """Number of the cell of a coordinate; negative or >= count outside of the extent."""
-    if period > 0.0:
-        place = place - period * math.floor(place / period)
-        return min(int(place / width), count - 1)
-    return int(math.floor((place - low) / width))
-
-
-@owning_kernel
-def boxes_of(model, active, k):
-    """Centres and half widths of the boxes around the active blocks of a surface, in x, y and z.
-
-    Both are (3, blocks).
-    """
-    s = model.surfaces[k]
-    begin = first_block(active, s, k)
-    count = last_block(active, s, k) - begin
-    centres = np.empty((3, count))
-    halves = np.empty((3, count))
-    for axis in range(3):
-        places = model.asperites[Z] if axis == 2 else model.bobs[X + axis]
-        for m in range(count):
-            first = column_of(active, begin + m)
-            low = places[first]
-            high = low
-            for i in range(first + 1, min(first + LANES, s.end)):
-                low = min(low, places[i])
-                high = max(high, places[i])
-            centres[axis, m] = 0.5 * (low + high)
-            halves[axis, m] = 0.5 * (high - low)
-    return centres, halves
-
-
-@kernel
-def largest(values):
-    """The largest of some positive numbers."""
-    found = 0.0
-    for m in range(values.size):
-        found = max(found, values[m])
-    return found
-
-
-@kernel
-def range_of(values):
-    """The smallest and the largest of some numbers."""
-    low = math.inf
-    high = -math.inf
-    for m in range(values.size):
-        low = min(low, values[m])
-        high = max(high, values[m])
-    return low, high
-
-
-@owning_kernel
-def sort_into_cells(xs, zs, size_x, size_z, box_x, box_z):
-    """Sort points into cells of at least a size.
-
-    Returns the cells' geometry (low x, low z, widths, numbers), the first place of each cell in the
-    order, and the order.
-    """
-    n = xs.size
-    low_x, high_x = range_of(xs)
-    low_z, high_z = range_of(zs)
-    extent_x = box_x if box_x > 0.0 else high_x - low_x
-    extent_z = box_z if box_z > 0.0 else high_z - low_z
-    most = 2.0 * n + 16.0
-    nx = cell_count(extent_x, size_x, most, box_x)
-    nz = cell_count(extent_z, size_z, max(most / nx, 1.0), box_z)
-    width_x = max(extent_x / nx, size_x)
-    width_z = max(extent_z / nz, size_z)
-    first = np.zeros(nx * nz + 1, np.int64)
-    cell = np.empty(n, np.int64)
-    for j in range(n):
-        cx = min(max(cell_of(xs[j], low_x, width_x, nx, box_x), 0), nx - 1)
-        cz = min(max(cell_of(zs[j], low_z, width_z, nz, box_z), 0), nz - 1)
-        cell[j] = cz * nx + cx
-        first[cell[j] + 1] += 1
-    for c in range(nx * nz):
-        first[c + 1] += first[c]
-    order = np.empty(n, np.int64)
-    fill = first[:-1].copy()
-    for j in range(n):
-        order[fill[cell[j]]] = j
-        fill[cell[j]] += 1
-    return (low_x, low_z, width_x, width_z, nx, nz), first, order
-
-
-@kernel
-def sort_row(index, start, end):
-    """Sort a short row in ascending order, in place."""
-    for k in range(start + 1, end):
-        value = index[k]
-        m = k
-        while m > start and index[m - 1] > value:
-            index[m] = index[m - 1]
-            m -= 1
-        index[m] = value
 
 
 @kernel
@@ -202,71 +121,6 @@ def is_partner(species, partners, j):
 
 
 @kernel
-def gap(distance, width, period):
-    """Distance of a point from an interval of half width `width`, from their centres' distance."""
-    return max(abs(nearest_image(distance, period)) - width, 0.0)
-
-
-@kernel
-def periods(box):
-    """Lengths of a scene's box along x and z; 0 where it is not periodic."""
-    if box is None:
-        return 0.0, 0.0
-    return box.x, box.z
-
-
-@owning_kernel
-def sort_boxes(box, own, boxes, reach):
-    """Sort boxes into cells, so that :func:`near_blocks` finds those within reach of `own`."""
-    box_x, box_z = periods(box)
-    centres, halves = boxes
-    size_x = reach + largest(own[1][0]) + largest(halves[0])
-    size_z = reach + largest(own[1][2]) + largest(halves[2])
-    return sort_into_cells(centres[0], centres[2], size_x, size_z, box_x, box_z)
-
-
-@kernel
-def near_blocks(box, own, k, boxes, reach, sorted_boxes, near):
-    """Boxes within reach of the kth of `own` boxes, ascending; returns their number.
-
-    Both are centres and half widths.
-    """
-    cells, first, order = sorted_boxes
-    box_x, box_z = periods(box)
-    low_x, low_z, width_x, width_z, nx, nz = cells
-    place, half = own
-    centres, halves = boxes
-    cx = cell_of(place[0, k], low_x, width_x, nx, box_x)
-    cz = cell_of(place[2, k], low_z, width_z, nz, box_z)
-    count = 0
-    for kz in range(cz - 1, cz + 2):
-        if box_z > 0.0:
-            if nz == 1 and kz != cz:
-                continue
-            kz = kz % nz
-        elif kz < 0 or kz >= nz:
-            continue
-        for kx in range(cx - 1, cx + 2):
-            if box_x > 0.0:
-                if nx == 1 and kx != cx:
-                    continue
-                kx = kx % nx
-            elif kx < 0 or kx >= nx:
-                continue
-            c = kz * nx + kx
-            for n in range(first[c], first[c + 1]):
-                m = order[n]
-                dx = gap(place[0, k] - centres[0, m], half[0, k] + halves[0, m], box_x)
-                dy = gap(place[1, k] - centres[1, m], half[1, k] + halves[1, m], 0.0)
-                dz = gap(place[2, k] - centres[2, m], half[2, k] + halves[2, m], box_z)
-                if dx * dx + dy * dy + dz * dz < reach * reach:
-                    near[count] = m
-                    count += 1
-    sort_row(near, 0, count)
-    return count
-
-
-@kernel
 def fill_rows(start, row, stop, used):
     """Let rows up to `stop` begin at a place of the list; returns `stop`."""
     for empty in range(row, stop):
@@ -275,11 +129,11 @@ def fill_rows(start, row, stop, used):
 
 
 @owning_kernel
-def list_pair(model, box, neighbours, k, used):
-    """Fill the rows of the kth pair of surfaces; returns the length of the list that it needs.
+def list_rows(model, box, neighbours, k, begin, end, used, room):
+    """Fill the rows of some active blocks of the kth pair of surfaces, from `used` up to `room`.
 
-    Within one surface a pair of bobs belongs to the row of the first.  Rows of inactive bobs are
-    empty.
+    Returns the end of the list that they need.  Rows of inactive bobs before them are filled too:
+    these are empty.  Within one surface a pair of bobs belongs to the row of the first.
     """
     mine = neighbours.pairs[k, 0]
     theirs = neighbours.pairs[k, 1]
@@ -290,24 +144,18 @@ def list_pair(model, box, neighbours, k, used):
     ys = model.bobs[Y]
     zs = model.asperites[Z]
     reach = neighbours.reach[k]
-    row = neighbours.pairs[k, 2]
     start = neighbours.start
-    index = neighbours.index
     box_x, box_z = periods(box)
-    own = boxes_of(model, active, mine)
-    boxes = boxes_of(model, active, theirs)
-    centres, halves = boxes
-    top = row - one.start
-    if centres.shape[1] == 0:
-        fill_rows(start, row, top + one.end, used)
-        return used
-    sorted_boxes = sort_boxes(box, own, boxes, reach)
-    near = np.empty(centres.shape[1], np.int64)
-    for own_block in range(own[0].shape[1]):
-        count = near_blocks(box, own, own_block, boxes, reach, sorted_boxes, near)
-        begin = column_of(active, first_block(active, one, mine) + own_block)
-        row = fill_rows(start, row, top + begin, used)
-        for i in range(begin, min(begin + LANES, one.end)):
+    own, boxes = neighbours.own, neighbours.others
+    centres, halves = boxes.centres, boxes.halves
+    row = first_row(model, neighbours, k, begin)
+    top = neighbours.pairs[k, 2] - one.start
+    near = np.empty(boxes.count[0], np.int64)
+    for own_block in range(begin, end):
+        count = near_blocks(box, own, own_block, boxes, reach, neighbours.cells, near)
+        column = column_of(active, first_block(active, one, mine) + own_block)
+        row = fill_rows(start, row, top + column, used)
+        for i in range(column, min(column + LANES, one.end)):
             start[row] = used
             if partner_species(model.species, neighbours.species[k], i) != -2:
                 for n in range(count):
@@ -318,12 +166,102 @@ def list_pair(model, box, neighbours, k, used):
                     dy = gap(ys[i] - centres[1, m], halves[1, m], 0.0)
                     dz = gap(zs[i] - centres[2, m], halves[2, m], box_z)
                     if last > i and dx * dx + dy * dy + dz * dz < reach * reach:
-                        if used < index.size:
-                            index[used] = last // LANES
+                        if used < room:
+                            neighbours.index[used] = last // LANES
                         used += 1
             row += 1
-    fill_rows(start, row, top + one.end, used)
+    fill_rows(start, row, first_row(model, neighbours, k, end), used)
     return used
+
+
+@kernel
+def first_row(model, neighbours, k, n):
+    """The first row that :func:`list_rows` fills with the nth active block of a pair, if any."""
+    one = model.surfaces[neighbours.pairs[k, 0]]
+    row = neighbours.pairs[k, 2]
+    if n == 0:
+        return row
+    if n == neighbours.own.count[0]:
+        return row + one.end - one.start
+    active = neighbours.active
+    place = first_block(active, one, neighbours.pairs[k, 0]) + n
+    return row + column_of(active, place) - one.start
+
+
+@kernel
+def list_pair(model, team, neighbours, k, used):
+    """Fill the rows of the kth pair of surfaces; returns the length of the list that it needs."""
+    own, others = neighbours.own, neighbours.others
+    set_boxes(model, neighbours.active, neighbours.pairs[k, 0], own)
+    set_boxes(model, neighbours.active, neighbours.pairs[k, 1], others)
+    if own.count[0] == 0 or others.count[0] == 0:
+        one, row = model.surfaces[neighbours.pairs[k, 0]], neighbours.pairs[k, 2]
+        fill_rows(neighbours.start, row, row + one.end - one.start, used)
+        return used
+    sort_boxes(model.box, own, others, neighbours.reach[k], neighbours.cells)
+    if team is not None:
+        if share_rows(model, team, neighbours, k, used):
+            return join_chunks(model, team, neighbours, k, used)
+    blocks = own.count[0]
+    return list_rows(model, model.box, neighbours, k, 0, blocks, used, neighbours.index.size)
+
+
+@kernel
+def share_rows(model, team, neighbours, k, used):
+    """Fill the rows of a pair in chunks; whether each chunk had enough of the room."""
+    team.counters[PAIR] = k
+    team.counters[USED] = used
+    chunk = begin_phase(team, LISTS, team.lengths.size)
+    while chunk >= 0:
+        list_chunk(model, team, neighbours, chunk)
+        chunk = continue_phase(team)
+    room = room_of_chunk(team, neighbours, used)
+    for chunk in range(team.lengths.size):
+        if team.lengths[chunk] > room:
+            return False
+    return True
+
+
+@kernel
+def room_of_chunk(team, neighbours, used):
+    """Part of the list that the rows of a chunk may fill, of what is left of it."""
+    return max(neighbours.index.size - used, 0) // team.lengths.size
+
+
+@kernel
+def list_piece(model, team, neighbours, chunk):
+    """The same for an assistant, of a scene that may have no list."""
+    if neighbours is not None:
+        list_chunk(model, team, neighbours, chunk)
+
+
+@kernel
+def list_chunk(model, team, neighbours, chunk):
+    """Fill the rows of a chunk of a pair's active blocks, and note how long they are."""
+    k, used = team.counters[PAIR], team.counters[USED]
+    chunks = team.lengths.size
+    begin, end = part_of(0, neighbours.own.count[0], chunk, chunks)
+    room = room_of_chunk(team, neighbours, used)
+    first = used + chunk * room
+    last = list_rows(model, model.box, neighbours, k, begin, end, first, first + room)
+    team.lengths[chunk] = last - first
+
+
+@kernel
+def join_chunks(model, team, neighbours, k, used):
+    """Move the rows of all chunks together; returns the end of the list."""
+    room = room_of_chunk(team, neighbours, used)
+    end = used
+    for chunk in range(team.lengths.size):
+        first = used + chunk * room
+        for n in range(team.lengths[chunk]):
+            neighbours.index[end + n] = neighbours.index[first + n]
+        begin, stop = part_of(0, neighbours.own.count[0], chunk, team.lengths.size)
+        last = first_row(model, neighbours, k, stop)
+        for row in range(first_row(model, neighbours, k, begin), last):
+            neighbours.start[row] -= first - end
+        end += team.lengths[chunk]
+    return end
 
 
 @kernel
@@ -346,9 +284,10 @@ def rebuild(model, neighbours):
     start = neighbours.start
     used = 0
     for k in range(neighbours.reach.size):
-        used = list_pair(model, model.box, neighbours, k, used)
+        used = list_pair(model, model.team, neighbours, k, used)
     start[start.size - 1] = used
     keep_places(model, neighbours.place)
+    neighbours.crossed[0] = 0
     neighbours.made[0] += 1
 
 

@@ -274,6 +274,25 @@ class Active(NamedTuple):
     margin: float  # by which inactive blocks are farther away than the list reaches [length]
 
 
+class Boxes(NamedTuple):
+    """Boxes around blocks of bobs in x, y and z."""
+
+    count: np.ndarray  # (1,) how many there are
+    centres: np.ndarray  # (3, room)
+    halves: np.ndarray  # (3, room) half widths
+
+
+class Cells(NamedTuple):
+    """Points, sorted into rectangular cells in x and z."""
+
+    corner: np.ndarray  # (2,) lowest x and z
+    widths: np.ndarray  # (2,)
+    counts: np.ndarray  # (2,) of cells along x and z
+    first: np.ndarray  # (2 room + 17,) place of each cell's first point in `order`
+    order: np.ndarray  # (room,) points, cell after cell, and ascending in each
+    cell: np.ndarray  # (room,) of each point
+
+
 class Neighbours(NamedTuple):
     """Lists of the blocks of bobs that may be within reach, row by row in the order of the bobs.
 
@@ -289,8 +308,12 @@ class Neighbours(NamedTuple):
     place: np.ndarray  # (2, n) positions of the bobs when the list was built; nan before
     skin: float  # by which the list reaches farther than the cutoff [length]
     made: np.ndarray  # (1,) number of times that the list was built
+    crossed: np.ndarray  # (1,) 1 after a drift in which a bob has crossed half the skin
     listed: np.ndarray  # (1,) when splitting methods built it last [time]; nan before
     active: Any  # Active, or None where all blocks are
+    own: Boxes  # around the active blocks of a pair's first surface, while its rows are filled
+    others: Boxes  # of its second one
+    cells: Cells  # those of the second
 
 
 class Springs(NamedTuple):

@@ -1,10 +1,10 @@
 """Threads that share the work of a step.
 
-A step has phases: contact, drift, kick.  Each phase has a number of pieces that depends on
-the scene alone, and each piece writes where no other does, so that the results have the same bits
-for any number of threads.  The thread of the time loop begins a phase and takes pieces until none
-is left; assistants take pieces too.  Then it waits for the pieces that assistants have taken.  None
-waits for an assistant that the operating system has stopped between two pieces.
+A step has phases: lists of neighbours, contact, drift, kick.  Each phase has a number of pieces
+that depends on the scene alone, and each piece writes where no other does, so that the results have
+the same bits for any number of threads.  The thread of the time loop begins a phase and takes
+pieces until none is left; assistants take pieces too.  Then it waits for the pieces that assistants
+have taken.  None waits for an assistant that the operating system has stopped between two pieces.
 
 Threads have ranks.  Each begins with the pieces of its own part of all, which are the same in every
 step, so that the numbers in it stay in the memory of its core; then it looks for pieces that others
@@ -25,11 +25,11 @@ from tribo.kernels.compiled import kernel
 from tribo.kernels.simd_arrays import element
 
 # Phases.
-CONTACT, REACTIONS, DRIFT, KICK = range(4)
+LISTS, CONTACT, REACTIONS, DRIFT, KICK = range(5)
 
 # Places of the counters.  Those that threads write at the same time are in cache lines of their
 # own, of at most 16 numbers.
-WORK, DONE, CLOSED, PHASE, END, INTERACTION, PAIR, THREADS, RANK = 0, 16, 32, 33, 34, 35, 36, 37, 48
+WORK, DONE, CLOSED, PHASE, END, INTERACTION, PAIR, USED, THREADS, RANK = 0, 16, *range(32, 39), 48
 COUNTERS = 64
 # Counter WORK is the number of phases so far times this, plus the pieces of the present one.
 MOST_PIECES = 1 << 20
@@ -49,6 +49,7 @@ class Team(NamedTuple):
     ranks: np.ndarray  # (threads, OWN_NUMBERS) of each thread: SEEN and TRIED
     numbers: np.ndarray  # (2,) of the present phase: times
     tiles: np.ndarray  # (tiles, 3) surface, which of its tiles, and how many it has
+    lengths: np.ndarray  # (chunks,) of the rows of each chunk of a list of neighbours
     reach: np.ndarray  # (chunks, 2) columns first <= i < last of the reactions to each chunk
     reactions: np.ndarray  # (2 chunks, n) x and y of the reactions to the rows of each chunk
 
@@ -114,12 +115,32 @@ def _yield(typing_context):
 
 @kernel
 def begin_phase(team, phase, pieces):
-    """Offer the pieces of a phase to all threads; what else it needs is in place."""
+    """Offer the pieces of a phase to all threads, and take one; what else it needs is in place.
+
+    Like :func:`continue_phase` it returns -1 when all pieces are finished.
+    """
     counters = team.counters
     counters[PHASE] = phase
     counters[END] += pieces
     number = counters[WORK] // MOST_PIECES + 1
     _publish(counters, WORK, number * MOST_PIECES + pieces)
+    return piece_or_end(team)
+
+
+@kernel
+def continue_phase(team):
+    """Finish a piece, and take another one."""
+    finish_piece(team)
+    return piece_or_end(team)
+
+
+@kernel
+def piece_or_end(team):
+    """The next piece for the thread of the time loop; without one the end of the phase, and -1."""
+    piece = next_piece(team, 0)
+    if piece < 0:
+        end_phase(team)
+    return piece
 
 
 @kernel

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from tribo.kernels.records import Active, Calculator, Contact, Model, Neighbours
+from tribo.kernels.records import Active, Boxes, Calculator, Cells, Contact, Model, Neighbours
+from tribo.kernels.simd import LANES
 from tribo.kernels.simd_arrays import room
 from tribo.model.interaction import Interaction
 from tribo.model.scene import Scene
@@ -81,6 +82,7 @@ def neighbours(model: Model, rows: int, skin: float, active: Active | None) -> N
     """An empty neighbour list of so many rows, which the first evaluation of forces fills."""
     contacts = (*model.contacts, *(model.within or ()))
     all_species = (-1, -1)
+    blocks = model.asperites.shape[1] // LANES
     listed = [
         (one, other, row, contact.potential.range() + skin, contact.species)
         for contact in contacts
@@ -98,8 +100,29 @@ def neighbours(model: Model, rows: int, skin: float, active: Active | None) -> N
         place=nowhere(model.asperites.shape[1]),
         skin=skin,
         made=np.zeros(1, np.int64),
+        crossed=np.zeros(1, np.int64),
         listed=np.full(1, np.nan),
         active=active,
+        own=empty_boxes(blocks),
+        others=empty_boxes(blocks),
+        cells=empty_cells(blocks),
+    )
+
+
+def empty_boxes(count: int) -> Boxes:
+    """Room for so many boxes."""
+    return Boxes(np.zeros(1, np.int64), np.empty((3, count)), np.empty((3, count)))
+
+
+def empty_cells(count: int) -> Cells:
+    """Room for the cells of so many points."""
+    return Cells(
+        np.zeros(2),
+        np.zeros(2),
+        np.zeros(2, np.int64),
+        np.empty(2 * count + 17, np.int64),
+        np.empty(count, np.int64),
+        np.empty(count, np.int64),
     )
 
 

@@ -120,6 +120,7 @@ def team_of(scene: Scene, model: Model, contacts: tuple[Contact, ...]) -> Team |
         ranks=np.zeros((TILES, OWN_NUMBERS), np.int64),
         numbers=np.zeros(2),
         tiles=tiles,
+        lengths=np.zeros(chunks, np.int64),
         reach=np.zeros((chunks, 2), np.int64),
         reactions=room((2 * chunks, columns)),
     )
