@@ -223,13 +223,14 @@ def integrate(
         if before is not None and first == 0:
             new = before.then(new)
         add_reactions(loop.layout, new, new if held is None else held)
-        samples = new if held is None else held.then(new)
+        # No other name holds on to samples, whose memory large scenes need for the next ones.
+        earlier = 0 if held is None else held.t.size
+        held = new if held is None else held.then(new)
         if streamed is not None:
-            lost = streamed.add(samples, 0 if held is None else held.t.size)
+            lost = streamed.add(held, earlier)
             if lost is not None:
-                status, samples = Status.ENERGY_RUNAWAY, samples.at(samples.t[: lost + 1])
-            samples = samples.last_interval()
-        held = samples
+                status, held = Status.ENERGY_RUNAWAY, held.at(held.t[: lost + 1])
+            held = held.last_interval()
         if status != Status.COMPLETED:
             break
         more = first + rows < times.size  # else the result is next
