@@ -8,9 +8,10 @@ that keep theirs.  Both truncate the force at the cutoff; with --switch tribo's 
 zero there, which is what it does unless told otherwise, and takes a fifth more time.
 
 The measured steps hold whole periods between two rebuilds; compiling, setup and first lists are
-left out.  LAMMPS runs lj/cut/opt on one thread, lj/cut/omp on more.  The program prints nanoseconds
-per asperite and step, and how often LAMMPS rebuilt.  The machine must be idle: threads of LAMMPS
-wait for one another, and on busy cores take many times as long.
+left out.  Each row is measured in a process of its own, whose memory no other row has divided.
+LAMMPS runs lj/cut/opt on one thread, lj/cut/omp on more.  The program prints nanoseconds per
+asperite and step, and how often LAMMPS rebuilt.  The machine must be idle: threads of LAMMPS wait
+for one another, and on busy cores take many times as long.
 
     pip install -e ".[bench]"
     python benchmarks/lattice.py [--json] [--n 1000 10000] [--threads 1] [--within no] [--rigid]
@@ -22,12 +23,14 @@ import inspect
 import itertools
 import json
 import math
+import multiprocessing
 import os
 import re
 import shutil
 import subprocess
 import sys
 import tempfile
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -99,15 +102,18 @@ def scene(
     return tribo.Scene((upper, lower), contacts, duration, output=output)
 
 
-def tribo_seconds(build, threads: int, steps: int) -> float:
+def tribo_seconds(
+    asperites: int, within: bool, ledger: str, rigid: bool, at_cutoff: str, threads: int, steps: int
+) -> float:
     """Seconds of a number of steps after the first ones: the shortest of three."""
     shortest = []
     for count in (FIRST_STEPS, FIRST_STEPS + steps):
         settings = {"threads": threads} if TAKES_THREADS else {}
-        prepared = tribo.prepare(build(count * STEP), method="verlet", step=STEP, **settings)
-        results = [prepared.run() for _ in range(3)]
-        assert results[0].cost.steps == count
-        shortest.append(min(result.cost.wall_seconds for result in results))
+        grids = scene(asperites, within, ledger, count * STEP, rigid, at_cutoff)
+        prepared = tribo.prepare(grids, method="verlet", step=STEP, **settings)
+        costs = [prepared.run().cost for _ in range(3)]
+        assert costs[0].steps == count
+        shortest.append(min(cost.wall_seconds for cost in costs))
     return shortest[1] - shortest[0]
 
 
@@ -185,11 +191,9 @@ def measure(
     for ledger in ledgers:
         row = {"n": grids.count, "threads": threads, "within": within, "ledger": ledger}
         for key, held in (("tribo_ns", False), ("rigid_ns", True))[: 2 if rigid else 1]:
-
-            def build(duration, held=held, ledger=ledger):
-                return scene(asperites, within, ledger, duration, held, at_cutoff)
-
-            row[key] = tribo_seconds(build, threads, steps) / unit
+            how = asperites, within, ledger, held, at_cutoff, threads, steps
+            with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as process:
+                row[key] = process.submit(tribo_seconds, *how).result() / unit
         rows.append(row | {"lammps_ns": theirs / unit, "rebuilds": rebuilds})
     return rows
 
