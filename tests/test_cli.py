@@ -183,6 +183,13 @@ def test_run_that_stops(run, tmp_path, name):
     assert second.strip() == MEANINGS[name]
 
 
+def test_module():
+    """`python -m tribo` is the program, and has its name."""
+    command = [sys.executable, "-m", "tribo", "--version"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert done.stdout == f"tribo {tribo.__version__}\n"
+
+
 def test_paper(capsys):
     """The table of a case as text and as JSON."""
     assert main(["paper", "D"]) == 0

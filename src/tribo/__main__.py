@@ -1,0 +1,8 @@
+"""`python -m tribo`: the same as the command `tribo`."""
+
+import sys
+
+from tribo.cli import main
+
+if __name__ == "__main__":
+    sys.exit(main())
