@@ -51,6 +51,7 @@ def of_this_package(name):
 # Folders and files at the top level, from the top down: each may import those below it, and
 # `validation` may be imported by all.
 ORDER = [
+    "__main__",
     "cli",
     "commands",
     "command_help",
