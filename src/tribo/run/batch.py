@@ -52,15 +52,15 @@ def batches_of(whole: Batch, part: slice) -> tuple[Batch, ...]:
 
 def batch_of(records: Records, surfaces: Records, velocity: np.ndarray) -> Batch:
     """All asperites, whose initial velocities are `velocity` (asperites, 2)."""
-    mine, names = surfaces[records["surface"]], records.dtype.names or ()
+    mine, names = records["surface"], records.dtype.names or ()
     # Attributes of records take microseconds.
     asperites = Asperites(**{name: np.asarray(records[name]) for name in names})
     return Batch(
         place=slice(0, records.size),
         asperites=asperites,
         velocity=velocity.T.copy(),
-        held=(mine["drive"] == FORCED).astype(float),
-        reservoir=np.array([mine["reservoir_x"], mine["reservoir_y"]]),
+        held=(surfaces["drive"] == FORCED).astype(float)[mine],
+        reservoir=np.array([surfaces["reservoir_x"], surfaces["reservoir_y"]])[:, mine],
         present=_present(asperites),
     )
 
