@@ -4,6 +4,7 @@ They are for what no run of a short scene shows: costs, limits, and cells of lar
 returns what is wrong, or nothing.  They import the package when they run: see support/judge.py.
 """
 
+import itertools
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import NamedTuple
@@ -484,22 +485,32 @@ def boxes_within_reach() -> str:
     from tribo.run.contacts import empty_cells
 
     rng = np.random.default_rng(9)
-    reach = 1.5
-    for x, z in ((0.0, 0.0), (20.0, 0.0), (0.0, 30.0), (20.0, 30.0), (4.0, 0.9), (0.9, 4.0)):
-        half_x, half_z = 0.5 * min(x or 1.0, 1.0), 0.5 * min(z or 1.0, 1.0)
+    boxes = (
+        (0.0, 0.0),
+        (20.0, 0.0),
+        (0.0, 30.0),
+        (20.0, 30.0),
+        (4.0, 0.9),
+        (0.9, 4.0),
+        (8.0, 17.0),
+    )
+    for (x, z), unit in itertools.product(boxes, (1.0, 0.04)):
+        reach = 1.5 * unit
+        half_x, half_z = 0.5 * min(x or 1.0, 1.0), 0.5 * min(z or 4.0, 4.0)
         own, theirs = (
             Boxes(
                 np.array([count]),
-                rng.uniform(-5.0, 25.0, (3, 310)) * [[1.0], [0.2], [1.2]],
-                rng.uniform(0.0, 1.0, (3, 310)) * [[half_x], [0.7], [half_z]],
+                rng.uniform(-5.0, 25.0, (3, 310)) * [[unit], [0.2 * unit], [1.2 * unit]],
+                rng.uniform(0.0, unit, (3, 310)) * [[half_x], [0.2], [half_z]],
             )
             for count in (25, 300)
         )
-        lengths = SimpleNamespace(x=x, z=z) if x or z else None
+        periods = x * unit, z * unit
+        lengths = SimpleNamespace(x=periods[0], z=periods[1]) if x or z else None
         cells = empty_cells(310)
         sort_boxes(lengths, own, theirs, reach, cells)
         away = theirs.centres[:, None, :300] - own.centres[:, :25, None]
-        for axis, box in ((0, x), (2, z)):
+        for axis, box in zip((0, 2), periods, strict=True):
             if box:
                 away[axis] -= box * np.round(away[axis] / box)
         widths = theirs.halves[:, None, :300] + own.halves[:, :25, None]
@@ -508,39 +519,58 @@ def boxes_within_reach() -> str:
             found = np.full(300, -1)
             count = near_blocks(lengths, own, k, theirs, reach, cells, found)
             if not np.array_equal(found[:count], np.flatnonzero(near)):
-                return f"period {x}, {z}: box {k}"
+                return f"periods {periods}: box {k}"
     return ""
 
 
 def lists_in_chunks() -> str:
     """Rows of a list that are filled in chunks, and moved together, are those of one thread."""
-    from support.inactive import crossing
+    import tribo
+    from support.sliding import POTENTIAL, scene
     from tribo.kernels.equations_of_motion import place_bobs
     from tribo.kernels.neighbours import join_chunks, list_chunk, list_pair, rebuild
     from tribo.kernels.team import COUNTERS, PAIR, USED
     from tribo.run.layout import lay_out
 
-    layout = lay_out(crossing(columns=120, rows=4))
-    model, q = layout.model, layout.start[: layout.core]
-    place_bobs(model, 0.0, np.append(q, np.zeros(layout.room[0] - q.size)))
+    rng = np.random.default_rng(3)
+    upper, lower = (rng.uniform(-6.0, 6.0, (n, 3)) * [1.0, 0.05, 1.0] for n in (70, 90))
+    contacts = [tribo.Interaction(POTENTIAL, ("upper", name)) for name in ("lower", "upper")]
+    layout = lay_out(replace(scene(upper, lower, {}), interactions=contacts))
+    model = layout.model
+    place_bobs(model, 0.0, np.zeros(layout.room[0]))
     alone, shared = layout.neighbours(), layout.neighbours()
     rebuild(model, alone)
-    used = alone.start[-1]
+    stops = [*alone.pairs[1:, 2], alone.start.size - 1]
     team = SimpleNamespace(counters=np.zeros(COUNTERS, np.int64), lengths=np.zeros(5, np.int64))
     end = 0
-    for k in range(shared.reach.size):
+    for k, stop in enumerate(stops):
         list_pair(model, None, shared, k, end)  # for its boxes and cells
-        shared.start[:], shared.index[end:] = -1, -1
+        rows = slice(shared.pairs[k, 2], stop)
+        shared.start[rows], shared.index[end:] = -1, -1
         team.counters[PAIR], team.counters[USED] = k, end
         for chunk in (3, 0, 4, 2, 1):
             list_chunk(model, team, shared, chunk)
+        if np.min(team.lengths) < 10:
+            return "chunks without rows show nothing"
         end = join_chunks(model, team, shared, k, end)
-        first = shared.pairs[k, 2]
-        rows = slice(first, first + np.count_nonzero(shared.start >= 0))
         if not np.array_equal(shared.start[rows], alone.start[rows]):
             return f"starts of the rows of pair {k}"
-    if end != used or not np.array_equal(shared.index[:used], alone.index[:used]):
+    if end != alone.start[-1] or not np.array_equal(shared.index[:end], alone.index[:end]):
         return "blocks in the list"
+    return ""
+
+
+def one_bob_that_crosses() -> str:
+    """A list is due as soon as a single bob has crossed half the skin, and not before."""
+    from tribo.kernels.neighbours import have_left, note_crossed
+
+    for far, due in ((0.0, 0), (0.249, 0), (0.251, 1)):
+        bobs = np.zeros((6, 8))
+        bobs[:2, 5] = 0.6 * far, -0.8 * far
+        neighbours = SimpleNamespace(place=np.zeros((2, 8)), skin=0.5, crossed=np.zeros(1, int))
+        note_crossed(neighbours, have_left(SimpleNamespace(bobs=bobs), neighbours, 0))
+        if neighbours.crossed[0] != due:
+            return f"a bob that has moved by {far}"
     return ""
 
 
@@ -628,6 +658,7 @@ FORMULAS = {
     "cells": cells,
     "boxes within reach": boxes_within_reach,
     "lists in chunks": lists_in_chunks,
+    "one bob that crosses": one_bob_that_crosses,
     "partners": partners,
     "short rows": short_rows,
 }

@@ -461,6 +461,23 @@ def equal_steps():
     return ""
 
 
+def bars_that_stand():
+    """Driven bars at rest receive no work, though their pendulums swing."""
+    upper, lower = ALL["held"]["surface"]
+    initial = upper["initial"] | {"nu": 0.0}
+    upper = upper | {"velocity": [0.0, 0.0], "initial": initial}
+    table = ALL["held"] | {"surface": [upper, lower | {"velocity": [0.3, 0.0]}]}
+    for method in ("midpoint", "verlet"):
+        run = simulate(table, method=method, step=0.05)
+        works = run[upper["name"]]
+        if not np.max(np.abs(works["w1"])) > 1e-3:
+            return f"{method}: the bob receives no work"
+        for name in ("w2", "wL", "wR"):
+            if np.max(np.abs(works[name])) > 1e-14:
+                return f"{method}: {name} = {np.max(np.abs(works[name]))}"
+    return ""
+
+
 def named_plugins():
     """Every plug-in of a scene goes with the field that it is in."""
     lay_out = importlib.import_module("tribo.run.layout").lay_out
@@ -538,6 +555,7 @@ CHECKS: dict[str, Callable[[], str]] = (
     FORMULAS
     | LOOPS
     | {
+        "bars that stand": bars_that_stand,
         "named plug-ins": named_plugins,
         "equal steps": equal_steps,
         "further series": further_series,
@@ -561,6 +579,7 @@ CHECKS["thermal kicks"] = Thermal(0.1, 4.0, 0.5)
 for _scene in ("slid", "pulled", "slid, slowly"):
     CHECKS[f"encounters, {_scene}"] = Encounters(_scene)
 CHECKS["verlet, open"] = Steps("open", "verlet", 0.05, 2, 1e-5)  # its identities are exact
+CHECKS["kahan-li-6, loaded"] = Steps("loaded", "kahan-li-6", 0.25, 6, 1e-5)
 CHECKS["verlet and midpoint, damped"] = Agrees("damped", "verlet", "midpoint", 0.05, 1e-3)
 for _scene in ("held", "swinging"):
     CHECKS[f"verlet and midpoint, {_scene}"] = Agrees(_scene, "verlet", "midpoint", 0.05, 1e-3)

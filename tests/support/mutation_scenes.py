@@ -142,6 +142,9 @@ SCENES = {
         duration=0.6,
     ),
     # Without a solution by other means: the identities alone.
+    "loaded": scene(
+        {"drive": {"kind": "forced", "load": 0.3}}, {"drive": {"kind": "free", "load": -0.2}}
+    ),
     "held": scene(
         {"drive": "bars"},
         {

@@ -6,6 +6,25 @@ EQUIVALENT = {
     "kernels/encounters.py: fastest_approach: fastest = 0.0 -> fastest = 1.0": (
         "a bound on the rate that is too high: only the cost changes"
     ),
+    "kernels/blocks.py: selected_at: return 0.0 -> return 1.0": (
+        "only whether it changes matters, and without a selection it does not"
+    ),
+    "kernels/blocks.py: keeps_velocity: "
+    "return s.drive == BARS or (s.dof_x < 0 and s.dof_y < 0) -> "
+    "return s.drive == BARS and (s.dof_x < 0 and s.dof_y < 0)": (
+        "nothing accelerates what would be stepped: only the cost changes"
+    ),
+    "kernels/blocks.py: keeps_velocity: s.dof_x < 0 -> s.dof_x < 1": AFTER_SWINGS,
+    "kernels/blocks.py: keeps_velocity: s.dof_y < 0 -> s.dof_y < 1": AFTER_SWINGS,
+    "kernels/neighbours.py: have_left: broadcast(0.0) -> broadcast(1.0)": (
+        "without a list nothing is rebuilt"
+    ),
+    "kernels/cells.py: largest: found = 0.0 -> found = 1.0": (
+        "wider cells hold all boxes within reach: only the cost changes"
+    ),
+    "integrators/kicks.py: drive_in_kick: s.acc_drive >= 0 -> s.acc_drive >= 1": (
+        "the first slots are those of contact; no drive has slot 0"
+    ),
     "kernels/equations_of_motion.py: bar_angles: s.dof_phi >= 0 -> s.dof_phi >= 1": AFTER_SWINGS,
     "kernels/equations_of_motion.py: accelerations: s.dof_phi >= 0 -> s.dof_phi >= 1": (
         AFTER_SWINGS
