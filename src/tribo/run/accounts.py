@@ -63,7 +63,7 @@ class Accounts(dict[str, Account]):
         """A part, or a sum of parts, of all asperites, (times, asperites)."""
         shape = len(self._s), self.batch.held.size
         if isinstance(part, np.ndarray) and part.shape == shape:
-            return part
+            return part if part.base is None else part.copy()  # users may change it
         return np.full(shape, part)
 
 
@@ -92,6 +92,9 @@ def _columns(batch: Batch, group: str, places: Iterable[int], s: np.ndarray) -> 
     if group not in batch.present:
         return [0.0 for _ in places]
     slots, stride = getattr(batch.asperites, group), batch.asperites.stride
+    if batch.are_consecutive(group):  # a part of the table, ten times faster than its columns
+        firsts = [int(slots[0] + k * stride[0]) for k in places]
+        return [s[:, first : first + slots.size] for first in firsts]
     return [columns(np.where(slots >= 0, slots + k * stride, -1), s) for k in places]
 
 

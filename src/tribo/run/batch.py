@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import SimpleNamespace
 
 import numpy as np
@@ -42,6 +42,15 @@ class Batch:
     held: np.ndarray
     reservoir: np.ndarray
     present: frozenset[str]
+    _consecutive: dict[str, bool] = field(default_factory=dict, init=False, repr=False)
+
+    def are_consecutive(self, group: str) -> bool:
+        """Whether the slots of a group follow one another, and one stride holds for all of them."""
+        if group not in self._consecutive:
+            slots, stride = getattr(self.asperites, group), self.asperites.stride
+            follow = slots.ndim == 1 and slots[0] >= 0 and bool(np.all(np.diff(slots) == 1))
+            self._consecutive[group] = follow and bool(np.all(stride == stride[0]))
+        return self._consecutive[group]
 
 
 def batches_of(whole: Batch, part: slice) -> tuple[Batch, ...]:
