@@ -10,7 +10,7 @@ B. Leimkuhler, C. Matthews, Appl. Math. Res. Express 2013 (2013) 34, for the noi
 
 from tribo.integrators.rotations import changes, rotation_of, set_rotations
 from tribo.kernels.baths import first_slot, torsional_slot
-from tribo.kernels.blocks import coordinates, is_fixed, set_vectors, vectors
+from tribo.kernels.blocks import column_of_constants, coordinates, is_fixed, set_vectors, vectors
 from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.kinematics import end_force
 from tribo.kernels.langevin import thermal_kick
@@ -45,11 +45,12 @@ def push_bars(model, s, i, px, py, v, accounts, slot):
     The works are added to the accounts from `slot` on.
     """
     a = model.asperites
+    c = column_of_constants(s, i)
     along = block(model.bobs[TX], i) * px + block(model.bobs[TY], i) * py
     omega = block(v, i)
-    change = 0.0 - block(a[L2], i) * along * block(a[INVERSE_INERTIA], i)
-    change_x = px * block(a[INVERSE_MASS], i)
-    change_y = py * block(a[INVERSE_MASS], i)
+    change = 0.0 - block(a[L2], c) * along * block(a[INVERSE_INERTIA], c)
+    change_x = px * block(a[INVERSE_MASS], c)
+    change_y = py * block(a[INVERSE_MASS], c)
     vx = coordinates(s.dof_x, s, i, v) + 0.5 * change_x
     vy = coordinates(s.dof_y, s, i, v) + 0.5 * change_y
     set_block(v, i, omega + change)
@@ -63,12 +64,12 @@ def push_bars(model, s, i, px, py, v, accounts, slot):
     pivot = pivot_lengths(model.pivots, s, i)
     add_block(accounts, k, px)
     add_block(accounts, k + stride, py)
-    add_block(accounts, k + 2 * stride, 0.0 - (block(a[L2], i) + pivot) * swept)
+    add_block(accounts, k + 2 * stride, 0.0 - (block(a[L2], c) + pivot) * swept)
     add_block(accounts, k + 3 * stride, px * vx + py * vy + pivot * swept)
     if is_fixed(model.fixed, s):
-        torque = 0.0 - block(a[L2], i) * along
+        torque = 0.0 - block(a[L2], c) * along
         x, y = end_force(
-            torque, block(a[INVERSE_BAR_LENGTH], i), block(a[SIN_PHI], i), block(a[COS_PHI], i)
+            torque, block(a[INVERSE_BAR_LENGTH], c), block(a[SIN_PHI], c), block(a[COS_PHI], c)
         )
         k = place_of(s, s.acc_ends + 2 * stride, i)
         add_block(accounts, k, x)
@@ -157,7 +158,7 @@ def rotate_torsional(model, torsional, tau, q, v, accounts, rotations):
                         gain = gain + block(torsional[OSCILLATOR_MASS], first + m) * change
                     gained = sum_of_lanes(gain)
                     nu = v[j]
-                    v[j] -= gained / model.asperites[I2, i]
+                    v[j] -= gained / model.asperites[I2, column_of_constants(s, i)]
                     if s.acc_internal >= 0:
                         accounts[place_of(s, account, i)] -= gained * 0.5 * (nu + v[j])
 
@@ -171,7 +172,7 @@ def damp_swings(model, swing_friction, tau, v, accounts, noise):
             if s.swing_gamma > 0.0:
                 gamma = s.swing_gamma
                 for i in range(s.start, s.end):
-                    mobility = 1.0 / model.asperites[INERTIA, i]
+                    mobility = 1.0 / model.asperites[INERTIA, column_of_constants(s, i)]
                     omega = v[i]
                     gained = thermal_kick(gamma, s.temperature, mobility, omega, tau, noise)
                     v[i] += gained * mobility
@@ -189,8 +190,9 @@ def thermal_impulse(model, s, i, tau, v, noise):
     vx, vy = velocity_of_bar(model, s, i, v)
     x = vx - s.reservoir_x
     y = vy - s.reservoir_y
-    across = 1.0 / a[MASS, i]
-    arc = across + a[L2, i] * a[L2, i] / a[INERTIA, i]
+    c = column_of_constants(s, i)
+    across = 1.0 / a[MASS, c]
+    arc = across + a[L2, c] * a[L2, c] / a[INERTIA, c]
     heat = s.temperature
     along = thermal_kick(s.gamma, heat, arc, tx * x + ty * y, tau, noise)
     side = thermal_kick(s.gamma, heat, across, tx * y - ty * x, tau, noise)

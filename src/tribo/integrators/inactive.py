@@ -13,7 +13,7 @@ import numpy as np
 
 from tribo.integrators.drift import drift_block
 from tribo.integrators.rotations import rotation
-from tribo.kernels.blocks import is_fixed
+from tribo.kernels.blocks import column_of_constants, is_fixed
 from tribo.kernels.cells import near_blocks, set_boxes, sort_boxes
 from tribo.kernels.compiled import kernel, owning_kernel
 from tribo.kernels.equations_of_motion import bar_angles
@@ -67,7 +67,8 @@ def advance_inactive(model, active, t, q, v, accounts):
                 for i in range(s.start, s.stop, LANES):
                     tau = t - active.since[i // LANES]
                     if abs(tau) > 0.0:  # nan for active blocks
-                        turn = rotation(block(model.asperites[FREQUENCY], i), tau)
+                        c = column_of_constants(s, i)
+                        turn = rotation(block(model.asperites[FREQUENCY], c), tau)
                         drift_block(model, s, i, t, tau, q, v, accounts, turn)
                         active.since[i // LANES] = t
 
@@ -130,10 +131,11 @@ def longest_paths(model, s, i, t, q, v):
     """
     if is_fixed(model.fixed, s):
         return broadcast(0.0)
-    diameter = 2.0 * block(model.asperites[L1], i)
+    c = column_of_constants(s, i)
+    diameter = 2.0 * block(model.asperites[L1], c)
     if s.dof_phi >= 0:
         return diameter
-    frequency = block(model.asperites[FREQUENCY], i)
+    frequency = block(model.asperites[FREQUENCY], c)
     twist = block(q, i) - bar_angles(model, s, i, t, q)
     rate = where_less(0.0, frequency, block(v, i) / frequency, 1.0)
     amplitude = sqrt(twist * twist + rate * rate)

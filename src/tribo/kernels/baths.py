@@ -3,6 +3,7 @@
 Those of one bar stand side by side: all x, all y, then the torsional.  Eight are computed at once.
 """
 
+from tribo.kernels.blocks import column_of_constants
 from tribo.kernels.compiled import kernel
 from tribo.kernels.records import (
     ALONG_X,
@@ -34,7 +35,8 @@ def bar_angle(model, s, i, t, q):
     """phi of one bar: a coordinate where it is free, uniform where it is clamped."""
     if s.dof_phi >= 0:
         return q[s.dof_phi + i - s.start]
-    return model.asperites[PHI_START, i] + model.asperites[NU_START, i] * t
+    c = column_of_constants(s, i)
+    return model.asperites[PHI_START, c] + model.asperites[NU_START, c] * t
 
 
 @kernel
@@ -142,7 +144,8 @@ def torsional_accelerations(model, torsional, t, q, acceleration):
                     phi = bar_angle(model, s, i, t, q)
                     oscillate(torsional, first, count, q, torsional_slot(s, i), phi, acceleration)
                     torque = torsional_torque(model, torsional, s, i, t, q)
-                    acceleration[s.dof_phi + i - s.start] += torque / model.asperites[I2, i]
+                    inertia = model.asperites[I2, column_of_constants(s, i)]
+                    acceleration[s.dof_phi + i - s.start] += torque / inertia
 
 
 @kernel

@@ -1,6 +1,6 @@
 """All forces on the asperites in sampled states: nothing moves."""
 
-from tribo.kernels.blocks import set_vectors, vectors
+from tribo.kernels.blocks import column_of_constants, set_vectors, vectors
 from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.equations_of_motion import (
     accelerate,
@@ -58,10 +58,11 @@ def add_bath(internal, found, baths, i):
 def set_ends(model, end_forces, s, i, t, q, found):
     """Set f_L and f_R on a block of bars: of clamps, or of a plug-in."""
     if s.dof_phi < 0:
+        c = column_of_constants(s, i)
         phi = bar_angles(model, s, i, t, q)
         torque = held_torques(model, model.fixed, s, i, phi, q)
         sin, cos = sine_cosine(phi)
-        x, y = end_force(torque, block(model.asperites[INVERSE_BAR_LENGTH], i), sin, cos)
+        x, y = end_force(torque, block(model.asperites[INVERSE_BAR_LENGTH], c), sin, cos)
         set_pair(found, LEFT, i, x, y)
         set_pair(found, RIGHT, i, -x, -y)
     if end_forces is not None:

@@ -3,6 +3,7 @@
 from numba import literal_unroll
 
 from tribo.kernels.baths import bar_angle
+from tribo.kernels.blocks import column_of_constants
 from tribo.kernels.compiled import kernel
 from tribo.kernels.kinematics import bar_position, bar_velocity
 from tribo.kernels.records import (
@@ -36,7 +37,7 @@ def velocity_of_bar(model, s, i, v):
     vy = coordinate(s.dof_y, s, i, v)
     tx = model.bobs[TX, i]
     ty = model.bobs[TY, i]
-    return bar_velocity(vx, vy, v[i], model.asperites[L2, i], tx, ty)
+    return bar_velocity(vx, vy, v[i], model.asperites[L2, column_of_constants(s, i)], tx, ty)
 
 
 @kernel
@@ -48,7 +49,8 @@ def custom_drives(model, drives, t, q, v):
         for drive in literal_unroll(drives):
             s = model.surfaces[drive.surface]
             for i in range(s.start, s.end):
-                x, y = bar_position(b[X, i], b[Y, i], a[L1, i] + a[L2, i], b[TX, i], b[TY, i])
+                c = column_of_constants(s, i)
+                x, y = bar_position(b[X, i], b[Y, i], a[L1, c] + a[L2, c], b[TX, i], b[TY, i])
                 x = x + drive.origin[0] + drive.velocity[0] * t
                 y = y + drive.origin[1] + drive.velocity[1] * t
                 vx, vy = velocity_of_bar(model, s, i, v)

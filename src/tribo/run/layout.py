@@ -193,6 +193,14 @@ class Layout:
         return replace(self, model=model)
 
     @property
+    def constants(self) -> np.ndarray:
+        """The constants of all asperites, (rows, n); see `tribo.kernels.records.CONSTANTS`."""
+        own, surfaces = self.asperites.surface, self.model.surfaces
+        start, mask = surfaces.start[own], surfaces.constants_mask[own]
+        shared = start + ((self.places.columns - start) & mask)
+        return np.asarray(self.model.asperites[:, shared])
+
+    @property
     def depths(self) -> np.ndarray:
         """z of every bob [length], (n,)."""
         depths: np.ndarray = self.model.asperites[records.Z, self.places.columns]

@@ -14,7 +14,12 @@ from tribo.run.force_records import springs
 from tribo.run.scene_records import resting_bobs
 
 # Constants that differ between asperites that are alike otherwise.
-OF_EACH = (records.X_START, records.Y_START, records.Z, records.CHARGE, records.PRESENT)
+OF_EACH = ("x", "y")
+# Fields of an asperite from which all other constants follow.
+PARAMETERS = ("mass", "inertia", "kappa", "l1", "l2", "i2", "bar_length", "pivot", "phi", "nu")
+# Constants of those that fill up a block which are 1, as are their inverses; others are 0.
+ONES = [records.MASS, records.INERTIA, records.I2, records.BAR_LENGTH, records.COS_PHI]
+ONES += [records.INVERSE_MASS, records.INVERSE_INERTIA, records.INVERSE_BAR_LENGTH]
 
 
 def model_tables(
@@ -22,10 +27,12 @@ def model_tables(
 ) -> Model:
     """The tables of the kernels; contacts, fields and forces of plug-ins are still absent."""
     n = numbering.columns
-    constants = _constants(scene, asperites, places.columns, n)
+    ends = np.searchsorted(asperites["surface"], np.arange(len(scene.surfaces) + 1))
+    for k, surface in enumerate(numbering.surfaces):
+        alike = are_alike(surface, asperites[ends[k] : ends[k + 1]])
+        surface["constants_mask"] = 0 if alike else -1
+    constants = _constants(scene, asperites, numbering, places.columns)
     pivots = _pivots(asperites, places.columns, n)
-    for surface in numbering.surfaces:
-        surface["constants_mask"] = _constants_mask(surface, constants, pivots)
     bath = _oscillators(numbering, [(s.bath.masses, s.bath.frequencies) for s in scene.surfaces])
     torsional = _oscillators(
         numbering, [(s.bath.inertias, s.bath.torsional_frequencies) for s in scene.surfaces]
@@ -68,43 +75,61 @@ def model_tables(
     )
 
 
-def _constants(scene: Scene, asperites: np.ndarray, columns: np.ndarray, count: int) -> np.ndarray:
-    """The table of asperites that kernels read; others fill it up, which feel no force."""
-    table = room((len(records.CONSTANTS), count))
-    table[[records.MASS, records.INERTIA, records.I2, records.BAR_LENGTH, records.COS_PHI]] = 1.0
+def are_alike(surface: np.void, asperites: np.ndarray) -> bool:
+    """Whether the asperites of a surface share their constants.
+
+    Those that fill its last block would turn if the angles of bars were not zero.
+    """
+    same = (np.all(asperites[name] == asperites[name][0]) for name in PARAMETERS)
+    return not surface["tilted"] and all(same)
+
+
+def _constants(
+    scene: Scene, asperites: np.ndarray, numbering: slots.Numbering, columns: np.ndarray
+) -> np.ndarray:
+    """The table of asperites that kernels read; others fill it up, which feel no force.
+
+    Asperites that are alike have their constants in the first block of their surface alone.
+    """
+    table = room((len(records.CONSTANTS), numbering.columns))
+    for surface in numbering.surfaces:
+        size = LANES if surface["constants_mask"] == 0 else surface["stop"] - surface["start"]
+        for row in ONES:
+            table[row, surface["start"] : surface["start"] + size] = 1.0
+    table[records.X_START, columns] = asperites["x"]
+    on_bars = asperites["facing"] * asperites["pivot"]
+    table[records.Y_START, columns] = asperites["y"] + on_bars
+    table[records.PRESENT, columns] = 1.0
+    table[records.CHARGE, columns] = np.concatenate([s.each["charge"] for s in scene.surfaces])
+    depths = [resting_bobs(scene, k)[:, 2] for k in range(len(scene.surfaces))]
+    table[records.Z, columns] = np.concatenate(depths)
+    start, mask = (
+        numbering.surfaces[name][asperites["surface"]] for name in ("start", "constants_mask")
+    )
+    is_read = (mask == -1) | (columns - start < LANES)
+    _fill_shared(table, scene, asperites[is_read], columns[is_read])
+    return table
+
+
+def _fill_shared(
+    table: np.ndarray, scene: Scene, asperites: np.ndarray, columns: np.ndarray
+) -> None:
+    """Set the constants that asperites may share."""
     for row, name in enumerate(records.CONSTANTS):
-        if name in (records.ASPERITE.names or ()):
+        if name in (records.ASPERITE.names or ()) and name not in OF_EACH:
             table[row, columns] = asperites[name]
     _refer_to_bars(table, asperites, columns)
     rigid = np.array([s.asperite.is_rigid for s in scene.surfaces])[asperites["surface"]]
     table[records.INERTIA, columns[rigid]] = np.inf
-    table[records.PRESENT, columns] = 1.0
-    table[records.INVERSE_MASS] = 1.0 / table[records.MASS]
-    table[records.INVERSE_INERTIA] = 1.0 / table[records.INERTIA]
-    table[records.INVERSE_BAR_LENGTH] = 1.0 / table[records.BAR_LENGTH]
+    table[records.INVERSE_MASS, columns] = 1.0 / table[records.MASS, columns]
+    table[records.INVERSE_INERTIA, columns] = 1.0 / table[records.INERTIA, columns]
+    table[records.INVERSE_BAR_LENGTH, columns] = 1.0 / asperites["bar_length"]
     phi = asperites["phi"]
     table[records.SIN_PHI, columns], table[records.COS_PHI, columns] = np.sin(phi), np.cos(phi)
     turning = asperites["dof_phi"] >= 0
     mobility = table[records.INVERSE_INERTIA, columns]
     mobility += np.where(turning, 1.0 / asperites["i2"], 0.0)
     table[records.FREQUENCY, columns] = np.sqrt(asperites["kappa"] * mobility)
-    every = [s.each["charge"] for s in scene.surfaces]
-    table[records.CHARGE, columns] = np.concatenate(every)
-    depths = [resting_bobs(scene, k)[:, 2] for k in range(len(scene.surfaces))]
-    table[records.Z, columns] = np.concatenate(depths)
-    return table
-
-
-def _constants_mask(surface: np.record, constants: np.ndarray, pivots: np.ndarray | None) -> int:
-    """0 if the asperites of a surface are alike, -1 otherwise.
-
-    Those that fill its last block would turn if the angles of bars were not zero.
-    """
-    part = slice(surface["start"], surface["end"])
-    rows = [constants[row, part] for row in range(len(constants)) if row not in OF_EACH]
-    rows += [] if pivots is None else [pivots[0, part]]
-    are_alike = not surface["tilted"] and all((row == row[0]).all() for row in rows)
-    return 0 if are_alike else -1
 
 
 def _refer_to_bars(table: np.ndarray, asperites: np.ndarray, columns: np.ndarray) -> None:
@@ -115,7 +140,6 @@ def _refer_to_bars(table: np.ndarray, asperites: np.ndarray, columns: np.ndarray
     table[records.MASS, columns] = np.inf
     table[records.L1, columns] += a["pivot"]
     table[records.L2, columns] = 0.0
-    table[records.Y_START, columns] += a["facing"] * a["pivot"]
 
 
 def _pivots(asperites: np.ndarray, columns: np.ndarray, count: int) -> np.ndarray | None:

@@ -127,7 +127,7 @@ class _Accelerations:
 
     def _table(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The unit, the inertia and the asperite of each coordinate, (core,)."""
-        a, table = self._layout.asperites, self._layout.model.asperites
+        a, constants = self._layout.asperites, self._layout.constants
         each = np.arange(a.size)
         lengths, inertias = np.ones(self._layout.core), np.ones(self._layout.core)
         owners = np.zeros(self._layout.core, int)
@@ -141,7 +141,7 @@ class _Accelerations:
             present = slots >= 0
             mine = slots[present]
             lengths[mine], owners[mine] = unit[present], each[present]
-            inertias[mine] = table[row, self._layout.places.columns[present]]
+            inertias[mine] = constants[row, present]
         return lengths, inertias, owners
 
     @property

@@ -46,7 +46,7 @@ def bath_frequency(layout: Layout) -> float:
 
 def corrugation_frequency(layout: Layout) -> float:
     """The largest angular frequency of a bob in a minimum of a corrugation [rad / time]."""
-    table = layout.model.asperites[:, layout.places.columns]
+    table = layout.constants
     mobility = 1.0 / table[MASS] + table[L1] ** 2 / table[INERTIA]
     fastest = 0.0
     for field in layout.model.fields or ():
@@ -83,7 +83,7 @@ def longest_kick(method: Method) -> float:
 
 def _mobility(layout: Layout) -> np.ndarray:
     """Velocity of each bar for a unit of momentum, at most."""
-    table = layout.model.asperites[:, layout.places.columns]
+    table = layout.constants
     mobility: np.ndarray = 1.0 / table[MASS] + table[L2] ** 2 / table[INERTIA]
     return mobility
 
