@@ -44,7 +44,7 @@ def push_bars(model, s, i, px, py, v, accounts, slot):
 
     The works are added to the accounts from `slot` on.
     """
-    a = model.asperites
+    a = model.constants
     c = column_of_constants(s, i)
     along = block(model.bobs[TX], i) * px + block(model.bobs[TY], i) * py
     omega = block(v, i)
@@ -158,7 +158,7 @@ def rotate_torsional(model, torsional, tau, q, v, accounts, rotations):
                         gain = gain + block(torsional[OSCILLATOR_MASS], first + m) * change
                     gained = sum_of_lanes(gain)
                     nu = v[j]
-                    v[j] -= gained / model.asperites[I2, column_of_constants(s, i)]
+                    v[j] -= gained / model.constants[I2, column_of_constants(s, i)]
                     if s.acc_internal >= 0:
                         accounts[place_of(s, account, i)] -= gained * 0.5 * (nu + v[j])
 
@@ -172,7 +172,7 @@ def damp_swings(model, swing_friction, tau, v, accounts, noise):
             if s.swing_gamma > 0.0:
                 gamma = s.swing_gamma
                 for i in range(s.start, s.end):
-                    mobility = 1.0 / model.asperites[INERTIA, column_of_constants(s, i)]
+                    mobility = 1.0 / model.constants[INERTIA, column_of_constants(s, i)]
                     omega = v[i]
                     gained = thermal_kick(gamma, s.temperature, mobility, omega, tau, noise)
                     v[i] += gained * mobility
@@ -184,7 +184,7 @@ def damp_swings(model, swing_friction, tau, v, accounts, noise):
 @kernel
 def thermal_impulse(model, s, i, tau, v, noise):
     """The momentum that bar i receives from the reservoir, along the bar's arc and across it."""
-    a = model.asperites
+    a = model.constants
     tx = model.bobs[TX, i]
     ty = model.bobs[TY, i]
     vx, vy = velocity_of_bar(model, s, i, v)

@@ -39,7 +39,7 @@ WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18.0
 @inlined
 def add_end_impulses(model, s, i, impulse, v, accounts):
     """Add the impulse on the ends of clamped bars at rest, and its pseudowork."""
-    a = model.asperites
+    a = model.constants
     c = column_of_constants(s, i)
     sin = block(a[SIN_PHI], c)
     x, y = end_force(impulse, block(a[INVERSE_BAR_LENGTH], c), sin, block(a[COS_PHI], c))
@@ -60,7 +60,7 @@ def settle_end_works(model, q, accounts, arcs):
 
     They are functions of the angles alone: the integral of x sin x is sin x - x cos x.
     """
-    a = model.asperites
+    a = model.constants
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         if s.acc_ends >= 0 and s.turning == 0:
@@ -83,7 +83,7 @@ def settle_end_works(model, q, accounts, arcs):
 @kernel
 def add_turning_end_works(model, s, i, twist, rate, impulse, t, tau, vx, vy, accounts):
     """Add the works of the ends where clamped bars turn, by Gauss-Legendre quadrature."""
-    a = model.asperites
+    a = model.constants
     c = column_of_constants(s, i)
     stiffness = block(a[KAPPA], c)
     inverse_length = block(a[INVERSE_BAR_LENGTH], c)
@@ -121,7 +121,7 @@ def drift_clamped(model, s, i, t, tau, q, v, turn):
 
     Returns the new swings; twist, its rate, and the change of the rate.
     """
-    a = model.asperites
+    a = model.constants
     c = column_of_constants(s, i)
     nu = block(a[NU_START], c)
     old = block(q, i)
@@ -139,7 +139,7 @@ def drift_clamped(model, s, i, t, tau, q, v, turn):
 def add_end_works(model, turning, s, i, twists, t, tau, v, accounts):
     """Add impulses of the ends of clamped bars in a drift, and works where they turn."""
     twist, rate, change_of_rate = twists
-    impulse = 0.0 - block(model.asperites[INERTIA], column_of_constants(s, i)) * change_of_rate
+    impulse = 0.0 - block(model.constants[INERTIA], column_of_constants(s, i)) * change_of_rate
     if turning is None:
         add_end_impulses(model, s, i, impulse, v, accounts)
     elif s.turning == 0:
@@ -158,8 +158,8 @@ def drift_free(model, s, i, tau, q, v, turn):
     omega = block(v, i)
     nu = block(v, k)
     c = column_of_constants(s, i)
-    inertia = block(model.asperites[INERTIA], c)
-    i2 = block(model.asperites[I2], c)
+    inertia = block(model.constants[INERTIA], c)
+    i2 = block(model.constants[I2], c)
     change, change_of_rate = changes(swing - phi, omega - nu, turn)
     share = i2 / (inertia + i2)
     mean = (inertia * omega + i2 * nu) / (inertia + i2)

@@ -68,7 +68,7 @@ def advance_inactive(model, active, t, q, v, accounts):
                     tau = t - active.since[i // LANES]
                     if abs(tau) > 0.0:  # nan for active blocks
                         c = column_of_constants(s, i)
-                        turn = rotation(block(model.asperites[FREQUENCY], c), tau)
+                        turn = rotation(block(model.constants[FREQUENCY], c), tau)
                         drift_block(model, s, i, t, tau, q, v, accounts, turn)
                         active.since[i // LANES] = t
 
@@ -132,10 +132,10 @@ def longest_paths(model, s, i, t, q, v):
     if is_fixed(model.fixed, s):
         return broadcast(0.0)
     c = column_of_constants(s, i)
-    diameter = 2.0 * block(model.asperites[L1], c)
+    diameter = 2.0 * block(model.constants[L1], c)
     if s.dof_phi >= 0:
         return diameter
-    frequency = block(model.asperites[FREQUENCY], c)
+    frequency = block(model.constants[FREQUENCY], c)
     twist = block(q, i) - bar_angles(model, s, i, t, q)
     rate = where_less(0.0, frequency, block(v, i) / frequency, 1.0)
     amplitude = sqrt(twist * twist + rate * rate)

@@ -2,7 +2,13 @@
 
 import numpy as np
 
-from tribo.kernels.blocks import column_of, first_block, last_block, selected_at
+from tribo.kernels.blocks import (
+    column_of,
+    column_of_constants,
+    first_block,
+    last_block,
+    selected_at,
+)
 from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.records import FREQUENCY
 from tribo.kernels.simd import LANES, where_less
@@ -51,7 +57,7 @@ def set_rotations(frequencies, tau, rotations):
 @kernel
 def set_active_rotations(model, active, tau, rotations):
     """The same of pendulums in active blocks; the time of their selection is kept as well."""
-    frequencies = model.asperites[FREQUENCY]
+    frequencies = model.constants[FREQUENCY]
     last = frequencies.size
     selected = selected_at(active)
     if rotations[0, last] == tau and rotations[0, last + 1] == selected:
@@ -61,10 +67,11 @@ def set_active_rotations(model, active, tau, rotations):
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         if s.constants_mask == 0:
-            set_rotation(frequencies, s.start, tau, rotations)
+            set_rotation(frequencies, s.first_constants, tau, rotations)
         else:
             for n in range(first_block(active, s, k), last_block(active, s, k)):
-                set_rotation(frequencies, column_of(active, n), tau, rotations)
+                i = column_of_constants(s, column_of(active, n))
+                set_rotation(frequencies, i, tau, rotations)
 
 
 @kernel

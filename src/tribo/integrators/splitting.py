@@ -104,8 +104,8 @@ class Splitting(NamedTuple):
             room((n,)),
             room((n,)),
             room(state.s.shape),
-            room((3, model.asperites.shape[1])),
-            empty_rotations(model.asperites, 1),
+            room((3, model.each.shape[1])),
+            empty_rotations(model.constants, 1),
             empty_rotations(model.bath, self.kicks.size),
             empty_rotations(model.torsional, self.kicks.size),
         )
@@ -314,7 +314,7 @@ def splitting_steps(
         (model, neighbours, splitting, state, times, record, work)
     )
     last = times[times.size - 1]
-    work.rotations[0, 0, model.asperites.shape[1]] = np.nan  # other blocks may have become active
+    work.rotations[0, 0, model.constants.shape[1]] = np.nan  # other blocks may have become active
     clear(model.friction)
     clear(model.swing_friction)
     set_bath_momenta(model, model.bath, state.y[state.y.size // 2 :])

@@ -36,7 +36,7 @@ def bar_angle(model, s, i, t, q):
     if s.dof_phi >= 0:
         return q[s.dof_phi + i - s.start]
     c = column_of_constants(s, i)
-    return model.asperites[PHI_START, c] + model.asperites[NU_START, c] * t
+    return model.constants[PHI_START, c] + model.constants[NU_START, c] * t
 
 
 @kernel
@@ -144,7 +144,7 @@ def torsional_accelerations(model, torsional, t, q, acceleration):
                     phi = bar_angle(model, s, i, t, q)
                     oscillate(torsional, first, count, q, torsional_slot(s, i), phi, acceleration)
                     torque = torsional_torque(model, torsional, s, i, t, q)
-                    inertia = model.asperites[I2, column_of_constants(s, i)]
+                    inertia = model.constants[I2, column_of_constants(s, i)]
                     acceleration[s.dof_phi + i - s.start] += torque / inertia
 
 

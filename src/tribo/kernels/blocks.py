@@ -52,11 +52,11 @@ def column_of(active, n):
 
 @inlined
 def column_of_constants(s, i):
-    """Column of the constants of a block: its own, or the surface's first if all are alike.
+    """Column of the constants of a block, or of one asperite: the same for all that are alike.
 
     The constants of a million asperites do not fit into the caches, those of one block do.
     """
-    return s.start + ((i - s.start) & s.constants_mask)
+    return s.first_constants + ((i - s.start) & s.constants_mask)
 
 
 @inlined

@@ -21,7 +21,7 @@ def set_boxes(model, active, k, boxes):
     begin = first_block(active, s, k)
     boxes.count[0] = last_block(active, s, k) - begin
     for axis in range(3):
-        places = model.asperites[Z] if axis == 2 else model.bobs[X + axis]
+        places = model.each[Z] if axis == 2 else model.bobs[X + axis]
         for m in range(boxes.count[0]):
             first = column_of(active, begin + m)
             low = places[first]

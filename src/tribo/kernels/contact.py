@@ -129,7 +129,7 @@ def differences(model, i, m):
     """Vectors to bob i from a block of bobs, from their nearest images."""
     xs = model.bobs[X]
     ys = model.bobs[Y]
-    zs = model.asperites[Z]
+    zs = model.each[Z]
     dx = images(xs[i] - block(xs, m), model.box, 0)
     return dx, ys[i] - block(ys, m), images(zs[i] - block(zs, m), model.box, 1)
 
@@ -159,7 +159,7 @@ def add_block_forces(model, contact, fx, fy, i, m, low, high):
 
     Returns the forces on bob i.
     """
-    charges = model.asperites[CHARGE]
+    charges = model.each[CHARGE]
     dx, dy, dz = differences(model, i, m)
     f = block_over_distances(contact, dx, dy, dz, charges[i], block(charges, m), low, high)
     f = without_others(f, model.species, partner_species(model.species, contact.species, i), m)
@@ -266,7 +266,7 @@ def calculated_energy(model, calculators):
 def distance_of(model, i, j):
     """Distance of bob i from the nearest image of bob j."""
     b = model.bobs
-    z = model.asperites[Z]
+    z = model.each[Z]
     dx = image(b[X, i] - b[X, j], model.box, 0)
     return separation(dx, b[Y, i] - b[Y, j], image(z[i] - z[j], model.box, 1))
 
@@ -274,7 +274,7 @@ def distance_of(model, i, j):
 @kernel
 def pair_energy(model, contact, k, neighbours):
     """Potential energy of one interaction between one pair of surfaces."""
-    charges = model.asperites[CHARGE]
+    charges = model.each[CHARGE]
     potential = contact.potential
     end = potential.range()
     one = model.surfaces[contact.pairs[k, 0]]

@@ -65,7 +65,7 @@ def can_matter(potential, r, charge, other_charge, thermal):
 @kernel
 def encounter_of_contact(model, contact, neighbours, speeds, thermal, found):
     """The encounters found before, or those of one interaction where they come sooner."""
-    charges = model.asperites[CHARGE]
+    charges = model.each[CHARGE]
     rate, closest, clearance, ignored, passing, passed = found
     potential = contact.potential
     for k in range(contact.pairs.shape[0]):

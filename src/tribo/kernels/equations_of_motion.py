@@ -68,7 +68,7 @@ def bar_angles(model, s, i, t, q):
     """phi of a block: coordinates where bars are free, uniform where they are clamped."""
     if s.dof_phi >= 0:
         return coordinates(s.dof_phi, s, i, q)
-    a, c = model.asperites, column_of_constants(s, i)
+    a, c = model.constants, column_of_constants(s, i)
     return block(a[PHI_START], c) + block(a[NU_START], c) * t
 
 
@@ -87,15 +87,15 @@ def place_bars(displaced, s, i, x, y, l2, sin, versine):
 @inlined
 def place_block(model, s, i, t, swing, x, y):
     """Set positions and directions of a block of bobs, and clear their contact forces."""
-    a = model.asperites
+    a = model.constants
     b = model.bobs
     c = column_of_constants(s, i)
     sin, cos, versine = sine_cosine_versine(swing)
     tx = s.facing * cos
     ty = s.facing * sin
     place_bars(model.displaced, s, i, x, y, block(a[L2], c), sin, versine)
-    x = block(a[X_START], i) + s.vx * t + x
-    y = block(a[Y_START], i) + s.vy * t + y
+    x = block(model.each[X_START], i) + s.vx * t + x
+    y = block(model.each[Y_START], i) + s.vy * t + y
     x, y = bob_position(x, y, block(a[L1], c), tx, ty)
     set_block(b[X], i, x)
     set_block(b[Y], i, y)
@@ -122,7 +122,7 @@ def velocities_of_bars(model, s, i, v):
     vy = coordinates(s.dof_y, s, i, v)
     tx = block(model.bobs[TX], i)
     ty = block(model.bobs[TY], i)
-    l2 = block(model.asperites[L2], column_of_constants(s, i))
+    l2 = block(model.constants[L2], column_of_constants(s, i))
     return bar_velocity(vx, vy, block(v, i), l2, tx, ty)
 
 
@@ -138,7 +138,7 @@ def friction_forces(model, friction, v):
             for i in range(s.start, s.stop, LANES):
                 vx, vy = velocities_of_bars(model, s, i, v)
                 fx, fy = friction_force(s.gamma, vx, vy, s.reservoir_x, s.reservoir_y)
-                present = block(model.asperites[PRESENT], i)
+                present = block(model.each[PRESENT], i)
                 set_vectors(friction, i, present * fx, present * fy)
 
 
@@ -173,9 +173,9 @@ def drive_of_block(model, s, i, t, q):
     if s.drive == FORCED:
         gx = -fx
     elif s.drive == RIGID:
-        gx = block(model.asperites[MASS], c) * (s.fx / s.mass) - fx
+        gx = block(model.constants[MASS], c) * (s.fx / s.mass) - fx
     elif s.drive == PULLED:
-        bar = coordinates(s.dof_x, s, i, q) - block(model.asperites[L2], c) * block(b[TY], i)
+        bar = coordinates(s.dof_x, s, i, q) - block(model.constants[L2], c) * block(b[TY], i)
         gx = s.stiffness * ((s.anchor + s.speed * t) - bar)
     elif s.drive == PUSHED:
         gx = broadcast(s.push + s.push_rate * t)
@@ -184,7 +184,7 @@ def drive_of_block(model, s, i, t, q):
     gy = broadcast(s.load + s.load_rate * t) if s.loaded else -fy
     if s.loaded == 0 and (s.drive == FORCED or s.drive == BARS):
         return gx, gy  # no contact acts on those that fill the last block
-    present = block(model.asperites[PRESENT], i)
+    present = block(model.each[PRESENT], i)
     return present * gx, present * gy
 
 
@@ -234,7 +234,7 @@ def end_torques(model, end_forces, s, i, t, q):
     if end_forces is None:
         return broadcast(-0.0)
     sin, cos = sine_cosine(bar_angles(model, s, i, t, q))
-    half = 0.5 * block(model.asperites[BAR_LENGTH], column_of_constants(s, i))
+    half = 0.5 * block(model.constants[BAR_LENGTH], column_of_constants(s, i))
     x = block(end_forces[RIGHT_X], i) - block(end_forces[LEFT_X], i)
     y = block(end_forces[RIGHT_Y], i) - block(end_forces[LEFT_Y], i)
     return half * (cos * y - sin * x)
@@ -266,7 +266,7 @@ def bob_forces(model, i):
 @inlined
 def torques(model, s, i, bob_x, bob_y, bar_x, bar_y):
     """Torque on a block of pendulums, but for that of the torsion springs."""
-    a = model.asperites
+    a = model.constants
     c = column_of_constants(s, i)
     tx = block(model.bobs[TX], i)
     ty = block(model.bobs[TY], i)
@@ -282,7 +282,7 @@ def accelerations(model, s, i, torsion, t, q, drive):
     `torsion` is 0 where the torsion springs are integrated separately, and 1 elsewhere.  `drive` is
     f2.  Clamped ends have f_L + f_R = 0, and act on the bar's angle only.
     """
-    a = model.asperites
+    a = model.constants
     c = column_of_constants(s, i)
     bob_x, bob_y = bob_forces(model, i)
     bar_x, bar_y = bar_forces(model, i, drive)
@@ -334,7 +334,7 @@ def top_speeds(model, active, t, q, v, speeds):
     the speed that it will have at its rest angle.  `speeds` is (3, n); those of inactive blocks are
     not set.
     """
-    a = model.asperites
+    a = model.constants
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         for n in range(first_block(active, s, k), last_block(active, s, k)):

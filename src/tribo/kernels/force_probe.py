@@ -62,7 +62,7 @@ def set_ends(model, end_forces, s, i, t, q, found):
         phi = bar_angles(model, s, i, t, q)
         torque = held_torques(model, model.fixed, s, i, phi, q)
         sin, cos = sine_cosine(phi)
-        x, y = end_force(torque, block(model.asperites[INVERSE_BAR_LENGTH], c), sin, cos)
+        x, y = end_force(torque, block(model.constants[INVERSE_BAR_LENGTH], c), sin, cos)
         set_pair(found, LEFT, i, x, y)
         set_pair(found, RIGHT, i, -x, -y)
     if end_forces is not None:

@@ -16,14 +16,14 @@ from tribo.kernels.simd_arrays import block
 @inlined
 def lever_of_bob(model, pivots, s, i):
     """Distance from the centre of mass to the bob, of a block."""
-    lever = block(model.asperites[L1], column_of_constants(s, i))
+    lever = block(model.constants[L1], column_of_constants(s, i))
     return lever if pivots is None else lever - pivot_lengths(pivots, s, i)
 
 
 @inlined
 def lever_of_bar(model, pivots, s, i):
     """Distance from the centre of mass to the bar, of a block."""
-    lever = block(model.asperites[L2], column_of_constants(s, i))
+    lever = block(model.constants[L2], column_of_constants(s, i))
     return lever if pivots is None else lever + pivot_lengths(pivots, s, i)
 
 
@@ -31,12 +31,6 @@ def lever_of_bar(model, pivots, s, i):
 def pivot_lengths(pivots, s, i):
     """The lengths in `pivots`, of a block."""
     return broadcast(0.0) if pivots is None else block(pivots[0], column_of_constants(s, i))
-
-
-@inlined
-def pivot_length(pivots, i):
-    """The length in `pivots`, of one asperite."""
-    return 0.0 if pivots is None else pivots[0, i]
 
 
 @inlined

@@ -142,7 +142,7 @@ def list_rows(model, box, neighbours, k, begin, end, used, room):
     active = neighbours.active
     xs = model.bobs[X]
     ys = model.bobs[Y]
-    zs = model.asperites[Z]
+    zs = model.each[Z]
     reach = neighbours.reach[k]
     start = neighbours.start
     box_x, box_z = periods(box)

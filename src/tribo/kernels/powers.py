@@ -138,13 +138,13 @@ def held_torques(model, fixed, s, i, phi, q):
         bob_x, bob_y = bob_forces(model, i)
         bar_x, bar_y = bar_forces(model, i, vectors(model.drive, i))
         return torques(model, s, i, bob_x, bob_y, bar_x, bar_y)
-    return block(model.asperites[KAPPA], column_of_constants(s, i)) * (block(q, i) - phi)
+    return block(model.constants[KAPPA], column_of_constants(s, i)) * (block(q, i) - phi)
 
 
 @inlined
 def clamped_ends(model, s, i, t, q, omega, vx, vy, power):
     """Set the powers of f_L, and of f_R = -f_L about the centre of mass."""
-    a = model.asperites
+    a = model.constants
     c = column_of_constants(s, i)
     phi = bar_angles(model, s, i, t, q)
     torque = held_torques(model, model.fixed, s, i, phi, q)
@@ -164,7 +164,7 @@ def custom_end_powers(model, end_forces, s, i, t, q, velocities, power):
     """Set the powers of a plug-in's forces on the ends of bars, at r2 + r_L and r2 + r_R."""
     if end_forces is not None:
         if s.acc_user_ends >= 0:
-            a = model.asperites
+            a = model.constants
             c = column_of_constants(s, i)
             left_x = block(end_forces[LEFT_X], i)
             left_y = block(end_forces[LEFT_Y], i)
@@ -329,7 +329,7 @@ def momentum(model, s, v):
     px = broadcast(0.0)
     py = broadcast(0.0)
     for i in range(s.start, s.stop, LANES):
-        mass = block(model.asperites[MASS], column_of_constants(s, i))
+        mass = block(model.constants[MASS], column_of_constants(s, i))
         x, y = vectors(model.bath_momentum, i)
         px = px + (x + mass * coordinates(s.dof_x, s, i, v))
         py = py + (y + mass * coordinates(s.dof_y, s, i, v))

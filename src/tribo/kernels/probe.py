@@ -18,8 +18,8 @@ def contact_probe(model, columns, positions, charges, energies, forces):
             i = columns[m]
             bobs[X, i] = positions[k, m, 0]
             bobs[Y, i] = positions[k, m, 1]
-            model.asperites[Z, i] = positions[k, m, 2]
-            model.asperites[CHARGE, i] = charges[k, m]
+            model.each[Z, i] = positions[k, m, 2]
+            model.each[CHARGE, i] = charges[k, m]
             bobs[FX, i] = 0.0
             bobs[FY, i] = 0.0
         contact_forces(model, None)

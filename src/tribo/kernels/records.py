@@ -47,12 +47,12 @@ ASPERITE = np.dtype(
     align=True,
 )
 
-# Rows of the table of asperites that kernels read, one column an asperite.  On driven bars they
-# refer to the bar's centre, see `kernels.levers`; rigid asperites have an infinite inertia.  phi,
-# with its sine and cosine, and nu are those at the start.  The frequency is that of the torsion
-# spring's rotation, of the pendulum and, if that can turn, of the bar.  Those that fill the last
-# block of a surface are not present, 0 instead of 1: no drive or friction acts on them.  Inverses
-# are here since a product takes a third of the time of a division.
+# Rows of the table of constants that kernels read.  Asperites that are alike share one block of
+# its columns, see `kernels.blocks.column_of_constants`; others have a column each.  On driven bars
+# they refer to the bar's centre, see `kernels.levers`; rigid asperites have an infinite inertia.
+# phi, with its sine and cosine, and nu are those at the start.  The frequency is that of the
+# torsion spring's rotation, of the pendulum and, if that can turn, of the bar.  Inverses are here
+# since a product takes a third of the time of a division.
 CONSTANTS = (
     "mass",
     "inertia",
@@ -61,16 +61,11 @@ CONSTANTS = (
     "l2",
     "i2",
     "bar_length",
-    "x",
-    "y",
     "phi",
     "nu",
     "sin_phi",
     "cos_phi",
     "frequency",
-    "z",
-    "charge",
-    "present",
     "inverse_mass",
     "inverse_inertia",
     "inverse_bar_length",
@@ -83,20 +78,21 @@ CONSTANTS = (
     L2,
     I2,
     BAR_LENGTH,
-    X_START,
-    Y_START,
     PHI_START,
     NU_START,
     SIN_PHI,
     COS_PHI,
     FREQUENCY,
-    Z,
-    CHARGE,
-    PRESENT,
     INVERSE_MASS,
     INVERSE_INERTIA,
     INVERSE_BAR_LENGTH,
 ) = range(len(CONSTANTS))
+
+# Rows of the table of constants that differ between asperites that are alike otherwise, one column
+# an asperite.  Those that fill the last block of a surface are not present, 0 instead of 1: no
+# drive or friction acts on them.
+X_START, Y_START, Z, CHARGE, PRESENT = range(5)
+EACH_ROWS = 5
 
 FORCED, FREE, RIGID, PULLED, CUSTOM, BARS, PUSHED = range(7)
 
@@ -138,6 +134,7 @@ SURFACE = np.dtype(
         ("dof_y", "i8"),
         ("dof_phi", "i8"),
         ("dof_bath", "i8"),
+        ("first_constants", "i8"),  # column of the constants of its first asperite
         ("constants_mask", "i8"),  # of an asperite's place in its surface: its constants' place
         ("account_stride", "i8"),  # from one account of a group to the next
         ("account_mask", "i8"),  # of an asperite's place in its surface: its place in an account
@@ -330,7 +327,8 @@ class Model(NamedTuple):
     its arrays are not allocated.
     """
 
-    asperites: np.ndarray  # (rows, n), see CONSTANTS
+    constants: np.ndarray  # (rows, columns of constants), see CONSTANTS
+    each: np.ndarray  # (EACH_ROWS, n), see X_START
     surfaces: Any  # recarray of SURFACE
     core: int  # number of the asperites' coordinates, before those of baths
     ledger: Any  # True, or None where no works are kept
@@ -347,7 +345,7 @@ class Model(NamedTuple):
     displaced: Any  # (2, n), scratch: displacement of each bar from its rest; or None
     friction: Any  # (2, n), scratch: Langevin friction on each bar, without its noise; or None
     swing_friction: Any  # (1, n), scratch: the same torque on each swing; or None
-    pivots: Any  # (1, n), see `kernels.levers`; None without driven bars
+    pivots: Any  # (1, columns of constants), see `kernels.levers`; None without driven bars
     fixed: Any  # True, or None where no asperites are rigid
     turning: Any  # True, or None where no clamped bars turn
     end_forces: Any  # (4, n), scratch: a plug-in's forces on the ends of each bar; or None

@@ -37,14 +37,14 @@ def velocity_of_bar(model, s, i, v):
     vy = coordinate(s.dof_y, s, i, v)
     tx = model.bobs[TX, i]
     ty = model.bobs[TY, i]
-    return bar_velocity(vx, vy, v[i], model.asperites[L2, column_of_constants(s, i)], tx, ty)
+    return bar_velocity(vx, vy, v[i], model.constants[L2, column_of_constants(s, i)], tx, ty)
 
 
 @kernel
 def custom_drives(model, drives, t, q, v):
     """Set f2 by a plug-in: a function of time, of the bar's motion, and of the contact force."""
     if drives is not None:
-        a = model.asperites
+        a = model.constants
         b = model.bobs
         for drive in literal_unroll(drives):
             s = model.surfaces[drive.surface]

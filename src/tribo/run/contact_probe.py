@@ -37,7 +37,7 @@ class ContactProbe:
     @property
     def charges(self) -> np.ndarray:
         """(n,) charges of the bobs in the scene."""
-        return self.layout.model.asperites[CHARGE, self.layout.places.columns]
+        return self.layout.model.each[CHARGE, self.layout.places.columns]
 
     @property
     def depths(self) -> np.ndarray:

@@ -82,7 +82,7 @@ def neighbours(model: Model, rows: int, skin: float, active: Active | None) -> N
     """An empty neighbour list of so many rows, which the first evaluation of forces fills."""
     contacts = (*model.contacts, *(model.within or ()))
     all_species = (-1, -1)
-    blocks = model.asperites.shape[1] // LANES
+    blocks = model.each.shape[1] // LANES
     listed = [
         (one, other, row, contact.potential.range() + skin, contact.species)
         for contact in contacts
@@ -97,7 +97,7 @@ def neighbours(model: Model, rows: int, skin: float, active: Active | None) -> N
         reach=np.array([pair[3] for pair in listed]),
         start=np.zeros(rows + 1, np.int64),
         index=np.zeros(8 * rows, np.int32),
-        place=nowhere(model.asperites.shape[1]),
+        place=nowhere(model.each.shape[1]),
         skin=skin,
         made=np.zeros(1, np.int64),
         crossed=np.zeros(1, np.int64),

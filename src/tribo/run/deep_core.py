@@ -51,7 +51,7 @@ def _energies(layout: Layout, bobs: Closest, contact: Contact) -> tuple[float, f
         kinds = sorted(species[columns].tolist())
         if kinds != sorted(contact.species.tolist()):
             return 0.0, 0.0
-    charges = layout.model.asperites[CHARGE, columns]
+    charges = layout.model.each[CHARGE, columns]
     r = bobs.distance * DISTANCES
     energy = contact.potential.energy_between
     try:

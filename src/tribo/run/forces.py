@@ -107,7 +107,7 @@ class Forces:
     def _every(self) -> np.ndarray:
         """What the kernels find, (times, ROWS, columns)."""
         layout, samples = self._layout, self._samples
-        columns, coordinates = layout.model.asperites.shape[1], layout.room[0]
+        columns, coordinates = layout.model.each.shape[1], layout.room[0]
         found = room((samples.t.size, force_probe.ROWS, columns))
         scratch = [room((coordinates,)) for _ in range(3)]
         neighbours, done = layout.neighbours(), 0

@@ -89,7 +89,7 @@ class GeneralLoop:
         work = method.coefficients.workspace(layout.model, self.state)
         if method.splits:
             self._noise = (np.random.default_rng([layout.scene.seed, 2]),)
-        speeds = room((3, layout.model.asperites.shape[1]))
+        speeds = room((3, layout.model.each.shape[1]))
         self._scratch: tuple[tuple[Any, ...] | np.ndarray, ...]
         self._scratch = (work,) if method.splits else (work, speeds)
         if method.adaptive:

@@ -35,7 +35,7 @@ def active_blocks(scene: Scene, model: Model, skin: float) -> Active | None:
     ]
     if model.calculators is not None or not any(eligible):
         return None
-    count, surfaces = model.asperites.shape[1], model.surfaces
+    count, surfaces = model.each.shape[1], model.surfaces
     return Active(
         blocks=np.arange(count // LANES),
         first=np.append(surfaces.start, surfaces.stop[-1:]) // LANES,

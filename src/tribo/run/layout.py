@@ -23,7 +23,7 @@ from tribo.run.force_records import fields_on_surfaces, user_forces
 from tribo.run.further_series import further_series
 from tribo.run.identity import loaded
 from tribo.run.inactive import active_blocks
-from tribo.run.model_tables import model_tables
+from tribo.run.model_tables import columns_of_constants, model_tables
 from tribo.run.scene_records import resting_bobs, scene_records
 from tribo.run.start import start_of
 from tribo.run.threads import team_of
@@ -137,7 +137,7 @@ class Layout:
         rows = BATH_ROWS
         if "oscillators" in series:
             rows += 2 * max(self.oscillators.values())
-        return rows, self.model.asperites.shape[1]
+        return rows, self.model.each.shape[1]
 
     @cached_property
     def oscillators(self) -> dict[str, int]:
@@ -195,15 +195,15 @@ class Layout:
     @property
     def constants(self) -> np.ndarray:
         """The constants of all asperites, (rows, n); see `tribo.kernels.records.CONSTANTS`."""
-        own, surfaces = self.asperites.surface, self.model.surfaces
-        start, mask = surfaces.start[own], surfaces.constants_mask[own]
-        shared = start + ((self.places.columns - start) & mask)
-        return np.asarray(self.model.asperites[:, shared])
+        columns = columns_of_constants(
+            self.model.surfaces, self.asperites.surface, self.places.columns
+        )
+        return np.asarray(self.model.constants[:, columns])
 
     @property
     def depths(self) -> np.ndarray:
         """z of every bob [length], (n,)."""
-        depths: np.ndarray = self.model.asperites[records.Z, self.places.columns]
+        depths: np.ndarray = self.model.each[records.Z, self.places.columns]
         return depths
 
     @property

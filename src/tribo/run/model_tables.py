@@ -13,8 +13,6 @@ from tribo.run import contacts, slots
 from tribo.run.force_records import springs
 from tribo.run.scene_records import resting_bobs
 
-# Constants that differ between asperites that are alike otherwise.
-OF_EACH = ("x", "y")
 # Fields of an asperite from which all other constants follow.
 PARAMETERS = ("mass", "inertia", "kappa", "l1", "l2", "i2", "bar_length", "pivot", "phi", "nu")
 # Constants of those that fill up a block which are 1, as are their inverses; others are 0.
@@ -27,12 +25,8 @@ def model_tables(
 ) -> Model:
     """The tables of the kernels; contacts, fields and forces of plug-ins are still absent."""
     n = numbering.columns
-    ends = np.searchsorted(asperites["surface"], np.arange(len(scene.surfaces) + 1))
-    for k, surface in enumerate(numbering.surfaces):
-        alike = are_alike(surface, asperites[ends[k] : ends[k + 1]])
-        surface["constants_mask"] = 0 if alike else -1
-    constants = _constants(scene, asperites, numbering, places.columns)
-    pivots = _pivots(asperites, places.columns, n)
+    _place_constants(numbering.surfaces, asperites)
+    shared = columns_of_constants(numbering.surfaces, asperites["surface"], places.columns)
     bath = _oscillators(numbering, [(s.bath.masses, s.bath.frequencies) for s in scene.surfaces])
     torsional = _oscillators(
         numbering, [(s.bath.inertias, s.bath.torsional_frequencies) for s in scene.surfaces]
@@ -42,7 +36,8 @@ def model_tables(
     on_bars = any(surface.bar_reservoir for surface in scene.surfaces)
     on_swings = any(surface.swing_reservoir for surface in scene.surfaces)
     return Model(
-        asperites=constants,
+        constants=_constants(scene, asperites, numbering.surfaces, shared),
+        each=_each(scene, asperites, places.columns, n),
         surfaces=numbering.surfaces.view(np.recarray),
         core=numbering.core,
         ledger=None if scene.output.ledger == "none" else True,
@@ -59,7 +54,7 @@ def model_tables(
         displaced=room((2, n)) if pulls else None,
         friction=room((2, n)) if on_bars else None,
         swing_friction=room((1, n)) if on_swings else None,
-        pivots=pivots,
+        pivots=_pivots(asperites, numbering.surfaces, shared),
         fixed=True if any(s.asperite.is_rigid for s in scene.surfaces) else None,
         turning=True if np.any(numbering.surfaces["turning"]) else None,
         end_forces=None,
@@ -84,39 +79,64 @@ def are_alike(surface: np.void, asperites: np.ndarray) -> bool:
     return not surface["tilted"] and all(same)
 
 
-def _constants(
-    scene: Scene, asperites: np.ndarray, numbering: slots.Numbering, columns: np.ndarray
-) -> np.ndarray:
-    """The table of asperites that kernels read; others fill it up, which feel no force.
+def _place_constants(surfaces: np.ndarray, asperites: np.ndarray) -> None:
+    """Set where the constants of all surfaces stand."""
+    ends, first = np.searchsorted(asperites["surface"], np.arange(surfaces.size + 1)), 0
+    for k, surface in enumerate(surfaces):
+        alike = are_alike(surface, asperites[ends[k] : ends[k + 1]])
+        surface["first_constants"], surface["constants_mask"] = first, 0 if alike else -1
+        first += LANES if alike else surface["stop"] - surface["start"]
 
-    Asperites that are alike have their constants in the first block of their surface alone.
+
+def count_of_constants(surfaces: np.ndarray) -> int:
+    """Columns of the table of constants."""
+    last = surfaces[-1]
+    size = LANES if last["constants_mask"] == 0 else last["stop"] - last["start"]
+    return int(last["first_constants"] + size)
+
+
+def columns_of_constants(
+    surfaces: np.ndarray, owners: np.ndarray, columns: np.ndarray
+) -> np.ndarray:
+    """The columns of the constants of some asperites.
+
+    Parameters
+    ----------
+    surfaces : ndarray of SURFACE
+        All surfaces.
+    owners : ndarray, (n,)
+        The surface of each asperite.
+    columns : ndarray, (n,)
+        Of the asperites.
     """
-    table = room((len(records.CONSTANTS), numbering.columns))
-    for surface in numbering.surfaces:
-        size = LANES if surface["constants_mask"] == 0 else surface["stop"] - surface["start"]
-        for row in ONES:
-            table[row, surface["start"] : surface["start"] + size] = 1.0
+    place = (columns - surfaces["start"][owners]) & surfaces["constants_mask"][owners]
+    return np.asarray(surfaces["first_constants"][owners] + place)
+
+
+def _each(scene: Scene, asperites: np.ndarray, columns: np.ndarray, count: int) -> np.ndarray:
+    """The table of constants that differ between asperites that are alike otherwise."""
+    table = room((records.EACH_ROWS, count))
     table[records.X_START, columns] = asperites["x"]
     on_bars = asperites["facing"] * asperites["pivot"]
     table[records.Y_START, columns] = asperites["y"] + on_bars
-    table[records.PRESENT, columns] = 1.0
-    table[records.CHARGE, columns] = np.concatenate([s.each["charge"] for s in scene.surfaces])
     depths = [resting_bobs(scene, k)[:, 2] for k in range(len(scene.surfaces))]
     table[records.Z, columns] = np.concatenate(depths)
-    start, mask = (
-        numbering.surfaces[name][asperites["surface"]] for name in ("start", "constants_mask")
-    )
-    is_read = (mask == -1) | (columns - start < LANES)
-    _fill_shared(table, scene, asperites[is_read], columns[is_read])
+    table[records.CHARGE, columns] = np.concatenate([s.each["charge"] for s in scene.surfaces])
+    table[records.PRESENT, columns] = 1.0
     return table
 
 
-def _fill_shared(
-    table: np.ndarray, scene: Scene, asperites: np.ndarray, columns: np.ndarray
-) -> None:
-    """Set the constants that asperites may share."""
+def _constants(
+    scene: Scene, asperites: np.ndarray, surfaces: np.ndarray, columns: np.ndarray
+) -> np.ndarray:
+    """The table of constants, in which the columns of all asperites are `columns`.
+
+    Others fill up blocks of asperites that are not alike, and feel no force.
+    """
+    table = room((len(records.CONSTANTS), count_of_constants(surfaces)))
+    table[ONES] = 1.0
     for row, name in enumerate(records.CONSTANTS):
-        if name in (records.ASPERITE.names or ()) and name not in OF_EACH:
+        if name in (records.ASPERITE.names or ()):
             table[row, columns] = asperites[name]
     _refer_to_bars(table, asperites, columns)
     rigid = np.array([s.asperite.is_rigid for s in scene.surfaces])[asperites["surface"]]
@@ -130,6 +150,14 @@ def _fill_shared(
     mobility = table[records.INVERSE_INERTIA, columns]
     mobility += np.where(turning, 1.0 / asperites["i2"], 0.0)
     table[records.FREQUENCY, columns] = np.sqrt(asperites["kappa"] * mobility)
+    _fill_blocks(table, surfaces)
+    return table
+
+
+def _fill_blocks(table: np.ndarray, surfaces: np.ndarray) -> None:
+    """Give the first column of those that are alike to the whole block that they share."""
+    for first in surfaces["first_constants"][surfaces["constants_mask"] == 0]:
+        table[:, first : first + LANES] = table[:, first : first + 1]
 
 
 def _refer_to_bars(table: np.ndarray, asperites: np.ndarray, columns: np.ndarray) -> None:
@@ -142,12 +170,13 @@ def _refer_to_bars(table: np.ndarray, asperites: np.ndarray, columns: np.ndarray
     table[records.L2, columns] = 0.0
 
 
-def _pivots(asperites: np.ndarray, columns: np.ndarray, count: int) -> np.ndarray | None:
+def _pivots(asperites: np.ndarray, surfaces: np.ndarray, columns: np.ndarray) -> np.ndarray | None:
     """The table of :mod:`tribo.kernels.levers`; None without driven bars."""
     if not np.any(asperites["pivot"] > 0.0):
         return None
-    pivots = room((1, count))
+    pivots = room((1, count_of_constants(surfaces)))
     pivots[0, columns] = asperites["pivot"]
+    _fill_blocks(pivots, surfaces)
     return pivots
 
 

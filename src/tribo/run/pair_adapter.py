@@ -121,7 +121,7 @@ class Pair:
         self.adaptive = True
         asperites = np.asarray(layout.asperites)
         mobility = mobility_of(layout, asperites)
-        depths, charges = layout.model.asperites[[Z, CHARGE]][:, layout.places.columns]
+        depths, charges = layout.model.each[[Z, CHARGE]][:, layout.places.columns]
         record = record_of(asperites[None], depths, charges, mobility)
         potential = layout.model.contacts[0].potential
         self._first_step, self._order = FIRST_STEP_FACTOR * first_step, method.order

@@ -21,7 +21,7 @@ DIFFERENCE = 0.01
 
 def pendulum_frequency(layout: Layout) -> float:
     """The angular frequency of the fastest pendulum [rad / time]."""
-    return float(np.max(layout.model.asperites[FREQUENCY]))
+    return float(np.max(layout.model.constants[FREQUENCY]))
 
 
 def spring_frequency(layout: Layout) -> float:

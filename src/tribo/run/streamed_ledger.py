@@ -149,5 +149,5 @@ def _sample_bytes(layout: Layout) -> int:
     reported = len(ASPERITE_QUANTITIES) + len(OPTIONAL_QUANTITIES)
     raw = 2 * layout.core + layout.accounts + math.prod(layout.sampled_baths)
     if "forces" in layout.scene.output.series:
-        raw += ROWS * layout.model.asperites.shape[1]
+        raw += ROWS * layout.model.each.shape[1]
     return 8 * (raw + 2 * reported * layout.scene.count)

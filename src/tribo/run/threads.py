@@ -111,7 +111,7 @@ def team_of(scene: Scene, model: Model, contacts: tuple[Contact, ...]) -> Team |
     if LANES * pairs < SHARED_PAIRS or config.DISABLE_JIT:  # type: ignore[attr-defined]
         return None
     chunks = min(max(max(counts) // ASPERITES_OF_CHUNK, 4), MOST_CHUNKS)
-    columns, tiles = model.asperites.shape[1], tiles_of(model)
+    columns, tiles = model.each.shape[1], tiles_of(model)
     counters = np.zeros(COUNTERS, np.int64)
     counters[THREADS] = 1
     return Team(
@@ -132,7 +132,7 @@ def tiles_of(model: Model) -> np.ndarray:
     They are in the order of their places, so that a part of them has the same part of each surface.
     Works that are summed over a surface are summed by one thread.
     """
-    size = LANES * max(1, model.asperites.shape[1] // (TILES * LANES))
+    size = LANES * max(1, model.each.shape[1] // (TILES * LANES))
     tiles = []
     for k, surface in enumerate(model.surfaces):
         parts = 1 if model.sums else -(-int(surface.stop - surface.start) // size)
