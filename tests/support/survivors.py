@@ -75,4 +75,11 @@ NEEDS_COMPILER = {
     "calculated_energy": "tests/potentials/test_live_calculators.py",
     "share_rows": "tests/run/test_threads.py",
     "list_piece": "tests/run/test_threads.py",
+    "add_lane_by_lane": "tests/ensembles/test_lanes.py",
+    "splitting_members": "tests/ensembles/test_lanes.py",
+    "watch_encounters": "tests/ensembles/test_lanes.py",
+    "write_members": "tests/ensembles/test_lanes.py",
+    "next_row": "tests/ensembles/test_lanes.py",
+    "_normals_of_members": "tests/ensembles/test_lanes.py",
+    "_pairs_of_normals_of_members": "tests/ensembles/test_lanes.py",
 }

@@ -7,11 +7,13 @@ import numpy as np
 from tribo.ensembles.checked_runs import chunk_of, kept_values
 from tribo.ensembles.kept_values import STATUS_TYPE, UNKNOWN, Kept, KeptValues
 from tribo.ensembles.members import Members
+from tribo.kernels.simd import LANES
 from tribo.kernels.status import COMPLETED, Status
 from tribo.pair.members import CODE, STEPS
 from tribo.prepared import Simulation
 from tribo.run.general_members import GeneralMembers
 from tribo.run.initial_state import InitialState
+from tribo.run.members_in_lanes import MembersInLanes, fit_lanes
 from tribo.run.runaway import grows
 
 
@@ -37,8 +39,12 @@ class StepRuns:
         layout = simulation.layout
         self.simulation = simulation
         self.kept = kept
-        first = simulation.integrator.first_step
-        self._loop = GeneralMembers(layout, simulation.method, first)
+        method, first = simulation.method, simulation.integrator.first_step
+        self._loop: MembersInLanes | GeneralMembers
+        if fit_lanes(layout, method):
+            self._loop = MembersInLanes(layout, method)
+        else:
+            self._loop = GeneralMembers(layout, method, first)
         self._initial = InitialState(layout)
 
     @property
@@ -46,7 +52,9 @@ class StepRuns:
         """Members that are run in one call."""
         layout, step = self.simulation.layout, self.simulation.plan.setting
         assert isinstance(step, float)
-        return chunk_of(layout, layout.scene.duration / step + layout.times.size)
+        members = chunk_of(layout, layout.scene.duration / step + layout.times.size)
+        in_lanes = isinstance(self._loop, MembersInLanes)
+        return -(-members // LANES) * LANES if in_lanes else members
 
     def compute(self, members: Members) -> KeptValues:
         """Run some members.  Those that do not complete have the status UNKNOWN."""

@@ -12,30 +12,30 @@ from tribo.integrators.rotations import changes, rotation_of, set_rotations
 from tribo.kernels.baths import first_slot, torsional_slot
 from tribo.kernels.blocks import column_of_constants, coordinates, is_fixed, set_vectors, vectors
 from tribo.kernels.compiled import inlined, kernel
+from tribo.kernels.equations_of_motion import velocities_of_bars
 from tribo.kernels.kinematics import end_force
-from tribo.kernels.langevin import thermal_kick
+from tribo.kernels.langevin import normals, pairs_of_normals, thermal_kicks
 from tribo.kernels.levers import pivot_lengths
+from tribo.kernels.numbers_in_lanes import add_numbers
 from tribo.kernels.powers import momentum, place_of
 from tribo.kernels.records import (
     ALONG_X,
     ALONG_Y,
     COS_PHI,
     I2,
-    INERTIA,
     INVERSE_BAR_LENGTH,
     INVERSE_INERTIA,
     INVERSE_MASS,
     L2,
-    MASS,
     OSCILLATOR_FREQUENCY,
     OSCILLATOR_MASS,
+    PRESENT,
     SIN_PHI,
     TX,
     TY,
 )
 from tribo.kernels.simd import LANES, broadcast, sum_of_lanes, with_lane
 from tribo.kernels.simd_arrays import add_block, block, set_block
-from tribo.kernels.user_forces import velocity_of_bar
 
 
 @inlined
@@ -171,32 +171,37 @@ def damp_swings(model, swing_friction, tau, v, accounts, noise):
             s = model.surfaces[k]
             if s.swing_gamma > 0.0:
                 gamma = s.swing_gamma
-                for i in range(s.start, s.end):
-                    mobility = 1.0 / model.constants[INERTIA, column_of_constants(s, i)]
-                    omega = v[i]
-                    gained = thermal_kick(gamma, s.temperature, mobility, omega, tau, noise)
-                    v[i] += gained * mobility
+                for i in range(s.start, s.stop, LANES):
+                    mobility = block(model.constants[INVERSE_INERTIA], column_of_constants(s, i))
+                    omega = block(v, i)
+                    count = min(LANES, s.end - i)
+                    drawn = normals(noise, s.temperature, count)
+                    gained = thermal_kicks(gamma, s.temperature, mobility, omega, tau, drawn)
+                    now = omega + gained * mobility
+                    set_block(v, i, now)
                     if s.acc_swing >= 0:
                         m = place_of(s, s.acc_swing, i)
-                        accounts[m] += gained * 0.5 * (omega + v[i])
+                        add_block(accounts, m, gained * (0.5 * (omega + now)))
 
 
-@kernel
-def thermal_impulse(model, s, i, tau, v, noise):
-    """The momentum that bar i receives from the reservoir, along the bar's arc and across it."""
+@inlined
+def thermal_impulses(model, s, i, tau, v, noise):
+    """The momenta that a block of bars receives from the reservoir: along their arcs and across."""
     a = model.constants
-    tx = model.bobs[TX, i]
-    ty = model.bobs[TY, i]
-    vx, vy = velocity_of_bar(model, s, i, v)
+    tx = block(model.bobs[TX], i)
+    ty = block(model.bobs[TY], i)
+    vx, vy = velocities_of_bars(model, s, i, v)
     x = vx - s.reservoir_x
     y = vy - s.reservoir_y
     c = column_of_constants(s, i)
-    across = 1.0 / a[MASS, c]
-    arc = across + a[L2, c] * a[L2, c] / a[INERTIA, c]
-    heat = s.temperature
-    along = thermal_kick(s.gamma, heat, arc, tx * x + ty * y, tau, noise)
-    side = thermal_kick(s.gamma, heat, across, tx * y - ty * x, tau, noise)
-    return along * tx - side * ty, along * ty + side * tx
+    across = block(a[INVERSE_MASS], c)
+    arc = across + block(a[L2], c) * block(a[L2], c) * block(a[INVERSE_INERTIA], c)
+    heat, count = s.temperature, min(LANES, s.end - i)
+    one, other = pairs_of_normals(noise, heat, count)
+    along = thermal_kicks(s.gamma, heat, arc, tx * x + ty * y, tau, one)
+    side = thermal_kicks(s.gamma, heat, across, tx * y - ty * x, tau, other)
+    present = block(model.each[PRESENT], i)
+    return present * (along * tx - side * ty), present * (along * ty + side * tx)
 
 
 @kernel
@@ -208,20 +213,15 @@ def thermalise(model, friction, tau, v, accounts, noise):
             if s.gamma == 0.0:
                 continue
             before_x, before_y = momentum(model, s, v)
-            for first in range(s.start, s.stop, LANES):
-                impulse_x = broadcast(0.0)
-                impulse_y = broadcast(0.0)
-                for i in range(first, min(first + LANES, s.end)):
-                    px, py = thermal_impulse(model, s, i, tau, v, noise)
-                    impulse_x = with_lane(impulse_x, i - first, px)
-                    impulse_y = with_lane(impulse_y, i - first, py)
-                push_bars(model, s, first, impulse_x, impulse_y, v, accounts, s.acc_thermal)
+            for i in range(s.start, s.stop, LANES):
+                px, py = thermal_impulses(model, s, i, tau, v, noise)
+                push_bars(model, s, i, px, py, v, accounts, s.acc_thermal)
             after_x, after_y = momentum(model, s, v)
             px = after_x - before_x
             py = after_y - before_y
             if s.acc_block >= 0:
                 work = 0.5 * (px * (before_x + after_x) + py * (before_y + after_y))
-                accounts[s.acc_block] += work * s.inverse_total_mass
+                add_numbers(accounts, s.acc_block, work * s.inverse_total_mass)
 
 
 @kernel

@@ -163,7 +163,7 @@ def kick(model, twice, neighbours, team, t, tau, state, work):
     n = state.y.size // 2
     q = state.y[:n]
     active = active_of(neighbours)
-    gather_contact(model)
+    gather_contact(model, model.members)
     settle_custom_forces(model, model.drives, model.ends, active, t, tau, q, state.y[n:], work)
     if team is None:
         for k in range(model.surfaces.shape[0]):
@@ -256,11 +256,16 @@ def begin(model, neighbours, clock, state, work):
     if closest == 0.0:
         return BOBS_COINCIDE
     clock.encounter_rate = rate
-    # The first call sets what works are counted from; the accounts stay as they are.
-    copy(state.s, work.accounts)
-    settle_end_works(model, q, state.s, state.memory[0])
-    copy(work.accounts, state.s)
+    begin_works(model, state, work)
     return COMPLETED
+
+
+@kernel
+def begin_works(model, state, work):
+    """Set what the works of ends are counted from; the accounts stay as they are."""
+    copy(state.s, work.accounts)
+    settle_end_works(model, state.y[: state.y.size // 2], state.s, state.memory[0])
+    copy(work.accounts, state.s)
 
 
 @kernel

@@ -55,7 +55,7 @@ def current_encounter(model, neighbours, t, y, speeds):
     """The encounter rate [1 / time] and the smallest distance of two bobs, for bobs in place."""
     n = y.size // 2
     top_speeds(model, active_of(neighbours), t, y[:n], y[n:], speeds)
-    found = next_encounter(model, neighbours, speeds)
+    found = next_encounter(model, neighbours, speeds, None)
     return found.rate, found.closest
 
 
@@ -72,7 +72,7 @@ def encounter_bound(model, neighbours, clock, y, speeds, h):
     clearance = least_clearance(model, clock.clearance)
     if clearance > 0.0 and h * speed <= ENCOUNTER_UPDATE * clearance:
         return speed / clearance
-    found = next_encounter(model, neighbours, speeds)
+    found = next_encounter(model, neighbours, speeds, None)
     clock.clearance = found.clearance
     if h * found.ignored > 1.0:
         clock.passages += 1

@@ -5,6 +5,7 @@ Those of one bar stand side by side: all x, all y, then the torsional.  Eight ar
 
 from tribo.kernels.blocks import column_of_constants
 from tribo.kernels.compiled import kernel
+from tribo.kernels.numbers_in_lanes import lane_of
 from tribo.kernels.records import (
     ALONG_X,
     ALONG_Y,
@@ -36,7 +37,7 @@ def bar_angle(model, s, i, t, q):
     if s.dof_phi >= 0:
         return q[s.dof_phi + i - s.start]
     c = column_of_constants(s, i)
-    return model.constants[PHI_START, c] + model.constants[NU_START, c] * t
+    return model.constants[PHI_START, c] + model.constants[NU_START, c] * lane_of(t, i)
 
 
 @kernel

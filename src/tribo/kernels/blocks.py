@@ -2,11 +2,15 @@
 
 A block is (s, i): the surface's record, and the column of its first asperite.  Columns that fill
 the last block of a surface have asperites without forces, which never move.
+
+Members of an ensemble can be computed side by side instead: then the lanes of every block are one
+asperite of eight members, and nothing acts between lanes.  `lane` is None where there is one run.
 """
 
 from tribo.kernels.compiled import inlined, kernel
+from tribo.kernels.numbers_in_lanes import lane_of
 from tribo.kernels.records import ALONG_X, ALONG_Y, BARS
-from tribo.kernels.simd import LANES, broadcast
+from tribo.kernels.simd import LANES, broadcast, sum_of_lanes
 from tribo.kernels.simd_arrays import block, set_block
 
 
@@ -48,6 +52,38 @@ def column_of(active, n):
     if active is None:
         return LANES * n
     return LANES * active.blocks[n]
+
+
+@inlined
+def first_column(s, lane):
+    """The first column of a surface, or the first one of a member of an ensemble in a lane."""
+    if lane is None:
+        return s.start
+    return s.start + lane
+
+
+@inlined
+def stride_of(lane):
+    """From one column of a surface, or of a member in a lane, to the next."""
+    if lane is None:
+        return 1
+    return LANES
+
+
+@inlined
+def columns_at(m, lane):
+    """The first and the last + 1 of the columns of a block from m on, or of a member's one."""
+    if lane is None:
+        return m, m + LANES
+    return m + lane, m + lane + 1
+
+
+@inlined
+def sum_at(lane, x):
+    """The sum over the asperites of a block: over all lanes, or of a member's one."""
+    if lane is None:
+        return sum_of_lanes(x)
+    return lane_of(x, lane)
 
 
 @inlined

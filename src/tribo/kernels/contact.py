@@ -7,7 +7,15 @@ import math
 
 from numba import literal_unroll
 
-from tribo.kernels.blocks import active_of, column_of, first_block, last_block
+from tribo.kernels.blocks import (
+    active_of,
+    column_of,
+    columns_at,
+    first_block,
+    first_column,
+    last_block,
+    stride_of,
+)
 from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.kinematics import nearest_image
 from tribo.kernels.neighbours import image, is_partner, partner_species
@@ -48,19 +56,21 @@ def separation(dx, dy, dz):
 
 
 @kernel
-def inverses_one_by_one(inverse, dx, dy, dz, low, high):
+def inverses_one_by_one(inverse, square, dx, dy, dz, low, high):
     """Inverses of distances with those from `low` to `high` computed without underflow."""
     for i in range(low, high):
-        r = separation(lane(dx, i), lane(dy, i), lane(dz, i))
-        inverse = with_lane(inverse, i, 1.0 / r)
+        if not lane(square, i) > SQUARE_IS_SAFE:
+            r = separation(lane(dx, i), lane(dy, i), lane(dz, i))
+            inverse = with_lane(inverse, i, 1.0 / r)
     return inverse
 
 
 @kernel
-def separations_one_by_one(r, dx, dy, dz, low, high):
+def separations_one_by_one(r, square, dx, dy, dz, low, high):
     """The distances r with those from `low` to `high` computed without underflow."""
     for i in range(low, high):
-        r = with_lane(r, i, separation(lane(dx, i), lane(dy, i), lane(dz, i)))
+        if not lane(square, i) > SQUARE_IS_SAFE:
+            r = with_lane(r, i, separation(lane(dx, i), lane(dy, i), lane(dz, i)))
     return r
 
 
@@ -68,7 +78,7 @@ def separations_one_by_one(r, dx, dy, dz, low, high):
 def separations(square, dx, dy, dz, low, high):
     """Distances and their inverses, of which those from `low` to `high` are wanted."""
     underflows = any_below(low, high, square, SQUARE_IS_SAFE)
-    vectors = dx, dy, dz, low, high
+    vectors = square, dx, dy, dz, low, high
     if FAST_INVERSE_ROOTS:
         inverse = seldom(underflows, inverse_root(square), inverses_one_by_one, vectors)
         return 1.0 / inverse, inverse
@@ -125,13 +135,15 @@ def without_others(force, species, partners, m):
 
 
 @inlined
-def differences(model, i, m):
-    """Vectors to bob i from a block of bobs, from their nearest images."""
-    xs = model.bobs[X]
-    ys = model.bobs[Y]
+def differences(model, x, y, i, m):
+    """Vectors to bob i, or to eight bobs at its depth, at x and y, from a block of bobs.
+
+    They are from the nearest images.
+    """
     zs = model.each[Z]
-    dx = images(xs[i] - block(xs, m), model.box, 0)
-    return dx, ys[i] - block(ys, m), images(zs[i] - block(zs, m), model.box, 1)
+    dx = images(x - block(model.bobs[X], m), model.box, 0)
+    dz = images(zs[i] - block(zs, m), model.box, 1)
+    return dx, y - block(model.bobs[Y], m), dz
 
 
 @inlined
@@ -160,7 +172,7 @@ def add_block_forces(model, contact, fx, fy, i, m, low, high):
     Returns the forces on bob i.
     """
     charges = model.each[CHARGE]
-    dx, dy, dz = differences(model, i, m)
+    dx, dy, dz = differences(model, model.bobs[X, i], model.bobs[Y, i], i, m)
     f = block_over_distances(contact, dx, dy, dz, charges[i], block(charges, m), low, high)
     f = without_others(f, model.species, partner_species(model.species, contact.species, i), m)
     set_block(fx, m, block(fx, m) - f * dx)
@@ -213,14 +225,42 @@ def add_rows(model, contact, k, begin, end, fx, fy, back_x, back_y, neighbours):
 
 
 @inlined
-def add_contact(model, contact, fx, fy, neighbours):
+def add_contact(model, members, contact, fx, fy, neighbours):
     """Add the forces of one interaction to the rows fx and fy of a table, one column a bob."""
     for k in range(contact.pairs.shape[0]):
+        if members is not None:
+            add_lane_by_lane(model, contact, k, fx, fy)
+            continue
         own = contact.pairs[k, 0]
         one = model.surfaces[own]
         active = active_of(neighbours)
         begin, end = first_block(active, one, own), last_block(active, one, own)
         add_rows(model, contact, k, begin, end, fx, fy, fx, fy, neighbours)
+
+
+@inlined
+def add_lane_by_lane(model, contact, k, fx, fy):
+    """Add the forces of the kth pair of surfaces, where each lane is a member of an ensemble."""
+    one = model.surfaces[contact.pairs[k, 0]]
+    other = model.surfaces[contact.pairs[k, 1]]
+    charges = model.each[CHARGE]
+    for i in range(one.start, one.stop, LANES):
+        partners = partner_species(model.species, contact.species, i)
+        x, y = block(model.bobs[X], i), block(model.bobs[Y], i)
+        own_x = broadcast(0.0)
+        own_y = broadcast(0.0)
+        for m in range(max(other.start, i + LANES), other.stop, LANES):
+            if is_partner(model.species, partners, m):
+                dx, dy, dz = differences(model, x, y, i, m)
+                square = dx * dx + dy * dy + dz * dz
+                others = block(charges, m)
+                f = over_distances(contact, square, dx, dy, dz, charges[i], others, 0, LANES)
+                add_block(fx, m, 0.0 - f * dx)
+                add_block(fy, m, 0.0 - f * dy)
+                own_x = own_x + f * dx
+                own_y = own_y + f * dy
+        add_block(fx, i, own_x)
+        add_block(fy, i, own_y)
 
 
 @kernel
@@ -272,21 +312,21 @@ def distance_of(model, i, j):
 
 
 @kernel
-def pair_energy(model, contact, k, neighbours):
-    """Potential energy of one interaction between one pair of surfaces."""
+def pair_energy(model, contact, k, neighbours, lane):
+    """Potential energy of one interaction between one pair of surfaces, for `lane` of one run."""
     charges = model.each[CHARGE]
     potential = contact.potential
     end = potential.range()
     one = model.surfaces[contact.pairs[k, 0]]
     other = model.surfaces[contact.pairs[k, 1]]
     energy = 0.0
-    for i in range(one.start, one.end):
+    for i in range(first_column(one, lane), one.end, stride_of(lane)):
         partners = partner_species(model.species, contact.species, i)
         start = first_candidate(other, i)
         first, last, is_listed = row_of(contact, k, other, i, one.start, neighbours)
         for n in range(first, last):
-            m = block_of(neighbours, is_listed, n)
-            for j in range(max(start, m), min(m + LANES, other.end)):
+            low, high = columns_at(block_of(neighbours, is_listed, n), lane)
+            for j in range(max(start, low), min(high, other.end)):
                 if not is_partner(model.species, partners, j):
                     continue
                 r = distance_of(model, i, j)
@@ -296,10 +336,10 @@ def pair_energy(model, contact, k, neighbours):
 
 
 @kernel
-def contact_energy(model, neighbours):
+def contact_energy(model, neighbours, lane):
     """Potential energy of all contacts between surfaces at the bobs' present positions."""
     energy = calculated_energy(model, model.calculators)
     for contact in literal_unroll(model.contacts):
         for k in range(contact.pairs.shape[0]):
-            energy += pair_energy(model, contact, k, neighbours)
+            energy += pair_energy(model, contact, k, neighbours, lane)
     return energy

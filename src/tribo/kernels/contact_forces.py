@@ -37,8 +37,9 @@ def contact_forces(model, neighbours):
 def add_across(model, team, neighbours):
     """Add the forces between surfaces."""
     if team is None:
+        fx, fy = model.bobs[FX], model.bobs[FY]
         for contact in literal_unroll(model.contacts):
-            add_contact(model, contact, model.bobs[FX], model.bobs[FY], neighbours)
+            add_contact(model, model.members, contact, fx, fy, neighbours)
     else:
         share_contacts(model, team, model.contacts, 0, neighbours)
 
@@ -49,8 +50,9 @@ def add_within(model, within, team, neighbours):
     if within is not None:
         clear(model.inner)
         if team is None:
+            fx, fy = model.inner[ALONG_X], model.inner[ALONG_Y]
             for contact in literal_unroll(within):
-                add_contact(model, contact, model.inner[ALONG_X], model.inner[ALONG_Y], neighbours)
+                add_contact(model, model.members, contact, fx, fy, neighbours)
         else:
             share_contacts(model, team, within, len(model.contacts), neighbours)
 

@@ -6,13 +6,19 @@ from typing import NamedTuple
 import numpy as np
 from numba import literal_unroll
 
-from tribo.kernels.blocks import column_of, first_block, last_block
+from tribo.kernels.blocks import (
+    column_of,
+    columns_at,
+    first_block,
+    first_column,
+    last_block,
+    stride_of,
+)
 from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.contact import block_of, distance_of, first_candidate, row_of
 from tribo.kernels.neighbours import is_partner, partner_species
 from tribo.kernels.records import CHARGE
 from tribo.kernels.simd import (
-    LANES,
     between_lanes,
     broadcast,
     maximum,
@@ -63,7 +69,7 @@ def can_matter(potential, r, charge, other_charge, thermal):
 
 
 @kernel
-def encounter_of_contact(model, contact, neighbours, speeds, thermal, found):
+def encounter_of_contact(model, contact, neighbours, speeds, thermal, found, lane):
     """The encounters found before, or those of one interaction where they come sooner."""
     charges = model.each[CHARGE]
     rate, closest, clearance, ignored, passing, passed = found
@@ -71,13 +77,13 @@ def encounter_of_contact(model, contact, neighbours, speeds, thermal, found):
     for k in range(contact.pairs.shape[0]):
         one = model.surfaces[contact.pairs[k, 0]]
         other = model.surfaces[contact.pairs[k, 1]]
-        for i in range(one.start, one.end):
+        for i in range(first_column(one, lane), one.end, stride_of(lane)):
             partners = partner_species(model.species, contact.species, i)
             start = first_candidate(other, i)
             first, last, is_listed = row_of(contact, k, other, i, one.start, neighbours)
             for n in range(first, last):
-                m = block_of(neighbours, is_listed, n)
-                for j in range(max(start, m), min(m + LANES, other.end)):
+                low, high = columns_at(block_of(neighbours, is_listed, n), lane)
+                for j in range(max(start, low), min(high, other.end)):
                     if not is_partner(model.species, partners, j):
                         continue
                     r = distance_of(model, i, j)
@@ -103,7 +109,7 @@ def encounter_of_contact(model, contact, neighbours, speeds, thermal, found):
 
 
 @kernel
-def next_encounter(model, neighbours, speeds):
+def next_encounter(model, neighbours, speeds, lane):
     """The next encounters of all pairs.
 
     A potential's clearance(r) is the distance that a pair at r may move before its force changes.
@@ -118,6 +124,8 @@ def next_encounter(model, neighbours, speeds):
         The list of neighbours.
     speeds : ndarray, (3, n)
         Velocity of each centre of mass, and the largest speed of the bob about it.
+    lane : int or None
+        That of one member of an ensemble.
 
     Returns
     -------
@@ -126,16 +134,16 @@ def next_encounter(model, neighbours, speeds):
     found = Encounter(0.0, np.inf, np.inf, 0.0, -1, -1)
     thermal = thermal_energy(model, model.friction, model.swing_friction)
     for contact in literal_unroll(model.contacts):
-        found = encounter_of_contact(model, contact, neighbours, speeds, thermal, found)
-    return encounter_within(model, model.within, neighbours, speeds, thermal, found)
+        found = encounter_of_contact(model, contact, neighbours, speeds, thermal, found, lane)
+    return encounter_within(model, model.within, neighbours, speeds, thermal, found, lane)
 
 
 @kernel
-def encounter_within(model, within, neighbours, speeds, thermal, found):
+def encounter_within(model, within, neighbours, speeds, thermal, found, lane):
     """The same, with the contact within surfaces."""
     if within is not None:
         for contact in literal_unroll(within):
-            found = encounter_of_contact(model, contact, neighbours, speeds, thermal, found)
+            found = encounter_of_contact(model, contact, neighbours, speeds, thermal, found, lane)
     return found
 
 

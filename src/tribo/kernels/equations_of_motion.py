@@ -153,14 +153,26 @@ def swing_frictions(model, swing_friction, v):
 
 
 @kernel
-def gather_contact(model):
+def gather_contact(model, members):
     """Sum the contact forces on each rigid surface."""
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         if s.drive == RIGID:
-            s.fx = 0.0
+            total = broadcast(0.0)
             for i in range(s.start, s.stop, LANES):
-                s.fx += sum_of_lanes(block(model.bobs[FX], i))
+                total = total + block(model.bobs[FX], i)
+            if members is None:
+                s.fx = sum_of_lanes(total)
+            else:
+                set_block(members, s.start, total)
+
+
+@inlined
+def gathered_contact(members, s):
+    """The sum of the contact forces on a rigid surface, of one run or of each member."""
+    if members is None:
+        return broadcast(s.fx)
+    return block(members, s.start)
 
 
 @inlined
@@ -173,7 +185,7 @@ def drive_of_block(model, s, i, t, q):
     if s.drive == FORCED:
         gx = -fx
     elif s.drive == RIGID:
-        gx = block(model.constants[MASS], c) * (s.fx / s.mass) - fx
+        gx = block(model.constants[MASS], c) * (gathered_contact(model.members, s) / s.mass) - fx
     elif s.drive == PULLED:
         bar = coordinates(s.dof_x, s, i, q) - block(model.constants[L2], c) * block(b[TY], i)
         gx = s.stiffness * ((s.anchor + s.speed * t) - bar)
@@ -191,7 +203,7 @@ def drive_of_block(model, s, i, t, q):
 @inlined
 def drive_forces(model, active, t, q):
     """Set f2 on every bar of the active blocks."""
-    gather_contact(model)
+    gather_contact(model, model.members)
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         for n in range(first_block(active, s, k), last_block(active, s, k)):

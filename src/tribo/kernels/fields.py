@@ -2,14 +2,15 @@
 
 from numba import literal_unroll
 
-from tribo.kernels.blocks import clear
+from tribo.kernels.blocks import clear, first_column, stride_of
 from tribo.kernels.compiled import kernel
+from tribo.kernels.numbers_in_lanes import lane_of
 from tribo.kernels.records import ALONG_X, ALONG_Y, X, Y
 
 
 @kernel
 def field_shift(field, t):
-    """Position in the field's own frame minus position in the scene."""
+    """Position in the field's own frame minus position in the scene; Lanes if t is."""
     return (
         field.origin[0] + field.velocity[0] * t,
         field.origin[1] + field.velocity[1] * t,
@@ -26,23 +27,23 @@ def field_forces(model, fields, t):
             for k in range(field.surfaces.shape[0]):
                 s = model.surfaces[field.surfaces[k]]
                 for i in range(s.start, s.end):
-                    x = model.bobs[X, i] + shift_x
-                    y = model.bobs[Y, i] + shift_y
+                    x = model.bobs[X, i] + lane_of(shift_x, i)
+                    y = model.bobs[Y, i] + lane_of(shift_y, i)
                     fx, fy = field.potential.force_at(x, y)
                     model.external[ALONG_X, i] += fx
                     model.external[ALONG_Y, i] += fy
 
 
 @kernel
-def field_energy(model, fields, t):
-    """Potential energy of the bobs in the external fields, bobs in place."""
+def field_energy(model, fields, t, lane):
+    """Potential energy of the bobs in the external fields, bobs in place, for `lane` of one run."""
     energy = 0.0
     if fields is not None:
         for field in literal_unroll(fields):
             shift_x, shift_y = field_shift(field, t)
             for k in range(field.surfaces.shape[0]):
                 s = model.surfaces[field.surfaces[k]]
-                for i in range(s.start, s.end):
+                for i in range(first_column(s, lane), s.end, stride_of(lane)):
                     x = model.bobs[X, i] + shift_x
                     y = model.bobs[Y, i] + shift_y
                     energy += field.potential.energy_at(x, y)

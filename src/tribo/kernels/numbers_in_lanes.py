@@ -1,14 +1,15 @@
-"""NamedTuples of numbers whose numbers are Lanes: scenes that differ, side by side."""
+"""Numbers that may be Lanes, and NamedTuples of them: scenes that differ, side by side."""
 
 from typing import Any
 
+import numpy as np
 from llvmlite import ir
 from numba import config, types
 from numba.core import cgutils
-from numba.extending import intrinsic
+from numba.extending import intrinsic, overload
 
-from tribo.kernels.simd import _INDEX, lanes
-from tribo.kernels.simd_arrays import row_at
+from tribo.kernels.simd import _INDEX, LANES, LanesType, lane, lanes, sum_of_lanes
+from tribo.kernels.simd_arrays import block, row_at, set_block
 
 
 def _is_plain(kind: Any, number: types.Type) -> bool:
@@ -49,6 +50,58 @@ def numbers_at_lane(typing_context, each, i):
 
     floats = types.NamedUniTuple(types.float64, len(each.types), each.instance_class)
     return floats(each, types.intp), build
+
+
+def lane_of(x, i):
+    """Number i of Lanes, counted from any block; a float as it is."""
+    return x[i % LANES] if isinstance(x, np.ndarray) else x  # where numba does not compile
+
+
+@overload(lane_of)
+def _find_lane_of(x, i):
+    return _lane_of if isinstance(x, LanesType) else (lambda x, i: x)
+
+
+def _lane_of(x, i):
+    return lane(x, i & (LANES - 1))
+
+
+def sum_of_runs(members, x):
+    """The sum over all lanes for one run; where the lanes are `members`, the sum of each."""
+    return sum_of_lanes(x)
+
+
+@overload(sum_of_runs)
+def _find_sum_of_runs(members, x):
+    if isinstance(members, types.NoneType):
+        return lambda members, x: sum_of_lanes(x)
+    return lambda members, x: x
+
+
+def set_numbers(array, k, x):
+    """Set element k of an array to a number, or eight elements from there on to Lanes."""
+    array[k] = x
+
+
+def _set_block(array, k, x):
+    set_block(array, k, x)
+
+
+@overload(set_numbers)
+def _find_set_numbers(array, k, x):
+    return _set_block if isinstance(x, LanesType) else set_numbers
+
+
+def add_numbers(array, k, x):
+    """Add to them likewise."""
+    array[k] += x
+
+
+@overload(add_numbers)
+def _find_add_numbers(array, k, x):
+    if isinstance(x, LanesType):
+        return lambda array, k, x: set_block(array, k, block(array, k) + x)
+    return add_numbers
 
 
 if config.DISABLE_JIT:  # type: ignore[attr-defined]

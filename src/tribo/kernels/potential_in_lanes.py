@@ -7,13 +7,12 @@ With any other operation, or with a branch, the distances are taken one after an
 import functools
 from typing import Any
 
-import numpy as np
 from numba import config, njit, types
 from numba.core.errors import TypingError
 from numba.extending import overload
 
-from tribo.kernels.numbers_in_lanes import numbers_at_lane
-from tribo.kernels.simd import LANES, LanesType, broadcast, lane, lanes, spread_like, with_lane
+from tribo.kernels.numbers_in_lanes import lane_of, numbers_at_lane
+from tribo.kernels.simd import LANES, broadcast, lane, lanes, spread_like, with_lane
 
 
 @functools.cache
@@ -74,21 +73,11 @@ def _force_in_lanes(potential, r, end, charge, others, low, high):
 def _one_by_one(potential, r, end, charge, others, low, high):
     force = spread_like(r, 0.0)
     for i in range(low, high):
-        if lane(r, i) < _lane_of(end, i):
+        if lane(r, i) < lane_of(end, i):
             own = numbers_at_lane(potential, i)
-            value = own.force_between(lane(r, i), _lane_of(charge, i), _lane_of(others, i))
+            value = own.force_between(lane(r, i), lane_of(charge, i), lane_of(others, i))
             force = with_lane(force, i, value)
     return force
-
-
-def _lane_of(x, i):
-    """Number i of Lanes; a float as it is."""
-    return x[i] if isinstance(x, np.ndarray) else x  # where numba does not compile
-
-
-@overload(_lane_of)
-def _find_lane_of(x, i):
-    return (lambda x, i: lane(x, i)) if isinstance(x, LanesType) else (lambda x, i: x)
 
 
 def range_in_lanes(potential):

@@ -49,6 +49,7 @@ from tribo.kernels.equations_of_motion import (
 from tribo.kernels.fields import field_shift
 from tribo.kernels.kinematics import bar_velocity, end_force, rotational_power
 from tribo.kernels.levers import lever_of_bar, lever_of_bob, velocities_of_centres
+from tribo.kernels.numbers_in_lanes import add_numbers, lane_of, set_numbers, sum_of_runs
 from tribo.kernels.records import (
     ALONG_X,
     ALONG_Y,
@@ -70,7 +71,7 @@ from tribo.kernels.records import (
     X,
     Y,
 )
-from tribo.kernels.simd import LANES, broadcast, sum_of_lanes
+from tribo.kernels.simd import LANES, broadcast, lane, with_lane
 from tribo.kernels.simd_arrays import add_block, block, set_block
 from tribo.kernels.simd_functions import sine_cosine
 
@@ -105,11 +106,11 @@ def write_block(accounts, sums, tau, k, begins, x):
 
 @inlined
 def write_one(accounts, tau, k, x):
-    """Write one power at place k."""
+    """Write one power at place k, or that of each member from there on."""
     if tau is None:
-        accounts[k] = x
+        set_numbers(accounts, k, x)
     else:
-        accounts[k] += tau * x
+        add_numbers(accounts, k, tau * x)
 
 
 @inlined
@@ -298,16 +299,19 @@ def field_powers(model, fields, t, power):
     if fields is not None:
         for field in literal_unroll(fields):
             if field.account >= 0:
-                total = 0.0
+                total = broadcast(0.0)
                 shift_x, shift_y = field_shift(field, t)
                 for k in range(field.surfaces.shape[0]):
                     s = model.surfaces[field.surfaces[k]]
                     for i in range(s.start, s.end):
-                        x = model.bobs[X, i] + shift_x
-                        y = model.bobs[Y, i] + shift_y
+                        x = model.bobs[X, i] + lane_of(shift_x, i)
+                        y = model.bobs[Y, i] + lane_of(shift_y, i)
                         fx, fy = field.potential.force_at(x, y)
-                        total += fx * field.drift[0] + fy * field.drift[1]
-                write_one(power.accounts, power.tau, field.account, total)
+                        place = i % LANES
+                        done = lane(total, place) + fx * field.drift[0] + fy * field.drift[1]
+                        total = with_lane(total, place, done)
+                x = sum_of_runs(model.members, total)
+                write_one(power.accounts, power.tau, field.account, x)
 
 
 @kernel
@@ -325,7 +329,10 @@ def torsional_powers(model, torsional, t, q, v, power):
 
 @kernel
 def momentum(model, s, v):
-    """Momentum of a surface and its bath in its first frame; see :func:`set_bath_momenta`."""
+    """Momentum of a surface and its bath in its first frame; see :func:`set_bath_momenta`.
+
+    That of members in Lanes.
+    """
     px = broadcast(0.0)
     py = broadcast(0.0)
     for i in range(s.start, s.stop, LANES):
@@ -333,12 +340,12 @@ def momentum(model, s, v):
         x, y = vectors(model.bath_momentum, i)
         px = px + (x + mass * coordinates(s.dof_x, s, i, v))
         py = py + (y + mass * coordinates(s.dof_y, s, i, v))
-    return sum_of_lanes(px), sum_of_lanes(py)
+    return sum_of_runs(model.members, px), sum_of_runs(model.members, py)
 
 
 @inlined
 def external_force(model, s):
-    """Sum of f1, f2, field, f_T and a plug-in's forces on ends over a surface."""
+    """Sum of f1, f2, field, f_T and a plug-in's forces on ends over a surface, Lanes of members."""
     fx = broadcast(0.0)
     fy = broadcast(0.0)
     for i in range(s.start, s.stop, LANES):
@@ -350,7 +357,7 @@ def external_force(model, s):
         fx, fy = fx + x, fy + y
         x, y = end_force_sums(model.end_forces, i)
         fx, fy = fx + x, fy + y
-    return sum_of_lanes(fx), sum_of_lanes(fy)
+    return sum_of_runs(model.members, fx), sum_of_runs(model.members, fy)
 
 
 @inlined

@@ -23,7 +23,7 @@ def contact_probe(model, columns, positions, charges, energies, forces):
             bobs[FX, i] = 0.0
             bobs[FY, i] = 0.0
         contact_forces(model, None)
-        energies[k] = contact_energy(model, None)
+        energies[k] = contact_energy(model, None, None)
         for m in range(columns.size):
             forces[k, m, 0] = bobs[FX, columns[m]]
             forces[k, m, 1] = bobs[FY, columns[m]]

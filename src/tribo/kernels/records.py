@@ -357,4 +357,6 @@ class Model(NamedTuple):
     fields: Any  # tuple of FieldOn, or None
     drives: Any  # tuple of Custom, or None
     ends: Any  # tuple of Custom, or None
+    members: Any  # (n,), scratch: contact on rigid surfaces, where the lanes of a block are members
+    # of an ensemble, one asperite of each; None where the asperites of a block are of one run
     team: Any  # Team, see `kernels.team`; None where a step is too short to be shared by threads

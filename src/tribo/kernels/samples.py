@@ -14,8 +14,8 @@ from tribo.kernels.baths import (
     pull,
     torsional_slot,
 )
-from tribo.kernels.blocks import clear
-from tribo.kernels.compiled import kernel
+from tribo.kernels.blocks import clear, first_column, stride_of
+from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.contact import contact_energy, pair_energy
 from tribo.kernels.fields import field_energy
 from tribo.kernels.records import ALONG_X, ALONG_Y
@@ -106,7 +106,7 @@ def copy_state(source, target):
 
 
 @kernel
-def bath_energies(model, bath, q, v, stored):
+def bath_energies(model, bath, q, v, stored, lane):
     """Energy and momentum of each surface's bath, in the frame of its initial velocity."""
     if bath is not None:
         for k in range(model.surfaces.shape[0]):
@@ -114,7 +114,7 @@ def bath_energies(model, bath, q, v, stored):
             first = s.first_oscillator
             count = s.oscillators
             if count > 0:
-                for i in range(s.start, s.end):
+                for i in range(first_column(s, lane), s.end, stride_of(lane)):
                     m = first_slot(s, i)
                     x = model.displaced[ALONG_X, i]
                     y = model.displaced[ALONG_Y, i]
@@ -126,17 +126,17 @@ def bath_energies(model, bath, q, v, stored):
 
 
 @kernel
-def energies_within(model, within, neighbours, stored):
+def energies_within(model, within, neighbours, stored, lane):
     """Energy of the contact among each surface's own bobs."""
     if within is not None:
         for contact in literal_unroll(within):
             for k in range(contact.pairs.shape[0]):
                 owner = contact.pairs[k, 0]
-                stored[owner, WITHIN] += pair_energy(model, contact, k, neighbours)
+                stored[owner, WITHIN] += pair_energy(model, contact, k, neighbours, lane)
 
 
 @kernel
-def torsional_energies(model, torsional, t, q, v, stored):
+def torsional_energies(model, torsional, t, q, v, stored, lane):
     """Energy of each surface's torsional oscillators."""
     if torsional is not None:
         for k in range(model.surfaces.shape[0]):
@@ -144,7 +144,7 @@ def torsional_energies(model, torsional, t, q, v, stored):
             first = s.first_torsional
             count = s.torsionals
             if count > 0:
-                for i in range(s.start, s.end):
+                for i in range(first_column(s, lane), s.end, stride_of(lane)):
                     phi = bar_angle(model, s, i, t, q)
                     m = torsional_slot(s, i)
                     energy = oscillator_energy(torsional, first, count, q, v, m, phi)
@@ -197,29 +197,42 @@ def add_torsional_kinetic(model, torsional, v, record):
                 record[KINETIC, i] += energy
 
 
+@inlined
+def first_place(place, lane):
+    """A place in a vector, where that of the member in lane 0 is `place`."""
+    if lane is None:
+        return place
+    return place + lane
+
+
 @kernel
 def write_sample(model, neighbours, clock, state, record):
     """Record the state as the next sample; the bobs are in place."""
-    k = clock.sample
+    write_row(model, neighbours, clock.t, state, record, clock.sample, None)
+    clock.sample += 1
+
+
+@kernel
+def write_row(model, neighbours, t, state, record, k, lane):
+    """Record the state at time t in row k of a record, for `lane` that of one member."""
     n = state.y.size // 2
     q = state.y[:n]
     v = state.y[n:]
     for m in range(record.y_places.size):
-        record.y[k, m] = state.y[record.y_places[m]]
+        record.y[k, m] = state.y[first_place(record.y_places[m], lane)]
     for m in range(record.s_places.size):
-        record.s[k, m] = state.s[record.s_places[m]]
-    record.contact[k] = contact_energy(model, neighbours)
-    record.field[k] = field_energy(model, model.fields, clock.t)
+        record.s[k, m] = state.s[first_place(record.s_places[m], lane)]
+    record.contact[k] = contact_energy(model, neighbours, lane)
+    record.field[k] = field_energy(model, model.fields, t, lane)
     for m in range(record.stored.shape[1]):
         for j in range(STORED):
             record.stored[k, m, j] = 0.0
-    spring_energies(model, model.springs, record.stored[k], SPRINGS)
-    energies_within(model, model.within, neighbours, record.stored[k])
-    bath_energies(model, model.bath, q, v, record.stored[k])
-    torsional_energies(model, model.torsional, clock.t, q, v, record.stored[k])
+    spring_energies(model, model.springs, record.stored[k], SPRINGS, lane)
+    energies_within(model, model.within, neighbours, record.stored[k], lane)
+    bath_energies(model, model.bath, q, v, record.stored[k], lane)
+    torsional_energies(model, model.torsional, t, q, v, record.stored[k], lane)
     if record.baths.shape[1] > 0:
         clear(record.baths[k])
         write_baths(model, model.bath, q, v, record.baths[k])
         write_oscillators(model, model.bath, q, record.baths[k])
         add_torsional_kinetic(model, model.torsional, v, record.baths[k])
-    clock.sample += 1

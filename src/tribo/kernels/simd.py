@@ -281,12 +281,12 @@ def where_less(typing_context, x, y, one, other):
 
 @intrinsic
 def broadcast(typing_context, x):
-    """The same number in every lane."""
+    """The same number in every lane; Lanes as they are."""
 
     def build(context, builder, sig, args):
         return _spread(builder, args[0])
 
-    return lanes(types.float64), build
+    return lanes(x if x == lanes else types.float64), build
 
 
 @intrinsic

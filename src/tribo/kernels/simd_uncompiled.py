@@ -30,7 +30,7 @@ def where_less(x, y, one, other):
 
 
 def broadcast(x):
-    return np.full(LANES, x)
+    return np.full(LANES, x)  # of an array of eight numbers a copy
 
 
 def spread_like(x, number):

@@ -5,9 +5,10 @@ i + n and j + n, of which eight are computed at once; columns that fill the last
 have springs without stiffness.
 """
 
+from tribo.kernels.blocks import sum_at
 from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.records import ALONG_X, ALONG_Y, REST_X, REST_Y, STIFFNESS
-from tribo.kernels.simd import LANES, sum_of_lanes
+from tribo.kernels.simd import LANES
 from tribo.kernels.simd_arrays import add_block, block
 
 
@@ -45,7 +46,7 @@ def spring_forces(model, springs):
 
 
 @kernel
-def spring_energies(model, springs, stored, slot):
+def spring_energies(model, springs, stored, slot, lane):
     """Add the energy of each surface's springs to (surfaces, slots) `stored`."""
     if springs is not None:
         for k in range(springs.chains.shape[0]):
@@ -58,4 +59,5 @@ def spring_energies(model, springs, stored, slot):
                 x = stretches(model.displaced, ALONG_X, rest_x, i, j)
                 y = stretches(model.displaced, ALONG_Y, rest_y, i, j)
                 stiffness = block(springs.table[STIFFNESS], chain.first + m)
-                stored[chain.surface, slot] += sum_of_lanes(0.5 * stiffness * (x * x + y * y))
+                energies = 0.5 * stiffness * (x * x + y * y)
+                stored[chain.surface, slot] += sum_at(lane, energies)

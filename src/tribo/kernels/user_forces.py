@@ -6,6 +6,7 @@ from tribo.kernels.baths import bar_angle
 from tribo.kernels.blocks import column_of_constants
 from tribo.kernels.compiled import kernel
 from tribo.kernels.kinematics import bar_position, bar_velocity
+from tribo.kernels.numbers_in_lanes import lane_of
 from tribo.kernels.records import (
     ALONG_X,
     ALONG_Y,
@@ -51,12 +52,13 @@ def custom_drives(model, drives, t, q, v):
             for i in range(s.start, s.end):
                 c = column_of_constants(s, i)
                 x, y = bar_position(b[X, i], b[Y, i], a[L1, c] + a[L2, c], b[TX, i], b[TY, i])
-                x = x + drive.origin[0] + drive.velocity[0] * t
-                y = y + drive.origin[1] + drive.velocity[1] * t
+                now = lane_of(t, i)
+                x = x + drive.origin[0] + drive.velocity[0] * now
+                y = y + drive.origin[1] + drive.velocity[1] * now
                 vx, vy = velocity_of_bar(model, s, i, v)
                 vx += s.vx + drive.velocity[0]
                 vy += s.vy + drive.velocity[1]
-                gx, gy = drive.plugin.force_on_bar(t, x, y, vx, vy, b[FX, i], b[FY, i])
+                gx, gy = drive.plugin.force_on_bar(now, x, y, vx, vy, b[FX, i], b[FY, i])
                 model.drive[ALONG_X, i] = gx
                 model.drive[ALONG_Y, i] = s.load if s.loaded else gy
 
@@ -70,7 +72,9 @@ def custom_ends(model, ends, t, q, v):
             for i in range(s.start, s.end):
                 phi = bar_angle(model, s, i, t, q)
                 nu = coordinate(s.dof_phi, s, i, v)
-                left_x, left_y, right_x, right_y = end.plugin.end_forces(t, phi, nu, q[i] - phi)
+                now = lane_of(t, i)
+                found = end.plugin.end_forces(now, phi, nu, q[i] - phi)
+                left_x, left_y, right_x, right_y = found
                 model.end_forces[LEFT_X, i] = left_x
                 model.end_forces[LEFT_Y, i] = left_y
                 model.end_forces[RIGHT_X, i] = right_x

@@ -82,10 +82,10 @@ def springs(scene: Scene, asperites: np.ndarray, columns: np.ndarray) -> Springs
         tables.append(table)
         chains.append(runs)
     every = np.concatenate(chains)
-    return _in_blocks(every, np.concatenate(tables, axis=1)) if every.size else None
+    return in_blocks(every, np.concatenate(tables, axis=1)) if every.size else None
 
 
-def _in_blocks(chains: np.ndarray, springs: np.ndarray) -> Springs:
+def in_blocks(chains: np.ndarray, springs: np.ndarray) -> Springs:
     """The springs of chains, each of which begins with a block and fills its last one."""
     whole = -(-chains["count"] // LANES) * LANES
     chains["first"] = np.cumsum(whole) - whole

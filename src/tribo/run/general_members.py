@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any
-
 import numpy as np
 from numba import config
 
@@ -12,14 +9,13 @@ from tribo.integrators.methods import Method
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.compiled import EntryPoint
 from tribo.kernels.records import BARS
-from tribo.kernels.simd import LANES
-from tribo.kernels.simd_arrays import room
 from tribo.kernels.status import COMPLETED, PAUSED
 from tribo.model.scene import Scene
 from tribo.pair.members import CODE, EVALUATIONS, STEPS
 from tribo.run.general_loop import GeneralLoop, in_blocks
 from tribo.run.integrate import Columns, Setting, first_step_at
 from tribo.run.layout import Layout, lay_out
+from tribo.run.loop_memory import arrays_in, together
 from tribo.run.member_samples import MemberRuns, MemberSamples
 from tribo.run.progress_guard import FEWEST_TRIALS, ProgressGuard, most_evaluations
 from tribo.run.streamed_ledger import exceeds_memory
@@ -61,10 +57,9 @@ class ReusedLoop(GeneralLoop):
             setting = Tolerance(np.ones(2 * n), np.ones(accounts), 1.0, 1.0)
         super().__init__(layout, method, setting, layout.start, first_step)
         self._method, self._longest = method, first_step
-        numbers = room((sum(map(_size, _arrays_in((self.state, self._scratch)))),))
-        self.state, self._scratch = _moved((self.state, self._scratch), numbers)
+        (self.state, self._scratch), numbers = together((self.state, self._scratch))
         active = None if self._neighbours is None else self._neighbours.active
-        self._own = [numbers, *_arrays_in((self.clocks, active))]
+        self._own = [numbers, *arrays_in((self.clocks, active))]
         self._fresh = [array.copy() for array in self._own]
         q, coordinates = layout.places.q, layout.room[0]
         self._places = np.concatenate([q, coordinates + q])
@@ -152,11 +147,11 @@ class GeneralMembers:
                 for each in own:
                     each[...] = 0.0
         self._idle.append(loop)
-        together = (
+        each_time = (
             np.swapaxes(each, 0, 1).reshape(times.size * members, *each.shape[2:])
             for each in columns
         )
-        samples = MemberSamples(members, np.repeat(times, members), *together)
+        samples = MemberSamples(members, np.repeat(times, members), *each_time)
         return MemberRuns(self._layout, samples, counts)
 
     def _free_loop(self) -> ReusedLoop:
@@ -165,35 +160,3 @@ class GeneralMembers:
             return self._idle.pop()
         except IndexError:
             return ReusedLoop(self._layout.scene, self._method, self._first_step)
-
-
-def _size(array: np.ndarray) -> int:
-    """Numbers that an array takes, to the end of a block."""
-    return -(-array.size // LANES) * LANES
-
-
-def _moved(item: Any, memory: np.ndarray) -> Any:
-    """Nested tuples whose arrays are parts of one array, which is restored at once."""
-    places = iter(np.cumsum([0, *map(_size, _arrays_in(item))]).tolist())
-
-    def move(one: Any) -> Any:
-        if isinstance(one, np.ndarray):
-            first = next(places)
-            new = memory[first : first + one.size].reshape(one.shape)
-            new[...] = one
-            return new
-        if isinstance(one, tuple):
-            parts = [move(each) for each in one]
-            return type(one)(*parts) if hasattr(one, "_fields") else tuple(parts)
-        return one
-
-    return move(item)
-
-
-def _arrays_in(item: object) -> Iterator[np.ndarray]:
-    """All arrays in nested tuples."""
-    if isinstance(item, np.ndarray):
-        yield item
-    elif isinstance(item, tuple):
-        for each in item:
-            yield from _arrays_in(each)

@@ -274,7 +274,8 @@ def lay_out(scene: Scene) -> Layout:
     bobs = [resting_bobs(scene, k) for k in range(len(scene.surfaces))]
     calls = contacts.calculator_calls(scene, [own[:, 2] for own in bobs])
     between, within, rows, skin = contacts.lay_out_contacts(scene)
-    places = slots.places(mine, theirs, shared, _orders(scene, bobs, rows > 0 and not calls))
+    orders = _orders(scene, bobs, rows > 0 and not calls)
+    places = slots.places(mine, theirs, np.arange(shared), orders)
     model = model_tables(scene, asperites, theirs, places)._replace(
         contacts=between,
         within=within,

@@ -66,6 +66,7 @@ def model_tables(
         fields=None,
         drives=None,
         ends=None,
+        members=None,
         team=None,
     )
 

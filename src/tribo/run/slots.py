@@ -56,13 +56,15 @@ class Numbering:
         return int(self.surfaces["stop"][-1])
 
 
-def number(scene: Scene, surfaces: np.ndarray, shared: int, width: int) -> Numbering:
+def number(
+    scene: Scene, surfaces: np.ndarray, shared: int, width: int, members: int = 1
+) -> Numbering:
     """Number everything in blocks of `width`; the first `shared` accounts are of no asperite.
 
-    `surfaces` has all but the slots; it is copied.
+    `surfaces` has all but the slots; it is copied.  Each asperite stands for so many `members`.
     """
     surfaces = surfaces.copy()
-    counts = np.array([surface.count for surface in scene.surfaces])
+    counts = members * np.array([surface.count for surface in scene.surfaces])
     stops = np.cumsum(_whole(counts, width))
     surfaces["start"], surfaces["stop"] = stops - _whole(counts, width), stops
     surfaces["end"] = surfaces["start"] + counts
@@ -227,14 +229,17 @@ def spatial_order(bobs: np.ndarray) -> np.ndarray:
     return place
 
 
-def places(samples: Numbering, kernels: Numbering, shared: int, orders: list[np.ndarray]) -> Places:
-    """Where the kernels have what samples have; `shared` accounts are of no asperite.
+def places(
+    samples: Numbering, kernels: Numbering, shared: np.ndarray, orders: list[np.ndarray]
+) -> Places:
+    """Where the kernels have what samples have.
 
-    `orders` has the place of each asperite in the kernels' numbering of its surface.
+    `shared` has the places of the accounts that are of no asperite, and `orders` the place of each
+    asperite in the kernels' numbering of its surface.
     """
     q = np.empty(samples.coordinates, np.int64)
     s = np.empty(samples.accounts, np.int64)
-    s[:shared] = np.arange(shared)
+    s[: shared.size] = shared
     columns = []
     for here, there, order in zip(samples.surfaces, kernels.surfaces, orders, strict=True):
         each = np.arange(order.size)

@@ -1,0 +1,179 @@
+"""Members that are run side by side in lanes agree with those that are run one by one."""
+
+import numpy as np
+import pytest
+
+import tribo
+from support.crossed import Push, Turn
+from tribo.ensembles.kept_values import Kept
+from tribo.ensembles.step_runs import StepRuns
+from tribo.integrators.methods import METHODS
+from tribo.kernels.simd import LANES
+from tribo.kernels.status import COMPLETED, ENCOUNTER_JUMPED
+from tribo.pair.members import CODE
+from tribo.run.general_members import GeneralMembers
+from tribo.run.layout import lay_out
+from tribo.run.members_in_lanes import MembersInLanes, fit_lanes
+
+FIELDS = ("y", "s", "contact", "field", "stored")
+STEP = 0.02
+BATH = {"masses": (0.1, 0.2), "frequencies": (0.8, 1.1)}
+TORSIONAL = {"inertias": (0.1,), "torsional_frequencies": (0.9,)}
+HEAT = tribo.Langevin(0.3, 1e-3)
+SWING_HEAT = tribo.Langevin(0.3, 1e-3, on="swing")
+UNLIKE = tribo.Asperite(m1=np.linspace(0.5, 1.0, 6))
+RIGID = tribo.Asperite(kappa=np.inf)
+KINDS = {
+    "drives": {
+        "forced": {},
+        "loaded": {"drive": tribo.Forced(load=0.1)},
+        "rigid": {"drive": tribo.Free(rigid=True)},
+        "pulled": {"drive": tribo.Pulled(stiffness=1.0, speed=0.4)},
+        "pushed": {"drive": tribo.Pushed(force=(0.05, 0.1)), "asperite": UNLIKE},
+        "free": {"drive": "free", "bars": "free"},
+        "custom": {"drive": tribo.Custom(force=Push(0.1))},
+    },
+    "bars": {
+        "bars": {"drive": "bars"},
+        "fixed": {"drive": "free", "asperite": RIGID},
+        "turning": {"initial": tribo.Initial(swing=0.1, nu=0.1)},
+        "tilted": {"initial": tribo.Initial(swing=0.1, phi=0.1)},
+        "ends": {"bars": tribo.Ends(force=Turn(0.1))},
+    },
+    "stores": {
+        "sprung": {"drive": "free", "springs": tribo.Springs(1.0)},
+        "bathed": {"drive": "free", "bath": tribo.Bath(**BATH)},
+        "turned": {"drive": "free", "bars": "free", "bath": tribo.Bath(**BATH, **TORSIONAL)},
+        "unlike": {"drive": "free", "asperite": UNLIKE, "springs": tribo.Springs(1.0)},
+    },
+    "noise": {
+        "heated": {"drive": "free", "langevin": HEAT, "bath": tribo.Bath(**BATH)},
+        "damped": {"langevin": SWING_HEAT},
+        "cold": {"drive": "free", "langevin": tribo.Langevin(0.3)},
+        "stiff": {"drive": "free", "asperite": RIGID, "langevin": HEAT},
+        "driven": {"drive": "bars", "langevin": SWING_HEAT},
+    },
+}
+POTENTIALS = {
+    "coulomb": tribo.Coulomb(0.05),
+    "morse": tribo.Morse(0.05, 2.0, 0.6),
+    "lennard-jones": tribo.with_cutoff(tribo.LennardJones(0.02, 0.4), 1.0),
+}
+
+
+def scene_of(kinds, potential, **settings):
+    """Surfaces of six asperites, with some settings each, and contact within the first."""
+    grids = {"shape": (3, 2), "spacing": (0.9, 0.9), "heights": 0.01 * np.arange(6.0)}
+    surfaces = [
+        tribo.Surface(
+            name,
+            facing="up" if n % 2 else "down",
+            bob=(0.3 * n, 0.4 * (n % 2)),
+            depth=0.2 * n,
+            velocity=(0.3 * (-1) ** n, 0.0),
+            **({"initial": tribo.Initial(swing=0.1)} | grids | kind),
+        )
+        for n, (name, kind) in enumerate(kinds.items())
+    ]
+    names = list(kinds)
+    pairs = [(one, other) for one in names[::2] for other in names[1::2]]
+    interactions = [tribo.Interaction(potential, pair) for pair in (*pairs, (names[0], names[0]))]
+    fields = [
+        tribo.Field(tribo.Corrugation(0.02, 1.1), on=names[:2]),
+        tribo.Field(tribo.Corrugation(0.01, 0.7), on=names[1:], velocity=(0.2, 0.0)),
+    ]
+    return tribo.Scene(
+        surfaces, interactions, 1.0, fields=fields, output=tribo.Output(samples=3), **settings
+    )
+
+
+def starts_of(layout, members):
+    """Starts that differ, from a fixed seed."""
+    rng = np.random.default_rng(3)
+    return layout.start + 0.02 * rng.standard_normal((members, layout.start.size))
+
+
+def runs_of(loop, layout, members, chosen=slice(None)):
+    """The runs of some of these members."""
+    starts, seeds = starts_of(layout, members), np.arange(members) + 5
+    return loop.run(STEP, starts[chosen], seeds[chosen])
+
+
+@pytest.mark.parametrize("potential", POTENTIALS)
+@pytest.mark.parametrize("kinds", KINDS)
+def test_lanes_agree_with_single_runs(kinds, potential):
+    """Every drive, bar, store and reservoir, with moving fields and contact within a surface."""
+    layout, method = lay_out(scene_of(KINDS[kinds], POTENTIALS[potential])), METHODS["verlet"]
+    assert fit_lanes(layout, method)
+    one = runs_of(MembersInLanes(layout, method), layout, 11)
+    other = runs_of(GeneralMembers(layout, method, 0.0), layout, 11)
+    assert np.array_equal(one.counts, other.counts) and np.all(one.counts[:, CODE] == COMPLETED)
+    for name in FIELDS:
+        mine, theirs = getattr(one.samples, name), getattr(other.samples, name)
+        if theirs.size:
+            scale = np.max(np.abs(theirs), axis=0) + 1e-3 * np.max(np.abs(theirs)) + 1e-300
+            assert np.max(np.abs(mine - theirs) / scale) < 1e-12, name
+
+
+def test_species_and_periodic_boxes():
+    """Lanes have the same species, and the same nearest images."""
+    row = {"shape": (3, 1), "spacing": (1.0, 0.0)}
+    upper = tribo.Surface(
+        "upper", bob=(0.2, 0.7), velocity=(0.4, 0.0), species=["a", "b", "a"], **row
+    )
+    lower = tribo.Surface("lower", facing="up", species=["b", "b", "a"], **row)
+    names = ("upper", "lower")
+    interactions = [
+        tribo.Interaction(tribo.with_cutoff(tribo.Coulomb(0.1), 1.2), names, ("a", "b")),
+        tribo.Interaction(tribo.with_cutoff(tribo.Morse(0.05, 2.0, 0.6), 1.4), names, ("a", "a")),
+    ]
+    scene = tribo.Scene([upper, lower], interactions, 2.0, periodic=tribo.Periodic(x=3.0))
+    layout, method = lay_out(scene), METHODS["verlet"]
+    one = runs_of(MembersInLanes(layout, method), layout, 9)
+    other = runs_of(GeneralMembers(layout, method, 0.0), layout, 9)
+    assert np.allclose(one.samples.y, other.samples.y, rtol=0.0, atol=1e-13)
+    assert np.ptp(one.samples.contact) > 1e-3
+
+
+def test_members_do_not_depend_on_their_company():
+    """The same bits in any lane, beside any others, and after any others."""
+    scene = scene_of(KINDS["noise"], POTENTIALS["coulomb"])
+    layout, method = lay_out(scene), METHODS["verlet"]
+    loop = MembersInLanes(layout, method)
+    whole = runs_of(loop, layout, 19)
+    chosen = np.array([18, 3, 11, 4, 0, 7, 9, 2, 16, 1])
+    some = runs_of(loop, layout, 19, chosen)
+    for name in FIELDS:
+        mine = getattr(some.samples, name)
+        assert np.array_equal(mine, getattr(whole.of_members(chosen).samples, name)), name
+
+
+def test_member_that_jumps_an_encounter_is_run_alone():
+    """It has the status of a run of its own, and changes no bit of the others."""
+    upper = tribo.Surface("upper", bob=(-1.0, 0.5), velocity=(0.5, 0.0))
+    scene = tribo.Scene([upper, tribo.Surface("lower", facing="up")], tribo.Coulomb(0.2), 2.0)
+    layout, method = lay_out(scene), METHODS["verlet"]
+    starts = np.tile(layout.start, (9, 1))
+    starts[:, 0] = np.linspace(-0.1, 0.1, 9)
+    loop = MembersInLanes(layout, method)
+    usual = loop.run(0.05, starts)
+    assert np.all(usual.counts[:, CODE] == COMPLETED)
+    starts[4, layout.coordinates] = 400.0
+    found = loop.run(0.05, starts)
+    assert found.counts[4, CODE] == ENCOUNTER_JUMPED
+    others = np.arange(9) != 4
+    for name in FIELDS:
+        mine = getattr(found.of_members(others).samples, name)
+        assert np.array_equal(mine, getattr(usual.of_members(others).samples, name)), name
+    alone = GeneralMembers(layout, method, 0.0).run(0.05, starts[4:5])
+    assert np.array_equal(found.counts[4], alone.counts[0])
+
+
+def test_calls_fill_registers():
+    """Members that take long are run by eights too."""
+    upper = tribo.Surface("upper", bob=(-1.0, 0.5), velocity=(0.5, 0.0), langevin=HEAT)
+    surfaces = [upper, tribo.Surface("lower", facing="up")]
+    scene = tribo.Scene(surfaces, tribo.Coulomb(0.2), 1e5, numerics=tribo.Numerics(step=0.01))
+    simulation = tribo.prepare(scene)
+    kept = Kept.checked(simulation, ["upper.w1"], False)
+    assert StepRuns(simulation, kept).chunk == LANES
