@@ -87,6 +87,32 @@ def test_before_there_is_a_result(interrupted, name):
     assert err == "tribo: Interrupted: the command was interrupted before it had a result\n"
 
 
+LOST = """
+import os, signal, sys
+from tribo.interrupts import watch
+
+class Incomplete:
+    def __del__(self):
+        raise AttributeError(sys.argv[1])
+
+watch()
+if sys.argv[1] == "interrupted":
+    try:
+        os.kill(os.getpid(), signal.SIGINT)
+    except KeyboardInterrupt:
+        pass
+Incomplete()
+os._exit(0)
+"""
+
+
+@pytest.mark.parametrize("name", ["interrupted", "undisturbed"])
+def test_errors_of_incomplete_objects(name):
+    """An interrupt leaves objects that cannot be deleted; without it such an error is reported."""
+    done = subprocess.run([sys.executable, "-c", LOST, name], capture_output=True, text=True)
+    assert (f"AttributeError: {name}" in done.stderr) == (name == "undisturbed")
+
+
 @pytest.mark.usefixtures("heeded")
 def test_compilers_are_not_interrupted():
     """LLVM would free a module twice; the interrupt is raised once the block has ended."""

@@ -23,12 +23,15 @@ if TYPE_CHECKING:
 
 # Seconds for an answer before the program is ended.
 PATIENCE = 0.25
+# Seconds in which the thread that waits for interrupts notices one.
+NOTICE = 0.05
 # The exit status of a run that completed, and of a check that passed.
 COMPLETED = 0
 # The exit status of a run that stopped early, and of a check that failed.
 STOPPED = 1
 
 _MAIN = threading.main_thread()
+_arrived = threading.Event()
 _answered = threading.Event()
 # Prints what a command that is ended has reached.
 _report: list[Callable[[], None]] = []
@@ -81,8 +84,11 @@ def report() -> None:
 
 
 def _report_lost(lost: sys.UnraisableHookArgs) -> None:
-    """Report an exception that Python cannot raise, unless it is an interrupt."""
-    if not issubclass(lost.exc_type, KeyboardInterrupt):
+    """Report an exception that Python cannot raise, unless it is of an interrupt.
+
+    Objects that were not complete when it was raised fail when they are deleted.
+    """
+    if not (issubclass(lost.exc_type, KeyboardInterrupt) or _arrived.wait(NOTICE)):
         sys.__unraisablehook__(lost)
 
 
@@ -90,6 +96,7 @@ def _end_unanswered(reader: int) -> None:
     """End the program after an interrupt that nothing answers."""
     while os.read(reader, 1) != signal.SIGINT.to_bytes():
         pass
+    _arrived.set()
     if not _answered.wait(PATIENCE):
         report()
         os._exit(STOPPED)

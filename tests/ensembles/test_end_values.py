@@ -315,9 +315,9 @@ def test_an_interrupt_keeps_the_members_that_are_complete(monkeypatch):
     data = ensemble(scene_of("A"), 20_000, STARTS, keep=["upper.w1"], progress=stop)
     assert data.attrs["status"] == "Interrupted"
     assert data.sizes["member"] == checked_runs.CHUNK
-    monkeypatch.setattr(checked_runs, "CHUNK", 4)
-    data = ensemble(noisy_scene(), 9, step=0.05, keep=["upper.w_T"], progress=stop)
-    assert data.sizes["member"] == 4
+    monkeypatch.setattr(checked_runs, "CHUNK", 8)
+    data = ensemble(noisy_scene(), 20, step=0.05, keep=["upper.w_T"], progress=stop)
+    assert data.sizes["member"] == 8
 
 
 @pytest.mark.parametrize(
