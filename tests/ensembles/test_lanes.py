@@ -8,15 +8,17 @@ from support.crossed import Push, Turn
 from tribo.ensembles.kept_values import Kept
 from tribo.ensembles.step_runs import StepRuns
 from tribo.integrators.methods import METHODS
+from tribo.integrators.nystrom_members import MOST_TRIALS
+from tribo.integrators.step_control import Tolerance
 from tribo.kernels.simd import LANES
-from tribo.kernels.status import COMPLETED, ENCOUNTER_JUMPED
-from tribo.pair.members import CODE
+from tribo.kernels.status import BOBS_COINCIDE, COMPLETED, ENCOUNTER_JUMPED
+from tribo.pair.members import CODE, STEPS
 from tribo.run.general_members import GeneralMembers
 from tribo.run.layout import lay_out
 from tribo.run.members_in_lanes import MembersInLanes, fit_lanes
 
 FIELDS = ("y", "s", "contact", "field", "stored")
-STEP = 0.02
+STEP, FIRST_STEP = 0.02, 0.2
 BATH = {"masses": (0.1, 0.2), "frequencies": (0.8, 1.1)}
 TORSIONAL = {"inertias": (0.1,), "torsional_frequencies": (0.9,)}
 HEAT = tribo.Langevin(0.3, 1e-3)
@@ -54,6 +56,9 @@ KINDS = {
         "driven": {"drive": "bars", "langevin": SWING_HEAT},
     },
 }
+# Adaptive members have no noise, no baths and no forces that depend on velocities.
+POSITIONS_ONLY = ("drives", "bars", "stores")
+REFUSED = ("custom", "ends", "bathed", "turned")
 POTENTIALS = {
     "coulomb": tribo.Coulomb(0.05),
     "morse": tribo.Morse(0.05, 2.0, 0.6),
@@ -87,16 +92,48 @@ def scene_of(kinds, potential, **settings):
     )
 
 
+def two_rows(bob=(-1.0, 0.5), **settings):
+    """Three asperites on three, with settings of both surfaces."""
+    both = {"shape": (3, 1), "spacing": (1.5, 0.0)} | settings
+    upper = tribo.Surface("upper", bob=bob, velocity=(0.5, 0.0), **both)
+    surfaces = [upper, tribo.Surface("lower", facing="up", **both)]
+    return tribo.Scene(surfaces, tribo.Coulomb(0.2), 4.0, output=tribo.Output(samples=3))
+
+
 def starts_of(layout, members):
     """Starts that differ, from a fixed seed."""
     rng = np.random.default_rng(3)
     return layout.start + 0.02 * rng.standard_normal((members, layout.start.size))
 
 
-def runs_of(loop, layout, members, chosen=slice(None)):
+def loops_of(layout, method):
+    """Loops that run members in lanes, and one by one."""
+    assert fit_lanes(layout, method)
+    return [kind(layout, method, FIRST_STEP) for kind in (MembersInLanes, GeneralMembers)]
+
+
+def setting_of(layout, method):
+    """A step, or tolerances that differ from one coordinate to another."""
+    if not method.adaptive:
+        return STEP
+    y, s = (1e-8 + 1e-9 * np.arange(n) / n for n in (layout.start.size, layout.accounts))
+    return Tolerance(y, s, 1e-8)
+
+
+def runs_of(loop, layout, members, chosen=slice(None), method=METHODS["verlet"]):
     """The runs of some of these members."""
     starts, seeds = starts_of(layout, members), np.arange(members) + 5
-    return loop.run(STEP, starts[chosen], seeds[chosen])
+    return loop.run(setting_of(layout, method), starts[chosen], seeds[chosen])
+
+
+def check_agreement(one, other, within):
+    """The same counts, and all samples within some part of their sizes."""
+    assert np.array_equal(one.counts, other.counts) and np.all(one.counts[:, CODE] == COMPLETED)
+    for name in FIELDS:
+        mine, theirs = getattr(one.samples, name), getattr(other.samples, name)
+        if theirs.size:
+            scale = np.max(np.abs(theirs), axis=0) + 1e-3 * np.max(np.abs(theirs)) + 1e-300
+            assert np.max(np.abs(mine - theirs) / scale) < within, name
 
 
 @pytest.mark.parametrize("potential", POTENTIALS)
@@ -104,15 +141,55 @@ def runs_of(loop, layout, members, chosen=slice(None)):
 def test_lanes_agree_with_single_runs(kinds, potential):
     """Every drive, bar, store and reservoir, with moving fields and contact within a surface."""
     layout, method = lay_out(scene_of(KINDS[kinds], POTENTIALS[potential])), METHODS["verlet"]
-    assert fit_lanes(layout, method)
-    one = runs_of(MembersInLanes(layout, method), layout, 11)
-    other = runs_of(GeneralMembers(layout, method, 0.0), layout, 11)
-    assert np.array_equal(one.counts, other.counts) and np.all(one.counts[:, CODE] == COMPLETED)
-    for name in FIELDS:
-        mine, theirs = getattr(one.samples, name), getattr(other.samples, name)
-        if theirs.size:
-            scale = np.max(np.abs(theirs), axis=0) + 1e-3 * np.max(np.abs(theirs)) + 1e-300
-            assert np.max(np.abs(mine - theirs) / scale) < 1e-12, name
+    one, other = (runs_of(loop, layout, 11) for loop in loops_of(layout, method))
+    check_agreement(one, other, 1e-12)
+
+
+@pytest.mark.parametrize("name", ["rkn8", "rkn12"])
+@pytest.mark.parametrize("kinds", POSITIONS_ONLY)
+def test_adaptive_lanes_agree_with_single_runs(kinds, name):
+    """Each member takes its own steps."""
+    kinds = {kind: settings for kind, settings in KINDS[kinds].items() if kind not in REFUSED}
+    layout, method = lay_out(scene_of(kinds, POTENTIALS["morse"])), METHODS[name]
+    one, other = (runs_of(loop, layout, 21, method=method) for loop in loops_of(layout, method))
+    check_agreement(one, other, 1e-11)
+
+
+@pytest.mark.parametrize("name", ["rkn8", "rkn12"])
+def test_adaptive_members_do_not_depend_on_their_company(name):
+    """The same bits in any lane, beside any others, and after any others."""
+    layout, method = lay_out(two_rows()), METHODS[name]
+    loop, _ = loops_of(layout, method)
+    whole = runs_of(loop, layout, 40, method=method)
+    assert np.ptp(whole.counts[:, STEPS]) > 0
+    for chosen in (np.array([18, 3, 11, 4, 0, 7, 39, 2, 16, 1]), np.array([5])):
+        some, same = runs_of(loop, layout, 40, chosen, method), whole.of_members(chosen)
+        assert np.array_equal(some.counts, same.counts)
+        for field in FIELDS:
+            mine = getattr(some.samples, field)
+            assert np.array_equal(mine, getattr(same.samples, field)), field
+
+
+def test_adaptive_members_that_need_care_are_run_alone():
+    """Bobs in one place, motion that is not finite, and too many trials; the others are as ever."""
+    layout, method = lay_out(two_rows((-1.0, 0.0), drive="free")), METHODS["rkn8"]
+    loop, single = loops_of(layout, method)
+    usual = runs_of(loop, layout, 20, method=method)
+    starts, setting = starts_of(layout, 20), setting_of(layout, method)
+    upper, n = layout.surfaces[0], layout.coordinates
+    touching, lost, fast = special = [3, 8, 12]
+    starts[touching] = layout.start
+    starts[touching, upper.dof_x] = 1.0
+    starts[lost, n] = np.nan
+    starts[fast, n] = 3e4
+    found = loop.run(setting, starts)
+    assert found.counts[touching, CODE] == BOBS_COINCIDE
+    assert found.counts[fast, STEPS] > MOST_TRIALS
+    assert np.array_equal(found.counts[special], single.run(setting, starts[special]).counts)
+    others = np.setdiff1d(np.arange(20), special)
+    for field in FIELDS:
+        mine = getattr(found.of_members(others).samples, field)
+        assert np.array_equal(mine, getattr(usual.of_members(others).samples, field)), field
 
 
 def test_species_and_periodic_boxes():
@@ -129,8 +206,7 @@ def test_species_and_periodic_boxes():
     ]
     scene = tribo.Scene([upper, lower], interactions, 2.0, periodic=tribo.Periodic(x=3.0))
     layout, method = lay_out(scene), METHODS["verlet"]
-    one = runs_of(MembersInLanes(layout, method), layout, 9)
-    other = runs_of(GeneralMembers(layout, method, 0.0), layout, 9)
+    one, other = (runs_of(loop, layout, 9) for loop in loops_of(layout, method))
     assert np.allclose(one.samples.y, other.samples.y, rtol=0.0, atol=1e-13)
     assert np.ptp(one.samples.contact) > 1e-3
 
@@ -139,7 +215,7 @@ def test_members_do_not_depend_on_their_company():
     """The same bits in any lane, beside any others, and after any others."""
     scene = scene_of(KINDS["noise"], POTENTIALS["coulomb"])
     layout, method = lay_out(scene), METHODS["verlet"]
-    loop = MembersInLanes(layout, method)
+    loop, _ = loops_of(layout, method)
     whole = runs_of(loop, layout, 19)
     chosen = np.array([18, 3, 11, 4, 0, 7, 9, 2, 16, 1])
     some = runs_of(loop, layout, 19, chosen)
@@ -155,7 +231,7 @@ def test_member_that_jumps_an_encounter_is_run_alone():
     layout, method = lay_out(scene), METHODS["verlet"]
     starts = np.tile(layout.start, (9, 1))
     starts[:, 0] = np.linspace(-0.1, 0.1, 9)
-    loop = MembersInLanes(layout, method)
+    loop, single = loops_of(layout, method)
     usual = loop.run(0.05, starts)
     assert np.all(usual.counts[:, CODE] == COMPLETED)
     starts[4, layout.coordinates] = 400.0
@@ -165,7 +241,7 @@ def test_member_that_jumps_an_encounter_is_run_alone():
     for name in FIELDS:
         mine = getattr(found.of_members(others).samples, name)
         assert np.array_equal(mine, getattr(usual.of_members(others).samples, name)), name
-    alone = GeneralMembers(layout, method, 0.0).run(0.05, starts[4:5])
+    alone = single.run(0.05, starts[4:5])
     assert np.array_equal(found.counts[4], alone.counts[0])
 
 

@@ -32,21 +32,21 @@ from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import COMPLETED, Status
 from tribo.pair.members import CODE, EVALUATIONS, STEPS
 from tribo.prepared import Simulation
-from tribo.run.general_members import GeneralMembers
 from tribo.run.initial_state import InitialState
+from tribo.run.lane_loop import padded
 from tribo.run.lane_members import PairLanes, has_lanes
-from tribo.run.layout import Layout
 from tribo.run.ledger import assemble
 from tribo.run.member_samples import MemberRuns
 from tribo.run.members import PairMembers
+from tribo.run.members_in_lanes import fit_lanes, members_of
 from tribo.run.pair_numbers import PairNumbers, pair_numbers
 
 # Members that are run in one call, at most: of a pair some 30 ms, after which an interrupt is
 # answered.
 CHUNK = 8192
-# Work of a call for members of larger scenes [force evaluations x asperites]: some 0.1 s, to which
-# the ledgers of all its members add a few milliseconds.
-CHUNK_WORK = 1e6
+# Work of a call for members of larger scenes [force evaluations x asperites], one by one and in
+# lanes: some 0.05 s, to which the ledgers of all its members add a few milliseconds.
+CHUNK_WORK, CHUNK_WORK_IN_LANES = 1e6, 4e6
 # Samples of all members of one call, at most: 20 MB.
 MOST_SAMPLES = 2**17
 # Numbers in the samples of all members of a call, at most: 16 MB.
@@ -224,7 +224,7 @@ class CheckedRuns:
         layout = self.simulation.layout
         if self._pair:
             return max(1, min(CHUNK, MOST_SAMPLES // layout.times.size))
-        return chunk_of(layout, self.simulation.finest.evaluations)
+        return chunk_of(self.simulation, self.simulation.finest.evaluations)
 
     @property
     def strictest(self) -> float:
@@ -325,8 +325,8 @@ def _ways(simulation: Simulation, own_numbers: bool) -> dict[str, Way]:
     """The ways to run members, by method."""
     pair, method, layout = simulation.integrator.pair, simulation.method, simulation.layout
     if pair is None:
-        general = GeneralMembers(layout, method, simulation.integrator.first_step)
-        return {method.name: Way(general, NEAR_ALONE, 1.0)}
+        first_step = simulation.integrator.first_step
+        return {method.name: Way(members_of(layout, method, first_step), NEAR_ALONE, 1.0)}
     times = layout.times
     ways = {method.name: Way(PairMembers(pair, times), NEAR_ALONE, 1.0)}
     if has_lanes(pair) and times.size == 2:
@@ -336,11 +336,15 @@ def _ways(simulation: Simulation, own_numbers: bool) -> dict[str, Way]:
     return ways
 
 
-def chunk_of(layout: Layout, evaluations: float) -> int:
+def chunk_of(simulation: Simulation, evaluations: float) -> int:
     """Members that are run in one call, if each takes so many evaluations of all forces."""
+    layout = simulation.layout
     numbers = layout.times.size * (2 * layout.core + layout.accounts)
-    quick = CHUNK_WORK / (evaluations * layout.asperites.size)
-    return max(1, int(min(CHUNK, quick, MOST_NUMBERS / numbers)))
+    in_lanes = fit_lanes(layout, simulation.method)
+    work = CHUNK_WORK_IN_LANES if in_lanes else CHUNK_WORK
+    quick = work / (evaluations * layout.asperites.size)
+    members = max(1, int(min(CHUNK, quick, MOST_NUMBERS / numbers)))
+    return padded(members) if in_lanes else members
 
 
 def kept_values(kept: Kept, runs: MemberRuns) -> dict[str, np.ndarray]:

@@ -7,13 +7,11 @@ import numpy as np
 from tribo.ensembles.checked_runs import chunk_of, kept_values
 from tribo.ensembles.kept_values import STATUS_TYPE, UNKNOWN, Kept, KeptValues
 from tribo.ensembles.members import Members
-from tribo.kernels.simd import LANES
 from tribo.kernels.status import COMPLETED, Status
 from tribo.pair.members import CODE, STEPS
 from tribo.prepared import Simulation
-from tribo.run.general_members import GeneralMembers
 from tribo.run.initial_state import InitialState
-from tribo.run.members_in_lanes import MembersInLanes, fit_lanes
+from tribo.run.members_in_lanes import members_of
 from tribo.run.runaway import grows
 
 
@@ -39,12 +37,8 @@ class StepRuns:
         layout = simulation.layout
         self.simulation = simulation
         self.kept = kept
-        method, first = simulation.method, simulation.integrator.first_step
-        self._loop: MembersInLanes | GeneralMembers
-        if fit_lanes(layout, method):
-            self._loop = MembersInLanes(layout, method)
-        else:
-            self._loop = GeneralMembers(layout, method, first)
+        first_step = simulation.integrator.first_step
+        self._loop = members_of(layout, simulation.method, first_step)
         self._initial = InitialState(layout)
 
     @property
@@ -52,9 +46,7 @@ class StepRuns:
         """Members that are run in one call."""
         layout, step = self.simulation.layout, self.simulation.plan.setting
         assert isinstance(step, float)
-        members = chunk_of(layout, layout.scene.duration / step + layout.times.size)
-        in_lanes = isinstance(self._loop, MembersInLanes)
-        return -(-members // LANES) * LANES if in_lanes else members
+        return chunk_of(self.simulation, layout.scene.duration / step + layout.times.size)
 
     def compute(self, members: Members) -> KeptValues:
         """Run some members.  Those that do not complete have the status UNKNOWN."""

@@ -5,7 +5,8 @@ Sizes of all arrays are whole blocks of lanes.
 
 from tribo.integrators.step_control import EPSILON
 from tribo.kernels.compiled import inlined, kernel
-from tribo.kernels.simd import LANES, absolute, broadcast, maximum, sum_of_lanes, where_less
+from tribo.kernels.numbers_in_lanes import largest_of_runs, sum_of_runs
+from tribo.kernels.simd import LANES, absolute, broadcast, where_less
 from tribo.kernels.simd_arrays import block, set_block
 
 
@@ -59,8 +60,11 @@ def add_twice(q, low, h, v, v_low, weights, derivatives):
 
 
 @kernel
-def largest(h, weights, derivatives, scale_of, tolerance):
-    """Largest |h sum_j weights_j rates_j| in units of the tolerance (never below round-off)."""
+def largest(members, h, weights, derivatives, scale_of, tolerance):
+    """Largest |h sum_j weights_j rates_j| in units of the tolerance (never below round-off).
+
+    That of one run, or of each lane where the lanes are `members`; nan where a rate is not finite.
+    """
     worst = broadcast(0.0)
     not_finite = broadcast(0.0)
     for m in range(0, scale_of.size, LANES):
@@ -68,4 +72,4 @@ def largest(h, weights, derivatives, scale_of, tolerance):
         error = absolute(h * weighted_sum(weights, derivatives, m)) / unit
         worst = where_less(worst, error, error, worst)
         not_finite = not_finite + (error - error)  # nan for inf and nan
-    return maximum(worst) + sum_of_lanes(not_finite)
+    return largest_of_runs(members, worst) + sum_of_runs(members, not_finite)

@@ -58,13 +58,8 @@ class Nystrom(NamedTuple):
 
     def trial(self, model, neighbours, clock, h, end, state, new, tolerance, work):
         """Try a step; see :mod:`tribo.integrators.time_loops`."""
-        copy(state.acceleration, work.accelerations[0])
-        copy(state.power, work.powers[0])
-        copy_state(state, new)
-        evaluate_stages(self, model, neighbours, clock, h, end, state, new, work)
-        evaluate_powers(self, model, clock.t, h, state, work)
-        error = estimate_error(self, h, state, work, tolerance)
-        add(new.s, new.s_low, h, self.v, work.powers)
+        error = try_step(self, model, neighbours, clock.t, h, end, state, new, tolerance, work)
+        clock.evaluations += self.c.size
         return error <= 1.0, growth_factor(error, self.order), math.isfinite(error)
 
 
@@ -131,7 +126,23 @@ def restore_forces(model, work, i):
 
 
 @expanded
-def evaluate_stages(method, model, neighbours, clock, h, end, state, new, work):
+def try_step(method, model, neighbours, t, h, end, state, new, tolerance, work):
+    """Set `new` to the state at `end`; returns the error in units of the tolerance.
+
+    Where the lanes of blocks are members of an ensemble, t, h, end and the error are Lanes.
+    """
+    copy(state.acceleration, work.accelerations[0])
+    copy(state.power, work.powers[0])
+    copy_state(state, new)
+    evaluate_stages(method, model, neighbours, t, h, end, state, new, work)
+    evaluate_powers(method, model, t, h, state, work)
+    error = estimate_error(method, model.members, h, state, work, tolerance)
+    add(new.s, new.s_low, h, method.v, work.powers)
+    return error
+
+
+@expanded
+def evaluate_stages(method, model, neighbours, t, h, end, state, new, work):
     """Forces at all stages; coordinates, velocities and their rates of change at the end."""
     n = state.acceleration.size
     last = method.c.size
@@ -141,7 +152,7 @@ def evaluate_stages(method, model, neighbours, clock, h, end, state, new, work):
     for i in range(1, last):
         place = work.q[i]
         combine_twice(q, h, method.c[i], v, method.a[i][:i], f, place)
-        equations_of_motion(model, neighbours, clock.t + method.c[i] * h, place, v, f[i])
+        equations_of_motion(model, neighbours, t + method.c[i] * h, place, v, f[i])
         store_forces(model, work, i)
     add_twice(new.y[:n], new.y_low[:n], h, v, new.y_low[n:], method.b, f)
     add(new.y[n:], new.y_low[n:], h, method.v, f)
@@ -149,7 +160,6 @@ def evaluate_stages(method, model, neighbours, clock, h, end, state, new, work):
     store_forces(model, work, 0)
     copy(f[last], new.acceleration)
     copy(work.powers[last], new.power)
-    clock.evaluations += last
 
 
 @expanded
@@ -166,10 +176,11 @@ def evaluate_powers(method, model, t, h, state, work):
 
 
 @expanded
-def estimate_error(method, h, state, work, tolerance):
+def estimate_error(method, members, h, state, work, tolerance):
     """The step's error by the embedded method, in units of the tolerance; nan where one is."""
     n = state.acceleration.size
-    y = state.y
-    coordinates = largest(h * h, method.eb, work.accelerations, y[:n], tolerance.y[:n])
-    velocities = largest(h, method.ev, work.accelerations, y[n:], tolerance.y[n:])
-    return coordinates + velocities + largest(h, method.ev, work.powers, state.s, tolerance.s)
+    q, v, f = state.y[:n], state.y[n:], work.accelerations
+    coordinates = largest(members, h * h, method.eb, f, q, tolerance.y[:n])
+    velocities = largest(members, h, method.ev, f, v, tolerance.y[n:])
+    accounts = largest(members, h, method.ev, work.powers, state.s, tolerance.s)
+    return coordinates + velocities + accounts

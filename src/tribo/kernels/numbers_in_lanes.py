@@ -8,7 +8,7 @@ from numba import config, types
 from numba.core import cgutils
 from numba.extending import intrinsic, overload
 
-from tribo.kernels.simd import _INDEX, LANES, LanesType, lane, lanes, sum_of_lanes
+from tribo.kernels.simd import _INDEX, LANES, LanesType, lane, lanes, maximum, sum_of_lanes
 from tribo.kernels.simd_arrays import block, row_at, set_block
 
 
@@ -75,6 +75,18 @@ def sum_of_runs(members, x):
 def _find_sum_of_runs(members, x):
     if isinstance(members, types.NoneType):
         return lambda members, x: sum_of_lanes(x)
+    return lambda members, x: x
+
+
+def largest_of_runs(members, x):
+    """The largest of all lanes for one run; where the lanes are `members`, that of each."""
+    return maximum(x)
+
+
+@overload(largest_of_runs)
+def _find_largest_of_runs(members, x):
+    if isinstance(members, types.NoneType):
+        return lambda members, x: maximum(x)
     return lambda members, x: x
 
 

@@ -1,0 +1,240 @@
+"""Nystrom steps of eight members of an ensemble side by side, each with steps of its own length.
+
+A lane whose member is at its end takes the next one.  What is computed of a member depends on that
+member alone.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from tribo.integrators.nystrom import try_step
+from tribo.integrators.step_control import (
+    accept_step,
+    end_of_step,
+    evaluate_rates,
+    growth_factor,
+    next_step,
+    reject_step,
+    step_underflows,
+    time_left,
+)
+from tribo.kernels.array_pointers import pointers
+from tribo.kernels.compiled import inlined, kernel
+from tribo.kernels.encounters import next_encounter
+from tribo.kernels.equations_of_motion import top_speeds
+from tribo.kernels.samples import write_row
+from tribo.kernels.simd import LANES, where_less
+from tribo.kernels.simd_arrays import block, set_block
+from tribo.kernels.status import COMPLETED, PAUSED
+
+# Rows of the steps that are tried, a lane each: where they begin, their length, where they end, 1
+# where that is at a sample, their error, and 1 where they are taken.
+BEGIN, LENGTH, END, LANDING, ERROR, TAKEN, TRIED = range(7)
+# Columns of the counts of a member, as in `tribo.pair.members`.
+CODE, STEPS, EVALUATIONS = range(3)
+# Steps and rejected steps after which a member is left to a run of its own, which is guarded
+# against no progress.
+MOST_TRIALS = 2048
+
+
+class Queue(NamedTuple):
+    """The members of a call, and how far it is with them."""
+
+    starts: np.ndarray  # (members, 2 coordinates) y at t = 0, in the numbering of samples
+    places: np.ndarray  # (8, 2 coordinates) where each lane has them
+    counts: np.ndarray  # (members, 3) filled in; PAUSED of those that need a loop of their own
+    held: np.ndarray  # (8,) the member in each lane; -1 where there is none
+    waiting: np.ndarray  # (1,) the first member that has not been begun
+    first_step: float  # [time]
+
+
+@kernel
+def clear_lane(x, lane):
+    """Set the numbers of one lane to zero."""
+    for m in range(lane, x.size, LANES):
+        x[m] = 0.0
+
+
+@kernel
+def load_member(clock, state, queue, lane):
+    """Put the next member into a lane, at its start."""
+    m = queue.waiting[0]
+    queue.waiting[0] = m + 1
+    queue.held[lane] = m
+    clock.t, clock.t_low, clock.h = 0.0, 0.0, queue.first_step
+    clock.sample, clock.steps, clock.rejected, clock.after_rejection = 0, 0, 0, 0
+    clock.evaluations = 1
+    for j in range(queue.places.shape[1]):
+        state.y[queue.places[lane, j]] = queue.starts[m, j]
+    clear_lane(state.y_low, lane)
+    clear_lane(state.s, lane)
+    clear_lane(state.s_low, lane)
+
+
+@kernel
+def leave_member(clock, queue, lane, code):
+    """Let a lane be free, and count what its member took."""
+    m = queue.held[lane]
+    queue.held[lane] = -1
+    queue.counts[m, CODE] = code
+    queue.counts[m, STEPS], queue.counts[m, EVALUATIONS] = clock.steps, clock.evaluations
+
+
+@kernel
+def write_due(model, clock, state, times, record, queue, lane):
+    """Record what is due of a member, bobs in place, and leave it at its end."""
+    while time_left(clock, times[clock.sample]) <= 0.0:
+        row = queue.held[lane] * times.size + clock.sample
+        write_row(model, None, clock.t, state, record, row, lane)
+        clock.sample += 1
+        if clock.sample == times.size:
+            leave_member(clock, queue, lane, COMPLETED)
+            return
+
+
+@kernel
+def fill_lanes(model, clocks, state, times, record, queue, tried, speeds):
+    """Begin members in the lanes that are free."""
+    first = queue.waiting[0]
+    for lane in range(LANES):
+        if queue.held[lane] < 0 and queue.waiting[0] < queue.starts.shape[0]:
+            load_member(clocks[lane], state, queue, lane)
+        tried[BEGIN, lane] = clocks[lane].t
+    if queue.waiting[0] == first:
+        return
+    # The rates of the other members become what they are already.
+    n = state.acceleration.size
+    t = block(tried[BEGIN], 0)
+    evaluate_rates(model, None, t, state.y, state.acceleration, state.power)
+    top_speeds(model, None, t, state.y[:n], state.y[n:], speeds)
+    for lane in range(LANES):
+        if queue.held[lane] >= first:
+            found = next_encounter(model, None, speeds, lane)
+            clocks[lane].encounter_rate = found.rate
+            if found.closest == 0.0:
+                leave_member(clocks[lane], queue, lane, PAUSED)
+            else:
+                write_due(model, clocks[lane], state, times, record, queue, lane)
+
+
+@kernel
+def plan_steps(clocks, times, queue, tried):
+    """Plan the next step of each member; returns how many there are."""
+    count = 0
+    for lane in range(LANES):
+        clock = clocks[lane]
+        tried[BEGIN, lane], tried[LENGTH, lane], tried[END, lane] = clock.t, 0.0, clock.t
+        if queue.held[lane] < 0:
+            continue
+        goal = times[clock.sample]
+        h, landing = next_step(clock, clock.encounter_rate, time_left(clock, goal))
+        trials = clock.steps + clock.rejected
+        if trials >= MOST_TRIALS or step_underflows(h, landing, times[times.size - 1]):
+            leave_member(clock, queue, lane, PAUSED)
+            continue
+        tried[LENGTH, lane], tried[END, lane] = h, end_of_step(clock, goal, h, landing)
+        tried[LANDING, lane] = 1.0 if landing else 0.0
+        count += 1
+    return count
+
+
+@kernel
+def is_taken(model, clock, order, tried, speeds, lane):
+    """Take or reject the step of a member, by its error and the encounters at its end."""
+    h, error = tried[LENGTH, lane], tried[ERROR, lane]
+    growth = growth_factor(error, order)
+    if not error <= 1.0:
+        reject_step(clock, h * growth)
+        return False
+    found = next_encounter(model, None, speeds, lane)
+    if not h * found.rate <= 1.0:
+        reject_step(clock, 0.5 * h)
+        return False
+    clock.encounter_rate = found.rate
+    accept_step(clock, tried[END, lane], h, tried[LANDING, lane] == 1.0, growth)
+    return True
+
+
+@inlined
+def take_lanes(new, old, taken):
+    """Let the numbers of members whose steps are taken be those of `new`."""
+    for m in range(0, old.size, LANES):
+        set_block(old, m, where_less(0.5, taken, block(new, m), block(old, m)))
+
+
+@kernel
+def take_steps(new, state, taken):
+    """Let the states of members whose steps are taken be the new ones."""
+    take_lanes(new.y, state.y, taken)
+    take_lanes(new.y_low, state.y_low, taken)
+    take_lanes(new.s, state.s, taken)
+    take_lanes(new.s_low, state.s_low, taken)
+    take_lanes(new.acceleration, state.acceleration, taken)
+    take_lanes(new.power, state.power, taken)
+
+
+def nystrom_members(
+    model, method, tolerance, clocks, state, times, record, budget, queue, tried, work, speeds, new
+):
+    """Integrate all members through the sample times; return a status.
+
+    Steps are those of :func:`tribo.integrators.time_loops.adaptive_steps`.
+
+    Parameters
+    ----------
+    model : Model
+        The scene, with `members`.
+    method : Nystrom
+        The method.
+    tolerance : Tolerance
+        Of all members, with a number for each in a block.
+    clocks : ndarray, (8,), of CLOCK
+        That of each lane.
+    state, new : State
+        Of the members in the lanes.
+    times : ndarray, (times,)
+        Of the samples, ascending; the first is 0.
+    record : Record
+        Filled in: the samples of the first member, then of the second, and so on.
+    budget : int
+        Trials after which the loop pauses: call again to continue.
+    queue : Queue
+        The members.
+    tried : ndarray, (TRIED, 8)
+        Memory for the steps that are tried.
+    work : Stages
+        Room for what a step computes.
+    speeds : ndarray, (3, n)
+        Memory for the speeds of all bobs.
+
+    Returns
+    -------
+    int
+        COMPLETED or PAUSED.
+    """
+    model, method, tolerance, state, times, record, queue, tried, work, speeds, new = pointers(
+        (model, method, tolerance, state, times, record, queue, tried, work, speeds, new)
+    )
+    n = state.acceleration.size
+    for _ in range(budget):
+        fill_lanes(model, clocks, state, times, record, queue, tried, speeds)
+        if plan_steps(clocks, times, queue, tried) == 0:
+            if queue.waiting[0] == queue.starts.shape[0]:
+                return COMPLETED
+            continue
+        t, h, end = block(tried[BEGIN], 0), block(tried[LENGTH], 0), block(tried[END], 0)
+        error = try_step(method, model, None, t, h, end, state, new, tolerance, work)
+        set_block(tried[ERROR], 0, error)
+        top_speeds(model, None, end, new.y[:n], new.y[n:], speeds)
+        for lane in range(LANES):
+            taken = False
+            if queue.held[lane] >= 0:
+                clocks[lane].evaluations += method.c.size
+                taken = is_taken(model, clocks[lane], method.order, tried, speeds, lane)
+            tried[TAKEN, lane] = 1.0 if taken else 0.0
+        take_steps(new, state, block(tried[TAKEN], 0))
+        for lane in range(LANES):
+            if tried[TAKEN, lane] == 1.0:
+                write_due(model, clocks[lane], state, times, record, queue, lane)
+    return PAUSED
