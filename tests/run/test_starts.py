@@ -10,6 +10,7 @@ from tribo import Asperite, Bath, Coulomb, DrivenBars, Free, Initial, InputError
 from tribo.ensembles.members import Variation
 from tribo.export.lammps import to_lammps
 from tribo.export.lammps_atoms import atoms_of
+from tribo.run.initial_state import InitialState
 from tribo.run.layout import lay_out
 from tribo.run.state import state_at_rest
 
@@ -140,6 +141,37 @@ def test_members_have_starts_of_their_own():
     alone = [tribo.simulate(variation.member(m).scene(scene)) for m in range(3)]
     assert ends.tolist() == [run["lower"].theta[-1, 0] for run in alone]
     assert np.unique(ends).size == 3
+
+
+WARM = {"initial": Initial(temperature=0.1)}
+OSCILLATORS = Bath([0.1, 0.2], [2.0, 3.0], temperature=0.2)
+TORSIONAL = Bath([], [], inertias=[0.1], torsional_frequencies=[1.0], temperature=0.3)
+KINDS = {
+    "warm": WARM,
+    "sliding": {"drive": Free(load=0.1), **WARM},
+    "body": {"drive": Free(rigid=True), **WARM},
+    "turning": {"drive": Free(), "bars": "free", "bath": TORSIONAL, **WARM},
+    "held": {"drive": DrivenBars(), **WARM},
+    "bathed": {"drive": Free(), "bath": OSCILLATORS, **WARM},
+    "cold": {"drive": Free(), "bath": Bath([0.1], [2.0]), "initial": Initial(swing=0.1)},
+}
+
+
+@pytest.mark.parametrize("vary", [(), ("a.theta",), ("a.phi",)])
+@pytest.mark.parametrize("kind", KINDS)
+def test_starts_of_many_members(kind, vary):
+    """Drawn and placed at once, they are those of scenes with the seeds of the members."""
+    plain = Surface("a", shape=(2, 1), bath=OSCILLATORS, drive=Free(), bars="free")
+    surfaces = plain, Surface("b", facing="up", shape=(3, 1), **KINDS[kind])
+    scene = tribo.Scene(surfaces, Coulomb(0.2), 1.0, seed=2)
+    values = {key: 0.1 * np.arange(8.0).reshape(4, 2) for key in vary}
+    seeds = np.array([5, 2, 2**62, 7])
+    found = InitialState(lay_out(scene)).of_members(values, seeds)
+    for m, seed in enumerate(seeds.tolist()):
+        own = {key.rpartition(".")[2]: rows[m] for key, rows in values.items()}
+        moved = replace(plain, initial=Initial(**own)), surfaces[1]
+        start = lay_out(replace(scene, surfaces=moved, seed=seed)).start
+        np.testing.assert_array_equal(found[m], start)
 
 
 def test_in_files_and_ensembles(tmp_path):

@@ -73,8 +73,6 @@ def _in_batches(simulation: Simulation, own_numbers: Sequence[str]) -> bool:
     layout, pair = simulation.layout, simulation.integrator.pair
     if layout.scene.output.series:
         return False  # forces and energies as series, and their averages, are of single runs
-    if any(surface.initial.temperature for surface in layout.scene.surfaces):
-        return False  # the start is drawn where a scene is laid out
     if own_numbers:
         return pair is not None and are_pair_numbers(layout, own_numbers)
     if pair is not None or not has_batches(layout):

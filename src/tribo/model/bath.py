@@ -7,7 +7,7 @@ and zero rest length.  A torsional one is a moment of inertia tied to the bar's 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -173,8 +173,15 @@ def as_table(bath: Bath) -> dict[str, Any]:
     return table
 
 
+class Normal(Protocol):
+    """A generator of normal deviates, as numpy's; it may return those of several runs."""
+
+    def standard_normal(self, size: tuple[int, ...], /) -> np.ndarray:
+        """Deviates of shape `size`, or (runs, *size)."""
+
+
 def thermal_start(
-    bath: Bath, rng: np.random.Generator, count: int
+    bath: Bath, rng: Normal, count: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Displacements x, y and velocities x, y of the oscillators of `count` bars, each (count, n).
 
@@ -188,9 +195,7 @@ def thermal_start(
     return dx, dy, vx, vy
 
 
-def thermal_torsional_start(
-    bath: Bath, rng: np.random.Generator, count: int
-) -> tuple[np.ndarray, np.ndarray]:
+def thermal_torsional_start(bath: Bath, rng: Normal, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Angles relative to phi [rad] and rates of the torsional oscillators, each (count, k).
 
     Variances T / (I w^2) and T / I.

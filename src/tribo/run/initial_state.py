@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tribo.run.layout import Layout
-from tribo.run.start import set_bars
+from tribo.run.start import draw_starts, set_bars
 from tribo.validation import InputError, number_or_array
 
 # Initial values by name, "surface.theta" (or swing, phi, omega, nu): a number, or one per asperite.
@@ -31,6 +31,7 @@ class InitialState:
         model = layout.model
         followers = (model.bath, model.torsional, model.pivots)
         self._has_followers = any(item is not None for item in followers)
+        self._is_drawn = any(s.initial.temperature for s in layout.scene.surfaces)
         self._slots: dict[str, Slots] = {}
 
     def __call__(self, start: Start, seed: int | None = None) -> np.ndarray:
@@ -42,7 +43,7 @@ class InitialState:
             "surface.theta" (or swing, phi, omega, nu) -> a number, or one for each asperite.
             A phi moves theta with it where neither the scene nor `start` gives a theta or swing.
         seed : int, optional
-            From which oscillators of baths are drawn; by default that of the scene.
+            From which thermal starts are drawn; by default that of the scene.
 
         Returns
         -------
@@ -56,6 +57,8 @@ class InitialState:
         if not isinstance(start, (dict, Mapping)):  # a dict is recognised sooner
             raise InputError("start", f"must map names to values, got {start!r}")
         y = self._layout.start.copy()
+        if self._is_drawn and seed is not None:
+            self._draw(y[None], [seed])
         for key, value in start.items():
             known = self._slots.get(key)
             if known is None:
@@ -71,7 +74,7 @@ class InitialState:
             if key.endswith((".phi", ".swing")):
                 self._follow(key.rpartition(".")[0], start, y)
         if self._has_followers and (start or seed is not None):
-            _reset_bars(self._layout, y, self._layout.scene.seed if seed is None else seed)
+            self._set_bars(y[None], [self._layout.scene.seed if seed is None else seed])
         return y
 
     def of_members(self, values: Mapping[str, np.ndarray], seeds: np.ndarray) -> np.ndarray:
@@ -82,7 +85,7 @@ class InitialState:
         values : mapping
             "surface.theta" (or swing, phi, omega, nu) -> (members, 1) or (members, asperites).
         seeds : ndarray, (members,)
-            From which oscillators of baths are drawn.
+            From which thermal starts are drawn.
 
         Returns
         -------
@@ -93,13 +96,27 @@ class InitialState:
         InputError
             A name cannot be used.
         """
-        if self._has_followers or any(key.endswith((".phi", ".swing")) for key in values):
+        if any(key.endswith((".phi", ".swing")) for key in values):
             return np.array([self._of_member(values, m, int(s)) for m, s in enumerate(seeds)])
         y = np.tile(self._layout.start, (seeds.size, 1))
+        if self._is_drawn:
+            self._draw(y, seeds.tolist())
         for key, rows in values.items():
             slots, rest, count = _slots(self._layout, key)
             y[:, np.atleast_1d(slots)] = np.broadcast_to(rows, (seeds.size, count)) - rest
+        if self._has_followers:
+            self._set_bars(y, seeds.tolist())
         return y
+
+    def _draw(self, y: np.ndarray, seeds: list[int]) -> None:
+        """Draw the starts of surfaces that have a temperature, (runs, 2 coordinates)."""
+        n, layout = self._layout.coordinates, self._layout
+        draw_starts(layout.asperites, layout.scene, layout.parts, y[:, :n], y[:, n:], seeds)
+
+    def _set_bars(self, y: np.ndarray, seeds: list[int]) -> None:
+        """Start driven bars, and every bath about its bars, where initial values have changed."""
+        n, layout = self._layout.coordinates, self._layout
+        set_bars(layout.asperites, layout.scene, layout.parts, y[:, :n], y[:, n:], seeds)
 
     def _of_member(self, values: Mapping[str, np.ndarray], m: int, seed: int) -> np.ndarray:
         own = {key: rows[m] for key, rows in values.items()}
@@ -127,12 +144,3 @@ def _slots(layout: Layout, key: str) -> Slots:
         slots = slots + layout.coordinates
     rest = surface.rest if quantity == "theta" else 0.0
     return slots if surface.count > 1 else int(slots[0]), rest, surface.count
-
-
-def _reset_bars(layout: Layout, y: np.ndarray, seed: int) -> None:
-    """Start driven bars, and every bath about its bars, where initial values have changed."""
-    n = layout.coordinates
-    for index, surface in enumerate(layout.scene.surfaces):
-        part = layout.parts[surface.name]
-        rng = np.random.default_rng([seed, index, 1])
-        set_bars(layout.asperites[part], surface, part, y[:n], y[n:], rng)
