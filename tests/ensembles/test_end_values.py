@@ -22,8 +22,8 @@ from tribo.pair.members import CODE
 from tribo.run.initial_state import InitialState
 from tribo.run.lane_members import PairLanes, has_lanes
 from tribo.run.ledger import assemble
+from tribo.run.member_numbers import member_numbers
 from tribo.run.members import PairMembers
-from tribo.run.pair_numbers import pair_numbers
 
 KEEP = [f"{s}.{q}" for s in ("upper", "lower") for q in ("w1", "w2", "delta_e_int", "omega")]
 KEEP += ["upper.W", "contact_energy", "total_energy_change"]
@@ -380,11 +380,11 @@ def test_own_numbers_in_lanes():
     usual = PairLanes(pair, RKN8, duration).run(tolerance, starts)
     own = PairLanes(pair, RKN8, duration, own_numbers=True)
     speeds = np.tile(simulation.scene.surfaces[0].velocity, (11, 1))
-    same = own.run(tolerance, starts, pair_numbers(layout, 11, {"upper.velocity": speeds}))
+    same = own.run(tolerance, starts, member_numbers(layout, 11, {"upper.velocity": speeds}))
     np.testing.assert_array_equal(same.samples.y, usual.samples.y)
     np.testing.assert_array_equal(same.counts, usual.counts)
     speeds[4, 1] = 1e-3
-    moved = own.run(tolerance, starts, pair_numbers(layout, 11, {"upper.velocity": speeds}))
+    moved = own.run(tolerance, starts, member_numbers(layout, 11, {"upper.velocity": speeds}))
     assert np.flatnonzero(moved.counts[:, CODE] == PAUSED).tolist() == [4]
 
 

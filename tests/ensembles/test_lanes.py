@@ -252,4 +252,4 @@ def test_calls_fill_registers():
     scene = tribo.Scene(surfaces, tribo.Coulomb(0.2), 1e5, numerics=tribo.Numerics(step=0.01))
     simulation = tribo.prepare(scene)
     kept = Kept.checked(simulation, ["upper.w1"], False)
-    assert StepRuns(simulation, kept).chunk == LANES
+    assert StepRuns(simulation, kept, ()).chunk == LANES

@@ -36,10 +36,10 @@ from tribo.run.initial_state import InitialState
 from tribo.run.lane_loop import padded
 from tribo.run.lane_members import PairLanes, has_lanes
 from tribo.run.ledger import assemble
+from tribo.run.member_numbers import MemberNumbers, member_numbers
 from tribo.run.member_samples import MemberRuns
 from tribo.run.members import PairMembers
-from tribo.run.members_in_lanes import fit_lanes, members_of
-from tribo.run.pair_numbers import PairNumbers, pair_numbers
+from tribo.run.members_in_lanes import MembersInLanes, fit_lanes, members_of
 
 # Members that are run in one call, at most: of a pair some 30 ms, after which an interrupt is
 # answered.
@@ -99,12 +99,12 @@ class Begun(NamedTuple):
     ----------
     starts : ndarray, (members, 2 coordinates)
         Their states at t = 0.
-    numbers : PairNumbers or None
+    numbers : MemberNumbers or None
         Numbers of their own.
     """
 
     starts: np.ndarray
-    numbers: PairNumbers | None
+    numbers: MemberNumbers | None
 
     def of_members(self, selected: np.ndarray | slice) -> Begun:
         """Some of them."""
@@ -259,7 +259,7 @@ class CheckedRuns:
         if not self.own_numbers:
             return Begun(starts, None)
         layout = self.simulation.layout
-        return Begun(starts, pair_numbers(layout, len(starts), members.values))
+        return Begun(starts, member_numbers(layout, len(starts), members.values))
 
     def _doubtful(self, runs: MemberRuns, begun: Begun) -> np.ndarray:
         """Whether runs by the plan may miss their accuracy, (members,)."""
@@ -284,8 +284,8 @@ class CheckedRuns:
         tolerance = tolerance_at(self.simulation, ToleranceScales(*scales), level, near)
         if begun.numbers is None:
             return way.loop.run(tolerance, begun.starts)
-        assert isinstance(way.loop, PairMembers | PairLanes)
-        return way.loop.run(tolerance, begun.starts, begun.numbers)
+        assert isinstance(way.loop, PairMembers | PairLanes | MembersInLanes)
+        return way.loop.run(tolerance, begun.starts, numbers=begun.numbers)
 
     def excess(self, fine: MemberRuns, runs: MemberRuns) -> np.ndarray:
         """The largest difference of each member from a finer run, in units of its accuracy.
@@ -326,13 +326,14 @@ def _ways(simulation: Simulation, own_numbers: bool) -> dict[str, Way]:
     pair, method, layout = simulation.integrator.pair, simulation.method, simulation.layout
     if pair is None:
         first_step = simulation.integrator.first_step
-        return {method.name: Way(members_of(layout, method, first_step), NEAR_ALONE, 1.0)}
+        loop = members_of(layout, method, first_step, own_numbers)
+        return {method.name: Way(loop, NEAR_ALONE, 1.0)}
     times = layout.times
     ways = {method.name: Way(PairMembers(pair, times), NEAR_ALONE, 1.0)}
     if has_lanes(pair) and times.size == 2:
         for name, explicit in (("rkn8", RKN8), ("rkn12", RKN12)):
-            loop = PairLanes(pair, explicit, times[-1], own_numbers)
-            ways[name] = Way(loop, NEAR_IN_LANES, COST_IN_LANES)
+            lanes = PairLanes(pair, explicit, times[-1], own_numbers)
+            ways[name] = Way(lanes, NEAR_IN_LANES, COST_IN_LANES)
     return ways
 
 

@@ -25,7 +25,8 @@ from tribo.model.scene_file import scene_from
 from tribo.model.scene_writer import scene_text
 from tribo.prepared import Simulation
 from tribo.run.general_members import has_batches
-from tribo.run.pair_numbers import are_pair_numbers
+from tribo.run.member_numbers import can_differ
+from tribo.run.members_in_lanes import fit_lanes
 from tribo.simulation import from_settings
 
 KeptRuns = CheckedRuns | StepRuns | SingleRuns
@@ -61,7 +62,7 @@ def kept_runs(
     if plan is None and not _in_batches(simulation, own_numbers):
         return SingleRuns(simulation, kept, bool(own_numbers) or is_random(simulation.scene))
     if simulation.accuracy is None:
-        return StepRuns(simulation, kept)
+        return StepRuns(simulation, kept, own_numbers)
     runs = CheckedRuns(simulation, kept, own_numbers)
     if plan is not None:
         runs.plan = plan
@@ -69,14 +70,16 @@ def kept_runs(
 
 
 def _in_batches(simulation: Simulation, own_numbers: Sequence[str]) -> bool:
-    """Whether members are run in batches: of a pair, also those with some numbers of their own."""
+    """Whether members are run in batches: in lanes, also those with some numbers of their own."""
     layout, pair = simulation.layout, simulation.integrator.pair
     if layout.scene.output.series:
         return False  # forces and energies as series, and their averages, are of single runs
-    if own_numbers:
-        return pair is not None and are_pair_numbers(layout, own_numbers)
+    if own_numbers and not can_differ(layout, own_numbers):
+        return False
     if pair is not None or not has_batches(layout):
         return pair is not None
+    if own_numbers and not fit_lanes(layout, simulation.method):
+        return False
     tuned = simulation.plan.tuned
     if tuned is None:
         return True

@@ -13,14 +13,14 @@ from tribo.accuracy.scales import KINDS
 from tribo.kernels.status import COMPLETED
 from tribo.pair.members import CODE
 from tribo.run.ledger import assemble
+from tribo.run.member_numbers import MemberNumbers
 from tribo.run.member_samples import MemberRuns
-from tribo.run.pair_numbers import PairNumbers
 
 
 def rough_differences(
-    runs: MemberRuns, rough: MemberRuns, numbers: PairNumbers, accuracy: Mapping[str, float]
+    runs: MemberRuns, rough: MemberRuns, numbers: MemberNumbers, accuracy: Mapping[str, float]
 ) -> np.ndarray:
-    """The largest difference of each member of a pair from a rougher run.
+    """The largest difference of each member from a rougher run.
 
     The scales of errors are not computed, which would take longer than both runs, but lower bounds
     on them.
@@ -29,7 +29,7 @@ def rough_differences(
     ----------
     runs, rough : MemberRuns
         The same members.
-    numbers : PairNumbers
+    numbers : MemberNumbers
         Of the members.
     accuracy : mapping
         The relative error wanted, by quantity.
@@ -52,16 +52,19 @@ def rough_differences(
     return np.where(complete & ~np.isnan(found), found, np.inf)
 
 
-def _least_scales(runs: MemberRuns, numbers: PairNumbers) -> dict[str, np.ndarray | float]:
+def _least_scales(runs: MemberRuns, numbers: MemberNumbers) -> dict[str, np.ndarray | float]:
     """Lower bounds on the scales of each member, by kind of quantity."""
     a, members = numbers.asperites, len(runs.counts)
-    n = runs.samples.y.shape[1] // 2
+    n, asperites = runs.samples.y.shape[1] // 2, a.shape[1]
     rows = runs.samples.y.reshape(-1, members, 2 * n)
-    swings, rates = rows[..., :2], rows[..., n : n + 2]
-    doubled = a["inertia"] * rates**2 + a["kappa"] * swings**2
+    rates = rows[..., n : n + asperites]
+    phi = np.where(a["dof_phi"][0] >= 0, rows[..., a["dof_phi"][0]], 0.0)
+    twists = rows[..., :asperites] - phi
+    doubled = a["inertia"] * rates**2 + a["kappa"] * twists**2
     energy = 0.5 * np.abs(doubled - doubled[0]).max(axis=(0, 2))
     fastest = np.abs(rates).max(axis=(0, 2))
-    speed = 0.5 * np.hypot(*(numbers.velocity[:, 0] - numbers.velocity[:, 1]).T)
+    moving = numbers.velocity - numbers.velocity.mean(axis=1, keepdims=True)
+    speed = np.hypot(moving[..., 0], moving[..., 1]).max(axis=1)
     return {
         "rate": fastest,
         "length": (a["l1"] + a["l2"]).max(axis=1),

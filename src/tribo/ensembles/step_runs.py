@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from tribo.ensembles.checked_runs import chunk_of, kept_values
 from tribo.ensembles.kept_values import STATUS_TYPE, UNKNOWN, Kept, KeptValues
-from tribo.ensembles.members import Members
+from tribo.ensembles.members import Members, values_at_start
 from tribo.kernels.status import COMPLETED, Status
 from tribo.pair.members import CODE, STEPS
 from tribo.prepared import Simulation
 from tribo.run.initial_state import InitialState
-from tribo.run.members_in_lanes import members_of
+from tribo.run.member_numbers import member_numbers
+from tribo.run.members_in_lanes import MembersInLanes, members_of
 from tribo.run.runaway import grows
 
 
@@ -24,6 +27,8 @@ class StepRuns:
         Of the ensemble's scene, with a given step.
     kept : Kept
         What is kept.
+    own_numbers : sequence of str
+        Keys of what members differ in beside their starts.
 
     Attributes
     ----------
@@ -33,12 +38,13 @@ class StepRuns:
 
     plan = None
 
-    def __init__(self, simulation: Simulation, kept: Kept) -> None:
+    def __init__(self, simulation: Simulation, kept: Kept, own_numbers: Sequence[str]) -> None:
         layout = simulation.layout
         self.simulation = simulation
         self.kept = kept
         first_step = simulation.integrator.first_step
-        self._loop = members_of(layout, simulation.method, first_step)
+        self._own_numbers = own_numbers
+        self._loop = members_of(layout, simulation.method, first_step, bool(own_numbers))
         self._initial = InitialState(layout)
 
     @property
@@ -51,9 +57,16 @@ class StepRuns:
     def compute(self, members: Members) -> KeptValues:
         """Run some members.  Those that do not complete have the status UNKNOWN."""
         layout = self.simulation.layout
-        starts = self._initial.of_members(members.values, members.seeds)
-        runs = self._loop.run(self.simulation.plan.setting, starts, members.seeds)
-        grown = grows(layout, runs.samples).reshape(-1, len(starts)).any(axis=0)
+        starts = self._initial.of_members(values_at_start(members.values), members.seeds)
+        setting = self.simulation.plan.setting
+        if isinstance(self._loop, MembersInLanes):
+            numbers = None
+            if self._own_numbers:
+                numbers = member_numbers(layout, len(starts), members.values)
+            runs = self._loop.run(setting, starts, members.seeds, numbers)
+        else:
+            runs = self._loop.run(setting, starts, members.seeds)
+        grown = grows(runs.layout, runs.samples).reshape(-1, len(starts)).any(axis=0)
         complete = (runs.counts[:, CODE] == COMPLETED) & ~grown
         unknown = np.full(complete.size, np.nan)
         return KeptValues(

@@ -43,6 +43,9 @@ class Queue(NamedTuple):
 
     starts: np.ndarray  # (members, 2 coordinates) y at t = 0, in the numbering of samples
     places: np.ndarray  # (8, 2 coordinates) where each lane has them
+    numbers: np.ndarray  # (members, numbers) in which they differ
+    places_of_numbers: np.ndarray  # (8, numbers) where each lane has them
+    memory: np.ndarray  # (k,) where they are
     counts: np.ndarray  # (members, 3) filled in; PAUSED of those that need a loop of their own
     held: np.ndarray  # (8,) the member in each lane; -1 where there is none
     waiting: np.ndarray  # (1,) the first member that has not been begun
@@ -67,6 +70,8 @@ def load_member(clock, state, queue, lane):
     clock.evaluations = 1
     for j in range(queue.places.shape[1]):
         state.y[queue.places[lane, j]] = queue.starts[m, j]
+    for j in range(queue.numbers.shape[1]):
+        queue.memory[queue.places_of_numbers[lane, j]] = queue.numbers[m, j]
     clear_lane(state.y_low, lane)
     clear_lane(state.s, lane)
     clear_lane(state.s_low, lane)

@@ -19,7 +19,8 @@ from tribo.kernels.blocks import (
 from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.kinematics import nearest_image
 from tribo.kernels.neighbours import image, is_partner, partner_species
-from tribo.kernels.potential_in_lanes import force_in_lanes
+from tribo.kernels.numbers_in_lanes import potential_of
+from tribo.kernels.potential_in_lanes import force_in_lanes, range_in_lanes
 from tribo.kernels.python_callback import call_at
 from tribo.kernels.records import CHARGE, FX, FY, X, Y, Z
 from tribo.kernels.simd import (
@@ -147,22 +148,22 @@ def differences(model, x, y, i, m):
 
 
 @inlined
-def over_distances(contact, square, dx, dy, dz, charge, others, low, high):
+def over_distances(potential, square, dx, dy, dz, charge, others, low, high):
     """Forces over distances of the pairs from `low` to `high`, 0 elsewhere."""
     r, inverse = separations(square, dx, dy, dz, low, high)
-    end = contact.potential.range()
-    f = force_in_lanes(contact.potential, r, end, charge, others, low, high)
+    end = range_in_lanes(potential)
+    f = force_in_lanes(potential, r, end, charge, others, low, high)
     return between_lanes(low, high, where_less(square, end * end, f * inverse, 0.0), 0.0)
 
 
 @inlined
-def block_over_distances(contact, dx, dy, dz, charge, others, low, high):
+def block_over_distances(potential, dx, dy, dz, charge, others, low, high):
     """The same of eight pairs; of four where these have all that are wanted."""
     square = dx * dx + dy * dy + dz * dz  # for both, which could round its sums differently
     if high <= NARROW:
         near = narrow(square), narrow(dx), narrow(dy), narrow(dz)
-        return widen(over_distances(contact, *near, charge, narrow(others), low, high))
-    return over_distances(contact, square, dx, dy, dz, charge, others, low, high)
+        return widen(over_distances(potential, *near, charge, narrow(others), low, high))
+    return over_distances(potential, square, dx, dy, dz, charge, others, low, high)
 
 
 @inlined
@@ -173,7 +174,8 @@ def add_block_forces(model, contact, fx, fy, i, m, low, high):
     """
     charges = model.each[CHARGE]
     dx, dy, dz = differences(model, model.bobs[X, i], model.bobs[Y, i], i, m)
-    f = block_over_distances(contact, dx, dy, dz, charges[i], block(charges, m), low, high)
+    others = block(charges, m)
+    f = block_over_distances(contact.potential, dx, dy, dz, charges[i], others, low, high)
     f = without_others(f, model.species, partner_species(model.species, contact.species, i), m)
     set_block(fx, m, block(fx, m) - f * dx)
     set_block(fy, m, block(fy, m) - f * dy)
@@ -244,9 +246,10 @@ def add_lane_by_lane(model, contact, k, fx, fy):
     one = model.surfaces[contact.pairs[k, 0]]
     other = model.surfaces[contact.pairs[k, 1]]
     charges = model.each[CHARGE]
+    potential = potential_of(contact, None)
     for i in range(one.start, one.stop, LANES):
         partners = partner_species(model.species, contact.species, i)
-        x, y = block(model.bobs[X], i), block(model.bobs[Y], i)
+        x, y, own = block(model.bobs[X], i), block(model.bobs[Y], i), block(charges, i)
         own_x = broadcast(0.0)
         own_y = broadcast(0.0)
         for m in range(max(other.start, i + LANES), other.stop, LANES):
@@ -254,7 +257,7 @@ def add_lane_by_lane(model, contact, k, fx, fy):
                 dx, dy, dz = differences(model, x, y, i, m)
                 square = dx * dx + dy * dy + dz * dz
                 others = block(charges, m)
-                f = over_distances(contact, square, dx, dy, dz, charges[i], others, 0, LANES)
+                f = over_distances(potential, square, dx, dy, dz, own, others, 0, LANES)
                 add_block(fx, m, 0.0 - f * dx)
                 add_block(fy, m, 0.0 - f * dy)
                 own_x = own_x + f * dx
@@ -315,7 +318,7 @@ def distance_of(model, i, j):
 def pair_energy(model, contact, k, neighbours, lane):
     """Potential energy of one interaction between one pair of surfaces, for `lane` of one run."""
     charges = model.each[CHARGE]
-    potential = contact.potential
+    potential = potential_of(contact, lane)
     end = potential.range()
     one = model.surfaces[contact.pairs[k, 0]]
     other = model.surfaces[contact.pairs[k, 1]]

@@ -17,6 +17,7 @@ from tribo.kernels.blocks import (
 from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.contact import block_of, distance_of, first_candidate, row_of
 from tribo.kernels.neighbours import is_partner, partner_species
+from tribo.kernels.numbers_in_lanes import potential_of
 from tribo.kernels.records import CHARGE
 from tribo.kernels.simd import (
     between_lanes,
@@ -73,7 +74,7 @@ def encounter_of_contact(model, contact, neighbours, speeds, thermal, found, lan
     """The encounters found before, or those of one interaction where they come sooner."""
     charges = model.each[CHARGE]
     rate, closest, clearance, ignored, passing, passed = found
-    potential = contact.potential
+    potential = potential_of(contact, lane)
     for k in range(contact.pairs.shape[0]):
         one = model.surfaces[contact.pairs[k, 0]]
         other = model.surfaces[contact.pairs[k, 1]]

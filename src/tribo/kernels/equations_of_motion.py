@@ -85,6 +85,14 @@ def place_bars(displaced, s, i, x, y, l2, sin, versine):
 
 
 @inlined
+def velocity_of(velocities, s, i):
+    """Initial velocity of a surface, and where members of an ensemble differ in it, of each."""
+    if velocities is None:
+        return broadcast(s.vx), broadcast(s.vy)
+    return vectors(velocities, i)
+
+
+@inlined
 def place_block(model, s, i, t, swing, x, y):
     """Set positions and directions of a block of bobs, and clear their contact forces."""
     a = model.constants
@@ -94,8 +102,9 @@ def place_block(model, s, i, t, swing, x, y):
     tx = s.facing * cos
     ty = s.facing * sin
     place_bars(model.displaced, s, i, x, y, block(a[L2], c), sin, versine)
-    x = block(model.each[X_START], i) + s.vx * t + x
-    y = block(model.each[Y_START], i) + s.vy * t + y
+    vx, vy = velocity_of(model.velocities, s, i)
+    x = block(model.each[X_START], i) + vx * t + x
+    y = block(model.each[Y_START], i) + vy * t + y
     x, y = bob_position(x, y, block(a[L1], c), tx, ty)
     set_block(b[X], i, x)
     set_block(b[Y], i, y)
@@ -356,6 +365,7 @@ def top_speeds(model, active, t, q, v, speeds):
             omega = block(v, i)
             stiffness = block(a[KAPPA], c) * block(a[INVERSE_INERTIA], c)
             rate = stiffness * twist * twist + omega * omega
-            set_block(speeds[0], i, s.vx + coordinates(s.dof_x, s, i, v))
-            set_block(speeds[1], i, s.vy + coordinates(s.dof_y, s, i, v))
+            vx, vy = velocity_of(model.velocities, s, i)
+            set_block(speeds[0], i, vx + coordinates(s.dof_x, s, i, v))
+            set_block(speeds[1], i, vy + coordinates(s.dof_y, s, i, v))
             set_block(speeds[2], i, block(a[L1], c) * sqrt(rate))

@@ -9,7 +9,7 @@ from numba.core import cgutils
 from numba.extending import intrinsic, overload
 
 from tribo.kernels.simd import _INDEX, LANES, LanesType, lane, lanes, maximum, sum_of_lanes
-from tribo.kernels.simd_arrays import block, row_at, set_block
+from tribo.kernels.simd_arrays import block, row_at, rows_of, set_block
 
 
 def _is_plain(kind: Any, number: types.Type) -> bool:
@@ -50,6 +50,30 @@ def numbers_at_lane(typing_context, each, i):
 
     floats = types.NamedUniTuple(types.float64, len(each.types), each.instance_class)
     return floats(each, types.intp), build
+
+
+def potential_of(contact, lane):
+    """The potential of an interaction; for `lane` that of one member of an ensemble.
+
+    Where members differ in its numbers, these are Lanes without a `lane`.
+    """
+    return contact.potential
+
+
+@overload(potential_of)
+def _find_potential_of(contact, lane):
+    if isinstance(contact[contact.fields.index("numbers")], types.NoneType):
+        return potential_of
+    return _own_potentials if isinstance(lane, types.NoneType) else _own_potential
+
+
+def _own_potentials(contact, lane):
+    return numbers_in_lanes(contact.potential, contact.numbers, rows_of(contact.numbers), 0)
+
+
+def _own_potential(contact, lane):
+    own = numbers_in_lanes(contact.potential, contact.numbers, rows_of(contact.numbers), 0)
+    return numbers_at_lane(own, lane)
 
 
 def lane_of(x, i):
@@ -117,4 +141,4 @@ def _find_add_numbers(array, k, x):
 
 
 if config.DISABLE_JIT:  # type: ignore[attr-defined]
-    from tribo.kernels.simd_uncompiled import numbers_at_lane  # noqa: F401
+    from tribo.kernels.simd_uncompiled import numbers_at_lane

@@ -16,13 +16,15 @@ from tribo.kernels.simd import LANES, broadcast, lane, lanes, spread_like, with_
 
 
 @functools.cache
-def is_vectorized(potential_type: Any) -> bool:
+def is_vectorized(potential_type: Any, charge: Any = types.float64) -> bool:
     """Whether a potential's formula compiles for Lanes, with charges of one bob or of eight.
 
     Parameters
     ----------
     potential_type : numba type
         Type of a potential, as :func:`numba.typeof` returns it.
+    charge : numba type
+        Of the charge of one bob; that of eight is the same for each number.
 
     Raises
     ------
@@ -30,7 +32,7 @@ def is_vectorized(potential_type: Any) -> bool:
         If the formula fails to compile for a reason other than an operation that Lanes lack.
     """
     formula = njit(error_model="numpy")(potential_type.instance_class.force_between)
-    charge = lanes if lanes in potential_type.types else types.float64
+    charge = lanes if lanes in potential_type.types else charge
     try:
         formula.get_call_template((potential_type, lanes, charge, lanes), {})
     except TypingError as error:
@@ -67,7 +69,7 @@ def force_in_lanes(potential, r, end, charge, others, low, high):
 
 @overload(force_in_lanes, strict=False)
 def _force_in_lanes(potential, r, end, charge, others, low, high):
-    return force_in_lanes if is_vectorized(potential) else _one_by_one
+    return force_in_lanes if is_vectorized(potential, charge) else _one_by_one
 
 
 def _one_by_one(potential, r, end, charge, others, low, high):

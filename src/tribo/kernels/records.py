@@ -219,6 +219,7 @@ class Contact(NamedTuple):
     pairs: np.ndarray  # (n, 2) indices of surfaces, the first not above the second
     rows: np.ndarray  # (n,) first row of each pair in the neighbour list; -1: all pairs
     species: Any  # (2,) between bobs of which species; None: of any
+    numbers: Any = None  # (fields, 8) of the potential, where members of an ensemble differ in them
 
 
 class FieldOn(NamedTuple):
@@ -359,4 +360,5 @@ class Model(NamedTuple):
     ends: Any  # tuple of Custom, or None
     members: Any  # (n,), scratch: contact on rigid surfaces, where the lanes of a block are members
     # of an ensemble, one asperite of each; None where the asperites of a block are of one run
+    velocities: Any  # (2, n) initial velocities of surfaces, where members differ in them; or None
     team: Any  # Team, see `kernels.team`; None where a step is too short to be shared by threads

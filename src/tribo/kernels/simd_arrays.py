@@ -87,9 +87,10 @@ def rows_of(typing_context, array):
     """
 
     def build(context, builder, sig, args):
-        return context.make_array(sig.args[0])(context, builder, args[0]).data
+        return _data(context, builder, sig.args[0], args[0])
 
-    good = isinstance(array, types.Array) and array.ndim == 2 and array.layout == "C"
+    is_array = isinstance(array, types.Array) and array.layout == "C"
+    good = (is_array or isinstance(array, PointerType)) and array.ndim == 2
     return (rows(array), build) if good else None
 
 

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tribo.kernels import records
+from tribo.kernels.potential_numbers import numbers_of
 from tribo.kernels.records import Contact, Model, Springs
 from tribo.kernels.simd import LANES
 from tribo.kernels.simd_arrays import room, with_spare_lanes
@@ -43,10 +44,11 @@ class Interleaved(NamedTuple):
     room: tuple[int, int]
 
 
-def interleaved(layout: Layout) -> Interleaved:
-    """Lay out eight members, all alike, each with arrays of its own for what changes.
+def interleaved(layout: Layout, own_numbers: bool = False) -> Interleaved:
+    """Lay out eight members, each with arrays of its own for what changes.
 
-    The scene has neither calculators that are not compiled, nor sums over surfaces as accounts.
+    All are alike, or have constants, velocities and numbers of a potential of their own.  The scene
+    has neither calculators that are not compiled, nor sums over surfaces as accounts.
     """
     scene, old = layout.scene, layout.model
     surfaces = np.asarray(layout.surfaces).copy()
@@ -79,6 +81,8 @@ def interleaved(layout: Layout) -> Interleaved:
         members=room((theirs.columns,)),
         team=None,
     )
+    if own_numbers:
+        model = _with_own_numbers(model, layout)
     q = np.array([each.q for each in places])
     return Interleaved(model, q, places[0].s, (theirs.coordinates, theirs.accounts))
 
@@ -87,6 +91,27 @@ def _shared_accounts(layout: Layout) -> int:
     """The number of accounts that are of no asperite."""
     fields = [field.account for field in layout.model.fields or ()]
     return int(max([*layout.surfaces.acc_block.tolist(), *fields])) + 1
+
+
+def _with_own_numbers(model: Model, layout: Layout) -> Model:
+    """The model with a column of constants for each asperite, and tables of what may differ."""
+    columns = layout.places.columns
+    owners = layout.model.surfaces, layout.asperites.surface
+    constants = layout.model.constants[:, columns_of_constants(*owners, columns)]
+    surfaces = model.surfaces.copy()
+    surfaces["first_constants"], surfaces["constants_mask"] = surfaces["start"], -1
+    velocities = room((2, model.each.shape[1]))
+    for surface in surfaces:
+        velocities[:, surface["start"] : surface["end"]] = [[surface["vx"]], [surface["vy"]]]
+    contacts = model.contacts
+    if len(contacts) == 1 and model.within is None:
+        numbers = np.array(numbers_of(contacts[0].potential), float)
+        if numbers.size:
+            table = with_spare_lanes(np.repeat(numbers[:, None], LANES, axis=1))
+            contacts = (contacts[0]._replace(numbers=table),)
+    return model._replace(
+        constants=_repeated(constants), surfaces=surfaces, velocities=velocities, contacts=contacts
+    )
 
 
 def _repeated(values: np.ndarray) -> np.ndarray:

@@ -15,8 +15,10 @@ from tribo.plugins.compile_errors import compiling
 from tribo.plugins.sources import source_stamp
 from tribo.run.integrate import Columns
 from tribo.run.interleaved import interleaved
+from tribo.run.lane_numbers import LaneNumbers
 from tribo.run.layout import lay_out
 from tribo.run.loop_memory import together
+from tribo.run.member_numbers import MemberNumbers
 
 
 class LaneLoop:
@@ -28,11 +30,20 @@ class LaneLoop:
         That of all members, but for their starts and seeds.
     method : Method
         How time advances.
+    own_numbers : bool
+        Whether members differ in numbers too.
     """
 
-    def __init__(self, scene: Scene, method: Method) -> None:
+    def __init__(self, scene: Scene, method: Method, own_numbers: bool) -> None:
         self.layout = layout = lay_out(scene)
-        self.eight = eight = interleaved(layout)
+        eight = interleaved(layout, own_numbers)
+        self._memory, self._places_of_numbers = np.empty(0), np.empty((LANES, 0), np.int64)
+        self._numbers: LaneNumbers | None = None
+        if own_numbers:
+            self._numbers = own = LaneNumbers(layout, eight.model)
+            eight = eight._replace(model=own.model)
+            self._memory, self._places_of_numbers = own.memory, own.places
+        self.eight = eight
         self.coefficients: Any = method.coefficients
         coordinates, accounts = eight.room
         start = np.zeros(2 * coordinates)
@@ -56,6 +67,13 @@ class LaneLoop:
             np.zeros((rows, surfaces, STORED)),
             np.empty((rows, *layout.sampled_baths)),
         )
+
+    def rows_of(self, numbers: MemberNumbers | None, members: int) -> np.ndarray:
+        """The numbers of members, (members, numbers); none where members do not differ in them."""
+        if self._numbers is None:
+            return np.empty((members, 0))
+        assert numbers is not None
+        return self._numbers.rows(numbers)
 
     def record(self, columns: Columns) -> Record:
         """These arrays for the loop."""

@@ -18,10 +18,10 @@ from tribo.pair.members import CODE
 from tribo.pair.step_rows import FIRST, OF_J, OF_V1, OF_V2
 from tribo.plugins.compile_errors import compiling
 from tribo.plugins.sources import source_stamp
+from tribo.run.member_numbers import MemberNumbers
 from tribo.run.member_samples import MemberRuns
-from tribo.run.members import MOST_STEPS, PairMemberSamples, member_runs
+from tribo.run.members import MOST_STEPS, PairMemberSamples, member_runs, records_of
 from tribo.run.pair_adapter import Pair
-from tribo.run.pair_numbers import PairNumbers
 
 Arguments = tuple[np.ndarray | int | None, ...]
 
@@ -82,7 +82,7 @@ class PairLanes:
             self._loop = EntryPoint(loop, (PairScene(*record.item()), potential), examples)
 
     def run(
-        self, tolerance: Tolerance, starts: np.ndarray, numbers: PairNumbers | None = None
+        self, tolerance: Tolerance, starts: np.ndarray, numbers: MemberNumbers | None = None
     ) -> MemberRuns:
         """Run members from `starts` (members, 2 coordinates), in this thread.
 
@@ -99,7 +99,7 @@ class PairLanes:
         samples, counts = self._memory(len(starts))
         scenes, others = None, np.zeros(len(starts), bool)
         if numbers is not None:
-            records = numbers.records(self._pair.layout)
+            records = records_of(self._pair.layout, numbers)
             scenes = np.column_stack(
                 [records.view(float).reshape(len(starts), -1), numbers.potential]
             )

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo.run.layout import Layout
-from tribo.run.pair_numbers import LayoutOfMembers
+from tribo.run.member_numbers import LayoutOfMembers
 from tribo.run.samples import Samples
 
 

@@ -16,10 +16,10 @@ from tribo.pair.step_rows import LIMITS, STATE
 from tribo.plugins.compile_errors import compiling
 from tribo.plugins.sources import source_stamp
 from tribo.run.layout import Layout
+from tribo.run.member_numbers import LayoutOfMembers, MemberNumbers
 from tribo.run.member_samples import MemberRuns, MemberSamples
-from tribo.run.pair_adapter import Pair
-from tribo.run.pair_factors import Factors
-from tribo.run.pair_numbers import LayoutOfMembers, PairNumbers
+from tribo.run.pair_adapter import Pair, mobility_of, record_of
+from tribo.run.pair_factors import Factors, factors_of
 from tribo.run.pair_samples import PairSamples
 
 # Steps after which a member is left to a run of its own, which is guarded against no progress.
@@ -115,7 +115,7 @@ class PairMembers:
             self._loop = EntryPoint(loop, (potential,), examples)
 
     def run(
-        self, tolerance: Tolerance, starts: np.ndarray, numbers: PairNumbers | None = None
+        self, tolerance: Tolerance, starts: np.ndarray, numbers: MemberNumbers | None = None
     ) -> MemberRuns:
         """Run members from `starts` (members, 2 coordinates), in this thread.
 
@@ -129,7 +129,7 @@ class PairMembers:
         memory.starts[...] = starts
         record, potential = self._record, self._numbers
         if numbers is not None:
-            record, potential = numbers.records(layout), np.ascontiguousarray(numbers.potential)
+            record, potential = records_of(layout, numbers), np.ascontiguousarray(numbers.potential)
         self._loop(record, potential, rows, *memory, MOST_STEPS)
         samples = PairMemberSamples(self._times, memory.samples, self._pair.factors)
         return member_runs(layout, samples, memory.counts, numbers)
@@ -149,10 +149,17 @@ class PairMembers:
 
 
 def member_runs(
-    layout: Layout, samples: PairMemberSamples, counts: np.ndarray, numbers: PairNumbers | None
+    layout: Layout, samples: PairMemberSamples, counts: np.ndarray, numbers: MemberNumbers | None
 ) -> MemberRuns:
     """Runs of a pair's members, with numbers of their own or those of the scene."""
     if numbers is None:
         return MemberRuns(layout, samples, counts)
-    own = samples.with_factors(*numbers.factors(layout))
+    mobility = mobility_of(layout, numbers.asperites)
+    own = samples.with_factors(*factors_of(layout, numbers.asperites, mobility))
     return MemberRuns(LayoutOfMembers.of(layout, numbers), own, counts)
+
+
+def records_of(layout: Layout, numbers: MemberNumbers) -> np.ndarray:
+    """The scene of each member as the pair's loop reads it, (members,)."""
+    mobility = mobility_of(layout, numbers.asperites)
+    return record_of(numbers.asperites, layout.depths, numbers.charges, mobility)

@@ -9,12 +9,13 @@ import numpy as np
 from tribo.integrators.methods import Method
 from tribo.integrators.nystrom import Nystrom
 from tribo.integrators.step_control import LARGEST
-from tribo.kernels.status import COMPLETED
+from tribo.kernels.status import COMPLETED, PAUSED
 from tribo.pair.members import CODE
 from tribo.run.general_members import GeneralMembers
 from tribo.run.integrate import Setting
 from tribo.run.lane_loop import padded
 from tribo.run.layout import Layout
+from tribo.run.member_numbers import LayoutOfMembers, MemberNumbers
 from tribo.run.member_samples import MemberRuns, MemberSamples
 from tribo.run.nystrom_lanes import NystromLanes
 from tribo.run.samples import Samples
@@ -49,25 +50,35 @@ class MembersInLanes:
         How time advances.
     first_step : float
         The longest first step of an adaptive method [time].
+    own_numbers : bool
+        Whether members differ in numbers too.
     """
 
-    def __init__(self, layout: Layout, method: Method, first_step: float) -> None:
+    def __init__(
+        self, layout: Layout, method: Method, first_step: float, own_numbers: bool = False
+    ) -> None:
         self._layout, self._method, self._first_step = layout, method, first_step
+        self._own_numbers = own_numbers
         self._alone = GeneralMembers(layout, method, first_step)
         self._idle: list[SplittingLanes | NystromLanes] = []
 
     def run(
-        self, setting: Setting, starts: np.ndarray, seeds: np.ndarray | None = None
+        self,
+        setting: Setting,
+        starts: np.ndarray,
+        seeds: np.ndarray | None = None,
+        numbers: MemberNumbers | None = None,
     ) -> MemberRuns:
         """Run members with `starts` (members, 2 coordinates) and `seeds`, in this thread.
 
-        Seeds matter where there is noise.  The samples of members that did not complete are zeros.
+        Seeds matter where there is noise.  The samples of members that did not complete are zeros;
+        with `numbers` of their own, those that need a loop of their own have the status PAUSED.
         """
         loop = self._free_loop()
         members, times = len(starts), self._layout.times
         seeds = np.zeros(members, np.int64) if seeds is None else seeds
         columns = loop.room(padded(members))
-        counts = loop.run(setting, starts, seeds, columns)
+        counts = loop.run(setting, starts, seeds, columns, numbers)
         self._idle.append(loop)
         rows = members * times.size
         each_time = [
@@ -79,7 +90,11 @@ class MembersInLanes:
             others = tuple(axis for axis in range(each.ndim) if axis != 1)
             whole &= np.all(np.abs(each) <= LARGEST, axis=others)
         alone = np.flatnonzero(~whole)
-        if alone.size:
+        if numbers is not None:
+            counts[alone, CODE] = PAUSED
+            for each in each_time:
+                each[:, alone] = 0.0
+        elif alone.size:
             runs = self._alone.run(setting, starts[alone], seeds[alone])
             counts[alone] = runs.counts
             for each, field in zip(each_time, fields(Samples)[1:], strict=True):
@@ -87,25 +102,28 @@ class MembersInLanes:
                 each[:, alone] = own.reshape(times.size, alone.size, *own.shape[1:])
         samples = (each.reshape(rows, *each.shape[2:]) for each in each_time)
         repeated = np.repeat(times, members)
-        return MemberRuns(self._layout, MemberSamples(members, repeated, *samples), counts)
+        layout = self._layout if numbers is None else LayoutOfMembers.of(self._layout, numbers)
+        return MemberRuns(layout, MemberSamples(members, repeated, *samples), counts)
 
     def _free_loop(self) -> SplittingLanes | NystromLanes:
         """A loop that no thread uses."""
         try:
             return self._idle.pop()
         except IndexError:
-            scene, method = self._layout.scene, self._method
+            scene, method, own = self._layout.scene, self._method, self._own_numbers
             if method.splits:
-                return SplittingLanes(scene, method)
-            return NystromLanes(scene, method, self._first_step)
+                return SplittingLanes(scene, method, own)
+            return NystromLanes(scene, method, own, self._first_step)
 
 
 def members_of(
-    layout: Layout, method: Method, first_step: float
+    layout: Layout, method: Method, first_step: float, own_numbers: bool
 ) -> MembersInLanes | GeneralMembers:
     """Runs members of a scene that can be run in batches, in lanes where they fit.
 
-    Parameters as those of `MembersInLanes`.
+    Parameters as those of `MembersInLanes`; members with numbers of their own do fit.
     """
-    kind = MembersInLanes if fit_lanes(layout, method) else GeneralMembers
-    return kind(layout, method, first_step)
+    if fit_lanes(layout, method):
+        return MembersInLanes(layout, method, first_step, own_numbers)
+    assert not own_numbers
+    return GeneralMembers(layout, method, first_step)

@@ -67,6 +67,7 @@ def model_tables(
         drives=None,
         ends=None,
         members=None,
+        velocities=None,
         team=None,
     )
 
@@ -136,22 +137,28 @@ def _constants(
     """
     table = room((len(records.CONSTANTS), count_of_constants(surfaces)))
     table[ONES] = 1.0
+    table[:, columns] = constants_of(scene, asperites)
+    _fill_blocks(table, surfaces)
+    return table
+
+
+def constants_of(scene: Scene, asperites: np.ndarray) -> np.ndarray:
+    """The constants of asperites, (rows, asperites)."""
+    table = np.zeros((len(records.CONSTANTS), asperites.size))
     for row, name in enumerate(records.CONSTANTS):
         if name in (records.ASPERITE.names or ()):
-            table[row, columns] = asperites[name]
-    _refer_to_bars(table, asperites, columns)
+            table[row] = asperites[name]
+    _refer_to_bars(table, asperites)
     rigid = np.array([s.asperite.is_rigid for s in scene.surfaces])[asperites["surface"]]
-    table[records.INERTIA, columns[rigid]] = np.inf
-    table[records.INVERSE_MASS, columns] = 1.0 / table[records.MASS, columns]
-    table[records.INVERSE_INERTIA, columns] = 1.0 / table[records.INERTIA, columns]
-    table[records.INVERSE_BAR_LENGTH, columns] = 1.0 / asperites["bar_length"]
+    table[records.INERTIA, rigid] = np.inf
+    table[records.INVERSE_MASS] = 1.0 / table[records.MASS]
+    table[records.INVERSE_INERTIA] = 1.0 / table[records.INERTIA]
+    table[records.INVERSE_BAR_LENGTH] = 1.0 / asperites["bar_length"]
     phi = asperites["phi"]
-    table[records.SIN_PHI, columns], table[records.COS_PHI, columns] = np.sin(phi), np.cos(phi)
+    table[records.SIN_PHI], table[records.COS_PHI] = np.sin(phi), np.cos(phi)
     turning = asperites["dof_phi"] >= 0
-    mobility = table[records.INVERSE_INERTIA, columns]
-    mobility += np.where(turning, 1.0 / asperites["i2"], 0.0)
-    table[records.FREQUENCY, columns] = np.sqrt(asperites["kappa"] * mobility)
-    _fill_blocks(table, surfaces)
+    mobility = table[records.INVERSE_INERTIA] + np.where(turning, 1.0 / asperites["i2"], 0.0)
+    table[records.FREQUENCY] = np.sqrt(asperites["kappa"] * mobility)
     return table
 
 
@@ -161,14 +168,14 @@ def _fill_blocks(table: np.ndarray, surfaces: np.ndarray) -> None:
         table[:, first : first + LANES] = table[:, first : first + 1]
 
 
-def _refer_to_bars(table: np.ndarray, asperites: np.ndarray, columns: np.ndarray) -> None:
+def _refer_to_bars(table: np.ndarray, asperites: np.ndarray) -> None:
     """Refer the constants of asperites on driven bars to the bar's centre; see `kernels.levers`."""
-    a = asperites[asperites["pivot"] > 0.0]
-    columns = columns[asperites["pivot"] > 0.0]
-    table[records.INERTIA, columns] += a["mass"] * a["pivot"] ** 2
-    table[records.MASS, columns] = np.inf
-    table[records.L1, columns] += a["pivot"]
-    table[records.L2, columns] = 0.0
+    driven = asperites["pivot"] > 0.0
+    a = asperites[driven]
+    table[records.INERTIA, driven] += a["mass"] * a["pivot"] ** 2
+    table[records.MASS, driven] = np.inf
+    table[records.L1, driven] += a["pivot"]
+    table[records.L2, driven] = 0.0
 
 
 def _pivots(asperites: np.ndarray, surfaces: np.ndarray, columns: np.ndarray) -> np.ndarray | None:

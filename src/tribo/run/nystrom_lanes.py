@@ -17,6 +17,7 @@ from tribo.kernels.status import PAUSED
 from tribo.model.scene import Scene
 from tribo.run.integrate import Columns, Setting, first_step_at
 from tribo.run.lane_loop import LaneLoop
+from tribo.run.member_numbers import MemberNumbers
 
 # Trials of a call of the loop, since an interrupt waits for its end: of 64 asperites some 0.3 s.
 TRIALS = 1024
@@ -27,7 +28,7 @@ class NystromLanes(LaneLoop):
 
     Parameters
     ----------
-    scene, method
+    scene, method, own_numbers
         As those of `LaneLoop`.
     first_step : float
         The longest first step [time].
@@ -38,8 +39,8 @@ class NystromLanes(LaneLoop):
         If a plug-in does not compile.
     """
 
-    def __init__(self, scene: Scene, method: Method, first_step: float) -> None:
-        super().__init__(scene, method)
+    def __init__(self, scene: Scene, method: Method, own_numbers: bool, first_step: float) -> None:
+        super().__init__(scene, method, own_numbers)
         self._longest, self._order = first_step, method.order
         self._clocks = np.zeros(LANES, CLOCK).view(np.recarray)
         self._held = np.full(LANES, -1)
@@ -50,12 +51,18 @@ class NystromLanes(LaneLoop):
         )
         n = self.layout.start.size
         tolerance = Tolerance(np.ones(n), np.ones(self.layout.accounts), 1.0, 1.0)
-        queue = self._queue(tolerance, np.empty((0, n)))
+        none = np.empty((0, n)), np.empty((0, self._places_of_numbers.shape[1]))
+        queue = self._queue(tolerance, *none)
         examples = self._arguments(self._in_lanes(tolerance), queue, self.room(1), 0)
         self._entry = self.compile(nystrom_members, examples)
 
     def run(
-        self, tolerance: Setting, starts: np.ndarray, seeds: np.ndarray, columns: Columns
+        self,
+        tolerance: Setting,
+        starts: np.ndarray,
+        seeds: np.ndarray,
+        columns: Columns,
+        numbers: MemberNumbers | None,
     ) -> np.ndarray:
         """Run members from `starts` (members, 2 coordinates), and record their samples.
 
@@ -65,18 +72,27 @@ class NystromLanes(LaneLoop):
         assert isinstance(tolerance, Tolerance)
         self.forget()
         self._clocks["encounter_fraction"] = tolerance.encounter_fraction
-        queue = self._queue(tolerance, starts)
+        queue = self._queue(tolerance, starts, self.rows_of(numbers, len(starts)))
         arguments = self._arguments(self._in_lanes(tolerance), queue, columns, TRIALS)
         while self._entry(*arguments) == PAUSED:
             pass
         return queue.counts
 
-    def _queue(self, tolerance: Tolerance, starts: np.ndarray) -> Queue:
-        """Members from their starts."""
+    def _queue(self, tolerance: Tolerance, starts: np.ndarray, numbers: np.ndarray) -> Queue:
+        """Members from their starts, with numbers of their own."""
         counts = np.zeros((len(starts), 3), np.int64)
         first_step = first_step_at(tolerance, self._longest, self._order)
-        starts = np.ascontiguousarray(starts)
-        return Queue(starts, self._places, counts, self._held, np.zeros(1, np.int64), first_step)
+        return Queue(
+            np.ascontiguousarray(starts),
+            self._places,
+            numbers,
+            self._places_of_numbers,
+            self._memory,
+            counts,
+            self._held,
+            np.zeros(1, np.int64),
+            first_step,
+        )
 
     def _in_lanes(self, tolerance: Tolerance) -> Tolerance:
         """Tolerances with a number for each lane; 1 for what fills blocks."""

@@ -81,13 +81,14 @@ def grows(layout: Layout, samples: Samples) -> np.ndarray:
 
 def _energy(layout: Layout, samples: Samples) -> np.ndarray:
     """Sum of the magnitudes of all energies, in the frame of the surfaces' mean velocity."""
-    mean = np.mean([surface.velocity for surface in layout.scene.surfaces], axis=0)
+    surfaces = range(len(layout.scene.surfaces))
+    mean = np.mean([np.asarray(layout.velocity_of(index)) for index in surfaces], axis=0)
     stores = samples.stored[:, :, [SPRINGS, BATH, TORSIONAL, WITHIN]]
     energy = np.sum(np.abs(stores), axis=(1, 2)) + np.abs(samples.contact) + np.abs(samples.field)
-    for index in range(len(layout.scene.surfaces)):
+    for index in surfaces:
         for batch, m in motions(layout, samples, index):
-            vx, vy = batch.velocity - mean[:, None]
+            vx, vy = batch.velocity - mean[..., None]
             moving = 0.5 * ((m.vx + vx) ** 2 + (m.vy + vy) ** 2)
             internal = internal_energy(batch.asperites, m.omega, m.nu, m.swing - m.phi)
-            energy = energy + moving @ batch.asperites.mass + np.sum(internal, axis=1)
+            energy = energy + np.sum(moving * batch.asperites.mass + internal, axis=1)
     return np.asarray(energy)

@@ -18,6 +18,7 @@ from tribo.pair.members import CODE, EVALUATIONS, STEPS
 from tribo.run.integrate import Columns, Setting
 from tribo.run.lane_loop import LaneLoop, padded
 from tribo.run.layout import Layout
+from tribo.run.member_numbers import MemberNumbers
 
 # Steps of a call of the loop, at most, since an interrupt waits for its end.
 MOST_STEPS = 4096
@@ -34,8 +35,8 @@ class SplittingLanes(LaneLoop):
         If a plug-in does not compile.
     """
 
-    def __init__(self, scene: Scene, method: Method) -> None:
-        super().__init__(scene, method)
+    def __init__(self, scene: Scene, method: Method, own_numbers: bool) -> None:
+        super().__init__(scene, method, own_numbers)
         self._clocks = np.zeros(1, CLOCK).view(np.recarray)
         watch = room((WATCHED, LANES))
         self._state, self._work, self._watch = self.keep(
@@ -46,7 +47,12 @@ class SplittingLanes(LaneLoop):
         self._entry = self.compile(splitting_members, examples)
 
     def run(
-        self, step: Setting, starts: np.ndarray, seeds: np.ndarray, columns: Columns
+        self,
+        step: Setting,
+        starts: np.ndarray,
+        seeds: np.ndarray,
+        columns: Columns,
+        numbers: MemberNumbers | None,
     ) -> np.ndarray:
         """Run members from `starts` (members, 2 coordinates), and record their samples.
 
@@ -56,10 +62,12 @@ class SplittingLanes(LaneLoop):
         members, times = len(starts), self.layout.times.size
         chosen = np.arange(padded(members)).clip(max=members - 1)
         counts = np.empty((members, 3), np.int64)
+        rows_of_numbers = self.rows_of(numbers, members)
         for first in range(0, members, LANES):
             own = chosen[first : first + LANES]
             rows = slice(first * times, (first + LANES) * times)
             some = tuple(each[rows] for each in columns)
+            self._memory[self._places_of_numbers] = rows_of_numbers[own]
             lost = self._run_eight(step, starts[own], seeds[own].tolist(), some)
             counts[own, CODE] = np.where(lost, PAUSED, COMPLETED)
             clock = self._clocks[0]

@@ -1,0 +1,171 @@
+"""Members that differ in velocities and numbers are the runs of their own scenes."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import stats
+
+import tribo
+from tribo.ensembles.kept_runs import kept_runs
+from tribo.ensembles.kept_values import Kept
+from tribo.ensembles.members import Variation
+from tribo.ensembles.single_runs import SingleRuns
+from tribo.integrators.methods import METHODS
+from tribo.integrators.step_control import Tolerance
+from tribo.run.layout import lay_out
+from tribo.run.member_numbers import can_differ, member_numbers
+from tribo.run.members_in_lanes import MembersInLanes
+
+SPEEDS = {"upper.velocity": stats.uniform(0.4, 0.2)}
+STRENGTHS = {"interaction.strength": stats.uniform(0.1, 0.2)}
+ASPERITES = {
+    "upper.asperite.kappa": stats.uniform(0.8, 0.4),
+    "upper.asperite.length": stats.uniform(1.9, 0.2),
+    "lower.asperite.m1": stats.uniform(0.8, 0.4),
+    "lower.asperite.charge": stats.uniform(0.5, 1.0),
+}
+ALONG_BOTH = {"upper.velocity": np.array([[0.5, 0.02], [0.4, -0.01], [0.6, 0.0]] * 3)}
+KEEP = ["upper.w1", "upper.w2", "lower.delta_e_int", "upper.W", "upper.delta_K"]
+KEEP += ["contact_energy", "total_energy_change"]
+ROW = {"shape": (3, 1), "spacing": (1.5, 0.0)}
+CUT = tribo.with_cutoff(tribo.Coulomb(0.2), 1.9)
+CORRUGATION = tribo.Field(tribo.Corrugation(0.02, 1.1), on=["upper"])
+
+
+def scene_of(potential=None, upper=None, lower=None, **settings):
+    """Three asperites on three, with settings of each surface."""
+    above = {"bob": (-1.0, 0.5), "velocity": (0.5, 0.0), **ROW, **(upper or {})}
+    below = {"facing": "up", **ROW, **(lower or {})}
+    surfaces = [tribo.Surface("upper", **above), tribo.Surface("lower", **below)]
+    settings = {"numerics": tribo.Numerics(accuracy=1e-6), **settings}
+    settings["output"] = tribo.Output(samples=2)
+    return tribo.Scene(surfaces, potential or tribo.Coulomb(0.2), 3.0, **settings)
+
+
+def check(scene, vary, members, within, **how):
+    """Some members of an ensemble against the runs of their scenes; returns the data set."""
+    ensemble_settings = {"step": how["step"]} if "step" in how else {}
+    data = tribo.ensemble(scene, members, vary, keep=KEEP, threads=2, **ensemble_settings)
+    assert set(data["status"].values) == {"completed"}
+    variation = Variation(scene, vary, 0)
+    for m in (0, members // 2, members - 1):
+        run = tribo.simulate(variation.member(m).scene_with_start(scene), **how)
+        for name in KEEP:
+            surface, _, quantity = name.rpartition(".")
+            series = np.asarray(run[surface][quantity] if surface else run.system[quantity])
+            found = data[name][m].values
+            assert np.max(np.abs(found - series[-1])) <= within * np.max(np.abs(series)), name
+    return data
+
+
+KINDS = {
+    "speeds": (scene_of(), SPEEDS),
+    "both": (scene_of(), ALONG_BOTH),
+    "strengths": (scene_of(), STRENGTHS | {"upper.omega": stats.norm(0.0, 0.1)}),
+    "asperites": (scene_of(upper={"asperite": tribo.Asperite(m2=[1.0, 2.0, 3.0])}), ASPERITES),
+    "sliding": (scene_of(upper={"drive": "free"}), SPEEDS | STRENGTHS),
+    "turning": (scene_of(upper={"bars": "free"}), SPEEDS | ASPERITES),
+    "loaded": (scene_of(lower={"drive": tribo.Free(load=0.01)}), SPEEDS),
+    "body": (scene_of(upper={"drive": tribo.Free(rigid=True)}), SPEEDS),
+    "sprung": (scene_of(upper={"drive": "free", "springs": tribo.Springs(1.0)}), SPEEDS),
+    "morse": (
+        scene_of(tribo.Morse(0.05, 2.0, 0.6)),
+        {"interaction.alpha": stats.uniform(1.5, 1.0)},
+    ),
+    "yukawa": (
+        scene_of(tribo.Yukawa(0.2, 1.0)),
+        {"interaction.screening": stats.uniform(0.8, 0.4)},
+    ),
+    "periodic": (scene_of(CUT, periodic=tribo.Periodic(z=4.0)), SPEEDS | ASPERITES),
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_members_are_runs_of_their_scenes(kind):
+    """In lanes, with an accuracy."""
+    scene, vary = KINDS[kind]
+    data = check(scene, vary, 9, 1e-6, accuracy=1e-9)
+    assert data.attrs["method"] == "rkn8" and "notes" in data.attrs
+    assert float(data["error"].max()) <= 1e-6
+    assert np.ptp(data["upper.w1"].values) > 1e-4
+
+
+NOISY = {"drive": "free", "langevin": tribo.Langevin(0.3, 1e-3)}
+STEPPED = {
+    "noise": (scene_of(upper=NOISY), SPEEDS | STRENGTHS),
+    "asperites": (scene_of(upper={"bars": "free"}), SPEEDS | ASPERITES),
+    "bath": (
+        scene_of(upper={"drive": "free", "bath": tribo.Bath([0.1], [1.0], temperature=1e-3)}),
+        SPEEDS,
+    ),
+    "warm": (scene_of(lower={"initial": tribo.Initial(temperature=1e-2)}), SPEEDS),
+}
+
+
+@pytest.mark.parametrize("kind", STEPPED)
+def test_members_with_a_given_step(kind):
+    """To round-off, with the noise and the start of each member."""
+    scene, vary = STEPPED[kind]
+    scene = replace(scene, numerics=tribo.Numerics(method="verlet", step=0.02))
+    check(scene, vary, 11, 1e-11, step=0.02)
+
+
+def test_members_do_not_depend_on_their_company():
+    """The same bits in any lane, and alone again from the data set."""
+    scene = scene_of()
+    layout, method = lay_out(scene), METHODS["rkn8"]
+    loop = MembersInLanes(layout, method, 0.2, own_numbers=True)
+    values = Variation(scene, SPEEDS | STRENGTHS | ASPERITES, 0).members(np.arange(40)).values
+    numbers = member_numbers(layout, 40, values)
+    starts = np.tile(layout.start, (40, 1))
+    y, s = np.full(layout.start.size, 1e-8), np.full(layout.accounts, 1e-8)
+    setting = Tolerance(y, s, 1e-8)
+    whole = loop.run(setting, starts, numbers=numbers)
+    chosen = np.array([18, 3, 11, 4, 39, 7, 9, 2, 16, 1])
+    some = loop.run(setting, starts[chosen], numbers=numbers.of_members(chosen))
+    same = whole.of_members(chosen)
+    assert np.array_equal(some.counts, same.counts)
+    assert np.array_equal(some.samples.y, same.samples.y)
+    assert np.array_equal(some.samples.s, same.samples.s)
+    data = tribo.ensemble(scene, 20, SPEEDS | ASPERITES, keep=KEEP)
+    alone = tribo.ensemble_member(data, 11)
+    for name in KEEP:
+        assert np.array_equal(alone[name][0], data[name][11])
+
+
+def test_members_that_need_a_run_of_their_own():
+    """A member that swings far faster than the others takes more steps than the loop allows."""
+    vary = {"upper.velocity": [0.4, 0.5, 0.3, 0.6, 0.5], "upper.omega": [0.0, 0.1, 3e3, 0.2, 0.0]}
+    data = check(scene_of(), vary, 5, 1e-5, accuracy=1e-7)
+    assert int(data["steps"][2]) > 2048
+
+
+def runs_of(scene, keys):
+    """The kind of runs of members that differ in some numbers."""
+    simulation = tribo.prepare(scene)
+    simulation.compute_first()
+    return kept_runs(simulation, Kept.checked(simulation, ["upper.w1"], False), keys)
+
+
+@pytest.mark.parametrize(
+    ("scene", "key"),
+    [
+        (scene_of(fields=[CORRUGATION]), "upper.velocity"),
+        (scene_of(upper={"drive": tribo.Pulled(stiffness=1.0, speed=0.4)}), "lower.velocity"),
+        (scene_of(upper={"drive": "free"}), "upper.asperite.m1"),
+        (scene_of(upper={"drive": "free", "bath": tribo.Bath([0.1], [1.0])}), "upper.asperite.m2"),
+        (scene_of(upper={"initial": tribo.Initial(temperature=0.1)}), "upper.asperite.kappa"),
+        (scene_of(CUT), "interaction.strength"),
+        (scene_of(upper={"drive": tribo.Pushed(force=(0.1, 0.0))}), "upper.drive.load_rate"),
+    ],
+)
+def test_other_numbers_are_run_one_by_one(scene, key):
+    """What refers to a velocity, or follows from the numbers of asperites, is laid out for each."""
+    assert not can_differ(lay_out(scene), [key])
+    assert isinstance(runs_of(scene, [key]), SingleRuns)
+
+
+def test_speed_in_a_field():
+    """Members that are run one by one have their velocity too."""
+    check(scene_of(fields=[CORRUGATION]), SPEEDS, 3, 1e-6, accuracy=1e-9)
