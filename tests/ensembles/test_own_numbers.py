@@ -51,11 +51,14 @@ def check(scene, vary, members, within, **how):
     variation = Variation(scene, vary, 0)
     for m in (0, members // 2, members - 1):
         run = tribo.simulate(variation.member(m).scene_with_start(scene), **how)
+        series = {}
         for name in KEEP:
             surface, _, quantity = name.rpartition(".")
-            series = np.asarray(run[surface][quantity] if surface else run.system[quantity])
+            series[name] = np.asarray(run[surface][quantity] if surface else run.system[quantity])
+        scale = max(np.max(np.abs(each)) for each in series.values())
+        for name in KEEP:
             found = data[name][m].values
-            assert np.max(np.abs(found - series[-1])) <= within * np.max(np.abs(series)), name
+            assert np.max(np.abs(found - series[name][-1])) <= within * scale, name
     return data
 
 
@@ -77,6 +80,16 @@ KINDS = {
         scene_of(tribo.Yukawa(0.2, 1.0)),
         {"interaction.screening": stats.uniform(0.8, 0.4)},
     ),
+    "driven": (scene_of(upper={"drive": "bars"}), SPEEDS | STRENGTHS),
+    "pulled": (
+        scene_of(upper={"drive": tribo.Pulled(stiffness=1.0, speed=0.4)}),
+        SPEEDS
+        | {f"upper.drive.{name}": stats.uniform(0.3, 0.4) for name in ("stiffness", "speed")},
+    ),
+    "loads": (
+        scene_of(upper={"drive": tribo.Free(load=0.01)}, lower={"drive": tribo.Free(load=0.01)}),
+        {f"{name}.drive.load": stats.uniform(0.0, 0.02) for name in ("upper", "lower")},
+    ),
     "periodic": (scene_of(CUT, periodic=tribo.Periodic(z=4.0)), SPEEDS | ASPERITES),
 }
 
@@ -92,13 +105,24 @@ def test_members_are_runs_of_their_scenes(kind):
 
 
 NOISY = {"drive": "free", "langevin": tribo.Langevin(0.3, 1e-3)}
+SWINGING = {"langevin": tribo.Langevin(0.3, 1e-3, on="swing")}
+RESERVOIRS = {
+    "upper.langevin.temperature": stats.uniform(0.0, 1e-2),
+    "lower.langevin.gamma": stats.uniform(0.1, 0.3),
+}
 STEPPED = {
+    "reservoirs": (scene_of(upper=NOISY, lower=SWINGING), RESERVOIRS | SPEEDS),
+    "swapped": (
+        scene_of(upper=SWINGING, lower=NOISY | {"langevin": tribo.Langevin(0.2, 1e-3)}),
+        RESERVOIRS,
+    ),
     "noise": (scene_of(upper=NOISY), SPEEDS | STRENGTHS),
     "asperites": (scene_of(upper={"bars": "free"}), SPEEDS | ASPERITES),
     "bath": (
         scene_of(upper={"drive": "free", "bath": tribo.Bath([0.1], [1.0], temperature=1e-3)}),
         SPEEDS,
     ),
+    "driven": (scene_of(upper={"drive": "bars"}), {"upper.theta": stats.norm(0.0, 0.1)} | SPEEDS),
     "warm": (scene_of(lower={"initial": tribo.Initial(temperature=1e-2)}), SPEEDS),
 }
 
@@ -152,7 +176,8 @@ def runs_of(scene, keys):
     ("scene", "key"),
     [
         (scene_of(fields=[CORRUGATION]), "upper.velocity"),
-        (scene_of(upper={"drive": tribo.Pulled(stiffness=1.0, speed=0.4)}), "lower.velocity"),
+        (scene_of(upper={"langevin": tribo.Langevin(0.3)}), "upper.langevin.gamma"),
+        (scene_of(upper={"langevin": tribo.Langevin(0.3, velocity=(0.1, 0.0))}), "upper.velocity"),
         (scene_of(upper={"drive": "free"}), "upper.asperite.m1"),
         (scene_of(upper={"drive": "free", "bath": tribo.Bath([0.1], [1.0])}), "upper.asperite.m2"),
         (scene_of(upper={"initial": tribo.Initial(temperature=0.1)}), "upper.asperite.kappa"),

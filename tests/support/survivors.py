@@ -76,6 +76,8 @@ NEEDS_COMPILER = {
     "share_rows": "tests/run/test_threads.py",
     "list_piece": "tests/run/test_threads.py",
     "add_lane_by_lane": "tests/ensembles/test_lanes.py",
+    "own_number": "tests/ensembles/test_own_numbers.py",
+    "temperature_of": "tests/ensembles/test_own_numbers.py",
     "next_row": "tests/ensembles/test_lanes.py",
     "_normals_of_members": "tests/ensembles/test_lanes.py",
     "_pairs_of_normals_of_members": "tests/ensembles/test_lanes.py",

@@ -10,7 +10,14 @@ B. Leimkuhler, C. Matthews, Appl. Math. Res. Express 2013 (2013) 34, for the noi
 
 from tribo.integrators.rotations import changes, rotation_of, set_rotations
 from tribo.kernels.baths import first_slot, torsional_slot
-from tribo.kernels.blocks import column_of_constants, coordinates, is_fixed, set_vectors, vectors
+from tribo.kernels.blocks import (
+    column_of_constants,
+    coordinates,
+    is_fixed,
+    own_number,
+    set_vectors,
+    vectors,
+)
 from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.equations_of_motion import velocities_of_bars
 from tribo.kernels.kinematics import end_force
@@ -29,6 +36,9 @@ from tribo.kernels.records import (
     L2,
     OSCILLATOR_FREQUENCY,
     OSCILLATOR_MASS,
+    OWN_GAMMA,
+    OWN_SWING_GAMMA,
+    OWN_TEMPERATURE,
     PRESENT,
     SIN_PHI,
     TX,
@@ -170,13 +180,14 @@ def damp_swings(model, swing_friction, tau, v, accounts, noise):
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
             if s.swing_gamma > 0.0:
-                gamma = s.swing_gamma
                 for i in range(s.start, s.stop, LANES):
+                    gamma = own_number(model.own, OWN_SWING_GAMMA, s.swing_gamma, i)
+                    heat = own_number(model.own, OWN_TEMPERATURE, s.temperature, i)
                     mobility = block(model.constants[INVERSE_INERTIA], column_of_constants(s, i))
                     omega = block(v, i)
                     count = min(LANES, s.end - i)
                     drawn = normals(noise, s.temperature, count)
-                    gained = thermal_kicks(gamma, s.temperature, mobility, omega, tau, drawn)
+                    gained = thermal_kicks(gamma, heat, mobility, omega, tau, drawn)
                     now = omega + gained * mobility
                     set_block(v, i, now)
                     if s.acc_swing >= 0:
@@ -196,10 +207,11 @@ def thermal_impulses(model, s, i, tau, v, noise):
     c = column_of_constants(s, i)
     across = block(a[INVERSE_MASS], c)
     arc = across + block(a[L2], c) * block(a[L2], c) * block(a[INVERSE_INERTIA], c)
-    heat, count = s.temperature, min(LANES, s.end - i)
-    one, other = pairs_of_normals(noise, heat, count)
-    along = thermal_kicks(s.gamma, heat, arc, tx * x + ty * y, tau, one)
-    side = thermal_kicks(s.gamma, heat, across, tx * y - ty * x, tau, other)
+    one, other = pairs_of_normals(noise, s.temperature, min(LANES, s.end - i))
+    gamma = own_number(model.own, OWN_GAMMA, s.gamma, i)
+    heat = own_number(model.own, OWN_TEMPERATURE, s.temperature, i)
+    along = thermal_kicks(gamma, heat, arc, tx * x + ty * y, tau, one)
+    side = thermal_kicks(gamma, heat, across, tx * y - ty * x, tau, other)
     present = block(model.each[PRESENT], i)
     return present * (along * tx - side * ty), present * (along * ty + side * tx)
 

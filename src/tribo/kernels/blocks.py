@@ -87,6 +87,14 @@ def sum_at(lane, x):
 
 
 @inlined
+def own_number(own, row, number, i):
+    """A number of a surface, or those of a block whose lanes are members that differ in it."""
+    if own is None:
+        return broadcast(number)
+    return block(own[row], i)
+
+
+@inlined
 def column_of_constants(s, i):
     """Column of the constants of a block, or of one asperite: the same for all that are alike.
 

@@ -18,7 +18,7 @@ from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.contact import block_of, distance_of, first_candidate, row_of
 from tribo.kernels.neighbours import is_partner, partner_species
 from tribo.kernels.numbers_in_lanes import potential_of
-from tribo.kernels.records import CHARGE
+from tribo.kernels.records import CHARGE, OWN_TEMPERATURE
 from tribo.kernels.simd import (
     between_lanes,
     broadcast,
@@ -44,16 +44,25 @@ class Encounter(NamedTuple):
     other: int
 
 
+@inlined
+def temperature_of(own, s, i):
+    """That of a surface's reservoir, or where members differ in it, of the member of column i."""
+    if own is None:
+        return s.temperature
+    return own[OWN_TEMPERATURE, i]
+
+
 @kernel
-def thermal_energy(model, friction, swing_friction):
+def thermal_energy(model, friction, swing_friction, lane):
     """The largest k_B T of a surface with noise; None where no surface has a reservoir."""
     if friction is None:
         if swing_friction is None:
             return None
     energy = 0.0
     for k in range(model.surfaces.shape[0]):
-        if model.surfaces[k].gamma + model.surfaces[k].swing_gamma > 0.0:
-            energy = max(energy, model.surfaces[k].temperature)
+        s = model.surfaces[k]
+        if s.gamma + s.swing_gamma > 0.0:
+            energy = max(energy, temperature_of(model.own, s, first_column(s, lane)))
     return energy
 
 
@@ -133,7 +142,7 @@ def next_encounter(model, neighbours, speeds, lane):
     Encounter
     """
     found = Encounter(0.0, np.inf, np.inf, 0.0, -1, -1)
-    thermal = thermal_energy(model, model.friction, model.swing_friction)
+    thermal = thermal_energy(model, model.friction, model.swing_friction, lane)
     for contact in literal_unroll(model.contacts):
         found = encounter_of_contact(model, contact, neighbours, speeds, thermal, found, lane)
     return encounter_within(model, model.within, neighbours, speeds, thermal, found, lane)

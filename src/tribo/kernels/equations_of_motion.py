@@ -16,6 +16,7 @@ from tribo.kernels.blocks import (
     first_block,
     last_block,
     numbers,
+    own_number,
     set_all,
     set_vectors,
     vectors,
@@ -42,6 +43,11 @@ from tribo.kernels.records import (
     LEFT_Y,
     MASS,
     NU_START,
+    OWN_LOAD,
+    OWN_SPEED,
+    OWN_STIFFNESS,
+    OWN_VX,
+    OWN_VY,
     PHI_START,
     PRESENT,
     PULLED,
@@ -85,14 +91,6 @@ def place_bars(displaced, s, i, x, y, l2, sin, versine):
 
 
 @inlined
-def velocity_of(velocities, s, i):
-    """Initial velocity of a surface, and where members of an ensemble differ in it, of each."""
-    if velocities is None:
-        return broadcast(s.vx), broadcast(s.vy)
-    return vectors(velocities, i)
-
-
-@inlined
 def place_block(model, s, i, t, swing, x, y):
     """Set positions and directions of a block of bobs, and clear their contact forces."""
     a = model.constants
@@ -102,9 +100,8 @@ def place_block(model, s, i, t, swing, x, y):
     tx = s.facing * cos
     ty = s.facing * sin
     place_bars(model.displaced, s, i, x, y, block(a[L2], c), sin, versine)
-    vx, vy = velocity_of(model.velocities, s, i)
-    x = block(model.each[X_START], i) + vx * t + x
-    y = block(model.each[Y_START], i) + vy * t + y
+    x = block(model.each[X_START], i) + own_number(model.own, OWN_VX, s.vx, i) * t + x
+    y = block(model.each[Y_START], i) + own_number(model.own, OWN_VY, s.vy, i) * t + y
     x, y = bob_position(x, y, block(a[L1], c), tx, ty)
     set_block(b[X], i, x)
     set_block(b[Y], i, y)
@@ -197,12 +194,15 @@ def drive_of_block(model, s, i, t, q):
         gx = block(model.constants[MASS], c) * (gathered_contact(model.members, s) / s.mass) - fx
     elif s.drive == PULLED:
         bar = coordinates(s.dof_x, s, i, q) - block(model.constants[L2], c) * block(b[TY], i)
-        gx = s.stiffness * ((s.anchor + s.speed * t) - bar)
+        stiffness = own_number(model.own, OWN_STIFFNESS, s.stiffness, i)
+        speed = own_number(model.own, OWN_SPEED, s.speed, i)
+        gx = stiffness * ((s.anchor + speed * t) - bar)
     elif s.drive == PUSHED:
         gx = broadcast(s.push + s.push_rate * t)
     else:
         gx = broadcast(0.0)
-    gy = broadcast(s.load + s.load_rate * t) if s.loaded else -fy
+    load = own_number(model.own, OWN_LOAD, s.load, i)
+    gy = load + s.load_rate * t if s.loaded else -fy
     if s.loaded == 0 and (s.drive == FORCED or s.drive == BARS):
         return gx, gy  # no contact acts on those that fill the last block
     present = block(model.each[PRESENT], i)
@@ -365,7 +365,8 @@ def top_speeds(model, active, t, q, v, speeds):
             omega = block(v, i)
             stiffness = block(a[KAPPA], c) * block(a[INVERSE_INERTIA], c)
             rate = stiffness * twist * twist + omega * omega
-            vx, vy = velocity_of(model.velocities, s, i)
+            vx = own_number(model.own, OWN_VX, s.vx, i)
+            vy = own_number(model.own, OWN_VY, s.vy, i)
             set_block(speeds[0], i, vx + coordinates(s.dof_x, s, i, v))
             set_block(speeds[1], i, vy + coordinates(s.dof_y, s, i, v))
             set_block(speeds[2], i, block(a[L1], c) * sqrt(rate))

@@ -152,6 +152,20 @@ SURFACE = np.dtype(
     align=True,
 )
 
+# Numbers of surfaces in which members of an ensemble may differ, and their rows of a table that has
+# a column for each asperite of each member.
+OF_MEMBERS = ("vx", "vy", "load", "stiffness", "speed", "gamma", "swing_gamma", "temperature")
+(
+    OWN_VX,
+    OWN_VY,
+    OWN_LOAD,
+    OWN_STIFFNESS,
+    OWN_SPEED,
+    OWN_GAMMA,
+    OWN_SWING_GAMMA,
+    OWN_TEMPERATURE,
+) = range(8)
+
 # Rows of the table of bobs, one column a bob.  (TX, TY) is the unit vector along which a growing
 # theta moves the bob, and (FX, FY) the contact force f1.
 X, Y, TX, TY, FX, FY = range(6)
@@ -360,5 +374,5 @@ class Model(NamedTuple):
     ends: Any  # tuple of Custom, or None
     members: Any  # (n,), scratch: contact on rigid surfaces, where the lanes of a block are members
     # of an ensemble, one asperite of each; None where the asperites of a block are of one run
-    velocities: Any  # (2, n) initial velocities of surfaces, where members differ in them; or None
+    own: Any  # (8, n) numbers of surfaces, where members differ in them, see OF_MEMBERS; or None
     team: Any  # Team, see `kernels.team`; None where a step is too short to be shared by threads

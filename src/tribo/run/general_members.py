@@ -8,7 +8,6 @@ from numba import config
 from tribo.integrators.methods import Method
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.compiled import EntryPoint
-from tribo.kernels.records import BARS
 from tribo.kernels.status import COMPLETED, PAUSED
 from tribo.model.scene import Scene
 from tribo.pair.members import CODE, EVALUATIONS, STEPS
@@ -28,12 +27,11 @@ MOST_STEPS = FEWEST_TRIALS
 def has_batches(layout: Layout) -> bool:
     """Whether members of a scene can be run without a result for each.
 
-    Reactions on driven bars, forces as series and calculators of ASE need one.
+    Forces as series and calculators of ASE need one.
     """
     compiled = not config.DISABLE_JIT  # type: ignore[attr-defined]
-    alone = (layout.calculator_calls, layout.scene.output.series)
-    driven = bool(np.any(layout.surfaces.drive == BARS))
-    return compiled and not (any(alone) or driven or exceeds_memory(layout, layout.times.size))
+    alone = layout.calculator_calls or layout.scene.output.series
+    return compiled and not (alone or exceeds_memory(layout, layout.times.size))
 
 
 class ReusedLoop(GeneralLoop):
@@ -152,7 +150,7 @@ class GeneralMembers:
             for each in columns
         )
         samples = MemberSamples(members, np.repeat(times, members), *each_time)
-        return MemberRuns(self._layout, samples, counts)
+        return MemberRuns.of(self._layout, samples, counts)
 
     def _free_loop(self) -> ReusedLoop:
         """A loop that no thread uses."""

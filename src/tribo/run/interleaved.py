@@ -100,17 +100,25 @@ def _with_own_numbers(model: Model, layout: Layout) -> Model:
     constants = layout.model.constants[:, columns_of_constants(*owners, columns)]
     surfaces = model.surfaces.copy()
     surfaces["first_constants"], surfaces["constants_mask"] = surfaces["start"], -1
-    velocities = room((2, model.each.shape[1]))
+    own = room((len(records.OF_MEMBERS), model.each.shape[1]))
     for surface in surfaces:
-        velocities[:, surface["start"] : surface["end"]] = [[surface["vx"]], [surface["vy"]]]
+        for row, name in enumerate(records.OF_MEMBERS):
+            own[row, surface["start"] : surface["end"]] = surface[name]
     contacts = model.contacts
     if len(contacts) == 1 and model.within is None:
         numbers = np.array(numbers_of(contacts[0].potential), float)
         if numbers.size:
             table = with_spare_lanes(np.repeat(numbers[:, None], LANES, axis=1))
             contacts = (contacts[0]._replace(numbers=table),)
+    pivots = layout.model.pivots
     return model._replace(
-        constants=_repeated(constants), surfaces=surfaces, velocities=velocities, contacts=contacts
+        constants=_repeated(constants),
+        pivots=None
+        if pivots is None
+        else _repeated(pivots[:, columns_of_constants(*owners, columns)]),
+        surfaces=surfaces,
+        own=own,
+        contacts=contacts,
     )
 
 

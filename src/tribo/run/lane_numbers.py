@@ -35,23 +35,23 @@ class LaneNumbers:
     def __init__(self, layout: Layout, model: Model) -> None:
         self._scene = layout.scene
         of_contacts = tuple(contact.numbers for contact in model.contacts)
-        tables = model.constants, model.each, model.velocities, of_contacts
-        (constants, each, velocities, of_contacts), self.memory = together(tables)
+        tables = model.constants, model.each, model.own, of_contacts
+        (constants, each, own, of_contacts), self.memory = together(tables)
         contacts = zip(model.contacts, of_contacts, strict=True)
         self.model = model._replace(
             constants=constants,
             each=each,
-            velocities=velocities,
-            contacts=tuple(contact._replace(numbers=own) for contact, own in contacts),
+            own=own,
+            contacts=tuple(contact._replace(numbers=table) for contact, table in contacts),
         )
         columns = LANES * np.arange(layout.scene.count) + np.arange(LANES)[:, None]
         of_asperites = (
             self._indices(constants),
             self._indices(each)[[X_START, Y_START, CHARGE]],
-            self._indices(velocities),
+            self._indices(own),
         )
         places = [table[:, columns].swapaxes(0, 1).reshape(LANES, -1) for table in of_asperites]
-        places += [self._indices(own).T for own in of_contacts if own is not None]
+        places += [self._indices(table).T for table in of_contacts if table is not None]
         self.places = np.concatenate(places, axis=1)
 
     def _indices(self, table: np.ndarray) -> np.ndarray:
@@ -64,6 +64,8 @@ class LaneNumbers:
         a = numbers.asperites
         members = len(a)
         constants = constants_of(self._scene, a.ravel()).reshape(-1, *a.shape)
-        others = np.stack([a["x"], a["y"], numbers.charges, a["vx"], a["vy"]])
-        tables = np.concatenate([constants, others]).swapaxes(0, 1)
+        y = a["y"] + a["facing"] * a["pivot"]
+        others = np.stack([a["x"], y, numbers.charges])
+        of_surfaces = np.moveaxis(numbers.of_surfaces[:, a["surface"][0]], 2, 0)
+        tables = np.concatenate([constants, others, of_surfaces]).swapaxes(0, 1)
         return np.concatenate([tables.reshape(members, -1), numbers.potential], axis=1)

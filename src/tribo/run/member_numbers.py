@@ -10,10 +10,11 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo.kernels.potential_numbers import has_plain_numbers, numbers_of
-from tribo.kernels.records import ASPERITE
+from tribo.kernels.records import ASPERITE, OF_MEMBERS, OWN_SPEED
 from tribo.model.asperite import Asperite
-from tribo.model.drives import Pulled
+from tribo.model.drives import Custom, DrivenBars, Pulled
 from tribo.model.parameters import INTERACTION, with_values
+from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.run.batch import Asperites, Batch, batch_of
 from tribo.run.layout import Layout
@@ -34,6 +35,8 @@ class MemberNumbers(NamedTuple):
         Of the bobs.
     velocity : ndarray, (members, surfaces, 2)
         Of each surface in the laboratory, x and y.
+    of_surfaces : ndarray, (members, surfaces, numbers)
+        The numbers of `OF_MEMBERS` of each surface.
     potential : ndarray, (members, fields)
         The numbers of the potential of the only interaction; without columns where it has others.
     """
@@ -41,6 +44,7 @@ class MemberNumbers(NamedTuple):
     asperites: np.ndarray
     charges: np.ndarray
     velocity: np.ndarray
+    of_surfaces: np.ndarray
     potential: np.ndarray
 
     def of_members(self, selected: np.ndarray | slice) -> MemberNumbers:
@@ -53,12 +57,31 @@ def can_differ(layout: Layout, keys: Iterable[str]) -> bool:
 
     Whatever else refers to a velocity, or to the numbers of an asperite, is that of the scene.
     """
-    moving = {f"{name}.{VELOCITY}" for name in layout.parts}
-    plain = [f"{s.name}.{ASPERITE_PART}." for s in layout.scene.surfaces if _is_plain(layout, s)]
+    surfaces = layout.scene.surfaces
+    plain = [f"{s.name}.{ASPERITE_PART}." for s in surfaces if _is_plain(layout, s)]
     known = {f"{INTERACTION}.{name}" for name in _names_of_potential(layout)}
+    for index, surface in enumerate(surfaces):
+        known |= {f"{surface.name}.{name}" for name in _numbers_of_parts(layout, index)}
     if not _refers_to_velocity(layout):
-        known |= moving
+        known |= {f"{name}.{VELOCITY}" for name in layout.parts}
     return all(key in known or key.startswith(tuple(plain)) for key in keys)
+
+
+def _numbers_of_parts(layout: Layout, index: int) -> dict[str, str]:
+    """Keys of a surface's drive and reservoir -> their numbers among `OF_MEMBERS`.
+
+    None has a meaning in the loop of a pair.
+    """
+    surface, record = layout.scene.surfaces[index], layout.surfaces[index]
+    found: dict[str, str] = {}
+    if isinstance(surface.drive, Pulled):
+        found |= {"drive.stiffness": "stiffness", "drive.speed": "speed"}
+    if surface.drive.load is not None and not isinstance(surface.drive, Custom):
+        found["drive.load"] = "load"
+    if record.temperature > 0.0:  # so that there is noise
+        found["langevin.temperature"] = "temperature"
+        found["langevin.gamma"] = "gamma" if surface.bar_reservoir else "swing_gamma"
+    return found
 
 
 def _is_plain(layout: Layout, surface: Surface) -> bool:
@@ -67,15 +90,14 @@ def _is_plain(layout: Layout, surface: Surface) -> bool:
     stiff = bool(np.all(surface.each["kappa"] > 0.0)) and not surface.asperite.is_rigid
     others = surface.bath, surface.springs, surface.initial.temperature, surface.langevin
     slides = layout.surfaces[index].acc_block >= 0 and layout.scene.count > 2
-    return stiff and not slides and not any(others)
+    return stiff and not (slides or isinstance(surface.drive, DrivenBars) or any(others))
 
 
 def _refers_to_velocity(layout: Layout) -> bool:
-    """Whether a field, a drive or a reservoir is given in the laboratory."""
+    """Whether a field, a plug-in or a reservoir is given in the laboratory."""
     model, surfaces = layout.model, layout.scene.surfaces
     reservoirs = (s.langevin is not None and s.langevin.velocity is not None for s in surfaces)
-    pulled = (isinstance(s.drive, Pulled) for s in surfaces)
-    return any((model.fields, model.drives, model.ends, *reservoirs, *pulled))
+    return any((model.fields, model.drives, model.ends, *reservoirs))
 
 
 def _names_of_potential(layout: Layout) -> tuple[str, ...]:
@@ -119,7 +141,39 @@ def member_numbers(layout: Layout, members: int, values: Mapping[str, np.ndarray
         velocity[:, index] = values.get(f"{surface.name}.{VELOCITY}", surface.velocity)
     own_velocity = velocity[:, layout.asperites.surface] - velocity[:, :1]
     asperites["vx"], asperites["vy"] = own_velocity[..., 0], own_velocity[..., 1]
-    return MemberNumbers(asperites, charges, velocity, _potentials(layout, members, values))
+    of_surfaces = _of_surfaces(layout, velocity, values)
+    potential = _potentials(layout, members, values)
+    return MemberNumbers(asperites, charges, velocity, of_surfaces, potential)
+
+
+def _of_surfaces(
+    layout: Layout, velocity: np.ndarray, values: Mapping[str, np.ndarray]
+) -> np.ndarray:
+    """The numbers of drives and reservoirs, (members, surfaces, numbers)."""
+    table = np.empty((*velocity.shape[:2], len(OF_MEMBERS)))
+    for row, name in enumerate(OF_MEMBERS):
+        table[..., row] = layout.surfaces[name]
+    table[..., :2] = velocity - velocity[:, :1]
+    for index, surface in enumerate(layout.scene.surfaces):
+        if isinstance(surface.drive, Pulled):
+            table[:, index, OWN_SPEED] = surface.drive.speed - velocity[:, index, 0]
+        for part, name in _numbers_of_parts(layout, index).items():
+            key = f"{surface.name}.{part}"
+            if key in values:
+                own = _checked(layout.scene, key, values[key])
+                if name == "speed":
+                    own = own - velocity[:, index, 0]
+                if name == "load":
+                    own = -own * surface.facing_sign
+                table[:, index, OF_MEMBERS.index(name)] = own
+    return table
+
+
+def _checked(scene: Scene, key: str, rows: np.ndarray) -> np.ndarray:
+    """The values of a key, (members,).  Raises InputError if one cannot be used."""
+    for extreme in (rows.min(), rows.max()):
+        with_values(scene, {key: float(extreme)})
+    return rows[:, 0]
 
 
 def _parameters(
@@ -146,9 +200,7 @@ def _potentials(layout: Layout, members: int, values: Mapping[str, np.ndarray]) 
     for key, rows in values.items():
         part, _, name = key.rpartition(".")
         if part == INTERACTION:
-            for extreme in (rows.min(), rows.max()):  # a value that cannot be used is refused
-                with_values(layout.scene, {key: float(extreme)})
-            table[:, names.index(name)] = rows[:, 0]
+            table[:, names.index(name)] = _checked(layout.scene, key, rows)
     return table
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from tribo.run.layout import Layout
 from tribo.run.member_numbers import LayoutOfMembers
+from tribo.run.reactions import add_reactions
 from tribo.run.samples import Samples
 
 
@@ -60,6 +61,13 @@ class MemberRuns(NamedTuple):
     layout: Layout
     samples: MemberSamples
     counts: np.ndarray
+
+    @classmethod
+    def of(cls, layout: Layout, samples: MemberSamples, counts: np.ndarray) -> MemberRuns:
+        """The runs with these raw samples, to which the reactions on driven bars are added."""
+        if layout.model.pivots is not None:
+            add_reactions(layout, samples, samples.at_start(samples.y))
+        return cls(layout, samples, counts)
 
     def of_members(self, selected: np.ndarray) -> MemberRuns:
         """The runs of some members, by their indices or a mask."""

@@ -103,7 +103,7 @@ class MembersInLanes:
         samples = (each.reshape(rows, *each.shape[2:]) for each in each_time)
         repeated = np.repeat(times, members)
         layout = self._layout if numbers is None else LayoutOfMembers.of(self._layout, numbers)
-        return MemberRuns(layout, MemberSamples(members, repeated, *samples), counts)
+        return MemberRuns.of(layout, MemberSamples(members, repeated, *samples), counts)
 
     def _free_loop(self) -> SplittingLanes | NystromLanes:
         """A loop that no thread uses."""

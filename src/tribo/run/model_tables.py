@@ -67,7 +67,7 @@ def model_tables(
         drives=None,
         ends=None,
         members=None,
-        velocities=None,
+        own=None,
         team=None,
     )
 

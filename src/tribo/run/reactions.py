@@ -12,27 +12,28 @@ from tribo.run.motion import about_pivots
 from tribo.run.samples import Samples
 
 
-def add_reactions(layout: Layout, samples: Samples, run: Samples) -> None:
-    """Set the accounts of f2 on driven bars in `samples` of a run that begins with that of `run`.
+def add_reactions(layout: Layout, samples: Samples, start: np.ndarray) -> None:
+    """Set the accounts of f2 on driven bars in `samples`.
 
     The impulse is M (v_cm - v_cm(0)) less all other impulses, the pseudowork the change of kinetic
-    energy less all other pseudoworks.  In the frame of the bars f2 does no work.
+    energy less all other pseudoworks.  In the frame of the bars f2 does no work.  `start` is y at
+    the start of the run, (1, 2 coordinates), or a row for each sample.
     """
     for index in range(len(layout.parts)):
         if layout.surfaces[index].drive == BARS and layout.surfaces[index].acc_drive >= 0:
-            changes = [_changes(layout, batch, samples, run) for batch in layout.batches[index]]
+            changes = [_changes(layout, batch, samples, start) for batch in layout.batches[index]]
             if layout.model.sums is not None:
                 changes = [_in_first_lane(changes, layout.surfaces[index].account_stride)]
             for batch, change in zip(layout.accounted_batches[index], changes, strict=True):
                 _add(Accounts(batch, samples.s), samples.s, change)
 
 
-def _changes(layout: Layout, batch: Batch, samples: Samples, run: Samples) -> np.ndarray:
+def _changes(layout: Layout, batch: Batch, samples: Samples, start: np.ndarray) -> np.ndarray:
     """Changes of momentum along x and y and of kinetic energy, (3, times, asperites)."""
     a = batch.asperites
     (vx0, vy0), (vx, vy) = (
-        about_pivots(a, each.y[:, batch.place], each.y[:, layout.core :][:, batch.place])[2:]
-        for each in (run.first(), samples)
+        about_pivots(a, y[:, batch.place], y[:, layout.core :][:, batch.place])[2:]
+        for y in (start, samples.y)
     )
     kinetic = 0.5 * a.mass * (vx**2 + vy**2 - vx0**2 - vy0**2)
     return np.stack([a.mass * (vx - vx0), a.mass * (vy - vy0), kinetic])
