@@ -37,6 +37,17 @@ def test_displaced_and_moving():
     assert np.max(np.abs(one.w)) > 1e-3
 
 
+@pytest.mark.parametrize("initial", [Initial(x=0.3), Initial(vx=-0.2), Initial(temperature=0.1)])
+def test_displaced_at_an_accuracy(initial):
+    """A pair that is displaced, moves or is warm at the start is not for the loop of a pair."""
+    scene = passing(Surface("lower", facing="up", drive=Free(), initial=initial))
+    run = tribo.simulate(scene, accuracy=1e-8)["lower"]
+    other = tribo.simulate(scene, method="rk4", step=1e-3)["lower"]
+    assert run.x_cm[0] == other.x_cm[0] and run.vx_cm[0] == other.vx_cm[0]
+    for name in ("x_cm", "vx_cm", "theta", "w1", "w"):
+        assert run[name] == pytest.approx(other[name], abs=1e-7), name
+
+
 def start(surface, *others, seed=3):
     """Coordinates and rates of a surface at the start of a scene, and its oscillators."""
     layout = lay_out(tribo.Scene((surface, *others), Coulomb(0.2), 1.0, seed=seed))

@@ -66,12 +66,18 @@ def has_pair_loop(layout: Layout, method: Method) -> bool:
 
 
 def is_pair(layout: Layout) -> bool:
-    """Whether a scene is one asperite on one, forced or free, with bars clamped at rest."""
+    """Whether a scene is one asperite on one, forced or free, with bars clamped at rest.
+
+    Centres of mass start where they rest, with their surface's velocity: the loop has one number
+    for the impulse of the contact and for their rates.
+    """
     model = layout.model
     extra = (*model[model._fields.index("inner") :], model.within, model.calculators, model.species)
     a, surfaces = layout.asperites, layout.surfaces
+    along_x = a.dof_x[a.dof_x >= 0]
     return (
         a.size == surfaces.size == 2
+        and not np.any(layout.start.reshape(2, -1)[:, along_x])
         and layout.scene.output.ledger == "asperites"
         and all(item is None for item in extra)
         and layout.rows == 0
