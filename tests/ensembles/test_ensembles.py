@@ -396,7 +396,7 @@ THETA = {"upper.theta": stats.norm(0.0, 0.1)}
         ({"vary": THETA, "n": 1}, "n", "at least 2"),
         ({"n": 4, "vary": {}}, "vary", "all members would be the same"),
         ({"n": 4, "vary": [1]}, "vary", "must map names"),
-        ({"n": 4, "vary": {"upper.tetha": [1.0]}}, "vary.upper.tetha", "or velocity of a surface"),
+        ({"n": 4, "vary": {"upper.tetha": [1.0]}}, "vary.upper.tetha", "the velocity of a surface"),
         ({"n": 4, "vary": {"top.velocity": [1.0]}}, "vary.top.velocity", "of a surface"),
         ({"n": 4, "vary": {"upper.phi": [1.0] * 4}}, "vary.upper.phi", "clamped"),
         ({"n": 4, "vary": {"upper.theta": 0.1}}, "vary.upper.theta", "a distribution"),

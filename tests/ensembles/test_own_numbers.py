@@ -7,6 +7,7 @@ import pytest
 from scipy import stats
 
 import tribo
+from support.crossed import Push
 from tribo.ensembles.kept_runs import kept_runs
 from tribo.ensembles.kept_values import Kept
 from tribo.ensembles.members import Variation
@@ -189,6 +190,43 @@ def test_other_numbers_are_run_one_by_one(scene, key):
     """What refers to a velocity, or follows from the numbers of asperites, is laid out for each."""
     assert not can_differ(lay_out(scene), [key])
     assert isinstance(runs_of(scene, [key]), SingleRuns)
+
+
+WIDTHS = stats.uniform(0.1, 0.2)
+
+
+@pytest.mark.parametrize(
+    ("upper", "key"),
+    [
+        ({"drive": "free"}, "upper.x"),
+        ({"drive": "free"}, "upper.vx"),
+        ({"drive": tribo.Free(load=0.1)}, "upper.vy"),
+        ({"drive": "free"}, "upper.temperature"),
+        ({"langevin": tribo.Langevin(0.3)}, "upper.langevin.temperature"),
+        ({"drive": "free", "bath": tribo.Bath([0.1], [1.0])}, "upper.bath.temperature"),
+        ({"drive": "free", "springs": tribo.Springs(1.0)}, "upper.springs.stiffness"),
+        ({"drive": tribo.Custom(force=Push(0.1))}, "upper.drive.strength"),
+    ],
+)
+def test_every_other_number_differs(upper, key):
+    """Members have it, each in a scene of its own."""
+    scene = scene_of(upper=upper, numerics=tribo.Numerics(method="verlet", step=0.05))
+    data = check(scene, {key: WIDTHS}, 3, 1e-13, step=0.05)
+    assert len(np.unique(data["upper.w1"].values)) == 9
+
+
+@pytest.mark.parametrize("key", ["upper.x", "upper.vx", "upper.temperature"])
+def test_starts_of_pairs_differ(key):
+    """The loop of a pair does not take them."""
+    upper = {"drive": "free", "shape": (1, 1)}
+    scene = scene_of(upper=upper, lower={"shape": (1, 1)})
+    check(scene, {key: WIDTHS}, 3, 1e-6, accuracy=1e-9)
+
+
+def test_held_asperites_are_not_displaced():
+    """One sentence, by the name of the key."""
+    with pytest.raises(tribo.InputError, match="x: cannot be given, as the drive holds"):
+        tribo.ensemble(scene_of(), 3, {"upper.x": WIDTHS}, keep=KEEP)
 
 
 def test_speed_in_a_field():

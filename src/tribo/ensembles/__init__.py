@@ -60,7 +60,7 @@ def ensemble(
         Number of members, at least 2.  With `half_width`, the largest number.  By default that of
         the arrays in `vary`.
     vary : mapping, optional
-        Quantities that differ between members: "surface.theta" (or phi, omega, nu),
+        Quantities that differ between members: "surface.theta" (or another initial value),
         "surface.velocity", or a number of the scene as "surface.asperite.kappa",
         "surface.langevin.temperature" (or of its drive or bath) or "interaction.strength" -> an
         array of shape (n,), (n, asperites) or, for velocities, (n, 2); or a distribution with

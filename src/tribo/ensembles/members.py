@@ -10,14 +10,14 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, Protocol, Self, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from tribo.integrators.methods import noisy
-from tribo.model.initial import Initial
+from tribo.model.initial import UNITS, UNITS_OF_DISPLACEMENTS
 from tribo.model.parameters import PARTS, is_parameter, with_values
 from tribo.model.scene import Scene
 from tribo.validation import LARGEST_NUMBER, InputError, inside, is_list, short_repr
@@ -71,13 +71,12 @@ class Members(NamedTuple):
 
 
 def values_at_start(values: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Initial angles and rates alone."""
-    names = [each.name for each in fields(Initial)]
+    """Initial angles and their rates alone."""
     parts = tuple(f".{part}" for part in PARTS)  # a reservoir has a temperature too
 
     def is_initial(key: str) -> bool:
         of, _, name = key.rpartition(".")
-        return name in names and not of.endswith(parts)
+        return name in UNITS and not of.endswith(parts)
 
     return {key: v for key, v in values.items() if is_initial(key)}
 
@@ -106,9 +105,14 @@ class Member:
             replace(s, velocity=tuple(self.values.get(f"{s.name}.{VELOCITY}", s.velocity)))
             for s in scene.surfaces
         ]
-        numbers = {key: float(v[0]) for key, v in self.values.items() if is_parameter(scene, key)}
+        own: dict[str, float | np.ndarray] = {}
+        for key, v in self.values.items():
+            if is_parameter(scene, key):
+                own[key] = float(v[0])
+            elif _is_of_scene(scene, key):
+                own[key] = v if v.size > 1 else float(v[0])
         moved = replace(scene, surfaces=tuple(surfaces), seed=self.seed)
-        return with_values(moved, numbers) if numbers else moved
+        return with_values(moved, own) if own else moved
 
     def scene_with_start(self, scene: Scene) -> Scene:
         """The scene with all values of the member."""
@@ -116,7 +120,7 @@ class Member:
         for surface in moved.surfaces:
             own: dict[str, Any] = {
                 name: self.values[key]
-                for name in (each.name for each in fields(Initial))
+                for name in UNITS
                 if (key := f"{surface.name}.{name}") in self.values
             }
             if "theta" in own or "swing" in own:  # one replaces the other
@@ -139,8 +143,8 @@ class Variation:
     scene
         of the ensemble
     vary
-        "surface.theta" (or phi, omega, nu) or "surface.velocity" -> an array with a row for each
-        member, or a distribution
+        "surface.theta" (or another initial value) or "surface.velocity" -> an array with a row for
+        each member, or a distribution
     seed
         of the ensemble
 
@@ -183,7 +187,7 @@ class Variation:
             )
         self._last_seeds: tuple[int, np.ndarray] = (-1, np.empty(0))
         self._last_draws: dict[str, tuple[int, np.ndarray]] = {}
-        of_start = [f"{s.name}.{each.name}" for s in scene.surfaces for each in fields(Initial)]
+        of_start = [f"{s.name}.{name}" for s in scene.surfaces for name in UNITS]
         self.own_numbers = tuple(key for key in vary if key not in of_start)
         self.own_scenes = bool(self.own_numbers) or is_random(scene)
 
@@ -289,15 +293,29 @@ def size_of(scene: Scene, key: str) -> int:
     known = name in [s.name for s in scene.surfaces]
     if known and quantity == VELOCITY:
         return 2
-    if known and quantity in [f.name for f in fields(Initial)]:
+    if known and quantity in UNITS:
         return scene.initial_value(key)[0].count
+    if _is_of_scene(scene, str(key)):
+        with_values(scene, {str(key): 0.0})
+        surface = next(s for s in scene.surfaces if s.name == name)
+        return 1 if quantity == "temperature" else surface.count
     if is_parameter(scene, str(key)):
         return 1
     raise InputError(
         str(key),
-        'must be "surface.theta", or phi, omega, nu or velocity of a surface, or a number of the '
-        'scene, as "surface.asperite.kappa" or "interaction.strength"',
+        'must be "surface.theta", or another initial value or the velocity of a surface, or a '
+        'number of the scene, as "surface.asperite.kappa" or "interaction.strength"',
     )
+
+
+def _is_of_scene(scene: Scene, key: str) -> bool:
+    """Whether a key is of an initial displacement, its rate, or the temperature of a start.
+
+    These need a scene of their own.
+    """
+    name, _, quantity = key.rpartition(".")
+    known = name in [surface.name for surface in scene.surfaces]
+    return known and quantity in (*UNITS_OF_DISPLACEMENTS, "temperature")
 
 
 def _rows(key: str, source: Source, size: int) -> np.ndarray:
