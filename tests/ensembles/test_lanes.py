@@ -12,7 +12,7 @@ from tribo.integrators.nystrom_members import MOST_TRIALS
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.simd import LANES
 from tribo.kernels.status import BOBS_COINCIDE, COMPLETED, ENCOUNTER_JUMPED
-from tribo.pair.members import CODE, STEPS
+from tribo.pair.members import CODE, EVALUATIONS, STEPS
 from tribo.run.general_members import GeneralMembers
 from tribo.run.layout import lay_out
 from tribo.run.members_in_lanes import MembersInLanes, fit_lanes
@@ -153,6 +153,17 @@ def test_adaptive_lanes_agree_with_single_runs(kinds, name):
     layout, method = lay_out(scene_of(kinds, POTENTIALS["morse"])), METHODS[name]
     one, other = (runs_of(loop, layout, 21, method=method) for loop in loops_of(layout, method))
     check_agreement(one, other, 1e-11)
+
+
+def test_steps_that_pass_an_encounter():
+    """Where tolerances allow longer steps, lanes reject those that go too far as single runs do."""
+    layout, method = lay_out(two_rows((-1.0, 0.05))), METHODS["rkn8"]
+    starts = starts_of(layout, 20)
+    setting = Tolerance(np.full(starts.shape[1], 0.1), np.full(layout.accounts, 0.1), 0.1, 0.9)
+    one, other = (loop.run(setting, starts) for loop in loops_of(layout, method))
+    check_agreement(one, other, 1e-11)
+    tried = (one.counts[:, EVALUATIONS] - 1) // method.coefficients.c.size
+    assert np.all(tried > one.counts[:, STEPS])
 
 
 @pytest.mark.parametrize("name", ["rkn8", "rkn12"])

@@ -123,7 +123,7 @@ STEPPED = {
         scene_of(upper={"drive": "free", "bath": tribo.Bath([0.1], [1.0], temperature=1e-3)}),
         SPEEDS,
     ),
-    "driven": (scene_of(upper={"drive": "bars"}), {"upper.theta": stats.norm(0.0, 0.1)} | SPEEDS),
+    "driven": (scene_of(upper={"drive": "bars"}), {"upper.omega": stats.norm(0.0, 0.1)} | SPEEDS),
     "warm": (scene_of(lower={"initial": tribo.Initial(temperature=1e-2)}), SPEEDS),
 }
 
