@@ -74,7 +74,7 @@ def _in_batches(simulation: Simulation, own_numbers: Sequence[str]) -> bool:
     layout, pair = simulation.layout, simulation.integrator.pair
     if layout.scene.output.series:
         return False  # forces and energies as series, and their averages, are of single runs
-    if own_numbers and not can_differ(layout, own_numbers):
+    if own_numbers and not can_differ(layout, own_numbers, pair is not None):
         return False
     if pair is not None or not has_batches(layout):
         return pair is not None

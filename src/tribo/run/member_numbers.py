@@ -19,6 +19,7 @@ from tribo.model.surface import Surface
 from tribo.run.batch import Asperites, Batch, batch_of
 from tribo.run.layout import Layout
 from tribo.run.scene_records import fill_parameters, resting_bobs
+from tribo.run.slots import slide
 from tribo.validation import inside
 
 VELOCITY, ASPERITE_PART = "velocity", "asperite"
@@ -52,13 +53,18 @@ class MemberNumbers(NamedTuple):
         return MemberNumbers(*(each[selected] for each in self))
 
 
-def can_differ(layout: Layout, keys: Iterable[str]) -> bool:
+def can_differ(layout: Layout, keys: Iterable[str], by_pair_loop: bool) -> bool:
     """Whether members of a scene may differ in numbers with these dotted keys.
 
-    Whatever else refers to a velocity, or to the numbers of an asperite, is that of the scene.
+    Whatever else refers to a velocity, or to the numbers of an asperite, is that of the scene.  The
+    loop of a pair takes no mass of a surface from the scene.
     """
-    surfaces = layout.scene.surfaces
-    plain = [f"{s.name}.{ASPERITE_PART}." for s in surfaces if _is_plain(layout, s)]
+    surfaces, slides = layout.scene.surfaces, slide(layout.scene) & (not by_pair_loop)
+    plain = [
+        f"{surface.name}.{ASPERITE_PART}."
+        for surface, slides_too in zip(surfaces, slides, strict=True)
+        if _is_plain(surface) and not slides_too
+    ]
     known = {f"{INTERACTION}.{name}" for name in _names_of_potential(layout)}
     for index, surface in enumerate(surfaces):
         known |= {f"{surface.name}.{name}" for name in _numbers_of_parts(layout, index)}
@@ -84,13 +90,11 @@ def _numbers_of_parts(layout: Layout, index: int) -> dict[str, str]:
     return found
 
 
-def _is_plain(layout: Layout, surface: Surface) -> bool:
-    """Whether nothing of a surface but its asperites follows from their numbers."""
-    index = list(layout.parts).index(surface.name)
+def _is_plain(surface: Surface) -> bool:
+    """Whether only masses of a surface, beside its asperites, follow from their numbers."""
     stiff = bool(np.all(surface.each["kappa"] > 0.0)) and not surface.asperite.is_rigid
     others = surface.bath, surface.springs, surface.initial.temperature, surface.langevin
-    slides = layout.surfaces[index].acc_block >= 0 and layout.scene.count > 2
-    return stiff and not (slides or isinstance(surface.drive, DrivenBars) or any(others))
+    return stiff and not (isinstance(surface.drive, DrivenBars) or any(others))
 
 
 def _refers_to_velocity(layout: Layout) -> bool:
