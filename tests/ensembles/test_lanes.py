@@ -5,6 +5,7 @@ import pytest
 
 import tribo
 from support.crossed import Push, Turn
+from support.kinds import surfaces_of
 from tribo.ensembles.kept_values import Kept
 from tribo.ensembles.step_runs import StepRuns
 from tribo.integrators.methods import METHODS
@@ -68,20 +69,8 @@ POTENTIALS = {
 
 def scene_of(kinds, potential, **settings):
     """Surfaces of six asperites, with some settings each, and contact within the first."""
-    grids = {"shape": (3, 2), "spacing": (0.9, 0.9), "heights": 0.01 * np.arange(6.0)}
-    surfaces = [
-        tribo.Surface(
-            name,
-            facing="up" if n % 2 else "down",
-            bob=(0.3 * n, 0.4 * (n % 2)),
-            depth=0.2 * n,
-            velocity=(0.3 * (-1) ** n, 0.0),
-            **({"initial": tribo.Initial(swing=0.1)} | grids | kind),
-        )
-        for n, (name, kind) in enumerate(kinds.items())
-    ]
+    surfaces, pairs = surfaces_of(kinds, (3, 2))
     names = list(kinds)
-    pairs = [(one, other) for one in names[::2] for other in names[1::2]]
     interactions = [tribo.Interaction(potential, pair) for pair in (*pairs, (names[0], names[0]))]
     fields = [
         tribo.Field(tribo.Corrugation(0.02, 1.1), on=names[:2]),

@@ -10,6 +10,7 @@ import tribo
 from support.crossed import Push, Turn
 from support.inactive import STEP, crossing
 from support.inactive import inactive as not_stepped
+from support.kinds import surfaces_of
 from tribo.integrators.methods import METHODS
 from tribo.kernels.status import COMPLETED, PAUSED
 from tribo.run import contacts, model_tables
@@ -56,21 +57,8 @@ def same_with_own_constants(scene, alike):
 
 def scene_of(kinds, series=()):
     """Surfaces of three blocks, the last one partly filled, with some settings each."""
-    grids = {"shape": (6, 3), "spacing": (0.9, 0.9), "heights": 0.01 * np.arange(18.0)}
-    surfaces = [
-        tribo.Surface(
-            name,
-            facing="up" if n % 2 else "down",
-            bob=(0.3 * n, 0.4 * (n % 2)),
-            depth=0.2 * n,
-            velocity=(0.3 * (-1) ** n, 0.0),
-            **({"initial": tribo.Initial(swing=0.1)} | grids | kind),
-        )
-        for n, (name, kind) in enumerate(kinds.items())
-    ]
+    surfaces, pairs = surfaces_of(kinds, (6, 3))
     potential = tribo.with_cutoff(tribo.LennardJones(0.02, 0.4), 1.0)
-    names = list(kinds)
-    pairs = [(one, other) for one in names[::2] for other in names[1::2]]
     interactions = [tribo.Interaction(potential, pair) for pair in pairs]
     output = tribo.Output(samples=3, series=series)
     return tribo.Scene(surfaces, interactions, 2.0, output=output)

@@ -13,8 +13,8 @@ from tribo.kernels.status import COMPLETED, Status
 from tribo.pair.members import CODE, STEPS
 from tribo.prepared import Simulation
 from tribo.run.initial_state import InitialState
-from tribo.run.member_numbers import member_numbers
-from tribo.run.members_in_lanes import MembersInLanes, members_of
+from tribo.run.member_numbers import MemberNumbers, member_numbers
+from tribo.run.members_in_lanes import members_of
 from tribo.run.runaway import grows
 
 
@@ -58,14 +58,10 @@ class StepRuns:
         """Run some members.  Those that do not complete have the status UNKNOWN."""
         layout = self.simulation.layout
         starts = self._initial.of_members(values_at_start(members.values), members.seeds)
-        setting = self.simulation.plan.setting
-        if isinstance(self._loop, MembersInLanes):
-            numbers = None
-            if self._own_numbers:
-                numbers = member_numbers(layout, len(starts), members.values)
-            runs = self._loop.run(setting, starts, members.seeds, numbers)
-        else:
-            runs = self._loop.run(setting, starts, members.seeds)
+        own: tuple[MemberNumbers, ...] = ()
+        if self._own_numbers:
+            own = (member_numbers(layout, len(starts), members.values),)
+        runs = self._loop.run(self.simulation.plan.setting, starts, members.seeds, *own)
         grown = grows(runs.layout, runs.samples).reshape(-1, len(starts)).any(axis=0)
         complete = (runs.counts[:, CODE] == COMPLETED) & ~grown
         unknown = np.full(complete.size, np.nan)

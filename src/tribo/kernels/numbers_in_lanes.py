@@ -95,23 +95,21 @@ def sum_of_runs(members, x):
     return sum_of_lanes(x)
 
 
-@overload(sum_of_runs)
-def _find_sum_of_runs(members, x):
-    if isinstance(members, types.NoneType):
-        return lambda members, x: sum_of_lanes(x)
-    return lambda members, x: x
-
-
 def largest_of_runs(members, x):
     """The largest of all lanes for one run; where the lanes are `members`, that of each."""
     return maximum(x)
 
 
-@overload(largest_of_runs)
-def _find_largest_of_runs(members, x):
-    if isinstance(members, types.NoneType):
-        return lambda members, x: maximum(x)
-    return lambda members, x: x
+def _keep_members_apart(function: Any) -> None:
+    """Let kernels call a function of all lanes of one run, which leaves those of members alone."""
+
+    @overload(function)
+    def find(members, x):
+        return function if isinstance(members, types.NoneType) else (lambda members, x: x)
+
+
+_keep_members_apart(sum_of_runs)
+_keep_members_apart(largest_of_runs)
 
 
 def set_numbers(array, k, x):
