@@ -11,7 +11,7 @@ from tribo.kernels.compiled import (
     EntryPoint,
     cached_files,
     kernel,
-    package_stamp,
+    code_stamp,
     remove_stale,
     time_loop,
 )
@@ -24,6 +24,11 @@ def scaled(factor, x, table, count):
     for i in range(count):
         table[i, 0] = factor[0] * x[i]
     return count
+
+
+def of_a_tuple(item):
+    """A loop whose argument contains arrays."""
+    return item[0][0] * item[1][0][0]
 
 
 @kernel
@@ -87,15 +92,33 @@ def test_entry_point_refuses_other_rows(entry_point):
             entry_point(np.arange(5.0), table, 5)
 
 
+@pytest.mark.parametrize(
+    ("inner", "message"),
+    [
+        (np.arange(5), "got int64"),
+        (np.zeros(10)[::2], r"strides \(16,\)"),
+        (1.0, "contain a ndarray, got a float"),
+    ],
+)
+def test_entry_point_looks_into_tuples(inner, message):
+    """An array in a tuple would be read as what it is not, too."""
+    entry = EntryPoint(time_loop(of_a_tuple, None), (), ((np.zeros(1), (np.zeros(1),)),))
+    assert entry((np.full(5, 2.0), (np.full(5, 3.0),))) == 6.0
+    with pytest.raises(TypeError, match=f"argument 0 must.*{message}"):
+        entry((np.zeros(5), (inner,)))
+    with pytest.raises(TypeError, match="must have 2 members, got 1"):
+        entry((np.zeros(5),))
+
+
 def test_stale_machine_code_is_removed(tmp_path, monkeypatch):
     """That of other versions of the package; not that of other plug-ins or programs."""
     monkeypatch.setattr(config, "CACHE_DIR", str(tmp_path))
     compiled = time_loop.__wrapped__(pair_collocation, "")
     folder = compiled.stats.cache_path
     kept = [
-        f"loop.pair_collocation_{package_stamp()}_-1.py311.nbi",
-        f"loop.pair_collocation_{package_stamp()}_0123456789abcdef-1.py311.1.nbc",
-        f"loop.another_{package_stamp()}_-1.py311.nbi",
+        f"loop.pair_collocation_{code_stamp()}_-1.py311.nbi",
+        f"loop.pair_collocation_{code_stamp()}_0123456789abcdef-1.py311.1.nbc",
+        f"loop.another_{code_stamp()}_-1.py311.nbi",
         "loop.pair_collocation-1.py311.nbi",
         "loop.cpython-311.pyc",
     ]

@@ -2,6 +2,7 @@
 
 import os
 import random
+import re
 import shutil
 import subprocess
 import sys
@@ -12,7 +13,7 @@ import pytest
 
 import tribo
 from tribo.kernels import compiled
-from tribo.kernels.compiled import is_compiled, package_stamp, time_loop
+from tribo.kernels.compiled import COMPILED, code_stamp, is_compiled, package_stamp, time_loop
 from tribo.kernels.disk_cache import CodeFiles
 from tribo.kernels.probe import contact_probe
 
@@ -258,21 +259,48 @@ def copy(monkeypatch, tmp_path):
     return package
 
 
-def test_edited_package_is_another(copy):
-    """An edit of any source of the package changes the stamp in the names of its kernels."""
-    stamps = [package_stamp.__wrapped__()]
-    for name in ("kernels/contact.py", "potentials/coulomb.py", "model/scene.py"):
+@pytest.mark.parametrize(
+    ("stamp", "others"),
+    [(code_stamp, ()), (package_stamp, ("model/scene.py", "plotting/style.py"))],
+)
+def test_edited_package_is_another(copy, stamp, others):
+    """An edit of a compiled source changes the stamp of machine code, and of others it does not."""
+    stamps = [stamp.__wrapped__()]
+    edited = ["kernels/contact.py", "potentials/coulomb.py", "model/fields.py", *others]
+    for name in edited:
         with (copy / name).open("a") as source:
             source.write("\n")
-        stamps.append(package_stamp.__wrapped__())
+        stamps.append(stamp.__wrapped__())
     (copy / "kernels" / "another.py").touch()
-    stamps.append(package_stamp.__wrapped__())
-    assert len(set(stamps)) == 5
+    stamps.append(stamp.__wrapped__())
+    assert len(set(stamps)) == len(edited) + 2
+
+
+def test_edited_docstring_compiles_nothing(copy):
+    """An edit of a file that is not compiled leaves machine code in use."""
+    with (copy / "plotting" / "style.py").open("a") as source:
+        source.write("\n")
+    assert code_stamp.__wrapped__() == code_stamp()
+
+
+def test_all_compiled_sources_are_in_the_stamp():
+    """Kernels, and classes whose methods numba compiles, are in the folders that are hashed."""
+    root = Path(tribo.__file__).parent
+    marks = re.compile(
+        r"^@(\w*kernel|inlined|expanded|intrinsic|overload|register_jitable)\b"
+        r"|def (energy|energy_at|force_on_bar|end_forces)\(self, ",
+        re.MULTILINE,
+    )
+    for path in root.rglob("*.py"):
+        name = path.relative_to(root).as_posix()
+        if marks.search(path.read_text("utf-8")) and "scenes/" not in name:
+            assert name.startswith(COMPILED), name
 
 
 def test_stamp_is_of_this_package(copy):
     """An identical copy in another folder has the same stamp."""
     assert package_stamp.__wrapped__() == package_stamp()
+    assert code_stamp.__wrapped__() == code_stamp()
 
 
 def test_damaged_files_are_compiled_again(place):

@@ -171,6 +171,24 @@ def test_journal_without_replaced_frames(often, monkeypatch, tmp_path):
     assert smaller < 0.2 * part.stat().st_size
 
 
+def test_full_disk_when_a_journal_is_written_again(often, monkeypatch, tmp_path):
+    """One sentence; the journal stays as it was, nothing else is left, and the run resumes."""
+    monkeypatch.setattr(journal, "MOST_REPLACED", 0)
+    scene, how = HOW["noise"]
+    out, part = tmp_path / "run.nc", tmp_path / "run.nc.part"
+
+    def full(source, target):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "replace", full)
+        with pytest.raises(InputError, match=r"cannot be written \(No space left on device\)"):
+            tribo.simulate(scene, **how, out=out)
+    assert [path.name for path in tmp_path.iterdir()] == [part.name]
+    found = tribo.simulate(scene, **how, out=out, resume=True)
+    assert same_end(tribo.simulate(scene, **how), found)
+
+
 def test_another_run_is_refused(often, monkeypatch, tmp_path):
     """By name, from the journal and from the complete file; both stay as they were."""
     out, part = tmp_path / "run.nc", tmp_path / "run.nc.part"

@@ -10,6 +10,7 @@ import pytest
 
 import tribo
 from support.sliding import long_slide
+from support.sliding import scene as crowded
 from tribo.cli import main
 from tribo.integrators.methods import METHODS
 from tribo.run import contacts, general_loop, threads
@@ -70,6 +71,47 @@ def test_a_list_that_outgrows_its_room(shared, monkeypatch):
     monkeypatch.setattr(general_loop, "with_room", counted)
     assert_same_bits(plain, run(scene, 2))
     assert given[0] == 1 < given[-1]
+
+
+def test_chunks_of_unequal_length(shared, monkeypatch):
+    """A crowd at one end of a surface needs more than an equal part of the room."""
+    places = np.append(np.linspace(0.0, 2.0, 40), np.linspace(3.0, 60.0, 40))
+    upper, lower = (np.column_stack([places, np.full(80, y), 0.0 * places]) for y in (0.6, 0.0))
+    scene = replace(crowded(upper, lower, {}), duration=0.3)
+    plain, whole, lists = run(scene, 1), layouts.Layout.neighbours, []
+
+    def seen(neighbours):
+        lists.append(neighbours)
+        return with_room(neighbours)
+
+    with_room = general_loop.with_room
+    monkeypatch.setattr(general_loop, "with_room", seen)
+    run(scene, 1)
+    room = int(lists[-1].start[-1]) + 8
+    index = np.zeros(room, np.int32)
+    monkeypatch.setattr(layouts.Layout, "neighbours", lambda *a: whole(*a)._replace(index=index))
+    simulation = tribo.prepare(scene, threads=2, **STEPS)
+    assert_same_bits(plain, simulation.run())
+    team = simulation.layout.model.team
+    assert np.max(team.lengths) > room // team.lengths.size
+    assert np.array_equal(np.diff(team.begins), team.lengths)
+    assert lists[-1].index.size == room  # which was enough
+
+
+def test_a_thread_that_cannot_start(shared, monkeypatch):
+    """The error is that of the operating system, and the threads before it have ended."""
+    before, start, started = threading.active_count(), threading.Thread.start, []
+
+    def limited(thread):
+        if started:
+            raise RuntimeError("can't start new thread")
+        started.append(thread)
+        start(thread)
+
+    monkeypatch.setattr(threading.Thread, "start", limited)
+    with pytest.raises(RuntimeError, match="can't start new thread"):
+        run(replace(long_slide(PERIODIC), duration=1.0), 3)
+    assert len(started) == 1 and threading.active_count() == before
 
 
 @pytest.mark.usefixtures("heeded")

@@ -531,7 +531,7 @@ def lists_in_chunks() -> str:
     from support.sliding import POTENTIAL, scene
     from tribo.kernels.equations_of_motion import place_bobs
     from tribo.kernels.neighbours import join_chunks, list_chunk, list_pair, rebuild
-    from tribo.kernels.team import COUNTERS, PAIR, USED
+    from tribo.kernels.team import COUNTERS, PAIR
     from tribo.run.layout import lay_out
 
     rng = np.random.default_rng(3)
@@ -544,12 +544,14 @@ def lists_in_chunks() -> str:
     rebuild(model, alone)
     stops = [*alone.pairs[1:, 2], alone.start.size - 1]
     team = SimpleNamespace(counters=np.zeros(COUNTERS, np.int64), lengths=np.zeros(5, np.int64))
+    team.begins = np.zeros(6, np.int64)
     end = 0
     for k, stop in enumerate(stops):
         list_pair(model, None, shared, k, end)  # for its boxes and cells
         rows = slice(shared.pairs[k, 2], stop)
         shared.start[rows], shared.index[end:] = -1, -1
-        team.counters[PAIR], team.counters[USED] = k, end
+        team.counters[PAIR] = k
+        team.begins[:] = end + (shared.index.size - end) // 5 * np.arange(6)
         for chunk in (3, 0, 4, 2, 1):
             list_chunk(model, team, shared, chunk)
         if np.min(team.lengths) < 10:

@@ -21,7 +21,7 @@ from tribo.kernels.status import Status
 from tribo.run.dataset import Variable
 from tribo.run.identity import refuse_other
 from tribo.run.intervals import student
-from tribo.run.journal import INTERVAL
+from tribo.run.journal import INTERVAL, RELATIVE_INTERVAL
 from tribo.validation import InputError
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ class StatisticsStore:
     about : About
         What is known of the ensemble.
     target : Target, optional
-        Files, of which one keeps the sums once a second.
+        Files, of which one keeps the sums once a second, or less often where that takes long.
     resume : bool
         Whether to continue from the sums in that file, if there is one.
 
@@ -55,6 +55,7 @@ class StatisticsStore:
         self._target = target
         self._statistics = Statistics(about.kept)
         self._written = time.perf_counter()
+        self._took = 0.0  # to write all sums, which may be hundreds of megabytes
         self.done = 0
         columns = sum(map(about.kept.columns, about.kept.names))
         if 8 * about.kept.times * columns**2 > MOST_BYTES:
@@ -72,7 +73,8 @@ class StatisticsStore:
         level = self._about.common_level
         self._statistics.tally.add(found.status, found.level, found.error, level)
         self.done += members.numbers.size
-        if time.perf_counter() - self._written > INTERVAL:
+        waited = time.perf_counter() - self._written
+        if waited > max(INTERVAL, RELATIVE_INTERVAL * self._took):
             self._save()
 
     def dataset(self, interrupted: bool, seconds: float) -> xarray.Dataset:
@@ -108,6 +110,7 @@ class StatisticsStore:
         """Write all sums, if there is a file."""
         if self._target is None:
             return
+        began = time.perf_counter()
         known = {
             "identity": self._target.identity,
             "done": self.done,
@@ -118,6 +121,7 @@ class StatisticsStore:
         np.savez(content, **arrays)  # type: ignore[arg-type]
         replace_file(self._target.part, content.getvalue())
         self._written = time.perf_counter()
+        self._took = self._written - began
 
     def _restore(self, target: Target) -> None:
         """Continue from the sums in the file.  Raises InputError."""

@@ -18,7 +18,7 @@ from numba import config
 from tribo.accuracy.run_time import evaluation_time, pairs_of_bobs
 from tribo.explanation.prediction import Search
 from tribo.integrators.methods import Method
-from tribo.kernels.compiled import package_stamp, time_loop
+from tribo.kernels.compiled import code_stamp, time_loop
 from tribo.pair.loop import pair_collocation
 from tribo.plugins.sources import source_stamp
 from tribo.run.general_loop import GeneralLoop
@@ -100,7 +100,7 @@ def _read(path: Path | None) -> dict[str, float]:
     """The speeds of this version of the package."""
     try:
         table = json.loads(path.read_text(encoding="utf-8")) if path is not None else {}
-        return {str(key): float(ns) for key, ns in table.get(package_stamp(), {}).items()}
+        return {str(key): float(ns) for key, ns in table.get(code_stamp(), {}).items()}
     except (OSError, ValueError, AttributeError):
         return {}
 
@@ -111,7 +111,7 @@ def _write(path: Path | None, speeds: dict[str, float]) -> None:
         return
     new = path.with_name(f"{path.name}.{uuid.uuid4().hex}")
     try:
-        new.write_text(json.dumps({package_stamp(): speeds}, indent=1), encoding="utf-8")
+        new.write_text(json.dumps({code_stamp(): speeds}, indent=1), encoding="utf-8")
         os.replace(new, path)
     except OSError:
         new.unlink(missing_ok=True)

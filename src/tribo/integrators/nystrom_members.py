@@ -98,23 +98,33 @@ def write_due(model, clock, state, times, record, queue, lane):
             return
 
 
+@inlined
+def take_lanes(new, old, taken):
+    """Let the numbers of members whose steps are taken be those of `new`."""
+    for m in range(0, old.size, LANES):
+        set_block(old, m, where_less(0.5, taken, block(new, m), block(old, m)))
+
+
 @kernel
-def fill_lanes(model, clocks, state, times, record, queue, tried, speeds):
-    """Begin members in the lanes that are free."""
+def fill_lanes(model, clocks, state, new, times, record, queue, tried, speeds):
+    """Begin members in the lanes that are free; the others keep their rates."""
     first = queue.waiting[0]
     for lane in range(LANES):
-        if queue.held[lane] < 0 and queue.waiting[0] < queue.starts.shape[0]:
+        begins = queue.held[lane] < 0 and queue.waiting[0] < queue.starts.shape[0]
+        if begins:
             load_member(clocks[lane], state, queue, lane)
         tried[BEGIN, lane] = clocks[lane].t
+        tried[TAKEN, lane] = 1.0 if begins else 0.0
     if queue.waiting[0] == first:
         return
-    # The rates of the other members become what they are already.
     n = state.acceleration.size
-    t = block(tried[BEGIN], 0)
-    evaluate_rates(model, None, t, state.y, state.acceleration, state.power)
+    t, begun = block(tried[BEGIN], 0), block(tried[TAKEN], 0)
+    evaluate_rates(model, None, t, state.y, new.acceleration, new.power)
+    take_lanes(new.acceleration, state.acceleration, begun)
+    take_lanes(new.power, state.power, begun)
     top_speeds(model, None, t, state.y[:n], state.y[n:], speeds)
     for lane in range(LANES):
-        if queue.held[lane] >= first:
+        if tried[TAKEN, lane] == 1.0:
             found = next_encounter(model, None, speeds, lane)
             clocks[lane].encounter_rate = found.rate
             if found.closest == 0.0:
@@ -159,13 +169,6 @@ def is_taken(model, clock, order, tried, speeds, lane):
     clock.encounter_rate = found.rate
     accept_step(clock, tried[END, lane], h, tried[LANDING, lane] == 1.0, growth)
     return True
-
-
-@inlined
-def take_lanes(new, old, taken):
-    """Let the numbers of members whose steps are taken be those of `new`."""
-    for m in range(0, old.size, LANES):
-        set_block(old, m, where_less(0.5, taken, block(new, m), block(old, m)))
 
 
 @kernel
@@ -223,7 +226,7 @@ def nystrom_members(
     )
     n = state.acceleration.size
     for _ in range(budget):
-        fill_lanes(model, clocks, state, times, record, queue, tried, speeds)
+        fill_lanes(model, clocks, state, new, times, record, queue, tried, speeds)
         if plan_steps(clocks, times, queue, tried) == 0:
             if queue.waiting[0] == queue.starts.shape[0]:
                 return COMPLETED

@@ -10,6 +10,7 @@ not searched for negative ones.  ``x[i]``, ``x[i, j]``, ``x[:n]``, ``x[n:]``, ``
 import operator
 from typing import Any
 
+import numpy as np
 from llvmlite import ir
 from numba import config, types
 from numba.core import cgutils
@@ -97,12 +98,31 @@ def _pointers(typing_context, arrays):
     return types.Tuple([_argument_type(each) for each in arrays])(arrays), build
 
 
-def _unchanged(arrays):
-    """The same for Python."""
+class CheckedArray(np.ndarray):
+    """An array whose slices must lie inside of it, where nothing is compiled.
+
+    A pointer with a negative length, or beyond its array, would read the memory of others.
+    """
+
+    def __getitem__(self, at):
+        if isinstance(at, slice):
+            start = 0 if at.start is None else at.start
+            stop = len(self) if at.stop is None else at.stop
+            assert 0 <= start <= stop <= len(self), f"[{at.start}:{at.stop}] of {len(self)}"
+        return super().__getitem__(at)
+
+
+def _checked(arrays):
+    """The same for Python, with checked slices."""
+    if type(arrays) is np.ndarray:
+        return arrays.view(CheckedArray)
+    if isinstance(arrays, tuple):
+        parts = [_checked(each) for each in arrays]
+        return type(arrays)(*parts) if hasattr(arrays, "_fields") else tuple(parts)
     return arrays
 
 
-pointers: Any = _unchanged if config.DISABLE_JIT else intrinsic(_pointers)  # type: ignore[attr-defined]
+pointers: Any = _checked if config.DISABLE_JIT else intrinsic(_pointers)  # type: ignore[attr-defined]
 
 
 def _part(array: PointerType, at: Any) -> types.Type | None:

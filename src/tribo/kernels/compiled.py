@@ -53,12 +53,30 @@ _loop = njit(**_options, _nrt=False, nogil=True, pipeline_class=LoopCompiler)
 FILE_NAME = re.compile(r"\w+\.\w+_[0-9a-f]{16}_\w*-\d+\.py.*\.nb[ic]")
 
 
+# Sources that machine code is made of: those of kernels, methods and potentials, and of the field
+# that is built in.
+COMPILED = ("compiler", "kernels", "integrators", "pair", "potentials", "model/fields.py")
+
+
+@functools.cache
+def code_stamp() -> str:
+    """Hash of the sources of this package that are compiled [16 hex digits]."""
+    return stamp_of(COMPILED)
+
+
 @functools.cache
 def package_stamp() -> str:
-    """Hash of the sources of this package [16 hex digits]."""
+    """Hash of all sources of this package [16 hex digits]."""
+    return stamp_of((".",))
+
+
+def stamp_of(places: tuple[str, ...]) -> str:
+    """Hash of the sources of this package in some folders and files [16 hex digits]."""
     digest = hashlib.blake2b(digest_size=8)
     root = Path(__file__).resolve().parents[1]
-    for path in sorted(root.rglob("*.py")):
+    paths = {path for place in places for path in (root / place).rglob("*.py")}
+    paths |= {root / place for place in places if place.endswith(".py")}
+    for path in sorted(paths):
         digest.update(path.relative_to(root).as_posix().encode())
         digest.update(path.read_bytes())
     return digest.hexdigest()
@@ -85,7 +103,7 @@ def time_loop(loop: FunctionType, stamp: str | None) -> Callable[..., Any]:
     """
     if stamp is None or config.DISABLE_JIT:  # type: ignore[attr-defined]
         return _loop(loop)
-    compiled = _named(loop, f"{package_stamp()}_{stamp}")
+    compiled = _named(loop, f"{code_stamp()}_{stamp}")
     remove_stale(loop)
     return compiled
 
@@ -107,7 +125,7 @@ def cached_files(loop: FunctionType) -> list[Path]:
 
     They are of all loops from sources in one folder, and of all versions of package and plug-ins.
     """
-    folder = _named(loop, package_stamp()).stats.cache_path
+    folder = _named(loop, code_stamp()).stats.cache_path
     if folder is None:
         return []
     return sorted(path for path in Path(folder).glob("*.nb?") if FILE_NAME.fullmatch(path.name))
@@ -129,7 +147,7 @@ def remove_stale(loop: FunctionType) -> None:
     in memory, and compiles again what it does not find.
     """
     for path in cached_files(loop):
-        if f"_{package_stamp()}_" not in path.name:
+        if f"_{code_stamp()}_" not in path.name:
             remove(path)
 
 
@@ -185,14 +203,37 @@ class EntryPoint:
             for place, example in enumerate(examples)
             if isinstance(example, np.ndarray)
         )
+        self._tuples = tuple(
+            (place, example) for place, example in enumerate(examples) if isinstance(example, tuple)
+        )
 
     def __call__(self, *arguments: Any) -> Any:
-        """Call the loop with `fixed` and these arguments; TypeError for arrays of other types."""
+        """Call the loop with `fixed` and these arguments; TypeError for arguments of other types.
+
+        Tuples that are the examples themselves are not searched again.
+        """
         for place, dtype, strides in self._arrays:
             array = arguments[place]
             if array.dtype is not dtype or array.strides != strides:
                 _refuse_other(place, array, dtype, len(strides))
+        for place, example in self._tuples:
+            if arguments[place] is not example:
+                _compare(place, arguments[place], example)
         return self._code(*self._fixed, *arguments)
+
+
+def _compare(place: int, given: Any, example: Any) -> None:
+    """Raise TypeError where numba's types of two arguments with their members would differ."""
+    if type(given) is not type(example):
+        kinds = type(example).__name__, type(given).__name__
+        raise TypeError(f"argument {place} must contain a {kinds[0]}, got a {kinds[1]}")
+    if isinstance(example, np.ndarray):
+        _refuse_other(place, given, example.dtype, example.ndim)
+    elif isinstance(example, tuple):
+        if len(given) != len(example):
+            raise TypeError(f"argument {place} must have {len(example)} members, got {len(given)}")
+        for one, other in zip(given, example, strict=True):
+            _compare(place, one, other)
 
 
 def _refuse_other(place: int, array: np.ndarray, dtype: np.dtype, ndim: int) -> None:

@@ -21,7 +21,7 @@ from tribo.kernels.kinematics import nearest_image
 from tribo.kernels.records import ALONG_X, ALONG_Y, X, Y, Z
 from tribo.kernels.simd import LANES, broadcast, sum_of_lanes
 from tribo.kernels.simd_arrays import block
-from tribo.kernels.team import LISTS, PAIR, USED, begin_phase, continue_phase, part_of
+from tribo.kernels.team import LISTS, PAIR, begin_phase, continue_phase, part_of
 
 
 @kernel
@@ -208,24 +208,35 @@ def list_pair(model, team, neighbours, k, used):
 
 @kernel
 def share_rows(model, team, neighbours, k, used):
-    """Fill the rows of a pair in chunks; whether each chunk had enough of the room."""
+    """Fill the rows of a pair in chunks; whether the list has room for all of them.
+
+    Chunks have equal parts of the room, or, where one of them needs more, as much as each needs.
+    """
     team.counters[PAIR] = k
-    team.counters[USED] = used
+    chunks = team.lengths.size
+    part = max(neighbours.index.size - used, 0) // chunks
+    for chunk in range(chunks + 1):
+        team.begins[chunk] = used + chunk * part
+    if fill_chunks(model, team, neighbours):
+        return True
+    for chunk in range(chunks):
+        team.begins[chunk + 1] = team.begins[chunk] + team.lengths[chunk]
+    if team.begins[chunks] > neighbours.index.size:
+        return False
+    return fill_chunks(model, team, neighbours)
+
+
+@kernel
+def fill_chunks(model, team, neighbours):
+    """Fill the rows of all chunks of a pair; whether each had enough of the room."""
     chunk = begin_phase(team, LISTS, team.lengths.size)
     while chunk >= 0:
         list_chunk(model, team, neighbours, chunk)
         chunk = continue_phase(team)
-    room = room_of_chunk(team, neighbours, used)
     for chunk in range(team.lengths.size):
-        if team.lengths[chunk] > room:
+        if team.lengths[chunk] > team.begins[chunk + 1] - team.begins[chunk]:
             return False
     return True
-
-
-@kernel
-def room_of_chunk(team, neighbours, used):
-    """Part of the list that the rows of a chunk may fill, of what is left of it."""
-    return max(neighbours.index.size - used, 0) // team.lengths.size
 
 
 @kernel
@@ -238,22 +249,19 @@ def list_piece(model, team, neighbours, chunk):
 @kernel
 def list_chunk(model, team, neighbours, chunk):
     """Fill the rows of a chunk of a pair's active blocks, and note how long they are."""
-    k, used = team.counters[PAIR], team.counters[USED]
-    chunks = team.lengths.size
-    begin, end = part_of(0, neighbours.own.count[0], chunk, chunks)
-    room = room_of_chunk(team, neighbours, used)
-    first = used + chunk * room
-    last = list_rows(model, model.box, neighbours, k, begin, end, first, first + room)
+    k = team.counters[PAIR]
+    begin, end = part_of(0, neighbours.own.count[0], chunk, team.lengths.size)
+    first, room = team.begins[chunk], team.begins[chunk + 1]
+    last = list_rows(model, model.box, neighbours, k, begin, end, first, room)
     team.lengths[chunk] = last - first
 
 
 @kernel
 def join_chunks(model, team, neighbours, k, used):
     """Move the rows of all chunks together; returns the end of the list."""
-    room = room_of_chunk(team, neighbours, used)
     end = used
     for chunk in range(team.lengths.size):
-        first = used + chunk * room
+        first = team.begins[chunk]
         for n in range(team.lengths[chunk]):
             neighbours.index[end + n] = neighbours.index[first + n]
         begin, stop = part_of(0, neighbours.own.count[0], chunk, team.lengths.size)

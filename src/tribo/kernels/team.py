@@ -29,7 +29,7 @@ LISTS, CONTACT, REACTIONS, DRIFT, KICK = range(5)
 
 # Places of the counters.  Those that threads write at the same time are in cache lines of their
 # own, of at most 16 numbers.
-WORK, DONE, CLOSED, PHASE, END, INTERACTION, PAIR, USED, THREADS, RANK = 0, 16, *range(32, 39), 48
+WORK, DONE, CLOSED, PHASE, END, INTERACTION, PAIR, THREADS, RANK = 0, 16, *range(32, 38), 48
 COUNTERS = 64
 # Counter WORK is the number of phases so far times this, plus the pieces of the present one.
 MOST_PIECES = 1 << 20
@@ -50,6 +50,7 @@ class Team(NamedTuple):
     numbers: np.ndarray  # (2,) of the present phase: times
     tiles: np.ndarray  # (tiles, 3) surface, which of its tiles, and how many it has
     lengths: np.ndarray  # (chunks,) of the rows of each chunk of a list of neighbours
+    begins: np.ndarray  # (chunks + 1,) where the room of each chunk begins in that list
     reach: np.ndarray  # (chunks, 2) columns first <= i < last of the reactions to each chunk
     reactions: np.ndarray  # (2 chunks, n) x and y of the reactions to the rows of each chunk
 

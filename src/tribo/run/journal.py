@@ -213,17 +213,23 @@ class Journal:
         assert self._file is not None
         old, frames = self._file, self._frames
         new = self.path.with_name(self.path.name + NEW)
-        with open(new, "wb") as file:
-            self._frames, end = {}, 0
-            for name, (offset, size) in frames.items():
-                old.seek(offset)
-                file.write(old.read(size))
-                self._frames[name] = (end, size)
-                end += size
-        os.replace(new, self.path)
+        places, end = {}, 0
+        try:
+            with open(new, "wb") as file:
+                for name, (offset, size) in frames.items():
+                    old.seek(offset)
+                    file.write(old.read(size))
+                    places[name] = (end, size)
+                    end += size
+                file.flush()
+                os.fsync(file.fileno())
+            os.replace(new, self.path)
+        except OSError as error:
+            new.unlink(missing_ok=True)
+            raise not_written(self.path, error) from None
         self._open()
         old.close()
-        self._end = end
+        self._frames, self._end = places, end
 
 
 class Entry:

@@ -19,6 +19,7 @@ from tribo.kernels.compiled import EntryPoint, time_loop
 from tribo.kernels.records import CHARGE, CLOCK, FORCED, FREE, Z
 from tribo.kernels.simd import LANES
 from tribo.kernels.status import COMPLETED, PAUSED, Status
+from tribo.model.effects import Effect
 from tribo.pair.forces import PAIR
 from tribo.pair.loop import COLUMNS, ENERGY, pair_collocation
 from tribo.pair.step import table
@@ -51,6 +52,9 @@ from tribo.run.layout import Layout
 from tribo.run.pair_factors import FIRST_ACCOUNT, Factors, factors_of
 from tribo.run.pair_samples import PairSamples
 
+# Effects of scenes that the loop of a pair knows.
+KNOWN = {Effect.CONTACT, Effect.SWING, Effect.SLIDING, Effect.CLAMPED_ENDS, Effect.CUTOFF}
+
 # First step in units of the one that is usual: the loop's method is of order 15, and a first step
 # that is too long costs one rejection only.
 FIRST_STEP_FACTOR = 8.0
@@ -72,14 +76,14 @@ def is_pair(layout: Layout) -> bool:
     for the impulse of the contact and for their rates.
     """
     model = layout.model
-    extra = (*model[model._fields.index("inner") :], model.within, model.calculators, model.species)
     a, surfaces = layout.asperites, layout.surfaces
     along_x = a.dof_x[a.dof_x >= 0]
     return (
         a.size == surfaces.size == 2
         and not np.any(layout.start.reshape(2, -1)[:, along_x])
         and layout.scene.output.ledger == "asperites"
-        and all(item is None for item in extra)
+        and layout.scene.effects <= KNOWN
+        and model.species is None
         and layout.rows == 0
         and len(model.contacts[0].pairs) == 1
         and bool(np.all(np.isin(surfaces.drive, (FORCED, FREE)) & (surfaces.loaded == 0)))

@@ -121,6 +121,7 @@ def team_of(scene: Scene, model: Model, contacts: tuple[Contact, ...]) -> Team |
         numbers=np.zeros(2),
         tiles=tiles,
         lengths=np.zeros(chunks, np.int64),
+        begins=np.zeros(chunks + 1, np.int64),
         reach=np.zeros((chunks, 2), np.int64),
         reactions=room((2 * chunks, columns)),
     )
@@ -150,11 +151,13 @@ def assisted(team: Team | None, count: int, assist: Callable[[], Any]) -> Iterat
         yield
         return
     team.counters[[CLOSED, RANK, THREADS]] = 0, 0, 1 + count
-    assistants = [threading.Thread(target=assist, daemon=True) for _ in range(count)]
+    assistants: list[threading.Thread] = []
     with held():
         try:
-            for assistant in assistants:
+            for _ in range(count):
+                assistant = threading.Thread(target=assist, daemon=True)
                 assistant.start()
+                assistants.append(assistant)
             yield
         finally:
             team.counters[CLOSED] = 1
