@@ -10,8 +10,8 @@ from numba.core import config
 from tribo.kernels.compiled import (
     EntryPoint,
     cached_files,
-    kernel,
     code_stamp,
+    kernel,
     remove_stale,
     time_loop,
 )
