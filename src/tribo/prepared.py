@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from tribo.accuracy.comparison import (
     strictest,
 )
 from tribo.accuracy.estimate import excess_of_request
-from tribo.accuracy.found_settings import FoundSettings
+from tribo.accuracy.found_settings import FoundSettings, cost_of
 from tribo.accuracy.levels import fine_level
 from tribo.accuracy.plan import Plan, single_setting
 from tribo.accuracy.search import MOST_COST
@@ -46,6 +47,9 @@ from tribo.validation import InputError, TriboWarning
 
 class Simulation:
     """A scene with its plan, and with everything compiled; :func:`prepare` makes one.
+
+    Several threads can run it at the same time.  It can be copied, and pickled without its function
+    for progress; copies and pickles give the same bits.
 
     Parameters
     ----------
@@ -85,6 +89,20 @@ class Simulation:
         self._notes = run_notes(self.layout, self.method, step)
         self._streams = is_streamed(self.layout, self.layout.times.size)
         self._initial_state = InitialState(self.layout)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle the settings and what to lay out and compile again."""
+        return Simulation, (self.settings, self.integrator)
+
+    def __copy__(self) -> Simulation:
+        """A simulation that shares everything with this one, as runs change nothing of it."""
+        other = object.__new__(Simulation)
+        other.__dict__.update(self.__dict__)
+        return other
+
+    def __deepcopy__(self, memo: object) -> Simulation:
+        """As a copy."""
+        return self.__copy__()
 
     def run(self, start: Start | None = None, estimate: bool = True) -> Result:
         """Run from the scene's start, or with some initial values changed.
@@ -204,7 +222,7 @@ class Simulation:
             notes,
             {},
             lambda: _reported(layout, run),
-            lambda: _cost([run], seconds, ratio),
+            lambda: cost_of([run], seconds, ratio),
             run,
         )
 
@@ -213,7 +231,7 @@ class Simulation:
         run, ledger = self._stream(y)
         ends = assemble(self.layout, run.samples.ends())
         notes = (*passage_notes(self.layout, run), *drive_notes(self.layout, ends))
-        cost = _cost([run], self.compile_seconds, self._digit_ratio)
+        cost = cost_of([run], self.compile_seconds, self._digit_ratio)
         notes += _left_out(ledger)
         return self._result(run.status, None, notes, {}, Known(ledger), Known(cost), run)
 
@@ -246,7 +264,7 @@ class Simulation:
         if self._streams and fine.status == Status.COMPLETED:
             run, ledger = self._stream(y)
             notes += (f"errors are estimated at {self.plan.times.size} times", *_left_out(ledger))
-            cost = _cost(runs, seconds, ratio, search, run)
+            cost = cost_of(runs, seconds, ratio, search, run)
             known = known if run.status == Status.COMPLETED else False
             return self._result(run.status, known, notes, bounds, Known(ledger), Known(cost), run)
         return self._result(
@@ -255,7 +273,7 @@ class Simulation:
             notes,
             bounds,
             lambda: _reported(layout, fine),
-            lambda: _cost(runs, seconds, ratio, search),
+            lambda: cost_of(runs, seconds, ratio, search),
             fine,
         )
 
@@ -306,11 +324,9 @@ class Simulation:
             ledger, cost = assemble_ledger().only(keep), add_up_cost()
             assemble_ledger, add_up_cost = Known(ledger), Known(cost)
             bounds = _bounds_of(ledger, bounds)
-        notes = stop_notes(layout, run) + notes
+        notes = calculator_notes(run) + stop_notes(layout, run) + notes
         if keep is not None:
             run = run.without_samples()
-        if self.layout.calculator_calls:
-            notes = calculator_notes(self.layout) + notes
         return Result(
             self.scene,
             status,
@@ -365,31 +381,6 @@ def _bounds_of(ledger: Ledger, bounds: Mapping[str, float]) -> dict[str, float]:
     """The bounds on the errors of quantities in a ledger, and of observables, as "upper.W"."""
     names = {*ledger.names, *ledger.kept}
     return {name: bound for name, bound in bounds.items() if name in names or "." in name}
-
-
-def _cost(
-    runs: Sequence[Integration],
-    compile_seconds: float,
-    ratio: float | None,
-    search: FoundSettings | None = None,
-    delivered: Integration | None = None,
-) -> Cost:
-    """What the runs or the search cost, and what a digit more or less would cost, by `ratio`.
-
-    `delivered` is the run that the result is of, where it is none of these.
-    """
-    seconds = sum(run.seconds for run in runs) if search is None else search.seconds
-    evaluations = sum(run.evaluations for run in runs) if search is None else search.evaluations
-    if delivered is not None:
-        seconds, evaluations = seconds + delivered.seconds, evaluations + delivered.evaluations
-    return Cost(
-        steps=(delivered or runs[-1]).steps,
-        force_evaluations=evaluations,
-        wall_seconds=seconds,
-        compile_seconds=compile_seconds,
-        digit_more=None if ratio is None else seconds * ratio,
-        digit_fewer=None if ratio is None else seconds / ratio,
-    )
 
 
 def with_warning(result: Result) -> Result:

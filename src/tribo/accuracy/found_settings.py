@@ -1,11 +1,13 @@
-"""What a search for settings finds."""
+"""What a search for settings finds, and its cost."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 from tribo.kernels.status import Status
+from tribo.run.cost import Cost
 from tribo.run.integrate import Integration, Setting
 
 
@@ -70,3 +72,28 @@ class FoundSettings:
     costly: bool = False
     stopped: Status | None = None
     errors: Errors | None = None
+
+
+def cost_of(
+    runs: Sequence[Integration],
+    compile_seconds: float,
+    ratio: float | None,
+    search: FoundSettings | None = None,
+    delivered: Integration | None = None,
+) -> Cost:
+    """What the runs or the search cost, and what a digit more or less would cost, by `ratio`.
+
+    `delivered` is the run that the result is of, where it is none of these.
+    """
+    seconds = sum(run.seconds for run in runs) if search is None else search.seconds
+    evaluations = sum(run.evaluations for run in runs) if search is None else search.evaluations
+    if delivered is not None:
+        seconds, evaluations = seconds + delivered.seconds, evaluations + delivered.evaluations
+    return Cost(
+        steps=(delivered or runs[-1]).steps,
+        force_evaluations=evaluations,
+        wall_seconds=seconds,
+        compile_seconds=compile_seconds,
+        digit_more=None if ratio is None else seconds * ratio,
+        digit_fewer=None if ratio is None else seconds / ratio,
+    )

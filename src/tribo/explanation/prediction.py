@@ -146,7 +146,7 @@ class Search(Integrator):
         columns = loop.room(times.size + 1)
         while loop.advance(times, columns, self._portion) == PAUSED:
             self.check(loop)
-        run = integrate(loop, times, self.layout.calculator_calls, columns=columns)
+        run = integrate(loop, times, columns=columns)
         return run if self.method.adaptive else up_to_runaway(self.layout, run)
 
     def check(self, loop: TimeLoop) -> None:

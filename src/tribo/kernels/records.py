@@ -339,7 +339,7 @@ class Model(NamedTuple):
     """A scene for kernels: a structure of arrays, whose rows are contiguous.
 
     An effect that is absent is None, which has a type of its own, so its code is not compiled and
-    its arrays are not allocated.
+    its arrays are not allocated.  Each time loop has scratch of its own, and columns `fx`.
     """
 
     constants: np.ndarray  # (rows, columns of constants), see CONSTANTS

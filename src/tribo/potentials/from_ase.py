@@ -15,8 +15,10 @@ from __future__ import annotations
 import ctypes
 import importlib
 import math
+import threading
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
+from weakref import WeakValueDictionary
 
 import numpy as np
 
@@ -202,6 +204,11 @@ def elements(names: list[str]) -> list[str]:
     return names
 
 
+# Locks of calculators in use, by their identity: a calculator remembers its last atoms, so only one
+# thread at a time can call it.
+_locks: WeakValueDictionary[int, threading.Lock] = WeakValueDictionary()
+
+
 class Call:
     """The calculator as compiled code calls it: all bobs minus each surface's bobs alone."""
 
@@ -227,10 +234,16 @@ class Call:
         stops = np.cumsum(counts).tolist()
         self._parts = [slice(n - count, n) for n, count in zip(stops, counts, strict=True)]
         self._calculator = calculator
+        self._lock = _locks.setdefault(id(calculator), threading.Lock())
         self._atoms = [atoms, *(atoms[part] for part in self._parts)]
         self._known = np.full_like(self.place, np.nan)
         self._function = ctypes.CFUNCTYPE(None)(self._called)
         self.address = ctypes.cast(self._function, ctypes.c_void_p).value or 0
+
+    @property
+    def failure(self) -> str:
+        """The error that the calculator raised, in words."""
+        return f"{type(self.error).__name__}: {self.error}"
 
     def _called(self) -> None:
         """Compute force and energy; an exception is kept, since compiled code cannot raise it."""
@@ -254,8 +267,9 @@ class Call:
         self.energy[:] = 0.0
         self.force[:] = 0.0
         all_bobs = slice(0, self._z.size)
-        for atoms, part in zip(self._atoms, [all_bobs, *self._parts], strict=True):
-            sign = 1.0 if atoms is self._atoms[0] else -1.0
-            atoms.positions = positions[part]
-            self.energy[0] += sign * self._calculator.get_potential_energy(atoms)
-            self.force[part] += sign * self._calculator.get_forces(atoms)[:, :2]
+        with self._lock:
+            for atoms, part in zip(self._atoms, [all_bobs, *self._parts], strict=True):
+                sign = 1.0 if atoms is self._atoms[0] else -1.0
+                atoms.positions = positions[part]
+                self.energy[0] += sign * self._calculator.get_potential_energy(atoms)
+                self.force[part] += sign * self._calculator.get_forces(atoms)[:, :2]

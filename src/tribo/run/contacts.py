@@ -147,8 +147,7 @@ def raise_calculator_errors(calls: tuple[Call, ...]) -> None:
     """Raise InputError for an error that a calculator raised when kernels called it."""
     for call in calls:
         if call.error is not None:
-            problem = f"the calculator raises {type(call.error).__name__}: {call.error}"
-            raise InputError("potential", problem)
+            raise InputError("potential", f"the calculator raises {call.failure}")
 
 
 def calculator_calls(scene: Scene, depths: list[np.ndarray]) -> tuple[Call, ...]:

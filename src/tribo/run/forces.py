@@ -22,6 +22,7 @@ from tribo.run.batch import Batch
 from tribo.run.contacts import raise_calculator_errors, with_room
 from tribo.run.entry import Entry
 from tribo.run.layout import Layout
+from tribo.run.loop_memory import own_model
 from tribo.run.samples import Samples
 
 
@@ -111,12 +112,13 @@ class Forces:
         found = room((samples.t.size, force_probe.ROWS, columns))
         scratch = [room((coordinates,)) for _ in range(3)]
         neighbours, done = layout.neighbours(), 0
+        model, calls = own_model(layout)
         places, y = layout.places.q[: layout.core], np.ascontiguousarray(samples.y)
         probe = time_loop(force_probe.force_probe, source_stamp(layout.plugins))
         with compiling(probe, layout.named_plugins):
             while done < samples.t.size:
                 neighbours = with_room(neighbours)
                 arrays = places, samples.t, y, samples.baths
-                done = probe(layout.model, neighbours, *arrays, done, *scratch, found)
-        raise_calculator_errors(layout.calculator_calls)
+                done = probe(model, neighbours, *arrays, done, *scratch, found)
+        raise_calculator_errors(calls)
         return found

@@ -22,6 +22,7 @@ from tribo.plugins.sources import source_stamp
 from tribo.run.contacts import with_room
 from tribo.run.integrate import Columns, Memory, Setting
 from tribo.run.layout import Layout
+from tribo.run.loop_memory import own_model
 from tribo.run.samples import Samples
 from tribo.run.threads import assisted
 
@@ -51,6 +52,10 @@ class GeneralLoop:
     ----------
     layout : Layout
         The scene.
+    model : Model
+        The tables of the kernels, with scratch of this loop.
+    calls : tuple of Call
+        ASE calculators that it calls.
     clocks : ndarray, (1,)
         How far the run has come.
     state : State
@@ -71,6 +76,7 @@ class GeneralLoop:
         threads: int = 1,
     ) -> None:
         self.layout = layout
+        self.model, self.calls = own_model(layout)
         self._assistants = threads - 1
         self.adaptive = method.adaptive
         self.clocks = np.zeros(1, CLOCK).view(np.recarray)
@@ -86,10 +92,10 @@ class GeneralLoop:
         self._recorded = np.concatenate([core, coordinates + core]), places.s
         self._neighbours = layout.neighbours(method.splits)
         self._noise: tuple[np.random.Generator, ...] = ()
-        work = method.coefficients.workspace(layout.model, self.state)
+        work = method.coefficients.workspace(self.model, self.state)
         if method.splits:
             self._noise = (np.random.default_rng([layout.scene.seed, 2]),)
-        speeds = room((3, layout.model.each.shape[1]))
+        speeds = room((3, self.model.each.shape[1]))
         self._scratch: tuple[tuple[Any, ...] | np.ndarray, ...]
         self._scratch = (work,) if method.splits else (work, speeds)
         if method.adaptive:
@@ -114,14 +120,14 @@ class GeneralLoop:
 
     def advance(self, times: np.ndarray, columns: Columns, budget: int) -> int:
         """Take at most `budget` steps, and record the samples at `times`; a code of a status."""
-        model, arguments = self.layout.model, self._arguments(times, columns, budget)
+        model, arguments = self.model, self._arguments(times, columns, budget)
         with assisted(model.team, self._assistants, self.assist):
             code: int = self.compiled(model, *arguments)
         return code
 
     def assist(self) -> None:
         """Share the steps that another thread takes, until it has no more."""
-        self._assist(self.layout.model, self._neighbours, self.state, self._scratch[0])
+        self._assist(self.model, self._neighbours, self.state, self._scratch[0])
 
     def _arguments(self, times: np.ndarray, columns: Columns, budget: int) -> tuple[Any, ...]:
         """The arguments of the loop, behind the model."""
@@ -203,7 +209,7 @@ def compile_loop(layout: Layout, method: Method, threads: int = 1) -> float:
     loop = GeneralLoop(layout, method, setting, layout.start, 0.0, threads)
     with undisturbed(), compiling(loop.compiled, layout.named_plugins):
         if threads > 1:
-            layout.model.team.counters[CLOSED] = 1
+            loop.model.team.counters[CLOSED] = 1
             loop.assist()
         loop.advance(np.ones(1), loop.room(1), 0)
     return time.perf_counter() - began

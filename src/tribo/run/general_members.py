@@ -9,11 +9,10 @@ from tribo.integrators.methods import Method
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.compiled import EntryPoint
 from tribo.kernels.status import COMPLETED, PAUSED
-from tribo.model.scene import Scene
 from tribo.pair.members import CODE, EVALUATIONS, STEPS
 from tribo.run.general_loop import GeneralLoop, in_blocks
 from tribo.run.integrate import Columns, Setting, first_step_at
-from tribo.run.layout import Layout, lay_out
+from tribo.run.layout import Layout
 from tribo.run.loop_memory import arrays_in, together
 from tribo.run.member_samples import MemberRuns, MemberSamples
 from tribo.run.progress_guard import FEWEST_TRIALS, ProgressGuard, most_evaluations
@@ -39,7 +38,7 @@ class ReusedLoop(GeneralLoop):
 
     Parameters
     ----------
-    scene : Scene
+    layout : Layout
         That of all members, but for their starts and seeds.
     method : Method
         How time advances.
@@ -47,8 +46,7 @@ class ReusedLoop(GeneralLoop):
         The longest first step of an adaptive method [time].
     """
 
-    def __init__(self, scene: Scene, method: Method, first_step: float) -> None:
-        layout = lay_out(scene)
+    def __init__(self, layout: Layout, method: Method, first_step: float) -> None:
         setting: Setting = 1.0
         if method.adaptive:
             n, accounts = layout.coordinates, layout.accounts
@@ -62,7 +60,7 @@ class ReusedLoop(GeneralLoop):
         q, coordinates = layout.places.q, layout.room[0]
         self._places = np.concatenate([q, coordinates + q])
         examples = self._arguments(layout.times, self.room(1), 0)
-        self._entry = EntryPoint(self.compiled, (layout.model,), examples)
+        self._entry = EntryPoint(self.compiled, (self.model,), examples)
 
     def set_up(self, setting: Setting) -> None:
         """Run members with a setting."""
@@ -157,4 +155,4 @@ class GeneralMembers:
         try:
             return self._idle.pop()
         except IndexError:
-            return ReusedLoop(self._layout.scene, self._method, self._first_step)
+            return ReusedLoop(self._layout, self._method, self._first_step)

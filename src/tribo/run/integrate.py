@@ -46,6 +46,10 @@ class TimeLoop(Protocol):
     adaptive: bool  # whether it chooses its steps
 
     @property
+    def calls(self) -> tuple[Call, ...]:
+        """ASE calculators that the loop calls."""
+
+    @property
     def clocks(self) -> np.ndarray:
         """How far the run has come, (1,) of :data:`tribo.kernels.records.CLOCK`."""
 
@@ -116,6 +120,8 @@ class Integration:
         Returns all that the time loop needs to continue from the end.
     passages : tuple of int
         Number of steps in which bobs passed an encounter far below k_B T, and the last two bobs.
+    failures : tuple of str
+        Errors that ASE calculators raised.
     """
 
     recorded: Callable[[], Samples]
@@ -124,6 +130,7 @@ class Integration:
     seconds: float
     remembered: Callable[[], Memory]
     passages: tuple[int, ...] = (0, 0, 0)
+    failures: tuple[str, ...] = ()
     # Not a cached_property, whose lock takes a part of the time of a short run.
     _samples: Samples | None = None
 
@@ -166,7 +173,6 @@ def first_step_at(tolerance: Tolerance, longest: float, order: int) -> float:
 def integrate(
     loop: TimeLoop,
     times: np.ndarray,
-    calls: tuple[Call, ...] = (),
     progress: Progress | None = None,
     streamed: StreamedLedger | None = None,
     checkpoints: Checkpoints | None = None,
@@ -185,8 +191,6 @@ def integrate(
         The state at the start.
     times : ndarray, (times,)
         The times to record.
-    calls : tuple of Call
-        ASE calculators that the loop calls.
     progress : callable, optional
         Called with the time reached.
     streamed : StreamedLedger, optional
@@ -213,7 +217,7 @@ def integrate(
         portion = times[first : first + rows]
         if first > 0:
             loop.clocks["sample"] = 0
-        status = _run_through(loop, portion, columns, calls, progress, checkpoints, most)
+        status = _run_through(loop, portion, columns, progress, checkpoints, most)
         memory = loop.memory()
         if status != Status.COMPLETED:  # the loop goes on, to record where it stopped
             memory = {name: array.copy() for name, array in memory.items()}
@@ -239,7 +243,8 @@ def integrate(
     whole = held
     assert whole is not None
     seconds = time.perf_counter() - began
-    return Integration(lambda: whole, status, counts, seconds, lambda: memory, passages)
+    failures = tuple(call.failure for call in loop.calls if call.error is not None)
+    return Integration(lambda: whole, status, counts, seconds, lambda: memory, passages, failures)
 
 
 def _passages(loop: TimeLoop) -> tuple[int, int, int]:
@@ -253,14 +258,13 @@ def _run_through(
     loop: TimeLoop,
     times: np.ndarray,
     columns: Columns,
-    calls: tuple[Call, ...],
     progress: Progress | None,
     checkpoints: Checkpoints | None,
     most: float | None,
 ) -> Status:
     """Run through the times, from the last checkpoint if there is one; how it ended."""
     if checkpoints is None:
-        return run_in_chunks(loop, times, columns, calls, progress, most)
+        return run_in_chunks(loop, times, columns, progress, most)
     status = checkpoints.restore(loop, columns)
     if status is not None:
         return status
@@ -271,7 +275,7 @@ def _run_through(
         if progress is not None:
             progress(t)
 
-    status = run_in_chunks(loop, times, columns, calls, between, most)
+    status = run_in_chunks(loop, times, columns, between, most)
     # An interrupt ends the program, not the integration, which can be continued.
     checkpoints.keep(loop, columns, None if status == Status.INTERRUPTED else status)
     return status
@@ -296,7 +300,6 @@ def run_in_chunks(
     loop: TimeLoop,
     times: np.ndarray,
     columns: Columns,
-    calls: tuple[Call, ...] = (),
     progress: Progress | None = None,
     most: float | None = None,
 ) -> Status:
@@ -309,14 +312,14 @@ def run_in_chunks(
     layout = loop.layout
     most = most_evaluations(layout.scene) if most is None else most
     guard = ProgressGuard(loop.clocks, layout.beginning, float(times[-1]), layout.scene.count, most)
-    for item in calls:
+    for item in loop.calls:
         item.error, item.interrupted = None, False
     try:
         while code == PAUSED:
             began = time.perf_counter()
             code = loop.advance(times, columns, guard.within(budget))
             taken = max(time.perf_counter() - began, LEAST_SECONDS)
-            for item in calls:
+            for item in loop.calls:
                 if item.error is not None:
                     return Status.CALCULATOR_FAILED
                 if item.interrupted:

@@ -14,13 +14,8 @@ from tribo.kernels.simd_arrays import room, with_spare_lanes
 from tribo.run import slots
 from tribo.run.force_records import in_blocks
 from tribo.run.layout import Layout
+from tribo.run.loop_memory import with_scratch
 from tribo.run.model_tables import columns_of_constants
-
-# Tables of the kernels that are written, one column an asperite.
-SCRATCH = (
-    *("bobs", "drive", "inner", "external", "internal", "displaced", "friction"),
-    *("swing_friction", "end_forces", "bath_momentum"),
-)
 
 
 class Interleaved(NamedTuple):
@@ -67,7 +62,7 @@ def interleaved(layout: Layout, own_numbers: bool = False) -> Interleaved:
         )
         for lane in range(LANES)
     ]
-    model = _without_scratch(old, theirs.columns)._replace(
+    model = with_scratch(old, theirs.columns)._replace(
         surfaces=_with_constants(theirs.surfaces, old).view(np.recarray),
         core=theirs.core,
         constants=_repeated_constants(layout, old.constants),
@@ -150,13 +145,6 @@ def _repeated_constants(layout: Layout, table: np.ndarray) -> np.ndarray:
         for surface, part in zip(surfaces, layout.parts.values(), strict=True)
     )
     return _repeated(table[:, np.concatenate(list(parts))])
-
-
-def _without_scratch(old: Model, columns: int) -> Model:
-    """The model with scratch of its own, with so many columns."""
-    tables = {name: getattr(old, name) for name in SCRATCH}
-    own: dict[str, Any] = {n: room((len(t), columns)) for n, t in tables.items() if t is not None}
-    return old._replace(**own)
 
 
 def _unlisted(contact: Contact) -> Contact:

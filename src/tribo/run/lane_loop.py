@@ -10,13 +10,12 @@ from tribo.integrators.methods import Method
 from tribo.kernels.compiled import EntryPoint, time_loop
 from tribo.kernels.samples import STORED, Record, initial_state
 from tribo.kernels.simd import LANES
-from tribo.model.scene import Scene
 from tribo.plugins.compile_errors import compiling
 from tribo.plugins.sources import source_stamp
 from tribo.run.integrate import Columns
 from tribo.run.interleaved import interleaved
 from tribo.run.lane_numbers import LaneNumbers
-from tribo.run.layout import lay_out
+from tribo.run.layout import Layout
 from tribo.run.loop_memory import together
 from tribo.run.member_numbers import MemberNumbers
 
@@ -26,7 +25,7 @@ class LaneLoop:
 
     Parameters
     ----------
-    scene : Scene
+    layout : Layout
         That of all members, but for their starts and seeds.
     method : Method
         How time advances.
@@ -34,8 +33,8 @@ class LaneLoop:
         Whether members differ in numbers too.
     """
 
-    def __init__(self, scene: Scene, method: Method, own_numbers: bool) -> None:
-        self.layout = layout = lay_out(scene)
+    def __init__(self, layout: Layout, method: Method, own_numbers: bool) -> None:
+        self.layout = layout
         eight = interleaved(layout, own_numbers)
         self._memory, self._places_of_numbers = np.empty(0), np.empty((LANES, 0), np.int64)
         self._numbers: LaneNumbers | None = None

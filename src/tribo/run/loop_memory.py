@@ -1,4 +1,7 @@
-"""The arrays of a time loop that runs one member of an ensemble after another, in one array."""
+"""The arrays that belong to a time loop: those that kernels write, and its memory in one array.
+
+A layout is only read, so that several threads can run it.
+"""
 
 from __future__ import annotations
 
@@ -7,8 +10,44 @@ from typing import Any
 
 import numpy as np
 
+from tribo.kernels.records import Model
 from tribo.kernels.simd import LANES
 from tribo.kernels.simd_arrays import room
+from tribo.kernels.team import Team
+from tribo.potentials.from_ase import Call
+from tribo.run import contacts
+from tribo.run.layout import Layout
+
+# Tables of the kernels that are written, one column an asperite.
+SCRATCH = (
+    *("bobs", "drive", "inner", "external", "internal", "displaced", "friction"),
+    *("swing_friction", "end_forces", "bath_momentum"),
+)
+
+
+def own_model(layout: Layout) -> tuple[Model, tuple[Call, ...]]:
+    """The model of a scene for one loop, with arrays and calculators that no other loop uses."""
+    model = with_scratch(layout.model, layout.model.each.shape[1])
+    calls: tuple[Call, ...] = ()
+    if layout.calculator_calls:
+        depths = [layout.depths[part] for part in layout.parts.values()]
+        calls = contacts.calculator_calls(layout.scene, depths)
+        model = model._replace(calculators=contacts.calculators(layout.scene, calls))
+    team = None if model.team is None else _own_team(model.team)
+    return model._replace(surfaces=model.surfaces.copy(), team=team), calls
+
+
+def with_scratch(model: Model, columns: int) -> Model:
+    """The model with scratch of its own, with so many columns."""
+    tables = {name: getattr(model, name) for name in SCRATCH}
+    own: dict[str, Any] = {n: room((len(t), columns)) for n, t in tables.items() if t is not None}
+    return model._replace(**own)
+
+
+def _own_team(team: Team) -> Team:
+    """A team whose threads share the work of one loop."""
+    own = {name: getattr(team, name).copy() for name in team._fields if name != "reactions"}
+    return team._replace(**own | {"reactions": room(team.reactions.shape)})
 
 
 def together(item: Any) -> tuple[Any, np.ndarray]:

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
-from tribo.integrators.methods import Method
+from tribo.integrators.methods import METHODS, Method
 from tribo.integrators.step_control import Tolerance
+from tribo.model.scene import Scene
 from tribo.run.general_loop import GeneralLoop, compile_loop
 from tribo.run.integrate import Integration, Progress, Setting, first_step_at, integrate
 from tribo.run.journal import Journal, key_of
-from tribo.run.layout import Layout
+from tribo.run.layout import Layout, lay_out
 from tribo.run.pair_adapter import Pair, has_pair_loop
 from tribo.run.runaway import up_to_runaway
-from tribo.run.state import Origin
+from tribo.run.state import Origin, State, continued
 from tribo.run.streamed_ledger import StreamedLedger
 
 
@@ -79,6 +82,12 @@ class Integrator:
         else:
             self.compile_seconds = compile_loop(layout, method, threads)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle what to lay out and compile again, without `progress` and `journal`."""
+        state = None if self.origin is None else self.origin.state
+        arguments = self.layout.scene, self.method.name, self.first_step, state, self.threads
+        return _integrator_from, arguments
+
     def __call__(
         self,
         setting: Setting,
@@ -122,12 +131,10 @@ class Integrator:
             exactly = np.array_equal(start, self.layout.start)
             self.origin.place(loop, self.method.name, exactly)
             before, times = self.origin.first, times[times >= self.layout.beginning]
-        calls = self.layout.calculator_calls
         whole, portions = (entry, None) if streamed is None else (None, entry)
         run = integrate(
             loop,
             times,
-            calls,
             self._progress,
             streamed,
             whole,
@@ -139,3 +146,13 @@ class Integrator:
         if streamed is not None or self.method.adaptive:
             return run
         return up_to_runaway(self.layout, run)
+
+
+def _integrator_from(
+    scene: Scene, method: str, first_step: float, state: State | None, threads: int
+) -> Integrator:
+    """The integrator of a scene, or of its continuation from a state."""
+    layout, origin = lay_out(scene), None
+    if state is not None:
+        layout, origin = continued(layout, state)
+    return Integrator(layout, METHODS[method], first_step, origin=origin, threads=threads)

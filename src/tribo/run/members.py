@@ -10,6 +10,7 @@ import numpy as np
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.compiled import EntryPoint, time_loop
 from tribo.kernels.potential_numbers import numbers_of
+from tribo.kernels.records import CLOCK
 from tribo.pair.loop import COLUMNS
 from tribo.pair.members import pair_members
 from tribo.pair.step_rows import LIMITS, STATE
@@ -109,7 +110,7 @@ class PairMembers:
         self._times = times
         self._record, potential = pair.scene_arguments
         self._numbers = np.array([numbers_of(potential)], float)
-        examples = (self._record, self._numbers, pair.rows, *self._memory(1), MOST_STEPS)
+        examples = (self._record, self._numbers, pair.rows(), *self._memory(1), MOST_STEPS)
         loop = time_loop(pair_members, source_stamp(pair.layout.plugins))
         with compiling(loop, pair.layout.named_plugins):
             self._loop = EntryPoint(loop, (potential,), examples)
@@ -122,7 +123,7 @@ class PairMembers:
         With `numbers` of their own, or those of the scene.
         """
         layout = self._pair.layout
-        rows = self._pair.rows.copy()
+        rows = self._pair.rows()
         rows[LIMITS:STATE] = self._pair.limits(tolerance)
         memory = self._memory(len(starts))
         memory.clocks["encounter_fraction"] = tolerance.encounter_fraction
@@ -138,7 +139,7 @@ class PairMembers:
         """Memory for so many members."""
         size, times = self._pair.layout.start.size, self._times
         return Memory(
-            np.zeros_like(self._pair.clocks),
+            np.zeros(1, CLOCK),
             np.empty((members, size)),
             np.empty(size),
             times,

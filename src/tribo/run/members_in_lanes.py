@@ -110,10 +110,10 @@ class MembersInLanes:
         try:
             return self._idle.pop()
         except IndexError:
-            scene, method, own = self._layout.scene, self._method, self._own_numbers
+            layout, method, own = self._layout, self._method, self._own_numbers
             if method.splits:
-                return SplittingLanes(scene, method, own)
-            return NystromLanes(scene, method, own, self._first_step)
+                return SplittingLanes(layout, method, own)
+            return NystromLanes(layout, method, own, self._first_step)
 
 
 def members_of(

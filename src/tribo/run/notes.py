@@ -41,13 +41,9 @@ def run_notes(layout: Layout, method: Method, step: float | None) -> tuple[str, 
     return (*core_notes(layout), *_on_potentials(scene, method), *steps, *_on_baths(scene))
 
 
-def calculator_notes(layout: Layout) -> tuple[str, ...]:
-    """Notes on errors that ASE calculators raised in the last run."""
-    return tuple(
-        f"the calculator raised {type(call.error).__name__}: {call.error}"
-        for call in layout.calculator_calls
-        if call.error is not None
-    )
+def calculator_notes(run: Integration) -> tuple[str, ...]:
+    """Notes on errors that ASE calculators raised in a run."""
+    return tuple(f"the calculator raised {failure}" for failure in run.failures)
 
 
 def budget_notes(layout: Layout, ledger: Ledger, bounds: Mapping[str, float]) -> tuple[str, ...]:

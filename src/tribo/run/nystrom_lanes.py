@@ -14,9 +14,9 @@ from tribo.kernels.samples import empty_state
 from tribo.kernels.simd import LANES
 from tribo.kernels.simd_arrays import room
 from tribo.kernels.status import PAUSED
-from tribo.model.scene import Scene
 from tribo.run.integrate import Columns, Setting, first_step_at
 from tribo.run.lane_loop import LaneLoop
+from tribo.run.layout import Layout
 from tribo.run.member_numbers import MemberNumbers
 
 # Trials of a call of the loop, since an interrupt waits for its end: of 64 asperites some 0.3 s.
@@ -28,7 +28,7 @@ class NystromLanes(LaneLoop):
 
     Parameters
     ----------
-    scene, method, own_numbers
+    layout, method, own_numbers
         As those of `LaneLoop`.
     first_step : float
         The longest first step [time].
@@ -39,8 +39,10 @@ class NystromLanes(LaneLoop):
         If a plug-in does not compile.
     """
 
-    def __init__(self, scene: Scene, method: Method, own_numbers: bool, first_step: float) -> None:
-        super().__init__(scene, method, own_numbers)
+    def __init__(
+        self, layout: Layout, method: Method, own_numbers: bool, first_step: float
+    ) -> None:
+        super().__init__(layout, method, own_numbers)
         self._longest, self._order = first_step, method.order
         self._clocks = np.zeros(LANES, CLOCK).view(np.recarray)
         self._held = np.full(LANES, -1)

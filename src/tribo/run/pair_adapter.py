@@ -7,7 +7,6 @@ multiple of one of them; two matrices hold the factors.
 from __future__ import annotations
 
 import time
-from typing import Any
 
 import numpy as np
 from numba import config
@@ -15,13 +14,11 @@ from numba import config
 from tribo.integrators.collocation import Collocation
 from tribo.integrators.methods import Method
 from tribo.integrators.step_control import Tolerance
-from tribo.kernels.compiled import EntryPoint, time_loop
-from tribo.kernels.records import CHARGE, CLOCK, FORCED, FREE, Z
+from tribo.kernels.records import CHARGE, FORCED, FREE, Z
 from tribo.kernels.simd import LANES
-from tribo.kernels.status import COMPLETED, PAUSED, Status
 from tribo.model.effects import Effect
 from tribo.pair.forces import PAIR
-from tribo.pair.loop import COLUMNS, ENERGY, pair_collocation
+from tribo.pair.loop import ENERGY
 from tribo.pair.step import table
 from tribo.pair.step_rows import (
     FIRST,
@@ -31,26 +28,14 @@ from tribo.pair.step_rows import (
     OF_V1,
     OF_V2,
     ROWS,
-    STATE,
     V1,
     V2,
     J,
 )
-from tribo.plugins.compile_errors import compiling
-from tribo.plugins.sources import source_stamp
-from tribo.run.general_loop import numbers_of, set_numbers
-from tribo.run.integrate import (
-    Checkpoints,
-    Columns,
-    Integration,
-    Memory,
-    Progress,
-    first_step_at,
-    integrate,
-)
+from tribo.run.integrate import Checkpoints, Integration, Progress, first_step_at
 from tribo.run.layout import Layout
 from tribo.run.pair_factors import FIRST_ACCOUNT, Factors, factors_of
-from tribo.run.pair_samples import PairSamples
+from tribo.run.pair_loop import PairLoop
 
 # Effects of scenes that the loop of a pair knows.
 KNOWN = {Effect.CONTACT, Effect.SWING, Effect.SLIDING, Effect.CLAMPED_ENDS, Effect.CUTOFF}
@@ -58,8 +43,6 @@ KNOWN = {Effect.CONTACT, Effect.SWING, Effect.SLIDING, Effect.CLAMPED_ENDS, Effe
 # First step in units of the one that is usual: the loop's method is of order 15, and a first step
 # that is too long costs one rejection only.
 FIRST_STEP_FACTOR = 8.0
-# Steps before a run without a progress report can be interrupted: a few milliseconds.
-UNINTERRUPTED_STEPS = 2048
 
 
 def has_pair_loop(layout: Layout, method: Method) -> bool:
@@ -92,7 +75,7 @@ def is_pair(layout: Layout) -> bool:
 
 
 class Pair:
-    """A scene of two asperites, and its compiled loop.
+    """A scene of two asperites, and its compiled loop; threads can run it at the same time.
 
     Parameters
     ----------
@@ -112,12 +95,8 @@ class Pair:
     ----------
     layout : Layout
         Of the scene.
-    adaptive : bool
-        True: the loop chooses its steps.
-    clocks : ndarray, (1,)
-        How far the run has come.
-    rows : ndarray, (ROWS, 8)
-        The loop's memory; the first rows are the method's table.
+    scene_arguments : tuple
+        The scene and its potential, the loop's first arguments.
     factors : Factors
         From the loop's record to the layout.
     compile_seconds : float
@@ -128,26 +107,16 @@ class Pair:
         """Compile the loop, or load it from disk."""
         began = time.perf_counter()
         self.layout = layout
-        self.adaptive = True
         asperites = np.asarray(layout.asperites)
         mobility = mobility_of(layout, asperites)
         depths, charges = layout.model.each[[Z, CHARGE]][:, layout.places.columns]
         record = record_of(asperites[None], depths, charges, mobility)
-        potential = layout.model.contacts[0].potential
-        self._first_step, self._order = FIRST_STEP_FACTOR * first_step, method.order
-        self.clocks, self.rows = np.zeros(1, CLOCK), np.zeros((ROWS, LANES))
-        assert isinstance(method.coefficients, Collocation)
-        self.rows[:LIMITS] = table(method.coefficients)
+        self.scene_arguments = record, layout.model.contacts[0].potential
         self.factors = Factors(*factors_of(layout, asperites, mobility), {})
-        # The loop's first arguments, the same in each call.
-        self._fixed = (record, potential, self.rows, self.clocks)
-        self._evaluations = self.clocks["evaluations"]  # the loop begins a run where this is 0
-        self._tolerance: Tolerance | None = None  # from which the rows' limits were made
-        self._start = layout.start
-        loop = time_loop(pair_collocation, source_stamp(layout.plugins))
-        examples = (layout.start, np.zeros(1), np.empty((2, COLUMNS)), 0)
-        with compiling(loop, layout.named_plugins):
-            self._loop = EntryPoint(loop, self._fixed, examples)
+        self._first_step, self._order = FIRST_STEP_FACTOR * first_step, method.order
+        assert isinstance(method.coefficients, Collocation)
+        self._coefficients = method.coefficients
+        self._idle = [self._new_loop()]
         self.compile_seconds = time.perf_counter() - began
 
     def integrate(
@@ -163,56 +132,28 @@ class Pair:
 
         With `most` force evaluations, or those of the scene without it.
         """
-        began = time.perf_counter()
-        if self._tolerance is not tolerance:
-            self._tolerance = tolerance
-            self.rows[LIMITS:STATE] = self.limits(tolerance)
-            self.clocks["encounter_fraction"] = tolerance.encounter_fraction
-        self._evaluations[0] = 0
-        self._start = start
-        if progress is not None or checkpoints is not None:
-            return integrate(self, times, (), progress, None, checkpoints, most=most)
-        record = np.empty((times.size + 1, COLUMNS))
-        code = self._loop(start, times, record, UNINTERRUPTED_STEPS)
-        if code != COMPLETED:
-            if code != PAUSED:
-                self._evaluations[0] = 0  # from the start again, to the same end
-            return integrate(self, times, columns=(record,), most=most)
-        seconds, clock = time.perf_counter() - began, self.clocks.tobytes()
-        rows = self.rows[STATE:].copy()
-        return Integration(
-            lambda: self.samples(times, (record,)),
-            Status.COMPLETED,
-            record[-1],
-            seconds,
-            lambda: _memory(np.frombuffer(clock, CLOCK), rows),
-        )
+        loop = self.free_loop()
+        if loop.tolerance is not tolerance:
+            loop.set_up(tolerance, self.limits(tolerance))
+        run = loop.integrate(start, times, progress, checkpoints, most)
+        self._idle.append(loop)
+        return run
 
-    @property
-    def scene_arguments(self) -> tuple[Any, ...]:
-        """The scene and its potential, the loop's first arguments."""
-        return self._fixed[:2]
+    def free_loop(self) -> PairLoop:
+        """A loop that no other thread uses; one that a run leaves unfinished is not used again."""
+        try:
+            return self._idle.pop()
+        except IndexError:
+            return self._new_loop()
 
-    def room(self, samples: int) -> Columns:
-        """Arrays for so many samples."""
-        return (np.empty((samples, COLUMNS)),)
+    def rows(self) -> np.ndarray:
+        """The memory of a loop before its first run, (ROWS, 8)."""
+        rows = np.zeros((ROWS, LANES))
+        rows[:LIMITS] = table(self._coefficients)
+        return rows
 
-    def advance(self, times: np.ndarray, columns: Columns, budget: int) -> int:
-        """Take at most `budget` steps, and record the samples at `times`; a code of a status."""
-        code: int = self._loop(self._start, times, columns[0], budget)
-        return code
-
-    def forget_neighbours(self) -> None:
-        """Nothing, as a pair has no list."""
-
-    def memory(self) -> Memory:
-        """All that another loop of this kind needs to continue."""
-        return _memory(self.clocks, self.rows[STATE:].copy())
-
-    def restore(self, memory: Memory) -> None:
-        """Continue where another loop of this kind was."""
-        set_numbers(self.clocks, memory["clock"])
-        self.rows[STATE:] = memory["pair"]
+    def _new_loop(self) -> PairLoop:
+        return PairLoop(self.layout, self.scene_arguments, self.rows(), self.factors)
 
     def limits(self, tolerance: Tolerance) -> np.ndarray:
         """The loop's own limits (2, 8), with which all of the layout's tolerances are met."""
@@ -227,15 +168,6 @@ class Pair:
             both[0, place] = value
         both[1] = 1.0 / own[FIRST_ACCOUNT : FIRST_ACCOUNT + LANES]
         return both
-
-    def samples(self, times: np.ndarray, columns: Columns) -> PairSamples:
-        """The first samples in `columns`, of the scene's layout, which were recorded at `times`."""
-        record = columns[0][: times.size]
-        return PairSamples(times, record, record[0], self.factors)
-
-
-def _memory(clocks: np.ndarray, rows: np.ndarray) -> Memory:
-    return {"clock": numbers_of(clocks), "pair": rows}
 
 
 def mobility_of(layout: Layout, asperites: np.ndarray) -> np.ndarray:

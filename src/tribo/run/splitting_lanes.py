@@ -13,7 +13,6 @@ from tribo.kernels.records import CLOCK
 from tribo.kernels.simd import LANES
 from tribo.kernels.simd_arrays import room
 from tribo.kernels.status import COMPLETED, PAUSED
-from tribo.model.scene import Scene
 from tribo.pair.members import CODE, EVALUATIONS, STEPS
 from tribo.run.integrate import Columns, Setting
 from tribo.run.lane_loop import LaneLoop, padded
@@ -35,8 +34,8 @@ class SplittingLanes(LaneLoop):
         If a plug-in does not compile.
     """
 
-    def __init__(self, scene: Scene, method: Method, own_numbers: bool) -> None:
-        super().__init__(scene, method, own_numbers)
+    def __init__(self, layout: Layout, method: Method, own_numbers: bool) -> None:
+        super().__init__(layout, method, own_numbers)
         self._clocks = np.zeros(1, CLOCK).view(np.recarray)
         watch = room((WATCHED, LANES))
         self._state, self._work, self._watch = self.keep(
