@@ -38,6 +38,7 @@ from tribo.run.notes import (
     stop_notes,
 )
 from tribo.run.passing import passing_notes, up_to_passing
+from tribo.run.pumped_heat import pumping_notes
 from tribo.run.result import Known, Result
 from tribo.run.samples import Samples
 from tribo.run.separation import separation_notes
@@ -267,7 +268,8 @@ class Simulation:
         """Notes on drives, and on surfaces that pass through each other, part, or never meet."""
         layout, samples = self.layout, run.samples
         drives = drive_notes(layout, assemble(layout, samples.ends()))
-        return (*drives, *passing_notes(layout, samples), *separation_notes(layout, samples))
+        found = (passing_notes, separation_notes, pumping_notes)
+        return (*drives, *(note for notes in found for note in notes(layout, samples)))
 
     def _errors(self, runs: Sequence[Integration]) -> tuple[dict[str, float], float]:
         """Bounds on the last run's errors, and the largest in units of the request."""
