@@ -38,8 +38,11 @@ from tribo.run.notes import (
     run_notes,
     stop_notes,
 )
+from tribo.run.passing import passing_notes, up_to_passing
+from tribo.run.pumped_heat import pumping_notes
 from tribo.run.result import Known, Result
 from tribo.run.samples import Samples
+from tribo.run.separation import separation_notes
 from tribo.run.state import digest_of, state_of
 from tribo.run.streamed_ledger import StreamedLedger, is_streamed
 from tribo.validation import InputError, TriboWarning
@@ -211,10 +214,10 @@ class Simulation:
             return self._streamed_run(y)
         layout, seconds, ratio = self.layout, self.compile_seconds, self._digit_ratio
         setting, times = self._single
-        run = self.integrator(setting, times, y)
+        run = up_to_passing(layout, self.integrator(setting, times, y))
         notes = passage_notes(layout, run)
         if self.plan.tuned is None:
-            notes += drive_notes(layout, assemble(layout, run.samples.ends()))
+            notes += self._sliding_notes(run)
         # The ledger and the cost are left for later: a run of a pair takes ten microseconds.
         return self._result(
             run.status,
@@ -231,6 +234,7 @@ class Simulation:
         run, ledger = self._stream(y)
         ends = assemble(self.layout, run.samples.ends())
         notes = (*passage_notes(self.layout, run), *drive_notes(self.layout, ends))
+        notes += passing_notes(self.layout, run.samples)
         cost = cost_of([run], self.compile_seconds, self._digit_ratio)
         notes += _left_out(ledger)
         return self._result(run.status, None, notes, {}, Known(ledger), Known(cost), run)
@@ -258,7 +262,8 @@ class Simulation:
             notes = () if met else (*approach_notes(self.layout, fine), self._missed(excess))
             open_budget = budget_notes(self.layout, assemble(self.layout, fine.samples), bounds)
             met, notes = met and not open_budget, (*notes, *open_budget)
-        notes = (*drive_notes(self.layout, assemble(self.layout, fine.samples.ends())), *notes)
+        fine = up_to_passing(self.layout, fine)
+        notes = (*self._sliding_notes(fine), *notes)
         known = met if len(runs) > 1 or fine.status != Status.COMPLETED else None
         layout, seconds, ratio = self.layout, self.compile_seconds, self._digit_ratio
         if self._streams and fine.status == Status.COMPLETED:
@@ -276,6 +281,13 @@ class Simulation:
             lambda: cost_of(runs, seconds, ratio, search),
             fine,
         )
+
+    def _sliding_notes(self, run: Integration) -> tuple[str, ...]:
+        """Notes on drives, and on surfaces that pass through each other, part, or never meet."""
+        layout, samples = self.layout, run.samples
+        drives = drive_notes(layout, assemble(layout, samples.ends()))
+        found = (passing_notes, separation_notes, pumping_notes)
+        return (*drives, *(note for notes in found for note in notes(layout, samples)))
 
     def _errors(self, runs: Sequence[Integration]) -> tuple[dict[str, float], float]:
         """Bounds on the last run's errors, and the largest in units of the request."""

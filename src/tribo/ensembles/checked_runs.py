@@ -40,6 +40,7 @@ from tribo.run.member_numbers import MemberNumbers, member_numbers
 from tribo.run.member_samples import MemberRuns
 from tribo.run.members import PairMembers
 from tribo.run.members_in_lanes import MembersInLanes, fit_lanes, members_of
+from tribo.run.passing import passed_through
 
 # Members that are run in one call, at most: of a pair some 30 ms, after which an interrupt is
 # answered.
@@ -239,7 +240,8 @@ class CheckedRuns:
         plan = self.plan
         begun = self.begin(members)
         runs = self.run(plan.method, plan.level, plan.scales, begun)
-        complete = runs.counts[:, CODE] == COMPLETED
+        passed = passed_through(runs.layout, runs.samples).reshape(-1, len(begun.starts))
+        complete = (runs.counts[:, CODE] == COMPLETED) & ~passed.any(axis=0)
         found = KeptValues(
             kept_values(self.kept, runs),
             np.where(complete, str(Status.COMPLETED), UNKNOWN).astype(STATUS_TYPE),

@@ -19,6 +19,7 @@ from tribo.model.scene_writer import scene_text
 from tribo.run.dataset import Variable
 from tribo.run.intervals import CONFIDENCE
 from tribo.run.quantities import ASPERITE_QUANTITIES, EVERY_QUANTITY, OPTIONAL_QUANTITIES, UNITS
+from tribo.run.separation import PART
 
 if TYPE_CHECKING:
     import xarray
@@ -186,6 +187,12 @@ def _notes(collected: Collected) -> list[str]:
         notes.append(
             f"{total - complete} of {total} members stopped early ({', '.join(stopped)}); means "
             "are over the others"
+        )
+    parted = sum(any(PART in note for note in o.notes) for o in runner.outcomes if o.completed)
+    if parted:
+        notes.append(
+            f"in {parted} of {total} members surfaces {PART}; means include them, and the series "
+            "time_without_contact tells which they are"
         )
     if complete < collected.needed:
         notes.append(

@@ -36,6 +36,8 @@ UNKNOWN = ""
 # added to its name for the half-width of its 95 % interval, from block averages of one run.
 AVERAGED = "friction_force"
 INTERVAL = f"{AVERAGED}_time_half_width"
+# Kept beside it, where contact has a range.
+SHARE = "time_without_contact"
 # Of an array of names of statuses.
 STATUS_TYPE = f"U{max(map(len, [MISSED, *Status]))}"
 
@@ -118,7 +120,10 @@ class Kept:
             names.append(name)
             if name.endswith(f".{AVERAGED}") and not at_samples:
                 _check_averaged(simulation.scene)
-                names.append(f"{name.rpartition('.')[0]}.{INTERVAL}")
+                surface = name.rpartition(".")[0]
+                beside = f"{surface}.{SHARE}"
+                known = _shape(beside, ledger, simulation.scene) is not None
+                names += [f"{surface}.{INTERVAL}", *[beside] * known]
         unique = tuple(dict.fromkeys(names))
         leading = (times,) if at_samples else ()
         own = (_shape(name, ledger, simulation.scene) or () for name in unique)
@@ -155,6 +160,8 @@ class Kept:
                 found[name] = result.friction_force(surface).mean
             elif kind == INTERVAL:
                 found[name] = result.friction_force(surface).half_width
+            elif kind == SHARE:
+                found[name] = result.time_without_contact(surface)
             else:
                 found[name] = at_end.series(name)[0][-1]
         return found
@@ -163,8 +170,8 @@ class Kept:
 def about_kept(name: str, at_end: bool) -> dict[str, str]:
     """The units and the meaning of a kept quantity of single runs."""
     kind = name.rpartition(".")[2]
-    averaged = at_end and kind in (AVERAGED, INTERVAL)
-    quantity = EVERY_QUANTITY[AVERAGED if averaged else kind]
+    averaged = at_end and kind in (AVERAGED, INTERVAL, SHARE)
+    quantity = EVERY_QUANTITY[AVERAGED if kind == INTERVAL else kind]
     when = ", averaged over time" if averaged else ", at the end" * at_end
     before = "half-width of the 95 % interval of: " * (kind == INTERVAL)
     return {"units": quantity.units, "long_name": f"{before}{quantity.long_name}{when}"}

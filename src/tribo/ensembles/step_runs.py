@@ -15,6 +15,7 @@ from tribo.prepared import Simulation
 from tribo.run.initial_state import InitialState
 from tribo.run.member_numbers import MemberNumbers, member_numbers
 from tribo.run.members_in_lanes import members_of
+from tribo.run.passing import passed_through
 from tribo.run.runaway import grows
 
 
@@ -63,7 +64,8 @@ class StepRuns:
             own = (member_numbers(layout, len(starts), members.values),)
         runs = self._loop.run(self.simulation.plan.setting, starts, members.seeds, *own)
         grown = grows(runs.layout, runs.samples).reshape(-1, len(starts)).any(axis=0)
-        complete = (runs.counts[:, CODE] == COMPLETED) & ~grown
+        passed = passed_through(runs.layout, runs.samples).reshape(-1, len(starts)).any(axis=0)
+        complete = (runs.counts[:, CODE] == COMPLETED) & ~grown & ~passed
         unknown = np.full(complete.size, np.nan)
         return KeptValues(
             kept_values(self.kept, runs),

@@ -51,16 +51,10 @@ def closest_bobs(layout: Layout, sample: Samples) -> Closest | None:
 
 def closest_of_contacts(layout: Layout, sample: Samples) -> Iterator[tuple[Closest, Contact]]:
     """The closest bobs of each two surfaces in contact; nothing where a position is not finite."""
-    places = _places(layout, sample)
+    places = bob_places(layout, sample)[0]
     if not np.all(np.isfinite(places)):
         return
-    box = np.zeros(3)
-    if layout.model.box is not None:
-        box[:] = layout.model.box.x, 0.0, layout.model.box.z
-        periodic = box > 0.0
-        places[:, periodic] %= box[periodic]
-        # The remainder of a tiny negative number is the period itself, which trees refuse.
-        places[:, periodic] %= box[periodic]
+    places, box = in_box(layout, places)
     for contact in (*layout.model.contacts, *(layout.model.within or ())):
         for one, other in contact.pairs:
             mine, theirs = (layout.surfaces[k] for k in (one, other))
@@ -76,17 +70,29 @@ def closest_of_contacts(layout: Layout, sample: Samples) -> Iterator[tuple[Close
                 yield Closest(float(distances[i, 0]), *pair), contact
 
 
-def _places(layout: Layout, sample: Samples) -> np.ndarray:
-    """Positions of all bobs at the time of a sample, (n, 3), in the frame of the first surface."""
-    places = np.empty((layout.asperites.size, 3))
-    places[:, 2] = layout.depths
+def in_box(layout: Layout, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Places of bobs in the scene's box, and its lengths along each axis, 0 where there is none."""
+    box = np.zeros(3)
+    if layout.model.box is not None:
+        box[:] = layout.model.box.x, 0.0, layout.model.box.z
+        periodic = box > 0.0
+        places = places.copy()
+        places[..., periodic] %= box[periodic]
+        # The remainder of a tiny negative number is the period itself, which trees refuse.
+        places[..., periodic] %= box[periodic]
+    return places, box
+
+
+def bob_places(layout: Layout, samples: Samples) -> np.ndarray:
+    """Positions of all bobs at all times, (times, n, 3), in the frame of the first surface."""
+    places = np.empty((samples.t.size, layout.asperites.size, 3))
+    places[..., 2] = layout.depths
     for index in range(len(layout.scene.surfaces)):
-        for batch, motion in motions(layout, sample, index):
+        for batch, motion in motions(layout, samples, index):
             a = batch.asperites
             x, y = a.x + a.vx * motion.t + motion.x, a.y + a.vy * motion.t + motion.y
-            tx, ty = swing_direction(a.facing, motion.swing)
-            x, y = bob_position(x, y, a.l1, tx, ty)
-            places[batch.place, 0], places[batch.place, 1] = x[0], y[0]
+            x, y = bob_position(x, y, a.l1, *swing_direction(a.facing, motion.swing))
+            places[:, batch.place, 0], places[:, batch.place, 1] = x, y
     return places
 
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
+from tribo.run.contact_distance import has_contact_distance
 
 ALWAYS = ("f1", "f2", "fL", "fR")
 
 
 def force_names(scene: Scene, surface: Surface) -> list[str]:
-    """The forces that act on a surface's asperites, and the friction force on the surface."""
+    """The forces that act on a surface's asperites, and what is said of friction of the surface."""
     present = {
         "f_within": scene.has_contact_within(surface),
         "f_field": scene.has_field(surface),
@@ -18,7 +19,8 @@ def force_names(scene: Scene, surface: Surface) -> list[str]:
         "f_T": surface.bar_reservoir is not None,
     }
     names = (*ALWAYS, *(name for name, acts in present.items() if acts))
-    return ["friction_force", *(f"{name}_{axis}" for name in names for axis in "xy")]
+    contact = ["time_without_contact"] * has_contact_distance(scene, surface)
+    return ["friction_force", *contact, *(f"{name}_{axis}" for name in names for axis in "xy")]
 
 
 def energy_names(scene: Scene, surface: Surface) -> list[str]:

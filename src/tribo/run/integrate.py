@@ -231,9 +231,9 @@ def integrate(
         earlier = 0 if held is None else held.t.size
         held = new if held is None else held.then(new)
         if streamed is not None:
-            lost = streamed.add(held, earlier)
-            if lost is not None:
-                status, held = Status.ENERGY_RUNAWAY, held.at(held.t[: lost + 1])
+            end = streamed.add(held, earlier)
+            if end is not None:
+                status, held = end[1], held.at(held.t[: end[0] + 1])
             held = held.last_interval()
         if status != Status.COMPLETED:
             break

@@ -115,7 +115,7 @@ def drive_notes(layout: Layout, ledger: Ledger) -> tuple[str, ...]:
 
 def stop_notes(layout: Layout, run: Integration) -> tuple[str, ...]:
     """Where a run stopped: the time, the last step, and the closest bobs that interact."""
-    if run.status in (Status.COMPLETED, Status.INTERRUPTED):
+    if run.status in (Status.COMPLETED, Status.INTERRUPTED, Status.PASSED_THROUGH):
         return ()
     last = run.samples.last()
     clock = dict(zip(CLOCK.names or (), run.memory["clock"], strict=True))

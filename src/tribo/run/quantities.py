@@ -23,6 +23,7 @@ UNITS = {
     "velocity": "length time^-1",
     "energy": "energy",
     "force": "force",
+    "share": "1",
 }
 
 
@@ -169,6 +170,11 @@ FURTHER_OF_SURFACES = {
     "friction_force": Quantity(
         "force", "x of the contact force on the surface", lambda whole: whole.friction_force
     ),
+    "time_without_contact": Quantity(
+        "share",
+        "share of time without contact: 1 where no bob is in contact, else 0",
+        lambda whole: whole.without_contact,
+    ),
     "e_springs": Quantity(
         "energy", "energy of the lattice springs", lambda whole: whole.stored(SPRINGS)
     ),
@@ -190,7 +196,7 @@ FURTHER: dict[str, Mapping[str, Quantity]] = {
     "forces": {
         name: each
         for name, each in (FURTHER_OF_ASPERITES | FURTHER_OF_SURFACES).items()
-        if each.kind == "force"
+        if each.kind in ("force", "share")
     },
     "energies": {
         name: each

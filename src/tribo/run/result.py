@@ -193,6 +193,44 @@ class Result(Presentation):
         after = self.scene.output.run_in if after is None else after
         return average(self.t, series["friction_force"], after, blocks)
 
+    def time_without_contact(self, surface: str, after: float | None = None) -> float:
+        """The share of time in which no bob of a surface is in contact with another surface.
+
+        Two bobs are in contact within the range of their potential.  Where it decays without an
+        end, they are if their energy is at least 1 % of the sum of the energy of torsion by 1 rad
+        of the softest asperite and of k_B T.  The scene's output must ask for the series "forces".
+
+        Parameters
+        ----------
+        surface : str
+            Name of the surface.
+        after : float, optional
+            When the average begins; by default the scene's ``output.run_in`` [time].
+
+        Returns
+        -------
+        float
+            Between 0 and 1.
+
+        Raises
+        ------
+        InputError
+            The contact was not recorded, or has no range, as that of Coulomb, or there are fewer
+            than two samples.
+        """
+        series = self[surface]
+        if "time_without_contact" not in series and not self.ledger.kept:
+            raise InputError(
+                "output.series",
+                'does not contain "forces", or the contact has no range: time_without_contact is '
+                "not recorded",
+            )
+        later = self.t >= (self.scene.output.run_in if after is None else after)
+        t, without = self.t[later], series["time_without_contact"][later]
+        if t.size < 2:
+            raise InputError("after", f"leaves {t.size} samples, and a share of time takes two")
+        return float(np.sum(0.5 * (without[1:] + without[:-1]) * np.diff(t)) / (t[-1] - t[0]))
+
     def oscillators(self, surface: str) -> np.ndarray:
         """The displacements of the bath oscillators of a surface from their bars.
 
@@ -261,6 +299,7 @@ class Result(Presentation):
             "system": {key: float(values[-1]) for key, values in ledger.system.items()},
             "error_estimate": dict(self.error_estimate),
             **self._friction(),
+            **self._without_contact(),
         }
 
     def _friction(self) -> dict[str, Any]:
@@ -271,6 +310,14 @@ class Result(Presentation):
         blocks = self.ledger.blocks.items()
         averages = {name: self.friction_force(name) for name, b in blocks if "friction_force" in b}
         return {"friction_force": {name: each._asdict() for name, each in averages.items()}}
+
+    def _without_contact(self) -> dict[str, dict[str, float]]:
+        """The share of time without contact of every surface, where it is recorded."""
+        if np.count_nonzero(self.t >= self.scene.output.run_in) < 2:
+            return {}
+        names = [n for n, b in self.ledger.blocks.items() if "time_without_contact" in b]
+        shares = {name: self.time_without_contact(name) for name in names}
+        return {"time_without_contact": shares} if shares else {}
 
     @property
     def shortcoming(self) -> str:
@@ -314,6 +361,9 @@ class Result(Presentation):
                 parts = ["works are not kept", *parts]
             if parts:
                 lines.append(f"  {name:>10}: {', '.join(parts)}")
+        for shares in self._without_contact().values():
+            each = ", ".join(f"{name} {100.0 * share:.3g} %" for name, share in shares.items())
+            lines.append(f"  time without contact: {each}")
         return "\n".join(lines + [f"  note: {note}" for note in self.notes])
 
     def _digits(self) -> str:

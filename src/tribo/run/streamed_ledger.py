@@ -8,8 +8,10 @@ import math
 import numpy as np
 
 from tribo.kernels.force_probe import ROWS
+from tribo.kernels.status import Status
 from tribo.run.layout import Layout
 from tribo.run.ledger import Ledger, assemble, known
+from tribo.run.passing import passed_through
 from tribo.run.quantities import ASPERITE_QUANTITIES, OPTIONAL_QUANTITIES, Table
 from tribo.run.runaway import first_lost
 from tribo.run.samples import Samples
@@ -43,18 +45,23 @@ class StreamedLedger:
         self._portions: list[Ledger] = []
         self._written = 0  # portions that `new_arrays` has returned
 
-    def add(self, samples: Samples, earlier: int) -> int | None:
+    def add(self, samples: Samples, earlier: int) -> tuple[int, Status] | None:
         """Take in a portion after `earlier` samples that were taken in before.
 
         These are the first of the run and the last two, which changes and means over an interval
-        are relative to.  Returns the index of the first sample at which the energy has run away, if
-        there is one; those after it are left out.
+        are relative to.  Returns the index of the first sample at which the energy has run away, or
+        surfaces have passed through each other, if there is one, and its status; samples after it
+        are left out.
         """
         ledger, lost = assemble(self._layout, samples), None
         if self._guarded:
             lost, self._known = first_lost(self._layout, samples, ledger.system, self._known)
-        self._keep(ledger.rows(slice(earlier, None if lost is None else lost + 1)))
-        return lost
+        ends = [] if lost is None else [(lost, Status.ENERGY_RUNAWAY)]
+        passed = np.flatnonzero(passed_through(self._layout, samples))
+        ends += [(int(k), Status.PASSED_THROUGH) for k in passed[:1]]
+        end = min(ends, default=None)
+        self._keep(ledger.rows(slice(earlier, None if end is None else end[0] + 1)))
+        return end
 
     def _keep(self, ledger: Ledger) -> None:
         """Keep what the scene asks for."""

@@ -23,6 +23,7 @@ from tribo.run.entry import Entry
 from tribo.run.forces import Forces
 from tribo.run.layout import Layout
 from tribo.run.samples import Samples
+from tribo.run.separation import without_contact
 
 # In a run that stopped because values were not finite, the last are infinite or NaN here too.
 _with_infinities = np.errstate(over="ignore", invalid="ignore")
@@ -152,6 +153,11 @@ class Whole(Group):
     def friction_force(self) -> np.ndarray:
         """The x component of the contact force on the surface."""
         return np.asarray(np.sum(self.force("f1", 0), axis=1))
+
+    @property
+    def without_contact(self) -> np.ndarray:
+        """1 where no bob of the surface is in contact with another surface, else 0."""
+        return without_contact(self._layout, self.samples, self._index).astype(float)
 
     def stored(self, place: int) -> np.ndarray:
         """A stored energy, SPRINGS or WITHIN."""

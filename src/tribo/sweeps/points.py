@@ -160,7 +160,8 @@ def _single(scene: Scene, names: Sequence[str]) -> Found:
     bounds = result.error_estimate
     errors = {name: bounds.get(name, bounds.get(name.rpartition(".")[2])) for name in values}
     known = {name: bound for name, bound in errors.items() if bound is not None}
-    return Found(status, values, known, counts, result.shortcoming)
+    note = result.shortcoming or "; ".join(result.notes)
+    return Found(status, values, known, counts, note)
 
 
 def _several(scene: Scene, names: Sequence[str], group: Members) -> Found:

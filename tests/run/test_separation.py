@@ -1,0 +1,191 @@
+"""Surfaces that pass through each other, part for good or never meet, and the time of contact."""
+
+import json
+
+import numpy as np
+import pytest
+from scipy import stats
+
+import tribo
+from tribo import Asperite, Free, Output, Scene, Surface
+
+HEIGHT, LOAD, WIDTH = 0.6, 0.1, 0.2
+CUTOFF, DURATION = 0.8, 20.0
+RIGID = Asperite(kappa=np.inf)
+SOFT = tribo.with_cutoff(tribo.Gaussian(0.02, WIDTH), CUTOFF)
+
+
+def fall(place=-5.0, load=LOAD, output=None, potential=SOFT):
+    """A bar that its load presses down beside or onto a held one."""
+    upper = Surface("upper", bob=(place, HEIGHT), drive=Free(load=load))
+    lower = Surface("lower", facing="up", drive="bars")
+    return Scene((upper, lower), potential, DURATION, output=output or Output(samples=401))
+
+
+def passing_time(load=LOAD):
+    """When a bar that falls freely is as low as the resting bob of the other."""
+    each = Asperite()
+    return np.sqrt(2.0 * (each.m1 + each.m2) * (HEIGHT + each.length) / load)
+
+
+@pytest.mark.parametrize("numerics", [{"method": "verlet", "step": 0.01}, {"accuracy": 1e-6}])
+def test_a_bar_that_falls_past_the_other_surface_ends_the_result(numerics):
+    """At the first recorded time after that of free fall, with a given step and an accuracy."""
+    with pytest.warns(tribo.TriboWarning, match="passed through each other"):
+        result = tribo.simulate(fall(), **numerics)
+    assert result.status == "PassedThrough"
+    assert result.t[-2] < passing_time() <= result.t[-1]
+    assert '1 of 1 bars of "upper" passed through "lower"' in " ".join(result.notes)
+
+
+def test_bobs_that_change_their_order_alone_have_not_passed():
+    """A run that ends while the bar is above the bobs; and forced bars that start beyond them."""
+    ends = fall(output=Output(samples=11))
+    ends = tribo.Scene(ends.surfaces, SOFT, 0.95 * passing_time(), output=Output(samples=11))
+    result = tribo.simulate(ends, method="verlet", step=0.01)
+    assert result["upper"].y_bob[-1, 0] < -0.7  # below the other bob, at y = 0
+    assert result.status == "completed"
+    upper = Surface("upper", bob=(-1.0, -3.0), velocity=(0.5, 0.0))
+    scene = Scene((upper, Surface("lower", facing="up")), SOFT, 4.0)
+    assert tribo.simulate(scene, accuracy=1e-6).status == "completed"
+
+
+def row_of_two(spring):
+    """A bar over the other surface, which its contact holds, and one that falls beside it."""
+    row = {"shape": (2, 1), "spacing": (5.0, 0.0), "springs": {"stiffness": spring}}
+    upper = Surface("upper", bob=(0.0, HEIGHT), drive=Free(load=LOAD), asperite=RIGID, **row)
+    lower = Surface("lower", facing="up", drive="bars", asperite=RIGID)
+    core = tribo.WeeksChandlerAndersen(1.0, 0.5)
+    return tribo.simulate(Scene((upper, lower), core, DURATION), method="verlet", step=0.01)
+
+
+def test_half_of_the_bars_are_noted():
+    """One of two passes, and the run is complete; stiff springs hold it."""
+    result = row_of_two(0.0)
+    assert result.status == "completed"
+    assert result.notes[0].startswith('1 of 2 bars of "upper" passed through "lower" by t = 20')
+    assert "passed" not in " ".join(row_of_two(100.0).notes)
+
+
+def test_means_leave_out_members_and_points_that_pass():
+    """Of members in lanes and of sweeps; the status is that of each."""
+    scene, run = fall(output=Output(samples=41)), {"method": "verlet", "step": 0.02}
+    loads = np.array([0.001, LOAD, 0.002, 2.0 * LOAD])
+    passes = [passing_time(load) < DURATION for load in loads]
+    wanted = np.where(passes, "PassedThrough", "completed")
+    data = tribo.ensemble(scene, 4, {"upper.drive.load": loads}, keep=["upper.W"], **run)
+    assert data.status.values.tolist() == wanted.tolist()
+    assert np.isnan(data["upper.W"].values).tolist() == passes
+    assert "2 of 4 members have no values (PassedThrough)" in data.attrs["notes"]
+    swept = tribo.sweep(scene, {"upper.drive.load": loads}, keep=["upper.W"], **run)
+    assert swept.status.values.tolist() == wanted.tolist()
+    assert np.isnan(swept["upper.W"].values).tolist() == passes
+
+
+def pass_over(gap, potential=SOFT, duration=DURATION, **settings):
+    """Rigid bobs, of which one moves past the other at a distance."""
+    upper = Surface("upper", bob=(-2.0, gap), velocity=(0.5, 0.0), asperite=RIGID)
+    lower = Surface("lower", facing="up", asperite=RIGID)
+    output = Output(samples=4001, series=["forces"], **settings)
+    scene = Scene((upper, lower), potential, duration, output=output)
+    return tribo.simulate(scene, method="verlet", step=0.05)
+
+
+def test_time_without_contact_of_a_pass():
+    """The chord of the range over the speed; and that to which the energy has the stated size."""
+    gap, speed = 0.5, 0.5
+    chord = 2.0 * np.sqrt(CUTOFF**2 - gap**2) / speed
+    result = pass_over(gap)
+    for name in ("upper", "lower"):
+        share = result.time_without_contact(name)
+        assert share == pytest.approx(1.0 - chord / DURATION, abs=2.0 / 4000)
+        assert result.end["time_without_contact"][name] == share
+    assert "time without contact: upper 87.5 %" in str(result)
+    assert result.time_without_contact("upper", after=10.0) == 1.0
+    assert pass_over(CUTOFF + 0.01).time_without_contact("upper") == 1.0
+
+
+def test_time_without_contact_of_an_endless_potential():
+    """Contact is where the energy is 1 % of torsion by 1 rad; distances are 2 % apart."""
+    gap, height, speed = 0.4, 0.01, 0.5
+    soft = Asperite(kappa=0.05)
+    upper = Surface("upper", bob=(-2.0, gap), velocity=(speed, 0.0), asperite=soft)
+    lower = Surface("lower", facing="up", asperite=soft)
+    output = Output(samples=4001, series=["forces"])
+    scene = Scene((upper, lower), tribo.Gaussian(height, WIDTH), DURATION, output=output)
+    radius = WIDTH * np.sqrt(2.0 * np.log(height / (0.01 * 0.5 * 0.05)))
+    share = tribo.simulate(scene, method="verlet", step=0.05).time_without_contact("upper")
+    chord = 2.0 * np.sqrt(radius**2 - gap**2) / speed
+    # Less than half of the time: the bobs move little until they meet.
+    assert 1.0 - share == pytest.approx(chord / DURATION, rel=0.06)
+
+
+def test_parting_and_not_meeting_are_noted():
+    """Where a friction force is asked for; a slide over a periodic row is not parting."""
+    (note,) = pass_over(0.5).notes
+    assert note.startswith('"upper" and "lower" part for good: none of their bobs was in contact')
+    last = float(note.partition("t = ")[2].partition(";")[0])
+    leaves = (2.0 + np.sqrt(CUTOFF**2 - 0.25)) / 0.5
+    assert last == pytest.approx(leaves, abs=DURATION / 255)
+    (note,) = pass_over(CUTOFF + 0.01).notes
+    assert note.startswith('at no recorded time was a bob of "upper" within the range of contact')
+    upper = Surface("upper", bob=(-2.0, 0.5), velocity=(0.5, 0.0), asperite=RIGID)
+    lower = Surface("lower", facing="up", asperite=RIGID)
+    output = Output(samples=401, series=["forces"])
+    again = Scene((upper, lower), SOFT, 100.0, periodic={"x": 8.0}, output=output)
+    result = tribo.simulate(again, method="verlet", step=0.05)
+    assert result.notes == ()
+    chord = 2.0 * np.sqrt(CUTOFF**2 - 0.25)
+    assert result.time_without_contact("upper") == pytest.approx(1.0 - chord / 8.0, abs=0.02)
+
+
+def test_potentials_without_a_range_have_no_time_of_contact():
+    """The paper's, whose surfaces pass and part without a note."""
+    result = pass_over(0.5, tribo.Coulomb(0.2))
+    assert result.notes == ()
+    assert "time_without_contact" not in result["upper"]
+    assert "time_without_contact" not in result.end
+    with pytest.raises(tribo.InputError, match="has no range"):
+        result.time_without_contact("upper")
+
+
+def test_species_that_do_not_interact_are_not_in_contact():
+    """The chord counts for bobs of two species of which the potential speaks, in any order."""
+    surfaces = (
+        Surface("upper", bob=(-2.0, 0.5), velocity=(0.5, 0.0), asperite=RIGID, species="A"),
+        Surface(
+            "lower",
+            facing="up",
+            shape=(2, 1),
+            spacing=(3.0, 0.0),
+            asperite=RIGID,
+            species=("B", "C"),
+        ),
+    )
+    output = Output(samples=2001, series=["forces"])
+    shares = {}
+    for species in (("A", "B"), ("C", "A")):
+        contact = tribo.Interaction(SOFT, species=species)
+        scene = Scene(surfaces, contact, DURATION, output=output)
+        result = tribo.simulate(scene, method="verlet", step=0.05)
+        without = result["upper"].time_without_contact
+        shares[species] = float(result.t[np.argmin(without)])
+    chord = np.sqrt(CUTOFF**2 - 0.25)
+    assert shares["A", "B"] == pytest.approx((2.0 - chord) / 0.5, abs=0.02)
+    assert shares["C", "A"] == pytest.approx((5.0 - chord) / 0.5, abs=0.02)
+
+
+def test_ensembles_and_sweeps_show_the_time_without_contact():
+    """Beside the average of the friction force, and surfaces that part in the notes."""
+    scene = pass_over(0.5).scene
+    heights = {"upper.velocity": stats.uniform(0.4, 0.1)}
+    run = {"method": "verlet", "step": 0.05}
+    data = tribo.ensemble(scene, 3, heights, keep=["upper.friction_force"], **run)
+    chord = 2.0 * np.sqrt(CUTOFF**2 - 0.25) / data["upper.velocity"].values[:, 0]
+    shares = data["upper.time_without_contact"].values
+    assert shares == pytest.approx(1.0 - chord / DURATION, abs=1e-3)
+    swept = tribo.sweep(scene, {"upper.velocity": [0.5]}, keep=["upper.friction_force"], **run)
+    assert swept["upper.time_without_contact"].values == pytest.approx(0.875, abs=1e-3)
+    assert "part for good" in swept.attrs["notes"]
+    means = tribo.ensemble(scene, 3, heights, **run)
+    assert any("in 3 of 3 members surfaces part" in n for n in json.loads(means.attrs["notes"]))
