@@ -8,7 +8,9 @@ so have other sequences of drifts and kicks, see :class:`Splitting`.
     bath   inside the kick: baths and reservoirs, bars frozen; see `bath_substep`
 
 Each part adds its own work, by the mean of the velocities before and after it, so that pseudowork
-= delta k_trans and work = delta (k_trans + e_int) hold to round-off at any step.
+= delta k_trans and work = delta (k_trans + e_int) of each asperite, and W_ps = delta K of each
+surface, hold to round-off at any step.  Balances with another potential energy than that of the
+torsion springs (contact, fields, lattice springs, baths) have the error of the method.
 
 L. Verlet, Phys. Rev. 159 (1967) 98; G. Strang, SIAM J. Numer. Anal. 5 (1968) 506.
 """
