@@ -243,8 +243,7 @@ def test_degrees_of_freedom(seed):
     for names, scene in crossed(2, seed).items():
         assert summary.coordinates(scene) == counted(scene), names
         layout = lay_out(scene)
-        # Rigid asperites keep the slots of their swings, and driven bars those of their places.
+        # Rigid asperites keep the slots of their swings.
         held = layout.coordinates - sum(counted(scene).values())
-        driven = [s.count for s in scene.surfaces if isinstance(s.drive, tribo.DrivenBars)]
         rigid = [s.count for s in scene.surfaces if np.all(np.isinf(s.asperite.kappa))]
-        assert held == 2 * sum(driven) + sum(rigid), names
+        assert held == sum(rigid), names

@@ -154,11 +154,11 @@ static void potential(const Term *term, real r, int past_from, int past_end, rea
 
 /* --- motion and forces -------------------------------------------------------------------- */
 
-/* The centre of mass of an asperite whose bar moves uniformly: r2 - a2, of which r2 is known. */
-static void hang_from_bar(Asperite *a, real turned)
+/* The centre of mass of an asperite whose bar moves uniformly from its place for theta at rest. */
+static void hang_from_bar(Asperite *a)
 {
-    real mean = a->swing0 + turned / 2, chord = 2 * a->facing * a->l2 * FN(sin)(turned / 2);
-    a->dx = chord * FN(cos)(mean), a->dy = chord * FN(sin)(mean);
+    real half = a->swing / 2, chord = 2 * a->facing * a->l2 * FN(sin)(half);
+    a->dx = chord * FN(cos)(half), a->dy = chord * FN(sin)(half);
     a->dvx = a->omega * a->a2y, a->dvy = -a->omega * a->a2x;
     a->vx = a->vx0 + a->dvx, a->vy = a->vy0 + a->dvy;
 }
@@ -177,7 +177,7 @@ static void move(Model *m, real t, const real *y)
         s = a->facing * FN(sin)(a->swing), c = a->facing * FN(cos)(a->swing);
         a->a1x = a->l1 * s, a->a1y = -a->l1 * c, a->a2x = -a->l2 * s, a->a2y = a->l2 * c;
         if (a->driven)
-            hang_from_bar(a, turned);
+            hang_from_bar(a);
         a->v1x = a->vx - a->omega * a->a1y, a->v1y = a->vy + a->omega * a->a1x;
         a->v2x = a->vx - a->omega * a->a2y, a->v2y = a->vy + a->omega * a->a2x;
         a->rx = a->bar_length / 2 * FN(cos)(a->phi), a->ry = a->bar_length / 2 * FN(sin)(a->phi);
@@ -307,7 +307,9 @@ static void inner_forces(Model *m, const real *y, real *dy, real *energy)
         const real *q = y + m->bath + 4 * k;
         real half = (a->swing - a->swing0) / 2, mean = a->swing0 + half;
         real chord = 2 * a->facing * a->l2 * FN(sin)(half); /* arm2 less its start */
-        real x = a->dx - q[0] - chord * FN(cos)(mean), z = a->dy - q[1] - chord * FN(sin)(mean);
+        real x = -q[0], z = -q[1]; /* driven bars stay where the oscillators start */
+        if (!a->driven)
+            x += a->dx - chord * FN(cos)(mean), z += a->dy - chord * FN(sin)(mean);
         a->inx -= o->k * x, a->iny -= o->k * z;
         if (dy) {
             real *d = dy + m->bath + 4 * k;

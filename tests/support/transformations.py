@@ -62,21 +62,26 @@ def boosted(scene, u):
     return changed(scene, boost, lambda f: replace(f, velocity=plus(f.velocity, u)))
 
 
-def centres(surface):
-    """x, y, z of the centres of mass at the start."""
-    lift = surface.facing_sign * surface.asperite.for_each(surface.count)["l1"]
-    return surface.resting_bobs() + np.column_stack([0.0 * lift, lift, 0.0 * lift])
+def references(surface):
+    """x, y, z of what an initial angle does not move: centres of mass, or driven bars."""
+    return surface.resting_bobs() + _above_bobs(surface)
 
 
-def placed(surface, r_cm, **others):
-    """The surface with its centres of mass at other places, and other things changed as well."""
-    lift = surface.facing_sign * surface.asperite.for_each(surface.count)["l1"]
-    bobs = np.column_stack([r_cm[:, 0], r_cm[:, 1] - lift, r_cm[:, 2]])
+def placed(surface, r, **others):
+    """The surface with its `references` at other places, and other things changed as well."""
+    bobs = r - _above_bobs(surface)
     no_grid = {"bob": (0.0, 0.0), "shape": (1, 1), "spacing": (0.0, 0.0), "depth": 0.0}
     if surface.springs:
         row = range(surface.count)
         no_grid["springs"] = replace(surface.springs, pairs=list(pairwise(row)))
     return replace(surface, positions=bobs, heights=None, **no_grid, **others)
+
+
+def _above_bobs(surface):
+    """The vectors (n, 3) from resting bobs to `references`."""
+    length = "length" if isinstance(surface.drive, DrivenBars) else "l1"
+    lift = surface.facing_sign * surface.asperite.for_each(surface.count)[length]
+    return np.column_stack([0.0 * lift, lift, 0.0 * lift])
 
 
 def turned_back(result):
@@ -87,12 +92,13 @@ def turned_back(result):
 
     def turn(s):
         end = {name: values[-1] for name, values in result[s.name].items()}
-        r_cm = np.column_stack([end["x_cm"], end["y_cm"], centres(s)[:, 2]])
+        point = "bar" if isinstance(s.drive, DrivenBars) else "cm"
+        r = np.column_stack([end[f"x_{point}"], end[f"y_{point}"], references(s)[:, 2]])
         start = {"theta": end["theta"], "phi": end["phi"], "omega": -end["omega"], "nu": -end["nu"]}
         velocity = (-end["vx_cm"][0], -end["vy_cm"][0])
         if isinstance(s.drive, DrivenBars):
             velocity = (-s.velocity[0], -s.velocity[1])
-        return placed(s, r_cm, velocity=velocity, initial=replace(s.initial, **start))
+        return placed(s, r, velocity=velocity, initial=replace(s.initial, **start))
 
     return changed(result.scene, turn)
 
@@ -243,6 +249,6 @@ def rotated(scene, angle):
     def turn(s):
         start = started(s, theta=lambda a: np.add(a, angle), phi=lambda a: np.add(a, angle))
         velocity = matrix[:2, :2] @ s.velocity
-        return placed(s, centres(s) @ matrix.T, velocity=velocity, initial=start)
+        return placed(s, references(s) @ matrix.T, velocity=velocity, initial=start)
 
     return changed(scene, turn)

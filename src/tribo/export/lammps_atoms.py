@@ -13,7 +13,7 @@ import numpy as np
 
 from tribo.export.lammps_pairs import Kind
 from tribo.kernels.kinematics import nearest_image
-from tribo.model.drives import Pulled
+from tribo.model.drives import DrivenBars, Pulled
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.validation import InputError
@@ -107,9 +107,11 @@ def _start(scene: Scene, index: int) -> tuple[np.ndarray, np.ndarray]:
     if swing is None:
         swing = np.zeros(surface.count) if phi is None else phi
     turn = surface.facing_sign * np.column_stack([np.sin(swing), 2.0 * np.sin(0.5 * swing) ** 2])
-    displaced = _given(surface, "x", "y")
-    bobs[:, :2] += displaced + each["l1"][:, None] * turn
-    return bobs, displaced - each["l2"][:, None] * turn
+    bars = _given(surface, "x", "y")
+    if not isinstance(surface.drive, DrivenBars):
+        bars -= each["l2"][:, None] * turn
+    bobs[:, :2] += bars + (each["l1"] + each["l2"])[:, None] * turn
+    return bobs, bars
 
 
 def _given(surface: Surface, *names: str) -> np.ndarray:

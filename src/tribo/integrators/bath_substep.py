@@ -14,6 +14,7 @@ from tribo.kernels.blocks import (
     column_of_constants,
     coordinates,
     is_fixed,
+    keeps_velocity,
     own_number,
     set_vectors,
     vectors,
@@ -64,8 +65,9 @@ def push_bars(model, s, i, px, py, v, accounts, slot):
     vx = coordinates(s.dof_x, s, i, v) + 0.5 * change_x
     vy = coordinates(s.dof_y, s, i, v) + 0.5 * change_y
     set_block(v, i, omega + change)
-    add_block(v, s.dof_x + i - s.start, change_x)
-    add_block(v, s.dof_y + i - s.start, change_y)
+    if not keeps_velocity(s):
+        add_block(v, s.dof_x + i - s.start, change_x)
+        add_block(v, s.dof_y + i - s.start, change_y)
     if slot < 0:
         return
     stride = s.account_stride

@@ -9,7 +9,7 @@ asperite of eight members, and nothing acts between lanes.  `lane` is None where
 
 from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.numbers_in_lanes import lane_of
-from tribo.kernels.records import ALONG_X, ALONG_Y, BARS
+from tribo.kernels.records import ALONG_X, ALONG_Y
 from tribo.kernels.simd import LANES, broadcast, sum_of_lanes
 from tribo.kernels.simd_arrays import block, set_block
 
@@ -106,7 +106,7 @@ def column_of_constants(s, i):
 @inlined
 def keeps_velocity(s):
     """Whether the centres of mass of a surface, or its driven bars, move uniformly."""
-    return s.drive == BARS or (s.dof_x < 0 and s.dof_y < 0)
+    return s.dof_x < 0 and s.dof_y < 0
 
 
 @inlined

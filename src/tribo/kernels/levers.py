@@ -2,7 +2,7 @@
 
 The equations of motion refer to the centre of mass, or on driven bars to the bar's centre, the
 pivot, which moves uniformly.  There the constants are L1 = length, L2 = 0, INERTIA = m1 length^2
-and an infinite MASS, and the coordinates x and y stay constant.  `pivots` has the distance from the
+and an infinite MASS, and there are no coordinates x and y.  `pivots` has the distance from the
 pivot to the centre of mass: l2 on driven bars, 0 elsewhere; None without driven bars.
 """
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tribo.run.layout import Layout
-from tribo.run.start import draw_starts, set_bars
+from tribo.run.start import draw_starts, start_baths
 from tribo.validation import InputError, number_or_array
 
 # Initial values by name, "surface.theta" (or swing, phi, omega, nu): a number, or one per asperite.
@@ -29,8 +29,7 @@ class InitialState:
     def __init__(self, layout: Layout) -> None:
         self._layout = layout
         model = layout.model
-        followers = (model.bath, model.torsional, model.pivots)
-        self._has_followers = any(item is not None for item in followers)
+        self._has_baths = any(item is not None for item in (model.bath, model.torsional))
         self._is_drawn = any(s.initial.temperature for s in layout.scene.surfaces)
         self._slots: dict[str, Slots] = {}
 
@@ -73,8 +72,8 @@ class InitialState:
         for key in start:
             if key.endswith((".phi", ".swing")):
                 self._follow(key.rpartition(".")[0], start, y)
-        if self._has_followers and (start or seed is not None):
-            self._set_bars(y[None], [self._layout.scene.seed if seed is None else seed])
+        if self._has_baths and (start or seed is not None):
+            self._start_baths(y[None], [self._layout.scene.seed if seed is None else seed])
         return y
 
     def of_members(self, values: Mapping[str, np.ndarray], seeds: np.ndarray) -> np.ndarray:
@@ -104,8 +103,8 @@ class InitialState:
         for key, rows in values.items():
             slots, rest, count = _slots(self._layout, key)
             y[:, np.atleast_1d(slots)] = np.broadcast_to(rows, (seeds.size, count)) - rest
-        if self._has_followers:
-            self._set_bars(y, seeds.tolist())
+        if self._has_baths:
+            self._start_baths(y, seeds.tolist())
         return y
 
     def _draw(self, y: np.ndarray, seeds: list[int]) -> None:
@@ -113,10 +112,10 @@ class InitialState:
         n, layout = self._layout.coordinates, self._layout
         draw_starts(layout.asperites, layout.scene, layout.parts, y[:, :n], y[:, n:], seeds)
 
-    def _set_bars(self, y: np.ndarray, seeds: list[int]) -> None:
-        """Start driven bars, and every bath about its bars, where initial values have changed."""
+    def _start_baths(self, y: np.ndarray, seeds: list[int]) -> None:
+        """Start every bath about its bars, where initial values have changed."""
         n, layout = self._layout.coordinates, self._layout
-        set_bars(layout.asperites, layout.scene, layout.parts, y[:, :n], y[:, n:], seeds)
+        start_baths(layout.asperites, layout.scene, layout.parts, y[:, :n], y[:, n:], seeds)
 
     def _of_member(self, values: Mapping[str, np.ndarray], m: int, seed: int) -> np.ndarray:
         own = {key: rows[m] for key, rows in values.items()}

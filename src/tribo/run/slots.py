@@ -15,7 +15,7 @@ from tribo.kernels import records
 from tribo.kernels.powers import CONTACT, DRIVE, ENDS, POINT, SLIDE, SWING, USER_ENDS
 from tribo.kernels.records import BARS, CUSTOM, PULLED, PUSHED, RIGID
 from tribo.kernels.simd import LANES
-from tribo.model.drives import DrivenBars, Ends
+from tribo.model.drives import Ends
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 
@@ -97,15 +97,12 @@ def _slots(
 
 
 def _number_coordinates(scene: Scene, surfaces: np.ndarray, stop: int) -> int:
-    """Assign the asperites' slots of q after the swings'; returns their number.
-
-    Those of driven bars are constant: where the initial angles put the bars.
-    """
+    """Assign the asperites' slots of q after the swings'; returns their number."""
     own = scene.surfaces
     for name, wanted in (
         ("dof_phi", [s.bars != "clamped" for s in own]),
-        ("dof_x", [scene.slides_along_x(s) or isinstance(s.drive, DrivenBars) for s in own]),
-        ("dof_y", [scene.slides_along_y(s) or isinstance(s.drive, DrivenBars) for s in own]),
+        ("dof_x", [scene.slides_along_x(s) for s in own]),
+        ("dof_y", [scene.slides_along_y(s) for s in own]),
     ):
         surfaces[name], stop = _slots(wanted, surfaces["stop"] - surfaces["start"], stop)
     return stop

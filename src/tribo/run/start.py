@@ -7,7 +7,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from tribo.model.bath import Bath, thermal_start, thermal_torsional_start
-from tribo.model.drives import DrivenBars
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.run.slots import Numbering
@@ -52,7 +51,7 @@ def start_of(
             q[turning], v[turning] = phi, nu
         displace(asperites[part], initial, q, v)
     draw_starts(asperites, scene, parts, q[None], v[None], [scene.seed])
-    set_bars(asperites, scene, parts, q[None], v[None], [scene.seed])
+    start_baths(asperites, scene, parts, q[None], v[None], [scene.seed])
     return y
 
 
@@ -76,8 +75,8 @@ def draw_starts(
 ) -> None:
     """Draw swings and rates of surfaces that start at a temperature, for runs with some seeds.
 
-    Energies of torsion springs and of motion have Boltzmann's distribution.  Driven bars stay where
-    the pendulums at rest put them.  q and v are (runs, coordinates).
+    Energies of torsion springs and of motion have Boltzmann's distribution.  q and v are
+    (runs, coordinates).
     """
     for index, surface in enumerate(scene.surfaces):
         if surface.initial.temperature:
@@ -102,9 +101,6 @@ def _draw_start(
         return np.sqrt(temperature / inertia) * draws.standard_normal(np.shape(inertia))
 
     q[:, part] = asperites["phi"]
-    if isinstance(surface.drive, DrivenBars):
-        x, y = bars_about_centres(asperites, q[:, part])
-        q[:, asperites["dof_x"]], q[:, asperites["dof_y"]] = x, y
     if not surface.asperite.is_rigid:
         q[:, part] += drawn(asperites["kappa"])
         v[:, part] = drawn(asperites["inertia"] + asperites["mass"] * asperites["pivot"] ** 2)
@@ -117,7 +113,7 @@ def _draw_start(
         v[:, asperites["dof_y"]] = drawn(asperites["mass"])
 
 
-def set_bars(
+def start_baths(
     asperites: np.ndarray,
     scene: Scene,
     parts: dict[str, slice],
@@ -125,17 +121,13 @@ def set_bars(
     v: np.ndarray,
     seeds: Sequence[int],
 ) -> None:
-    """Start driven bars, and oscillators at the bars or drawn about them at temperature T.
+    """Start oscillators at the bars, or drawn about them at temperature T.
 
-    Driven bars stay where the initial angles put them about the centres of mass; where the angles
-    are drawn, they are in place.  q and v are (runs, coordinates), of runs with some seeds.
+    q and v are (runs, coordinates), of runs with some seeds.
     """
     for index, surface in enumerate(scene.surfaces):
         part = parts[surface.name]
         own, bath = asperites[part], surface.bath
-        if isinstance(surface.drive, DrivenBars) and not surface.initial.temperature:
-            x, y = bars_about_centres(own, q[:, part])
-            q[:, own["dof_x"]], q[:, own["dof_y"]] = x, y
         hang_baths(own, bath, part, q)
         if bath.temperature > 0.0:
             _draw_baths(own, bath, q, v, Draws(seeds, index, 1))
@@ -178,16 +170,10 @@ def displaced_bars(
     asperites: np.ndarray, part: slice, q: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Displacements of a surface's bars from their uniform motion at rest, along x and y."""
-    if np.any(asperites["pivot"] > 0.0):  # the coordinates of driven bars are their own
-        return q[..., asperites["dof_x"]], q[..., asperites["dof_y"]]
-    x, y = bars_about_centres(asperites, q[..., part])
+    arm = (asperites["l2"] - asperites["pivot"]) * asperites["facing"]  # driven bars stay in place
+    swing = q[..., part]
+    x, y = -arm * np.sin(swing), -arm * 2.0 * np.sin(0.5 * swing) ** 2
     for bars, slots in ((x, asperites["dof_x"]), (y, asperites["dof_y"])):
         if np.all(slots >= 0):
             bars += q[..., slots]
     return x, y
-
-
-def bars_about_centres(asperites: np.ndarray, swing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Displacements of bars from rest that swings cause while the centres of mass stay."""
-    arm = asperites["l2"] * asperites["facing"]
-    return -arm * np.sin(swing), -arm * 2.0 * np.sin(0.5 * swing) ** 2
