@@ -5,8 +5,14 @@ from __future__ import annotations
 import os
 import stat
 from pathlib import Path
+from typing import BinaryIO
 
 from tribo.validation import InputError
+
+try:
+    import fcntl
+except ImportError:  # not on Windows, where a file that is open cannot be replaced
+    fcntl = None  # type: ignore[assignment]
 
 
 def checked_target(field: str, path: Path) -> Path:
@@ -38,6 +44,29 @@ def checked_target(field: str, path: Path) -> Path:
     return path
 
 
+def netcdf_path(field: str, path: Path, others: str = "") -> Path:
+    """A path that ends on .nc; `others` are endings for which a caller writes other formats.
+
+    Raises InputError about `field`, which says what writes figures and pages.
+    """
+    if path.suffix.lower() != NETCDF:
+        raise InputError(
+            field,
+            f"must end on .nc{others}, as it is a NetCDF file{others and ' or a table'}, got "
+            f"{str(path)!r}; tribo.plotting.save writes figures, and result.to_html a page",
+        )
+    return path
+
+
+def netcdf_target(field: str, path: Path) -> Path:
+    """The NetCDF file that a path names, behind links.  Raises InputError about `field`."""
+    target = checked_target(field, path)
+    netcdf_path(field, path)
+    return target
+
+
+# The ending of names of NetCDF files.
+NETCDF = ".nc"
 # What follows the name of a file while it is written; the longest such addition to a name.
 NEW = ".part.new"
 
@@ -63,3 +92,21 @@ def replace_file(path: Path, content: bytes) -> None:
 def not_written(path: Path, error: OSError) -> InputError:
     """The error of a file that cannot be written."""
     return InputError(str(path), f"cannot be written ({error.strerror or error})")
+
+
+def locked(path: Path) -> BinaryIO:
+    """A file, opened for this process alone until it is closed or the process ends.
+
+    Raises InputError where another process has it.
+    """
+    try:
+        file = open(path, "r+b")  # noqa: SIM115
+        if fcntl is not None:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        if not os.path.samestat(os.fstat(file.fileno()), path.stat()):
+            raise BlockingIOError  # another process has replaced the file meanwhile
+    except BlockingIOError:
+        raise InputError(str(path), "is being written by another process") from None
+    except OSError as error:
+        raise not_written(path, error) from None
+    return file

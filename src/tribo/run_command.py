@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tribo.files import checked_target
+from tribo.files import netcdf_target
 from tribo.interrupts import COMPLETED, STOPPED
 from tribo.scene_options import (
     add_numerics,
@@ -67,7 +67,7 @@ def _run(options: argparse.Namespace) -> int:
     if options.resume and options.out is None:
         raise InputError("--resume", "needs --out FILE")
     if options.out is not None:
-        checked_target("--out", options.out)
+        netcdf_target("--out", options.out)
     check_figure(options.figure)
     if options.scene.suffix == ".nc":
         result, same = _repeated(options)

@@ -13,7 +13,7 @@ from tribo.accuracy.comparison import (
 )
 from tribo.accuracy.estimate import check_observables
 from tribo.accuracy.plan import Plan, integrator_for, make_plan
-from tribo.files import checked_target
+from tribo.files import netcdf_target
 from tribo.integrators import methods
 from tribo.kernels.status import Status
 from tribo.model.scene import Scene
@@ -26,7 +26,7 @@ from tribo.run.journal import PART, Journal
 from tribo.run.layout import Layout, lay_out
 from tribo.run.ledger import check_keep
 from tribo.run.loop_selection import Integrator
-from tribo.run.result import Result, netcdf_path
+from tribo.run.result import Result
 from tribo.run.saved_results import load_result
 from tribo.run.state import Origin, State, continued, digest_of
 from tribo.run.threads import threads_of
@@ -229,7 +229,7 @@ def _run_to_file(
     progress: Progress | None,
 ) -> Result:
     """Run with a journal beside a file, which the result replaces once it is complete."""
-    path = checked_target("out", netcdf_path("out", path))
+    path = netcdf_target("out", path)
     part = path.with_name(path.name + PART)
     settings = settings_of(choice.method.name, choice.accuracy, choice.step, digest_of(origin))
     identity = identity_of(layout.scene, settings, version())

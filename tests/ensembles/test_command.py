@@ -80,11 +80,37 @@ def test_an_interrupt_keeps_the_file(tmp_path, capsys, monkeypatch):
         assert main(command) == 1
     printed = capsys.readouterr().out
     assert printed.startswith("Interrupted: 64 of 200 members\n64 completed\n")
-    assert "upper.w1" not in printed  # its mean takes long with many members
+    assert "\nupper.w1 " not in printed  # its mean takes long with many members
+    assert f"interrupted; the finished members are in {out}.part; --resume goes on" in printed
     assert not out.exists()
     assert main(command) == 0
     assert capsys.readouterr().out.startswith("completed: 200 of 200 members\n")
     assert out.exists()
+
+
+@pytest.mark.parametrize("settings", [[], ["--statistics"]])
+def test_an_interrupt_without_a_file(tmp_path, capsys, monkeypatch, settings):
+    """The means of the members that are finished are printed."""
+    monkeypatch.setattr(checked_runs, "CHUNK", 64)
+    path = tmp_path / "a.toml"
+    path.write_text(scene_text(paper.scene("A")), encoding="utf-8")
+
+    def stop(bar, done):
+        if done == 128:
+            raise KeyboardInterrupt
+
+    command = ["ensemble", str(path), "--vary", "upper.theta=normal(0,0.1)", "-n", "200"]
+    command += ["--keep", "upper.w1", "--json"]
+    with monkeypatch.context() as context:
+        context.setattr("tribo.progress._is_watched", lambda: True)
+        context.setattr("tribo.progress.ProgressBar.__call__", stop)
+        assert main([*command, *settings]) == 1
+    found = json.loads(capsys.readouterr().out)
+    assert found["status"] == "Interrupted" and found["members"] == {"completed": 128}
+    assert "those of the finished members" in found["notes"][0]
+    data = ensemble(paper.scene("A"), 200, {"upper.theta": stats.norm(0, 0.1)}, keep=["upper.w1"])
+    mean = float(data["upper.w1"][:128].mean())
+    assert found["quantities"]["upper.w1"]["mean"] == pytest.approx(mean, rel=1e-12)
 
 
 def test_a_sampler(tmp_path, capsys):

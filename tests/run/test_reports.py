@@ -52,14 +52,30 @@ def test_csv(result, tmp_path):
     np.testing.assert_array_equal(columns["applied_work"], result.system["applied_work"])
 
 
-@pytest.mark.parametrize("name", ["run.json", "run.npz"])
+@pytest.mark.parametrize("name", ["run.json", "run.pdf", "run.PNG", "run.html", "run"])
 def test_other_formats_are_refused(result, tmp_path, name):
     """No NetCDF file has the name of another format; nor has a run's own file that of a table."""
     with pytest.raises(InputError, match=r"must end on \.nc"):
         result.save(tmp_path / name)
-    with pytest.raises(InputError, match=r"out: must end on \.nc"):
-        tribo.simulate(SCENE, out=tmp_path / "run.csv")
     assert not list(tmp_path.iterdir())
+
+
+def test_other_formats_keep_the_file_that_is_there(tmp_path):
+    """Of runs, ensembles with members and with statistics, and sweeps."""
+    there = tmp_path / "mine.csv"
+    there.write_text("mine")
+    refused = pytest.raises(
+        InputError, match=r"out: must end on \.nc.*got '.*mine\.csv'; .*to_html"
+    )
+    kept = {"vary": {"upper.theta": [0.1, 0.2]}, "keep": ["upper.w1"], "out": there}
+    with refused:
+        tribo.simulate(SCENE, out=there)
+    with refused:
+        tribo.sweep(SCENE, {"duration": [1.0, 2.0]}, out=there)
+    for settings in ({}, {"statistics": True}):
+        with refused:
+            tribo.ensemble(SCENE, **kept, **settings)
+    assert there.read_text() == "mine" and len(list(tmp_path.iterdir())) == 1
 
 
 @pytest.mark.filterwarnings("ignore::tribo.TriboWarning")

@@ -1,7 +1,10 @@
 """Sweeps: each point is a run of its scene; finished points are kept; statuses and refusals."""
 
 import json
+import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -86,6 +89,50 @@ def test_resumed(whole, tmp_path):
     out.rename(part)
     with pytest.raises(InputError, match="is of another sweep"):
         sweep(SCENE, VALUES, out=out, resume=True)
+
+
+def test_a_second_sweep_is_refused(whole, tmp_path):
+    """Until the first one ends, which keeps its points; one that was killed locks nothing."""
+    out, part = tmp_path / "sweep.nc", tmp_path / "sweep.nc.part"
+
+    def another(done):
+        if done == 3:
+            for resume in (True, False):
+                with pytest.raises(InputError, match="is being written by another process"):
+                    sweep(SCENE, VALUES, out=out, resume=resume)
+
+    xarray.testing.assert_identical(
+        numbers(sweep(SCENE, VALUES, out=out, progress=another)), numbers(whole)
+    )
+    assert out.exists() and not part.exists()
+    out.unlink()
+    killed = (
+        "import os, tribo; from tribo import paper\n"
+        "def kill(done): os.kill(os.getpid(), 9)\n"
+        f"tribo.sweep(paper.scene('A'), {VALUES}, out={str(out)!r}, progress=kill)"
+    )
+    assert subprocess.run([sys.executable, "-c", killed]).returncode == -9
+    assert len(part.read_bytes().splitlines()) == 2
+    told = []
+    data = sweep(SCENE, VALUES, out=out, resume=True, progress=told.append)
+    assert told[0] == 2
+    xarray.testing.assert_identical(numbers(data), numbers(whole))
+
+
+@pytest.mark.parametrize("damage", ["{", '{"point": 1}', "[1]", '{"point": "one", "status": "x"}'])
+def test_a_damaged_line(tmp_path, damage):
+    """One sentence names it; without it, its point is run again."""
+    out, part = tmp_path / "sweep.nc", tmp_path / "sweep.nc.part"
+    with suppress(KeyboardInterrupt):
+        sweep(SCENE, VALUES, out=out, progress=interrupt_after(3))
+    first, *lines = part.read_text().splitlines()
+    part.write_text("\n".join([first, lines[0], damage, *lines[1:], ""]))
+    with pytest.raises(InputError, match=r"sweep\.nc\.part: is damaged in line 3; remove"):
+        sweep(SCENE, VALUES, out=out, resume=True)
+    part.write_text("\n".join([first, *lines, ""]))
+    told = []
+    sweep(SCENE, VALUES, out=out, resume=True, progress=told.append)
+    assert told == [4, 5, 6]
 
 
 def test_members(tmp_path):

@@ -6,13 +6,14 @@ import argparse
 import json
 import re
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from tribo.ensembles.members import Distribution, Source
 from tribo.ensembles.sampling import Sampler, dimensions, grid
-from tribo.files import checked_target, replace_file
+from tribo.files import netcdf_target, replace_file
 from tribo.interrupts import COMPLETED, STOPPED
 from tribo.kernels.status import Status
 from tribo.model.scene import Scene
@@ -115,7 +116,7 @@ def run_ensemble(options: argparse.Namespace) -> int:
     if options.resume and (options.out is None or options.keep is None):
         raise InputError("--resume", "needs --keep NAMES and --out FILE")
     if options.out is not None:
-        checked_target("--out", options.out)
+        netcdf_target("--out", options.out)
     vary = varied(options.vary)
     keep = None if options.keep is None else options.keep.split(",")
     scene, sampler = load(options), None
@@ -135,23 +136,31 @@ def run_ensemble(options: argparse.Namespace) -> int:
     )
     if options.out is not None and keep is None:
         replace_file(options.out, bytes(data.to_netcdf(engine="h5netcdf")))
-    found = summary(data)
+    found = summary(data, None if keep is None else options.out)
     print(as_json(found) if options.json else in_words(found))
     return COMPLETED if data.attrs["status"] == "completed" else STOPPED
 
 
-def summary(data: xarray.Dataset) -> dict[str, Any]:
-    """What a command prints: the members by status, and means at the end."""
+def summary(data: xarray.Dataset, out: Path | None) -> dict[str, Any]:
+    """What a command prints: the members by status, and means at the end.
+
+    After an interrupt they are those of the finished members, unless these are in a file.
+    """
     attributes, finished = data.attrs, data.attrs["status"] != Status.INTERRUPTED
     rest = {"seconds": attributes["seconds"], "method": attributes["method"]}
     notes = json.loads(attributes["notes"]) if "notes" in attributes else []
+    if not finished:
+        where = "the quantities are those of the finished members"
+        if out is not None:
+            where = f"the finished members are in {out}.part; --resume goes on"
+        notes = [f"the ensemble was interrupted; {where}", *notes]
     if "keep" not in attributes:
         counts = {"completed": data.sizes["member"]}
         table = _means(data)
     else:
         counts = json.loads(attributes["members"])
-        # To read all members of an ensemble that was interrupted takes long.
-        names = json.loads(attributes["keep"]) if finished else []
+        # To read all members of an ensemble that was interrupted from a file takes long.
+        names = json.loads(attributes["keep"]) if finished or out is None else []
         table = {name: dict(zip(COLUMNS, _moments(data, name), strict=True)) for name in names}
     status, wanted = attributes["status"], int(attributes.get("n", data.sizes.get("member", 0)))
     head = {"status": status, "n": wanted, "members": counts, "quantities": table}

@@ -16,7 +16,7 @@ from tribo.ensembles.member_file import MemberFile, identity_in, opened
 from tribo.ensembles.members import Variation
 from tribo.ensembles.statistics_store import StatisticsStore
 from tribo.ensembles.stores import About, InMemory, Store, Target
-from tribo.files import checked_target
+from tribo.files import netcdf_target
 from tribo.model.scene import Scene
 from tribo.model.settings import Output
 from tribo.prepared import Simulation
@@ -108,7 +108,7 @@ def _target(
     """The files, and what tells the ensemble from others; None without `out`."""
     if wanted.out is None:
         return None
-    path = checked_target("out", as_path(wanted.out))
+    path = netcdf_target("out", as_path(wanted.out))
     part = path.with_name(path.name + PART)
     plan = simulation.plan
     step = plan.setting if plan.accuracy is None and isinstance(plan.setting, float) else None

@@ -26,16 +26,11 @@ from tribo.ensembles.kept_values import (
 )
 from tribo.ensembles.members import Members
 from tribo.ensembles.stores import About, Target
-from tribo.files import NEW, not_written
+from tribo.files import NEW, locked, not_written
 from tribo.run.dataset import Variable
 from tribo.run.identity import Identity, refuse_other
 from tribo.run.journal import INTERVAL
 from tribo.validation import InputError
-
-try:
-    import fcntl
-except ImportError:  # not on Windows, where a file that is open cannot be replaced
-    fcntl = None  # type: ignore[assignment]
 
 if TYPE_CHECKING:
     import h5netcdf
@@ -93,7 +88,7 @@ class MemberFile:
         self.done = 0
         if not self._part.exists():
             return
-        _locked(self._part).close()
+        locked(self._part).close()
         if resume:
             refuse_other(self._part, identity_in(self._part), json.loads(self._identity))
             self._open()
@@ -156,7 +151,7 @@ class MemberFile:
                     if "member" not in (array.dims[0].keys() or [name]):
                         continue
                     self._places[name] = Place(array.id.get_offset(), array.dtype, array.shape[1:])
-        self._file = _locked(self._part)
+        self._file = locked(self._part)
 
     def _write(self, place: Place, first: int, values: np.ndarray) -> None:
         assert self._file is not None
@@ -228,19 +223,6 @@ def _letters(status: np.ndarray) -> np.ndarray:
     size = np.dtype(STATUS_TYPE).itemsize // np.dtype("U1").itemsize
     text = np.ascontiguousarray(status.astype(f"S{size}"))
     return text.view("S1").reshape(status.size, size)
-
-
-def _locked(path: Path) -> BinaryIO:
-    """The file, opened for this process alone.  Raises InputError."""
-    try:
-        file = open(path, "r+b")  # noqa: SIM115
-        if fcntl is not None:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        raise InputError(str(path), "is being written by another process") from None
-    except OSError as error:
-        raise not_written(path, error) from None
-    return file
 
 
 def identity_in(path: Path) -> Identity:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
 
+from tribo.files import netcdf_path
 from tribo.kernels.status import MEANINGS, Status
 from tribo.model.scene import Scene
 from tribo.run import dataset, report
@@ -39,8 +40,6 @@ SHOWN = (
 
 # The ending of names of tables.
 CSV = ".csv"
-# Endings of names of files that ask for other formats.
-OTHER_FORMATS = (CSV, ".json", ".npy", ".npz", ".parquet", ".pkl", ".txt", ".xlsx")
 
 
 @dataclass(frozen=True, eq=False)
@@ -400,13 +399,13 @@ class Result(Presentation):
         Raises
         ------
         InputError
-            The file cannot be written, or the name asks for another format, as .json.
+            The file cannot be written, or its name ends on neither .nc nor .csv.
         """
         path = as_path(path)
         if path.suffix.lower() == CSV:
             report.save_csv(self, path)
         else:
-            dataset.save(self, netcdf_path("path", path))
+            dataset.save(self, netcdf_path("path", path, " or .csv"))
 
     def to_html(self, path: str | Path, bath: bool = False) -> Path:
         """Write a page that plays the run in a browser: one file that loads nothing else.
@@ -433,13 +432,6 @@ class Result(Presentation):
         # The viewer stands above the results that it shows, so that it is not imported here.
         written: Path = importlib.import_module("tribo.viewer").write_page(self, path, bath)
         return written
-
-
-def netcdf_path(field: str, path: Path) -> Path:
-    """A path whose ending promises no other format than NetCDF.  Raises InputError."""
-    if path.suffix.lower() in OTHER_FORMATS:
-        raise InputError(field, f"must end on .nc, as it is a NetCDF file, got {str(path)!r}")
-    return path
 
 
 def without_nan(value: object) -> object:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from tribo import interrupts
 from tribo.ensembles.engines import Engine, check_engine
 from tribo.ensembles.members import Source
-from tribo.files import checked_target, replace_file
+from tribo.files import netcdf_target, replace_file
 from tribo.model.scene import Scene
 from tribo.model.settings import Numerics
 from tribo.progress import Reported, Shown
@@ -90,7 +90,7 @@ def sweep(
     Raises
     ------
     InputError
-        An argument cannot be used, or no point can be run.
+        An argument cannot be used, no point can be run, or another sweep writes ``out.part``.
     """
     began = time.perf_counter()
     if not isinstance(scene, Scene):
@@ -106,18 +106,18 @@ def sweep(
     names = kept_names(scene, keep)
     check_engine(engine)
     identity = identity_of(grid, names, group)
-    path = None if out is None else checked_target("out", as_path(out))
+    path = None if out is None else netcdf_target("out", as_path(out))
     if resume and path is None:
         raise InputError("resume", "needs out, the file of the sweep")
     if path is not None and resume and path.exists():
         return opened(path, identity)
-    record = Record(path, identity, resume)
-    with Reported(progress, grid.size, "points") as report:
-        _run_points(grid, names, group, engine, record, report)
-    data = dataset(grid, record.found, group is not None, identity, time.perf_counter() - began)
-    if path is not None and len(record.found) == grid.size:
-        replace_file(path, bytes(data.to_netcdf(engine="h5netcdf")))
-        record.remove()
+    with Record(path, identity, resume) as record:
+        with Reported(progress, grid.size, "points") as report:
+            _run_points(grid, names, group, engine, record, report)
+        data = dataset(grid, record.found, group is not None, identity, time.perf_counter() - began)
+        if path is not None and len(record.found) == grid.size:
+            replace_file(path, bytes(data.to_netcdf(engine="h5netcdf")))
+            record.remove()
     return data
 
 

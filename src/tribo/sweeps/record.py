@@ -8,11 +8,14 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import asdict
 from pathlib import Path
+from typing import BinaryIO, Self
 
-from tribo.files import not_written, replace_file
+from tribo.files import locked, not_written, replace_file
 from tribo.run.identity import plain_table, plugin_stamps, version
 from tribo.run.journal import PART
 from tribo.sweeps.grid import Grid
@@ -36,7 +39,9 @@ def identity_of(grid: Grid, names: Sequence[str], group: Members | None) -> str:
 
 
 class Record:
-    """The finished points of a sweep, in memory and in a file if there is one.
+    """The finished points of a sweep, in memory and in a file if there is one; a context manager.
+
+    The file is locked for this sweep alone while it lasts.
 
     Parameters
     ----------
@@ -55,21 +60,29 @@ class Record:
     Raises
     ------
     InputError
-        FILE.part is of another sweep, or cannot be written.
+        FILE.part is of another sweep, is damaged, cannot be written, or another sweep writes it.
     """
 
     def __init__(self, path: Path | None, identity: str, resume: bool) -> None:
         self.found: dict[int, Found] = {}
+        self._file: BinaryIO | None = None
         self._part = None if path is None else path.with_name(path.name + PART)
         if self._part is None:
             return
         lines = [json.dumps({"sweep": identity})]
-        try:
+        with nullcontext() if not self._part.exists() else locked(self._part):
             if resume and self._part.exists():
                 lines += self._read(self._part, identity)
             replace_file(self._part, "".join(f"{line}\n" for line in lines).encode())
-        except OSError as error:
-            raise not_written(self._part, error) from None
+            self._file = locked(self._part)
+        self._file.seek(0, os.SEEK_END)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        if self._file is not None:
+            self._file.close()
 
     def _read(self, part: Path, identity: str) -> list[str]:
         """Take in the points of a file; their lines."""
@@ -80,20 +93,25 @@ class Record:
                 "is of another sweep, or of another version of tribo; remove it, or give the scene "
                 "and the options with which it began",
             )
-        for line in lines[1:]:
-            entry = json.loads(line)
-            index = entry.pop("point")
-            self.found[index] = Found(**entry)
+        for number, line in enumerate(lines[1:], 2):
+            try:
+                entry = json.loads(line)
+                index = int(entry.pop("point"))
+                self.found[index] = Found(**entry)
+            except (ValueError, KeyError, TypeError, AttributeError):
+                raise InputError(
+                    str(part), f"is damaged in line {number}; remove that line, to run its point"
+                ) from None
         return lines[1:]
 
     def add(self, index: int, found: Found) -> None:
         """Keep what was found at a point."""
         self.found[index] = found
-        if self._part is None:
+        if self._part is None or self._file is None:
             return
         try:
-            with open(self._part, "a", encoding="utf-8") as file:
-                file.write(json.dumps({"point": index, **asdict(found)}) + "\n")
+            self._file.write((json.dumps({"point": index, **asdict(found)}) + "\n").encode())
+            self._file.flush()
         except OSError as error:
             raise not_written(self._part, error) from None
 
