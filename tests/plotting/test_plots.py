@@ -55,8 +55,9 @@ def test_curves_are_the_ledger(result):
     assert np.array_equal(works["w1"].get_ydata(), upper.w1[:, 0])
     budget = lines_of(result.plot.energy_budget())
     assert np.array_equal(budget["applied work"].get_ydata(), system["applied_work"])
-    parts = sum(line.get_ydata() for name, line in budget.items() if name[0] in "cki")
-    assert parts == pytest.approx(system["applied_work"], abs=1e-5)
+    assert list(budget)[:-1] == ["contact", "internal", "applied work"]  # and the axis
+    edge = budget["internal"].get_ydata()  # of the whole stack
+    assert edge == pytest.approx(system["applied_work"], abs=1e-5)
     phase = result.plot.phase().get_lines()[0]
     assert np.array_equal(phase.get_ydata(), upper.omega[:, 0])
 
@@ -130,3 +131,27 @@ def test_command(result, tmp_path, capsys):
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
     assert main(["plot", str(file), "-o", str(tmp_path / "a.txt")]) == 2
     assert "--out: must end on .png" in capsys.readouterr().err
+
+
+def test_energy_budget_of_a_scene_with_heat_closes():
+    """Heat is a part of the stack, and is added to the applied work, which is net of it."""
+    reservoir = tribo.Langevin(gamma=0.5, on="swing")
+    upper = tribo.Surface("upper", bob=(-2.0, 0.3), velocity=(0.5, 0.0), langevin=reservoir)
+    bath = tribo.Bath(masses=[0.5], frequencies=[2.0])
+    lower = tribo.Surface("lower", facing="up", bath=bath, drive="free")
+    output = tribo.Output(samples=41, series=["energies"])
+    scene = tribo.Scene((upper, lower), tribo.Coulomb(0.2), 12.0, output=output)
+    result = tribo.simulate(scene, accuracy=1e-8)
+    ax = result.plot.energy_budget()
+    edges = {name: line.get_ydata() for name, line in lines_of(ax).items()}
+    order = ["kinetic", "contact", "internal", "bath", "heat", "applied work + heat"]
+    assert list(edges)[:-1] == order  # and the axis
+    heat = edges["heat"] - edges["bath"]
+    assert heat == pytest.approx(result["upper"].heat[:, 0], abs=1e-12) and heat[-1] > 1e-3
+    drives = sum(result[name].w2[:, 0] for name in ("upper", "lower"))
+    assert edges["heat"] == pytest.approx(drives, abs=1e-7)
+    assert edges["applied work + heat"] == pytest.approx(drives, abs=1e-12)
+    bath = edges["bath"] - edges["internal"]
+    assert bath == pytest.approx(result["lower"].heat_bath, abs=1e-12)
+    gap = float(ax.texts[0].get_text().removeprefix("gap "))
+    assert 0.0 <= gap < 1e-6

@@ -54,6 +54,9 @@ ASPECT = 0.66
 # Distance between two snapshots [points].
 GAP = 9.0
 
+# Distance of the gap of an energy budget from the axes, beside the label of the times [points].
+GAP_BELOW = 22.0
+
 # Margin for times left of snapshots [points].
 MARGIN = 50.0
 
@@ -133,10 +136,14 @@ class Plots:
         return work_curves(self._result, self._surface(surface), asperite, ax=ax)
 
     def energy_budget(self, ax: Axes | None = None) -> Axes:
-        """Draw the work that is put in over time, and the energies that it became.
+        """Draw the energies that the work put in over time became, one on top of the other.
 
-        The changes of contact, bulk kinetic and internal energy add up to the change of the total
-        energy, which equals the applied work, unless there are fields.
+        The parts are bulk kinetic energy, contact, fields, internal energy and heat, of all
+        surfaces together; the heat of baths is separate from internal energy if the scene's output
+        asks for the series "energies".  A part that is negative goes down from the edge before it.
+        The last edge is the sum, which equals the work that is put in; a text has the largest gap
+        between the two.  The applied work of the ledger is net of the heat given to reservoirs.
+        Where there are some, heat is a part of the stack, and is added to the applied work.
 
         Parameters
         ----------
@@ -147,13 +154,25 @@ class Plots:
         -------
         matplotlib.axes.Axes
         """
+        result = self._result
         with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
-            curves = _budget(self._result)
-            first = self._result.scene.surfaces[0].name
-            for colour, (name, values) in zip((INK, *_colours()), curves.items(), strict=False):
-                wide = name == "applied work" or name.endswith(f", {first}")
-                look: dict[str, Any] = {"linewidth": self._width(0 if wide else 1)} | self._line
-                ax.plot(self._result.t, values, color=colour, label=self._named(name), **look)
+            below = np.zeros(result.t.size)
+            for colour, (name, values) in zip(_colours(), _budget(result).items(), strict=False):
+                edge = below + values
+                look: dict[str, Any] = {"linewidth": PATH_WIDTH} | self._line
+                ax.plot(result.t, edge, color=colour, label=self._named(name), **look)
+                if not self._label:  # stacks of several results would cover one another
+                    shade: dict[str, Any] = {"color": colour, "alpha": 0.35, "linewidth": 0.0}
+                    ax.fill_between(result.t, below, edge, **shade)
+                below = edge
+            put_in, name = _work_put_in(result)
+            if put_in is not None:
+                look = {"linewidth": WIDTHS[0] / 2.0, "linestyle": (0, (4.0, 3.0))}
+                ax.plot(result.t, put_in, color=INK, label=self._named(name), **look)
+                if not self._label:
+                    gap = f"gap {np.max(np.abs(below - put_in)):.1e}"
+                    below_axes: dict[str, Any] = {"xycoords": "axes fraction", "ha": "right"}
+                    note(ax, (1.0, 0.0), gap, (0.0, -GAP_BELOW), **below_axes)
             self._over_time(ax, "energy")
         return ax
 
@@ -381,12 +400,35 @@ def _colours() -> tuple[str, ...]:
 
 
 def _budget(result: Result) -> dict[str, np.ndarray]:
-    """The work put in, and the changes of energies, by name; energies that never change are out."""
-    system = result.system
-    curves = {"applied work": system["applied_work"]} if "applied_work" in system else {}
-    contact = system["contact_energy"]
-    changes = {"contact energy": contact - contact[0]}
-    for name, block in result.ledger.blocks.items():
-        changes[f"kinetic, {name}"] = block["delta_K"]
-        changes[f"internal, {name}"] = block["delta_E_int"]
-    return curves | {name: values for name, values in changes.items() if np.any(values)}
+    """The energies that work became, by name; those that never change are left out."""
+    system, blocks = result.system, result.ledger.blocks.values()
+    kinetic = sum(block["delta_K"] for block in blocks)
+    internal = sum(block["delta_E_int"] for block in blocks)
+    contact = system["contact_energy"] - system["contact_energy"][0]
+    field = system["total_energy_change"] - contact - kinetic - internal
+    bath = sum(block["heat_bath"] for block in blocks if "heat_bath" in block)
+    changes = {
+        "kinetic": kinetic,
+        "contact": contact,
+        "field": field if result.scene.fields else 0.0,
+        "internal": internal - bath,
+        "bath": bath,
+        "heat": sum(_heats(result)),
+    }
+    return {name: np.asarray(values) for name, values in changes.items() if np.any(values)}
+
+
+def _heats(result: Result) -> list[np.ndarray]:
+    """The heat that the reservoir of each surface was given, (times,); empty without any."""
+    tables = [result[name] for name in result.ledger.surfaces]
+    heats = [np.asarray(table["heat"]) for table in tables if "heat" in table]
+    return [heat.reshape(result.t.size, -1).sum(axis=1) for heat in heats]
+
+
+def _work_put_in(result: Result) -> tuple[np.ndarray | None, str]:
+    """The work that is put in, before heat, and its name; None without a ledger."""
+    if "applied_work" not in result.system:
+        return None, ""
+    heats = _heats(result)
+    work = result.system["applied_work"] + sum(heats)
+    return np.asarray(work), "applied work + heat" if heats else "applied work"

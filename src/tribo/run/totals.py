@@ -164,9 +164,18 @@ class Whole(Group):
         return self._stored[:, place]
 
     @property
+    @_with_infinities
     def heat_of_bath(self) -> np.ndarray:
-        """The change of the bath's energy, in the surface's first frame."""
-        return self.samples.change(self._bath_energy)
+        """The change of the bath's energy in the surface's own motion.
+
+        That is the motion with V; on driven bars, which do not excite a bath, that of the bars.
+        """
+        energy = self._bath_energy
+        if self._record.drive != BARS:
+            (x, y), stored = self._lag, self._stored
+            common = x * stored[:, MOMENTUM_X] + y * stored[:, MOMENTUM_Y]
+            energy = energy - common + 0.5 * self._mass_of_bath * (x**2 + y**2)
+        return self.samples.change(energy)
 
     @property
     def kinetic_of_bath(self) -> np.ndarray:
@@ -174,13 +183,18 @@ class Whole(Group):
         vx, vy = self._layout.velocity_of(self._index)
         stored = self._stored
         moving = vx * stored[:, MOMENTUM_X] + vy * stored[:, MOMENTUM_Y]
-        mass = self._mass - float(self._record.mass)
-        return np.asarray(self._own_kinetic_of_bath + moving + 0.5 * mass * (vx**2 + vy**2))
+        own = self._own_kinetic_of_bath + moving
+        return np.asarray(own + 0.5 * self._mass_of_bath * (vx**2 + vy**2))
 
     @property
     def potential_of_bath(self) -> np.ndarray:
         """The potential energy of the bath."""
         return np.asarray(self._bath_energy - self._own_kinetic_of_bath)
+
+    @property
+    def _mass_of_bath(self) -> float | np.ndarray:
+        """The mass of all oscillators that move along x and y."""
+        return self._mass - float(self._record.mass)
 
     @property
     def _bath_energy(self) -> np.ndarray:
