@@ -1,4 +1,4 @@
-"""The work of friction depends on the observer; the heat does not.
+"""The work of friction depends on the observer; the internal energy does not.
 
 For an observer who moves with the velocity -u, each force has u times its impulse more work, and as
 much more pseudowork.  The difference of work and pseudowork, summed over all forces on an asperite,
@@ -29,18 +29,18 @@ def works(velocity):
 
 def main(folder="."):
     """Impulse by the change of the work, and the range of the internal energy over observers."""
-    work, pseudowork, heat = np.transpose([works(u) for u in VELOCITIES])
+    work, pseudowork, internal = np.transpose([works(u) for u in VELOCITIES])
     with tribo.plotting.style():
         ax = tribo.plotting.axes(tribo.plotting.COLUMN, 2.4)
         ax.plot(VELOCITIES, work, "o-", ms=3, color="#0b62a4", label="work of the contact")
         ax.plot(VELOCITIES, pseudowork, "s-", ms=3, color="#7fadd0", label="its pseudowork")
-        ax.plot(VELOCITIES, heat, "^-", ms=3, color="#d55e00", label="internal energy")
+        ax.plot(VELOCITIES, internal, "^-", ms=3, color="#d55e00", label="internal energy")
         ax.set(xlabel="velocity $u$ of all surfaces", ylabel="energy")
         ax.legend(frameon=False)
     tribo.plotting.save(ax, f"{folder}/two_frames.png")
     return {
-        "internal energy": heat[0],
-        "its range over observers": np.ptp(heat),
+        "internal energy": internal[0],
+        "its range over observers": np.ptp(internal),
         "range of the work of the contact": np.ptp(work),
     }
 
