@@ -1,5 +1,7 @@
 """Notes of a result on what its drives did, and on bobs that start in a core."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -112,3 +114,32 @@ def test_automatic_steps_are_as_they_are_taken():
     """With noise and without a given step, no step is shorter than another."""
     reservoir = Langevin(0.1, temperature=0.1)
     assert passing(None, None, samples=1201, langevin=reservoir).notes == ()
+
+
+def starting(**settings):
+    """The notes on a start with settings of the upper surface."""
+    upper = Surface("upper", **{"bob": (-3.0, 0.0)} | settings)
+    scene = Scene((upper, Surface("lower", facing="up")), Coulomb(0.2), 0.1)
+    return tribo.prepare(scene, method="rk4", step=0.05).run().notes
+
+
+@pytest.mark.parametrize(
+    ("settings", "places"),
+    [
+        ({"shape": (3, 2)}, "6 asperites of .* are on 1 place,"),
+        ({"shape": (3, 2), "spacing": (1.0, 0.0)}, "6 asperites of .* are on 3 places,"),
+        ({"bob": (0.0, 0.0), "positions": [[-3.0, 0.0, 0.0]] * 2}, "2 asperites of .* on 1 place,"),
+    ],
+)
+def test_asperites_on_one_place_are_noted(settings, places):
+    """Without a spacing, or with equal positions."""
+    (note,) = starting(**settings)
+    assert re.search(places, note)
+
+
+def test_angles_beyond_a_turn_are_noted():
+    """They look like degrees; those of a surface that faces up are counted from pi."""
+    (note,) = starting(initial=tribo.Initial(theta=30.0))
+    assert "swing from rest of 30 rad" in note and "30 degrees would be 0.5236" in note
+    assert starting(initial=tribo.Initial(theta=6.2)) == ()
+    assert starting(shape=(3, 1), spacing=(1.0, 0.0)) == ()

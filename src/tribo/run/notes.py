@@ -39,10 +39,11 @@ MOST_LOOKS = 256
 
 
 def run_notes(layout: Layout, method: Method, step: float | None) -> tuple[str, ...]:
-    """Notes on starts in a core, rough potentials, given steps, and baths that are too small."""
+    """Notes on starts, rough potentials, given steps, and baths that are too small."""
     scene = layout.scene
     steps = [] if step is None else [*_on_cut(layout, step), *_on_step(layout, method, step)]
-    return (*core_notes(layout), *_on_potentials(scene, method), *steps, *_on_baths(scene))
+    starts = [*core_notes(layout), *_on_places(scene), *_on_angles(scene)]
+    return (*starts, *_on_potentials(scene, method), *steps, *_on_baths(scene))
 
 
 def calculator_notes(run: Integration) -> tuple[str, ...]:
@@ -151,6 +152,40 @@ def approach_notes(layout: Layout, run: Integration) -> tuple[str, ...]:
         f"among the recorded times, bobs were closest at t = {t:.9g}: those of {one} and {other} "
         f"were {distance:.3g} apart",
     )
+
+
+def _on_places(scene: Scene) -> list[str]:
+    """Surfaces of which several asperites are on one place."""
+    notes = []
+    for surface in scene.surfaces:
+        number = surface.count
+        if surface.positions is None:
+            shape, spacing = surface.shape, surface.spacing
+            places = math.prod(n if d else 1 for n, d in zip(shape, spacing, strict=True))
+            advice = "give a spacing [length] for each axis of shape"
+        else:
+            places, advice = len(np.unique(surface.positions, axis=0)), "give other positions"
+        if places < number:
+            notes.append(
+                f'the {number} asperites of "{surface.name}" are on {places} '
+                f"place{'s' * (places > 1)}, where alike ones act as one; {advice}"
+            )
+    return notes
+
+
+def _on_angles(scene: Scene) -> list[str]:
+    """Initial angles beyond a whole turn, which may be degrees."""
+    notes = []
+    for surface in scene.surfaces:
+        phi, swing = surface.initial.for_each(surface.count)["phi"], surface.initial_swing
+        for name, angles in (("swing from rest", swing), ("phi", phi)):
+            largest = 0.0 if angles is None else float(np.max(np.abs(angles)))
+            if largest > 2.0 * math.pi:
+                notes.append(
+                    f'"{surface.name}" starts with a {name} of {largest:.4g} rad, more than a '
+                    f"whole turn; {largest:.4g} degrees would be {math.radians(largest):.4g}"
+                )
+    return notes
 
 
 def _on_potentials(scene: Scene, method: Method) -> list[str]:
