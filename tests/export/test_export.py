@@ -1,5 +1,6 @@
 """Atoms of ASE and tables of pandas have the numbers of the result, also from files."""
 
+import time
 from dataclasses import replace
 
 import ase.io
@@ -8,6 +9,7 @@ import pytest
 
 import tribo
 from tribo import paper
+from tribo.run.contact_probe import ContactProbe
 from tribo.validation import InputError
 
 
@@ -96,3 +98,32 @@ def test_ovito_opens_trajectories(result, suffix, tmp_path):
     if suffix == "extxyz":
         forces = frames[2].particles.forces[...]
         assert forces == pytest.approx(images[2].get_forces(), abs=1e-6)
+
+
+def cpu_time_of_forces(n):
+    """Processor time of the contact forces of n x n over n x n bobs, and the forces."""
+    grids = {"shape": (n, n), "spacing": (1.0, 1.0)}
+    upper = tribo.Surface("upper", bob=(0.3, 0.9), **grids)
+    lower = tribo.Surface("lower", facing="up", **grids)
+    potential = tribo.with_cutoff(tribo.LennardJones(0.1, 0.8), 2.0, "shift")
+    probe = ContactProbe(tribo.Scene((upper, lower), potential, 1.0))
+    columns = probe.layout.model.each[:2, probe.layout.places.columns]
+    arms = probe.layout.asperites.l1 * probe.layout.asperites.facing
+    places = np.array([columns[0], columns[1] - arms, probe.depths]).T[None]
+    times = []
+    for _ in range(4):  # the first compiles
+        began = time.process_time()
+        forces = probe(places, probe.charges[None])[1]
+        times.append(time.process_time() - began)
+    return min(times), places[0], forces[0]
+
+
+def test_forces_of_many_bobs_take_time_in_proportion():
+    """Four times the bobs take about four times as long, not sixteen; the forces are right."""
+    few, places, forces = cpu_time_of_forces(28)
+    bob = 784 // 2 + 14
+    d = places[bob] - places[784:]
+    r = np.linalg.norm(d, axis=1)
+    pull = -24.0 * 0.1 * (0.8**6 / r**7 - 2.0 * 0.8**12 / r**13) * (r < 2.0)
+    np.testing.assert_allclose(forces[bob], (pull / r) @ d[:, :2], rtol=1e-9)
+    assert cpu_time_of_forces(56)[0] < 8.0 * few

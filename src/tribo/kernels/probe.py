@@ -3,17 +3,19 @@
 from tribo.kernels.contact import contact_energy, separation
 from tribo.kernels.contact_forces import contact_forces
 from tribo.kernels.equations_of_motion import equations_of_motion, update_neighbours
-from tribo.kernels.neighbours import image
+from tribo.kernels.neighbours import crowded, image, rebuild
 from tribo.kernels.records import CHARGE, FX, FY, X, Y, Z
 
 
-def contact_probe(model, columns, positions, charges, energies, forces):
-    """Compute the contact energy, and the force on every bob, for one arrangement after another.
+def contact_probe(model, neighbours, columns, positions, charges, begin, energies, forces):
+    """Compute the contact energy, and the force on every bob, of arrangements from `begin` on.
 
-    columns (n,) of the bobs, positions (k, n, 3), charges (k, n), energies (k,), forces (k, n, 2).
+    Returns the number of those that are done: fewer than all where the neighbour list needs more
+    room.  columns (n,) of the bobs, positions (k, n, 3), charges (k, n), energies (k,), forces
+    (k, n, 2).
     """
     bobs = model.bobs
-    for k in range(positions.shape[0]):
+    for k in range(begin, positions.shape[0]):
         for m in range(columns.size):
             i = columns[m]
             bobs[X, i] = positions[k, m, 0]
@@ -22,11 +24,16 @@ def contact_probe(model, columns, positions, charges, energies, forces):
             model.each[CHARGE, i] = charges[k, m]
             bobs[FX, i] = 0.0
             bobs[FY, i] = 0.0
-        contact_forces(model, None)
-        energies[k] = contact_energy(model, None, None)
+        if neighbours is not None:
+            rebuild(model, neighbours)
+        if crowded(neighbours):
+            return k
+        contact_forces(model, neighbours)
+        energies[k] = contact_energy(model, neighbours, None)
         for m in range(columns.size):
             forces[k, m, 0] = bobs[FX, columns[m]]
             forces[k, m, 1] = bobs[FY, columns[m]]
+    return positions.shape[0]
 
 
 def distance_probe(model, positions, i, distances):

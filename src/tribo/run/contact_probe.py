@@ -10,7 +10,7 @@ from tribo.kernels.records import CHARGE
 from tribo.model.scene import Scene
 from tribo.plugins import sources
 from tribo.plugins.compile_errors import compiling
-from tribo.run.contacts import raise_calculator_errors
+from tribo.run.contacts import raise_calculator_errors, with_room
 from tribo.run.layout import lay_out
 
 
@@ -68,15 +68,12 @@ class ContactProbe:
         """
         energies, forces = np.empty(len(positions)), np.empty((*positions.shape[:2], 2))
         probe = time_loop(contact_probe, self._stamp)
+        neighbours, done = self.layout.neighbours(), 0
         with compiling(probe, self.layout.named_plugins):
-            probe(
-                self.layout.model,
-                self.layout.places.columns,
-                positions,
-                charges,
-                energies,
-                forces,
-            )
+            while done < len(positions):
+                neighbours = with_room(neighbours)
+                arrays = self.layout.places.columns, positions, charges
+                done = probe(self.layout.model, neighbours, *arrays, done, energies, forces)
         raise_calculator_errors(self.layout.calculator_calls)
         return energies, forces
 
