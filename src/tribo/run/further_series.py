@@ -9,7 +9,7 @@ ALWAYS = ("f1", "f2", "fL", "fR")
 
 
 def force_names(scene: Scene, surface: Surface) -> list[str]:
-    """The forces that act on a surface's asperites, and the friction force on the surface."""
+    """The forces that act on a surface's asperites, and their sums over the surface."""
     present = {
         "f_within": scene.has_contact_within(surface),
         "f_field": scene.has_field(surface),
@@ -18,7 +18,8 @@ def force_names(scene: Scene, surface: Surface) -> list[str]:
         "f_T": surface.bar_reservoir is not None,
     }
     names = (*ALWAYS, *(name for name, acts in present.items() if acts))
-    return ["friction_force", *(f"{name}_{axis}" for name in names for axis in "xy")]
+    sums = ["friction_force", *(["contact_force", "field_force"] if present["f_field"] else [])]
+    return [*sums, "pull_force", *(f"{name}_{axis}" for name in names for axis in "xy")]
 
 
 def energy_names(scene: Scene, surface: Surface) -> list[str]:
