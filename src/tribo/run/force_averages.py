@@ -70,12 +70,14 @@ def recorded_averages(result: Result) -> dict[str, Any]:
 def has_mean_friction(scene: Scene) -> bool:
     """Whether sliding goes on, so that a mean friction force says something.
 
-    Two asperites that pass one another meet once; the mean depends on how long the run lasts.
+    Asperites that pass others meet each once; where their forces are not even recorded, or two
+    asperites meet alone, the mean depends on how long the run lasts.
     """
     drives = [surface.drive for surface in scene.surfaces]
     pulled = any(isinstance(drive, Pulled) for drive in drives)
     loaded = any(load_of(surface) > 0.0 for surface in scene.surfaces)
-    return scene.count > 2 or pulled or loaded or bool(scene.fields) or scene.periodic.x is not None
+    recorded = scene.count > 2 and "forces" in scene.output.series
+    return recorded or pulled or loaded or bool(scene.fields) or scene.periodic.x is not None
 
 
 def load_of(surface: Surface) -> float:
