@@ -34,7 +34,8 @@ def pull(load):
 def main(folder="."):
     """The exponent of the law, and the largest gap between work and energies."""
     results = [pull(load) for load in LOADS]
-    force, error, _ = np.abs([each.friction_force("upper", 20.0) for each in results]).T / 256
+    averages = [each.friction_force("upper", 20.0) for each in results]
+    force, error = np.abs([[each.mean, each.half_width] for each in averages]).T / 256
     exponent, logarithm = np.polyfit(np.log(LOADS), np.log(force), 1)
     upper, lower = results[-1]["upper"], results[-1]["lower"]
     contact = results[-1].system["contact_energy"]

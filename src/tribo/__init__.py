@@ -65,7 +65,7 @@ if TYPE_CHECKING:  # "X as X" exports a name to type checkers
     )
     from tribo.prepared import Simulation as Simulation
     from tribo.report_card import check as check
-    from tribo.run.friction import FrictionForce as FrictionForce
+    from tribo.run.averages import Average as Average, time_average as time_average
     from tribo.run.relax import NoEquilibriumError as NoEquilibriumError, relax as relax
     from tribo.run.result import Result as Result
     from tribo.run.saved_results import load_result as load_result
@@ -77,6 +77,7 @@ if TYPE_CHECKING:  # "X as X" exports a name to type checkers
 # The module of each public name; it is imported when the name is first used.
 _HOME = {
     "Asperite": "tribo.model.asperite",
+    "Average": "tribo.run.averages",
     "Bath": "tribo.model.bath",
     "BornMayer": "tribo.potentials",
     "Buckingham": "tribo.potentials",
@@ -94,7 +95,6 @@ _HOME = {
     "Field": "tribo.model.fields",
     "Forced": "tribo.model.drives",
     "Free": "tribo.model.drives",
-    "FrictionForce": "tribo.run.friction",
     "Gaussian": "tribo.potentials",
     "Hertz": "tribo.potentials",
     "grid": "tribo.ensembles.sampling",
@@ -130,6 +130,7 @@ _HOME = {
     "Springs": "tribo.model.springs",
     "Surface": "tribo.model.surface",
     "sweep": "tribo.sweeps",
+    "time_average": "tribo.run.averages",
     "TriboWarning": "tribo.validation",
     "WeeksChandlerAndersen": "tribo.potentials",
     "with_cutoff": "tribo.potentials",

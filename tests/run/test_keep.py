@@ -134,7 +134,8 @@ def test_ensembles_and_sweeps():
         result = alone.run({"upper.theta": theta})
         average = result.friction_force("upper")
         assert data["upper.friction_force"].values[k] == average.mean
-        assert data["upper.friction_force_time_half_width"].values[k] == average.half_width
+        half_width = data["upper.friction_force_time_half_width"].values[k]
+        assert np.array_equal(half_width, average.half_width, equal_nan=True)
         assert data["upper.W"].values[k] == result["upper"].W[-1]
     assert data["upper.friction_force"].attrs["units"] == "force"
     assert "averaged over time" in data["upper.friction_force"].attrs["long_name"]
@@ -146,9 +147,9 @@ def test_ensembles_and_sweeps():
     assert np.array_equal(mean, series["upper.friction_force"].values.mean(axis=0))
     points = sweep(scene(keep=forces), {"upper.theta": [0.0, 0.05]}, **HOW)
     for name in (*forces, "upper.friction_force_time_half_width"):
-        assert np.array_equal(points[name], data[name])
-    with pytest.raises(InputError, match=r"output\.samples: must be at least 21 for the average"):
-        tribo.ensemble(scene(samples=9), 2, {"upper.theta": thetas[:, None]}, keep=forces, **HOW)
+        assert np.array_equal(points[name], data[name], equal_nan=True)
+    with pytest.raises(InputError, match=r"output\.samples: must be at least 3 for averages of"):
+        tribo.ensemble(scene(samples=2), 2, {"upper.theta": thetas[:, None]}, keep=forces, **HOW)
 
 
 def test_averages_leave_out_the_run_in(tmp_path, capsys):
@@ -160,17 +161,18 @@ def test_averages_leave_out_the_run_in(tmp_path, capsys):
     assert tribo.load_scene(path).output.run_in == 1.5
     result = tribo.simulate(late)
     average = result.friction_force("upper")
-    assert average == result.friction_force("upper", after=1.5)
+    assert average[0] == result.friction_force("upper", after=1.5)[0] and average.after == 1.5
     assert average.mean != pytest.approx(result.friction_force("upper", after=0.0).mean, rel=0.1)
-    assert result.end["friction_force"]["upper"] == average._asdict()
+    assert result.end["friction_force"]["upper"]["mean"] == average.mean
     assert main(["run", str(path), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["friction_force"]["upper"]["mean"] == average.mean
     points = sweep(late, {"upper.theta": [0.0]}, keep=keep)
     members = tribo.ensemble(late, 2, {"upper.theta": np.zeros((2, 1))}, keep=keep)
     for data in (points, members):
         assert data["upper.friction_force"].values[0] == average.mean
-        assert data["upper.friction_force_time_half_width"].values[0] == average.half_width
-    with pytest.raises(InputError, match=r"at least 21 from t = 3.5 on for the average"):
-        sweep(replace(late, output=replace(late.output, run_in=3.5)), {"seed": [1]}, keep=keep)
+        half_width = data["upper.friction_force_time_half_width"].values[0]
+        assert np.array_equal(half_width, average.half_width, equal_nan=True)
+    with pytest.raises(InputError, match=r"at least 3 from t = 3.99 on for averages"):
+        sweep(replace(late, output=replace(late.output, run_in=3.99)), {"seed": [1]}, keep=keep)
     with pytest.raises(InputError, match=r"run_in: must not be negative \[time\], got -1"):
         Output(run_in=-1)

@@ -74,7 +74,15 @@ def test_forces_change_the_momentum(result):
         assert masses * (velocity[:, 2::2] - velocity[:, :1]) == pytest.approx(impulse, abs=2e-6)
         assert np.max(np.abs(impulse)) > 0.1
     assert np.max(np.abs(result["lower"].f_bath_x)) > 1e-3
-    assert np.array_equal(result["upper"].friction_force, result["upper"].f1_x.sum(axis=1))
+    for name in ("upper", "lower"):
+        table = result[name]
+        forces = {"friction_force": ("f1", "f_field"), "pull_force": ("f2",)}
+        if "field_force" in table:
+            forces |= {"contact_force": ("f1",), "field_force": ("f_field",)}
+        for whole, parts in forces.items():
+            total = sum(vectors(table, part)[0].sum(axis=1) for part in parts)
+            assert table[whole] == pytest.approx(total, abs=1e-14), (name, whole)
+    assert "field_force" in result["upper"] and np.ptp(result["upper"].pull_force) > 0.0
 
 
 def test_energies_close_against_the_ledger(result):
@@ -168,25 +176,31 @@ def test_reactions_and_rigid_asperites():
 
 
 def test_friction_force(result, tmp_path):
-    """Mean, interval and spread, in the JSON and from a file; too few samples are refused."""
+    """Mean, interval and spread of it and of its parts, in the JSON and from a file."""
     found = result.friction_force("upper")
     force = result["upper"].friction_force
-    assert found.mean == pytest.approx(np.trapezoid(force, result.t) / 2.0)
-    assert found.spread == pytest.approx(np.std(force), rel=0.05) and found.half_width > 0.0
-    blocks = force[:-1].reshape(10, 20).mean(axis=1)
-    assert found.half_width == pytest.approx(2.262 * np.std(blocks, ddof=1) / 10**0.5, rel=0.02)
-    after = result.friction_force("upper", after=1.0, blocks=5)
-    assert after.mean == pytest.approx(np.trapezoid(force[100:], result.t[100:]))
+    assert found.spread == pytest.approx(np.std(force), rel=0.05)
+    assert found == tribo.time_average(result.t, force, 0.0)
+    parts = [result.friction_force("upper", part=part) for part in ("contact", "field")]
+    assert parts[0] == tribo.time_average(result.t, result["upper"].f1_x.sum(axis=1), 0.0)
+    assert parts[1].spread > 0.0
+    assert sum(part.mean for part in parts) == pytest.approx(found.mean, abs=found.spread / 10)
+    after = result.friction_force("upper", after=1.0)
+    assert after.after == 1.0
+    assert after.mean == pytest.approx(np.trapezoid(force[100:], result.t[100:]), abs=0.02)
     end = json.loads(result.to_json())
     assert end["friction_force"]["upper"]["mean"] == found.mean
+    assert end["pull_force"]["upper"]["mean"] == result.pull_force("upper").mean
     assert end["blocks"]["upper"]["friction_force"] == force[-1]
     assert end["error_estimate"]["f1_x"] is None
     result.save(tmp_path / "result.nc")
     loaded = tribo.load_result(tmp_path / "result.nc")
-    assert loaded.friction_force("upper") == found
+    assert loaded.friction_force("upper")[0::2] == found[0::2]
+    assert loaded.friction_force("upper", part="field")[0] == parts[1].mean
+    assert loaded.pull_force("upper")[0] == result.pull_force("upper").mean
     assert np.array_equal(loaded["lower"].f_bath_y, result["lower"].f_bath_y)
-    with pytest.raises(tribo.InputError, match="blocks: must be at most 100 for 201 samples"):
-        result.friction_force("upper", blocks=101)
+    with pytest.raises(tribo.InputError, match='part: must be "contact" or "field"'):
+        result.friction_force("upper", part="drive")
     drawn, average, _ = result.plot.friction_force("upper").get_lines()
     assert np.array_equal(drawn.get_ydata(), force)
     assert list(average.get_ydata()) == [found.mean] * 2

@@ -188,13 +188,17 @@ def in_words(found: Mapping[str, Any]) -> str:
 
 
 def _moments(data: xarray.Dataset, name: str) -> tuple[float, float]:
-    """Mean and standard deviation of a quantity at the end, over members and asperites."""
+    """Mean and standard deviation of a quantity at the end, over members and asperites.
+
+    Members are a sample, of n with n - 1 degrees of freedom; a surface has no other asperites.
+    """
     end = {"time": -1} if "time" in data.dims else {}
     if "covariance" in data:
         means, variances = (data[f"{name}_{of}"].isel(end) for of in ("mean", "variance"))
-        return float(means.mean()), float(np.sqrt(variances.mean() + means.var()))
-    values = data[name if name in data.data_vars else f"{name}_end"].isel(end).values
-    return float(np.nanmean(values)), float(np.nanstd(values))
+    else:
+        values = data[name if name in data.data_vars else f"{name}_end"].isel(end)
+        means, variances = values.mean("member"), values.var("member", ddof=1)
+    return float(means.mean()), float(np.sqrt(variances.mean() + means.var()))
 
 
 def _means(data: xarray.Dataset) -> dict[str, dict[str, float]]:

@@ -17,9 +17,9 @@ from tribo.model.scene import Scene
 from tribo.model.scene_writer import scene_text
 from tribo.prepared import Simulation
 from tribo.run.dataset import Variable
-from tribo.run.friction import BLOCKS
+from tribo.run.force_averages import force_average
 from tribo.run.ledger import Ledger
-from tribo.run.quantities import EVERY_QUANTITY
+from tribo.run.quantities import AVERAGED, EVERY_QUANTITY
 from tribo.run.result import Result
 from tribo.run.streamed_ledger import exceeds_memory
 from tribo.validation import InputError, short_repr
@@ -32,12 +32,10 @@ MISSED = "AccuracyMissed"
 # The status of a member that still needs a run with a search for its own settings, and in a file of
 # one that has not been run.
 UNKNOWN = ""
-# The quantity of which the average over time takes the place of the value at the end, and what is
-# added to its name for the half-width of its 95 % interval, from block averages of one run.
-AVERAGED = "friction_force"
-INTERVAL = f"{AVERAGED}_time_half_width"
-# Kept beside it, where contact has a range.
-SHARE = "time_without_contact"
+# What is added to the name of an average over time for the half-width of its 95 % interval.
+INTERVAL = "_time_half_width"
+# The quantity beside which the share of time without contact is kept, where contact has a range.
+FRICTION, SHARE = "friction_force", "time_without_contact"
 # Of an array of names of statuses.
 STATUS_TYPE = f"U{max(map(len, [MISSED, *Status]))}"
 
@@ -111,19 +109,20 @@ class Kept:
         names: list[str] = []
         for name in map(str, keep):
             shape = _shape(name, ledger, simulation.scene)
-            if shape is None and not (name.endswith(f".{INTERVAL}") and not at_samples):
+            if shape is None and (at_samples or not is_interval(name)):
                 raise InputError(
                     f"keep.{name}",
                     f'must be a quantity of a surface, as "{next(iter(surfaces))}.w1", or one of '
                     'the system, as "contact_energy"',
                 )
             names.append(name)
-            if name.endswith(f".{AVERAGED}") and not at_samples:
+            if name.rpartition(".")[2] in AVERAGED and not at_samples:
                 _check_averaged(simulation.scene)
-                surface = name.rpartition(".")[0]
+                names.append(f"{name}{INTERVAL}")
+                surface, _, kind = name.rpartition(".")
                 beside = f"{surface}.{SHARE}"
-                known = _shape(beside, ledger, simulation.scene) is not None
-                names += [f"{surface}.{INTERVAL}", *[beside] * known]
+                if kind == FRICTION and _shape(beside, ledger, simulation.scene) is not None:
+                    names.append(beside)
         unique = tuple(dict.fromkeys(names))
         leading = (times,) if at_samples else ()
         own = (_shape(name, ledger, simulation.scene) or () for name in unique)
@@ -153,28 +152,33 @@ class Kept:
         """The kept values of a complete result, whose ledger at its end is `at_end`."""
         found: dict[str, np.ndarray | float] = {}
         for name in self.names:
-            surface, _, kind = name.rpartition(".")
+            averaged = name.removesuffix(INTERVAL)
             if self.at_samples:
                 found[name] = result.ledger.series(name)[0]
-            elif kind == AVERAGED:
-                found[name] = result.friction_force(surface).mean
-            elif kind == INTERVAL:
-                found[name] = result.friction_force(surface).half_width
-            elif kind == SHARE:
-                found[name] = result.time_without_contact(surface)
+            elif name in found:  # with its average
+                continue
+            elif averaged.rpartition(".")[2] in AVERAGED:
+                average = force_average(result, averaged)
+                found[averaged], found[f"{averaged}{INTERVAL}"] = average.mean, average.half_width
+            elif name.endswith(f".{SHARE}"):
+                found[name] = result.time_without_contact(name.rpartition(".")[0])
             else:
                 found[name] = at_end.series(name)[0][-1]
-        return found
+        return {name: found[name] for name in self.names}
+
+
+def is_interval(name: str) -> bool:
+    """Whether a name, as "upper.friction_force_time_half_width", is that of an interval."""
+    return name.endswith(INTERVAL) and name.removesuffix(INTERVAL).rpartition(".")[2] in AVERAGED
 
 
 def about_kept(name: str, at_end: bool) -> dict[str, str]:
     """The units and the meaning of a kept quantity of single runs."""
-    kind = name.rpartition(".")[2]
-    averaged = at_end and kind in (AVERAGED, INTERVAL, SHARE)
-    quantity = EVERY_QUANTITY[AVERAGED if kind == INTERVAL else kind]
-    when = ", averaged over time" if averaged else ", at the end" * at_end
-    before = "half-width of the 95 % interval of: " * (kind == INTERVAL)
-    return {"units": quantity.units, "long_name": f"{before}{quantity.long_name}{when}"}
+    kind = name.rpartition(".")[2].removesuffix(INTERVAL)
+    quantity = EVERY_QUANTITY[kind]
+    when = ", averaged over time" if kind in (*AVERAGED, SHARE) else ", at the end"
+    before = "half-width of the 95 % interval of: " * is_interval(name)
+    return {"units": quantity.units, "long_name": f"{before}{quantity.long_name}{when * at_end}"}
 
 
 def _shape(name: str, ledger: Ledger, scene: Scene) -> tuple[int, ...] | None:
@@ -189,14 +193,14 @@ def _shape(name: str, ledger: Ledger, scene: Scene) -> tuple[int, ...] | None:
 
 
 def _check_averaged(scene: Scene) -> None:
-    """Refuse averages over time of too few samples."""
-    least, run_in = 2 * BLOCKS + 1, scene.output.run_in
+    """Refuse averages over time of less than two samples, beside a first one without a value."""
+    least, run_in = 3, scene.output.run_in
     times = int(np.count_nonzero(scene.times >= run_in))
     if times < least:
         later = f" from t = {run_in:g} on" if run_in > 0.0 else ""
         raise InputError(
             "output.samples",
-            f"must be at least {least}{later} for the average of {AVERAGED} over time, got {times}",
+            f"must be at least {least}{later} for averages of forces over time, got {times}",
         )
 
 

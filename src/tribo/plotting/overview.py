@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from tribo.plotting.plots import Plots
 from tribo.plotting.style import style
+from tribo.run.force_averages import has_mean_friction
 from tribo.run.result import Result
 
 if TYPE_CHECKING:
@@ -17,6 +18,9 @@ SIZE = (7.0, 7.6)
 
 def overview(result: Result) -> Figure:
     """Draw snapshots, works on the first surface, energies, angles and phases of a result.
+
+    Where sliding goes on and forces are recorded, the friction force on the first surface takes the
+    place of the phases.
 
     Parameters
     ----------
@@ -36,14 +40,17 @@ def overview(result: Result) -> Figure:
     with style():
         figure = Figure(figsize=SIZE, layout="constrained")
         figure.suptitle(result.scene.title)
+        first = result.scene.surfaces[0].name
+        slides = has_mean_friction(result.scene) and "friction_force" in result[first]
+        last = "friction" if slides else "phase"
         places = figure.subplot_mosaic(
-            [["snapshots", "snapshots"], ["work", "energies"], ["angles", "phase"]],
+            [["snapshots", "snapshots"], ["work", "energies"], ["angles", last]],
             height_ratios=(1.5, 1.0, 1.0),
         )
         plots = Plots(result)
         plots.energy_budget(ax=places["energies"])
         plots.angles(ax=places["angles"])
-        plots.phase(ax=places["phase"])
+        (plots.friction_force if slides else plots.phase)(ax=places[last])
         if result.scene.output.ledger != "none":
             plots.work(ax=places["work"])
         figure.draw_without_rendering()  # lays out the Axes, whose sizes snapshots need

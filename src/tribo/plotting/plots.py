@@ -177,7 +177,7 @@ class Plots:
         return ax
 
     def friction_force(
-        self, surface: str | None = None, after: float | None = None, ax: Axes | None = None
+        self, surface: str | None = None, after: float | str | None = None, ax: Axes | None = None
     ) -> Axes:
         """Draw the friction force on a surface over time, with its average and 95 % interval.
 
@@ -185,7 +185,7 @@ class Plots:
         ----------
         surface : str, optional
             Name of the surface; without it the first.
-        after : float, optional
+        after : float or "auto", optional
             When the average begins, to leave out the run-in; by default the scene's
             ``output.run_in`` [time].
         ax : matplotlib.axes.Axes, optional
@@ -201,12 +201,12 @@ class Plots:
             The forces were not recorded, or there are too few samples.
         """
         result, name = self._result, self._surface(surface)
-        after = result.scene.output.run_in if after is None else after
         found = result.friction_force(name, after)
         with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
-            label = f"{found.mean:.3g} ± {found.half_width:.1g}"
+            given = math.isfinite(found.half_width)
+            label = f"{found.mean:.3g}" + f" ± {found.half_width:.1g}" * given
             low, high = found.mean - found.half_width, found.mean + found.half_width
-            later = [max(after, result.t[0]), result.t[-1]]
+            later = [found.after, result.t[-1]]
             look: dict[str, Any] = {"linewidth": WIDTH} | self._line
             ax.plot(result.t, result[name].friction_force, color=CYCLE[0], **look)
             ax.plot(later, [found.mean] * 2, color=CYCLE[1], label=self._named(label), **look)

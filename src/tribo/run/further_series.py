@@ -10,7 +10,7 @@ ALWAYS = ("f1", "f2", "fL", "fR")
 
 
 def force_names(scene: Scene, surface: Surface) -> list[str]:
-    """The forces that act on a surface's asperites, and what is said of friction of the surface."""
+    """The forces that act on a surface's asperites, and what is said of the surface as a whole."""
     present = {
         "f_within": scene.has_contact_within(surface),
         "f_field": scene.has_field(surface),
@@ -19,8 +19,9 @@ def force_names(scene: Scene, surface: Surface) -> list[str]:
         "f_T": surface.bar_reservoir is not None,
     }
     names = (*ALWAYS, *(name for name, acts in present.items() if acts))
-    contact = ["time_without_contact"] * has_contact_distance(scene, surface)
-    return ["friction_force", *contact, *(f"{name}_{axis}" for name in names for axis in "xy")]
+    sums = ["friction_force", *(["contact_force", "field_force"] if present["f_field"] else [])]
+    sums += ["pull_force", *["time_without_contact"] * has_contact_distance(scene, surface)]
+    return [*sums, *(f"{name}_{axis}" for name in names for axis in "xy")]
 
 
 def energy_names(scene: Scene, surface: Surface) -> list[str]:

@@ -150,6 +150,10 @@ def _force(name: str, axis: int) -> Callable[[Whole], np.ndarray]:
     return lambda whole: whole.force(name, axis)
 
 
+def _along_x(*names: str) -> Callable[[Whole], np.ndarray]:
+    return lambda whole: whole.force_along_x(*names)
+
+
 # Of each asperite on request, without an accuracy.
 FURTHER_OF_ASPERITES = {
     f"{name}_{along}": Quantity("force", f"{along} of the {force.meaning}", _force(name, axis))
@@ -168,8 +172,11 @@ FURTHER_OF_ASPERITES = {
 # Of each surface as a whole, likewise.
 FURTHER_OF_SURFACES = {
     "friction_force": Quantity(
-        "force", "x of the contact force on the surface", lambda whole: whole.friction_force
+        "force", "x of contact and fields on the surface", _along_x("f1", "f_field")
     ),
+    "contact_force": Quantity("force", "x of the contact force on the surface", _along_x("f1")),
+    "field_force": Quantity("force", "x of the fields' force on the surface", _along_x("f_field")),
+    "pull_force": Quantity("force", "x of the drive's force on the surface", _along_x("f2")),
     "time_without_contact": Quantity(
         "share",
         "share of time without contact: 1 where no bob is in contact, else 0",
@@ -187,6 +194,8 @@ FURTHER_OF_SURFACES = {
     ),
     "heat_bath": Quantity("energy", "heat given to the bath", lambda whole: whole.heat_of_bath),
 }
+# Those of which the average over time is kept at the end of a run, not the value at that time.
+AVERAGED = tuple(name for name, each in FURTHER_OF_SURFACES.items() if each.kind == "force")
 # Of the whole system, likewise.
 FURTHER_OF_SYSTEM = {
     "field_energy": Quantity("energy", "potential energy in fields", System.field_energy)

@@ -17,8 +17,9 @@ from tribo.files import netcdf_path
 from tribo.kernels.status import MEANINGS, Status
 from tribo.model.scene import Scene
 from tribo.run import dataset, report
+from tribo.run.averages import Average
 from tribo.run.cost import Cost
-from tribo.run.friction import BLOCKS, FrictionForce, average
+from tribo.run.force_averages import force_average, friction_series, recorded_averages
 from tribo.run.identity import Identity
 from tribo.run.ledger import Ledger, Series
 from tribo.run.presentation import Presentation
@@ -30,13 +31,6 @@ if TYPE_CHECKING:
     import xarray
 
 T = TypeVar("T")
-
-# Quantities of surfaces in the summary, their words and their formats.
-SHOWN = (
-    ("W", "work", " .6g"),
-    ("W_ps", "pseudowork", " .6g"),
-    ("delta_E_int", "internal energy", "+.6g"),
-)
 
 # The ending of names of tables.
 CSV = ".csv"
@@ -157,40 +151,64 @@ class Result(Presentation):
         }
 
     def friction_force(
-        self, surface: str, after: float | None = None, blocks: int = BLOCKS
-    ) -> FrictionForce:
-        """The time average of the friction force on a surface, and its spread.
+        self, surface: str, after: float | str | None = None, part: str | None = None
+    ) -> Average:
+        """The time average of the friction force on a surface, with a 95 % interval.
 
-        The friction force is the x component of the sum of all contact forces f1; the scene's
-        output must ask for the series "forces".
+        The friction force is the x component of what resists sliding: the sum of all contact
+        forces f1 and of all forces of external fields.  It is negative on a surface that slides
+        towards positive x.  The scene's output must ask for the series "forces".
 
         Parameters
         ----------
         surface : str
             Name of the surface.
-        after : float, optional
-            When the average begins, to leave out the run-in; by default the scene's
+        after : float or "auto", optional
+            When the average begins, as in :func:`tribo.time_average`; by default at the scene's
             ``output.run_in`` [time].
-        blocks : int
-            Number of blocks of equal length whose averages give the interval; each must be much
-            longer than the time over which the force is correlated.
+        part : "contact" or "field", optional
+            One of the two; both without it.
 
         Returns
         -------
-        FrictionForce
-            ``mean``, ``half_width`` of its 95 % interval, and ``spread``, the standard deviation
-            over time [force].
+        Average
+            As of :func:`tribo.time_average` [force].  Its note says where a run stopped.
 
         Raises
         ------
         InputError
-            The forces were not recorded, or there are too few samples.
+            The forces were not recorded, no field acts on the surface, or there are fewer than two
+            samples.
         """
-        series = self[surface]
-        if "friction_force" not in series and not self.ledger.kept:
-            raise InputError("output.series", 'does not contain "forces"; add it, and run again')
-        after = self.scene.output.run_in if after is None else after
-        return average(self.t, series["friction_force"], after, blocks)
+        name = friction_series(self.scene, surface, part)
+        return force_average(self, f"{surface}.{name}", after)
+
+    def pull_force(self, surface: str, after: float | str | None = None) -> Average:
+        """The time average of the drive's force on a surface, with a 95 % interval.
+
+        It is the x component of the sum of f2 over the asperites: of the springs of a pulled
+        surface, or of the reaction that holds driven bars.  It is positive on a surface that is
+        pulled towards positive x.  The scene's output must ask for the series "forces".
+
+        Parameters
+        ----------
+        surface : str
+            Name of the surface.
+        after : float or "auto", optional
+            When the average begins, as in :func:`tribo.time_average`; by default at the scene's
+            ``output.run_in`` [time].
+
+        Returns
+        -------
+        Average
+            As of :func:`tribo.time_average` [force].  Its note says where a run stopped.
+
+        Raises
+        ------
+        InputError
+            The forces were not recorded, or there are fewer than two samples.
+        """
+        return force_average(self, f"{surface}.pull_force", after)
 
     def time_without_contact(self, surface: str, after: float | None = None) -> float:
         """The share of time in which no bob of a surface is in contact with another surface.
@@ -297,21 +315,12 @@ class Result(Presentation):
             },
             "system": {key: float(values[-1]) for key, values in ledger.system.items()},
             "error_estimate": dict(self.error_estimate),
-            **self._friction(),
-            **self._without_contact(),
+            **recorded_averages(self),
+            **self.shares_without_contact(),
         }
 
-    def _friction(self) -> dict[str, Any]:
-        """The friction force on every surface, where forces are reported at enough times."""
-        later = np.count_nonzero(self.t >= self.scene.output.run_in)
-        if "forces" not in self.scene.output.series or later <= 2 * BLOCKS:
-            return {}
-        blocks = self.ledger.blocks.items()
-        averages = {name: self.friction_force(name) for name, b in blocks if "friction_force" in b}
-        return {"friction_force": {name: each._asdict() for name, each in averages.items()}}
-
-    def _without_contact(self) -> dict[str, dict[str, float]]:
-        """The share of time without contact of every surface, where it is recorded."""
+    def shares_without_contact(self) -> dict[str, dict[str, float]]:
+        """The share of time without contact of every surface, where it is recorded, by name."""
         if np.count_nonzero(self.t >= self.scene.output.run_in) < 2:
             return {}
         names = [n for n, b in self.ledger.blocks.items() if "time_without_contact" in b]
@@ -342,35 +351,7 @@ class Result(Presentation):
         return report.html(self)
 
     def __str__(self) -> str:
-        cost = self.cost
-        worst = [value for value in self.error_estimate.values() if value is not None]
-        error = f"errors up to {max(worst):.1e}" if worst else "errors not estimated"
-        lines = [
-            f"{self.scene.title or 'scene'}: {self.status} at t = {self.t[-1]:g}; {self.method}, "
-            f"{cost.steps} steps, {cost.force_evaluations} force evaluations, "
-            f"{cost.wall_seconds:.3g} s{self._digits()}; {error}"
-        ]
-        if self.status != Status.COMPLETED:
-            lines.append(f"  {MEANINGS[self.status]}")
-        if self.ledger.kept:
-            lines.append(f"  only {', '.join(self.ledger.kept)} are recorded")
-        for name, block in self.ledger.at_end().blocks.items():
-            parts = [f"{word} {block[key][-1]:{form}}" for key, word, form in SHOWN if key in block]
-            if "W" not in block and not self.ledger.kept:
-                parts = ["works are not kept", *parts]
-            if parts:
-                lines.append(f"  {name:>10}: {', '.join(parts)}")
-        for shares in self._without_contact().values():
-            each = ", ".join(f"{name} {100.0 * share:.3g} %" for name, share in shares.items())
-            lines.append(f"  time without contact: {each}")
-        return "\n".join(lines + [f"  note: {note}" for note in self.notes])
-
-    def _digits(self) -> str:
-        """The cost of a digit more or fewer."""
-        if self.cost.digit_more is None or self.cost.digit_fewer is None:
-            return ""
-        more, fewer = self.cost.digit_more, self.cost.digit_fewer
-        return f" (one digit more {more:.2g} s, one fewer {fewer:.2g} s)"
+        return report.text(self)
 
     def to_xarray(self) -> xarray.Dataset:
         """All series as a labelled data set.

@@ -149,10 +149,9 @@ class Whole(Group):
         forces, index = self._forces, self._index
         return _side_by_side([forces.of(entry, index, name, axis) for entry in self.entries])
 
-    @property
-    def friction_force(self) -> np.ndarray:
-        """The x component of the contact force on the surface."""
-        return np.asarray(np.sum(self.force("f1", 0), axis=1))
+    def force_along_x(self, *names: str) -> np.ndarray:
+        """The x component of the sum of some forces on all asperites."""
+        return np.asarray(np.sum(sum(self.force(name, 0) for name in names), axis=1))
 
     @property
     def without_contact(self) -> np.ndarray:

@@ -10,6 +10,7 @@ import numpy as np
 from tribo.ensembles.intervals import interval
 from tribo.plotting import WIDE, drawing_on
 from tribo.plotting.comparison import DASHES
+from tribo.run.quantities import AVERAGED
 from tribo.validation import InputError, must_be
 
 if TYPE_CHECKING:
@@ -119,7 +120,7 @@ def _label(
     ax: Axes, data: xarray.Dataset, key: str, name: str, others: list[str], meaning: str
 ) -> None:
     """Names of the axes, the words of a key, and what lines and bars are."""
-    at_end = "" if name.endswith(".friction_force") else " at the end"
+    at_end = "" if name.rpartition(".")[2] in AVERAGED else " at the end"
     ax.set(xlabel=key, ylabel=f"{name}{at_end}")
     if data[key].values.dtype.kind not in "fiu":
         ax.set_xticks(_places(data, key), [str(value) for value in data[key].values])
