@@ -164,5 +164,5 @@ def _shortest_length(layout: Layout, entry: Entry) -> float:
 def _shortest_wave(layout: Layout) -> float:
     """The shortest period over 2 pi of a corrugation; infinite without one."""
     potentials = (field.potential for field in layout.model.fields or ())
-    periods = (item.period for item in potentials if isinstance(item, Corrugation))
+    periods = (item.period for item in potentials if type(item) is Corrugation)
     return min(periods, default=np.inf) / (2.0 * np.pi)

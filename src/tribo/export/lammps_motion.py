@@ -83,7 +83,7 @@ def omitted_fields(scene: Scene) -> list[str]:
     return [
         f"field[{i}]: {type(item.potential).__name__}"
         for i, item in enumerate(scene.fields)
-        if not isinstance(item.potential, Corrugation)
+        if type(item.potential) is not Corrugation
     ]
 
 
@@ -164,7 +164,7 @@ def _fields(scene: Scene, surface: Surface, group: str) -> list[str]:
     """The corrugations that act on a surface's bobs."""
     lines = []
     for number, item in enumerate(scene.fields):
-        if surface.name in item.on and isinstance(item.potential, Corrugation):
+        if surface.name in item.on and type(item.potential) is Corrugation:
             q = 2.0 * math.pi / item.potential.period
             x = f"c_unwrapped-({item.origin[0]!r})-({item.velocity[0]!r})*time"
             force = f"{-item.potential.amplitude * q!r}*sin({q!r}*({x}))"

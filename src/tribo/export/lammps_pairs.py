@@ -79,7 +79,7 @@ def pair_lines(scene: Scene, kinds: Sequence[Kind], farthest: float) -> tuple[li
     -------
     lines, omitted : list of str
     """
-    strengths = {p.strength for p in map(_uncut, scene.interactions) if isinstance(p, Coulomb)}
+    strengths = {p.strength for p in map(_uncut, scene.interactions) if type(p) is Coulomb}
     strength = strengths.pop() if len(strengths) == 1 else 0.0
     pairs: dict[tuple[int, int], Pair] = {}
     omitted = []
@@ -101,7 +101,7 @@ def longest_cutoff(scene: Scene, farthest: float) -> float:
 
 def _uncut(interaction: Interaction) -> Any:
     potential = interaction.potential
-    return potential.potential if isinstance(potential, Truncated) else potential
+    return potential.potential if type(potential) is Truncated else potential
 
 
 def _pair(potential: Any, farthest: float, strength: float) -> Pair:
@@ -109,13 +109,13 @@ def _pair(potential: Any, farthest: float, strength: float) -> Pair:
     if isinstance(potential, Live):
         raise NoFormulaError
     cutoff = min(potential.range(), farthest)
-    cut = isinstance(potential, (Truncated, Shifted))
+    cut = type(potential) in (Truncated, Shifted)
     inner = potential.potential if cut else potential
-    if type(inner) in STYLES and not (cut and isinstance(inner, WeeksChandlerAndersen)):
+    if type(inner) in STYLES and not (cut and type(inner) is WeeksChandlerAndersen):
         style, coefficients = STYLES[type(inner)]
         numbers = " ".join(repr(float(value)) for value in coefficients(inner))
-        return Pair(style, numbers, cutoff, isinstance(potential, (Shifted, WeeksChandlerAndersen)))
-    plain = isinstance(inner, Coulomb) and not isinstance(potential, Shifted)
+        return Pair(style, numbers, cutoff, type(potential) in (Shifted, WeeksChandlerAndersen))
+    plain = type(inner) is Coulomb and type(potential) is not Shifted
     if plain and inner.strength == strength != 0.0:
         return Pair("coul/cut", "", cutoff)
     text = energy_text(potential)

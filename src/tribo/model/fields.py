@@ -1,8 +1,9 @@
 """External fields on bobs: fixed in the laboratory, or moving through it at a constant velocity.
 
 A field is a NamedTuple of numbers with ``energy_at(self, x, y)`` and, optionally,
-``force_at(self, x, y) -> (fx, fy)``, the negative gradient; without it, a complex step computes the
-gradient to round-off.  x and y are the position of a bob in the field's own frame.
+``force_at(self, x, y) -> (fx, fy)``, the negative gradient; without it, or where a subclass defines
+another energy, a complex step computes the gradient to round-off.  x and y are the position of a
+bob in the field's own frame.
 """
 
 from __future__ import annotations
@@ -100,8 +101,7 @@ def as_field_potential(value: Any) -> Any:
     plugins.check_class(type(value), "kind", ENERGY_AT)
     if isinstance(value, Unloaded):
         return value
-    if not hasattr(type(value), "force_at"):
-        type(value).force_at = _complex_step
+    plugins.give(type(value), "force_at", lambda _: _complex_step, ["energy_at"])
     value = plugins.with_numbers(value)
     if isinstance(value, Corrugation) and value.period <= 0.0:
         raise must_be("period", "positive [length]", value.period)

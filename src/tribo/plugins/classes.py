@@ -7,8 +7,11 @@ NamedTuple by its class, finds its methods when a kernel is compiled, and inline
 from __future__ import annotations
 
 import linecache
+import math
 import re
 import traceback
+import weakref
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -20,6 +23,33 @@ from tribo.validation import InputError, known_keys, number, short_repr
 
 # How many numbers a method returns; 1 if it is not listed.
 RETURN_COUNTS = {"feature": 2, "domain": 2, "force_at": 2, "force_on_bar": 2, "end_forces": 4}
+
+# The methods that classes have been given, since they follow from methods that they define.
+_GIVEN: weakref.WeakSet[Callable[..., Any]] = weakref.WeakSet()
+
+
+def generation(cls: type, method: str) -> float:
+    """How many generations above a class define a method; infinity if it is given or absent."""
+    for above, ancestor in enumerate(cls.__mro__):
+        function = vars(ancestor).get(method)
+        if function is not None and function not in _GIVEN:
+            return above
+    return math.inf
+
+
+def give(cls: type, method: str, make: Callable[[Any], Any], sources: Iterable[str] = ()) -> None:
+    """Give a class a method, made for it from its `sources`, if it has none that fits them.
+
+    A method that the class inherits does not fit a source that is defined nearer to the class, nor
+    does one that was given to a parent.
+    """
+    if method in vars(cls):
+        return
+    found = generation(cls, method)
+    if math.isinf(found) or any(generation(cls, source) < found for source in sources):
+        function = make(cls)
+        _GIVEN.add(function)
+        setattr(cls, method, function)
 
 
 def check_class(cls: object, field: str, method: str) -> None:

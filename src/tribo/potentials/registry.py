@@ -1,6 +1,9 @@
 """The protocol of a potential, the built-in potentials by name, and combined potentials.
 
-A potential is a NamedTuple of floats with ``energy(self, r)``.  It may define further methods:
+A potential is a NamedTuple of floats with ``energy(self, r)``, or derives from one.  A subclass
+that defines ``energy`` inherits no force, and no energy between charges.  It inherits what
+describes U, as feature and smoothness, which assumes no more than the defaults do; but it must
+define a range where its parent has one.  A potential may define further methods:
 
     force(self, r)   -dU/dr; without it, the derivative of the energy's source where that is a
                      formula, else by a complex step: both to round-off
@@ -30,6 +33,7 @@ A potential is a NamedTuple of floats with ``energy(self, r)``.  It may define f
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import Any
 
 from tribo.plugins import classes as plugins
@@ -86,6 +90,17 @@ def _force_between(self, r, one, other):
     return self.coupling(one, other) * self.force(r)
 
 
+def _complex_step_between(self, r, one, other):
+    return -self.energy_between(r + 1e-100j, one, other).imag / 1e-100
+
+
+def _force_of(cls):
+    """The force between charges, of whichever energy a class defines nearer to itself."""
+    others = min(plugins.generation(cls, name) for name in ("energy", "force", "coupling"))
+    between = plugins.generation(cls, "energy_between")
+    return _complex_step_between if between <= others else _force_between
+
+
 def _smooth(self):
     return math.inf
 
@@ -106,8 +121,6 @@ DEFAULTS = {
     "feature": _no_feature,
     "clearance": _clearance,
     "coupling": _no_coupling,
-    "energy_between": _energy_between,
-    "force_between": _force_between,
     "range": _no_range,
     "smoothness": _smooth,
     "smoothness_within": _smoothness,
@@ -116,14 +129,33 @@ DEFAULTS = {
 }
 
 
+def _default(method, cls):
+    return DEFAULTS[method]
+
+
+# Methods that follow from others: from which, and how they are made for a class, in this order.
+FOLLOWING = {
+    "force": (("energy",), lambda cls: force_from(cls.energy) or _complex_step),
+    "energy_between": (("energy", "coupling"), lambda cls: _energy_between),
+    "force_between": (("energy_between", "force", "energy", "coupling"), _force_of),
+}
+
+
 def complete(cls: Any) -> Any:
-    """The class with every method that kernels call.  Raises InputError if it is no potential."""
+    """The class with every method that kernels call.
+
+    Raises InputError if it is no potential, or inherits a range beside an energy of its own, which
+    would end there.
+    """
     plugins.check_class(cls, "potential", "energy(self, r)")
-    if not hasattr(cls, "force"):
-        cls.force = force_from(cls.energy) or _complex_step
-    for method, default in DEFAULTS.items():
-        if not hasattr(cls, method):
-            setattr(cls, method, default)
+    energy = min(plugins.generation(cls, name) for name in ("energy", "energy_between"))
+    if energy < plugins.generation(cls, "range") < math.inf:
+        problem = "defines an energy but inherits range; define range too, beyond which U is zero"
+        raise InputError("potential", f"{cls.__name__} {problem}")
+    for method, (sources, make) in FOLLOWING.items():
+        plugins.give(cls, method, make, sources)
+    for method in DEFAULTS:
+        plugins.give(cls, method, partial(_default, method))
     return cls
 
 
@@ -166,7 +198,7 @@ def as_potential(value: Any) -> Potential:
     if isinstance(value, Unloaded):
         return value  # type: ignore[return-value]  # only a scene that is run needs more
     complete(type(value))
-    if isinstance(value, Table):
+    if type(value) is Table:
         table: Any = from_points(value.r, value.values, value.error)
         return table
     value = type(value)(

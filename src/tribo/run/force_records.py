@@ -52,7 +52,7 @@ def _in_frame_of(field: Field, origin: np.ndarray) -> np.ndarray:
     In a corrugation whole periods are left out, so that its phase keeps all digits far from x = 0;
     fmod is exact.
     """
-    if isinstance(field.potential, Corrugation):
+    if type(field.potential) is Corrugation:
         x, start = (math.fmod(x, field.potential.period) for x in (origin[0], field.origin[0]))
         return np.array([x - start, 0.0])
     return origin - np.array(field.origin)

@@ -181,7 +181,7 @@ class _Accelerations:
         sample.y[0, : layout.core] = u * self.lengths
         bobs = closest_bobs(layout, sample)
         potentials = (item.potential for item in layout.scene.fields)
-        lengths = [rod, *(p.period for p in potentials if isinstance(p, Corrugation))]
+        lengths = [rod, *(p.period for p in potentials if type(p) is Corrugation)]
         if bobs is not None and bobs[0] > 0.0:
             lengths.append(bobs[0])
         return LONGEST_STEP * min(lengths) / rod
