@@ -1,12 +1,17 @@
 """States: a run that continues from one gives the bits of a run without the pause."""
 
+import copy
+import pickle
+from dataclasses import fields, replace
+
 import numpy as np
 import pytest
 
 import tribo
 from support.continued import chain, pair, same_end
-from tribo import InputError
+from tribo import Corrugation, Field, InputError
 from tribo.run import contacts
+from tribo.run import state as states
 
 
 @pytest.fixture(autouse=True)
@@ -92,3 +97,75 @@ def test_states_that_do_not_fit(scene, start, problem):
         start = tribo.simulate(chain((1.0,)), method="verlet", step=0.02).state()
     with pytest.raises(InputError, match=problem):
         tribo.simulate(scene, method="verlet", step=0.02, start=start)
+
+
+EQUAL_STEPS = {"method": "verlet", "step": 0.02}
+
+
+def test_copies_and_pickles():
+    """They continue with the bits of the state, and have its digest."""
+    whole = tribo.simulate(chain(), **EQUAL_STEPS)
+    half = tribo.simulate(chain((1.0, 2.0)), **EQUAL_STEPS).state()
+    for other in (copy.copy(half), copy.deepcopy(half), pickle.loads(pickle.dumps(half))):
+        assert other.digest == half.digest
+        assert same_end(whole, tribo.simulate(chain(), **EQUAL_STEPS, start=other))
+    assert replace(half, method="rk4").digest != half.digest
+
+
+def test_states_of_other_versions(monkeypatch, tmp_path):
+    """They may order their numbers otherwise: from a run, a file, a pickle of long ago."""
+    result = tribo.simulate(chain((1.0, 2.0)), **EQUAL_STEPS)
+    old = result.state()
+    result.save(tmp_path / "half.nc")
+    before = copy.copy(old)
+    vars(before).pop("version")
+    rest = tribo.relax(chain())
+    monkeypatch.setattr(states, "version", lambda: "99.0 (later)")
+    from_file = tribo.load_result(tmp_path / "half.nc").state()
+    for known in (old, from_file, rest, before):
+        name = getattr(known, "version", "an earlier version").partition(" ")[0]
+        problem = rf"start: must be a state of this version of tribo, 99\.0 .*{name}.*made it"
+        with pytest.raises(InputError, match=problem):
+            tribo.simulate(chain(), **EQUAL_STEPS, start=known)
+
+
+def test_shortened_states():
+    """Each array of a state has the numbers that the scene calls for, or the state is refused."""
+    whole = tribo.simulate(chain((1.0, 2.0)), **EQUAL_STEPS).state()
+    damaged = {
+        name: replace(whole, **{name: getattr(whole, name)[:-1]})
+        for name in ("y", "s", "anchors", "phases")
+    }
+    for name in ("t", "y", "s", "contact", "field", "stored"):
+        first = replace(whole.first, **{name: getattr(whole.first, name)[..., :-1]})
+        damaged[f"first_{name}"] = replace(whole, first=first)
+    for name, array in whole.memory.items():
+        if array.size and name not in ("noise", "neighbours_index"):
+            memory = {**whole.memory, name: array[..., :-1]}
+            damaged[f"memory.{name}"] = replace(whole, memory=memory)
+            memory = {key: values for key, values in whole.memory.items() if key != name}
+            if name != "y":  # without it, the run begins a new memory
+                damaged[f"memory.{name} is missing"] = replace(whole, memory=memory)
+    assert len(damaged) > 20
+    for name, start in damaged.items():
+        said = {"y": "has other coordinates"}.get(name, name.partition(" ")[0])
+        with pytest.raises(InputError, match=f"start: must be a .* but .*{said}") as info:
+            tribo.simulate(chain(), **EQUAL_STEPS, start=start)
+        assert "\n" not in str(info.value)
+    assert {each.name for each in fields(whole.first)} - {"baths"} == {
+        name.removeprefix("first_") for name in damaged if name.startswith("first_")
+    }
+
+
+def test_a_further_field():
+    """It is where the scene puts it; stages go on from where they were."""
+    scene = chain((1.0, 2.0, 4.0), 0.0)
+    half = tribo.simulate(chain((1.0, 2.0), 0.0), **EQUAL_STEPS).state()
+    more = Field(Corrugation(0.0, 2.0), ["upper"], origin=(0.3, 0.0))
+    rest = tribo.simulate(replace(scene, fields=(*scene.fields, more)), **EQUAL_STEPS, start=half)
+    stages, fields_now = rest.state().phases[:2], rest.state().phases[2:]
+    assert stages[0] == pytest.approx([0.8, 0.0])
+    assert fields_now == pytest.approx(np.array([[1.2, 0.0], [0.0, 0.0]]))
+    whole = tribo.simulate(scene, **EQUAL_STEPS)
+    # A field without amplitude; the other one continues its path, as it has kept its velocity.
+    assert rest["upper"].theta[-1] == pytest.approx(whole["upper"].theta[-1], abs=1e-9)

@@ -185,7 +185,7 @@ def state_in(data: xarray.Dataset, scene: Scene) -> State:
         for name, variable in data.data_vars.items()
         if str(name).startswith(STATE)
     }
-    return State.of_arrays(arrays, data.attrs["method"], scene)
+    return State.of_arrays(arrays, data.attrs["method"], scene, data.attrs["version"])
 
 
 def ledger_of(data: xarray.Dataset, scene: Scene) -> Ledger:

@@ -12,7 +12,7 @@ import numpy as np
 from tribo.model.scene import Scene
 from tribo.model.scene_writer import scene_text
 from tribo.run.general_loop import GeneralLoop
-from tribo.run.identity import first_difference, plain_table
+from tribo.run.identity import first_difference, plain_table, version
 from tribo.run.integrate import Integration, Memory
 from tribo.run.layout import Layout
 from tribo.run.motion import about_pivots, columns
@@ -27,6 +27,8 @@ PLACES = (
     *("name", "facing", "bob", "velocity", "shape", "spacing", "depth", "heights", "positions"),
     *("species", "bars"),
 )
+# What a loop remembers in arrays whose lengths depend on the run, and which it reads accordingly.
+OF_ANY_LENGTH = ("noise", "neighbours_index")
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +60,8 @@ class State:
         The method's name; empty where nothing has run.
     scene : Scene
         The scene that was run or relaxed.
+    version : str
+        The version of this package that made it: another may order `y`, `s` and `memory` otherwise.
     """
 
     t: float
@@ -70,6 +74,7 @@ class State:
     memory: Memory
     method: str
     scene: Scene
+    version: str
 
     def __repr__(self) -> str:
         counts = ", ".join(f'{each.count} of "{each.name}"' for each in self.scene.surfaces)
@@ -79,8 +84,9 @@ class State:
     def digest(self) -> str:
         """A hash of everything that a run depends on [32 hex digits]."""
         digest = hashlib.blake2b(scene_text(self.scene).encode(), digest_size=16)
+        digest.update(f"{self.version} {self.method}".encode())
         for name, array in self.arrays().items():
-            digest.update(name.encode() + array.tobytes())
+            digest.update(f"{name} {array.shape}".encode() + array.tobytes())
         return digest.hexdigest()
 
     def arrays(self) -> dict[str, np.ndarray]:
@@ -94,8 +100,8 @@ class State:
         return found
 
     @classmethod
-    def of_arrays(cls, arrays: dict[str, np.ndarray], method: str, scene: Scene) -> State:
-        """The inverse of :meth:`arrays`."""
+    def of_arrays(cls, arrays: dict[str, np.ndarray], method: str, scene: Scene, by: str) -> State:
+        """The inverse of :meth:`arrays`; `by` is the version that made the state."""
         surfaces: dict[str, dict[str, np.ndarray]] = {}
         for key, array in below("surface_", arrays).items():
             name, _, surface = key.partition("_")
@@ -107,6 +113,7 @@ class State:
             memory=below("memory_", arrays),
             method=method,
             scene=scene,
+            version=by,
             **{name: arrays[name] for name in ("y", "s", "anchors", "phases")},
         )
 
@@ -136,6 +143,8 @@ class Origin:
         """Let a loop begin from the state; `exactly` if its coordinates were not changed."""
         state = self.state
         if exactly and self.same_scene and method == state.method and "y" in state.memory:
+            wanted = {name: array.shape for name, array in loop.memory().items()}
+            _check_shapes("memory.", state.memory, wanted)
             fraction = loop.clocks["encounter_fraction"].copy()
             loop.restore(state.memory)
             loop.clocks["encounter_fraction"], loop.clocks["sample"] = fraction, 0
@@ -174,6 +183,7 @@ def state_of(layout: Layout, method: str, run: Integration) -> State:
         memory=run.memory,
         method=method,
         scene=layout.scene,
+        version=version(),
     )
 
 
@@ -191,6 +201,7 @@ def state_at_rest(layout: Layout, q: np.ndarray) -> State:
         memory={},
         method="",
         scene=layout.scene,
+        version=version(),
     )
 
 
@@ -215,10 +226,18 @@ def _surface(layout: Layout, part: slice, y: np.ndarray) -> Table:
 def continued(layout: Layout, state: State) -> tuple[Layout, Origin]:
     """The layout of a scene that starts from a state, which may be of a scene with other forces.
 
-    Raises InputError if the state does not fit the scene.
+    Fields that only one of the scenes has are where that scene puts them.  Raises InputError if the
+    state does not fit the scene, or another version made it.
     """
     if not isinstance(state, State):
         raise InputError("start", f"must be a tribo.State, got {type(state).__name__}")
+    made_by = getattr(state, "version", "an earlier version")
+    if made_by != version():
+        raise InputError(
+            "start",
+            f"must be a state of this version of tribo, {version()}, but {made_by} made it, which "
+            "may order its numbers otherwise; repeat the run that it comes from",
+        )
     old, new = plain_table(state.scene), plain_table(layout.scene)
     same_scene = first_difference(_physics(old), _physics(new)) is None
     # Works go on only where the same ones are kept.
@@ -232,11 +251,41 @@ def continued(layout: Layout, state: State) -> tuple[Layout, Origin]:
         raise InputError(
             "duration", f"must be later than the state's t = {state.t:g}, got {new['duration']:g}"
         )
+    _check_arrays(layout, state, same_scene)
     anchors = state.anchors
-    if not same_scene and anchors.shape == layout.drifts.shape:
-        anchors = state.phases - layout.drifts * state.t
+    if not same_scene:
+        # Fields that are others are where the scene has them.
+        known = slice(None) if len(anchors) == len(layout.drifts) else slice(len(layout.parts))
+        anchors = layout.anchors
+        anchors[known] = state.phases[known] - layout.drifts[known] * state.t
     layout = replace(layout.anchored(anchors), start=state.y, beginning=state.t)
     return layout, Origin(state, same_scene)
+
+
+def _check_arrays(layout: Layout, state: State, same_scene: bool) -> None:
+    """Raise InputError unless a state has the numbers of its scene, and those that go on here."""
+    moved = len(state.scene.surfaces) + len(state.scene.fields)
+    wanted: dict[str, tuple[int, ...]] = dict.fromkeys(("anchors", "phases"), (moved, 2))
+    if same_scene:
+        wanted["s"] = (layout.accounts,)
+        first = Samples.at_zero(layout)
+        wanted |= {
+            f"first_{each.name}": getattr(first, each.name).shape
+            for each in fields(Samples)
+            if each.name != "baths"  # which depends on the series that are asked for
+        }
+    _check_shapes("", state.arrays(), {"y": layout.start.shape, **wanted})
+
+
+def _check_shapes(
+    part: str, arrays: Mapping[str, np.ndarray], wanted: Mapping[str, tuple[int, ...]]
+) -> None:
+    """Raise InputError about an array of a state that is missing, or has another shape."""
+    for name, shape in wanted.items():
+        found = np.shape(arrays[name]) if name in arrays else None
+        if found is None or (found != shape and name not in OF_ANY_LENGTH):
+            other = "is missing" if found is None else f"has the shape {found} in place of {shape}"
+            raise InputError("start", f"must be a whole state, but its {part}{name} {other}")
 
 
 def _physics(table: dict[str, object]) -> dict[str, object]:
