@@ -1,9 +1,10 @@
 """Notes of a result on what its drives did, and on bobs that start in a core."""
 
+import numpy as np
 import pytest
 
 import tribo
-from tribo import Asperite, Coulomb, Forced, Free, Scene, Surface
+from tribo import Asperite, Coulomb, Forced, Free, Langevin, Output, Scene, Surface
 from tribo.run.deep_core import core_notes
 from tribo.run.layout import lay_out
 
@@ -16,7 +17,7 @@ def notes(lower_drive, velocity=(0.0, 0.0), **numerics):
     return tribo.simulate(scene, **numerics).notes
 
 
-@pytest.mark.parametrize("numerics", [{"accuracy": 1e-6}, {"method": "rk4", "step": 0.05}])
+@pytest.mark.parametrize("numerics", [{"accuracy": 1e-6}, {"method": "rk4", "step": 0.03}])
 def test_a_forced_surface_at_rest_that_receives_work_is_noted(numerics):
     """With an estimate of errors and with a given step."""
     (note,) = notes(Forced(), **numerics)
@@ -69,3 +70,45 @@ def test_a_start_in_a_core_is_warned_of():
     with pytest.warns(tribo.TriboWarning, match="start deep in a repulsive core: 0.001 apart"):
         notes = tribo.simulate(scene, method="rk4", step=1e-6).notes
     assert "start deep in a repulsive core" in notes[0]
+
+
+def passing(method, step, times=None, samples=25, **settings):
+    """A pass with given samples, by equal steps."""
+    upper = Surface("upper", bob=(-3.0, 0.0), velocity=(0.5, 0.0), **settings)
+    lower = Surface("lower", facing="up", drive=Free())
+    output = Output(samples=samples) if times is None else Output(times=times)
+    return tribo.simulate(
+        Scene((upper, lower), Coulomb(0.2), 12.0, output=output), method=method, step=step
+    )
+
+
+@pytest.mark.parametrize("method", ["midpoint", "verlet"])
+@pytest.mark.parametrize(("step", "taken"), [(5.0, 0.5), (0.6, 0.5), (0.3, 0.25), (0.26, 0.25)])
+def test_steps_that_samples_shorten(method, step, taken):
+    """A note has the step that is taken where it is more than 5 % shorter than the given one."""
+    result, exact = passing(method, step), passing(method, taken)
+    assert result.cost.steps == round(12.0 / taken)
+    assert np.array_equal(result["upper"].w1, exact["upper"].w1)
+    assert exact.notes == ()
+    if taken > 0.95 * step:
+        assert result.notes == ()
+        return
+    (note,) = result.notes
+    rest = "fewer samples allow longer steps" if step > 0.5 else "a step that divides 0.5 is taken"
+    assert note.startswith(f"steps are at most {taken:g} long in place of {step:g}: ")
+    assert rest in note
+
+
+def test_steps_between_unequal_samples():
+    """The longest step counts: others are shorter where samples are closer together."""
+    assert passing("midpoint", 0.25, (0.1, 5.0, 5.01, 12.0)).notes == ()
+    times = (0.1, *(0.4 * np.arange(1, 30)))
+    (note,) = passing("midpoint", 0.6, times).notes
+    assert note.startswith("steps are at most 0.4 long in place of 0.6: ")
+    assert passing("midpoint", 0.4, times).notes == ()
+
+
+def test_automatic_steps_are_as_they_are_taken():
+    """With noise and without a given step, no step is shorter than another."""
+    reservoir = Langevin(0.1, temperature=0.1)
+    assert passing(None, None, samples=1201, langevin=reservoir).notes == ()

@@ -32,6 +32,7 @@ from tribo.run.resolution import (
     bath_frequency,
     corrugation_frequency,
     longest_kick,
+    longest_step,
     pendulum_frequency,
     spring_frequency,
     turn_of_step,
@@ -206,7 +207,8 @@ def _noisy(layout: Layout, accuracy: Accuracy | None, step: float | None) -> Cho
         return Choice(method, None, _checked_step(layout, method, step))
     step = NOISY_STEP * first_step(layout)
     fastest = max(spring_frequency(layout), corrugation_frequency(layout), user_frequency(layout))
-    return Choice(method, None, min(step, NOISY_PHASE / fastest if fastest > 0.0 else np.inf))
+    step = min(step, NOISY_PHASE / fastest if fastest > 0.0 else np.inf)
+    return Choice(method, None, longest_step(layout, step))  # as it is taken
 
 
 def cheapest(layout: Layout, accuracy: float) -> tuple[methods.Method, str]:

@@ -50,7 +50,7 @@ def corrugation_frequency(layout: Layout) -> float:
     mobility = 1.0 / table[MASS] + table[L1] ** 2 / table[INERTIA]
     fastest = 0.0
     for field in layout.model.fields or ():
-        if isinstance(field.potential, Corrugation):
+        if type(field.potential) is Corrugation:
             amplitude, period = field.potential
             curvature = abs(amplitude) * (2.0 * np.pi / period) ** 2
             on = np.isin(layout.asperites.surface, field.surfaces)
@@ -70,9 +70,16 @@ def user_frequency(layout: Layout) -> float:
 
 def turn_of_step(layout: Layout, method: Method, step: float, frequency: float) -> float:
     """The phase of a frequency in the longest substep that a splitting method takes [rad]."""
-    intervals = np.diff(layout.scene.times)
-    longest = float(np.max(intervals / np.maximum(1.0, np.ceil(intervals / step - 1e-9))))
-    return frequency * longest * longest_kick(method)
+    return frequency * longest_step(layout, step) * longest_kick(method)
+
+
+def longest_step(layout: Layout, step: float) -> float:
+    """The longest step that equal steps of at most `step` take [time].
+
+    They are equal parts of the time between two samples; see `integrators.step_control.equal_step`.
+    """
+    intervals = np.diff(layout.times)
+    return float(np.max(intervals / np.maximum(1.0, np.ceil(intervals / step - 1e-9))))
 
 
 def longest_kick(method: Method) -> float:
