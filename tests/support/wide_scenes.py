@@ -9,6 +9,10 @@ from support.scene_units import in_other_units
 BLOCK = 50
 # Probability that a parameter is drawn over twelve decades instead of one.
 WILD = 0.06
+# Seeds from here on have tiny or huge energies of interaction, and any stiffness of torsion.
+SCALED = 1_000_000
+# Parameters of potentials that are energies, or in proportion to one.
+ENERGIES = ("strength", "D", "epsilon", "A", "C", "factor")
 # Radians that the fastest pendulum, spring or oscillator turns in most runs.
 LONGEST = 1500.0
 
@@ -223,6 +227,18 @@ def wide_interactions(draw: Draw, structure: dict) -> list[dict]:
     return tables
 
 
+def scale_energies(draw: Draw, scene: dict) -> None:
+    """Make the energies of interaction tiny or huge, and change all torsion springs alike."""
+    decades = draw.between(-24.0, -6.0) if draw.chance(0.7) else draw.between(2.0, 8.0)
+    for table in scene["interaction"]:
+        for part in table["of"] if table["potential"] == "sum" else [table]:
+            part |= {name: part[name] * 10.0**decades for name in ENERGIES if name in part}
+    stiffer = 10.0 ** draw.pick(0.0, draw.between(-12.0, 3.0))
+    for surface in scene["surface"]:
+        own = surface["asperite"]
+        own["kappa"] = (np.array(own["kappa"]) * stiffer).tolist()
+
+
 def wide_fields(draw: Draw, structure: dict, names: list[str]) -> list[dict]:
     """Fields on one surface or on all, some of which move."""
     tables = []
@@ -250,6 +266,8 @@ def wide_scene(seed: int) -> dict:
     }
     if structure["method"]:
         scene["numerics"]["method"] = structure["method"]
+    if seed >= SCALED:
+        scale_energies(Draw(seed, 3), scene)
     speed = draw.around(0.5)
     duration = draw.between(4.0, 15.0) / speed
     turn = fastest_turn(scene)

@@ -87,7 +87,31 @@ def rounding_of_terms(layout: Layout, entry: Entry, steps: int) -> dict[str, flo
     terms["applied_work"] = largest(applied)
     terms |= _of_energies(layout, entry)
     count = EPSILON * (TERM_ROUNDINGS + WALK * steps**0.5)
-    return {name: count * magnitude for name, magnitude in terms.items()}
+    found = {name: count * magnitude for name, magnitude in terms.items()}
+    for name, rounding in _of_ends(layout, entry, count).items():
+        found[name] += rounding
+    return found
+
+
+def _of_ends(layout: Layout, entry: Entry, count: float) -> dict[str, float]:
+    """The rounding of the works of the ends of clamped bars, by quantity; `count` is of angles.
+
+    A work is a difference of two values of sin x - x cos x, with x the twist: the terms may be far
+    larger than it is, and have the same bits in all runs.  In sums of both ends they cancel.
+    """
+    a, twist = entry.batch.asperites, np.abs(entry.swing - entry.phi)
+    clamped = layout.surfaces.acc_ends[a.surface] >= 0
+    sin = np.abs(np.sin(twist))
+    rounding = TERM_ROUNDINGS * EPSILON * (sin + np.abs(twist * np.cos(twist)))
+    rounding += count * twist**2 * sin  # of the twist itself
+    rounding *= np.where(clamped, a.kappa / a.bar_length, 0.0)
+    found: dict[str, float] = {}
+    for kind, lever in (("", a.l2 + a.pivot), ("_ps", a.pivot)):
+        each = rounding * lever
+        if layout.model.sums is not None:
+            each = np.stack([each[:, part].sum(axis=1) for part in layout.parts.values()])
+        found |= dict.fromkeys((f"wL{kind}", f"wR{kind}"), largest(each))
+    return found
 
 
 def _sums_of_works(samples: Samples, batch: Batch) -> np.ndarray:

@@ -33,6 +33,7 @@ define a range where its parent has one.  A potential may define further methods
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import Any
 
 from tribo.plugins import classes as plugins
@@ -126,6 +127,12 @@ DEFAULTS = {
     "domain": _anywhere,
     "constraints": _no_constraints,
 }
+
+
+def _default(method, cls):
+    return DEFAULTS[method]
+
+
 # Methods that follow from others: from which, and how they are made for a class, in this order.
 FOLLOWING = {
     "force": (("energy",), lambda cls: force_from(cls.energy) or _complex_step),
@@ -147,8 +154,8 @@ def complete(cls: Any) -> Any:
         raise InputError("potential", f"{cls.__name__} {problem}")
     for method, (sources, make) in FOLLOWING.items():
         plugins.give(cls, method, make, sources)
-    for method, default in DEFAULTS.items():
-        plugins.give(cls, method, lambda _, default=default: default)
+    for method in DEFAULTS:
+        plugins.give(cls, method, partial(_default, method))
     return cls
 
 

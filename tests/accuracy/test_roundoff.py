@@ -1,0 +1,39 @@
+"""The rounding of differences of large terms is part of every bar."""
+
+import mpmath
+import numpy as np
+import pytest
+
+import tribo
+from tribo import Asperite, Coulomb, Initial, Output, Scene, Surface
+
+
+def works_of_ends(kappa, swing, times):
+    """wL of a pendulum that nothing disturbs, to 40 digits.
+
+    The force on the left end is kappa q / bar_length along y; the end moves at -l2 sin(q) dq/dt.
+    """
+    with mpmath.workdps(40):
+        rate = mpmath.sqrt(mpmath.mpf(kappa) / (mpmath.mpf(2) / 3 * 4))
+        angles = [mpmath.mpf(swing) * mpmath.cos(rate * t) for t in map(mpmath.mpf, times)]
+        arcs = [mpmath.sin(q) - q * mpmath.cos(q) for q in angles]
+        return [-mpmath.mpf(kappa) / 3 * mpmath.mpf(2) / 3 * (arc - arcs[0]) for arc in arcs]
+
+
+@pytest.mark.filterwarnings("ignore::tribo.TriboWarning")  # the smallest changes have few digits
+@pytest.mark.parametrize("method", [None, "dop853"])
+@pytest.mark.parametrize("kappa", [1e-4, 1e-8, 1e-12])
+def test_works_of_ends_that_hardly_turn(method, kappa):
+    """The twist is far larger than its change, and so are the terms of a work than the work."""
+    asperite, start = Asperite(kappa=kappa), Initial(swing=1.0)
+    upper = Surface("upper", bob=(-3.0, 0.5), velocity=(0.5, 0.0), asperite=asperite, initial=start)
+    lower = Surface("lower", facing="up", asperite=asperite)
+    scene = Scene((upper, lower), Coulomb(1e-40), 12.0, output=Output(samples=9))
+    result = tribo.simulate(scene, accuracy=1e-8, method=method)
+    for name, sign in (("wL", 1), ("wR", -1)):
+        exact = works_of_ends(kappa, 1.0, result.t)
+        found = result["upper"][name][:, 0]
+        error = max(abs(mpmath.mpf(float(x)) - sign * e) for x, e in zip(found, exact, strict=True))
+        bar = result.error_estimate[name]
+        assert error <= bar
+        assert bar <= 1e-7 * np.max(np.abs(found)) + 1e-14 * kappa
