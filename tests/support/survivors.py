@@ -32,7 +32,7 @@ EQUIVALENT = {
     "kernels/equations_of_motion.py: accelerations: s.dof_phi >= 0 -> s.dof_phi >= 1 (2)": (
         AFTER_SWINGS
     ),
-    "integrators/bath_substep.py: push_bars: slot < 0 -> slot < 1": (
+    "integrators/bar_pushes.py: push_bars: slot < 0 -> slot < 1": (
         "the first slots are those of contact; no bath and no reservoir has slot 0"
     ),
     "kernels/powers.py: set_drive_powers: s.acc_drive >= 0 -> s.acc_drive >= 1": (

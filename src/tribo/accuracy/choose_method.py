@@ -31,6 +31,7 @@ from tribo.run.pair_adapter import has_pair_loop
 from tribo.run.resolution import (
     bath_frequency,
     corrugation_frequency,
+    longest_damped_step,
     longest_kick,
     longest_step,
     pendulum_frequency,
@@ -178,6 +179,8 @@ def _checked_step(layout: Layout, method: methods.Method, step: float) -> float:
     Raises InputError where a splitting method would not resolve the scene, unless that is allowed.
     """
     step = number("step", step, POSITIVE)
+    if method.splits:
+        check_damped_step(longest_damped_step(layout), step)
     if not method.splits or layout.scene.numerics.allow_unresolved:
         return step
     for what, frequency in (
@@ -194,6 +197,16 @@ def _checked_step(layout: Layout, method: methods.Method, step: float) -> float:
     return step
 
 
+def check_damped_step(longest: float, step: float) -> None:
+    """Refuse a step with which reservoirs would heat swings.  Raises InputError."""
+    if step > longest * (1.0 + 1e-9):
+        raise InputError(
+            "step",
+            f"must be at most {longest:.3g} for the damping of the reservoir on these swings, got "
+            f"{step:g}: a longer one would heat them",
+        )
+
+
 def _noisy(layout: Layout, accuracy: Accuracy | None, step: float | None) -> Choice:
     """One method integrates noise, and no two runs agree on any digit."""
     if accuracy is not None:
@@ -207,6 +220,7 @@ def _noisy(layout: Layout, accuracy: Accuracy | None, step: float | None) -> Cho
         return Choice(method, None, _checked_step(layout, method, step))
     step = NOISY_STEP * first_step(layout)
     fastest = max(spring_frequency(layout), corrugation_frequency(layout), user_frequency(layout))
+    step = min(step, longest_damped_step(layout))
     step = min(step, NOISY_PHASE / fastest if fastest > 0.0 else np.inf)
     return Choice(method, None, longest_step(layout, step))  # as it is taken
 

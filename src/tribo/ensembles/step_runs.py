@@ -6,9 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from tribo.accuracy.choose_method import check_damped_step
 from tribo.ensembles.checked_runs import chunk_of, kept_values
 from tribo.ensembles.kept_values import STATUS_TYPE, UNKNOWN, Kept, KeptValues
 from tribo.ensembles.members import Members, values_at_start
+from tribo.kernels.records import OF_MEMBERS
 from tribo.kernels.status import COMPLETED, Status
 from tribo.pair.members import CODE, STEPS
 from tribo.prepared import Simulation
@@ -16,6 +18,7 @@ from tribo.run.initial_state import InitialState
 from tribo.run.member_numbers import MemberNumbers, member_numbers
 from tribo.run.members_in_lanes import members_of
 from tribo.run.passing import passed_through
+from tribo.run.resolution import longest_damped_step
 from tribo.run.runaway import grows
 
 
@@ -62,6 +65,7 @@ class StepRuns:
         own: tuple[MemberNumbers, ...] = ()
         if self._own_numbers:
             own = (member_numbers(layout, len(starts), members.values),)
+            self._check_step(own[0])
         runs = self._loop.run(self.simulation.plan.setting, starts, members.seeds, *own)
         grown = grows(runs.layout, runs.samples).reshape(-1, len(starts)).any(axis=0)
         passed = passed_through(runs.layout, runs.samples).reshape(-1, len(starts)).any(axis=0)
@@ -74,3 +78,12 @@ class StepRuns:
             unknown,
             unknown.copy(),
         )
+
+    def _check_step(self, own: MemberNumbers) -> None:
+        """Refuse a step that is too long for the reservoirs of some member.  Raises InputError."""
+        layout, step = self.simulation.layout, self.simulation.plan.setting
+        if self.simulation.method.splits:
+            assert isinstance(step, float)
+            rows = (OF_MEMBERS.index(name) for name in ("gamma", "swing_gamma", "temperature"))
+            numbers = (own.of_surfaces[..., row] for row in rows)
+            check_damped_step(longest_damped_step(layout, *numbers), step)

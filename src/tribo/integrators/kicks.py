@@ -3,9 +3,11 @@
 Where baths or reservoirs act in the middle of a kick, the same forces act in both halves.  A force
 does its work at the mean velocity of each half: at v + a tau / 4 in the first, where v + a tau / 2
 is the velocity before the substep, and at v' + a tau / 4 in the second, where v' is the one after
-it.  The mean of both is the mean of the velocities before and after the substep.
+it.  The mean of both is the mean of the velocities before and after the substep.  Where reservoirs
+let the asperites jump, each half has the velocity that makes its jump in a step, too; see `jumps`.
 """
 
+from tribo.integrators.jumps import Reservoirs, add_opposite_works, with_jump
 from tribo.kernels.blocks import (
     all_coordinates,
     column_of,
@@ -73,6 +75,14 @@ def any_present(bath, torsional, friction, swing_friction):
 
 
 @inlined
+def reservoirs_of(model, state, work, tau):
+    """What the reservoirs of a step of length `tau` need; None where there are none."""
+    if any_present(None, None, model.friction, model.swing_friction) is None:
+        return None
+    return Reservoirs(work.before, state.memory[1], tau)
+
+
+@inlined
 def repeats(model):
     """True where the forces of a first half kick act in the second too; None where not."""
     return if_alike(substep_of(model), model.drives, model.ends)
@@ -114,7 +124,7 @@ def kick_slot(slot, s, i, change, v):
 
 
 @inlined
-def kick_block(model, s, i, t, tau, q, v, middle, accounts, acceleration):
+def kick_block(model, reservoirs, s, i, t, tau, q, v, middle, accounts, acceleration):
     """Kick a block of asperites, and add works at the mid-kick velocities."""
     swing, phi, x, y = acceleration
     omega = kick_slot(s.start, s, i, tau * swing, v)
@@ -128,7 +138,9 @@ def kick_block(model, s, i, t, tau, q, v, middle, accounts, acceleration):
         set_coordinates(s.dof_x, s, i, middle, vx)
         set_coordinates(s.dof_y, s, i, middle, vy)
     power = Powers(accounts, model.sums, tau)
-    powers_of_block(model, model.ledger, s, i, 0.0, t, q, (omega, nu, vx, vy), power)
+    velocities = with_jump(reservoirs, s, i, (omega, nu, vx, vy))
+    powers_of_block(model, model.ledger, s, i, 0.0, t, q, velocities, power)
+    add_opposite_works(model, reservoirs, s, i, acceleration, accounts)
 
 
 @inlined
@@ -161,21 +173,23 @@ def kick_part(model, twice, active, s, begin, end, t, tau, state, work):
     m = state.y.size // 2
     q = state.y[:m]
     v = state.y[m:]
+    reservoirs = reservoirs_of(model, state, work, 2.0 * tau)
     for n in range(begin, end):
         i = column_of(active, n)
         drive = drive_in_kick(model, model.drives, s, i, t, q)
         acceleration = accelerations(model, s, i, 0.0, t, q, drive)
         if twice is None:
-            kick_block(model, s, i, t, tau, q, v, work.middle, state.s, acceleration)
+            kick_block(model, reservoirs, s, i, t, tau, q, v, work.middle, state.s, acceleration)
         else:
             after = pushed(all_coordinates(s, i, v), tau, acceleration)
             set_all(s, i, v, after)
-            set_all(s, i, work.middle, after)
+            set_all(s, i, work.middle, with_jump(reservoirs, s, i, after))
             set_all(s, i, work.acceleration, acceleration)
+            add_opposite_works(model, reservoirs, s, i, acceleration, state.s)
 
 
 @inlined
-def repeat_kick(model, active, t, tau, state, work):
+def repeat_kick(model, reservoirs, active, t, tau, state, work):
     """The same forces act again for tau; the works of both half kicks are added."""
     m = state.y.size // 2
     q = state.y[:m]
@@ -190,6 +204,8 @@ def repeat_kick(model, active, t, tau, state, work):
         for n in range(first_block(active, s, k), last_block(active, s, k)):
             i = column_of(active, n)
             now = all_coordinates(s, i, v)
-            set_all(s, i, v, pushed(now, tau, all_coordinates(s, i, work.acceleration)))
-            between = mean(all_coordinates(s, i, work.middle), now)
+            acceleration = all_coordinates(s, i, work.acceleration)
+            set_all(s, i, v, pushed(now, tau, acceleration))
+            between = mean(all_coordinates(s, i, work.middle), with_jump(reservoirs, s, i, now))
             powers_of_block(model, model.ledger, s, i, 0.0, t, q, between, power)
+            add_opposite_works(model, reservoirs, s, i, acceleration, state.s)

@@ -170,7 +170,7 @@ METHODS = {
             "many asperites, long runs, thousands of bath oscillators, Langevin reservoirs",
             "L. Verlet, Phys. Rev. 159 (1967) 98, with the torsion springs rotated exactly",
             splits=True,
-            remembers=1,
+            remembers=2,
             first_level=_SECOND_ORDER,
         ),
         Method(

@@ -22,11 +22,13 @@ import numpy as np
 from tribo.integrators.bath_substep import bath_substep
 from tribo.integrators.drift import drift_block, settle_end_works
 from tribo.integrators.inactive import advance_inactive, make_lists, update_lists
+from tribo.integrators.jumps import jump, keep_velocities
 from tribo.integrators.kicks import (
     add_half_shared_works,
     kick_part,
     repeat_kick,
     repeats,
+    reservoirs_of,
     settle_custom_forces,
     substep_of,
 )
@@ -86,6 +88,7 @@ class Work(NamedTuple):
 
     acceleration: np.ndarray  # (coordinates,)
     middle: np.ndarray  # (coordinates,) velocities in the middle of a kick
+    before: np.ndarray  # (coordinates,) and before it, where there are reservoirs
     accounts: np.ndarray  # (accounts,)
     speeds: np.ndarray  # (3, asperites)
     rotations: np.ndarray  # (1, 3, asperites + 8), see `set_rotations`
@@ -105,6 +108,7 @@ class Splitting(NamedTuple):
         return Work(
             room((n,)),
             room((n,)),
+            room((0 if model.friction is None and model.swing_friction is None else n,)),
             room(state.s.shape),
             room((3, model.each.shape[1])),
             empty_rotations(model.constants, 1),
@@ -187,13 +191,17 @@ def kick_and_substep(model, substep, twice, neighbours, t, tau, state, work, m, 
     if substep is None:
         kick(model, twice, neighbours, model.team, t, tau, state, work)
     else:
-        kick(model, twice, neighbours, model.team, t, 0.5 * tau, state, work)
         q, v = state.y[:n], state.y[n:]
-        bath_substep(model, tau, q, v, state.s, work.bath[m], work.torsional[m], noise)
+        reservoirs = reservoirs_of(model, state, work, tau)
+        keep_velocities(reservoirs, v)
+        kick(model, twice, neighbours, model.team, t, 0.5 * tau, state, work)
+        rotations = work.bath[m], work.torsional[m]
+        bath_substep(model, t, tau, q, v, state.s, reservoirs, rotations, noise)
         if twice is None:
             kick(model, twice, neighbours, model.team, t, 0.5 * tau, state, work)
         else:
-            repeat_kick(model, active_of(neighbours), t, 0.5 * tau, state, work)
+            repeat_kick(model, reservoirs, active_of(neighbours), t, 0.5 * tau, state, work)
+        jump(model, reservoirs, q)
 
 
 @kernel

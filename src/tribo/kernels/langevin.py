@@ -1,7 +1,7 @@
 """Langevin at a bar: f_T = -gamma (v_bar - u) + noise, with u the velocity of the reservoir.
 
-On the swing it is a torque, -gamma omega + noise.  Splitting methods use the exact solution over a
-step, :func:`thermal_kicks`; all others integrate the friction alone, and refuse noise.
+On the swing it is a torque, -gamma omega + noise.  Splitting methods use the exact motion under a
+constant force, :func:`damped_motion`; all others integrate the friction alone, and refuse noise.
 """
 
 from typing import Any, NamedTuple
@@ -12,7 +12,7 @@ from numba.extending import overload
 
 from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.numba_passes import LINKED
-from tribo.kernels.simd import broadcast, sqrt, with_lane
+from tribo.kernels.simd import broadcast, sqrt, where_less, with_lane
 from tribo.kernels.simd_arrays import block
 from tribo.kernels.simd_functions import exponential
 
@@ -31,31 +31,93 @@ def friction_force(gamma, vx, vy, reservoir_x, reservoir_y):
 
 
 @inlined
-def thermal_kicks(gamma, temperature, mobility, relative, tau, normal):
-    """Momenta that friction and noise give in tau to degrees of freedom of mass 1 / mobility."""
-    kept = exponential(-gamma * tau * mobility)
-    change = (kept - 1.0) * relative
-    change = change + sqrt(temperature * mobility * (1.0 - kept * kept)) * normal
-    return change / mobility
+def decay_means(z):
+    """What a velocity keeps after friction by z = gamma tau / mass, and two means.
+
+    Returns exp(-z), (1 - exp(-z)) / z and (1 - (1 - exp(-z)) / z) / z: what is left of a velocity,
+    its mean over tau, and the mean velocity that a constant force makes, in units of the velocity
+    that it would give in tau without friction.
+    """
+    kept = exponential(-z)
+    series = broadcast(1.0)
+    for k in range(15, 2, -1):  # what is left out is below 1e-16 for z < 1/2
+        series = 1.0 - z * series * (1.0 / k)
+    series = 0.5 * series
+    of_velocity = where_less(z, 0.5, 1.0 - z * series, (1.0 - kept) / z)
+    return kept, of_velocity, where_less(z, 0.5, series, (1.0 - of_velocity) / z)
 
 
-def normals(noise, temperature, count):
-    """A normal deviate for each of the first asperites of a block; 0 where none is needed."""
-    drawn = broadcast(0.0)
-    if temperature > 0.0:
-        for i in range(count):
-            drawn = with_lane(drawn, i, noise.standard_normal())
-    return drawn
+@inlined
+def spread_of_travel(x, tangent):
+    """(x - tanh x) / x^2 for x >= 0; `tangent` is tanh(x) / x."""
+    y = x * x
+    series = x * (1 / 3 + y * (-2 / 15 + y * (17 / 315 + y * (-62 / 2835))))
+    return where_less(x, 0.05, series, (1.0 - tangent) / x)
+
+
+@inlined
+def damped_motion(gamma, temperature, mobility, velocity, gain, tau, one, other):
+    """What friction and noise do in a step to a degree of freedom of mass 1 / mobility.
+
+    A step is a drift, a kick and a drift.  In place of it, the velocity and the displacement are
+    those of the exact solution under the force that is constant over the step, which are jointly
+    Gaussian: D. L. Ermak, H. Buckholz, J. Comput. Phys. 35 (1980) 169; W. F. van Gunsteren,
+    H. J. C. Berendsen, Mol. Phys. 45 (1982) 637.
+
+    Parameters
+    ----------
+    gamma, temperature, mobility : float or Lanes
+        Friction, temperature, inverse mass.
+    velocity : Lanes
+        Relative to the reservoir, in the middle of the kick.
+    gain : Lanes
+        What all other forces add to it in the step.
+    tau : float
+        The step [time].
+    one, other : Lanes
+        Normal deviates.
+
+    Returns
+    -------
+    impulse, jump : Lanes
+        The momentum that it takes up, and the displacement that the drifts leave out.
+    """
+    z = gamma * tau * mobility
+    kept, of_velocity, of_gain = decay_means(z)
+    travel = of_velocity * (velocity - 0.5 * gain) + of_gain * gain
+    noise = sqrt(temperature * mobility * z * of_velocity * (1.0 + kept)) * one
+    change = noise - z * travel
+    x = 0.5 * z
+    tangent = 2.0 * of_velocity / (1.0 + kept)
+    spread = sqrt(temperature * mobility * spread_of_travel(x, tangent)) * other
+    travel = travel + 0.5 * tangent * noise + spread
+    return change / mobility, tau * (travel - velocity - 0.5 * change)
 
 
 def pairs_of_normals(noise, temperature, count):
-    """Two of them for each, those of one asperite after those of another."""
+    """Two normal deviates for each of the first asperites of a block; 0 where none is needed.
+
+    Those of one asperite come after those of another.
+    """
     one, other = broadcast(0.0), broadcast(0.0)
     if temperature > 0.0:
         for i in range(count):
             one = with_lane(one, i, noise.standard_normal())
             other = with_lane(other, i, noise.standard_normal())
     return one, other
+
+
+def fours_of_normals(noise, temperature, count):
+    """Four of them for each."""
+    one, other = broadcast(0.0), broadcast(0.0)
+    third, fourth = broadcast(0.0), broadcast(0.0)
+    if temperature > 0.0:
+        for i in range(count):
+            one = with_lane(one, i, noise.standard_normal())
+            other = with_lane(other, i, noise.standard_normal())
+            third = with_lane(third, i, noise.standard_normal())
+            fourth = with_lane(fourth, i, noise.standard_normal())
+    return one, other, third, fourth
 
 
 @inlined
@@ -66,16 +128,23 @@ def next_row(noise):
     return block(noise.numbers[place], 0)
 
 
-def _normals_of_members(noise, temperature, count):
-    return next_row(noise) if temperature > 0.0 else broadcast(0.0)
-
-
 def _pairs_of_normals_of_members(noise, temperature, count):
     one, other = broadcast(0.0), broadcast(0.0)
     if temperature > 0.0:
         one = next_row(noise)
         other = next_row(noise)
     return one, other
+
+
+def _fours_of_normals_of_members(noise, temperature, count):
+    one, other = broadcast(0.0), broadcast(0.0)
+    third, fourth = broadcast(0.0), broadcast(0.0)
+    if temperature > 0.0:
+        one = next_row(noise)
+        other = next_row(noise)
+        third = next_row(noise)
+        fourth = next_row(noise)
+    return one, other, third, fourth
 
 
 _options: dict[str, Any] = {"jit_options": {"error_model": "numpy", **LINKED, "_nrt": False}}
@@ -89,5 +158,5 @@ def _find(function: Any, of_members: Any) -> None:
         return of_members if isinstance(noise, types.BaseNamedTuple) else function
 
 
-_find(normals, _normals_of_members)
 _find(pairs_of_normals, _pairs_of_normals_of_members)
+_find(fours_of_normals, _fours_of_normals_of_members)

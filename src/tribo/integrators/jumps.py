@@ -1,0 +1,153 @@
+"""Jumps: displacements by reservoirs that drifts leave out, and the works of forces along them.
+
+With strong friction a velocity is lost within a step, and the drifts before and after the kick
+carry the asperite too far.  A jump after the kick makes the displacement of the step right.  Every
+force that acts in a kick does work along the jumps before and after it, half of each, so that its
+works are those along the path.  The reservoir, which causes the jump, does the opposite work, and
+takes up the change of the torsion energy.  So the identities of the ledger hold to round-off.
+
+Half of each jump, since then the sum over steps has no systematic error: with the force F_n of the
+nth kick and the displacement d_n between the nth and the next, a linear force does the work
+sum F_n (d_{n-1} + d_n) / 2, which is the change of its potential energy.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from tribo.kernels.blocks import column_of_constants, coordinates, is_fixed, set_coordinates
+from tribo.kernels.compiled import inlined
+from tribo.kernels.equations_of_motion import bar_angles
+from tribo.kernels.kinematics import end_force, rotational_power
+from tribo.kernels.levers import lever_of_bar, pivot_lengths
+from tribo.kernels.powers import place_of
+from tribo.kernels.records import INERTIA, INVERSE_BAR_LENGTH, KAPPA, L2, MASS, TX, TY
+from tribo.kernels.samples import copy
+from tribo.kernels.simd import broadcast
+from tribo.kernels.simd_arrays import add_block, block, set_block
+from tribo.kernels.simd_functions import sine_cosine
+
+
+class Reservoirs(NamedTuple):
+    """What the reservoirs of a step need."""
+
+    before: np.ndarray  # (coordinates,) velocities before the kick
+    jumps: np.ndarray  # (coordinates,) the last displacements of coordinates
+    tau: Any  # the step [time]
+
+
+@inlined
+def keep_velocities(reservoirs, v):
+    """Keep the velocities before a kick."""
+    if reservoirs is not None:
+        copy(v, reservoirs.before)
+
+
+@inlined
+def with_jump(reservoirs, s, i, velocities):
+    """Velocities of a block, and those that carry it along its jump in the time of a step."""
+    if reservoirs is None:
+        return velocities
+    omega, nu, vx, vy = velocities
+    rate = 1.0 / reservoirs.tau
+    omega = omega + rate * block(reservoirs.jumps, i)
+    vx = vx + rate * coordinates(s.dof_x, s, i, reservoirs.jumps)
+    vy = vy + rate * coordinates(s.dof_y, s, i, reservoirs.jumps)
+    return omega, nu, vx, vy
+
+
+@inlined
+def add_to_reservoir(s, i, about, pseudowork, accounts):
+    """Add works about the centre of mass and pseudoworks of a block's reservoir."""
+    if s.acc_thermal >= 0:
+        k = place_of(s, s.acc_thermal + 2 * s.account_stride, i)
+        add_block(accounts, k, about)
+        add_block(accounts, k + s.account_stride, pseudowork)
+    elif s.acc_swing >= 0:
+        add_block(accounts, place_of(s, s.acc_swing, i), about)
+
+
+@inlined
+def pseudowork_along_jump(jumps, s, i, px, py):
+    """The product of impulses on a block and the jumps of its centres of mass."""
+    return px * coordinates(s.dof_x, s, i, jumps) + py * coordinates(s.dof_y, s, i, jumps)
+
+
+@inlined
+def add_opposite_works(model, reservoirs, s, i, acceleration, accounts):
+    """Add the works of a block's reservoir against the forces of half a kick along its jump."""
+    if reservoirs is not None:
+        if s.gamma > 0.0 or s.swing_gamma > 0.0:
+            swing, _, x, y = acceleration
+            c = column_of_constants(s, i)
+            about = broadcast(0.0)
+            if not is_fixed(model.fixed, s):
+                torque = block(model.constants[INERTIA], c) * swing
+                about = 0.5 * torque * block(reservoirs.jumps, i)
+            half = 0.5 * block(model.constants[MASS], c)
+            pseudowork = pseudowork_along_jump(reservoirs.jumps, s, i, half * x, half * y)
+            add_to_reservoir(s, i, -about, -pseudowork, accounts)
+
+
+@inlined
+def add_bath_works_of_jumps(model, reservoirs, s, i, px, py, accounts):
+    """Add the works along the jump of a block that belong to momenta from a bath.
+
+    They are those of the bath on the bars, and the opposite ones of the reservoir.
+    """
+    if reservoirs is not None:
+        if s.acc_internal >= 0:
+            rate = 1.0 / reservoirs.tau
+            along = block(model.bobs[TX], i) * px + block(model.bobs[TY], i) * py
+            swept = rate * along * block(reservoirs.jumps, i)
+            lever = block(model.constants[L2], column_of_constants(s, i))
+            pivot = pivot_lengths(model.pivots, s, i)
+            pseudowork = pseudowork_along_jump(reservoirs.jumps, s, i, rate * px, rate * py)
+            k = place_of(s, s.acc_internal + 2 * s.account_stride, i)
+            add_block(accounts, k, 0.0 - (lever + pivot) * swept)
+            add_block(accounts, k + s.account_stride, pseudowork + pivot * swept)
+            add_to_reservoir(s, i, lever * swept, -pseudowork, accounts)
+
+
+@inlined
+def set_jump(model, s, i, t, q, turn, x, y, jumps, accounts):
+    """Set the jump of a block by angles and displacements, and add its works on the torsion."""
+    set_block(jumps, i, turn)
+    set_coordinates(s.dof_x, s, i, jumps, x)
+    set_coordinates(s.dof_y, s, i, jumps, y)
+    if not is_fixed(model.fixed, s):
+        phi = bar_angles(model, s, i, t, q)
+        swing = block(q, i) + 0.5 * turn  # in the middle of the jump
+        torque = block(model.constants[KAPPA], column_of_constants(s, i)) * (swing - phi)
+        add_to_reservoir(s, i, torque * turn, broadcast(0.0), accounts)
+        if s.acc_ends >= 0:
+            add_end_works(model, s, i, swing, phi, torque, jumps, accounts)
+
+
+@inlined
+def add_end_works(model, s, i, swing, phi, torque, jumps, accounts):
+    """Add the works of the ends of clamped bars along the jump; those of f_R are opposite.
+
+    The works about the centre of mass of bars at rest are functions of the angle.
+    """
+    sin, cos = sine_cosine(phi)
+    inverse_length = block(model.constants[INVERSE_BAR_LENGTH], column_of_constants(s, i))
+    x, y = end_force(torque, inverse_length, sin, cos)
+    pseudowork = pseudowork_along_jump(jumps, s, i, x, y)
+    k = place_of(s, s.acc_ends, i)
+    if s.turning == 1:
+        sin, cos = sine_cosine(swing)
+        swept = rotational_power(1.0, block(jumps, i), s.facing * cos, s.facing * sin, x, y)
+        with_bar = lever_of_bar(model, model.pivots, s, i) * swept
+        add_block(accounts, k, -with_bar)
+        add_block(accounts, k + s.account_stride, with_bar)
+        pseudowork = pseudowork + pivot_lengths(model.pivots, s, i) * swept
+    add_block(accounts, k + 4 * s.account_stride, pseudowork)
+
+
+@inlined
+def jump(model, reservoirs, q):
+    """Let all asperites jump at the end of a kick."""
+    if reservoirs is not None:
+        for m in range(model.core):
+            q[m] += reservoirs.jumps[m]

@@ -1,0 +1,134 @@
+"""Langevin reservoirs of splitting methods: friction and noise on bars and swings.
+
+In every step, what friction and noise do to a degree of freedom is the exact solution under the
+force that is constant over the step, torsion included; see :func:`damped_motion`.  The drifts
+before and after the kick are those without friction, so the displacement of the step needs a jump;
+see `jumps`.  Momentum then balances with the displacement d of the bar relative to the reservoir,
+
+    m (v' - v) = F tau - gamma d + noise of variance 2 gamma T tau,
+
+and the sum over steps makes the drift F / gamma and the diffusion T / gamma, for any gamma tau / m.
+The reasons for this scheme are in docs/explanation/methods.md.
+"""
+
+from tribo.integrators.bar_pushes import push_bars
+from tribo.integrators.jumps import set_jump
+from tribo.kernels.blocks import column_of_constants, is_fixed, own_number
+from tribo.kernels.compiled import inlined, kernel
+from tribo.kernels.equations_of_motion import bar_angles, velocities_of_bars
+from tribo.kernels.langevin import damped_motion, fours_of_normals, pairs_of_normals
+from tribo.kernels.numbers_in_lanes import add_numbers
+from tribo.kernels.powers import momentum, place_of
+from tribo.kernels.records import (
+    FREQUENCY,
+    INVERSE_INERTIA,
+    INVERSE_MASS,
+    KAPPA,
+    L2,
+    OWN_GAMMA,
+    OWN_SWING_GAMMA,
+    OWN_TEMPERATURE,
+    PRESENT,
+    TX,
+    TY,
+)
+from tribo.kernels.simd import LANES, broadcast, where_less
+from tribo.kernels.simd_arrays import add_block, block, set_block
+from tribo.kernels.simd_functions import sine_cosine
+
+
+@inlined
+def torsion_gains(model, s, i, t, tau, q):
+    """What torsion springs add to the rates of a block of swings in a step.
+
+    They act in the drifts.  A kick in which the forces balance them must change nothing, so this is
+    the change of rate by two halves of a rotation that meet at the present angle: the torque times
+    tan(w tau / 2) / (w tau / 2).
+    """
+    if is_fixed(model.fixed, s):
+        return broadcast(0.0)
+    a, c = model.constants, column_of_constants(s, i)
+    angle = 0.5 * tau * block(a[FREQUENCY], c)
+    angle = where_less(angle, 1.0, angle, 1.0)  # longer steps resolve no swing
+    sin, cos = sine_cosine(angle)
+    ratio = where_less(0.0, angle, sin / (angle * cos), 1.0)
+    twist = block(q, i) - bar_angles(model, s, i, t, q)
+    return 0.0 - tau * ratio * block(a[KAPPA], c) * block(a[INVERSE_INERTIA], c) * twist
+
+
+@inlined
+def damp_block(model, s, i, reservoirs, t, q, v, accounts, noise):
+    """Friction and noise on a block of bars, along their arcs and across."""
+    a, c, tau = model.constants, column_of_constants(s, i), reservoirs.tau
+    tx = block(model.bobs[TX], i)
+    ty = block(model.bobs[TY], i)
+    vx, vy = velocities_of_bars(model, s, i, v)
+    old_x, old_y = velocities_of_bars(model, s, i, reservoirs.before)
+    gain_x, gain_y = 2.0 * (vx - old_x), 2.0 * (vy - old_y)  # half a kick is still to come
+    x = vx - s.reservoir_x
+    y = vy - s.reservoir_y
+    across = block(a[INVERSE_MASS], c)
+    lever = block(a[L2], c)
+    arc = across + lever * lever * block(a[INVERSE_INERTIA], c)
+    first, second, third, fourth = fours_of_normals(noise, s.temperature, min(LANES, s.end - i))
+    gamma = own_number(model.own, OWN_GAMMA, s.gamma, i)
+    heat = own_number(model.own, OWN_TEMPERATURE, s.temperature, i)
+    gain = tx * gain_x + ty * gain_y - lever * torsion_gains(model, s, i, t, tau, q)
+    along, far = damped_motion(gamma, heat, arc, tx * x + ty * y, gain, tau, first, second)
+    omega = block(v, i)
+    gain = tx * gain_y - ty * gain_x - tau * lever * omega * omega  # the arc is curved
+    side, aside = damped_motion(gamma, heat, across, tx * y - ty * x, gain, tau, third, fourth)
+    present = block(model.each[PRESENT], i)
+    px, py = present * (along * tx - side * ty), present * (along * ty + side * tx)
+    push_bars(model, s, i, px, py, v, accounts, s.acc_thermal)
+    # A jump has the directions of the momentum that would cause it.
+    along, side = present * far / arc, present * aside / across
+    turn = 0.0 - lever * along * block(a[INVERSE_INERTIA], c)
+    x, y = across * (along * tx - side * ty), across * (along * ty + side * tx)
+    set_jump(model, s, i, t, q, turn, x, y, reservoirs.jumps, accounts)
+
+
+@kernel
+def damp_bars(model, friction, reservoirs, t, q, v, accounts, noise):
+    """Friction and noise on the bars of all surfaces that have a reservoir there."""
+    if friction is not None:
+        for k in range(model.surfaces.shape[0]):
+            s = model.surfaces[k]
+            if s.gamma == 0.0:
+                continue
+            before_x, before_y = momentum(model, s, v)
+            for i in range(s.start, s.stop, LANES):
+                damp_block(model, s, i, reservoirs, t, q, v, accounts, noise)
+            after_x, after_y = momentum(model, s, v)
+            px = after_x - before_x
+            py = after_y - before_y
+            if s.acc_block >= 0:
+                work = 0.5 * (px * (before_x + after_x) + py * (before_y + after_y))
+                add_numbers(accounts, s.acc_block, work * s.inverse_total_mass)
+
+
+@kernel
+def damp_swings(model, swing_friction, reservoirs, t, q, v, accounts, noise):
+    """Friction and noise on the swings of all surfaces that have a reservoir there."""
+    if swing_friction is not None:
+        a, tau, zero = model.constants, reservoirs.tau, broadcast(0.0)
+        for k in range(model.surfaces.shape[0]):
+            s = model.surfaces[k]
+            if s.swing_gamma > 0.0:
+                for i in range(s.start, s.stop, LANES):
+                    gamma = own_number(model.own, OWN_SWING_GAMMA, s.swing_gamma, i)
+                    heat = own_number(model.own, OWN_TEMPERATURE, s.temperature, i)
+                    mobility = block(a[INVERSE_INERTIA], column_of_constants(s, i))
+                    one, other = pairs_of_normals(noise, s.temperature, min(LANES, s.end - i))
+                    omega = block(v, i)
+                    gain = 2.0 * (omega - block(reservoirs.before, i))
+                    gain = gain + torsion_gains(model, s, i, t, tau, q)
+                    gained, turn = damped_motion(
+                        gamma, heat, mobility, omega, gain, tau, one, other
+                    )
+                    now = omega + gained * mobility
+                    set_block(v, i, now)
+                    if s.acc_swing >= 0:
+                        m = place_of(s, s.acc_swing, i)
+                        add_block(accounts, m, gained * (0.5 * (omega + now)))
+                    set_jump(model, s, i, t, q, turn, zero, zero, reservoirs.jumps, accounts)
