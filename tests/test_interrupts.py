@@ -2,6 +2,7 @@
 
 import json
 import os
+import pickle
 import resource
 import signal
 import subprocess
@@ -12,6 +13,7 @@ from pathlib import Path
 import pytest
 
 import tribo
+from tribo.interrupts import Interrupted
 from tribo.kernels.compiled import undisturbed
 
 LONG = """
@@ -114,6 +116,12 @@ def test_errors_of_incomplete_objects(name):
 
 
 @pytest.mark.usefixtures("heeded")
+def test_an_interrupt_between_processes():
+    """The partial result stays where it is; the interrupt arrives."""
+    found = pickle.loads(pickle.dumps(Interrupted(lambda: None)))
+    assert type(found) is KeyboardInterrupt
+
+
 def test_compilers_are_not_interrupted():
     """LLVM would free a module twice; the interrupt is raised once the block has ended."""
     done = []

@@ -12,7 +12,7 @@ from pathlib import Path
 from tribo.command_help import FIRST_STEPS, CommandParser, add_completion
 from tribo.doctor import add_doctor
 from tribo.files import checked_target
-from tribo.interrupts import COMPLETED, STOPPED
+from tribo.interrupts import COMPLETED, STOPPED, also_in_part
 from tribo.run_command import add_run
 from tribo.scene_options import (
     add_numerics,
@@ -331,7 +331,7 @@ def _view(options: argparse.Namespace) -> int:
         if options.bath:
             series = (*scene.output.series, "oscillators")
             scene = replace(scene, output=replace(scene.output, series=series))
-        result = simulate(scene)
+        result = also_in_part(simulate, scene)
     else:
         result = load_result(options.scene)
     print(result.to_html(options.out, options.bath))

@@ -20,6 +20,10 @@ TYPE_CHECKING = False
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
+    from typing import Any, ParamSpec, TypeVar
+
+    P = ParamSpec("P")
+    R = TypeVar("R")
 
 # Seconds for an answer before the program is ended.
 PATIENCE = 0.25
@@ -35,6 +39,38 @@ _arrived = threading.Event()
 _answered = threading.Event()
 # Prints what a command that is ended has reached.
 _report: list[Callable[[], None]] = []
+
+
+class Interrupted(KeyboardInterrupt):
+    """An interrupt that ended a computation after a part of it.
+
+    Parameters
+    ----------
+    result : Result or xarray.Dataset
+        The partial result.
+
+    Attributes
+    ----------
+    result : Result or xarray.Dataset
+        As given.
+    """
+
+    def __init__(self, result: Any) -> None:
+        super().__init__("the attribute `result` of this exception has what was computed before")
+        self.result = result
+
+    def __reduce__(self) -> tuple[type[KeyboardInterrupt], tuple[()]]:
+        """Pickle the interrupt alone: not all results can be sent to another process."""
+        return KeyboardInterrupt, ()
+
+
+def also_in_part(function: Callable[P, R], *args: P.args, **kwargs: P.kwargs) -> R:
+    """Call a function; what it returns, or its partial result if it is interrupted."""
+    try:
+        return function(*args, **kwargs)
+    except Interrupted as interrupt:
+        result: R = interrupt.result
+        return result
 
 
 def watch() -> None:

@@ -21,6 +21,7 @@ from tribo.accuracy.levels import fine_level
 from tribo.accuracy.plan import Plan, single_setting
 from tribo.accuracy.search import MOST_COST
 from tribo.accuracy.stop_times import StopTimes
+from tribo.interrupts import Interrupted
 from tribo.kernels.status import Status
 from tribo.run.cost import Cost
 from tribo.run.identity import settings_of, version
@@ -126,6 +127,8 @@ class Simulation:
         ------
         InputError
             A name or a value in `start` cannot be used.
+        KeyboardInterrupt
+            The run was interrupted; the attribute ``result`` has the Result up to there.
 
         Warns
         -----
@@ -141,6 +144,11 @@ class Simulation:
         -------
         Result
 
+        Raises
+        ------
+        KeyboardInterrupt
+            The run was interrupted; the attribute ``result`` has the Result up to there.
+
         Warns
         -----
         TriboWarning
@@ -149,7 +157,10 @@ class Simulation:
         return with_warning(self.compute_first())
 
     def compute(self, start: Start | None = None, estimate: bool = True) -> Result:
-        """As :meth:`run`, without warnings: for callers that report what falls short."""
+        """As :meth:`run`, without warnings: for callers that report what falls short.
+
+        An interrupted run is returned with its status.
+        """
         y = self._initial_state({} if start is None else start)
         tuned = self.plan.tuned
         if not estimate or tuned is None:
@@ -162,7 +173,10 @@ class Simulation:
         return self._estimated_result(runs, y)
 
     def compute_first(self) -> Result:
-        """As :meth:`first_result`, without warnings: for callers that report what falls short."""
+        """As :meth:`first_result`, without warnings: for callers that report what falls short.
+
+        An interrupted run is returned with its status.
+        """
         runs = self.plan.tuned.runs if self.plan.tuned is not None else ()
         if not runs:
             return self.compute()
@@ -396,7 +410,12 @@ def _bounds_of(ledger: Ledger, bounds: Mapping[str, float]) -> dict[str, float]:
 
 
 def with_warning(result: Result) -> Result:
-    """The result; warns the caller of the caller if it falls short."""
+    """The result; warns the caller of the caller if it falls short.
+
+    Raises Interrupted with the result if it was interrupted.
+    """
+    if result.status == Status.INTERRUPTED:
+        raise Interrupted(result)
     if result.status != Status.COMPLETED or result.met is False:
         warnings.warn(result.shortcoming, TriboWarning, stacklevel=3)
     return result

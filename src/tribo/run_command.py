@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tribo.files import netcdf_target
-from tribo.interrupts import COMPLETED, STOPPED
+from tribo.interrupts import COMPLETED, STOPPED, also_in_part
 from tribo.scene_options import (
     add_numerics,
     add_scene,
@@ -86,8 +86,9 @@ def _simulated(options: argparse.Namespace) -> Result:
     accuracy, step = (as_number(f"--{n}", getattr(options, n)) for n in ("accuracy", "step"))
     threads = _threads(options)
     scene = with_samples(load_with_values(options), options.samples)
-    out, resume = options.out, options.resume
-    return simulate(scene, accuracy, options.method, step, out=out, resume=resume, threads=threads)
+    numerics = (accuracy, options.method, step)
+    files = {"out": options.out, "resume": options.resume}
+    return also_in_part(simulate, scene, *numerics, **files, threads=threads)
 
 
 def _threads(options: argparse.Namespace) -> int | None:
@@ -106,7 +107,8 @@ def _repeated(options: argparse.Namespace) -> tuple[Result, bool]:
         if getattr(options, name):
             raise InputError(f"--{name}", "cannot go with the file of a run; give a scene file")
     before = load_result(options.scene)
-    result = repeat(
+    result = also_in_part(
+        repeat,
         before,
         not options.no_plugins,
         out=options.out,

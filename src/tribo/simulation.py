@@ -80,6 +80,8 @@ def prepare(
     InputError
         The settings do not go together or do not suit the scene, the accuracy is out of reach, or
         a plug-in cannot be compiled.
+    KeyboardInterrupt
+        The search for settings was interrupted.
 
     Warns
     -----
@@ -90,7 +92,10 @@ def prepare(
         raise must_be("progress", "a function", progress)
     layout, choice, origin = _chosen(scene, accuracy, method, step, start, allow_unresolved)
     integrator = _integrator(layout, choice, progress, origin, threads)
-    return Simulation(make_plan(choice, integrator), integrator)
+    plan = make_plan(choice, integrator)
+    if plan.tuned is not None and plan.tuned.runs[-1].status == Status.INTERRUPTED:
+        raise KeyboardInterrupt
+    return Simulation(plan, integrator)
 
 
 def _chosen(
@@ -197,6 +202,9 @@ def simulate(
     ------
     InputError
         As for :func:`prepare`.
+    KeyboardInterrupt
+        The run was interrupted, as by Ctrl-C.  If a part of it had been computed, the attribute
+        ``result`` of the exception has the Result up to there.
 
     Warns
     -----

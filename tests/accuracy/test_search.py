@@ -165,9 +165,20 @@ def test_an_interrupt_ends_all_runs():
         return runs[-1]
 
     simulation.integrator = interrupted
-    with pytest.warns(tribo.TriboWarning, match="Interrupted"):
-        result = simulation.run()
+    with pytest.raises(KeyboardInterrupt) as caught:
+        simulation.run()
+    result = caught.value.result
     assert len(runs) == 1 and result.status == "Interrupted" and not result.met
+
+
+def test_an_interrupt_in_the_search_is_raised():
+    """A loop that prepares scenes ends, too."""
+
+    def stop(t):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        tribo.prepare(case("A"), accuracy=1e-6, progress=stop)
 
 
 def test_equal_steps_are_for_fast_baths():

@@ -312,11 +312,15 @@ def test_an_interrupt_keeps_the_members_that_are_complete(monkeypatch):
         if done >= 2:
             raise KeyboardInterrupt
 
-    data = ensemble(scene_of("A"), 20_000, STARTS, keep=["upper.w1"], progress=stop)
+    with pytest.raises(KeyboardInterrupt) as caught:
+        ensemble(scene_of("A"), 20_000, STARTS, keep=["upper.w1"], progress=stop)
+    data = caught.value.result
     assert data.attrs["status"] == "Interrupted"
     assert data.sizes["member"] == checked_runs.CHUNK
     monkeypatch.setattr(checked_runs, "CHUNK", 8)
-    data = ensemble(noisy_scene(), 20, step=0.05, keep=["upper.w_T"], progress=stop)
+    with pytest.raises(KeyboardInterrupt) as caught:
+        ensemble(noisy_scene(), 20, step=0.05, keep=["upper.w_T"], progress=stop)
+    data = caught.value.result
     assert data.sizes["member"] == 8
 
 

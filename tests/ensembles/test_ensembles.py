@@ -326,12 +326,31 @@ def test_an_interrupt_keeps_what_is_complete():
 
         return progress
 
-    data = ensemble(warm(), 50, step=0.1, progress=stop(5))
+    with pytest.raises(KeyboardInterrupt) as caught:
+        ensemble(warm(), 50, step=0.1, progress=stop(5))
+    data = caught.value.result
     assert data.attrs["status"] == "Interrupted" and data.sizes["member"] == 5
     whole = ensemble(warm(), 5, step=0.1)
     np.testing.assert_array_equal(data["upper.W_mean"], whole["upper.W_mean"])
     with pytest.raises(KeyboardInterrupt):
         ensemble(warm(), 50, step=0.1, progress=stop(1))
+
+
+def test_an_interrupt_while_settings_are_checked(monkeypatch):
+    """The means are complete, but not the check."""
+    runs = runner.Runner._run
+
+    def interrupted(members, *given):
+        if len(members.members) == 5:  # all have been run before
+            raise KeyboardInterrupt
+        return runs(members, *given)
+
+    monkeypatch.setattr(runner.Runner, "_run", interrupted)
+    with pytest.raises(KeyboardInterrupt) as caught:
+        ensemble(warm(), 5, step=0.1)
+    data = caught.value.result
+    assert data.attrs["status"] == "Interrupted" and data.sizes["member"] == 5
+    assert "upper.W_bias" not in data and np.all(np.isfinite(data["upper.W_mean"]))
 
 
 def test_a_file_keeps_it(tmp_path):

@@ -56,7 +56,9 @@ def test_an_ensemble_that_stops_is_continued(settings, tmp_path):
     out, part = tmp_path / "a.nc", tmp_path / "a.nc.part"
     whole = ensemble(SCENE, 300, VARY, keep=KEEP, threads=1, **settings)
     arguments = {"keep": KEEP, "out": out, "resume": True, **settings}
-    first = ensemble(SCENE, 300, VARY, progress=stop_with(KeyboardInterrupt, 128), **arguments)
+    with pytest.raises(KeyboardInterrupt) as caught:
+        ensemble(SCENE, 300, VARY, progress=stop_with(KeyboardInterrupt, 128), **arguments)
+    first = caught.value.result
     assert first.attrs["status"] == "Interrupted"
     assert part.exists() and not out.exists()
     if "statistics" not in settings:
@@ -81,7 +83,8 @@ def test_other_ensembles_are_refused(settings, tmp_path):
     """By what differs, for a file in part and for a complete one."""
     out = tmp_path / "a.nc"
     arguments = {"keep": KEEP, "out": out, "resume": True, **settings}
-    ensemble(SCENE, 130, VARY, progress=stop_with(KeyboardInterrupt, 64), **arguments)
+    with pytest.raises(KeyboardInterrupt):
+        ensemble(SCENE, 130, VARY, progress=stop_with(KeyboardInterrupt, 64), **arguments)
     others = {
         "settings.seed was 0, is 1": {"seed": 1},
         "settings.n was 130, is 131": {"n": 131},

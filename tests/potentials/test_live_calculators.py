@@ -112,8 +112,9 @@ def test_a_calculator_that_fails_stops_the_run_by_name():
 def test_ctrl_c_inside_a_calculator_keeps_the_state_whole():
     """The call is made again, and the run stops after it."""
     failing = scene(from_calculator(Failing(20, KeyboardInterrupt)))
-    with pytest.warns(tribo.TriboWarning, match="Interrupted"):
-        result = tribo.simulate(failing, method="verlet", step=0.02)
+    with pytest.raises(KeyboardInterrupt) as caught:
+        tribo.simulate(failing, method="verlet", step=0.02)
+    result = caught.value.result
     assert result.status == "Interrupted"
     assert np.all(np.isfinite(result["upper"].theta))
 

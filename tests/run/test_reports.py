@@ -87,7 +87,9 @@ def test_interrupted_runs_have_the_same_estimates():
     def interrupt(t):
         raise KeyboardInterrupt
 
-    part = tribo.simulate(SCENE, asked, progress=interrupt)
+    with pytest.raises(KeyboardInterrupt) as caught:
+        tribo.simulate(SCENE, asked, progress=interrupt)
+    part = caught.value.result
     assert part.status == "Interrupted" and "upper.W" in whole.error_estimate
     assert list(part.error_estimate) == list(whole.error_estimate)
     assert set(part.error_estimate.values()) == {None}

@@ -433,14 +433,22 @@ def test_same_run_twice(result):
 
 
 def test_interrupted_run_keeps_what_it_has():
-    """Ctrl-C ends a run with a result, which says so."""
+    """Ctrl-C is raised with a result, which says so, from every call that runs a scene."""
 
     def interrupt(t):
         raise KeyboardInterrupt
 
-    for how in ({"method": "midpoint", "step": 1e-4}, {}):
-        with pytest.warns(TriboWarning, match="Interrupted"):
-            stopped = tribo.simulate(scene(), progress=interrupt, **how)
+    given = {"method": "midpoint", "step": 1e-4}
+    prepared = tribo.prepare(scene(), progress=interrupt, **given)
+    for run in (
+        lambda: tribo.simulate(scene(), progress=interrupt, **given),
+        lambda: tribo.simulate(scene(), progress=interrupt),
+        prepared.run,
+        prepared.first_result,
+    ):
+        with pytest.raises(KeyboardInterrupt) as caught:
+            run()
+        stopped = caught.value.result
         assert stopped.status == "Interrupted" and stopped.t.size >= 1
         assert not stopped.met
         assert "the result has the samples up to there" in str(stopped)

@@ -129,8 +129,9 @@ def test_threads_end_with_the_run(shared, error):
             threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGINT)).start()
 
     if error is KeyboardInterrupt:
-        with pytest.warns(tribo.TriboWarning, match="Interrupted"):
-            result = run(scene, 2, progress=report)
+        with pytest.raises(KeyboardInterrupt) as caught:
+            run(scene, 2, progress=report)
+        result = caught.value.result
         assert result.status == "Interrupted" and 0.0 < result.t[-1] < 1e6
     else:
         with pytest.raises(error):

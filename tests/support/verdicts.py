@@ -73,8 +73,10 @@ def verdict(table: dict, truth: Solution | str, seconds: float = 15.0) -> dict[s
         except tribo.InputError as problem:
             lines = len(str(problem).splitlines())
             return {"outcome": "refused" if lines == 1 else "traceback", "message": str(problem)}
-        except KeyboardInterrupt:
-            return {"outcome": "slow", "message": "interrupted outside a run"}
+        except KeyboardInterrupt as interrupt:
+            if not hasattr(interrupt, "result"):
+                return {"outcome": "slow", "message": "interrupted outside a run"}
+            result = interrupt.result
         except Exception as problem:
             return {"outcome": "traceback", "message": repr(problem)}
     found: dict[str, Any] = {

@@ -1,6 +1,7 @@
 """Sweeps: each point is a run of its scene; finished points are kept; statuses and refusals."""
 
 import json
+import pickle
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -15,6 +16,7 @@ from scipy import stats
 import tribo
 from tribo import InputError, Output, ensemble, paper, sweep
 from tribo.cli import main
+from tribo.interrupts import Interrupted
 from tribo.model.parameters import with_values
 from tribo.model.scene_writer import scene_text
 from tribo.sweeps import points
@@ -72,7 +74,9 @@ def interrupt_after(count):
 def test_resumed(whole, tmp_path):
     """Finished points are not run again, and a line that was cut off is dropped."""
     out, part = tmp_path / "sweep.nc", tmp_path / "sweep.nc.part"
-    first = sweep(SCENE, VALUES, out=out, progress=interrupt_after(4))
+    with pytest.raises(KeyboardInterrupt) as caught:
+        sweep(SCENE, VALUES, out=out, progress=interrupt_after(4))
+    first = caught.value.result
     assert first.attrs["status"] == "Interrupted" and not out.exists()
     assert (first["status"] == "completed").sum() == 4
     assert np.isnan(first["upper.W"].values).sum() == 2
@@ -89,6 +93,33 @@ def test_resumed(whole, tmp_path):
     out.rename(part)
     with pytest.raises(InputError, match="is of another sweep"):
         sweep(SCENE, VALUES, out=out, resume=True)
+
+
+def test_the_command_prints_what_is_finished(tmp_path, capsys, monkeypatch):
+    """Exit status 1, and which points were not run."""
+    path = tmp_path / "a.toml"
+    path.write_text(scene_text(SCENE), encoding="utf-8")
+    monkeypatch.setattr("tribo.progress._is_watched", lambda: True)
+    stop = interrupt_after(4)
+    monkeypatch.setattr("tribo.progress.ProgressBar.__call__", lambda bar, done: stop(done))
+    texts = [f"{key}={','.join(map(str, values))}" for key, values in VALUES.items()]
+    assert main(["sweep", str(path), "--set", texts[0], "--set", texts[1], "--json"]) == 1
+    table = json.loads(capsys.readouterr().out)
+    ends = [point["status"] for point in table["points"]]
+    assert table["status"] == "Interrupted" and ends == 4 * ["completed"] + 2 * ["not run"]
+
+
+def test_a_point_that_is_interrupted(monkeypatch):
+    """Of one run or of members, as a value that can be sent between processes."""
+
+    def interrupted(*given, **settings):
+        raise Interrupted(np.arange(3))
+
+    monkeypatch.setattr(points, "ensemble", interrupted)
+    monkeypatch.setattr(points, "prepare", interrupted)
+    for group in (None, points.Members(2, {}, 0)):
+        found = points.run_point(SCENE, ["upper.W"], group)
+        assert found == pickle.loads(pickle.dumps(found)) and found.status == "Interrupted"
 
 
 def test_a_second_sweep_is_refused(whole, tmp_path):

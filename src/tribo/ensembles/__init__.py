@@ -20,6 +20,8 @@ from tribo.ensembles.members import Source, Variation
 from tribo.ensembles.runner import Runner
 from tribo.ensembles.sampling import Sampler, sampled
 from tribo.ensembles.single_runs import planned
+from tribo.interrupts import Interrupted
+from tribo.kernels.status import Status
 from tribo.model.scene import Scene
 from tribo.progress import Reported, Shown
 from tribo.validation import InputError, integer, short_repr
@@ -130,6 +132,9 @@ def ensemble(
     InputError
         An argument cannot be used, the half-width takes too many members, fewer than two members
         reach the end, or the file is of another ensemble.
+    KeyboardInterrupt
+        The ensemble was interrupted, as by Ctrl-C.  If enough members were complete, the attribute
+        ``result`` of the exception has their data set, whose attribute ``status`` is "Interrupted".
     """
     began = time.perf_counter()
     if not isinstance(scene, Scene):
@@ -153,11 +158,15 @@ def ensemble(
         what = Wanted(keep, at, statistics, out, resume)
         simulation = planned(what.scene(scene), method, step)
         with Reported(progress, most, "members") as report:
-            return kept_ensemble(simulation, variation, most, what, engine, threads, report)
-    Wanted.check_absent(at, statistics, out, resume)
-    simulation = planned(scene, method, step)
-    with Reported(progress, most, "members") as report:
-        return means(Runner(simulation, variation, engine, report), wanted, most, began)
+            data = kept_ensemble(simulation, variation, most, what, engine, threads, report)
+    else:
+        Wanted.check_absent(at, statistics, out, resume)
+        simulation = planned(scene, method, step)
+        with Reported(progress, most, "members") as report:
+            data = means(Runner(simulation, variation, engine, report), wanted, most, began)
+    if data.attrs["status"] == Status.INTERRUPTED:
+        raise Interrupted(data)
+    return data
 
 
 def _check_alone(field: str, value: object, other: str) -> None:

@@ -14,7 +14,7 @@ import numpy as np
 from tribo.ensembles.members import Distribution, Source
 from tribo.ensembles.sampling import Sampler, dimensions, grid
 from tribo.files import netcdf_target, replace_file
-from tribo.interrupts import COMPLETED, STOPPED
+from tribo.interrupts import COMPLETED, STOPPED, also_in_part
 from tribo.kernels.status import Status
 from tribo.model.scene import Scene
 from tribo.run.result import without_nan
@@ -122,7 +122,8 @@ def run_ensemble(options: argparse.Namespace) -> int:
     scene, sampler = load(options), None
     if options.sampler is not None:
         sampler = sampler_named(options.sampler, scene, vary, options.seed)
-    data = ensemble(
+    data = also_in_part(
+        ensemble,
         scene,
         options.n,
         vary,

@@ -197,10 +197,11 @@ class Runner:
         estimate = plan.tuned is not None
         try:
             again = list(self._run(first, plan if estimate else plan.at_half_step(), estimate))
+            if any(o.status == Status.INTERRUPTED for o in again):
+                raise KeyboardInterrupt
         except KeyboardInterrupt:
             interrupts.answer()
-            return SettingsCheck()
-        if any(o.status == Status.INTERRUPTED for o in again):
+            self.interrupted = True
             return SettingsCheck()
         if estimate:
             return SettingsCheck(with_estimates=again)

@@ -12,6 +12,7 @@ from tribo import interrupts
 from tribo.ensembles.engines import Engine, check_engine
 from tribo.ensembles.members import Source
 from tribo.files import netcdf_target, replace_file
+from tribo.kernels.status import Status
 from tribo.model.scene import Scene
 from tribo.model.settings import Numerics
 from tribo.progress import Reported, Shown
@@ -91,6 +92,9 @@ def sweep(
     ------
     InputError
         An argument cannot be used, no point can be run, or another sweep writes ``out.part``.
+    KeyboardInterrupt
+        The sweep was interrupted, as by Ctrl-C.  If any point was finished, the attribute
+        ``result`` of the exception has the data set, in which the others are "not run".
     """
     began = time.perf_counter()
     if not isinstance(scene, Scene):
@@ -118,6 +122,8 @@ def sweep(
         if path is not None and len(record.found) == grid.size:
             replace_file(path, bytes(data.to_netcdf(engine="h5netcdf")))
             record.remove()
+    if data.attrs["status"] == Status.INTERRUPTED:
+        raise interrupts.Interrupted(data)
     return data
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tribo.interrupts import COMPLETED, STOPPED
+from tribo.interrupts import COMPLETED, STOPPED, also_in_part
 from tribo.run.result import without_nan
 from tribo.scene_options import (
     as_number,
@@ -64,7 +64,8 @@ def found_by(options: argparse.Namespace) -> xarray.Dataset:
     pool = ProcessPoolExecutor(processes) if processes > 1 else nullcontext()
     with pool as engine:
         try:
-            return sweep(
+            return also_in_part(
+                sweep,
                 load(options),
                 values,
                 options.members,

@@ -141,6 +141,8 @@ def run_point(scene: Scene, names: Sequence[str], group: Members | None) -> Foun
         return _single(scene, names) if group is None else _several(scene, names, group)
     except InputError as error:
         return Found(Found.REFUSED, note=str(error))
+    except KeyboardInterrupt:
+        return Found(Found.INTERRUPTED)
 
 
 def _single(scene: Scene, names: Sequence[str]) -> Found:
@@ -167,8 +169,6 @@ def _single(scene: Scene, names: Sequence[str]) -> Found:
 def _several(scene: Scene, names: Sequence[str], group: Members) -> Found:
     """An ensemble."""
     data = ensemble(scene, group.number, group.vary, group.seed, progress=False, keep=list(names))
-    if data.attrs["status"] == Status.INTERRUPTED:
-        return Found(Found.INTERRUPTED)
     others = [str(status) for status in data["status"].values if status != Status.COMPLETED]
     every = json.loads(data.attrs["keep"])
     kept = {name: f"{name}_end" if f"{name}_end" in data else name for name in every}

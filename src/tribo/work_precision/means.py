@@ -175,6 +175,8 @@ def means_precision(
     seconds = number("seconds", seconds, POSITIVE, "s")
     simulation = prepare(scene)
     first = simulation.compute()
+    if first.status == Status.INTERRUPTED:
+        raise KeyboardInterrupt
     if first.status != Status.COMPLETED:
         raise InputError("scene", f"must run to its end, but ends by {first.status}")
     scale = reported_scales(simulation.layout, first.ledger).energy
@@ -183,8 +185,6 @@ def means_precision(
     try:
         while not rows or time.perf_counter() - began + RATIO * rows[-1].seconds < seconds:
             data = ensemble(scene, members, progress=False)
-            if data.attrs["status"] != Status.COMPLETED:
-                raise KeyboardInterrupt
             evaluations = members * first.cost.force_evaluations
             rows.append(_row(data, _checked(data, observables), simulation, scale, evaluations))
             members *= RATIO
