@@ -134,8 +134,27 @@ def test_noise_has_means():
     rest = tribo.simulate(scene, **how, start=half.state())
     for key in ("f_T_x", "f_bath_x", "f1_x", "k_bath", "heat_bath"):
         assert np.array_equal(rest["upper"][key][1:], upper[key][3:]), key
-    with pytest.raises(tribo.InputError, match=r'series: "forces" needs output.ledger = "asper'):
-        asking(scene, "forces", ledger="none")
+
+
+@pytest.mark.parametrize("ledger", ["surfaces", "none"])
+def test_noise_without_impulses(ledger):
+    """Without the ledger of asperites, only the forces with noise are left out."""
+    scene, how = chain((1.0, 2.0)), {"method": "verlet", "step": 0.02}
+    whole = tribo.simulate(asking(scene, "forces"), **how)["upper"]
+    result = tribo.simulate(asking(scene, "forces", ledger=ledger), **how)
+    forces = {key for key in whole if key.startswith("f") and key[-2:] in ("_x", "_y")}
+    assert forces - set(result["upper"]) == {"f_T_x", "f_T_y"}
+    for key in ("f1_x", "f2_x", "f_bath_x", "fL_x", "friction_force", "pull_force"):
+        np.testing.assert_allclose(result["upper"][key], whole[key], rtol=1e-12, atol=1e-12)
+    reservoir = tribo.Langevin(0.5, 0.1, on="swing")
+    bars = replace(
+        scene.surfaces[0], langevin=reservoir, drive=tribo.DrivenBars(), bath=tribo.Bath()
+    )
+    bars = replace(asking(scene, "forces", ledger=ledger), surfaces=(bars, scene.surfaces[1]))
+    result = tribo.simulate(bars, **how)
+    assert "friction_force" in result["upper"] and "f2_x" not in result["upper"]
+    with pytest.raises(tribo.InputError, match=f'ledger: must be "asperites", got "{ledger}"'):
+        result.pull_force("upper")
 
 
 @pytest.mark.slow

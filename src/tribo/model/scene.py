@@ -106,7 +106,6 @@ class Scene(ComparedByValue):
         put(self, "fields", self._checked_fields())
         put(self, "periodic", as_periodic(self.periodic))
         self._check_period()
-        self._check_series()
         for i, surface in enumerate(self.surfaces):
             with inside(f"surface[{i}].initial"):
                 self._check_initial(surface)
@@ -174,17 +173,6 @@ class Scene(ComparedByValue):
                         f"interaction[{i}].cutoff",
                         f"must be at most half of periodic.{name} = {length:g} [length], "
                         f"got {reach:g}; the sum over all images (Ewald's) is not computed",
-                    )
-
-    def _check_series(self) -> None:
-        """Refuse series of forces with noise where their impulses are not kept."""
-        if "forces" in self.output.series and self.output.ledger != "asperites":
-            for surface in self.surfaces:
-                if surface.noisy_forces:
-                    raise InputError(
-                        "output.series",
-                        f'"forces" needs output.ledger = "asperites", got "{self.output.ledger}": '
-                        f'{surface.noisy_forces[0]} of "{surface.name}" has noise',
                     )
 
     def _check_initial(self, surface: Surface) -> None:

@@ -43,6 +43,9 @@ def force_average(result: Result, full: str, after: float | str | None = None) -
     surface, _, name = full.rpartition(".")
     series = result[surface]
     if name not in series and not result.ledger.kept:
+        if "forces" in result.scene.output.series:
+            ledger = result.scene.output.ledger
+            raise InputError("output.ledger", f'must be "asperites", got "{ledger}": f2 has noise')
         raise InputError("output.series", 'does not contain "forces"; add it, and run again')
     # Means over intervals have no first value; the last ones of a stopped run may be infinite.
     finite = np.isfinite(series[name])

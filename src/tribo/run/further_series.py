@@ -10,7 +10,10 @@ ALWAYS = ("f1", "f2", "fL", "fR")
 
 
 def force_names(scene: Scene, surface: Surface) -> list[str]:
-    """The forces that act on a surface's asperites, and what is said of the surface as a whole."""
+    """The forces that act on a surface's asperites, and what is said of the surface as a whole.
+
+    A force with noise is known by the impulses of each asperite, which only their ledger has.
+    """
     present = {
         "f_within": scene.has_contact_within(surface),
         "f_field": scene.has_field(surface),
@@ -18,9 +21,12 @@ def force_names(scene: Scene, surface: Surface) -> list[str]:
         "f_bath": surface.bath.masses.size > 0,
         "f_T": surface.bar_reservoir is not None,
     }
-    names = (*ALWAYS, *(name for name, acts in present.items() if acts))
+    unknown = surface.noisy_forces if scene.output.ledger != "asperites" else ()
+    names = [*ALWAYS, *(name for name, acts in present.items() if acts)]
+    names = [name for name in names if name not in unknown]
     sums = ["friction_force", *(["contact_force", "field_force"] if present["f_field"] else [])]
-    sums += ["pull_force", *["time_without_contact"] * has_contact_distance(scene, surface)]
+    sums += ["pull_force"] * ("f2" in names)
+    sums += ["time_without_contact"] * has_contact_distance(scene, surface)
     return [*sums, *(f"{name}_{axis}" for name in names for axis in "xy")]
 
 
