@@ -1,6 +1,7 @@
 """An explanation says what a run does, and predicts what it takes."""
 
 import json
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 
 import tribo
 from tribo import paper
-from tribo.accuracy import run_time
+from tribo.accuracy import choose_method, run_time
 from tribo.cli import main
 from tribo.explanation import prediction, reasons, speeds, summary
 from tribo.integrators.methods import METHODS
@@ -244,6 +245,36 @@ def test_a_long_run_of_a_pair_is_ended(monkeypatch):
     one, other = tribo.explain(scene), tribo.explain(scene)
     assert one.predicted.basis == "extrapolated"
     assert one.evaluations_used == other.evaluations_used < 1e6
+
+
+@pytest.mark.parametrize("series", [(), ("forces",)])
+def test_memory_is_what_numpy_allocates(series):
+    """Of a run and of the values at its end, forces included."""
+    row = {"shape": (80, 1)}
+    output = tribo.Output(samples=401, series=series)
+    scene = two_rows(row, row, output=output, numerics=STEPPED)
+    predicted = tribo.explain(scene).predicted.memory_bytes
+    few = replace(scene, output=replace(output, samples=101))
+    assert tribo.simulate(few).end["t"] == 2.0  # loads and compiles all that it needs
+    tracemalloc.start()
+    try:
+        assert tribo.simulate(scene).end["t"] == 2.0
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert 0.75 < predicted / peak < 1.3
+
+
+def test_a_method_that_is_as_fast(monkeypatch):
+    """Is said to take hardly longer, not 1 times as long."""
+    for seconds, words in ((1.04, "take hardly longer"), (2.04, "take 2 times as long")):
+        found = [
+            choose_method.Estimate(METHODS[name], 1.0, time)
+            for name, time in (("rkn8", 1.0), ("dop853", seconds))
+        ]
+        monkeypatch.setattr(choose_method, "estimates", lambda *given, found=found: found)
+        _, why = choose_method.cheapest(lay_out(two_rows()), 1e-8)
+        assert why == f"rkn8 should be the fastest at 1e-08; dop853, the next, should {words}"
 
 
 def test_contact():

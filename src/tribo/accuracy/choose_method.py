@@ -44,6 +44,8 @@ from tribo.validation import POSITIVE, InputError, number
 # The accuracy where neither the call nor the scene file gives one: far below what a figure can
 # show, and far above round-off.
 DEFAULT_ACCURACY = 1e-8
+# Ratio of two times below which the model of costs does not tell one from the other.
+LONGER = 1.1
 # Step of a run with noise, in units of the first step of a run without: a tenth of a radian of the
 # fastest pendulum or oscillator.
 NOISY_STEP = 2.0
@@ -230,8 +232,9 @@ def cheapest(layout: Layout, accuracy: float) -> tuple[methods.Method, str]:
     best, *others = estimates(layout, accuracy)
     why = f"{best.method.name} should be the fastest at {accuracy:.0e}"
     if others:
-        ratio = others[0].seconds / best.seconds
-        why += f"; {others[0].method.name}, the next, should take {ratio:.2g} times as long"
+        ratio, name = others[0].seconds / best.seconds, others[0].method.name
+        much = f"{ratio:.2g} times as long" if ratio >= LONGER else "hardly longer"
+        why += f"; {name}, the next, should take {much}"
     return best.method, why
 
 

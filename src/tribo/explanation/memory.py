@@ -10,13 +10,17 @@ import numpy as np
 from tribo.accuracy.extremes import BYTES, PORTION
 from tribo.accuracy.stop_times import PARTS
 from tribo.integrators.methods import Method
+from tribo.kernels.force_probe import ROWS
 from tribo.kernels.samples import STORED
+from tribo.run.contact_distance import has_contact_distance
 from tribo.run.layout import Layout
+from tribo.run.loop_memory import SCRATCH
 from tribo.run.quantities import (
     ASPERITE_QUANTITIES,
     FURTHER_OF_ASPERITES,
     OPTIONAL_QUANTITIES,
 )
+from tribo.run.separation import MOST_LOOKS
 from tribo.run.streamed_ledger import PORTION_BYTES, is_streamed
 
 # Bytes of a number.
@@ -24,9 +28,12 @@ NUMBER = 8
 # Vectors of coordinates, velocities and accounts that a step keeps, beside one for each of its
 # evaluations: the state, its rounding errors and rates of change, and a copy.
 VECTORS = 6
-# Bytes that are held while the last values are computed, in units of the samples; measured by
-# benchmarks/predictions.py on rows and grids.  Series that are read need more.
-SAMPLES_AND_ENDS = 1.45
+# Bytes that are held while the last values are computed, in units of the samples, beside these;
+# measured by benchmarks/predictions.py on rows and grids.  Series that are read need more.
+ENDS = 0.45
+# Arrays that are held while contacts are looked for, in units of the places of all bobs; measured
+# by tracemalloc on two grids of 50 x 50.
+PLACES = 2.5
 # Bytes of all that does not grow with the scene, without and with runs compared; measured there on
 # pairs.
 LEAST = 110_000
@@ -52,15 +59,17 @@ def memory_of_run(layout: Layout, method: Method, stages: int, kept: int) -> int
     int
     """
     samples, raw = layout.times.size, _raw_sample(layout)
-    series = 0.0
+    series, last = 0.0, 0.0
     if is_streamed(layout, samples):
         series += PORTION_BYTES + samples * _kept_row(layout)
+    else:
+        last = max(_for_notes(layout, samples), _for_forces(layout, samples))
     if kept:
         stops = max(samples, PARTS + 1)
         compared = min(PORTION, BYTES * stops * layout.scene.count)
-        series += LEAST_COMPARED + kept * raw + compared
+        series += LEAST_COMPARED + kept * raw + max(compared, last)
     elif series == 0.0:
-        series += LEAST + SAMPLES_AND_ENDS * samples * raw
+        series += LEAST + samples * raw + max(ENDS * samples * raw, last)
     return round(scene_bytes(layout, method, stages) + series)
 
 
@@ -69,7 +78,9 @@ def scene_bytes(layout: Layout, method: Method, stages: int) -> int:
     vectors = VECTORS if method.splits else VECTORS + stages
     coordinates, accounts = layout.room
     state = NUMBER * vectors * (2 * coordinates + accounts)
-    tables = (layout.model, layout.neighbours(method.splits), layout.asperites, layout.surfaces)
+    own = tuple(getattr(layout.model, name) for name in SCRATCH)  # of the loop
+    neighbours = layout.neighbours(method.splits)
+    tables = (layout.model, own, neighbours, layout.asperites, layout.surfaces)
     return state + _bytes_of(tables) + _bytes_of_rotations(layout, method, stages)
 
 
@@ -85,6 +96,29 @@ def _raw_sample(layout: Layout) -> int:
     """Bytes of one sample of a time loop."""
     own = 2 * layout.core + layout.accounts + 2 + math.prod(layout.sampled_baths)
     return NUMBER * (own + STORED * len(layout.scene.surfaces))
+
+
+def _for_notes(layout: Layout, samples: int) -> float:
+    """Bytes that are held while contacts are looked for, in some of many samples."""
+    if samples <= MOST_LOOKS:
+        return _places(layout, samples)
+    return _places(layout, MOST_LOOKS) + MOST_LOOKS * _raw_sample(layout)
+
+
+def _for_forces(layout: Layout, samples: int) -> float:
+    """Bytes of the forces in all samples and of what their averages need, if they are recorded."""
+    if "forces" not in layout.scene.output.series:
+        return 0.0
+    found = NUMBER * samples * ROWS * layout.model.each.shape[1]
+    return found + _places(layout, samples)
+
+
+def _places(layout: Layout, samples: int) -> float:
+    """Bytes of the places of bobs in so many samples; 0 where no contact has a range."""
+    scene = layout.scene
+    if not any(has_contact_distance(scene, surface) for surface in scene.surfaces):
+        return 0.0
+    return PLACES * 3 * NUMBER * samples * scene.count
 
 
 def _kept_row(layout: Layout) -> int:
