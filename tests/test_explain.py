@@ -1,6 +1,7 @@
 """An explanation says what a run does, and predicts what it takes."""
 
 import json
+import math
 import tracemalloc
 from dataclasses import replace
 
@@ -12,6 +13,7 @@ from tribo import paper
 from tribo.accuracy import choose_method, run_time
 from tribo.cli import main
 from tribo.explanation import prediction, reasons, speeds, summary
+from tribo.explanation.fastest_motion import fastest_motion
 from tribo.integrators.methods import METHODS
 from tribo.model.effects import Effect
 from tribo.potentials import as_potential, expression
@@ -245,6 +247,65 @@ def test_a_long_run_of_a_pair_is_ended(monkeypatch):
     one, other = tribo.explain(scene), tribo.explain(scene)
     assert one.predicted.basis == "extrapolated"
     assert one.evaluations_used == other.evaluations_used < 1e6
+
+
+def test_a_run_without_progress():
+    """Is announced with a duration that does; the note of the run says the same."""
+    most = tribo.Numerics(max_evaluations=1e6)
+    scene = replace(paper.scene("A"), duration=1e6, numerics=most, output=tribo.Output(samples=2))
+    found = tribo.explain(scene).predicted
+    assert "may take 1e+06" in found.stop and "shorter duration" in found.stop
+    with pytest.warns(tribo.TriboWarning, match="NoProgress"):
+        result = tribo.simulate(scene)
+    part, _ = found.stop.split(";")
+    assert result.notes[1] == f"at its mean rate, {part}"
+    reach = float(part.rpartition("t = ")[2])
+    assert result.t[-1] < reach < 0.3 * scene.duration
+    shorter = replace(scene, duration=0.25 * reach)
+    assert tribo.explain(shorter).predicted.stop == ""
+    assert tribo.simulate(shorter).status == "completed"
+
+
+MORSE = tribo.with_cutoff(tribo.Morse(1e6, 2.0, 1.0), 2.0)
+STIFF = tribo.Asperite(kappa=1e8)
+# What makes a scene slow -> the scene, and its angular frequency [rad / time].  A bob of mass 1 and
+# a bar of mass 2 at a distance of 2 turn with an inertia of 8/3.
+FASTEST = {
+    "pendulums": (two_rows({"asperite": STIFF}), math.sqrt(1e8 / (8 / 3))),
+    "springs": (two_rows({"drive": tribo.Pulled(stiffness=1e8, speed=0.1)}), math.sqrt(1e8 / 2)),
+    "bath": (two_rows({"bath": tribo.Bath(masses=[0.1], frequencies=[1e4])}), 1e4),
+    "corrugation": (
+        two_rows(fields=tribo.Field(tribo.Corrugation(1e6, 0.1), on=("upper",))),
+        2.0 * math.pi / 0.1 * math.sqrt(1e6),
+    ),
+    "contact": (two_rows(interactions=MORSE), math.sqrt(2 * 2 * 1e6 * 2.0**2)),
+    "encounters": (two_rows({"velocity": (1e6, 0.0)}), None),
+}
+
+
+@pytest.mark.parametrize("name", FASTEST)
+def test_the_fastest_motion(name):
+    """The one that was made fast, with its frequency where that has a closed form."""
+    scene, known = FASTEST[name]
+    found = fastest_motion(lay_out(replace(scene, numerics=STEPPED)))
+    assert name in found.name
+    assert known is None or found.frequency == pytest.approx(known, rel=0.01)
+
+
+def test_what_makes_a_run_slow(monkeypatch):
+    """A step that is shorter than the motion needs, or else the motion; not in a short run."""
+    monkeypatch.setattr(summary, "kept_speed", lambda *given: 1e6)
+    stiff = {"asperite": tribo.Asperite(kappa=1e4)}
+    for rows, step, words in (
+        ({}, 1e-3, "resolves it"),
+        (stiff, 0.01, "a smaller kappa or a larger inertia would allow longer steps"),
+    ):
+        numerics = tribo.Numerics(method="verlet", step=step)
+        scene = two_rows(rows, rows, duration=1e5, numerics=numerics)
+        found = tribo.explain(scene)
+        assert "that of pendulums" in found.slow and found.slow.endswith(words)
+        assert "Slow: the fastest motion" in str(found)
+        assert tribo.explain(replace(scene, duration=1.0)).slow == ""
 
 
 @pytest.mark.parametrize("series", [(), ("forces",)])

@@ -73,6 +73,9 @@ class Prediction:
         Samples of all runs of the search, which are kept until its end; 0 with a given step.
     beside : float
         Seconds beside those of the runs: of a search, to compare them; else to prepare one.
+    whole : float
+        Evaluations that the last run of the search would take to its end, if it is not complete;
+        else 0.
     """
 
     evaluations: float
@@ -81,6 +84,7 @@ class Prediction:
     tried: tuple[Taken, ...]
     samples: int
     beside: float
+    whole: float = 0.0
 
 
 class Search(Integrator):
@@ -155,10 +159,14 @@ class Search(Integrator):
         if clock["evaluations"] < self._left:
             return
         if self._own:
-            begin, end = self.layout.times[[0, -1]]
-            self.reached = float((clock["t"] - begin) / (end - begin))
+            self.reached = self.part_of(float(clock["t"]))
         self._finish(float(clock["evaluations"]))
         raise OverBudgetError
+
+    def part_of(self, t: float) -> float:
+        """The part of the duration before a time."""
+        begin, end = self.layout.times[[0, -1]]
+        return float((t - begin) / (end - begin))
 
     def _finish(self, evaluations: float) -> None:
         """Note what the present run has taken."""
@@ -217,13 +225,21 @@ def predict(choice: Choice, search: Search) -> Prediction:
     except OverBudgetError:
         tried, stops = tuple(search.finished), StopTimes.for_samples(search.layout.times)
         samples = max(sum(run.times.size for run in tried), 2 * sum(t.size for t in stops))
-        count = extrapolated(choice, search)
-        return Prediction(count, "extrapolated", None, tried, samples, _beside(search, began))
+        count, beside = extrapolated(choice, search), _beside(search, began)
+        return Prediction(count, "extrapolated", None, tried, samples, beside, _whole(search))
     assert plan.tuned is not None
     total = float(plan.tuned.evaluations)
     tried = tuple(search.finished)
-    samples = sum(run.times.size for run in tried)
-    return Prediction(total, "searched", plan, tried, samples, _beside(search, began))
+    samples, last, whole = sum(run.times.size for run in tried), plan.tuned.runs[-1], 0.0
+    if last.status == Status.NO_PROGRESS:
+        search.reached = search.part_of(float(last.samples.t[-1]))
+        whole = _whole(search)
+    return Prediction(total, "searched", plan, tried, samples, _beside(search, began), whole)
+
+
+def _whole(search: Search) -> float:
+    """The evaluations that the last run would take at its mean rate, to its end."""
+    return search.finished[-1].evaluations / max(search.reached, np.finfo(float).eps)
 
 
 def _beside(search: Search, began: float) -> float:
@@ -234,7 +250,7 @@ def _beside(search: Search, began: float) -> float:
 def extrapolated(choice: Choice, search: Search) -> float:
     """The evaluations of a search whose last run was not complete."""
     *done, last = search.finished
-    whole = last.evaluations / max(search.reached, np.finfo(float).eps)
+    whole = _whole(search)
     total = sum(run.evaluations for run in done) + whole
     method, slope = choice.method, rate_of(search.layout, choice.method).slope
     finer = fine_level(method) ** (-1.0 / slope)

@@ -13,6 +13,7 @@ from numba import config, typeof
 from tribo.accuracy.choose_method import RATES, Choice, choose
 from tribo.accuracy.comparison import Accuracy
 from tribo.accuracy.run_time import pairs_of_bobs
+from tribo.explanation.fastest_motion import fastest_motion
 from tribo.explanation.memory import memory_of_run
 from tribo.explanation.prediction import Prediction, Search, predict
 from tribo.explanation.reasons import why_absent, why_present
@@ -23,11 +24,16 @@ from tribo.model.effects import Effect
 from tribo.model.scene import Scene
 from tribo.run.layout import Layout, lay_out
 from tribo.run.ledger import check_keep
+from tribo.run.progress_guard import MOST_PREDICTED, most_evaluations, reach_of
 from tribo.run.threads import Threads, threads_of
 from tribo.validation import InputError, inside
 
 # Width of the text [columns].
 WIDTH = 100
+# Time of a run from which on the explanation says what makes it slow [s].
+LONG = 45 * 60.0
+# The phase of the fastest motion in a step [rad] that is still well resolved.
+RESOLVED = 0.1
 
 
 @dataclass(frozen=True)
@@ -48,6 +54,8 @@ class Predicted:
     met : bool or None
         Whether the run will meet its accuracy, as far as the search shows; None where it was not
         completed, or with a given step.
+    stop : str
+        Why the run will stop as NoProgress, and what would do; empty if it should not.
     """
 
     force_evaluations: int
@@ -55,6 +63,7 @@ class Predicted:
     memory_bytes: int
     basis: str
     met: bool | None
+    stop: str = ""
 
 
 @dataclass(frozen=True)
@@ -116,6 +125,9 @@ class Explanation:
         The cost.
     evaluations_used : int
         Evaluations of all forces that the prediction itself took.
+    slow : str
+        Of a run of LONG or more: which motion bounds its steps, and what would slow that; else
+        empty.
     """
 
     scene: Scene
@@ -131,6 +143,7 @@ class Explanation:
     compiled: bool
     predicted: Predicted
     evaluations_used: int
+    slow: str = ""
 
     @property
     def degrees_of_freedom(self) -> int:
@@ -162,6 +175,7 @@ class Explanation:
             "compiled": self.compiled,
             "predicted": vars(self.predicted),
             "evaluations_used": self.evaluations_used,
+            "slow": self.slow,
         }
         return json.dumps(table, indent=1, allow_nan=False)
 
@@ -192,6 +206,7 @@ class Explanation:
             f"Cost: about {_rounded(cost.force_evaluations)} force evaluations, "
             f"{_time(cost.seconds)} on this machine, {_bytes(cost.memory_bytes)} of memory. "
             f"{self._basis()}{self._shortcoming()}",
+            *([f"Slow: {self.slow}."] if self.slow else []),
             f"The time loop {'was' if self.compiled else 'had not been'} compiled before"
             f"{'' if self.compiled else '; it is now, and is kept on disk'}.",
         ]
@@ -229,6 +244,8 @@ class Explanation:
         return f"accuracy {wanted}, {step}"
 
     def _shortcoming(self) -> str:
+        if self.predicted.stop:
+            return f" The run will stop as NoProgress: {self.predicted.stop}."
         return " The run will fall short of its accuracy." if self.predicted.met is False else ""
 
     def _basis(self) -> str:
@@ -273,6 +290,7 @@ def explain(scene: Scene) -> Explanation:
     search = Search(layout, choice.method, threads.number)
     compiled = compilations(loop) == before
     found = predict(choice, search)
+    predicted = _predicted(layout, choice, search, found)
     present = [effect for effect in Effect if effect in scene.effects]
     return Explanation(
         scene=scene,
@@ -286,8 +304,9 @@ def explain(scene: Scene) -> Explanation:
         accuracy=choice.accuracy,
         step=_step(found),
         compiled=compiled,
-        predicted=_predicted(layout, choice, search, found),
+        predicted=predicted,
         evaluations_used=round(sum(run.evaluations for run in found.tried)),
+        slow=_slow(layout, choice) if predicted.seconds >= LONG else "",
     )
 
 
@@ -349,6 +368,33 @@ def _predicted(layout: Layout, choice: Choice, search: Search, found: Prediction
         memory_bytes=memory_of_run(layout, choice.method, each, found.samples),
         basis=found.basis,
         met=None if found.plan is None or found.plan.tuned is None else found.plan.tuned.met,
+        stop=_stop(layout, choice, found),
+    )
+
+
+def _stop(layout: Layout, choice: Choice, found: Prediction) -> str:
+    """Why the run will stop as NoProgress, and what would do; empty if it should not."""
+    ended = found.basis == "searched" and found.whole > 0.0
+    too_many = found.whole > MOST_PREDICTED * most_evaluations(layout.scene)
+    if not (ended or (choice.method.adaptive and too_many)):
+        return ""
+    return (
+        f"{reach_of(layout.scene, found.whole, layout.beginning)}; give a lower accuracy, a "
+        "shorter duration, more max_evaluations, or a method and a step"
+    )
+
+
+def _slow(layout: Layout, choice: Choice) -> str:
+    """Which motion bounds the steps of a run, and what would slow it."""
+    motion = fastest_motion(layout)
+    if motion.frequency == 0.0:
+        return ""
+    cure = f"{motion.cure} would allow longer steps"
+    if choice.step is not None and choice.step * motion.frequency < RESOLVED:
+        cure = f"a step of {RESOLVED / motion.frequency:.2g}, not {choice.step:.2g}, resolves it"
+    return (
+        f"the fastest motion is that of {motion.name}, at {motion.frequency:.3g} rad per unit of "
+        f"time, for {motion.frequency * layout.scene.duration:.2g} rad in all; {cure}"
     )
 
 

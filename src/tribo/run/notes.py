@@ -21,6 +21,7 @@ from tribo.run.deep_core import core_notes
 from tribo.run.integrate import Integration
 from tribo.run.layout import Layout
 from tribo.run.ledger import Ledger
+from tribo.run.progress_guard import reach_of
 from tribo.run.resolution import longest_step, pendulum_frequency, turn_of_step
 from tribo.validation import short_repr
 
@@ -132,7 +133,12 @@ def stop_notes(layout: Layout, run: Integration) -> tuple[str, ...]:
         distance, *both = bobs
         one, other = (asperite_name(layout, bob) for bob in both)
         near = f"; the closest bobs, of {one} and {other}, were {distance:.3g} apart"
-    return (f"stopped at t = {last.t[0]:.9g}, {step}{near}",)
+    stop = f"stopped at t = {last.t[0]:.9g}, {step}{near}"
+    done = float(last.t[0] - layout.beginning)
+    if run.status != Status.NO_PROGRESS or done <= 0.0:
+        return (stop,)
+    whole = run.evaluations * (layout.scene.duration - layout.beginning) / done
+    return (stop, f"at its mean rate, {reach_of(layout.scene, whole, layout.beginning)}")
 
 
 def approach_notes(layout: Layout, run: Integration) -> tuple[str, ...]:

@@ -30,6 +30,26 @@ def most_evaluations(scene: Scene) -> float:
     return max(MOST_WORK / scene.count, ALWAYS_ALLOWED) if given is None else given
 
 
+def reach_of(scene: Scene, whole: float, begin: float) -> str:
+    """What a run would take and may take, and how far it may come, as a part of a sentence.
+
+    Parameters
+    ----------
+    scene : Scene
+        Of the run.
+    whole : float
+        The evaluations that the whole run would take at its mean rate.
+    begin : float
+        When it begins [time].
+    """
+    most = most_evaluations(scene)
+    reach = begin + (scene.duration - begin) * min(1.0, most / whole)
+    return (
+        f"the whole run would take about {whole:.2g} evaluations of all forces, and may take "
+        f"{most:.2g}, which reach about t = {reach:.2g}"
+    )
+
+
 class ProgressGuard:
     """Predicts the evaluations of a run from its mean progress, after every so many trials.
 
