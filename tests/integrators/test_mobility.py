@@ -211,6 +211,19 @@ def test_members_in_lanes():
     assert data["bar.vx_cm"].values.squeeze() == pytest.approx(drift * (1.0 - kept), rel=1e-9)
 
 
+@pytest.mark.parametrize("step", [None, 0.07])
+def test_members_kept_at_the_end_take_the_same_path(step):
+    """Their steps are those of runs that record all times."""
+    surface = Surface(
+        "bar", asperite=RIGID, drive=Pushed(force=(FORCE, 0.0)), langevin=Langevin(3.0, TEMPERATURE)
+    )
+    scene = Scene([surface], [], 8.0, output=Output(samples=1601 if step is None else 81))
+    settings = {"n": 8, "keep": ["bar.x_cm"], "seed": 3, "step": step}
+    ends = tribo.ensemble(scene, **settings)["bar.x_cm"].values
+    paths = tribo.ensemble(scene, at="samples", **settings)["bar.x_cm"].values
+    assert ends.ravel() == pytest.approx(paths[:, -1].ravel(), rel=1e-9)
+
+
 def test_system_with_bath_and_reservoir():
     """The energy that a reservoir gives to a bath on the same bars is that of the bath."""
     surface = Surface(
