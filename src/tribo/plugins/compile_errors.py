@@ -8,11 +8,11 @@ from contextlib import contextmanager
 from types import FunctionType
 from typing import Any, NamedTuple
 
-from numba import njit, typeof, types
-from numba.core.errors import NumbaError, UnsupportedBytecodeError
+from numba import NumbaError, UnsupportedBytecodeError, njit, types
 
 from tribo.kernels.compiled import is_compiled
-from tribo.kernels.plugin_methods import METHOD_ARGUMENTS
+from tribo.kernels.formula_names import compilable
+from tribo.kernels.plugin_methods import METHOD_ARGUMENTS, recognize, type_of
 from tribo.plugins import classes as plugins
 from tribo.plugins.sources import is_own
 from tribo.validation import InputError
@@ -59,8 +59,8 @@ def _check_method(plugin: NamedTuple, method: str) -> None:
     function = getattr(type(plugin), method, None)
     if function is None or (is_own(function) and function.__name__ != "_complex_step"):
         return
-    compiled = njit(error_model="numpy")(function)
-    kind = typeof(plugin)  # type: ignore[no-untyped-call]
+    compiled = njit(error_model="numpy")(compilable(function))
+    kind = type_of(plugin)
     try:
         compiled.compile((kind, *(types.float64,) * METHOD_ARGUMENTS[method]))
     except TypeError as error:  # another number of arguments
@@ -129,8 +129,9 @@ def _try(plugin: NamedTuple, field: str, method: str) -> None:
 
 def _compile(plugin: NamedTuple, field: str, method: str, arguments: tuple[complex, ...]) -> None:
     function = getattr(type(plugin), method)
+    recognize(plugin)
     try:
-        njit(error_model="numpy")(function)(plugin, *arguments)
+        njit(error_model="numpy")(compilable(function))(plugin, *arguments)
     except COMPILE_ERRORS as error:
         reason = plugins.located(plugin, method, _line(function, error), _reason(error))
         raise InputError(field, reason) from None
