@@ -144,21 +144,26 @@ def _line(function: FunctionType, error: Exception) -> int | None:
     if place is not None and place.filename == file:
         return int(place.line)
     returns = re.findall(
-        r"Return of: .*, type '(.*)', location:\s+File \".*\", line (\d+)", str(error)
+        r"Return of: .*, type '(.*)', location:\s+File \".*\", line (\d+)", _text(error)
     )
     if returns:  # several types, in no order: the first that is not a number
         return min((kind.startswith(NUMBERS), int(line)) for kind, line in returns)[1]
-    missing = re.search(r"NameError: name '(\w+)'", str(error))
+    missing = re.search(r"NameError: name '(\w+)'", _text(error))
     if missing:
         return None
-    found = re.search(r'File ".*", line (\d+)|\((\d+)\)\s*$', str(error), re.MULTILINE)
+    found = re.search(r'File ".*", line (\d+)|\((\d+)\)\s*$', _text(error), re.MULTILINE)
     return int(found[1] or found[2]) if found else None
+
+
+def _text(error: Exception) -> str:
+    """A compiler's message without colours."""
+    return re.sub(r"\x1b\[\d*m", "", str(error))
 
 
 def _reason(error: Exception) -> str:
     """The reason in a compiler's message, on one line."""
     noise = ("Failed in nopython", "During", "- Resolution failure")
-    lines = [line.strip() for line in str(error).splitlines()]
+    lines = [line.strip() for line in _text(error).splitlines()]
     lines = [line for line in lines if line and not line.startswith(noise)]
     reason = lines[0] if lines else type(error).__name__
     if reason.endswith(":") and len(lines) > 1:
