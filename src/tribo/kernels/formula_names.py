@@ -1,11 +1,13 @@
-"""Functions of numpy in the formulas of plug-ins that tribo compiles in another way than numba.
+"""Names in the formulas of plug-ins that tribo compiles in another way than numba.
 
 Of numbers, numba compiles ``np.where`` to an array without dimensions, and of `Lanes` not at all.
-Formulas are therefore compiled with `choose` in its place.  The functions of their authors, and
-``np.where`` in the functions of other programs, stay as they are.
+Formulas are therefore compiled with `choose` in its place.  A class of plug-ins that a formula
+calls makes instances whose methods kernels know.  The functions of their authors, and these names
+in the functions of other programs, stay as they are.
 """
 
 import functools
+from collections.abc import Callable
 from types import CellType, FunctionType, ModuleType
 from typing import Any
 
@@ -43,20 +45,31 @@ _numpy = ModuleType("numpy")
 vars(_numpy).update(vars(np), where=choose)
 
 
+# What makes the instances of a class in compiled code.
+Constructors = Callable[[Any], Any]
+
+
 @functools.cache
-def compilable(function: Any) -> Any:
-    """A function as Python, with `choose` in place of np.where; itself if it does not use that."""
-    return _compilable(function, frozenset())
+def compilable(function: Any, constructor: Constructors) -> Any:
+    """A function as Python, with other names for np.where and for classes of plug-ins.
+
+    It is the same function if it uses neither.
+    """
+    return _compilable(function, constructor, frozenset())
 
 
-def _compilable(function: Any, callers: frozenset[Any]) -> Any:
+def _compilable(function: Any, constructor: Constructors, callers: frozenset[Any]) -> Any:
     """The same for a function that others call."""
     callers |= {function}
     names = function.__code__.co_names
     known = {name: value for name, value in function.__globals__.items() if name in names}
-    changed = {name: _in_formulas(value, names, callers) for name, value in known.items()}
+
+    def in_formulas(value: Any) -> Any:
+        return _in_formulas(value, names, constructor, callers)
+
+    changed = {name: in_formulas(value) for name, value in known.items()}
     cells = function.__closure__ or ()
-    inner = [_in_formulas(cell.cell_contents, names, callers) for cell in cells]
+    inner = [in_formulas(cell.cell_contents) for cell in cells]
     if all(changed[name] is known[name] for name in known) and all(
         new is cell.cell_contents for new, cell in zip(inner, cells, strict=True)
     ):
@@ -72,13 +85,17 @@ def _compilable(function: Any, callers: frozenset[Any]) -> Any:
     return made
 
 
-def _in_formulas(value: Any, names: tuple[str, ...], callers: frozenset[Any]) -> Any:
+def _in_formulas(
+    value: Any, names: tuple[str, ...], constructor: Constructors, callers: frozenset[Any]
+) -> Any:
     """What stands for a global value in a function that uses these names."""
     if value is np.where:
         return choose
     if value is np and "where" in names:
         return _numpy
     if is_jitted(value) and value.py_func not in callers:
-        function = _compilable(value.py_func, callers)
+        function = _compilable(value.py_func, constructor, callers)
         return value if function is value.py_func else jit(**value.targetoptions)(function)
+    if isinstance(value, type) and issubclass(value, tuple) and hasattr(value, "_fields"):
+        return constructor(value)
     return value

@@ -10,9 +10,10 @@ import functools
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from numba import typeof, types
-from numba.extending import models, overload_method, register_model, typeof_impl
+from numba import njit, typeof, types
+from numba.extending import intrinsic, models, overload_method, register_model, typeof_impl
 
+from tribo.compiler.numba_private import cgutils
 from tribo.kernels.formula_names import compilable
 from tribo.kernels.jit_options import COUNTED, KERNEL, LINKED
 
@@ -113,9 +114,41 @@ def _kind(cls: Any, base: type) -> Any:
     register_model(kind)(model)
     for name, arguments in (METHOD_ARGUMENTS | STEP_ARGUMENTS).items():
         if name not in cls._fields and callable(getattr(cls, name, None)):
-            find = _finder(compilable(getattr(cls, name)), arguments)
+            find = _finder(formula(getattr(cls, name)), arguments)
             overload_method(kind, name, jit_options=_OPTIONS[name], strict=False)(find)
     return kind
+
+
+def formula(method: Any) -> Any:
+    """A method of a plug-in as kernels compile it."""
+    return compilable(method, constructor)
+
+
+@functools.cache
+def constructor(cls: Any) -> Any:
+    """What makes an instance of a class in compiled code; the class itself if it is no plug-in."""
+    if not any(callable(getattr(cls, name, None)) for name in METHOD_ARGUMENTS):
+        return cls
+
+    @intrinsic
+    def build(typing_context, members):  # type: ignore[no-untyped-def]
+        kinds = [types.unliteral(kind) for kind in members.types]
+        kind = plugin_type(cls, kinds)
+
+        def code(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
+            given = cgutils.unpack_tuple(builder, arguments[0])
+            each = zip(given, signature.args[0].types, kinds, strict=True)
+            return context.make_tuple(builder, kind, [context.cast(builder, *one) for one in each])
+
+        return kind(members), code
+
+    defaults = tuple(cls._field_defaults.values())
+    names = ", ".join(cls._fields)
+    scope = {"build": build}
+    exec(f"def make({names}):\n    return build(({names},))", scope)
+    make: Any = scope["make"]
+    make.__defaults__ = defaults
+    return njit(**KERNEL)(make)
 
 
 def _finder(method: Any, arguments: int) -> Callable[..., Any]:

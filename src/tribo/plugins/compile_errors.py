@@ -11,8 +11,7 @@ from typing import Any, NamedTuple
 from numba import NumbaError, UnsupportedBytecodeError, njit, types
 
 from tribo.kernels.compiled import is_compiled
-from tribo.kernels.formula_names import compilable
-from tribo.kernels.plugin_methods import METHOD_ARGUMENTS, recognize, type_of
+from tribo.kernels.plugin_methods import METHOD_ARGUMENTS, formula, recognize, type_of
 from tribo.plugins import classes as plugins
 from tribo.plugins.sources import is_own
 from tribo.validation import InputError
@@ -59,7 +58,7 @@ def _check_method(plugin: NamedTuple, method: str) -> None:
     function = getattr(type(plugin), method, None)
     if function is None or (is_own(function) and function.__name__ != "_complex_step"):
         return
-    compiled = njit(error_model="numpy")(compilable(function))
+    compiled = njit(error_model="numpy")(formula(function))
     kind = type_of(plugin)
     try:
         compiled.compile((kind, *(types.float64,) * METHOD_ARGUMENTS[method]))
@@ -131,7 +130,7 @@ def _compile(plugin: NamedTuple, field: str, method: str, arguments: tuple[compl
     function = getattr(type(plugin), method)
     recognize(plugin)
     try:
-        njit(error_model="numpy")(compilable(function))(plugin, *arguments)
+        njit(error_model="numpy")(formula(function))(plugin, *arguments)
     except COMPILE_ERRORS as error:
         reason = plugins.located(plugin, method, _line(function, error), _reason(error))
         raise InputError(field, reason) from None
