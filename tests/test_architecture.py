@@ -79,6 +79,7 @@ ORDER = [
     "potentials",
     "plugins",
     "kernels",
+    "compiler",
     "starters",
     "units",
     "files",
@@ -114,11 +115,25 @@ def test_kernels_see_no_scene(name):
 
     Compilation holds interrupts; their module imports nothing of this package.
     """
-    inner = {other for other in of_this_package(name) if not other.startswith("kernels")}
+    own = ("kernels", "compiler")
+    inner = {other for other in of_this_package(name) if not other.startswith(own)}
     assert inner <= {"interrupts"} and not list(of_this_package("interrupts"))
     tree = ast.parse(FILES[name].read_text(encoding="utf-8"))
     tops = {full.partition(".")[0] for full in imported(tree)}
     assert tops - set(sys.stdlib_module_names) <= {"tribo", "numpy", "numba", "llvmlite"}
+
+
+def test_undocumented_names_of_numba_are_in_one_file():
+    """No other file imports more than what the manuals of numba and llvmlite describe."""
+    documented = (
+        *("numba.extending.", "llvmlite.ir", "numba.njit", "numba.jit", "numba.config"),
+        *("numba.types", "numba.typeof", "numba.literal_unroll", "numba.get_num_threads"),
+        *("numba.NumbaError", "numba.TypingError", "numba.UnsupportedBytecodeError"),
+    )
+    for name in FILES.keys() - {"compiler.numba_private"}:
+        for full in imported(ast.parse(FILES[name].read_text(encoding="utf-8"))):
+            if full.partition(".")[0] in ("numba", "llvmlite"):
+                assert full.startswith(documented) or full == "numba", f"{name} imports {full}"
 
 
 FORMULAE = [cls.__module__.rpartition(".")[2] for cls in BUILT_IN.values()]

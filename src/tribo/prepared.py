@@ -35,6 +35,7 @@ from tribo.run.notes import (
     budget_notes,
     calculator_notes,
     drive_notes,
+    halving_notes,
     passage_notes,
     run_notes,
     stop_notes,
@@ -47,6 +48,9 @@ from tribo.run.separation import separation_notes
 from tribo.run.state import digest_of, state_of
 from tribo.run.streamed_ledger import StreamedLedger, is_streamed
 from tribo.validation import InputError, TriboWarning
+
+# A step that was chosen is halved so often at most: a thousandth of it resolves no other scenes.
+MOST_HALVINGS = 10
 
 
 class Simulation:
@@ -228,8 +232,9 @@ class Simulation:
             return self._streamed_run(y)
         layout, seconds, ratio = self.layout, self.compile_seconds, self._digit_ratio
         setting, times = self._single
-        run = up_to_passing(layout, self.integrator(setting, times, y))
-        notes = passage_notes(layout, run)
+        run, setting, notes = self._resolved(setting, lambda step: self.integrator(step, times, y))
+        run = up_to_passing(layout, run)
+        notes += passage_notes(layout, run)
         if self.plan.tuned is None:
             notes += self._sliding_notes(run)
         # The ledger and the cost are left for later: a run of a pair takes ten microseconds.
@@ -241,22 +246,49 @@ class Simulation:
             lambda: _reported(layout, run),
             lambda: cost_of([run], seconds, ratio),
             run,
+            setting,
         )
+
+    def _resolved(
+        self, setting: Setting, run_with: Callable[[Setting], Integration]
+    ) -> tuple[Integration, Setting, tuple[str, ...]]:
+        """A run whose step was halved until it passes no encounter, if the step was chosen.
+
+        Returns the run, its setting, and a note on the halving.
+        """
+        run, halvings = run_with(setting), 0
+        notes: tuple[str, ...] = ()
+        while self.plan.automatic and run.status == Status.ENCOUNTER_JUMPED:
+            if halvings == MOST_HALVINGS:
+                break
+            assert isinstance(setting, float)
+            notes = halving_notes(self.layout, run, setting, 0.5 * setting)
+            setting, halvings = 0.5 * setting, halvings + 1
+            run = run_with(setting)
+        return run, setting, notes
 
     def _streamed_run(self, y: np.ndarray) -> Result:
         """A run without an error estimate, of which not all samples are kept."""
-        run, ledger = self._stream(y)
+        ledgers: list[Ledger] = []
+
+        def run_with(setting: Setting) -> Integration:
+            run, ledger = self._stream(y, setting)
+            ledgers.append(ledger)
+            return run
+
+        run, setting, notes = self._resolved(self.plan.setting, run_with)
+        ledger = ledgers[-1]
         ends = assemble(self.layout, run.samples.ends())
-        notes = (*passage_notes(self.layout, run), *drive_notes(self.layout, ends))
+        notes += (*passage_notes(self.layout, run), *drive_notes(self.layout, ends))
         notes += passing_notes(self.layout, run.samples)
         cost = cost_of([run], self.compile_seconds, self._digit_ratio)
         notes += _left_out(ledger)
-        return self._result(run.status, None, notes, {}, Known(ledger), Known(cost), run)
+        return self._result(run.status, None, notes, {}, Known(ledger), Known(cost), run, setting)
 
-    def _stream(self, y: np.ndarray) -> tuple[Integration, Ledger]:
+    def _stream(self, y: np.ndarray, setting: Setting) -> tuple[Integration, Ledger]:
         """A run at the scene's times whose samples are taken in as they come."""
         streamed = StreamedLedger(self.layout, guarded=not self.method.adaptive)
-        run = self.integrator(self.plan.setting, self.layout.times, y, streamed)
+        run = self.integrator(setting, self.layout.times, y, streamed)
         return run, streamed.whole(run.samples)
 
     def _estimated_result(
@@ -281,7 +313,7 @@ class Simulation:
         known = met if len(runs) > 1 or fine.status != Status.COMPLETED else None
         layout, seconds, ratio = self.layout, self.compile_seconds, self._digit_ratio
         if self._streams and fine.status == Status.COMPLETED:
-            run, ledger = self._stream(y)
+            run, ledger = self._stream(y, self.plan.setting)
             notes += (f"errors are estimated at {self.plan.times.size} times", *_left_out(ledger))
             cost = cost_of(runs, seconds, ratio, search, run)
             known = known if run.status == Status.COMPLETED else False
@@ -342,6 +374,7 @@ class Simulation:
         assemble_ledger: Callable[[], Ledger],
         add_up_cost: Callable[[], Cost],
         run: Integration,
+        setting: Setting | None = None,
     ) -> Result:
         """A result, with what all results of the simulation share."""
         layout, method = self.layout, self.method.name
@@ -350,6 +383,9 @@ class Simulation:
             ledger, cost = assemble_ledger().only(keep), add_up_cost()
             assemble_ledger, add_up_cost = Known(ledger), Known(cost)
             bounds = _bounds_of(ledger, bounds)
+        settings = self._settings
+        if self.plan.automatic and setting is not None:
+            settings = {**settings, "step": setting}
         notes = calculator_notes(run) + stop_notes(layout, run) + notes
         if keep is not None:
             run = run.without_samples()
@@ -365,7 +401,7 @@ class Simulation:
             assemble_ledger,
             add_up_cost,
             lambda: state_of(layout, method, run),
-            self._settings,
+            settings,
             version(),
         )
 

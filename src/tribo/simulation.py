@@ -243,6 +243,8 @@ def _run_to_file(
     identity = identity_of(layout.scene, settings, version())
     if resume and path.exists() and not part.exists():
         result = load_result(path)
+        if choice.automatic:  # and may have been halved
+            settings["step"] = result.settings["step"]
         refuse_other(path, identity_of(result.scene, result.settings, result.version), identity)
         return result
     with Journal(part, identity, resume) as journal:

@@ -37,3 +37,18 @@ def test_works_of_ends_that_hardly_turn(method, kappa):
         bar = result.error_estimate[name]
         assert error <= bar
         assert bar <= 1e-7 * np.max(np.abs(found)) + 1e-14 * kappa
+
+
+@pytest.mark.filterwarnings("ignore::tribo.TriboWarning")
+def test_places_of_ends_of_arms_that_have_turned_often():
+    """An angle of many turns has few digits behind the point, and so have sine and cosine."""
+    turns, rate, times = 6164.054919666023, 0.7, np.linspace(0.0, 3.0, 7)
+    upper = Surface("upper", asperite=Asperite(kappa=0.0), initial=Initial(swing=turns, omega=rate))
+    scene = Scene([upper], [], 3.0, output=Output(samples=7))
+    result = tribo.simulate(scene, method="gauss-radau-15", accuracy=1e-8)
+    with mpmath.workdps(40):
+        swings = [mpmath.mpf(turns) + mpmath.mpf(rate) * mpmath.mpf(t) for t in times]
+        for arm, name in ((4 / mpmath.mpf(3), "bob"), (-2 / mpmath.mpf(3), "bar")):
+            found = result["upper"][f"x_{name}"][:, 0]
+            errors = [abs(x - arm * mpmath.sin(q)) for x, q in zip(found, swings, strict=True)]
+            assert 1e-14 < max(errors) <= result.error_estimate[f"x_{name}"] < 1e-10

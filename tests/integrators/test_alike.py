@@ -72,7 +72,7 @@ def test_surfaces_of_every_drive():
         "rigid": {"drive": tribo.Free(rigid=True)},
         "pulled": {"drive": tribo.Pulled(stiffness=1.0, speed=0.4)},
         "free": {"drive": "free", "bars": "free"},
-        "bars": {"drive": "bars"},
+        "bars": {"drive": "bars", "initial": tribo.Initial(swing=0.06)},
         "fixed": {"drive": "free", "asperite": tribo.Asperite(kappa=np.inf)},
         "sprung": {"drive": "free", "springs": tribo.Springs(1.0)},
         "turning": {"initial": tribo.Initial(swing=0.1, nu=0.1)},
@@ -100,7 +100,11 @@ def test_baths_reservoirs_plugins_and_forces():
         },
         "custom": {"drive": tribo.Custom(force=Push(0.1))},
         "ends": {"bars": tribo.Ends(force=Turn(0.1))},
-        "driven": {"drive": "bars", "langevin": tribo.Langevin(0.2, 1e-3, on="swing")},
+        "driven": {
+            "drive": "bars",
+            "initial": tribo.Initial(swing=0.06),
+            "langevin": tribo.Langevin(0.2, 1e-3, on="swing"),
+        },
     }
     scene = scene_of(kinds, ("forces", "energies"))
     same_with_own_constants(scene, list(kinds))

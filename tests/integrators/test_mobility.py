@@ -23,6 +23,7 @@ from tribo import (
 )
 from tribo.accuracy.choose_method import choose
 from tribo.run.layout import lay_out
+from tribo.run.resolution import longest_step
 
 STEP, TEMPERATURE, FORCE = 0.1, 0.3, 0.4
 RIGID, SOFT = Asperite(kappa=np.inf), Asperite()
@@ -210,6 +211,19 @@ def test_members_in_lanes():
     assert data["bar.vx_cm"].values.squeeze() == pytest.approx(drift * (1.0 - kept), rel=1e-9)
 
 
+@pytest.mark.parametrize("step", [None, 0.07])
+def test_members_kept_at_the_end_take_the_same_path(step):
+    """Their steps are those of runs that record all times."""
+    surface = Surface(
+        "bar", asperite=RIGID, drive=Pushed(force=(FORCE, 0.0)), langevin=Langevin(3.0, TEMPERATURE)
+    )
+    scene = Scene([surface], [], 8.0, output=Output(samples=1601 if step is None else 81))
+    settings = {"n": 8, "keep": ["bar.x_cm"], "seed": 3, "step": step}
+    ends = tribo.ensemble(scene, **settings)["bar.x_cm"].values
+    paths = tribo.ensemble(scene, at="samples", **settings)["bar.x_cm"].values
+    assert ends.ravel() == pytest.approx(paths[:, -1].ravel(), rel=1e-9)
+
+
 def test_system_with_bath_and_reservoir():
     """The energy that a reservoir gives to a bath on the same bars is that of the bath."""
     surface = Surface(
@@ -234,5 +248,5 @@ def test_steps_that_heat_swings_are_refused():
     with pytest.raises(InputError, match=r"step: must be at most 0.02 for the damping"):
         tribo.simulate(scene, step=STEP)
     choice = choose(lay_out(scene), None, None, None)
-    assert choice.step == pytest.approx(0.02)
+    assert choice.step == pytest.approx(longest_step(lay_out(scene), 0.02))
     assert choose(lay_out(scene), None, None, choice.step) == choice

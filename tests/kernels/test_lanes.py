@@ -2,7 +2,6 @@
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 import pytest
 
@@ -11,6 +10,7 @@ from tribo.explanation import summary
 from tribo.integrators.methods import METHODS
 from tribo.kernels.compiled import shared_kernel
 from tribo.kernels.numbers_in_lanes import numbers_at_lane, numbers_in_lanes
+from tribo.kernels.plugin_methods import recognize, type_of
 from tribo.kernels.potential_in_lanes import force_in_lanes, is_vectorized, range_in_lanes
 from tribo.kernels.simd import LANES, NARROW, broadcast, lane, narrow, where_less, widen
 from tribo.kernels.simd_arrays import load, rows_of, store
@@ -64,6 +64,7 @@ def forces(potential, places, charges, out):
 
 def assert_alike(potential):
     """The forces agree to round-off of the largest force nearby, at all distances in reach."""
+    recognize(potential)
     rng = np.random.default_rng(4)
     for _ in range(200):
         r = rng.uniform(0.3, min(3.0, potential.range()), (1, LANES))
@@ -89,7 +90,7 @@ def test_every_built_in_is_here():
 def test_lanes_agree_with_scalars(name):
     """In lanes, compiled for one distance, and as Python."""
     potential = as_potential(POTENTIALS[name])
-    assert is_vectorized(numba.typeof(potential)) == (name not in SCALAR)
+    assert is_vectorized(type_of(potential)) == (name not in SCALAR)
     assert_alike(potential)
 
 
@@ -147,6 +148,7 @@ def own_forces(potential, table, places, rows, out):
 def test_potentials_side_by_side(kind):
     """Each distance has the numbers of its lane, also where a cutoff or a formula is one by one."""
     potential = as_potential(POTENTIALS[kind])
+    recognize(potential)
     table = np.array(potential) * np.linspace(0.8, 1.2, LANES)[:, None]
     places, out = np.linspace(0.7, 1.4, LANES)[None], np.zeros((2, LANES))
     own_forces(potential, table, places, np.ascontiguousarray(table.T), out)

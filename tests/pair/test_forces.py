@@ -2,11 +2,11 @@
 
 from typing import NamedTuple
 
-import numba
 import pytest
-from numba.core.errors import NumbaError
+from numba import NumbaError
 
 import tribo
+from tribo.kernels.plugin_methods import type_of
 from tribo.kernels.potential_in_lanes import is_vectorized
 
 
@@ -31,10 +31,10 @@ class WithAName(NamedTuple):
 )
 def test_formulas_of_arithmetic_are_vectorized(potential, expected):
     """Powers that are not whole are computed one distance after another, and so are branches."""
-    assert is_vectorized(numba.typeof(potential)) is expected
+    assert is_vectorized(type_of(potential)) is expected
 
 
 def test_other_errors_are_raised():
     """Only an operation that Lanes lack leads to the slower way."""
     with pytest.raises(NumbaError, match="undefined"):
-        is_vectorized(numba.typeof(WithAName(1.0)))
+        is_vectorized(type_of(WithAName(1.0)))

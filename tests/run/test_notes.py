@@ -119,7 +119,8 @@ def test_automatic_steps_are_as_they_are_taken():
 def starting(**settings):
     """The notes on a start with settings of the upper surface."""
     upper = Surface("upper", **{"bob": (-3.0, 0.0)} | settings)
-    scene = Scene((upper, Surface("lower", facing="up")), Coulomb(0.2), 0.1)
+    surfaces = upper, Surface("lower", facing="up")
+    scene = Scene(surfaces, Coulomb(0.2), 0.1, output=Output(samples=2))
     return tribo.prepare(scene, method="rk4", step=0.05).run().notes
 
 

@@ -88,7 +88,7 @@ def pass_over(gap, potential=SOFT, duration=DURATION, **settings):
     lower = Surface("lower", facing="up", asperite=RIGID)
     output = Output(samples=4001, series=["forces"], **settings)
     scene = Scene((upper, lower), potential, duration, output=output)
-    return tribo.simulate(scene, method="verlet", step=0.05)
+    return tribo.simulate(scene, method="verlet", step=duration / 4000)
 
 
 def test_time_without_contact_of_a_pass():

@@ -113,6 +113,8 @@ class Choice:
         Why the method was chosen; empty where it was given.
     seconds : float
         Wall time of the choice [s].
+    automatic : bool
+        Whether the step was chosen too, and may be halved.
     """
 
     method: methods.Method
@@ -120,6 +122,7 @@ class Choice:
     step: float | None
     why: str = ""
     seconds: float = 0.0
+    automatic: bool = False
 
 
 def choose(
@@ -224,7 +227,7 @@ def _noisy(layout: Layout, accuracy: Accuracy | None, step: float | None) -> Cho
     fastest = max(spring_frequency(layout), corrugation_frequency(layout), user_frequency(layout))
     step = min(step, longest_damped_step(layout))
     step = min(step, NOISY_PHASE / fastest if fastest > 0.0 else np.inf)
-    return Choice(method, None, longest_step(layout, step))  # as it is taken
+    return Choice(method, None, longest_step(layout, step), automatic=True)  # as it is taken
 
 
 def cheapest(layout: Layout, accuracy: float) -> tuple[methods.Method, str]:

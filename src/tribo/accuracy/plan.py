@@ -48,6 +48,8 @@ class Plan:
     single : float, Tolerance or None
         Of a run without an error estimate, recorded at the scene's times alone; None where there
         is none that is cheaper than `setting`, or where it has not been looked for yet.
+    automatic : bool
+        Whether `setting` is a step that was chosen, and is halved where it passes an encounter.
     """
 
     method: str
@@ -57,6 +59,7 @@ class Plan:
     accuracy: Accuracy | None = None
     tuned: FoundSettings | None = None
     single: Setting | None = None
+    automatic: bool = False
 
     def without_runs(self, single: Setting | None) -> Plan:
         """The plan for other scenes: without the runs that found it, and with `single`."""
@@ -109,7 +112,7 @@ def make_plan(choice: Choice, integrator: Integrator, announce: Announce | None 
         if announce is not None:
             each = 1e-9 * evaluation_time(layout, choice.method)
             announce(1, 1, each * counted(layout, choice.method, choice.step))
-        return Plan(name, choice.why, choice.step, times)
+        return Plan(name, choice.why, choice.step, times, automatic=choice.automatic)
     stops = StopTimes.for_samples(_compared(layout))
     tuned = find_settings(layout, choice.method, accuracy, stops, integrator, announce)
     tuned = replace(tuned, seconds=tuned.seconds + choice.seconds)

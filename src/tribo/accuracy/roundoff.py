@@ -148,14 +148,15 @@ def _of_energies(layout: Layout, entry: Entry) -> dict[str, float]:
         within, bulk = max(within, largest(energy)), max(bulk, largest(kinetic))
         whole = whole + energy + kinetic
     # The rounding of a position is relative to its terms, and an energy changes over the length of
-    # its potential.
+    # its potential.  The rounding of an angle of many turns moves the ends of its arms.
     x = np.abs(a.x) + np.abs(a.vx * entry.t) + np.abs(entry.x)
     y = np.abs(a.y) + np.abs(a.vy * entry.t) + np.abs(entry.y)
-    farthest = (np.hypot(x, y) + a.l1).max(axis=1)
+    turned = 1.0 + np.abs(entry.swing)
+    farthest = (np.hypot(x, y) + a.l1 * turned).max(axis=1)
     contact = np.abs(samples.contact) * (1.0 + farthest / _shortest_length(layout, entry))
     whole = whole + np.abs(samples.field) * (1.0 + farthest / _shortest_wave(layout))
     places = {
-        f"{axis}_{end}": largest(magnitude + arm)
+        f"{axis}_{end}": largest(magnitude + arm * turned)
         for end, arm in (("bob", a.l1), ("bar", a.l2))
         for axis, magnitude in (("x", x), ("y", y))
     }

@@ -156,7 +156,7 @@ def ensemble(
     if keep is not None:
         _check_alone("half_width", half_width, "keep")
         what = Wanted(keep, at, statistics, out, resume)
-        simulation = planned(what.scene(scene), method, step)
+        simulation = planned(what.scene(scene), method, what.step(scene, method, step))
         with Reported(progress, most, "members") as report:
             data = kept_ensemble(simulation, variation, most, what, engine, threads, report)
     else:

@@ -9,6 +9,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
+
+from tribo.accuracy.choose_method import choose
 from tribo.ensembles.engines import Engine
 from tribo.ensembles.kept_runs import planned_runs, run_members
 from tribo.ensembles.kept_values import Kept, attributes_of
@@ -17,13 +20,24 @@ from tribo.ensembles.members import Variation
 from tribo.ensembles.statistics_store import StatisticsStore
 from tribo.ensembles.stores import About, InMemory, Store, Target
 from tribo.files import netcdf_target
+from tribo.integrators.methods import noisy
 from tribo.model.scene import Scene
 from tribo.model.settings import Output
 from tribo.prepared import Simulation
 from tribo.run.identity import Identity, identity_of, refuse_other, settings_of, version
 from tribo.run.journal import PART
+from tribo.run.layout import lay_out
 from tribo.run.quantities import FURTHER
-from tribo.validation import InputError, as_path, boolean, choice, is_list
+from tribo.validation import (
+    POSITIVE,
+    InputError,
+    as_path,
+    boolean,
+    choice,
+    inside,
+    is_list,
+    number,
+)
 
 if TYPE_CHECKING:
     import xarray
@@ -51,6 +65,23 @@ class Wanted(NamedTuple):
         if at_end and "forces" not in series:  # forces are averages over times
             output = Output(samples=2, series=series)
         return replace(scene, output=output)
+
+    def step(self, scene: Scene, method: str | None, step: float | None) -> float | None:
+        """The step of members with noise: as in a run that records all times of the scene.
+
+        Equal steps end at the sample times, and a member's path depends on its steps.
+        """
+        intervals, given = np.diff(scene.times), scene.numerics
+        if self.at != END or not noisy(scene) or np.ptp(intervals) > 1e-9 * intervals[0]:
+            return step
+        if step is None:
+            with inside("numerics"):
+                found = choose(lay_out(scene), given.accuracy, method or given.method, given.step)
+            step = found.step
+        else:
+            step = number("step", step, POSITIVE)
+        assert step is not None  # there is one wherever there is noise
+        return float(intervals[0] / max(1.0, np.ceil(intervals[0] / step - 1e-9)))
 
     @staticmethod
     def check_absent(at: str, statistics: bool, out: object, resume: bool) -> None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numba import config, typeof
+from numba import config
 
 from tribo.accuracy.choose_method import RATES, Choice, choose
 from tribo.accuracy.comparison import Accuracy
@@ -19,6 +19,7 @@ from tribo.explanation.prediction import Prediction, Search, predict
 from tribo.explanation.reasons import why_absent, why_present
 from tribo.explanation.speeds import compilations, inactive_at_start, kept_speed, loop_of, measured
 from tribo.integrators.methods import Method, noisy
+from tribo.kernels.plugin_methods import type_of
 from tribo.kernels.potential_in_lanes import is_vectorized
 from tribo.model.effects import Effect
 from tribo.model.scene import Scene
@@ -342,7 +343,7 @@ def in_lanes(potential: Any) -> bool:
     """Whether the forces of eight pairs are computed at once."""
     if config.DISABLE_JIT:  # type: ignore[attr-defined]
         return False
-    return is_vectorized(typeof(potential))  # type: ignore[no-untyped-call]
+    return is_vectorized(type_of(potential))
 
 
 def _step(found: Prediction) -> float | None:

@@ -10,6 +10,7 @@ from tribo.integrators.collocation import Collocation
 from tribo.integrators.nystrom import Nystrom
 from tribo.integrators.runge_kutta import EmbeddedRungeKutta, RungeKutta
 from tribo.integrators.splitting import Splitting, alternating, composed, splitting_steps
+from tribo.kernels.plugin_methods import recognize_class
 from tribo.model.scene import Scene
 from tribo.validation import InputError, choice
 
@@ -247,6 +248,10 @@ METHODS = {
         ),
     )
 }
+
+# The loops find `step` and `trial` by these classes.
+for _method in METHODS.values():
+    recognize_class(type(_method.coefficients))
 
 
 def noisy(scene: Scene) -> bool:

@@ -15,9 +15,6 @@ Both functions complete a state: coordinates, accounts, their rates of change at
 the method keeps for the next step.
 """
 
-from collections.abc import Callable
-from typing import Any
-
 from tribo.integrators.step_control import (
     accept_step,
     advance_equally,
@@ -36,26 +33,8 @@ from tribo.integrators.step_control import (
 )
 from tribo.kernels.array_pointers import pointers
 from tribo.kernels.neighbours import crowded
-from tribo.kernels.numba_passes import LINKED
-from tribo.kernels.plugin_methods import method_of_named_tuples
 from tribo.kernels.samples import copy_state
 from tribo.kernels.status import COMPLETED, NOT_FINITE, PAUSED
-
-
-def _find_by_class(name: str, **options: Any) -> Callable[[Any], Any]:
-    """Decorate a function that finds the method `name` of a class; `options` are of numba.njit."""
-    options = {"error_model": "numpy", **LINKED, **options}
-    return method_of_named_tuples(name, jit_options=options, strict=False)
-
-
-@_find_by_class("step", _nrt=False)
-def _step(self, model, neighbours, clock, h, end, state, work):
-    return self.instance_class.step
-
-
-@_find_by_class("trial", _nrt=False)
-def _trial(self, model, neighbours, clock, h, end, state, new, tolerance, work):
-    return self.instance_class.trial
 
 
 def equal_steps(

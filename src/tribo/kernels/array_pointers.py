@@ -13,18 +13,22 @@ from typing import Any
 import numpy as np
 from llvmlite import ir
 from numba import config, types
-from numba.core import cgutils
-from numba.core.imputils import lower_builtin, lower_getattr
-from numba.core.typing.templates import (
-    AbstractTemplate,
-    AttributeTemplate,
-    infer_getattr,
-    infer_global,
-    signature,
+from numba.extending import (
+    intrinsic,
+    lower_builtin,
+    make_attribute_wrapper,
+    models,
+    overload_attribute,
+    register_model,
+    type_callable,
 )
-from numba.extending import intrinsic, models, register_model
 
-from tribo.kernels.tuple_types import KernelTuple
+from tribo.compiler.numba_private import NATIVE, cgutils
+from tribo.kernels.jit_options import KERNEL
+from tribo.kernels.plugin_methods import PluginType, plugin_type
+
+if NATIVE:
+    from tribo.kernels.tuple_types import KernelTuple
 
 # Tuples of these modules have arrays for kernels; those of plug-ins stay what their authors expect.
 OURS = ("tribo.kernels.", "tribo.integrators.")
@@ -49,13 +53,17 @@ def _type_of(kind: Any) -> Any:
     """The type with pointers instead of arrays."""
     if isinstance(kind, types.Array) and kind.layout == "C":
         return PointerType(kind.dtype, kind.ndim)
+    if not isinstance(kind, types.BaseTuple):
+        return kind
     if isinstance(kind, types.BaseNamedTuple):
         if not kind.instance_class.__module__.startswith(OURS):
             return kind
-        return types.BaseTuple.from_types([_type_of(each) for each in kind], kind.instance_class)
-    if isinstance(kind, types.BaseTuple):
-        return types.BaseTuple.from_types([_type_of(each) for each in kind])
-    return kind
+    members = [_type_of(each) for each in kind]
+    if members == list(kind):
+        return kind
+    if isinstance(kind, PluginType):
+        return plugin_type(kind.instance_class, members)
+    return types.BaseTuple.from_types(members, getattr(kind, "instance_class", None))
 
 
 def _make(context, builder, kind: PointerType, data, shape: list) -> Any:
@@ -68,7 +76,9 @@ def _make(context, builder, kind: PointerType, data, shape: list) -> Any:
 def _argument_type(kind: Any) -> Any:
     """The same for an argument of a time loop, which many kernels take as a whole."""
     new = _type_of(kind)
-    if isinstance(new, types.NamedTuple) and new != kind:
+    if not NATIVE or new == kind or isinstance(new, PluginType):
+        return new
+    if isinstance(new, types.NamedTuple):
         return KernelTuple(new, new.instance_class)
     return new
 
@@ -139,34 +149,19 @@ def _part(array: PointerType, at: Any) -> types.Type | None:
     return PointerType(array.dtype, left) if left else array.dtype
 
 
-@infer_global(operator.getitem)
-class _GetItem(AbstractTemplate):
-    def generic(self, args, kws):
-        array, at = args
-        if isinstance(array, PointerType):
-            part = _part(array, at)
-            return None if part is None else signature(part, array, at)
-        return None
+@type_callable(operator.getitem)
+def _type_of_item(context):
+    return lambda array, at: _part(array, at) if isinstance(array, PointerType) else None
 
 
-@infer_global(operator.setitem)
-class _SetItem(AbstractTemplate):
-    def generic(self, args, kws):
-        array, at, _ = args
+@type_callable(operator.setitem)
+def _type_of_setting(context):
+    def find(array, at, value):
         if isinstance(array, PointerType) and _part(array, at) == array.dtype:
-            return signature(types.none, array, at, array.dtype)
+            return types.none(array, at, array.dtype)
         return None
 
-
-@infer_getattr
-class _Attributes(AttributeTemplate):
-    key = PointerType
-
-    def resolve_size(self, array):
-        return types.intp
-
-    def resolve_shape(self, array):
-        return types.UniTuple(types.intp, array.ndim)
+    return find
 
 
 def _read(context, builder, kind, value):
@@ -175,17 +170,23 @@ def _read(context, builder, kind, value):
     return array.data, cgutils.unpack_tuple(builder, array.shape)
 
 
-@lower_getattr(PointerType, "shape")
-def _shape(context, builder, kind, value):
-    return builder.extract_value(value, 1)
+make_attribute_wrapper(PointerType, "shape", "shape")
 
 
-@lower_getattr(PointerType, "size")
-def _size(context, builder, kind, value):
-    _, (size, *others) = _read(context, builder, kind, value)
-    for length in others:
-        size = builder.mul(size, length)
-    return size
+@intrinsic
+def _size(typing_context, array):
+    def build(context, builder, sig, args):
+        _, (size, *others) = _read(context, builder, sig.args[0], args[0])
+        for length in others:
+            size = builder.mul(size, length)
+        return size
+
+    return types.intp(array), build
+
+
+@overload_attribute(PointerType, "size", jit_options=KERNEL)
+def _find_size(array):
+    return lambda array: _size(array)
 
 
 def _locate(context, builder, kind, value, index_kinds, indices):

@@ -17,36 +17,24 @@ from types import FunctionType
 from typing import Any
 
 import numpy as np
-from numba import config, njit
+from numba import config, njit, typeof
 
+from tribo.compiler.numba_private import NATIVE
 from tribo.interrupts import held
-from tribo.kernels import plugin_methods  # noqa: F401 (kernels call methods of plug-ins)
-from tribo.kernels.disk_cache import KernelCache
-from tribo.kernels.narrowing import give_narrowing
-from tribo.kernels.numba_passes import LINKED, LoopCompiler
+from tribo.kernels.jit_options import INLINED, KERNEL, LOOP, NUMPY_ERRORS, OWNING_KERNEL, UNCOUNTED
 
-# Division by zero gives inf or nan, as in numpy; the time loops turn both into a named status.
-_options: dict[str, Any] = {"error_model": "numpy"}
+if NATIVE:
+    from tribo.kernels.disk_cache import KernelCache
 
-
-def _narrowing(compiler: Any) -> Any:
-    """The same decorator of kernels, which are compiled for what they use of a model."""
-    if config.DISABLE_JIT:  # type: ignore[attr-defined]
-        return compiler
-    return lambda function: give_narrowing(compiler(function))
-
-
-# Without reference counting (_nrt) a kernel can neither make nor return arrays, and a pair of
-# asperites runs more than twice as fast.
-kernel = _narrowing(njit(**_options, **LINKED, _nrt=False))
-inlined = _narrowing(njit(**_options, **LINKED, _nrt=False, forceinline=True))
+kernel = njit(**KERNEL)
+inlined = njit(**KERNEL, **INLINED)
 # Expanded in its caller before that is typed.
-expanded = njit(**_options, inline="always")
+expanded = njit(**NUMPY_ERRORS, inline="always")
 # Kernels that make or return arrays.
-owning_kernel = njit(**_options, **LINKED, _nrt=True)
+owning_kernel = njit(**OWNING_KERNEL)
 # Kernels that Python calls too.
-shared_kernel = njit(**_options, _nrt=False)
-_loop = njit(**_options, _nrt=False, nogil=True, pipeline_class=LoopCompiler)
+shared_kernel = njit(**NUMPY_ERRORS, **UNCOUNTED)
+_loop = njit(**LOOP)
 
 # A file of the disk cache with the code of a time loop: source, name, the stamps of package and
 # plug-ins, line, and version of Python.
@@ -103,7 +91,8 @@ def time_loop(loop: FunctionType, stamp: str | None) -> Callable[..., Any]:
     """
     if stamp is None or config.DISABLE_JIT:  # type: ignore[attr-defined]
         return _loop(loop)
-    compiled = _named(loop, f"{code_stamp()}_{stamp}")
+    # Each way keeps its own files.
+    compiled = _named(loop, f"{code_stamp()}_{stamp}{'' if NATIVE else '_plain'}")
     remove_stale(loop)
     return compiled
 
@@ -116,7 +105,10 @@ def _named(loop: FunctionType, stamps: str) -> Any:
     compiled: Any = _loop(clone)
     # With no folder that can be written, each process compiles.
     with suppress(RuntimeError):
-        compiled._cache = KernelCache(clone)
+        if NATIVE:
+            compiled._cache = KernelCache(clone)
+        else:
+            compiled = njit(**LOOP, cache=True)(clone)
     return compiled
 
 
@@ -133,7 +125,7 @@ def cached_files(loop: FunctionType) -> list[Path]:
 
 def is_compiled(loop: Any) -> bool:
     """Whether a loop made by :func:`time_loop` has been compiled, in this process or on disk."""
-    if config.DISABLE_JIT or loop.overloads:  # type: ignore[attr-defined]
+    if config.DISABLE_JIT or loop.signatures:  # type: ignore[attr-defined]
         return True
     folder = loop.stats.cache_path
     return folder is not None and any(Path(folder).glob(f"*.{loop.__name__}-*.nbc"))
@@ -193,10 +185,10 @@ class EntryPoint:
 
     def __init__(self, loop: Any, fixed: tuple[Any, ...], examples: tuple[Any, ...]) -> None:
         """Compile the loop, or load it from disk.  Raises numba's errors."""
-        kinds = tuple(loop.typeof_pyval(argument) for argument in (*fixed, *examples))
+        kinds = tuple(typeof(argument) for argument in (*fixed, *examples))
         with undisturbed():
             loop.compile(kinds)
-        self._code = loop.overloads[kinds].entry_point
+        self._code = loop.overloads[kinds].entry_point if NATIVE else loop
         self._fixed = fixed
         self._arrays = tuple(
             (place, example.dtype, example.strides)

@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Any
 
 import numba
-from numba.core.caching import FunctionCache, IndexDataCacheFile
-from numba.core.serialize import dumps
+
+from tribo.compiler.numba_private import FunctionCache, IndexDataCacheFile, dumps
 
 # Bytes of the checksum that a file begins with.
 CHECKSUM = 32

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 from numba.extending import register_jitable
 
-from tribo.kernels.numba_passes import LINKED
+from tribo.kernels.jit_options import KERNEL
 
 Number = Any  # a float, or in calls from Python an array
 
-equation = register_jitable(error_model="numpy", _nrt=False, **LINKED)
+equation = register_jitable(**KERNEL)
 
 
 @equation

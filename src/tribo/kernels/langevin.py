@@ -11,7 +11,7 @@ from numba import types
 from numba.extending import overload
 
 from tribo.kernels.compiled import inlined, kernel
-from tribo.kernels.numba_passes import LINKED
+from tribo.kernels.jit_options import KERNEL
 from tribo.kernels.simd import broadcast, sqrt, where_less, with_lane
 from tribo.kernels.simd_arrays import block
 from tribo.kernels.simd_functions import exponential
@@ -147,7 +147,7 @@ def _fours_of_normals_of_members(noise, temperature, count):
     return one, other, third, fourth
 
 
-_options: dict[str, Any] = {"jit_options": {"error_model": "numpy", **LINKED, "_nrt": False}}
+_options: dict[str, Any] = {"jit_options": KERNEL}
 
 
 def _find(function: Any, of_members: Any) -> None:

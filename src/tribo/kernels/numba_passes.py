@@ -9,14 +9,22 @@ front end leaves it until the time loop that contains it is optimised.
 import ctypes
 from typing import Any
 
-from numba import _dynfunc  # type: ignore[attr-defined]
-from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import CompilerBase, DefaultPassBuilder, StateDict
-from numba.core.compiler_machinery import PassManager, register_pass
-from numba.core.lowering import Lower
-from numba.core.typed_passes import InlineOverloads, NativeLowering, NopythonRewrites
-from numba.core.untyped_passes import InlineClosureLikes, MakeFunctionToJitFunction, WithLifting
-
+from tribo.compiler.numba_private import (
+    CompilerBase,
+    DefaultPassBuilder,
+    InlineClosureLikes,
+    InlineOverloads,
+    JITCodeLibrary,
+    Lower,
+    MakeFunctionToJitFunction,
+    NativeLowering,
+    NopythonRewrites,
+    PassManager,
+    StateDict,
+    WithLifting,
+    _dynfunc,
+    register_pass,
+)
 from tribo.kernels.tuple_types import TupleLibrary
 
 
@@ -161,11 +169,3 @@ class LoopCompiler(KernelCompiler):
     """numba's compiler of time loops."""
 
     lowering = LoopLowering
-
-
-# Options of numba.njit for functions that only kernels call: no wrappers for calls from Python.
-LINKED: dict[str, Any] = {
-    "no_cpython_wrapper": True,
-    "no_cfunc_wrapper": True,
-    "pipeline_class": KernelCompiler,
-}

@@ -5,9 +5,10 @@ from typing import Any
 import numpy as np
 from llvmlite import ir
 from numba import config, types
-from numba.core import cgutils
 from numba.extending import intrinsic, overload
 
+from tribo.compiler.numba_private import cgutils
+from tribo.kernels.plugin_methods import like
 from tribo.kernels.simd import _INDEX, LANES, LanesType, lane, lanes, maximum, sum_of_lanes
 from tribo.kernels.simd_arrays import block, row_at, rows_of, set_block
 
@@ -32,7 +33,7 @@ def numbers_in_lanes(typing_context, shared, table, rows, first):
         values = [row_at(builder, args[2], place) for place in places]
         return context.make_tuple(builder, sig.return_type, values)
 
-    in_lanes = types.NamedUniTuple(lanes, count, shared.instance_class)
+    in_lanes = like(shared, lanes)
     return in_lanes(shared, table, rows, first), build
 
 
@@ -48,7 +49,7 @@ def numbers_at_lane(typing_context, each, i):
         values = [builder.extract_element(number, place) for number in numbers]
         return context.make_tuple(builder, sig.return_type, values)
 
-    floats = types.NamedUniTuple(types.float64, len(each.types), each.instance_class)
+    floats = like(each, types.float64)
     return floats(each, types.intp), build
 
 

@@ -7,11 +7,11 @@ With any other operation, or with a branch, the distances are taken one after an
 import functools
 from typing import Any
 
-from numba import config, njit, types
-from numba.core.errors import TypingError
+from numba import TypingError, config, njit, types
 from numba.extending import overload
 
 from tribo.kernels.numbers_in_lanes import lane_of, numbers_at_lane
+from tribo.kernels.plugin_methods import formula
 from tribo.kernels.simd import LANES, broadcast, lane, lanes, spread_like, with_lane
 
 
@@ -31,10 +31,11 @@ def is_vectorized(potential_type: Any, charge: Any = types.float64) -> bool:
     numba.core.errors.NumbaError
         If the formula fails to compile for a reason other than an operation that Lanes lack.
     """
-    formula = njit(error_model="numpy")(potential_type.instance_class.force_between)
+    force = formula(potential_type.instance_class.force_between)
+    compiled = njit(error_model="numpy")(force)
     charge = lanes if lanes in potential_type.types else charge
     try:
-        formula.get_call_template((potential_type, lanes, charge, lanes), {})
+        compiled.compile((potential_type, lanes, charge, lanes))
     except TypingError as error:
         if lanes.name not in str(error):
             raise

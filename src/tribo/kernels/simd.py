@@ -15,10 +15,9 @@ from typing import Any
 
 from llvmlite import ir
 from numba import config, types
-from numba.core import cgutils
-from numba.core.codegen import get_host_cpu_features
-from numba.core.typing.templates import AbstractTemplate, infer_global, signature
-from numba.extending import intrinsic, lower_builtin, models, register_model
+from numba.extending import intrinsic, lower_builtin, models, register_model, type_callable
+
+from tribo.compiler.numba_private import cgutils, cpu_features
 
 LANES = 8
 NARROW = 4
@@ -64,12 +63,14 @@ def _lanes_of(args) -> LanesType | None:
 def _binary(operation, compute) -> None:
     """Give Lanes an operation with Lanes and with numbers."""
 
-    @infer_global(operation)
-    class Typing(AbstractTemplate):
-        def generic(self, args, kws):
+    @type_callable(operation)
+    def find_type(context):
+        def result(one, other):
+            args = one, other
             known = all(isinstance(arg, (LanesType, types.Float, types.Integer)) for arg in args)
-            found = _lanes_of(args)
-            return signature(found, *args) if known and found else None
+            return _lanes_of(args) if known else None
+
+        return result
 
     def build(context, builder, sig, args):
         vector = sig.return_type.vector
@@ -118,10 +119,9 @@ for _operation, _symbol in (
     _comparison(_operation, _symbol)
 
 
-@infer_global(operator.neg)
-class _Negative(AbstractTemplate):
-    def generic(self, args, kws):
-        return signature(*args, *args) if isinstance(args[0], LanesType) else None
+@type_callable(operator.neg)
+def _type_of_negative(context):
+    return lambda x: x if isinstance(x, LanesType) else None
 
 
 @lower_builtin(operator.neg, LanesType)
@@ -149,7 +149,7 @@ def sqrt(typing_context, x):
 def _has_fast_inverse_roots() -> bool:
     """Whether code is compiled for a processor that estimates inverse roots of doubles."""
     features = config.CPU_FEATURES  # type: ignore[attr-defined]
-    known = (get_host_cpu_features() if features is None else features).split(",")
+    known = (cpu_features() if features is None else features).split(",")
     compiled = not config.DISABLE_JIT  # type: ignore[attr-defined]
     return compiled and {"+avx512f", "+avx512vl"} <= set(known)
 

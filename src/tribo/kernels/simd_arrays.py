@@ -12,9 +12,9 @@ import threading
 import numpy as np
 from llvmlite import ir
 from numba import config, types
-from numba.core import cgutils
 from numba.extending import intrinsic, models, overload, register_model
 
+from tribo.compiler.numba_private import cgutils
 from tribo.kernels.array_pointers import PointerType
 from tribo.kernels.compiled import inlined
 from tribo.kernels.simd import _FLOAT, _VECTOR, LANES, lanes

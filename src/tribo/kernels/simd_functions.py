@@ -9,7 +9,7 @@ from numba import types
 from numba.extending import overload
 
 from tribo.kernels.compiled import inlined, kernel
-from tribo.kernels.numba_passes import LINKED
+from tribo.kernels.jit_options import KERNEL
 from tribo.kernels.simd import (
     LANES,
     LanesType,
@@ -167,10 +167,7 @@ def exponential(x):
     return where_less(given, LOWEST_EXPONENT, 0.0, y)
 
 
-_options: dict[str, Any] = {
-    "jit_options": {"error_model": "numpy", **LINKED, "_nrt": False},
-    "strict": False,
-}
+_options: dict[str, Any] = {"jit_options": KERNEL, "strict": False}
 
 
 def _of_lanes(function, implementation) -> None:
@@ -203,20 +200,6 @@ for _function in (np.maximum, max):
     _of_two(_function, lambda x, y: where_less(x, y, y, x))
 for _function in (np.minimum, min):
     _of_two(_function, lambda x, y: where_less(y, x, y, x))
-
-
-@overload(np.where, **_options)
-def _where(condition, x, y):
-    if isinstance(condition, LanesType):
-        return lambda condition, x, y: where_less(0.5, condition, x, y)
-    # Of numbers, numba alone would make an array without dimensions.
-    if isinstance(condition, types.Boolean) and _are_numbers(x, y):
-        return lambda condition, x, y: x if condition else y
-    return None
-
-
-def _are_numbers(*kinds: types.Type) -> bool:
-    return all(isinstance(kind, types.Number) for kind in kinds)
 
 
 @overload(operator.pow, prefer_literal=True, **_options)

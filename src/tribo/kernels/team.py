@@ -18,9 +18,9 @@ from typing import NamedTuple
 import numpy as np
 from llvmlite import ir
 from numba import types
-from numba.core import cgutils
 from numba.extending import intrinsic
 
+from tribo.compiler.numba_private import cgutils
 from tribo.kernels.compiled import kernel
 from tribo.kernels.simd_arrays import element
 

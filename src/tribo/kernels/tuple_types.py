@@ -13,11 +13,10 @@ from collections.abc import Iterable
 from typing import Any
 
 from llvmlite import ir
-from llvmlite.binding import parse_assembly
 from numba import types
-from numba.core.codegen import JITCodeLibrary
-from numba.core.datamodel.models import TupleModel
-from numba.extending import register_model
+from numba.extending import models, register_model
+
+from tribo.compiler.numba_private import JITCodeLibrary, parse_assembly
 
 # A struct of this module in LLVM's text; a name is a digest of the struct's members.
 NAMED_STRUCT = re.compile(r'%"?(tribo\.[0-9a-f]{16})"?')
@@ -70,7 +69,7 @@ class KernelTuple(types.NamedTuple):
 
 
 @register_model(KernelTuple)
-class _Model(TupleModel):
+class _Model(models.TupleModel):
     """A struct with a name; one argument of a function."""
 
     def get_value_type(self) -> NamedStruct:

@@ -8,11 +8,10 @@ from contextlib import contextmanager
 from types import FunctionType
 from typing import Any, NamedTuple
 
-from numba import njit, typeof, types
-from numba.core.errors import NumbaError, UnsupportedBytecodeError
+from numba import NumbaError, UnsupportedBytecodeError, njit, types
 
 from tribo.kernels.compiled import is_compiled
-from tribo.kernels.plugin_methods import METHOD_ARGUMENTS
+from tribo.kernels.plugin_methods import METHOD_ARGUMENTS, formula, recognize, type_of
 from tribo.plugins import classes as plugins
 from tribo.plugins.sources import is_own
 from tribo.validation import InputError
@@ -59,8 +58,8 @@ def _check_method(plugin: NamedTuple, method: str) -> None:
     function = getattr(type(plugin), method, None)
     if function is None or (is_own(function) and function.__name__ != "_complex_step"):
         return
-    compiled = njit(error_model="numpy")(function)
-    kind = typeof(plugin)  # type: ignore[no-untyped-call]
+    compiled = njit(error_model="numpy")(formula(function))
+    kind = type_of(plugin)
     try:
         compiled.compile((kind, *(types.float64,) * METHOD_ARGUMENTS[method]))
     except TypeError as error:  # another number of arguments
@@ -129,8 +128,9 @@ def _try(plugin: NamedTuple, field: str, method: str) -> None:
 
 def _compile(plugin: NamedTuple, field: str, method: str, arguments: tuple[complex, ...]) -> None:
     function = getattr(type(plugin), method)
+    recognize(plugin)
     try:
-        njit(error_model="numpy")(function)(plugin, *arguments)
+        njit(error_model="numpy")(formula(function))(plugin, *arguments)
     except COMPILE_ERRORS as error:
         reason = plugins.located(plugin, method, _line(function, error), _reason(error))
         raise InputError(field, reason) from None
@@ -143,21 +143,26 @@ def _line(function: FunctionType, error: Exception) -> int | None:
     if place is not None and place.filename == file:
         return int(place.line)
     returns = re.findall(
-        r"Return of: .*, type '(.*)', location:\s+File \".*\", line (\d+)", str(error)
+        r"Return of: .*, type '(.*)', location:\s+File \".*\", line (\d+)", _text(error)
     )
     if returns:  # several types, in no order: the first that is not a number
         return min((kind.startswith(NUMBERS), int(line)) for kind, line in returns)[1]
-    missing = re.search(r"NameError: name '(\w+)'", str(error))
+    missing = re.search(r"NameError: name '(\w+)'", _text(error))
     if missing:
         return None
-    found = re.search(r'File ".*", line (\d+)|\((\d+)\)\s*$', str(error), re.MULTILINE)
+    found = re.search(r'File ".*", line (\d+)|\((\d+)\)\s*$', _text(error), re.MULTILINE)
     return int(found[1] or found[2]) if found else None
+
+
+def _text(error: Exception) -> str:
+    """A compiler's message without colours."""
+    return re.sub(r"\x1b\[\d*m", "", str(error))
 
 
 def _reason(error: Exception) -> str:
     """The reason in a compiler's message, on one line."""
     noise = ("Failed in nopython", "During", "- Resolution failure")
-    lines = [line.strip() for line in str(error).splitlines()]
+    lines = [line.strip() for line in _text(error).splitlines()]
     lines = [line for line in lines if line and not line.startswith(noise)]
     reason = lines[0] if lines else type(error).__name__
     if reason.endswith(":") and len(lines) > 1:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from tribo.kernels import records
+from tribo.kernels.plugin_methods import recognize
 from tribo.kernels.records import Model, Neighbours
 from tribo.kernels.samples import BATH_ROWS
 from tribo.kernels.simd import LANES
@@ -288,7 +289,7 @@ def lay_out(scene: Scene) -> Layout:
         end_forces=room((4, theirs.columns)) if ends else None,
     )
     model = model._replace(team=team_of(scene, model, between + (within or ())))
-    return Layout(
+    layout = Layout(
         scene=scene,
         asperites=asperites.view(np.recarray),
         surfaces=mine.surfaces.view(np.recarray),
@@ -306,3 +307,6 @@ def lay_out(scene: Scene) -> Layout:
         rows=rows,
         skin=skin,
     )
+    for plugin in layout.plugins:
+        recognize(plugin)
+    return layout

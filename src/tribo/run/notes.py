@@ -120,25 +120,44 @@ def drive_notes(layout: Layout, ledger: Ledger) -> tuple[str, ...]:
 
 
 def stop_notes(layout: Layout, run: Integration) -> tuple[str, ...]:
-    """Where a run stopped: the time, the last step, and the closest bobs that interact."""
+    """Where a run stopped: the time, the last step, and the closest bobs that interact.
+
+    Of a run without progress also what the whole run would take.
+    """
     if run.status in (Status.COMPLETED, Status.INTERRUPTED, Status.PASSED_THROUGH):
         return ()
-    last = run.samples.last()
     clock = dict(zip(CLOCK.names or (), run.memory["clock"], strict=True))
     taken = clock["last_step"]
     step = f"after a last step of {taken:.3g}" if taken > 0.0 else "before the first step"
-    bobs = closest_bobs(layout, last)
-    near = ""
-    if bobs is not None:
-        distance, *both = bobs
-        one, other = (asperite_name(layout, bob) for bob in both)
-        near = f"; the closest bobs, of {one} and {other}, were {distance:.3g} apart"
-    stop = f"stopped at t = {last.t[0]:.9g}, {step}{near}"
-    done = float(last.t[0] - layout.beginning)
+    t, near = _closest_at_end(layout, run)
+    cure = ""
+    if run.status == Status.ENCOUNTER_JUMPED and clock["encounter_rate"] > 0.0:
+        cure = f"; a step below {1.0 / clock['encounter_rate']:.2g} resolves this encounter"
+    stop, done = f"stopped at t = {t:.9g}, {step}{near}{cure}", t - layout.beginning
     if run.status != Status.NO_PROGRESS or done <= 0.0:
         return (stop,)
     whole = run.evaluations * (layout.scene.duration - layout.beginning) / done
     return (stop, f"at its mean rate, {reach_of(layout.scene, whole, layout.beginning)}")
+
+
+def halving_notes(layout: Layout, run: Integration, step: float, shorter: float) -> tuple[str, ...]:
+    """A note on an automatic step that was too long for an encounter."""
+    t, near = _closest_at_end(layout, run)
+    return (
+        f"steps of {step:.3g} would have passed an encounter at t = {t:.4g}{near}; the run was "
+        f"repeated with steps of {shorter:.3g}",
+    )
+
+
+def _closest_at_end(layout: Layout, run: Integration) -> tuple[float, str]:
+    """The time at which a run ended, and the closest bobs then, as a part of a sentence."""
+    last = run.samples.last()
+    bobs = closest_bobs(layout, last)
+    if bobs is None:
+        return float(last.t[0]), ""
+    distance, *both = bobs
+    one, other = (asperite_name(layout, bob) for bob in both)
+    return float(last.t[0]), f"; the closest bobs, of {one} and {other}, were {distance:.3g} apart"
 
 
 def approach_notes(layout: Layout, run: Integration) -> tuple[str, ...]:

@@ -1,0 +1,82 @@
+"""All that tribo uses of numba and llvmlite without their documentation, and the tested versions.
+
+NATIVE says which of two ways of compiling is taken.  The native way uses the undocumented names
+below.  The plain way uses documented ones alone: it compiles more slowly, and its loops run more
+slowly, but it does not depend on numba's internals.  It is taken with a version that was not
+tested, and with TRIBO_NUMBA=plain in the environment.
+"""
+
+import os
+import warnings
+
+import llvmlite
+import numba
+from llvmlite.binding import get_host_cpu_features
+
+# numba's manual uses cgutils in its examples of extensions, so both ways do.
+from numba.core import cgutils as cgutils
+
+from tribo.validation import InputError, TriboWarning
+
+# Versions of numba with which the native way was tested, and that of llvmlite beside each.
+TESTED = {"0.68": "0.50"}
+
+# The environment variable, and its only value.
+VARIABLE, PLAIN = "TRIBO_NUMBA", "plain"
+
+
+def _is_native() -> bool:
+    """Whether undocumented names are used; warns where the version forbids it."""
+    wanted = os.environ.get(VARIABLE, "")
+    if wanted not in ("", PLAIN):
+        raise InputError(VARIABLE, f'must be "{PLAIN}" or absent, got "{wanted}"')
+    if wanted == PLAIN:
+        return False
+    tested = TESTED.get(_minor(numba.__version__)) == _minor(llvmlite.__version__)
+    if not tested:
+        warnings.warn(
+            f"numba {numba.__version__} with llvmlite {llvmlite.__version__} was not tested; "
+            f"compilation takes longer than with numba {', '.join(TESTED)}",
+            TriboWarning,
+            stacklevel=2,
+        )
+    return tested
+
+
+def _minor(version: str) -> str:
+    return ".".join(version.split(".")[:2])
+
+
+NATIVE = _is_native()
+
+
+def cpu_features() -> str:
+    """Features of this processor for which code is compiled, separated by commas."""
+    try:
+        found = get_host_cpu_features()
+    except RuntimeError:  # of a processor that LLVM does not know
+        return ""
+    if not numba.config.ENABLE_AVX:  # type: ignore[attr-defined]
+        return ""
+    return str(found.flatten())
+
+
+if NATIVE:
+    from llvmlite.binding import parse_assembly as parse_assembly
+    from numba import _dynfunc as _dynfunc  # type: ignore[attr-defined]
+    from numba.core.caching import FunctionCache as FunctionCache
+    from numba.core.caching import IndexDataCacheFile as IndexDataCacheFile
+    from numba.core.codegen import JITCodeLibrary as JITCodeLibrary
+    from numba.core.compiler import CompilerBase as CompilerBase
+    from numba.core.compiler import DefaultPassBuilder as DefaultPassBuilder
+    from numba.core.compiler import StateDict as StateDict
+    from numba.core.compiler_machinery import PassManager as PassManager
+    from numba.core.compiler_machinery import register_pass as register_pass
+    from numba.core.lowering import Lower as Lower
+    from numba.core.serialize import dumps as dumps
+    from numba.core.typed_passes import InlineOverloads as InlineOverloads
+    from numba.core.typed_passes import NativeLowering as NativeLowering
+    from numba.core.typed_passes import NopythonRewrites as NopythonRewrites
+    from numba.core.untyped_passes import InlineClosureLikes as InlineClosureLikes
+    from numba.core.untyped_passes import MakeFunctionToJitFunction as MakeFunctionToJitFunction
+    from numba.core.untyped_passes import WithLifting as WithLifting
