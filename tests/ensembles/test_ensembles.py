@@ -153,7 +153,7 @@ def test_two_stages_cover_and_are_narrow_enough():
 
 def test_half_width_determines_the_number():
     """The number is by Stein's rule, and the half-width at most the one asked for."""
-    scene, wanted = warm(), {"upper.delta_E_int": 0.1, "applied_work": 0.2}
+    scene, wanted = warm(), {"upper.delta_E_int": 0.05, "applied_work": 0.1}
     data = ensemble(scene, half_width=wanted, seed=2, step=0.1)
     first = data.isel(member=slice(0, runner.FIRST_STAGE))
     totals = ("upper.W", "upper.W_ps", "upper.delta_K", "upper.delta_E_int", "applied_work")

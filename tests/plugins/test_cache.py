@@ -288,7 +288,7 @@ def test_all_compiled_sources_are_in_the_stamp():
     root = Path(tribo.__file__).parent
     marks = re.compile(
         r"^@(\w*kernel|inlined|expanded|intrinsic|overload|register_jitable)\b"
-        r"|def (energy|energy_at|force_on_bar|end_forces)\(self, ",
+        r"|def (energy\(self, r\b|(energy_at|force_on_bar|end_forces)\(self)",
         re.MULTILINE,
     )
     for path in root.rglob("*.py"):

@@ -9,11 +9,6 @@ EQUIVALENT = {
     "kernels/blocks.py: selected_at: return 0.0 -> return 1.0": (
         "only whether it changes matters, and without a selection it does not"
     ),
-    "kernels/blocks.py: keeps_velocity: "
-    "return s.drive == BARS or (s.dof_x < 0 and s.dof_y < 0) -> "
-    "return s.drive == BARS and (s.dof_x < 0 and s.dof_y < 0)": (
-        "nothing accelerates what would be stepped: only the cost changes"
-    ),
     "kernels/blocks.py: keeps_velocity: s.dof_x < 0 -> s.dof_x < 1": AFTER_SWINGS,
     "kernels/blocks.py: keeps_velocity: s.dof_y < 0 -> s.dof_y < 1": AFTER_SWINGS,
     "kernels/neighbours.py: have_left: broadcast(0.0) -> broadcast(1.0)": (

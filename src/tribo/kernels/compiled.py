@@ -216,7 +216,7 @@ class EntryPoint:
 
 def _compare(place: int, given: Any, example: Any) -> None:
     """Raise TypeError where numba's types of two arguments with their members would differ."""
-    if type(given) is not type(example):
+    if _class_of(given) is not _class_of(example):
         kinds = type(example).__name__, type(given).__name__
         raise TypeError(f"argument {place} must contain a {kinds[0]}, got a {kinds[1]}")
     if isinstance(example, np.ndarray):
@@ -226,6 +226,11 @@ def _compare(place: int, given: Any, example: Any) -> None:
             raise TypeError(f"argument {place} must have {len(example)} members, got {len(given)}")
         for one, other in zip(given, example, strict=True):
             _compare(place, one, other)
+
+
+def _class_of(value: Any) -> type:
+    """The class of a value; numba does not tell a float of numpy from one of Python."""
+    return float if isinstance(value, float) else type(value)
 
 
 def _refuse_other(place: int, array: np.ndarray, dtype: np.dtype, ndim: int) -> None:
