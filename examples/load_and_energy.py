@@ -1,8 +1,8 @@
 """Friction of a rough surface of 16 x 16 asperites grows in proportion to the load.
 
-Springs pull the bars of a surface; each bar has a load and a Drude bath.  The bars of the surface
-below are held, and its swings are damped.  Left: friction per asperite with 95 % intervals, and a
-power law.  Right: under the largest load, the work of the springs becomes heat in bath and swings.
+Springs pull bars that have a load and a Drude bath each; the bars below are held, and their swings
+are damped.  Left: friction per asperite with 95 % intervals, and a power law.  Right: the work of
+the springs under the largest load becomes heat in bath and swings.
 
 B. N. J. Persson, J. Chem. Phys. 115 (2001) 3840.
 """
@@ -34,8 +34,7 @@ def pull(load):
 def main(folder="."):
     """The exponent of the law, and the largest gap between work and energies."""
     results = [pull(load) for load in LOADS]
-    averages = [each.friction_force("upper", 20.0) for each in results]
-    force, error = np.abs([[each.mean, each.half_width] for each in averages]).T / 256
+    force, error = np.abs([each.friction_force("upper", 20.0)[:2] for each in results]).T / 256
     exponent, logarithm = np.polyfit(np.log(LOADS), np.log(force), 1)
     upper, lower = results[-1]["upper"], results[-1]["lower"]
     contact = results[-1].system["contact_energy"]

@@ -42,9 +42,13 @@ def test_pumped_heat_is_noted(bars):
     """With the works that follow from heats and energies, which the note does not use."""
     result = run(bars, temperature=1.0)
     (note,) = pumped(result)
-    work, friction, part, excess, half_width = map(
-        float, re.findall(r"(?<= )-?\d[\d.e+-]*(?=[ ,:])", note.replace("1 +", ""))
+    number = r"(-?[\d.e-]+)"
+    words = (
+        f"do {number} of work.*distance, {number}, .*m2\\), {number}, by {number} \\+- {number}:"
     )
+    found = re.search(words, note)
+    assert found is not None, note
+    work, friction, part, excess, half_width = map(float, found.groups())
     parts = [m2 / (1.0 + m2) for m2 in bars]
     received = [
         float(result[name].delta_e_int[-1, 0] + result[name].heat[-1, 0])

@@ -64,7 +64,7 @@ def test_a_pressed_row_against_its_energy():
     swing, x, y = found[:9].reshape(3, 3)
     bars = np.array([x - L2 * np.sin(swing), y - L2 * (1.0 - np.cos(swing))])
     # Coordinates are those of asperites, then x of all oscillators of a bar, then y.
-    oscillators = state.y[18:24].reshape(3, 2).T
+    oscillators = state.y[12:18].reshape(3, 2).T
     assert oscillators == pytest.approx(bars, abs=1e-15)
 
 

@@ -90,9 +90,15 @@ def test_chunks_of_unequal_length(shared, monkeypatch):
     room = int(lists[-1].start[-1]) + 8
     index = np.zeros(room, np.int32)
     monkeypatch.setattr(layouts.Layout, "neighbours", lambda *a: whole(*a)._replace(index=index))
-    simulation = tribo.prepare(scene, threads=2, **STEPS)
-    assert_same_bits(plain, simulation.run())
-    team = simulation.layout.model.team
+    teams, assisted = [], general_loop.assisted
+
+    def watched(team, *others):
+        teams.append(team)
+        return assisted(team, *others)
+
+    monkeypatch.setattr(general_loop, "assisted", watched)
+    assert_same_bits(plain, run(scene, 2))
+    team = teams[-1]
     assert np.max(team.lengths) > room // team.lengths.size
     assert np.array_equal(np.diff(team.begins), team.lengths)
     assert lists[-1].index.size == room  # which was enough

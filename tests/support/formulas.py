@@ -394,7 +394,7 @@ def hot_starts() -> str:
     q, v = np.split(layout.start, 2)
     a = layout.asperites
     loose, held, block = (np.arange(k * count, (k + 1) * count) for k in range(3))
-    mass, l2 = m1 + m2, length * m1 / (m1 + m2)
+    mass = m1 + m2
     about_centre, about_bar = m1 * m2 / mass * length**2, m1 * length**2
     columns = [(q[part] - phi) * np.sqrt(kappa / temperature) for part in (loose, held)]
     for part, inertia in ((loose, about_centre), (held, about_bar)):
@@ -406,10 +406,8 @@ def hot_starts() -> str:
     covariance = np.array(columns) @ np.array(columns).T / count
     if np.any(abs(covariance - np.eye(len(columns))) > 5.0 * np.sqrt(2.0 / count)):
         return "not the covariance of a thermal state"
-    places = q[a.dof_x[held]], q[a.dof_y[held]]
-    for place, expected in zip(places, (np.sin(phi), 1.0 - np.cos(phi)), strict=True):
-        if not np.allclose(place, -l2 * expected, 0.0, 1e-12):
-            return "held bars are displaced"
+    if np.any(a.dof_x[held] >= 0) or np.any(a.dof_y[held] >= 0):
+        return "held bars can be displaced"
     speed = v[a.dof_x[block]]
     if not 0.0 < abs(speed[0]) < 5.0 * np.sqrt(temperature / (count * mass)):
         return "not the speed of a block"

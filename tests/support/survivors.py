@@ -74,6 +74,6 @@ NEEDS_COMPILER = {
     "own_number": "tests/ensembles/test_own_numbers.py",
     "temperature_of": "tests/ensembles/test_own_numbers.py",
     "next_row": "tests/ensembles/test_lanes.py",
-    "_normals_of_members": "tests/ensembles/test_lanes.py",
+    "_fours_of_normals_of_members": "tests/ensembles/test_lanes.py",
     "_pairs_of_normals_of_members": "tests/ensembles/test_lanes.py",
 }

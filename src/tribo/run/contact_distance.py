@@ -23,7 +23,7 @@ DISTANCES = np.geomspace(4.0, 0.05, 220)
 
 
 def contact_distance(scene: Scene, interaction: Interaction) -> float | None:
-    """The distance of two bobs in contact [length]; None of a potential without a range."""
+    """The distance of two bobs in contact [length]; None without a range, or without bobs."""
     potential = interaction.potential
     if math.isfinite(ends := potential.range()):
         return float(ends)
@@ -33,6 +33,8 @@ def contact_distance(scene: Scene, interaction: Interaction) -> float | None:
     if not 0.0 < weak_from < math.inf:
         return None
     surfaces = [scene.surfaces[k] for pair in scene.pairs(interaction) for k in pair]
+    if not surfaces:
+        return None
     least = IN_CONTACT * (_torsion(surfaces) + max(map(_temperature, surfaces)))
     charge = max(float(np.max(np.abs(surface.each["charge"]))) for surface in surfaces)
     distances = (weak_from * DISTANCES).tolist()
