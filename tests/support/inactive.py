@@ -88,11 +88,12 @@ def inactive(loop):
     return blocks[loop.layout.places.columns // LANES]
 
 
-def positions(layout):
+def positions(loop):
     """Positions of all bobs at the last evaluation of the forces, (n, 3)."""
     from tribo.kernels.records import X, Y
 
-    bobs = layout.model.bobs[[[X], [Y]], layout.places.columns]
+    layout = loop.layout
+    bobs = loop.model.bobs[[[X], [Y]], layout.places.columns]
     return np.column_stack([*bobs, layout.depths])
 
 
@@ -178,9 +179,9 @@ def check(scene) -> str:
             # None at first: the lists are made at t = 0.
             if each.advance(times, room, steps) != PAUSED:
                 return f"t = {t}: the run stops"
-        places, asleep = positions(every.layout), inactive(loop)
+        places, asleep = positions(every), inactive(loop)
         t = loop.clocks["t"][0] - 0.5 * STEP * steps
-        if np.max(np.abs(positions(loop.layout) - places)[~asleep]) > 1e-11:
+        if np.max(np.abs(positions(loop) - places)[~asleep]) > 1e-11:
             return f"t = {t}: bobs are not where steps carry them"
         if np.any(asleep & near(places, sliding, cutoff, period)) or np.any(asleep[sliding]):
             return f"t = {t}: a bob within reach is not stepped"
@@ -224,7 +225,7 @@ def check_paths(scene) -> str:
     loop, _ = loops(scene)
     loop.advance(scene.times, loop.room(1), 0)
     layout, q, v = loop.layout, *loop.state.y.reshape(2, -1)
-    places, paths = positions(layout), longest_paths(loop)
+    places, paths = positions(loop), longest_paths(loop)
     for k, (name, part) in enumerate(layout.parts.items()):
         _, low, high = boxes(layout, part, places, paths)
         found, active = loop._neighbours.own, loop._neighbours.active

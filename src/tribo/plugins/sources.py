@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import functools
 import hashlib
 import importlib
 import importlib.util
@@ -130,15 +131,23 @@ def _collect(module: ModuleType | None, root: str, sources: dict[str, bytes]) ->
         return
     try:
         sources[name] = _LOADED[name] if name in _LOADED else Path(place).read_bytes()
-        tree = ast.parse(sources[name])
-    except (OSError, ValueError, SyntaxError):
+    except OSError:
         return
-    for imported in _imports(tree, module.__package__ or ""):
+    for imported in _imports(sources[name], module.__package__ or ""):
         _collect(sys.modules.get(imported), root, sources)
 
 
-def _imports(tree: ast.AST, package: str) -> list[str]:
-    """Full names of the modules that a source imports, and of the objects imported from them."""
+@functools.cache
+def _imports(source: bytes, package: str) -> tuple[str, ...]:
+    """Full names of the modules that a source imports, and of the objects imported from them.
+
+    Found once: every loop asks for the stamp of its plug-ins, also in threads, where ast.parse of
+    Python 3.11 may fail.
+    """
+    try:
+        tree = ast.parse(source)
+    except (ValueError, SyntaxError):
+        return ()
     names = []
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
@@ -150,4 +159,4 @@ def _imports(tree: ast.AST, package: str) -> list[str]:
             except ImportError:
                 continue
             names += [base, *(f"{base}.{alias.name}" for alias in node.names)]
-    return names
+    return tuple(names)
