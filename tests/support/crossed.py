@@ -43,8 +43,8 @@ STEP, END = 0.01, 0.03
 # Largest difference of verlet from one step of rk4; every effect changes the motion by more.
 AGREE, ACT = 2e-5, 1e-4
 # Largest residual of an identity of the ledger, of energies of order 1: round-off, and with stored
-# energies the error of the step.  A reservoir with noise moves bars by jumps, whose works are shared
-# with the next kick: half of the last one is missing.
+# energies the error of the step.  A reservoir with noise moves bars by jumps, whose works are
+# shared with the next kick: half of the last one is missing.
 CLOSED = {"W = delta(K + E_int)": 1e-4, "applied work = change of energy": 4e-4}
 ROUND_OFF = 1e-13
 # The pseudoworks of forces on ends are not reported; those of a user's do not cancel.
