@@ -607,7 +607,8 @@ def cold_baths() -> str:
         q, _ = np.split(layout.start, 2)
         first = layout.asperites.dof_bath[:3]
         for axis, (name, moved) in enumerate((("x", -sideways), ("y", -along))):
-            bars = moved + np.broadcast_to(given.get(name, 0.0), 3)
+            held = drive == "bars"  # in place, whatever the swing
+            bars = np.broadcast_to(given.get(name, 0.0), 3) + (0.0 if held else moved)
             for oscillator in range(2):
                 if not np.allclose(q[first + 2 * axis + oscillator], bars, 0.0, 1e-14):
                     return f"{name} of oscillators below the drive {drive}"

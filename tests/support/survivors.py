@@ -74,6 +74,7 @@ NEEDS_COMPILER = {
     "own_number": "tests/ensembles/test_own_numbers.py",
     "temperature_of": "tests/ensembles/test_own_numbers.py",
     "next_row": "tests/ensembles/test_lanes.py",
+    "spread_of_travel": "tests/integrators/test_mobility.py",
     "_fours_of_normals_of_members": "tests/ensembles/test_lanes.py",
     "_pairs_of_normals_of_members": "tests/ensembles/test_lanes.py",
 }
