@@ -115,13 +115,13 @@ def test_errors_of_incomplete_objects(name):
     assert (f"AttributeError: {name}" in done.stderr) == (name == "undisturbed")
 
 
-@pytest.mark.usefixtures("heeded")
 def test_an_interrupt_between_processes():
     """The partial result stays where it is; the interrupt arrives."""
     found = pickle.loads(pickle.dumps(Interrupted(lambda: None)))
     assert type(found) is KeyboardInterrupt
 
 
+@pytest.mark.usefixtures("heeded")
 def test_compilers_are_not_interrupted():
     """LLVM would free a module twice; the interrupt is raised once the block has ended."""
     done = []
