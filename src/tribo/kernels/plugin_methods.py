@@ -60,7 +60,7 @@ class PluginType:
     types: Any
 
     def __reduce__(self) -> Any:
-        """Kinds are made anew in each process, so the disk cache keeps their classes alone."""
+        """Each process makes its own kinds, so the disk cache keeps their classes alone."""
         return plugin_type, (self.instance_class, self.types)
 
 
