@@ -122,3 +122,17 @@ def test_encounters_far_below_the_noise_end_no_run():
     for strength, temperature in ((1e-14, 0.0), (0.3, 0.3)):
         with pytest.warns(tribo.TriboWarning, match="EncounterJumped"):
             tribo.simulate(passing(strength, temperature), method="verlet", step=0.1)
+
+
+def test_an_automatic_step_is_halved_until_it_resolves_the_encounters():
+    """The run is that of the step that is reported; the first step would have stopped."""
+    simulation = tribo.prepare(passing(0.3, 0.3))
+    result, first = simulation.run(), simulation.plan.setting
+    step = result.settings["step"]
+    halvings = np.log2(first / step)
+    assert result.status == "completed" and halvings == round(halvings) > 0
+    assert re.search(r"asperite \d of \"row\" and asperite \d of \"row\"", result.notes[0])
+    given = tribo.simulate(passing(0.3, 0.3), method="verlet", step=step)
+    assert np.array_equal(given["row"].theta, result["row"].theta)
+    with pytest.warns(tribo.TriboWarning, match="EncounterJumped"):
+        tribo.simulate(passing(0.3, 0.3), method="verlet", step=first)
