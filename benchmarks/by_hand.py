@@ -34,8 +34,8 @@ from loops_by_hand import (
 import tribo
 from tribo.integrators.methods import METHODS
 from tribo.kernels.status import PAUSED
-from tribo.run.general_loop import GeneralLoop
-from tribo.run.layout import lay_out
+from tribo.layout.layout import lay_out
+from tribo.loops.general import GeneralLoop
 
 # Step of both loops [time].
 STEP = 1e-3

@@ -19,7 +19,7 @@ from statistics import median
 import numpy as np
 
 import tribo
-import tribo.run.loop_selection
+import tribo.loops.select
 from tribo import paper
 from tribo.accuracy.choose_method import RATES
 from tribo.accuracy.levels import setting_at
@@ -27,7 +27,7 @@ from tribo.accuracy.plan import integrator_for
 from tribo.accuracy.tolerance_scales import first_guess, unit_step
 from tribo.integrators import methods
 from tribo.integrators.methods import METHODS
-from tribo.run.layout import lay_out
+from tribo.layout.layout import lay_out
 from tribo.work_precision import WorkPrecision, work_precision
 
 # Relative errors at which evaluations are counted.
@@ -142,7 +142,7 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=20.0, help="for the runs of each scene")
     options = parser.parse_args()
     pairs = evaluation_rates(small_scenes()[:4], ["gauss-radau-15"], options.seconds)
-    tribo.run.loop_selection.has_pair_loop = lambda *scene: False  # pairs by the general loops too
+    tribo.loops.select.has_pair_loop = lambda *scene: False  # pairs by the general loops too
     general = evaluation_rates(small_scenes(), list(METHODS), options.seconds)
     exact = [m.name for m in METHODS.values() if m.splits and not methods.refusal(m, bathed())]
     with_bath = evaluation_rates(fast_baths(), exact, options.seconds)

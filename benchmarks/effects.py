@@ -26,8 +26,8 @@ from effect_scenes import APART, NEEDS, TOGETHER, scene, with_needs
 from tribo.explanation.memory import scene_bytes
 from tribo.integrators.methods import METHODS
 from tribo.kernels.status import PAUSED
-from tribo.run.general_loop import GeneralLoop, compile_loop
-from tribo.run.layout import lay_out
+from tribo.layout.layout import lay_out
+from tribo.loops.general import GeneralLoop, compile_loop
 
 # Set in processes whose cache was empty.
 EMPTY = "TRIBO_EMPTY_CACHE"

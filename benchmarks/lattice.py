@@ -36,7 +36,7 @@ from pathlib import Path
 import numpy as np
 
 import tribo
-from tribo.run.layout import lay_out
+from tribo.layout.layout import lay_out
 
 # Numbers of asperites.
 SIZES = (1_000, 10_000, 100_000, 1_000_000)

@@ -21,7 +21,7 @@ import time
 import numpy as np
 
 import tribo
-from tribo.run.layout import lay_out
+from tribo.layout.layout import lay_out
 
 # Numbers of asperites.
 SIZES = (1_000, 10_000, 100_000, 1_000_000)

@@ -22,8 +22,8 @@ import slip as slip_page
 
 import tribo
 from tribo import paper, plotting, potentials, units
+from tribo.compiler.jit import package_stamp
 from tribo.integrators import methods
-from tribo.kernels.compiled import package_stamp
 from tribo.kernels.status import MEANINGS
 from tribo.model import roughness
 from tribo.model.effects import Effect

@@ -24,7 +24,6 @@ import tribo
 from tribo import paper
 from tribo.accuracy import scales as accuracy
 from tribo.accuracy.estimate import distance
-from tribo.model.scene_writer import scene_text
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "tests"))
@@ -91,7 +90,7 @@ def bars() -> Iterator[list[str]]:
 
 def independent(scene: tribo.Scene) -> tuple[dict, dict]:
     """The end by the other solution at two tolerances; their difference is its uncertainty."""
-    table = tomllib.loads(scene_text(scene))
+    table = tomllib.loads(scene.to_toml())
     return (
         reference.solve(table, rtol=5e-14, atol_factor=1e-15),
         reference.solve(table, rtol=2.3e-14, atol_factor=1e-16),  # the smallest that SciPy accepts

@@ -21,7 +21,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import NamedTuple
 
-from tribo import cli, load_scene
+from tribo import load_scene
+from tribo.commands import cli
 
 RUN = ("python", "shell", "toml")
 LANGUAGES = (*RUN, "text", "console")

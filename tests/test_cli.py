@@ -10,7 +10,7 @@ import pytest
 
 import tribo
 from tribo import Coulomb, Numerics, Output, Scene, Surface
-from tribo.cli import main
+from tribo.commands.cli import main
 from tribo.kernels.status import MEANINGS
 
 # The keys of `tribo run --json`: names that people's programs rely on.
@@ -247,9 +247,8 @@ def test_broken_pipe_is_quiet(tmp_path):
     """A reader that goes away is no reason for a traceback."""
     path = tmp_path / "scene.toml"
     path.write_text(SCENE)
-    code = (
-        f"import sys; from tribo.cli import main; sys.exit(main(['run', {str(path)!r}, '--json']))"
-    )
+    main = "from tribo.commands.cli import main"
+    code = f"import sys; {main}; sys.exit(main(['run', {str(path)!r}, '--json']))"
     with subprocess.Popen(
         [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     ) as process:
@@ -303,7 +302,7 @@ WRONG = [
 @pytest.mark.parametrize(("options", "problem"), WRONG, ids=[" ".join(w[0]) for w in WRONG])
 def test_wrong_values(run, monkeypatch, options, problem):
     """One line that names the option and what would do, before anything is compiled."""
-    for place in ("tribo.run.loop_selection.Pair", "tribo.run.loop_selection.compile_loop"):
+    for place in ("tribo.loops.select.Pair", "tribo.loops.select.compile_loop"):
         monkeypatch.setattr(place, lambda *arguments: pytest.fail("compiled"))
     status, out, err = run(SCENE, *options)
     assert status == 2 and out == ""

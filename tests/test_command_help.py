@@ -5,8 +5,8 @@ import subprocess
 
 import pytest
 
-from tribo.cli import main
-from tribo.command_help import SHELLS
+from tribo.commands.cli import main
+from tribo.commands.help import SHELLS
 
 
 @pytest.mark.parametrize(

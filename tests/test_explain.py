@@ -11,14 +11,14 @@ import pytest
 import tribo
 from tribo import paper
 from tribo.accuracy import choose_method, run_time
-from tribo.cli import main
+from tribo.commands.cli import main
 from tribo.explanation import prediction, reasons, speeds, summary
 from tribo.explanation.fastest_motion import fastest_motion
 from tribo.integrators.methods import METHODS
+from tribo.layout.layout import lay_out
+from tribo.loops import guards
 from tribo.model.effects import Effect
 from tribo.potentials import as_potential, expression
-from tribo.run import progress_guard
-from tribo.run.layout import lay_out
 
 ROW = {"shape": (3, 1), "spacing": (1.1, 0.0)}
 OSCILLATORS = tribo.Bath(masses=np.full(5, 0.1), frequencies=np.linspace(1.0, 3.0, 5))
@@ -242,7 +242,7 @@ def test_a_long_run_of_a_pair_is_ended(monkeypatch):
     """The loop for pairs stops within the budget too, at the same step every time."""
     monkeypatch.setattr(prediction, "BUDGET", 0.01)
     monkeypatch.setattr(prediction, "TRIALS", 2**12)
-    monkeypatch.setattr(progress_guard, "TRIALS", 2**12)
+    monkeypatch.setattr(guards, "TRIALS", 2**12)
     scene = replace(paper.scene("A"), duration=1e5, output=tribo.Output(samples=2))
     one, other = tribo.explain(scene), tribo.explain(scene)
     assert one.predicted.basis == "extrapolated"

@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 
 import tribo
+from tribo.compiler.jit import undisturbed
 from tribo.interrupts import Interrupted
-from tribo.kernels.compiled import undisturbed
 
 LONG = """
 duration = 1e6
@@ -24,7 +24,7 @@ surface = [ { name = "upper", bob = [-1.0, 0.0] }, { name = "lower", facing = "u
 """
 # The folder of the package.
 SOURCE = str(Path(tribo.__file__).parents[1])
-PROGRAM = "import sys; from tribo.cli import main; sys.exit(main())"
+PROGRAM = "import sys; from tribo.commands.cli import main; sys.exit(main())"
 # Processor time of an answer [s].
 ANSWER = 1.0
 # Wall time after which there is none [s], on a machine that may run much else.
@@ -158,7 +158,9 @@ def test_a_run_keeps_what_it_reached(interrupted, tmp_path):
 
 def test_little_is_imported_before_the_program_can_be_interrupted():
     """Python's own start apart; `typing` alone takes as long."""
-    code = "import sys; import tribo.cli; from tribo import interrupts; print(*sys.modules)"
+    code = (
+        "import sys; import tribo.commands.cli; from tribo import interrupts; print(*sys.modules)"
+    )
     found = subprocess.run(
         [sys.executable, "-S", "-c", f"import sys; sys.path.insert(0, {SOURCE!r}); {code}"],
         capture_output=True,

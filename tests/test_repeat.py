@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import tribo
-from tribo import InputError, paper, repeat
-from tribo.cli import main
+from tribo import InputError, paper
+from tribo.commands import repeat
+from tribo.commands.cli import main
 
 PLUGIN = """
 from pathlib import Path
@@ -52,7 +53,7 @@ def test_what_differs(stored, capsys, monkeypatch):
     found = repeat.differences(before, tribo.load_result(stored))
     assert [name for name, _ in found] == ["upper.w1", "contact_energy"]
     assert found[0].size == 0.5 and 0.0 < found[1].size < 1e-15
-    monkeypatch.setattr("tribo.run.saved_results.load_result", lambda path: before)
+    monkeypatch.setattr("tribo.result.load_result", lambda path: before)
     assert main(["run", str(stored)]) == 1
     message = "not repeated bit for bit: 2 series or values differ, upper.w1 by 5.0e-01; other"
     assert f"{stored}: {message}" in capsys.readouterr().err

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 import tribo
 from tribo import interrupts
 from tribo import work_precision as module
-from tribo.cli import main
+from tribo.commands.cli import main
 from tribo.integrators.methods import METHODS
 from tribo.kernels.status import Status
-from tribo.run.layout import lay_out
+from tribo.layout.layout import lay_out
 from tribo.work_precision import (
     MeanRow,
     MeansPrecision,
@@ -26,7 +26,7 @@ from tribo.work_precision import (
     measure,
     work_precision,
 )
-from tribo.work_precision.diagram import with_front
+from tribo.work_precision.rows import with_front
 
 FLOOR = 1e-9
 ERRORS = st.sampled_from([1e-11, 1e-10, 1e-9, 1e-6, 1e-3, 1.0])  # some cannot be told apart

@@ -65,11 +65,11 @@ if TYPE_CHECKING:  # "X as X" exports a name to type checkers
     )
     from tribo.prepared import Simulation as Simulation
     from tribo.report_card import check as check
-    from tribo.run.averages import Average as Average, time_average as time_average
-    from tribo.run.relax import NoEquilibriumError as NoEquilibriumError, relax as relax
-    from tribo.run.result import Result as Result
-    from tribo.run.saved_results import load_result as load_result
-    from tribo.run.state import State as State
+    from tribo.results.averages import Average as Average, time_average as time_average
+    from tribo.analysis.relax import NoEquilibriumError as NoEquilibriumError, relax as relax
+    from tribo.result import Result as Result
+    from tribo.result import load_result as load_result
+    from tribo.loops.state import State as State
     from tribo.simulation import prepare as prepare, simulate as simulate
     from tribo.sweeps import sweep as sweep
     from tribo.validation import InputError as InputError, TriboWarning as TriboWarning
@@ -77,7 +77,7 @@ if TYPE_CHECKING:  # "X as X" exports a name to type checkers
 # The module of each public name; it is imported when the name is first used.
 _HOME = {
     "Asperite": "tribo.model.asperite",
-    "Average": "tribo.run.averages",
+    "Average": "tribo.results.averages",
     "Bath": "tribo.model.bath",
     "BornMayer": "tribo.potentials",
     "Buckingham": "tribo.potentials",
@@ -104,12 +104,12 @@ _HOME = {
     "Interaction": "tribo.model.interaction",
     "Langevin": "tribo.model.langevin",
     "LennardJones": "tribo.potentials",
-    "load_result": "tribo.run.saved_results",
+    "load_result": "tribo.result",
     "load_scene": "tribo.model.scene_file",
     "Mie": "tribo.potentials",
     "Morse": "tribo.potentials",
     "Numerics": "tribo.model.settings",
-    "NoEquilibriumError": "tribo.run.relax",
+    "NoEquilibriumError": "tribo.analysis.relax",
     "Output": "tribo.model.settings",
     "Periodic": "tribo.model.interaction",
     "periodic_rows": "tribo.model.rows",
@@ -117,8 +117,8 @@ _HOME = {
     "prepare": "tribo.simulation",
     "Pulled": "tribo.model.drives",
     "Pushed": "tribo.model.drives",
-    "relax": "tribo.run.relax",
-    "Result": "tribo.run.result",
+    "relax": "tribo.analysis.relax",
+    "Result": "tribo.result",
     "Roughness": "tribo.model.roughness",
     "Topography": "tribo.model.topography",
     "Scene": "tribo.model.scene",
@@ -126,11 +126,11 @@ _HOME = {
     "Simulation": "tribo.prepared",
     "SoftSphere": "tribo.potentials",
     "Spectrum": "tribo.model.spectrum",
-    "State": "tribo.run.state",
+    "State": "tribo.loops.state",
     "Springs": "tribo.model.springs",
     "Surface": "tribo.model.surface",
     "sweep": "tribo.sweeps",
-    "time_average": "tribo.run.averages",
+    "time_average": "tribo.results.averages",
     "TriboWarning": "tribo.validation",
     "WeeksChandlerAndersen": "tribo.potentials",
     "with_cutoff": "tribo.potentials",

@@ -2,7 +2,7 @@
 
 import sys
 
-from tribo.cli import main
+from tribo.commands.cli import main
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import math
 import os
 import stat
 from pathlib import Path
@@ -110,3 +112,16 @@ def locked(path: Path) -> BinaryIO:
     except OSError as error:
         raise not_written(path, error) from None
     return file
+
+
+def strict_json(value: object, indent: int | None = 1) -> str:
+    """Nested data as JSON, with null for every float that JSON cannot represent."""
+    return json.dumps(_without_nan(value), indent=indent, allow_nan=False)
+
+
+def _without_nan(value: object) -> object:
+    if isinstance(value, dict):
+        return {key: _without_nan(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_without_nan(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

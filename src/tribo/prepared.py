@@ -23,14 +23,21 @@ from tribo.accuracy.search import MOST_COST
 from tribo.accuracy.stop_times import StopTimes
 from tribo.interrupts import Interrupted
 from tribo.kernels.status import Status
-from tribo.run.cost import Cost
-from tribo.run.identity import settings_of, version
-from tribo.run.initial_state import InitialState, Start
-from tribo.run.integrate import Integration, Setting
-from tribo.run.layout import Layout
-from tribo.run.ledger import Ledger, assemble
-from tribo.run.loop_selection import Integrator
-from tribo.run.notes import (
+from tribo.layout.initial_state import InitialState, Start
+from tribo.layout.layout import Layout
+from tribo.ledger.ledger import Ledger, assemble
+from tribo.ledger.passing import passing_notes
+from tribo.ledger.samples import Samples
+from tribo.ledger.separation import separation_notes
+from tribo.ledger.sinks import StreamedLedger, is_streamed
+from tribo.loops.cuts import up_to_passing
+from tribo.loops.integrate import Integration, Setting
+from tribo.loops.select import Integrator
+from tribo.loops.state import digest_of, state_of
+from tribo.model.identity import settings_of, version
+from tribo.result import Result
+from tribo.results.cost import Cost
+from tribo.results.notes import (
     approach_notes,
     budget_notes,
     calculator_notes,
@@ -40,13 +47,8 @@ from tribo.run.notes import (
     run_notes,
     stop_notes,
 )
-from tribo.run.passing import passing_notes, up_to_passing
-from tribo.run.pumped_heat import pumping_notes
-from tribo.run.result import Known, Result
-from tribo.run.samples import Samples
-from tribo.run.separation import separation_notes
-from tribo.run.state import digest_of, state_of
-from tribo.run.streamed_ledger import StreamedLedger, is_streamed
+from tribo.results.pumped_heat import pumping_notes
+from tribo.results.run_result import Known
 from tribo.validation import InputError, TriboWarning
 
 # A step that was chosen is halved so often at most: a thousandth of it resolves no other scenes.

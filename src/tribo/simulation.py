@@ -13,23 +13,22 @@ from tribo.accuracy.comparison import (
 )
 from tribo.accuracy.estimate import check_observables
 from tribo.accuracy.plan import Plan, integrator_for, make_plan
+from tribo.analysis.deep_core import core_notes
 from tribo.files import netcdf_target
 from tribo.integrators import methods
 from tribo.kernels.status import Status
+from tribo.layout.layout import Layout, lay_out
+from tribo.layout.threads import threads_of
+from tribo.ledger.ledger import check_keep
+from tribo.loops.integrate import Progress
+from tribo.loops.journal import PART, Journal
+from tribo.loops.select import Integrator
+from tribo.loops.state import Origin, State, continued, digest_of
+from tribo.model.identity import identity_of, refuse_other, settings_of, version
 from tribo.model.scene import Scene
 from tribo.prepared import Simulation, with_warning
 from tribo.progress import ProgressBar, Reported, Shown
-from tribo.run.deep_core import core_notes
-from tribo.run.identity import identity_of, refuse_other, settings_of, version
-from tribo.run.integrate import Progress
-from tribo.run.journal import PART, Journal
-from tribo.run.layout import Layout, lay_out
-from tribo.run.ledger import check_keep
-from tribo.run.loop_selection import Integrator
-from tribo.run.result import Result
-from tribo.run.saved_results import load_result
-from tribo.run.state import Origin, State, continued, digest_of
-from tribo.run.threads import threads_of
+from tribo.result import Result, load_result
 from tribo.validation import InputError, TriboWarning, as_path, boolean, inside, must_be
 
 

@@ -13,10 +13,10 @@ from tribo.accuracy.roundoff import rounding_of_terms
 from tribo.accuracy.scales import EPSILON
 from tribo.accuracy.tolerance_scales import FLOOR, first_guess, tolerance_scales, tolerances
 from tribo.integrators.methods import METHODS
-from tribo.run.entry import Entry
-from tribo.run.integrate import first_step_at
-from tribo.run.layout import lay_out
-from tribo.run.samples import Samples
+from tribo.layout.layout import lay_out
+from tribo.ledger.entry import Entry
+from tribo.ledger.samples import Samples
+from tribo.loops.integrate import first_step_at
 
 METHOD = METHODS["gauss-radau-15"]
 

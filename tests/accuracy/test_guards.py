@@ -12,10 +12,11 @@ from tribo.accuracy.plan import integrator_for
 from tribo.integrators.methods import METHODS
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import Status
-from tribo.run import integrate, progress_guard, streamed_ledger
-from tribo.run.closest_bobs import closest_bobs
-from tribo.run.layout import lay_out
-from tribo.run.samples import Samples
+from tribo.layout.layout import lay_out
+from tribo.ledger import sinks
+from tribo.ledger.closest_bobs import closest_bobs
+from tribo.ledger.samples import Samples
+from tribo.loops import guards, integrate
 
 
 def note_of_stop(result):
@@ -73,10 +74,10 @@ def test_closest_bobs_of_lattices():
 
 def impatient(monkeypatch, evaluations=500.0):
     """Look at the progress of a run after every 16 trials."""
-    monkeypatch.setattr(progress_guard, "TRIALS", 16)
-    monkeypatch.setattr(progress_guard, "FEWEST_TRIALS", 16)
-    monkeypatch.setattr(progress_guard, "MOST_WORK", 2.0 * evaluations)
-    monkeypatch.setattr(progress_guard, "ALWAYS_ALLOWED", 0.0)
+    monkeypatch.setattr(guards, "TRIALS", 16)
+    monkeypatch.setattr(guards, "FEWEST_TRIALS", 16)
+    monkeypatch.setattr(guards, "MOST_WORK", 2.0 * evaluations)
+    monkeypatch.setattr(guards, "ALWAYS_ALLOWED", 0.0)
 
 
 def test_a_run_that_makes_no_progress_stops(monkeypatch):
@@ -138,7 +139,7 @@ def test_runaway_of_a_run_in_portions(monkeypatch, samples):
     """It ends at the same sample, whatever the number of samples in a portion."""
     scene, how = stiff(), {"step": 0.02, "method": "midpoint"}
     whole = stopped("EnergyRunaway", scene, **how)
-    monkeypatch.setattr(streamed_ledger, "PORTION_BYTES", 0)
+    monkeypatch.setattr(sinks, "PORTION_BYTES", 0)
     monkeypatch.setattr(integrate, "portion_size", lambda layout: samples)
     keep = ("total_energy_change", "upper.omega")
     result = stopped(
@@ -158,8 +159,8 @@ def test_portions_know_the_works_before(monkeypatch):
         known.append(before)
         return None, before + 1.0
 
-    monkeypatch.setattr(streamed_ledger, "first_lost", first_lost)
-    monkeypatch.setattr(streamed_ledger, "PORTION_BYTES", 0)
+    monkeypatch.setattr(sinks, "first_lost", first_lost)
+    monkeypatch.setattr(sinks, "PORTION_BYTES", 0)
     output = tribo.Output(samples=4, keep=("total_energy_change",))
     scene = replace(stiff(), duration=0.06, output=output)
     tribo.simulate(scene, step=0.02, method="midpoint")
@@ -189,7 +190,7 @@ def test_energy_of_a_field_is_no_runaway(monkeypatch):
     result = tribo.simulate(scene, step=0.05, method="verlet")
     assert result.status == "completed"
     assert result["point"].delta_k_trans[-1, 0] > 1e-3
-    monkeypatch.setattr(streamed_ledger, "PORTION_BYTES", 0)
+    monkeypatch.setattr(sinks, "PORTION_BYTES", 0)
     output = replace(scene.output, keep=("point.delta_k_trans",))
     again = tribo.simulate(replace(scene, output=output), step=0.05, method="verlet")
     assert again.status == "completed"

@@ -15,9 +15,9 @@ from tribo.accuracy.estimate import DIVERGED, DIVERGED_IN_CHAOS, estimate
 from tribo.accuracy.roundoff import rounding_of_terms
 from tribo.accuracy.scales import KINDS, Scales, kind_of, reported_scales
 from tribo.accuracy.tolerance_scales import first_guess, tolerance_scales
-from tribo.run.entry import Entry
-from tribo.run.layout import lay_out
-from tribo.run.ledger import assemble
+from tribo.layout.layout import lay_out
+from tribo.ledger.entry import Entry
+from tribo.ledger.ledger import assemble
 
 TURNING = {
     "a free bar": {"bars": "free", "initial": tribo.Initial(theta=0.4, phi=-0.7, nu=0.9)},

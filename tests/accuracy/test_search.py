@@ -15,10 +15,10 @@ from tribo.accuracy.comparison import PERTURBATION, error_bounds, measure_amplif
 from tribo.accuracy.stop_times import MOST_STOPS, PARTS, StopTimes
 from tribo.integrators.methods import METHODS
 from tribo.kernels.status import Status
+from tribo.layout.layout import lay_out
+from tribo.loops.integrate import Integration
 from tribo.potentials.cutoff import AT_CUTOFF
-from tribo.run.integrate import Integration
-from tribo.run.layout import lay_out
-from tribo.run.notes import budget_notes
+from tribo.results.notes import budget_notes
 
 FEW = tribo.Output(samples=9)
 

@@ -9,8 +9,8 @@ import pytest
 import tribo
 from tribo import paper
 from tribo.accuracy import search, search_runs
+from tribo.loops.select import Integrator
 from tribo.progress import ProgressBar
-from tribo.run.loop_selection import Integrator
 
 FEW = tribo.Output(samples=9)
 

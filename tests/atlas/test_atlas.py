@@ -8,7 +8,7 @@ import pytest
 from tribo import atlas, interrupts
 from tribo.atlas.entries import STOP_TIME, all_entries
 from tribo.atlas.rows import NOT_HONEST, NOT_MET
-from tribo.cli import main
+from tribo.commands.cli import main
 from tribo.kernels.status import MEANINGS
 from tribo.simulation import prepare
 

@@ -117,8 +117,8 @@ WAY = """
 import numba
 numba.__version__ = VERSION
 from tribo.compiler.numba_private import NATIVE
-import tribo.kernels.jit_options
-print(NATIVE, tribo.kernels.jit_options.LINKED)
+import tribo.compiler.jit_options
+print(NATIVE, tribo.compiler.jit_options.LINKED)
 """
 
 
@@ -134,5 +134,5 @@ def test_an_untested_version_takes_the_plain_way(tmp_path):
 
 def test_the_variable_has_one_value(tmp_path):
     """Any other is named."""
-    _, error = run(tmp_path, "import tribo.kernels.compiled", TRIBO_NUMBA="fast")
+    _, error = run(tmp_path, "import tribo.compiler.jit", TRIBO_NUMBA="fast")
     assert 'TRIBO_NUMBA: must be "plain" or absent, got "fast"' in error

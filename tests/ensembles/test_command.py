@@ -9,9 +9,8 @@ from scipy import stats
 from scipy.stats import qmc
 
 from tribo import ensemble, grid, paper
-from tribo.cli import main
+from tribo.commands.cli import main
 from tribo.ensembles import checked_runs
-from tribo.model.scene_writer import scene_text
 from tribo.progress import ProgressBar
 
 
@@ -19,7 +18,7 @@ def test_the_file_has_the_members(tmp_path, capsys):
     """Bit for bit those of tribo.ensemble with the same seed."""
     scene = paper.scene("A")
     path, out = tmp_path / "a.toml", tmp_path / "a.nc"
-    path.write_text(scene_text(scene), encoding="utf-8")
+    path.write_text(scene.to_toml(), encoding="utf-8")
     vary = ["--vary", "upper.theta=normal(0,0.1)", "--vary", "lower.omega=uniform(-0.1, 0.1)"]
     keep = "upper.w1,contact_energy"
     command = ["ensemble", str(path), *vary, "-n", "70", "--keep", keep, "--seed", "3"]
@@ -43,7 +42,7 @@ def test_the_file_has_the_members(tmp_path, capsys):
 def test_statistics_of_a_grid(tmp_path, capsys):
     """In a file that a second command only reads; other arguments are refused by name."""
     path, out = tmp_path / "a.toml", tmp_path / "a.nc"
-    path.write_text(scene_text(paper.scene("A")), encoding="utf-8")
+    path.write_text(paper.scene("A").to_toml(), encoding="utf-8")
     vary = ["--vary", "upper.theta=grid(0,0.2,5)", "--vary", "upper.omega=grid(-1,1,3)"]
     command = ["ensemble", str(path), *vary, "--keep", "upper.w1", "--statistics", "--resume"]
     command += ["--out", str(out)]
@@ -69,7 +68,7 @@ def test_an_interrupt_keeps_the_file(tmp_path, capsys, monkeypatch):
     """Exit status 1, and the number of members that FILE.part has."""
     monkeypatch.setattr(checked_runs, "CHUNK", 64)
     path, out = tmp_path / "a.toml", tmp_path / "a.nc"
-    path.write_text(scene_text(paper.scene("A")), encoding="utf-8")
+    path.write_text(paper.scene("A").to_toml(), encoding="utf-8")
 
     def stop(bar, done):
         raise KeyboardInterrupt
@@ -95,7 +94,7 @@ def test_an_interrupt_without_a_file(tmp_path, capsys, monkeypatch, settings):
     """The means of the members that are finished are printed."""
     monkeypatch.setattr(checked_runs, "CHUNK", 64)
     path = tmp_path / "a.toml"
-    path.write_text(scene_text(paper.scene("A")), encoding="utf-8")
+    path.write_text(paper.scene("A").to_toml(), encoding="utf-8")
 
     def stop(bar, done):
         if done == 128:
@@ -118,7 +117,7 @@ def test_an_interrupt_without_a_file(tmp_path, capsys, monkeypatch, settings):
 def test_a_sampler(tmp_path, capsys):
     """The members are at the sampler's points; without distributions there are none."""
     path, out = tmp_path / "a.toml", tmp_path / "a.nc"
-    path.write_text(scene_text(paper.scene("A")), encoding="utf-8")
+    path.write_text(paper.scene("A").to_toml(), encoding="utf-8")
     command = ["ensemble", str(path), "-n", "16", "--keep", "upper.w1", "--seed", "5"]
     normal = ["--vary", "upper.theta=normal(0,0.1)", "--vary", "upper.velocity=uniform(0.4,0.6)"]
     for name, kind in (("sobol", qmc.Sobol), ("latin-hypercube", qmc.LatinHypercube)):
@@ -149,7 +148,7 @@ def test_means_over_time(tmp_path, capsys):
     """Without --keep: the means of tribo.ensemble, and those at the end in print."""
     scene = paper.scene("A")
     path, out = tmp_path / "a.toml", tmp_path / "a.nc"
-    path.write_text(scene_text(scene), encoding="utf-8")
+    path.write_text(scene.to_toml(), encoding="utf-8")
     arguments = ["ensemble", str(path), "--vary", "upper.theta=normal(0,0.1)", "-n", "4"]
     assert main([*arguments, "--out", str(out)]) == 0
     data = ensemble(scene, 4, {"upper.theta": stats.norm(0.0, 0.1)})
@@ -176,7 +175,7 @@ def test_means_over_time(tmp_path, capsys):
 def test_refusals(text, tmp_path, capsys):
     """Exit status 2 and the form that is wanted."""
     path = tmp_path / "a.toml"
-    path.write_text(scene_text(paper.scene("A")), encoding="utf-8")
+    path.write_text(paper.scene("A").to_toml(), encoding="utf-8")
     arguments = ["ensemble", str(path), "--vary", text, "-n", "3", "--keep", "upper.w1"]
     assert main(arguments) == 2
     assert "KEY=normal(MEAN,DEVIATION)" in capsys.readouterr().err

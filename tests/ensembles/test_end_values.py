@@ -17,13 +17,13 @@ from tribo.ensembles import checked_runs
 from tribo.ensembles.members import Variation
 from tribo.integrators.nystrom_tableaux import RKN8, RKN12
 from tribo.kernels.status import PAUSED
+from tribo.layout.initial_state import InitialState
+from tribo.layout.member_numbers import member_numbers
+from tribo.ledger.ledger import assemble
+from tribo.loops.batch_pair import PairMembers
+from tribo.loops.batch_pair_lanes import PairLanes, has_lanes
 from tribo.model.parameters import with_values
 from tribo.pair.members import CODE
-from tribo.run.initial_state import InitialState
-from tribo.run.lane_members import PairLanes, has_lanes
-from tribo.run.ledger import assemble
-from tribo.run.member_numbers import member_numbers
-from tribo.run.members import PairMembers
 
 KEEP = [f"{s}.{q}" for s in ("upper", "lower") for q in ("w1", "w2", "delta_e_int", "omega")]
 KEEP += ["upper.W", "contact_energy", "total_energy_change"]
@@ -64,7 +64,7 @@ def test_members_are_single_runs(case):
         )
         y = InitialState(simulation.layout)(start)
         run = simulation.integrator(tolerance, simulation.layout.times, y)
-        ledger = tribo.run.ledger.assemble(simulation.layout, run.samples)
+        ledger = tribo.ledger.ledger.assemble(simulation.layout, run.samples)
         assert run.steps == data["steps"][member]
         for name in KEEP:
             np.testing.assert_array_equal(data[name][member], ledger.series(name)[0][-1], name)

@@ -307,7 +307,7 @@ def test_members_that_stop_early_are_in_no_mean():
 def test_series_too_long_to_hold(monkeypatch):
     """Surfaces as wholes keep theirs; sums over asperites are refused."""
     whole = ensemble(warm(), 3, step=0.1)
-    monkeypatch.setattr("tribo.run.streamed_ledger.SERIES_BYTES", 0)
+    monkeypatch.setattr("tribo.ledger.sinks.SERIES_BYTES", 0)
     data = ensemble(warm(), 3, step=0.1)
     np.testing.assert_array_equal(data["upper.W_mean"], whole["upper.W_mean"])
     assert "upper.heat" in whole and "upper.heat" not in data

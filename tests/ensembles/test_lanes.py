@@ -6,17 +6,17 @@ import pytest
 import tribo
 from support.crossed import Push, Turn
 from support.kinds import surfaces_of
+from tribo.compiler.lanes import LANES
 from tribo.ensembles.kept_values import Kept
 from tribo.ensembles.step_runs import StepRuns
 from tribo.integrators.methods import METHODS
 from tribo.integrators.nystrom_members import MOST_TRIALS
 from tribo.integrators.step_control import Tolerance
-from tribo.kernels.simd import LANES
 from tribo.kernels.status import BOBS_COINCIDE, COMPLETED, ENCOUNTER_JUMPED
+from tribo.layout.layout import lay_out
+from tribo.loops.batch_general import GeneralMembers
+from tribo.loops.batch_lanes import MembersInLanes, fit_lanes
 from tribo.pair.members import CODE, EVALUATIONS, STEPS
-from tribo.run.general_members import GeneralMembers
-from tribo.run.layout import lay_out
-from tribo.run.members_in_lanes import MembersInLanes, fit_lanes
 
 FIELDS = ("y", "s", "contact", "field", "stored")
 STEP, FIRST_STEP = 0.02, 0.2

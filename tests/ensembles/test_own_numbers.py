@@ -14,9 +14,9 @@ from tribo.ensembles.members import Variation
 from tribo.ensembles.single_runs import SingleRuns
 from tribo.integrators.methods import METHODS
 from tribo.integrators.step_control import Tolerance
-from tribo.run.layout import lay_out
-from tribo.run.member_numbers import can_differ, member_numbers
-from tribo.run.members_in_lanes import MembersInLanes
+from tribo.layout.layout import lay_out
+from tribo.layout.member_numbers import can_differ, member_numbers
+from tribo.loops.batch_lanes import MembersInLanes
 
 SPEEDS = {"upper.velocity": stats.uniform(0.4, 0.2)}
 STRENGTHS = {"interaction.strength": stats.uniform(0.1, 0.2)}

@@ -9,7 +9,7 @@ import pytest
 
 import tribo
 from tribo import paper
-from tribo.run.contact_probe import ContactProbe
+from tribo.analysis.contact_probe import ContactProbe
 from tribo.validation import InputError
 
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import tribo
-from tribo.cli import main
+from tribo.commands.cli import main
 from tribo.export.lammps import to_lammps
 from tribo.export.lepton import energy_text
 from tribo.potentials import expression, from_points, scaled, sum_of, with_cutoff

@@ -13,9 +13,9 @@ from support.inactive import inactive as not_stepped
 from support.kinds import surfaces_of
 from tribo.integrators.methods import METHODS
 from tribo.kernels.status import COMPLETED, PAUSED
-from tribo.run import contacts, model_tables
-from tribo.run.general_loop import GeneralLoop
-from tribo.run.layout import lay_out
+from tribo.layout import contacts, tables
+from tribo.layout.layout import lay_out
+from tribo.loops.general import GeneralLoop
 
 
 @pytest.fixture(autouse=True)
@@ -41,7 +41,7 @@ def same_with_own_constants(scene, alike):
     `alike` names the surfaces whose asperites share them.
     """
     shared = lay_out(scene)
-    with mock.patch.object(model_tables, "are_alike", return_value=False):
+    with mock.patch.object(tables, "are_alike", return_value=False):
         own = lay_out(scene)
     masks = shared.model.surfaces.constants_mask
     assert [s.name for s, mask in zip(scene.surfaces, masks, strict=True) if mask == 0] == alike
@@ -109,7 +109,7 @@ def test_baths_reservoirs_plugins_and_forces():
     scene = scene_of(kinds, ("forces", "energies"))
     same_with_own_constants(scene, list(kinds))
     one = tribo.simulate(scene, method="verlet", step=STEP).to_xarray()
-    with mock.patch.object(model_tables, "are_alike", return_value=False):
+    with mock.patch.object(tables, "are_alike", return_value=False):
         other = tribo.simulate(scene, method="verlet", step=STEP).to_xarray()
     assert one.equals(other) and {"heated.f_T_x", "ends.fL_x", "turned.f_bath_x"} <= set(one)
 

@@ -11,10 +11,11 @@ from support.inactive import STEP, STOPS, check, crossing, step_all
 from support.inactive import inactive as not_stepped
 from tribo.explanation.speeds import inactive_at_start
 from tribo.integrators.methods import METHODS
-from tribo.run import contacts, inactive, integrate
+from tribo.layout import active, contacts
+from tribo.layout.layout import lay_out
+from tribo.loops import integrate
+from tribo.loops.general import GeneralLoop
 from tribo.run import layout as layouts
-from tribo.run.general_loop import GeneralLoop
-from tribo.run.layout import lay_out
 
 VERLET = {"method": "verlet", "step": STEP}
 
@@ -28,7 +29,7 @@ def lists(monkeypatch):
 def test_results_are_those_of_steps(monkeypatch):
     """Every series agrees to round-off, also of asperites that wake, are hit and left behind."""
     closed = tribo.simulate(crossing(), **VERLET)
-    every = inactive.active_blocks
+    every = active.active_blocks
     monkeypatch.setattr(layouts, "active_blocks", lambda *scene: step_all(every(*scene)))
     stepped = tribo.simulate(crossing(), **VERLET)
     assert closed.status == stepped.status == "completed"
@@ -82,7 +83,7 @@ def test_restored_between_selections():
 
 
 def eligible(**lower):
-    """Whether the asperites of "lower" can be inactive, if those of others can."""
+    """Whether the asperites of "lower" can be active, if those of others can."""
     scene = crossing()
     surfaces = [replace(s, **lower) if s.name == "lower" else s for s in scene.surfaces]
     active = lay_out(replace(scene, surfaces=tuple(surfaces))).neighbours(splits=True).active

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import tribo
-import tribo.run.integrate
+import tribo.loops.integrate
 from support.hard_scenes import Well, broken, changed, side_by_side, simulate, stopped
 from tribo import (
     Asperite,
@@ -26,8 +26,8 @@ from tribo.accuracy.plan import integrator_for
 from tribo.accuracy.scales import KINDS, reported_scales
 from tribo.integrators.methods import METHODS
 from tribo.integrators.step_control import Tolerance
+from tribo.layout.layout import lay_out
 from tribo.paper import scene as case
-from tribo.run.layout import lay_out
 
 ADAPTIVE = [m.name for m in METHODS.values() if m.adaptive]
 # Steps of the others, and the errors that go with them on the paper's cases.
@@ -163,7 +163,7 @@ def test_pauses_change_nothing(monkeypatch, name):
     scene = replace(case("A"), duration=30.0, output=Output(samples=601))
     results = []
     for seconds in (0.0, 1e9):
-        monkeypatch.setattr(tribo.run.integrate, "CHUNK_SECONDS", seconds)
+        monkeypatch.setattr(tribo.loops.integrate, "CHUNK_SECONDS", seconds)
         results.append(tribo.simulate(scene, **how(name)))
     one, other = results
     assert (one.status, one.cost.steps) == (other.status, other.cost.steps)

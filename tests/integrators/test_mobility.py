@@ -24,8 +24,8 @@ from tribo import (
     Surface,
 )
 from tribo.accuracy.choose_method import choose
-from tribo.run.layout import lay_out
-from tribo.run.resolution import longest_step
+from tribo.layout.layout import lay_out
+from tribo.loops.resolution import longest_step
 
 STEP, TEMPERATURE, FORCE = 0.1, 0.3, 0.4
 RIGID, SOFT = Asperite(kappa=np.inf), Asperite()

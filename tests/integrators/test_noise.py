@@ -25,7 +25,7 @@ from tribo import (
 )
 from tribo.accuracy.choose_method import choose
 from tribo.integrators import methods
-from tribo.run.layout import lay_out
+from tribo.layout.layout import lay_out
 
 TEMPERATURE, GAMMA, DRAG = 0.3, 1.2, 0.8
 

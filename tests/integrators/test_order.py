@@ -12,9 +12,9 @@ from tribo.accuracy.choose_method import cheapest
 from tribo.accuracy.plan import integrator_for
 from tribo.integrators.methods import METHODS
 from tribo.integrators.step_control import Tolerance
+from tribo.layout.layout import lay_out
+from tribo.loops.select import Integrator
 from tribo.paper import scene as case
-from tribo.run.layout import lay_out
-from tribo.run.loop_selection import Integrator
 
 END = 4.0
 # In how many equal steps each method goes there, and by how much its slope may fall short.

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import tribo.run.contacts
+import tribo.layout.contacts
 from tribo import (
     Asperite,
     Bath,
@@ -22,10 +22,10 @@ from tribo import (
 from tribo.accuracy.tolerance_scales import first_step
 from tribo.integrators.methods import METHODS
 from tribo.integrators.step_control import Tolerance
+from tribo.layout.layout import lay_out
+from tribo.loops import integrate, pair
+from tribo.loops.general import GeneralLoop
 from tribo.paper import scene as case
-from tribo.run import integrate, pair_adapter
-from tribo.run.general_loop import GeneralLoop
-from tribo.run.layout import lay_out
 
 BUDGETS = (10**9, 1, 7)  # steps between two pauses
 
@@ -107,7 +107,7 @@ SLOW = {"gauss-8", "rkn8", "gauss-radau-15"}
 )
 def test_pauses_of_rows(monkeypatch, name):
     """Lists of neighbours, the rate of encounters and rejected steps survive a pause."""
-    monkeypatch.setattr(tribo.run.contacts, "UNLISTED_PAIRS", 0)
+    monkeypatch.setattr(tribo.layout.contacts, "UNLISTED_PAIRS", 0)
     layout = lay_out(rows(34))
     assert layout.rows > 0
     method = METHODS[name]
@@ -153,10 +153,10 @@ def test_pauses_of_a_pair(monkeypatch, level):
     scene = replace(case("B"), interactions=Coulomb(0.2), output=Output(samples=9))
     layout = lay_out(scene)
     method = METHODS["gauss-radau-15"]
-    pair = pair_adapter.Pair(layout, method, first_step(layout))
+    loop = pair.Pair(layout, method, first_step(layout))
 
     def run():
         wanted = tolerance(layout, level)
-        return pair.integrate(wanted, layout.start, scene.times, progress=lambda t: None)
+        return loop.integrate(wanted, layout.start, scene.times, progress=lambda t: None)
 
     assert_same(monkeypatch, run, "completed")

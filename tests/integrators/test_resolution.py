@@ -25,18 +25,18 @@ from tribo import (
     paper,
 )
 from tribo.accuracy.choose_method import choose
+from tribo.compiler.jit import shared_kernel
+from tribo.compiler.lanes import LANES
+from tribo.compiler.lanes_memory import with_spare_lanes
 from tribo.integrators.methods import METHODS
 from tribo.integrators.rotations import changes, set_rotations
 from tribo.integrators.step_control import LARGEST, all_finite
-from tribo.kernels.compiled import shared_kernel
 from tribo.kernels.samples import STORED
-from tribo.kernels.simd import LANES
-from tribo.kernels.simd_arrays import with_spare_lanes
-from tribo.run.layout import lay_out
-from tribo.run.ledger import assemble
-from tribo.run.notes import run_notes
-from tribo.run.resolution import longest_step, pendulum_frequency, spring_frequency
-from tribo.run.samples import Samples
+from tribo.layout.layout import lay_out
+from tribo.ledger.ledger import assemble
+from tribo.ledger.samples import Samples
+from tribo.loops.resolution import longest_step, pendulum_frequency, spring_frequency
+from tribo.results.notes import run_notes
 
 KAPPA = 1e4
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from numba import config, njit
 
-from tribo.compiler.numba_private import NATIVE
-from tribo.kernels.compiled import (
+from tribo.compiler.jit import (
     EntryPoint,
     cached_files,
     code_stamp,
@@ -15,7 +14,8 @@ from tribo.kernels.compiled import (
     remove_stale,
     time_loop,
 )
-from tribo.kernels.plugin_methods import recognize
+from tribo.compiler.numba_private import NATIVE
+from tribo.compiler.plugin_methods import recognize
 from tribo.pair.loop import pair_collocation
 
 
@@ -145,7 +145,7 @@ def test_a_loop_cleans_up_when_it_is_made(tmp_path, monkeypatch):
     path.touch()
     time_loop.__wrapped__(pair_collocation, "")
     assert not path.exists()
-    monkeypatch.setattr("tribo.kernels.compiled.cached_files", lambda loop: [path])
+    monkeypatch.setattr("tribo.compiler.jit.cached_files", lambda loop: [path])
     time_loop.__wrapped__(pair_collocation, "")
 
 

@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 
 import tribo
+from tribo.compiler.jit import shared_kernel
+from tribo.compiler.jit_options import LOOP
+from tribo.compiler.lanes import FAST_INVERSE_ROOTS
 from tribo.compiler.numba_private import NATIVE
 from tribo.integrators.methods import METHODS
-from tribo.kernels.compiled import shared_kernel
 from tribo.kernels.contact_forces import contact_forces
-from tribo.kernels.jit_options import LOOP
-from tribo.kernels.simd import FAST_INVERSE_ROOTS
+from tribo.layout.layout import lay_out
+from tribo.loops.general import GeneralLoop
 from tribo.potentials import as_potential
-from tribo.run.general_loop import GeneralLoop
-from tribo.run.layout import lay_out
 
 NO_LEDGER = tribo.Output(ledger="none")
 ROW = {"shape": (9, 1), "spacing": (1.0, 0.0)}

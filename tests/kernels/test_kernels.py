@@ -67,7 +67,7 @@ for how in HOW:
 
 def series(scene, how):
     """Every series of a run, by names that a file can have."""
-    with mock.patch("tribo.run.loop_selection.has_pair_loop", return_value=False):
+    with mock.patch("tribo.loops.select.has_pair_loop", return_value=False):
         result = tribo.simulate(SCENES[scene], **HOW[how])
     assert result.status == "completed"
     system = {f"system-{key}": values for key, values in result.system.items()}

@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 
 import tribo
+from tribo.compiler.jit import shared_kernel
+from tribo.compiler.lanes import LANES, NARROW, broadcast, lane, narrow, where_less, widen
+from tribo.compiler.lanes_memory import load, rows_of, store
+from tribo.compiler.numbers_in_lanes import numbers_at_lane, numbers_in_lanes
+from tribo.compiler.plugin_methods import recognize, type_of
 from tribo.explanation import summary
 from tribo.integrators.methods import METHODS
-from tribo.kernels.compiled import shared_kernel
-from tribo.kernels.numbers_in_lanes import numbers_at_lane, numbers_in_lanes
-from tribo.kernels.plugin_methods import recognize, type_of
 from tribo.kernels.potential_in_lanes import force_in_lanes, is_vectorized, range_in_lanes
-from tribo.kernels.simd import LANES, NARROW, broadcast, lane, narrow, where_less, widen
-from tribo.kernels.simd_arrays import load, rows_of, store
+from tribo.layout.layout import lay_out
 from tribo.potentials import BUILT_IN, as_potential, expression, scaled, sum_of, with_cutoff
-from tribo.run.layout import lay_out
 
 # Largest difference, relative to the force nearby: a few ulp of the largest term of a formula.
 ROUND_OFF = 2e-14

@@ -9,12 +9,13 @@ from hypothesis import strategies as st
 
 import tribo
 from support.sliding import CUTOFF, long_slide, scene
-from tribo.kernels.compiled import shared_kernel
+from tribo.compiler.jit import shared_kernel
+from tribo.compiler.lanes import LANES
 from tribo.kernels.neighbours import refresh
 from tribo.kernels.records import X, Y
-from tribo.kernels.simd import LANES
-from tribo.run import contacts, general_loop
-from tribo.run import layout as layouts
+from tribo.layout import contacts
+from tribo.layout import layout as layouts
+from tribo.loops import general
 
 
 def listed_blocks(neighbours, row: int) -> np.ndarray:
@@ -82,7 +83,7 @@ def test_a_list_has_every_pair_within_reach(given_places, slide):
         layout.model.bobs[[[X], [Y]], columns] = world[:, :2].T
         layout.model.bobs[X, columns[: len(upper)]] += shift
         update(layout.model, neighbours)
-        neighbours = general_loop.with_room(neighbours)
+        neighbours = general.with_room(neighbours)
         update(layout.model, neighbours)
         now = np.column_stack([*layout.model.bobs[[[X], [Y]], columns], layout.depths])
         above, below = now[: len(upper)], now[len(upper) :]
@@ -144,7 +145,7 @@ def test_a_list_that_outgrows_its_room(method, monkeypatch):
         return whole(self, splits)._replace(index=np.zeros(1, np.int32))
 
     whole = layouts.Layout.neighbours
-    monkeypatch.setattr(general_loop, "with_room", exactly)
+    monkeypatch.setattr(general, "with_room", exactly)
     monkeypatch.setattr(layouts.Layout, "neighbours", cramped)
     by_list = tribo.simulate(wanted, method=method, **how)
     assert len(set(grown)) >= 2, "the room must run out on the way, not at the start alone"

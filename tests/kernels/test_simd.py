@@ -5,17 +5,17 @@ import numpy as np
 import pytest
 from numba import njit
 
-from tribo.kernels import simd, simd_arrays, simd_functions
+from tribo.compiler import lanes, lanes_functions, lanes_memory
 
 
 @njit
 def _sine_cosine(x, out):
     """Row 0 of `x` into the rows of `out`."""
-    angles = simd_arrays.load(simd_arrays.rows_of(x), 0)
-    sin, cos, versine = simd_functions.sine_cosine_versine(angles)
-    simd_arrays.store(simd_arrays.rows_of(out), 0, sin)
-    simd_arrays.store(simd_arrays.rows_of(out), 1, cos)
-    simd_arrays.store(simd_arrays.rows_of(out), 2, versine)
+    angles = lanes_memory.load(lanes_memory.rows_of(x), 0)
+    sin, cos, versine = lanes_functions.sine_cosine_versine(angles)
+    lanes_memory.store(lanes_memory.rows_of(out), 0, sin)
+    lanes_memory.store(lanes_memory.rows_of(out), 1, cos)
+    lanes_memory.store(lanes_memory.rows_of(out), 2, versine)
 
 
 @pytest.mark.parametrize("size", [1e-9, 0.5, 3.0, 50.0, 2364.0, 1e5, 1.6e6, 1.7e6, 1e12])
@@ -41,14 +41,14 @@ def test_sine_and_cosine(size, near):
 @njit
 def _inverse_roots(x, out):
     """1 / sqrt and sqrt of row 0 of `x`, and of its first half, into the rows of `out`."""
-    squares = simd_arrays.load(simd_arrays.rows_of(x), 0)
-    inverse, half = simd.inverse_root(squares), simd.inverse_root(simd.narrow(squares))
-    simd_arrays.store(simd_arrays.rows_of(out), 0, inverse)
-    simd_arrays.store(simd_arrays.rows_of(out), 1, 1.0 / inverse)
-    simd_arrays.store(simd_arrays.rows_of(out), 2, simd.widen(half))
+    squares = lanes_memory.load(lanes_memory.rows_of(x), 0)
+    inverse, half = lanes.inverse_root(squares), lanes.inverse_root(lanes.narrow(squares))
+    lanes_memory.store(lanes_memory.rows_of(out), 0, inverse)
+    lanes_memory.store(lanes_memory.rows_of(out), 1, 1.0 / inverse)
+    lanes_memory.store(lanes_memory.rows_of(out), 2, lanes.widen(half))
 
 
-@pytest.mark.skipif(not simd.FAST_INVERSE_ROOTS, reason="the processor has no such instruction")
+@pytest.mark.skipif(not lanes.FAST_INVERSE_ROOTS, reason="the processor has no such instruction")
 def test_inverse_roots():
     """To 1.2 ulp, over all magnitudes; their inverses are roots to 2 ulp."""
     rng = np.random.default_rng(1)
@@ -65,8 +65,8 @@ def test_inverse_roots():
 @njit
 def _exponentials(x, out):
     """Row 0 of `x` into that of `out`."""
-    powers = simd_functions.exponential(simd_arrays.load(simd_arrays.rows_of(x), 0))
-    simd_arrays.store(simd_arrays.rows_of(out), 0, powers)
+    powers = lanes_functions.exponential(lanes_memory.load(lanes_memory.rows_of(x), 0))
+    lanes_memory.store(lanes_memory.rows_of(out), 0, powers)
 
 
 @pytest.mark.parametrize("size", [0.35, 30.0, 708.0])
@@ -88,19 +88,19 @@ def test_exponentials(size):
 @njit
 def _everything(x, out):
     """Each operation once."""
-    rows, into = simd_arrays.rows_of(x), simd_arrays.rows_of(out)
-    a, b = simd_arrays.load(rows, 0), simd_arrays.load(rows, 1)
-    simd_arrays.store(into, 0, a + b)
-    simd_arrays.store(into, 1, 2.0 - a * b)
-    simd_arrays.store(into, 2, a / b)
-    simd_arrays.store(into, 3, simd.sqrt(simd.absolute(a)))
-    simd_arrays.store(into, 4, simd.where_less(a, b, a, 7.0))
-    simd_arrays.store(into, 5, simd.with_lane(a, 3, simd.lane(b, 5)))
-    into[6, 0] = simd.sum_of_lanes(a)
-    into[6, 1] = simd.maximum(a)
+    rows, into = lanes_memory.rows_of(x), lanes_memory.rows_of(out)
+    a, b = lanes_memory.load(rows, 0), lanes_memory.load(rows, 1)
+    lanes_memory.store(into, 0, a + b)
+    lanes_memory.store(into, 1, 2.0 - a * b)
+    lanes_memory.store(into, 2, a / b)
+    lanes_memory.store(into, 3, lanes.sqrt(lanes.absolute(a)))
+    lanes_memory.store(into, 4, lanes.where_less(a, b, a, 7.0))
+    lanes_memory.store(into, 5, lanes.with_lane(a, 3, lanes.lane(b, 5)))
+    into[6, 0] = lanes.sum_of_lanes(a)
+    into[6, 1] = lanes.maximum(a)
     into[6, 2] = rows[1, 4]
-    scaled = (a, 2.0 * a, b, simd.broadcast(rows[0, 1]), a * b, a - b, a + b, 3.0 * b)
-    simd_arrays.store(into, 7, simd.sums_of_lanes(scaled))
+    scaled = (a, 2.0 * a, b, lanes.broadcast(rows[0, 1]), a * b, a - b, a + b, 3.0 * b)
+    lanes_memory.store(into, 7, lanes.sums_of_lanes(scaled))
 
 
 def test_arithmetic():
@@ -122,9 +122,9 @@ def test_arithmetic():
 
 def test_small_arrays_stand_side_by_side():
     """Distances of arrays in memory are the same in every process, but for a few of them."""
-    small = [simd_arrays.room((2, 9)) for _ in range(200)]
+    small = [lanes_memory.room((2, 9)) for _ in range(200)]
     places = np.array([array.ctypes.data for array in small])
     assert np.count_nonzero(np.diff(places) == 8 * 32) > 190
-    for array in (*small, simd_arrays.room((2, 10**5))):
+    for array in (*small, lanes_memory.room((2, 10**5))):
         assert array.ctypes.data % 64 == 0 and array.flags.c_contiguous and not np.any(array)
         array[:] = 1.0

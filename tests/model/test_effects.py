@@ -22,8 +22,8 @@ from tribo import (
     Springs,
     Surface,
 )
+from tribo.layout.layout import lay_out
 from tribo.model.effects import Effect
-from tribo.run.layout import lay_out
 
 PLAIN = {"swing", "contact", "clamped ends"}  # of the paper's forced sliding
 

@@ -32,9 +32,9 @@ from tribo import (
     Scene,
     Surface,
 )
-from tribo.cli import main
+from tribo.commands.cli import main
+from tribo.layout.layout import lay_out
 from tribo.model.scene_file import scene_from
-from tribo.run.layout import lay_out
 
 REMOVED = object()
 HUGE = 10**400  # TOML has such numbers, floats have not

@@ -8,7 +8,6 @@ import pytest
 import tribo
 from tribo.model.parameters import is_parameter, with_values
 from tribo.model.scene_file import scene_from
-from tribo.model.scene_writer import scene_table
 from tribo.validation import InputError
 
 BASE = {
@@ -34,7 +33,7 @@ BASE = {
 
 def changed(path, value):
     """The scene of BASE with another value in its table."""
-    table = scene_table(scene_from(BASE))
+    table = scene_from(BASE).to_table()
     place = table
     for name in path[:-1]:
         place = place[name] if not isinstance(place, dict) else place.setdefault(name, {})
@@ -69,10 +68,10 @@ def changed(path, value):
 def test_value_of_a_file(key, value, path):
     """The scene is that of the file with the value, and not the one before."""
     scene = scene_from(BASE)
-    found = scene_table(with_values(scene, {key: value}))
-    assert found == scene_table(changed(path, value))
+    found = with_values(scene, {key: value}).to_table()
+    assert found == changed(path, value).to_table()
     unchanged = key == "interaction.at_cutoff"
-    assert (found == scene_table(scene)) == unchanged
+    assert (found == scene.to_table()) == unchanged
 
 
 def test_several_values():

@@ -14,9 +14,8 @@ from hypothesis import strategies as st
 import tribo
 from support.strategies import scenes
 from tribo import Coulomb, Interaction, LennardJones, Morse, Numerics, Output, Scene, Surface
+from tribo.layout.layout import lay_out
 from tribo.model.scene_file import scene_from
-from tribo.model.scene_writer import scene_table, scene_text
-from tribo.run.layout import lay_out
 
 # The example of the contract: as short as it can be, and with every default written out.
 SHORT = """
@@ -72,7 +71,7 @@ samples = 401
 def again(scene, folder=None):
     """The scene written and read."""
     if folder is None:
-        return scene_from(tomllib.loads(scene_text(scene)))
+        return scene_from(tomllib.loads(scene.to_toml()))
     scene.save(folder / "scene.toml")
     return tribo.load_scene(folder / "scene.toml")
 
@@ -90,7 +89,7 @@ def test_defaults():
     """A short file is the long one with all defaults written out."""
     short, long = (scene_from(tomllib.loads(text)) for text in (SHORT, LONG))
     assert_same_layout(short, long)
-    short, long = scene_table(short), scene_table(long)
+    short, long = short.to_table(), long.to_table()
     assert long["interaction"][0].pop("between") == ["upper", "lower"]
     assert short == long
 
@@ -102,7 +101,7 @@ def test_defaults_are_those_of_python():
         Surface("lower", facing="up"),
     )
     scene = Scene(surfaces, Coulomb(0.2), 40.0)
-    assert scene_table(scene) == scene_table(scene_from(tomllib.loads(SHORT)))
+    assert scene.to_table() == scene_from(tomllib.loads(SHORT)).to_table()
 
 
 @given(scenes(), st.integers(0, 2**40))
@@ -112,7 +111,7 @@ def test_round_trip(scene, seed):
     loaded = again(scene)
     assert loaded == scene and hash(loaded) == hash(scene)
     assert replace(loaded, seed=seed + 1) != scene
-    assert scene_table(loaded) == scene_table(scene)
+    assert loaded.to_table() == scene.to_table()
     assert_same_layout(loaded, scene)
 
 
@@ -156,7 +155,7 @@ def test_round_trip_of_a_scene(tmp_path, name):
     plain = scene_from(tomllib.loads(SHORT))
     scene = replace(plain, **SCENES[name])
     assert again(scene, tmp_path) == scene != plain
-    assert scene_table(again(scene, tmp_path)) == scene_table(scene)
+    assert again(scene, tmp_path).to_table() == scene.to_table()
     assert again(scene, tmp_path).output == scene.output
     assert again(scene, tmp_path).numerics == scene.numerics
 
@@ -167,11 +166,11 @@ def test_round_trip_of_a_surface(tmp_path, name):
     table = tomllib.loads(SHORT)
     table["surface"][1] |= copy.deepcopy(SURFACES[name])
     scene = scene_from(table)
-    assert scene_table(again(scene, tmp_path)) == scene_table(scene)
+    assert again(scene, tmp_path).to_table() == scene.to_table()
     assert_same_layout(again(scene, tmp_path), scene)
     plain = scene_from(tomllib.loads(SHORT))
     assert again(scene, tmp_path) == scene != plain
-    assert scene_table(scene)["surface"][1] != scene_table(plain)["surface"][1]
+    assert scene.to_table()["surface"][1] != plain.to_table()["surface"][1]
 
 
 @pytest.mark.parametrize("end", ENDS, ids=str)
@@ -180,9 +179,9 @@ def test_round_trip_of_a_cutoff(tmp_path, end):
     table = tomllib.loads(SHORT)
     table["interaction"] |= end
     scene = scene_from(table)
-    assert scene_table(again(scene, tmp_path)) == scene_table(scene)
+    assert again(scene, tmp_path).to_table() == scene.to_table()
     assert again(scene, tmp_path) == scene
-    assert {"cutoff", "at_cutoff"} <= set(scene_table(scene)["interaction"][0])
+    assert {"cutoff", "at_cutoff"} <= set(scene.to_table()["interaction"][0])
 
 
 def test_round_trip_of_a_field_and_a_box(tmp_path):
@@ -200,7 +199,7 @@ def test_round_trip_of_a_field_and_a_box(tmp_path):
         }
     ]
     scene = scene_from(table)
-    assert scene_table(again(scene, tmp_path)) == scene_table(scene)
+    assert again(scene, tmp_path).to_table() == scene.to_table()
     assert scene.periodic.x is None and scene.periodic.z == 30.0
 
 
@@ -225,7 +224,7 @@ def test_swing_counts_from_the_rest_angle():
         surface["initial"] = {"swing": 0.25}
     scene = scene_from(table)
     assert np.array_equal(lay_out(scene).start[:2], [0.25, 0.25])
-    assert scene_table(scene)["surface"][1]["initial"] == {"swing": 0.25}
+    assert scene.to_table()["surface"][1]["initial"] == {"swing": 0.25}
     for surface, theta in zip(table["surface"], (0.25, np.pi + 0.25), strict=True):
         surface["initial"] = {"theta": theta}
     assert np.allclose(lay_out(scene_from(table)).start[:2], 0.25, rtol=0.0, atol=1e-15)
@@ -256,7 +255,7 @@ def test_plugin_lies_beside_the_file(tmp_path, monkeypatch):
     scene.save(tmp_path / "saved.toml")
     saved = tribo.load_scene(tmp_path / "saved.toml")
     assert type(saved.interactions[0].potential) is type(potential)
-    assert scene_table(saved) == scene_table(scene) and saved == scene
+    assert saved.to_table() == scene.to_table() and saved == scene
 
 
 def test_file_is_replaced_or_left_alone(tmp_path):

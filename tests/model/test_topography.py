@@ -12,7 +12,7 @@ import tribo
 from support.synthetic_scan import FILE, PIXEL, POINTS, TILT, scan_heights
 from tribo import InputError, Scene, Surface, Topography
 from tribo.model import topography
-from tribo.run.identity import plain_table
+from tribo.model.identity import plain_table
 
 EXAMPLE = FILE.with_name("measured_surface.toml")
 

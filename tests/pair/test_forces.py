@@ -6,7 +6,7 @@ import pytest
 from numba import NumbaError
 
 import tribo
-from tribo.kernels.plugin_methods import type_of
+from tribo.compiler.plugin_methods import type_of
 from tribo.kernels.potential_in_lanes import is_vectorized
 
 

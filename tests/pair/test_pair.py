@@ -17,16 +17,16 @@ from tribo.accuracy.levels import setting_at
 from tribo.accuracy.plan import integrator_for
 from tribo.accuracy.search_runs import PILOT_LEVEL
 from tribo.accuracy.tolerance_scales import first_guess
+from tribo.compiler.jit import time_loop
 from tribo.integrators.methods import METHODS
-from tribo.kernels.compiled import time_loop
 from tribo.kernels.status import COMPLETED, PAUSED
+from tribo.layout.layout import lay_out
+from tribo.ledger.ledger import assemble
+from tribo.ledger.pair_samples import PairSamples
+from tribo.ledger.samples import Samples
+from tribo.loops.pair import has_pair_loop, is_pair
 from tribo.pair.loop import COLUMNS, pair_collocation
 from tribo.plugins.sources import source_stamp
-from tribo.run.layout import lay_out
-from tribo.run.ledger import assemble
-from tribo.run.pair_adapter import has_pair_loop, is_pair
-from tribo.run.pair_samples import PairSamples
-from tribo.run.samples import Samples
 
 RADAU = METHODS["gauss-radau-15"]
 
@@ -39,7 +39,7 @@ def pilot(layout):
 def by_general_loop(scene: tribo.Scene, accuracy: float, monkeypatch) -> tribo.Result:
     """A run by the same method in the general loop."""
     with monkeypatch.context() as patch:
-        patch.setattr("tribo.run.loop_selection.has_pair_loop", lambda layout, method: False)
+        patch.setattr("tribo.loops.select.has_pair_loop", lambda layout, method: False)
         return tribo.simulate(scene, accuracy=accuracy, method=RADAU.name)
 
 

@@ -13,7 +13,6 @@ from ase.calculators.lj import LennardJones
 import tribo
 from support import reference
 from tribo import Interaction, paper, plotting
-from tribo.model.scene_writer import scene_text
 from tribo.plotting.geometry import Contacts, scene_geometry
 from tribo.potentials import from_calculator
 from tribo.validation import InputError
@@ -46,7 +45,7 @@ def rows():
         Interaction(charge, between=("lower", "lower")),
     )
     scene = tribo.Scene((upper, lower), interactions, 1.0, periodic=tribo.Periodic(x=5.0))
-    model = reference.Model(tomllib.loads(scene_text(scene)))
+    model = reference.Model(tomllib.loads(scene.to_toml()))
     state = model.start()
     state[: model.n] = (0.2, -0.1, 0.3, 0.1, -0.3)  # swings
     model.set_regions(0.0, state)

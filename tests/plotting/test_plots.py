@@ -7,7 +7,7 @@ import pytest
 
 import tribo
 from tribo import paper, plotting
-from tribo.cli import main
+from tribo.commands.cli import main
 from tribo.plotting import animation, picture
 from tribo.validation import InputError
 

@@ -12,9 +12,9 @@ from types import SimpleNamespace
 import pytest
 
 import tribo
-from tribo.kernels import compiled
-from tribo.kernels.compiled import COMPILED, code_stamp, is_compiled, package_stamp, time_loop
-from tribo.kernels.disk_cache import CodeFiles
+from tribo.compiler import jit
+from tribo.compiler.cache import CodeFiles
+from tribo.compiler.jit import COMPILED, code_stamp, is_compiled, package_stamp, time_loop
 from tribo.kernels.probe import contact_probe
 
 PLUGIN = """
@@ -255,7 +255,7 @@ def copy(monkeypatch, tmp_path):
     shutil.copytree(
         Path(tribo.__file__).parent, package, ignore=shutil.ignore_patterns("__pycache__")
     )
-    monkeypatch.setattr(compiled, "__file__", str(package / "kernels" / "compiled.py"))
+    monkeypatch.setattr(jit, "__file__", str(package / "kernels" / "compiled.py"))
     return package
 
 
@@ -351,6 +351,6 @@ def test_no_folder_for_files(monkeypatch):
     def nowhere(function):
         raise RuntimeError("cannot cache function: no locator available")
 
-    monkeypatch.setattr("tribo.kernels.compiled.KernelCache", nowhere)
+    monkeypatch.setattr("tribo.compiler.jit.KernelCache", nowhere)
     loop = time_loop.__wrapped__(contact_probe, "")
     assert loop.stats.cache_path is None and not is_compiled(loop)

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 import tribo
 from tribo.integrators.methods import METHODS
+from tribo.layout.layout import lay_out
 from tribo.model.scene_file import scene_from
-from tribo.model.scene_writer import scene_text
 from tribo.potentials import (
     BUILT_IN,
     BornMayer,
@@ -41,8 +41,7 @@ from tribo.potentials import (
 from tribo.potentials.cutoff import AT_CUTOFF
 from tribo.potentials.derivative import FUNCTIONS
 from tribo.potentials.tables import as_table
-from tribo.run.layout import lay_out
-from tribo.run.notes import run_notes
+from tribo.results.notes import run_notes
 from tribo.validation import InputError
 
 mpmath.mp.dps = 50
@@ -609,7 +608,7 @@ def test_round_trip(folder, name):
     """A potential that is read, written and read again is the same, and is the expected one."""
     scene = scene_from(tomllib.loads(FILE.format(WRITTEN[name])), folder)
     (potential,) = (i.potential for i in scene.interactions)
-    again = scene_from(tomllib.loads(scene_text(scene)))
+    again = scene_from(tomllib.loads(scene.to_toml()))
     assert type(again.interactions[0].potential) is type(potential)
     assert again.interactions[0].potential == potential
     assert as_table(again.interactions[0].potential) == as_table(potential)

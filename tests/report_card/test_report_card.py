@@ -13,7 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tribo.cli import main
+from tribo.commands.cli import main
 from tribo.potentials import (
     BUILT_IN,
     LennardJones,
@@ -531,7 +531,7 @@ def test_figure_shows_the_curves(no_runs):
     from tribo.report_card.figure import card_figure
 
     report = check(with_cutoff(LennardJones(1.0, 1.0), 3.0))
-    energy, force, disagreement = card_figure(report).axes
+    energy, force, disagreement = card_figure(report.curves, report.potential).axes
     for ax, values in ((energy, report.curves.energy), (force, report.curves.force)):
         line = max(ax.get_lines(), key=lambda line: len(line.get_xdata()))
         assert np.array_equal(line.get_xdata(), report.curves.r)

@@ -37,7 +37,7 @@ from tribo import (
 )
 from tribo.accuracy.plan import integrator_for
 from tribo.integrators.methods import METHODS
-from tribo.run.layout import lay_out
+from tribo.layout.layout import lay_out
 
 STEP, END = 0.01, 0.03
 # Largest difference of verlet from one step of rk4; every effect changes the motion by more.

@@ -73,9 +73,9 @@ def arguments_of_a_drive() -> str:
     from tribo.kernels.equations_of_motion import place_bobs
     from tribo.kernels.records import FX, FY
     from tribo.kernels.user_forces import custom_drives
+    from tribo.layout.layout import lay_out
     from tribo.model.drives import Custom
     from tribo.model.scene_file import scene_from
-    from tribo.run.layout import lay_out
 
     table, t = SCENES["slid"], 0.7
     scene = scene_from(table)
@@ -167,7 +167,7 @@ def listed_pairs() -> str:
         (400, 40.0, {"x": 40.0, "z": 0.7 * 40.0}),
     ):
         places = rng.uniform(0.0, extent, (count, 3)) * [1.0, 0.08, 0.7] + [0.0, 0.0, 5.0]
-        with mock.patch("tribo.run.contacts.UNLISTED_PAIRS", 0):
+        with mock.patch("tribo.layout.contacts.UNLISTED_PAIRS", 0):
             layout = layouts.lay_out(scene_from(two_clouds(places, box)))
         columns = layout.places.columns
         neighbours = layout.neighbours()
@@ -310,7 +310,7 @@ def steps_towards_encounters() -> str:
 
 def columns_by_slot() -> str:
     """The columns of a table in some slots, and another value where a slot is absent."""
-    from tribo.run.motion import columns
+    from tribo.ledger.motion import columns
 
     table = np.arange(6.0).reshape(2, 3)
     other = np.array([[7.0, 8.0, 9.0]])
@@ -327,8 +327,8 @@ def columns_by_slot() -> str:
 
 def hot_baths() -> str:
     """Oscillators start about their bars, each on its own, with variances T / k and T / m."""
+    from tribo.layout.layout import lay_out
     from tribo.model.scene_file import scene_from
-    from tribo.run.layout import lay_out
 
     count, temperature, phi = 500, 0.5, 0.3
     oscillators, torsional = [(0.3, 1.5), (0.2, 2.5)], (0.4, 1.1)
@@ -375,8 +375,8 @@ def hot_baths() -> str:
 
 def hot_starts() -> str:
     """Variances of swings and rates: T / kappa, T / I, T / i2, T / m; held bars are in place."""
+    from tribo.layout.layout import lay_out
     from tribo.model.scene_file import scene_from
-    from tribo.run.layout import lay_out
 
     count, temperature, kappa, m1, m2, length, phi = 4000, 0.3, 1.7, 0.6, 1.2, 1.4, 0.2
     asperite = {"kappa": kappa, "m1": m1, "m2": m2, "length": length}
@@ -418,8 +418,8 @@ def hot_starts() -> str:
 
 def given_starts() -> str:
     """Displacements and velocities that are given are those of each centre of mass."""
+    from tribo.layout.layout import lay_out
     from tribo.model.scene_file import scene_from
-    from tribo.run.layout import lay_out
 
     given = {"x": [0.1, 0.2, 0.3], "y": 0.4, "vx": 0.5, "vy": [0.6, 0.7, 0.8]}
     surface = {"name": "upper", "shape": [3, 1], "spacing": [1.0, 0.0], "initial": given}
@@ -440,7 +440,7 @@ def given_starts() -> str:
 def cells() -> str:
     """Points in cells of at least a size, as many as fit, each point in the cell around it."""
     from tribo.kernels.cells import sort_into_cells
-    from tribo.run.contacts import empty_cells
+    from tribo.layout.contacts import empty_cells
 
     rng = np.random.default_rng(7)
     xs, zs = rng.uniform(3.0, 15.0, 60), rng.uniform(-9.0, 0.0, 60)
@@ -482,7 +482,7 @@ def boxes_within_reach() -> str:
     """Of boxes in cells, exactly those within reach of another box, in ascending order."""
     from tribo.kernels.cells import near_blocks, sort_boxes
     from tribo.kernels.records import Boxes
-    from tribo.run.contacts import empty_cells
+    from tribo.layout.contacts import empty_cells
 
     rng = np.random.default_rng(9)
     boxes = (
@@ -527,10 +527,10 @@ def lists_in_chunks() -> str:
     """Rows of a list that are filled in chunks, and moved together, are those of one thread."""
     import tribo
     from support.sliding import POTENTIAL, scene
+    from tribo.compiler.team import COUNTERS, PAIR
     from tribo.kernels.equations_of_motion import place_bobs
     from tribo.kernels.neighbours import join_chunks, list_chunk, list_pair, rebuild
-    from tribo.kernels.team import COUNTERS, PAIR
-    from tribo.run.layout import lay_out
+    from tribo.layout.layout import lay_out
 
     rng = np.random.default_rng(3)
     upper, lower = (rng.uniform(-6.0, 6.0, (n, 3)) * [1.0, 0.05, 1.0] for n in (70, 90))
@@ -578,8 +578,8 @@ def one_bob_that_crosses() -> str:
 
 def cold_baths() -> str:
     """Oscillators of a bath at temperature 0 start where their bars are."""
+    from tribo.layout.layout import lay_out
     from tribo.model.scene_file import scene_from
-    from tribo.run.layout import lay_out
 
     m1, m2, length, swing = 0.6, 1.2, 1.4, 0.3
     shift = {"x": [0.1, 0.2, 0.4], "y": [-0.3, 0.5, 0.7]}

@@ -17,8 +17,8 @@ from tribo import (
     Scene,
     Surface,
 )
+from tribo.loops import integrate
 from tribo.paper import scene as case
-from tribo.run import integrate
 
 # Most steps of all runs of a simulation: the longest here takes 4.6 million.
 MOST_STEPS = 20_000_000

@@ -60,8 +60,8 @@ def crossing(stops=STOPS, columns=40, rows=3, ends="free", first=11.0):
 def loops(scene):
     """The loop of a scene, and one with the same code that steps all asperites at all times."""
     from tribo.integrators.methods import METHODS
-    from tribo.run.general_loop import GeneralLoop
-    from tribo.run.layout import lay_out
+    from tribo.layout.layout import lay_out
+    from tribo.loops.general import GeneralLoop
 
     found = []
     for _ in range(2):
@@ -79,7 +79,7 @@ def step_all(active):
 
 def inactive(loop):
     """Whether each asperite is inactive, (n,)."""
-    from tribo.kernels.simd import LANES
+    from tribo.compiler.lanes import LANES
 
     active = loop._neighbours.active
     blocks = np.ones(active.since.size, bool)
@@ -111,7 +111,7 @@ def longest_paths(loop):
 
 def boxes(layout, part, places, paths):
     """Block of each asperite of a surface; low and high corners of the boxes of the blocks."""
-    from tribo.kernels.simd import LANES
+    from tribo.compiler.lanes import LANES
 
     names, block = np.unique(layout.places.columns[part] // LANES, return_inverse=True)
     corners = []
@@ -155,8 +155,8 @@ def near(places, sliding, reach, period):
 def check(scene) -> str:
     """What is wrong with the asperites that are not stepped, at any step; empty if nothing is."""
     from tribo.kernels.status import PAUSED
-    from tribo.run.contacts import SKIN
-    from tribo.run.inactive import MARGIN
+    from tribo.layout.active import MARGIN
+    from tribo.layout.contacts import SKIN
 
     loop, every = loops(scene)
     neighbours, selection = loop._neighbours, loop._neighbours.active

@@ -155,7 +155,7 @@ class Limited(NamedTuple):
     def __call__(self):
         with ExitStack() as stack:
             for place, limit in self.limits.items():
-                stack.enter_context(mock.patch(f"tribo.run.{place}", limit))
+                stack.enter_context(mock.patch(f"tribo.{place}", limit))
             return self.check()
 
 
@@ -480,7 +480,7 @@ def bars_that_stand():
 
 def named_plugins():
     """Every plug-in of a scene goes with the field that it is in."""
-    lay_out = importlib.import_module("tribo.run.layout").lay_out
+    lay_out = importlib.import_module("tribo.layout.layout").lay_out
     contact = "interaction[0].potential"
     for name, fields in {
         "by hand": [contact, "surface[0].drive", "surface[1].bars"],
@@ -585,17 +585,17 @@ for _scene in ("held", "swinging"):
     CHECKS[f"verlet and midpoint, {_scene}"] = Agrees(_scene, "verlet", "midpoint", 0.05, 1e-3)
 CHECKS["rk4, slid"] = Steps("slid", "rk4", 0.1, 4, 1e-4)
 CHECKS["rk4, slid, streamed"] = Limited(
-    CHECKS["rk4, slid"], {"streamed_ledger.SERIES_BYTES": 0, "streamed_ledger.PORTION_BYTES": 0}
+    CHECKS["rk4, slid"], {"ledger.sinks.SERIES_BYTES": 0, "ledger.sinks.PORTION_BYTES": 0}
 )
-CHECKS["rk4, slid, in batches"] = Limited(CHECKS["rk4, slid"], {"batch.BATCH_SIZE": 1})
+CHECKS["rk4, slid, in batches"] = Limited(CHECKS["rk4, slid"], {"layout.batch.BATCH_SIZE": 1})
 CHECKS["gauss-8, slid"] = Steps("slid", "gauss-8", 0.25, 8, 1e-6)
 for _method in ("dop853", "rkn8", "rkn12", "gauss-radau-15"):
     CHECKS[f"{_method}, slid"] = Accurate("slid", _method, 1e-8, 1e-7)
 CHECKS["all pairs"] = Steps("rows", "midpoint", 0.02, 2, 1e-3)
-LISTS = {"contacts.UNLISTED_PAIRS": 0}
+LISTS = {"layout.contacts.UNLISTED_PAIRS": 0}
 CHECKS["listed pairs"] = Limited(CHECKS["all pairs"], LISTS)
 CHECKS["listed pairs, verlet"] = Limited(Steps("rows", "verlet", 0.02, 2, 1e-3), LISTS)
-CHECKS["inactive asperites"] = Limited(asperites_out_of_reach, LISTS | {"inactive.MARGIN": 2})
+CHECKS["inactive asperites"] = Limited(asperites_out_of_reach, LISTS | {"layout.active.MARGIN": 2})
 for _scene in ("forced on free", "free on free"):
     CHECKS[f"pair, {_scene}"] = AsPair(_scene, 1e-8, 1e-7)
 for _scene in ("arms alike", "pulled and loaded", "driven bars", "rigid asperites", "reservoirs"):

@@ -17,9 +17,9 @@ def loop_of(table, method, setting, first_step=0.0):
     from tribo.integrators.methods import METHODS
     from tribo.integrators.step_control import Tolerance
     from tribo.kernels.status import STATUS_OF_CODE
+    from tribo.layout.layout import lay_out
+    from tribo.loops.general import GeneralLoop
     from tribo.model.scene_file import scene_from
-    from tribo.run.general_loop import GeneralLoop
-    from tribo.run.layout import lay_out
 
     layout = lay_out(scene_from(table))
     if METHODS[method].adaptive:

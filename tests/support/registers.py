@@ -21,14 +21,14 @@ def with_fields(loop):
 
 
 def entry_point(loop, fixed, _):
-    """Uncompiled, in place of tribo.kernels.compiled.EntryPoint."""
+    """Uncompiled, in place of tribo.compiler.jit.EntryPoint."""
     return lambda *arguments: with_fields(loop)(*fixed, *arguments)
 
 
 def registers_as_arrays():
     """The loop for pairs without a compiler."""
     stack = ExitStack()
-    adapter, loop = "tribo.run.pair_adapter", "tribo.run.pair_loop"
+    adapter, loop = "tribo.loops.pair", "tribo.loops.pair_loop"
     importlib.import_module(adapter)
     config = SimpleNamespace(DISABLE_JIT=False)
     stack.enter_context(mock.patch(f"{adapter}.config", config))

@@ -48,14 +48,14 @@ EQUIVALENT = {
     "integrators/inactive.py: longest_paths: "
     "where_less(0.0, frequency, block(v, i) / frequency, 1.0) -> "
     "where_less(0.0, frequency, block(v, i) / frequency, 2.0)": ("amplitudes above 1 count as 1"),
-    "run/accounts.py: _columns: -1 -> -2": "any negative slot is absent",
-    "run/accounts.py: _drive: a.acc_drive >= 0 -> a.acc_drive >= 1": (
+    "ledger/accounts.py: _columns: -1 -> -2": "any negative slot is absent",
+    "ledger/accounts.py: _drive: a.acc_drive >= 0 -> a.acc_drive >= 1": (
         "the first slots are those of contact; no drive has slot 0"
     ),
-    "run/totals.py: Whole.pseudowork: slot >= 0 -> slot >= 1": (
+    "ledger/totals.py: Whole.pseudowork: slot >= 0 -> slot >= 1": (
         "the first slots are those of contact; no surface has slot 0"
     ),
-    "run/totals.py: System.applied: f.account >= 0 -> f.account >= 1": (
+    "ledger/totals.py: System.applied: f.account >= 0 -> f.account >= 1": (
         "the first slots are those of contact; no field has slot 0"
     ),
     "kernels/samples.py: initial_state: 0 if splits else n -> 1 if splits else n": (
@@ -68,8 +68,8 @@ NEEDS_COMPILER = {
     "call_calculator": "tests/potentials/test_live_calculators.py",
     "add_calculated": "tests/potentials/test_live_calculators.py",
     "calculated_energy": "tests/potentials/test_live_calculators.py",
-    "share_rows": "tests/run/test_threads.py",
-    "list_piece": "tests/run/test_threads.py",
+    "share_rows": "tests/loops/test_threads.py",
+    "list_piece": "tests/loops/test_threads.py",
     "add_lane_by_lane": "tests/ensembles/test_lanes.py",
     "own_number": "tests/ensembles/test_own_numbers.py",
     "temperature_of": "tests/ensembles/test_own_numbers.py",

@@ -15,10 +15,9 @@ from scipy import stats
 
 import tribo
 from tribo import InputError, Output, ensemble, paper, sweep
-from tribo.cli import main
+from tribo.commands.cli import main
 from tribo.interrupts import Interrupted
 from tribo.model.parameters import with_values
-from tribo.model.scene_writer import scene_text
 from tribo.sweeps import points
 from tribo.sweeps.figure import quantities, sweep_lines
 
@@ -98,7 +97,7 @@ def test_resumed(whole, tmp_path):
 def test_the_command_prints_what_is_finished(tmp_path, capsys, monkeypatch):
     """Exit status 1, and which points were not run."""
     path = tmp_path / "a.toml"
-    path.write_text(scene_text(SCENE), encoding="utf-8")
+    path.write_text(SCENE.to_toml(), encoding="utf-8")
     monkeypatch.setattr("tribo.progress._is_watched", lambda: True)
     stop = interrupt_after(4)
     monkeypatch.setattr("tribo.progress.ProgressBar.__call__", lambda bar, done: stop(done))
@@ -261,7 +260,7 @@ def test_refusals(monkeypatch, values, options, field, problem):
 def test_command(whole, tmp_path, capsys):
     """`tribo sweep` writes the data set of `tribo.sweep` and prints its points."""
     path, out = tmp_path / "a.toml", tmp_path / "a.nc"
-    path.write_text(scene_text(SCENE), encoding="utf-8")
+    path.write_text(SCENE.to_toml(), encoding="utf-8")
     texts = [f"{key}={','.join(map(str, values))}" for key, values in VALUES.items()]
     command = ["sweep", str(path), "--set", texts[0], "--set", texts[1], "--out", str(out)]
     assert main(command) == 0
@@ -321,7 +320,7 @@ def test_figure(whole):
 def test_wrong_values_of_the_command(tmp_path, capsys, text, problem):
     """Status 2 and one line."""
     path = tmp_path / "a.toml"
-    path.write_text(scene_text(SCENE), encoding="utf-8")
+    path.write_text(SCENE.to_toml(), encoding="utf-8")
     assert main(["sweep", str(path), "--set", text]) == 2
     err = capsys.readouterr().err
     assert err.startswith(f"tribo: {problem}") and err.count("\n") == 1

@@ -11,8 +11,8 @@ import pytest
 
 import tribo
 from tribo import Coulomb, InputError, Output, Scene, Surface
-from tribo.cli import main
-from tribo.run.contact_probe import ContactProbe
+from tribo.analysis.contact_probe import ContactProbe
+from tribo.commands.cli import main
 from tribo.viewer import contents
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")

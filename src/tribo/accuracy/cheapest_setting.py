@@ -14,8 +14,8 @@ from tribo.accuracy.search import LONG_RUN
 from tribo.accuracy.tolerance_scales import tolerance_scales
 from tribo.integrators.methods import Method
 from tribo.kernels.status import Status
-from tribo.run.integrate import Integration, Setting
-from tribo.run.layout import Layout
+from tribo.layout.layout import Layout
+from tribo.loops.integrate import Integration, Setting
 
 # The longest step of a run that is compared with no other, as a fraction of the time to the next
 # encounter.

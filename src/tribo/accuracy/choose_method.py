@@ -24,11 +24,9 @@ from tribo.accuracy.comparison import Accuracy, strictest
 from tribo.accuracy.encounter_estimate import steps_towards
 from tribo.accuracy.tolerance_scales import first_step, unit_step
 from tribo.integrators import methods
-from tribo.model.scene import Scene
-from tribo.model.settings import check_accuracy
-from tribo.run.layout import Layout
-from tribo.run.pair_adapter import has_pair_loop
-from tribo.run.resolution import (
+from tribo.layout.layout import Layout
+from tribo.loops.pair import has_pair_loop
+from tribo.loops.resolution import (
     bath_frequency,
     corrugation_frequency,
     longest_damped_step,
@@ -39,6 +37,8 @@ from tribo.run.resolution import (
     turn_of_step,
     user_frequency,
 )
+from tribo.model.scene import Scene
+from tribo.model.settings import check_accuracy
 from tribo.validation import POSITIVE, InputError, number
 
 # The accuracy where neither the call nor the scene file gives one: far below what a figure can

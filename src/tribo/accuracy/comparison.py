@@ -18,9 +18,9 @@ from tribo.accuracy.scales import (
     scales_of,
 )
 from tribo.kernels.status import Status
-from tribo.run.integrate import Integration, Setting
-from tribo.run.layout import Layout
-from tribo.run.ledger import assemble
+from tribo.layout.layout import Layout
+from tribo.ledger.ledger import assemble
+from tribo.loops.integrate import Integration, Setting
 
 # Smallest estimate, in units of the request.  Where a run happens to be far more accurate than its
 # tolerances, because encounters or samples limit its steps, it differs from the coarser runs by

@@ -12,8 +12,8 @@ import numpy as np
 from tribo.accuracy.levels import NEAR
 from tribo.kernels.kinematics import bob_position, nearest_image
 from tribo.kernels.records import Box
-from tribo.run.layout import Layout
-from tribo.run.motion import swing_direction
+from tribo.layout.layout import Layout
+from tribo.ledger.motion import swing_direction
 
 # Most times at which clearances are computed.
 MOST_TIMES = 129

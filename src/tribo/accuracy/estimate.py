@@ -14,10 +14,10 @@ import numpy as np
 
 from tribo.accuracy.roundoff import WALK
 from tribo.accuracy.scales import EPSILON, KINDS, Scales, kind_of, largest
-from tribo.run.layout import Layout
-from tribo.run.ledger import Ledger, assemble
-from tribo.run.quantities import needs_accounts
-from tribo.run.samples import Samples
+from tribo.layout.layout import Layout
+from tribo.ledger.ledger import Ledger, assemble
+from tribo.ledger.quantities import needs_accounts
+from tribo.ledger.samples import Samples
 from tribo.validation import InputError
 
 # An estimate is this times the largest difference from the coarser runs.  At 2, six of 320 random

@@ -12,11 +12,11 @@ import numpy as np
 
 from tribo.accuracy.roundoff import rounding_of_terms
 from tribo.accuracy.scales import largest, mean_velocity
-from tribo.run.columns import columns_of
-from tribo.run.integrate import Integration
-from tribo.run.layout import Layout
-from tribo.run.samples import Samples
-from tribo.run.totals import Group
+from tribo.layout.layout import Layout
+from tribo.ledger.columns import columns_of
+from tribo.ledger.samples import Samples
+from tribo.ledger.totals import Group
+from tribo.loops.integrate import Integration
 
 # Bytes of the series of a portion; four times as many take a half longer, since caches hold less.
 PORTION = 2**25

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from tribo.kernels.status import Status
-from tribo.run.cost import Cost
-from tribo.run.integrate import Integration, Setting
+from tribo.loops.integrate import Integration, Setting
+from tribo.results.cost import Cost
 
 
 class Errors(NamedTuple):

@@ -6,9 +6,9 @@ import numpy as np
 
 from tribo.accuracy.tolerance_scales import FLOOR, ToleranceScales, tolerances, unit_step
 from tribo.integrators.methods import Method
-from tribo.run.integrate import Integration, Setting
-from tribo.run.layout import Layout
-from tribo.run.resolution import bath_frequency, spring_frequency
+from tribo.layout.layout import Layout
+from tribo.loops.integrate import Integration, Setting
+from tribo.loops.resolution import bath_frequency, spring_frequency
 
 # Level of the fine run relative to the coarse ones.  Their difference exceeds the error of the
 # fine run by about the inverse of this.  Errors of adaptive steps differ by chance, so that two

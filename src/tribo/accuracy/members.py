@@ -8,10 +8,10 @@ import numpy as np
 
 from tribo.accuracy.comparison import Accuracy, observables
 from tribo.accuracy.scales import KINDS, mean_velocity, motion_scales
-from tribo.run.columns import Columns, columns_of
-from tribo.run.layout import Layout
-from tribo.run.member_samples import MemberSamples
-from tribo.run.totals import Group
+from tribo.layout.layout import Layout
+from tribo.ledger.columns import Columns, columns_of
+from tribo.ledger.member_samples import MemberSamples
+from tribo.ledger.totals import Group
 
 
 class FineMembers:

@@ -16,12 +16,12 @@ from tribo.accuracy.search_runs import Announce
 from tribo.accuracy.stop_times import PARTS, StopTimes
 from tribo.accuracy.tolerance_scales import first_step
 from tribo.integrators import methods
-from tribo.run.integrate import Progress, Setting
-from tribo.run.journal import Journal
-from tribo.run.layout import Layout
-from tribo.run.loop_selection import Integrator
-from tribo.run.state import Origin
-from tribo.run.streamed_ledger import exceeds_memory, is_streamed
+from tribo.layout.layout import Layout
+from tribo.ledger.sinks import exceeds_memory, is_streamed
+from tribo.loops.integrate import Progress, Setting
+from tribo.loops.journal import Journal
+from tribo.loops.select import Integrator
+from tribo.loops.state import Origin
 from tribo.validation import InputError
 
 

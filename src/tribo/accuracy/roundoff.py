@@ -11,12 +11,12 @@ import numpy as np
 
 from tribo.accuracy.scales import EPSILON, largest
 from tribo.kernels.samples import BATH, SPRINGS, TORSIONAL, WITHIN
+from tribo.layout.batch import Batch
+from tribo.layout.layout import Layout
+from tribo.ledger.accounts import APPLIED, EXTERNAL, FORCES, Accounts
+from tribo.ledger.entry import Entry
+from tribo.ledger.samples import Samples
 from tribo.model.fields import Corrugation
-from tribo.run.accounts import APPLIED, EXTERNAL, FORCES, Accounts
-from tribo.run.batch import Batch
-from tribo.run.entry import Entry
-from tribo.run.layout import Layout
-from tribo.run.samples import Samples
 
 # Roundings of a term: those of the rates in it, of their squares, of products and of the sum.
 TERM_ROUNDINGS = 4.0

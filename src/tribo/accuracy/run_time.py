@@ -7,8 +7,8 @@ import numpy as np
 from tribo.accuracy.choose_method import PAIR, RATES, Rate
 from tribo.integrators.methods import Method
 from tribo.integrators.splitting import Splitting
-from tribo.run.layout import Layout
-from tribo.run.pair_adapter import has_pair_loop
+from tribo.layout.layout import Layout
+from tribo.loops.pair import has_pair_loop
 
 # Time of a pair of bobs, and of a call of an ASE calculator [ns]: of 512 bobs on 512 with AVX-512
 # Coulomb takes 0.8 and Morse 2.9; EMT takes a million.

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from tribo.kernels.kinematics import bob_velocity
-from tribo.run.batch import Batch
-from tribo.run.layout import Layout
-from tribo.run.ledger import Ledger
-from tribo.run.motion import Motion, internal_energy, swing_direction
-from tribo.run.quantities import (
+from tribo.layout.batch import Batch
+from tribo.layout.layout import Layout
+from tribo.ledger.ledger import Ledger
+from tribo.ledger.motion import Motion, internal_energy, swing_direction
+from tribo.ledger.quantities import (
     ASPERITE_QUANTITIES,
     BLOCK_QUANTITIES,
     OPTIONAL_QUANTITIES,

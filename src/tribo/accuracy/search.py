@@ -41,8 +41,8 @@ from tribo.accuracy.stop_times import StopTimes
 from tribo.accuracy.tolerance_scales import ToleranceScales, first_guess, tolerance_scales
 from tribo.integrators.methods import Method
 from tribo.kernels.status import Status
-from tribo.run.integrate import Integration, Setting
-from tribo.run.layout import Layout
+from tribo.layout.layout import Layout
+from tribo.loops.integrate import Integration, Setting
 from tribo.validation import InputError
 
 # First level, in units of that which a method states for estimates of twice a difference: they are

@@ -13,9 +13,9 @@ from tribo.accuracy.run_time import evaluation_time, rate_of
 from tribo.accuracy.tolerance_scales import ToleranceScales, first_guess, tolerance_scales
 from tribo.integrators.methods import Method
 from tribo.kernels.status import Status
-from tribo.run.integrate import Integration, Setting
-from tribo.run.layout import Layout
-from tribo.run.progress_guard import most_evaluations
+from tribo.layout.layout import Layout
+from tribo.loops.guards import most_evaluations
+from tribo.loops.integrate import Integration, Setting
 
 # Level of the tolerances of the pilot run: three digits are enough for scales.
 PILOT_LEVEL = 1e-3

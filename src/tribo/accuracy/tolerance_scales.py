@@ -8,11 +8,11 @@ import numpy as np
 
 from tribo.accuracy.scales import fastest_of, largest, longest_rod, resolved
 from tribo.integrators.step_control import Tolerance
-from tribo.run.batch import Batch
-from tribo.run.layout import Layout
-from tribo.run.motion import Motion, internal_energy
-from tribo.run.resolution import bath_frequency, pendulum_frequency
-from tribo.run.samples import Samples
+from tribo.layout.batch import Batch
+from tribo.layout.layout import Layout
+from tribo.ledger.motion import Motion, internal_energy
+from tribo.ledger.samples import Samples
+from tribo.loops.resolution import bath_frequency, pendulum_frequency
 
 # The smallest relative tolerance: nine roundings.  Step control cannot resolve less.
 FLOOR = 2e-15

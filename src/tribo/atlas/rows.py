@@ -11,8 +11,8 @@ import numpy as np
 from tribo.accuracy.scales import EPSILON, KINDS, Scales, reported_scales
 from tribo.atlas.entries import STOP_TIME, Entry
 from tribo.kernels.status import Status
-from tribo.run.layout import lay_out
-from tribo.run.result import Result
+from tribo.layout.layout import lay_out
+from tribo.result import Result
 from tribo.simulation import prepare
 
 # Outcomes of completed runs that fall short.

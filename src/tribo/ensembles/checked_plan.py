@@ -35,8 +35,8 @@ from tribo.ensembles.checked_runs import (
 from tribo.ensembles.engines import in_threads
 from tribo.ensembles.members import Variation
 from tribo.kernels.status import COMPLETED
+from tribo.ledger.member_samples import MemberRuns
 from tribo.pair.members import CODE, EVALUATIONS
-from tribo.run.member_samples import MemberRuns
 
 # Levels that are tried, from the loosest, in units of the accuracy.
 LEVELS = 2.0 ** np.arange(14.0, -24.0, -0.5)

@@ -30,17 +30,17 @@ from tribo.ensembles.rough_runs import rough_differences
 from tribo.integrators.nystrom_tableaux import RKN8, RKN12
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import COMPLETED, Status
+from tribo.layout.initial_state import InitialState
+from tribo.layout.member_numbers import MemberNumbers, member_numbers
+from tribo.ledger.ledger import assemble
+from tribo.ledger.member_samples import MemberRuns
+from tribo.ledger.passing import passed_through
+from tribo.loops.batch_lanes import MembersInLanes, fit_lanes, members_of
+from tribo.loops.batch_pair import PairMembers
+from tribo.loops.batch_pair_lanes import PairLanes, has_lanes
+from tribo.loops.lane_loop import padded
 from tribo.pair.members import CODE, EVALUATIONS, STEPS
 from tribo.prepared import Simulation
-from tribo.run.initial_state import InitialState
-from tribo.run.lane_loop import padded
-from tribo.run.lane_members import PairLanes, has_lanes
-from tribo.run.ledger import assemble
-from tribo.run.member_numbers import MemberNumbers, member_numbers
-from tribo.run.member_samples import MemberRuns
-from tribo.run.members import PairMembers
-from tribo.run.members_in_lanes import MembersInLanes, fit_lanes, members_of
-from tribo.run.passing import passed_through
 
 # Members that are run in one call, at most: of a pair some 30 ms, after which an interrupt is
 # answered.

@@ -14,12 +14,11 @@ from tribo.ensembles.intervals import Interval, interval
 from tribo.ensembles.members import VELOCITY
 from tribo.ensembles.runner import Runner, SettingsCheck
 from tribo.kernels.status import Status
+from tribo.ledger.quantities import ASPERITE_QUANTITIES, EVERY_QUANTITY, OPTIONAL_QUANTITIES, UNITS
+from tribo.ledger.separation import PART
 from tribo.model.initial import UNITS as UNITS_OF_START
-from tribo.model.scene_writer import scene_text
-from tribo.run.dataset import Variable
-from tribo.run.intervals import CONFIDENCE
-from tribo.run.quantities import ASPERITE_QUANTITIES, EVERY_QUANTITY, OPTIONAL_QUANTITIES, UNITS
-from tribo.run.separation import PART
+from tribo.results.dataset import Variable
+from tribo.results.intervals import CONFIDENCE
 
 if TYPE_CHECKING:
     import xarray
@@ -164,7 +163,7 @@ def _attributes(collected: Collected, seconds: float) -> dict[str, str | float]:
     return {
         "tribo_version": __version__,
         "numpy_version": np.__version__,
-        "scene": scene_text(runner.simulation.scene),
+        "scene": runner.simulation.scene.to_toml(),
         "status": str(Status.INTERRUPTED if runner.interrupted else Status.COMPLETED),
         "method": plan.method,
         "step": json.dumps(plan.setting if plan.tuned is None else None),

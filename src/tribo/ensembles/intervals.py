@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tribo.run.intervals import student
+from tribo.results.intervals import student
 
 
 class Interval(NamedTuple):

@@ -21,13 +21,13 @@ from tribo.ensembles.statistics_store import StatisticsStore
 from tribo.ensembles.stores import About, InMemory, Store, Target
 from tribo.files import netcdf_target
 from tribo.integrators.methods import noisy
+from tribo.layout.layout import lay_out
+from tribo.ledger.quantities import FURTHER
+from tribo.loops.journal import PART
+from tribo.model.identity import Identity, identity_of, refuse_other, settings_of, version
 from tribo.model.scene import Scene
 from tribo.model.settings import Output
 from tribo.prepared import Simulation
-from tribo.run.identity import Identity, identity_of, refuse_other, settings_of, version
-from tribo.run.journal import PART
-from tribo.run.layout import lay_out
-from tribo.run.quantities import FURTHER
 from tribo.validation import (
     POSITIVE,
     InputError,

@@ -21,12 +21,11 @@ from tribo.ensembles.members import Members, Variation, is_random
 from tribo.ensembles.single_runs import SingleRuns, run_alone
 from tribo.ensembles.step_runs import StepRuns
 from tribo.ensembles.stores import Store
+from tribo.layout.member_numbers import can_differ
+from tribo.loops.batch_general import has_batches
+from tribo.loops.batch_lanes import fit_lanes
 from tribo.model.scene_file import scene_from
-from tribo.model.scene_writer import scene_text
 from tribo.prepared import Simulation
-from tribo.run.general_members import has_batches
-from tribo.run.member_numbers import can_differ
-from tribo.run.members_in_lanes import fit_lanes
 from tribo.simulation import from_settings
 
 KeptRuns = CheckedRuns | StepRuns | SingleRuns
@@ -149,7 +148,7 @@ def _parts(
 ) -> Iterator[tuple[Members, KeptValues]]:
     """Chunks of members and what is kept of them, in order."""
     if engine is not None:
-        text, plan = scene_text(runs.simulation.scene), runs.simulation.settings
+        text, plan = runs.simulation.scene.to_toml(), runs.simulation.settings
         setup = pickle.dumps(Setup(text, plan, runs.kept, variation.own_numbers, runs.plan))
         yield from run_jobs(engine, run_job, ((setup, some) for some in members))
         return

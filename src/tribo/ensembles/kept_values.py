@@ -13,15 +13,14 @@ import numpy as np
 from tribo.ensembles.dataset import varied_coordinates
 from tribo.ensembles.members import Members
 from tribo.kernels.status import Status
+from tribo.ledger.ledger import Ledger
+from tribo.ledger.quantities import AVERAGED, EVERY_QUANTITY
+from tribo.ledger.sinks import exceeds_memory
 from tribo.model.scene import Scene
-from tribo.model.scene_writer import scene_text
 from tribo.prepared import Simulation
-from tribo.run.dataset import Variable
-from tribo.run.force_averages import force_average
-from tribo.run.ledger import Ledger
-from tribo.run.quantities import AVERAGED, EVERY_QUANTITY
-from tribo.run.result import Result
-from tribo.run.streamed_ledger import exceeds_memory
+from tribo.result import Result
+from tribo.results.dataset import Variable
+from tribo.results.force_averages import force_average
 from tribo.validation import InputError, short_repr
 
 if TYPE_CHECKING:
@@ -261,7 +260,7 @@ def attributes_of(simulation: Simulation, seed: int) -> dict[str, str | float]:
     return {
         "tribo_version": __version__,
         "numpy_version": np.__version__,
-        "scene": scene_text(simulation.scene),
+        "scene": simulation.scene.to_toml(),
         "method": plan.method,
         "method_alone": plan.method,
         "step": json.dumps(plan.setting if plan.tuned is None else None),

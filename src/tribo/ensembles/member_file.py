@@ -27,9 +27,9 @@ from tribo.ensembles.kept_values import (
 from tribo.ensembles.members import Members
 from tribo.ensembles.stores import About, Target
 from tribo.files import NEW, locked, not_written
-from tribo.run.dataset import Variable
-from tribo.run.identity import Identity, refuse_other
-from tribo.run.journal import INTERVAL
+from tribo.loops.journal import INTERVAL
+from tribo.model.identity import Identity, refuse_other
+from tribo.results.dataset import Variable
 from tribo.validation import InputError
 
 if TYPE_CHECKING:

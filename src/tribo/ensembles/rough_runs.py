@@ -11,10 +11,10 @@ import numpy as np
 
 from tribo.accuracy.scales import KINDS
 from tribo.kernels.status import COMPLETED
+from tribo.layout.member_numbers import MemberNumbers
+from tribo.ledger.ledger import assemble
+from tribo.ledger.member_samples import MemberRuns
 from tribo.pair.members import CODE
-from tribo.run.ledger import assemble
-from tribo.run.member_numbers import MemberNumbers
-from tribo.run.member_samples import MemberRuns
 
 
 def rough_differences(

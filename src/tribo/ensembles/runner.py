@@ -14,20 +14,19 @@ from tribo.accuracy.scales import reported_scales
 from tribo.ensembles.engines import Engine, run_jobs
 from tribo.ensembles.members import Member, Variation
 from tribo.kernels.status import MEANINGS, Status
-from tribo.model.scene import Scene
-from tribo.model.scene_file import scene_from
-from tribo.model.scene_writer import scene_text
-from tribo.model.surface import Surface
-from tribo.prepared import Simulation
-from tribo.run.further_series import further_series, system_names
-from tribo.run.quantities import (
+from tribo.layout.further_series import further_series, system_names
+from tribo.ledger.quantities import (
     BLOCK_QUANTITIES,
     FURTHER_OF_SURFACES,
     SYSTEM_QUANTITIES,
     needs_accounts,
 )
-from tribo.run.result import Result
-from tribo.run.streamed_ledger import exceeds_memory
+from tribo.ledger.sinks import exceeds_memory
+from tribo.model.scene import Scene
+from tribo.model.scene_file import scene_from
+from tribo.model.surface import Surface
+from tribo.prepared import Simulation
+from tribo.result import Result
 from tribo.simulation import from_settings
 from tribo.validation import InputError
 
@@ -213,7 +212,7 @@ class Runner:
         own_scenes = self.variation.own_scenes
         if self._engine is not None:
             size = -(-len(members) // JOBS)
-            text = scene_text(self.simulation.scene)  # from which plug-ins are loaded there
+            text = self.simulation.scene.to_toml()  # from which plug-ins are loaded there
             jobs = [
                 Job(text, plan, self.names, members[k : k + size], own_scenes, estimate)
                 for k in range(0, len(members), size)

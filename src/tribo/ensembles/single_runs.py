@@ -9,7 +9,7 @@ from tribo.ensembles.members import Members
 from tribo.kernels.status import Status
 from tribo.model.scene import Scene
 from tribo.prepared import Simulation
-from tribo.run.result import Result
+from tribo.result import Result
 from tribo.simulation import from_settings, prepare
 from tribo.validation import InputError
 

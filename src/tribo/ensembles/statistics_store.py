@@ -18,10 +18,10 @@ from tribo.ensembles.statistics import COARSE, PROBABILITIES, Moments, Statistic
 from tribo.ensembles.stores import About, Target
 from tribo.files import replace_file
 from tribo.kernels.status import Status
-from tribo.run.dataset import Variable
-from tribo.run.identity import refuse_other
-from tribo.run.intervals import student
-from tribo.run.journal import INTERVAL, RELATIVE_INTERVAL
+from tribo.loops.journal import INTERVAL, RELATIVE_INTERVAL
+from tribo.model.identity import refuse_other
+from tribo.results.dataset import Variable
+from tribo.results.intervals import student
 from tribo.validation import InputError
 
 if TYPE_CHECKING:

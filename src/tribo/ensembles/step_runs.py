@@ -12,14 +12,14 @@ from tribo.ensembles.kept_values import STATUS_TYPE, UNKNOWN, Kept, KeptValues
 from tribo.ensembles.members import Members, values_at_start
 from tribo.kernels.records import OF_MEMBERS
 from tribo.kernels.status import COMPLETED, Status
+from tribo.layout.initial_state import InitialState
+from tribo.layout.member_numbers import MemberNumbers, member_numbers
+from tribo.ledger.passing import passed_through
+from tribo.ledger.runaway import grows
+from tribo.loops.batch_lanes import members_of
+from tribo.loops.resolution import longest_damped_step
 from tribo.pair.members import CODE, STEPS
 from tribo.prepared import Simulation
-from tribo.run.initial_state import InitialState
-from tribo.run.member_numbers import MemberNumbers, member_numbers
-from tribo.run.members_in_lanes import members_of
-from tribo.run.passing import passed_through
-from tribo.run.resolution import longest_damped_step
-from tribo.run.runaway import grows
 
 
 class StepRuns:

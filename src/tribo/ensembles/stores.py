@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 from tribo.ensembles.kept_values import Kept, KeptValues, Tally, kept_dataset
 from tribo.ensembles.members import Members
 from tribo.kernels.status import Status
+from tribo.model.identity import Identity
 from tribo.prepared import Simulation
-from tribo.run.identity import Identity
 
 if TYPE_CHECKING:
     import xarray

@@ -9,8 +9,8 @@ import numpy as np
 
 from tribo.accuracy.encounter_estimate import steps_towards
 from tribo.kernels.records import INERTIA, L1, MASS
-from tribo.run.layout import Layout
-from tribo.run.resolution import (
+from tribo.layout.layout import Layout
+from tribo.loops.resolution import (
     bath_frequency,
     corrugation_frequency,
     pendulum_frequency,

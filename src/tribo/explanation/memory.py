@@ -12,16 +12,16 @@ from tribo.accuracy.stop_times import PARTS
 from tribo.integrators.methods import Method
 from tribo.kernels.force_probe import ROWS
 from tribo.kernels.samples import STORED
-from tribo.run.contact_distance import has_contact_distance
-from tribo.run.layout import Layout
-from tribo.run.loop_memory import SCRATCH
-from tribo.run.quantities import (
+from tribo.layout.contact_distance import has_contact_distance
+from tribo.layout.layout import Layout
+from tribo.layout.loop_memory import SCRATCH
+from tribo.ledger.quantities import (
     ASPERITE_QUANTITIES,
     FURTHER_OF_ASPERITES,
     OPTIONAL_QUANTITIES,
 )
-from tribo.run.separation import MOST_LOOKS
-from tribo.run.streamed_ledger import PORTION_BYTES, is_streamed
+from tribo.ledger.separation import MOST_LOOKS
+from tribo.ledger.sinks import PORTION_BYTES, is_streamed
 
 # Bytes of a number.
 NUMBER = 8

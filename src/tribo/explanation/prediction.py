@@ -26,13 +26,13 @@ from tribo.accuracy.tolerance_scales import first_step
 from tribo.integrators.methods import Method
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import PAUSED, Status
-from tribo.run.general_loop import GeneralLoop
-from tribo.run.integrate import Columns, Integration, Setting, TimeLoop, integrate
-from tribo.run.layout import Layout
-from tribo.run.loop_selection import Integrator
-from tribo.run.progress_guard import TRIALS
-from tribo.run.runaway import up_to_runaway
-from tribo.run.streamed_ledger import StreamedLedger
+from tribo.layout.layout import Layout
+from tribo.ledger.sinks import StreamedLedger
+from tribo.loops.cuts import up_to_runaway
+from tribo.loops.general import GeneralLoop
+from tribo.loops.guards import TRIALS
+from tribo.loops.integrate import Columns, Integration, Setting, TimeLoop, integrate
+from tribo.loops.select import Integrator
 
 # Time of all runs of a search, by the model of costs [s].
 BUDGET = 2.0

@@ -16,14 +16,14 @@ from typing import Any
 from numba import config
 
 from tribo.accuracy.run_time import evaluation_time, pairs_of_bobs
+from tribo.compiler.jit import code_stamp, time_loop
 from tribo.explanation.prediction import Search
 from tribo.integrators.methods import Method
-from tribo.kernels.compiled import code_stamp, time_loop
+from tribo.layout.layout import Layout
+from tribo.loops.general import GeneralLoop
+from tribo.loops.pair import has_pair_loop
 from tribo.pair.loop import pair_collocation
 from tribo.plugins.sources import source_stamp
-from tribo.run.general_loop import GeneralLoop
-from tribo.run.layout import Layout
-from tribo.run.pair_adapter import has_pair_loop
 
 # Name of the file, in the folder of the machine code.
 FILE = "speeds.json"

@@ -13,20 +13,20 @@ from numba import config
 from tribo.accuracy.choose_method import RATES, Choice, choose
 from tribo.accuracy.comparison import Accuracy
 from tribo.accuracy.run_time import pairs_of_bobs
+from tribo.compiler.plugin_methods import type_of
 from tribo.explanation.fastest_motion import fastest_motion
 from tribo.explanation.memory import memory_of_run
 from tribo.explanation.prediction import Prediction, Search, predict
 from tribo.explanation.reasons import why_absent, why_present
 from tribo.explanation.speeds import compilations, inactive_at_start, kept_speed, loop_of, measured
 from tribo.integrators.methods import Method, noisy
-from tribo.kernels.plugin_methods import type_of
 from tribo.kernels.potential_in_lanes import is_vectorized
+from tribo.layout.layout import Layout, lay_out
+from tribo.layout.threads import Threads, threads_of
+from tribo.ledger.ledger import check_keep
+from tribo.loops.guards import MOST_PREDICTED, most_evaluations, reach_of
 from tribo.model.effects import Effect
 from tribo.model.scene import Scene
-from tribo.run.layout import Layout, lay_out
-from tribo.run.ledger import check_keep
-from tribo.run.progress_guard import MOST_PREDICTED, most_evaluations, reach_of
-from tribo.run.threads import Threads, threads_of
 from tribo.validation import InputError, inside
 
 # Width of the text [columns].

@@ -12,9 +12,9 @@ from ase import Atoms
 from ase.calculators.singlepoint import SinglePointCalculator
 from ase.data import atomic_numbers
 
+from tribo.analysis.contact_probe import ContactProbe
 from tribo.model.surface import Surface
-from tribo.run.contact_probe import ContactProbe
-from tribo.run.result import Result
+from tribo.results.run_result import RunResult
 from tribo.validation import InputError, must_be
 
 # The element of bars, and of bobs whose species is no element: ASE's placeholder.
@@ -24,7 +24,7 @@ PLACEHOLDER = "X"
 POINTS = {"bob": "m1", "bar": "m2"}
 
 
-def to_ase(result: Result, symbols: Mapping[str, str] | None = None) -> list[Atoms]:
+def to_ase(result: RunResult, symbols: Mapping[str, str] | None = None) -> list[Atoms]:
     """A run as one Atoms for each sample: the bobs of all surfaces, then the bars.
 
     Numbers are those of the scene: its unit of length is read as Angstrom, its unit of energy as
@@ -33,7 +33,7 @@ def to_ase(result: Result, symbols: Mapping[str, str] | None = None) -> list[Ato
 
     Parameters
     ----------
-    result : Result
+    result : RunResult
     symbols : mapping of str to str, optional
         Elements of the bobs by surface.  Without it a bob's species, if that is an element, else
         "X", as for bars.
@@ -105,7 +105,7 @@ def _elements(surfaces: tuple[Surface, ...], symbols: dict[str, str]) -> list[st
     return [*known, *[PLACEHOLDER] * len(bobs)]
 
 
-def _motion(result: Result, surface: Surface, point: str) -> np.ndarray:
+def _motion(result: RunResult, surface: Surface, point: str) -> np.ndarray:
     """(times, n, 6) positions and velocities of a point of each asperite of a surface.
 
     A point of a pendulum turns about its centre of mass: v = v_cm + omega x (r - r_cm).
@@ -121,7 +121,7 @@ def _motion(result: Result, surface: Surface, point: str) -> np.ndarray:
     return motion
 
 
-def _contact_forces(result: Result, bobs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _contact_forces(result: RunResult, bobs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(times, 2 n, 3) contact forces on bobs, and zero on bars; charges of the bobs (n,)."""
     forces = np.zeros((len(bobs), 2 * bobs.shape[1], 3))
     probe = ContactProbe(result.scene)
@@ -133,12 +133,12 @@ def _contact_forces(result: Result, bobs: np.ndarray) -> tuple[np.ndarray, np.nd
     return forces, np.array(probe.charges)
 
 
-def _cell(result: Result) -> tuple[float, float, float]:
+def _cell(result: RunResult) -> tuple[float, float, float]:
     """Lengths of the cell: the periods of the scene, and zero where there is none."""
     periodic = result.scene.periodic
     return (periodic.x or 0.0, 0.0, periodic.z or 0.0) if periodic else (0.0, 0.0, 0.0)
 
 
-def _periodic(result: Result) -> tuple[bool, bool, bool]:
+def _periodic(result: RunResult) -> tuple[bool, bool, bool]:
     x, y, z = _cell(result)
     return (x > 0.0, y > 0.0, z > 0.0)

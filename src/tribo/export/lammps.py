@@ -23,8 +23,8 @@ from tribo.export.lammps_motion import (
 from tribo.export.lammps_pairs import longest_cutoff, pair_lines
 from tribo.files import replace_file
 from tribo.kernels.kinematics import nearest_image
+from tribo.layout.contacts import SKIN
 from tribo.model.scene import Scene
-from tribo.run.contacts import SKIN
 from tribo.validation import InputError, as_path
 
 DATA, FORCES, RUN = "scene.data", "forces.in", "run.in"

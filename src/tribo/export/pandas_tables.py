@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tribo.run.result import Result
+from tribo.results.run_result import RunResult
 
 if TYPE_CHECKING:
     import pandas
 
 
-def ledger_table(result: Result) -> pandas.DataFrame:
+def ledger_table(result: RunResult) -> pandas.DataFrame:
     """All series: a row for each time, columns (surface, asperite, quantity).
 
     Quantities of a whole surface have the asperite "all"; those of the system have the surface
@@ -34,7 +34,7 @@ def ledger_table(result: Result) -> pandas.DataFrame:
     return frame
 
 
-def end_table(result: Result) -> pandas.DataFrame:
+def end_table(result: RunResult) -> pandas.DataFrame:
     """The end state: a row for each asperite, a column for each of its quantities."""
     import pandas
 

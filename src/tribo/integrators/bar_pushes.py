@@ -1,7 +1,8 @@
 """Momenta that baths and reservoirs give to bars, frozen in place, and the works that they do."""
 
+from tribo.compiler.jit import inlined
+from tribo.compiler.lanes_memory import add_block, block, set_block
 from tribo.kernels.blocks import column_of_constants, coordinates, is_fixed, keeps_velocity
-from tribo.kernels.compiled import inlined
 from tribo.kernels.kinematics import end_force
 from tribo.kernels.levers import pivot_lengths
 from tribo.kernels.powers import place_of
@@ -15,7 +16,6 @@ from tribo.kernels.records import (
     TX,
     TY,
 )
-from tribo.kernels.simd_arrays import add_block, block, set_block
 
 
 @inlined

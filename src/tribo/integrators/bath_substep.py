@@ -6,13 +6,15 @@
 Each adds its own work, by the mean of the velocities before and after.
 """
 
+from tribo.compiler.jit import inlined, kernel
+from tribo.compiler.lanes import LANES, broadcast, sum_of_lanes, with_lane
+from tribo.compiler.lanes_memory import block, set_block
 from tribo.integrators.bar_pushes import push_bars
 from tribo.integrators.jumps import add_bath_works_of_jumps
 from tribo.integrators.reservoirs import damp_bars, damp_swings
 from tribo.integrators.rotations import changes, rotation_of, set_rotations
 from tribo.kernels.baths import first_slot, torsional_slot
 from tribo.kernels.blocks import column_of_constants, set_vectors, vectors
-from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.powers import place_of
 from tribo.kernels.records import (
     ALONG_X,
@@ -21,8 +23,6 @@ from tribo.kernels.records import (
     OSCILLATOR_FREQUENCY,
     OSCILLATOR_MASS,
 )
-from tribo.kernels.simd import LANES, broadcast, sum_of_lanes, with_lane
-from tribo.kernels.simd_arrays import block, set_block
 
 
 @inlined

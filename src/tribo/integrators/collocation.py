@@ -14,14 +14,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tribo.compiler.jit import expanded, kernel
+from tribo.compiler.lanes_memory import room
 from tribo.integrators.linear_combinations import add, add_twice, combine, combine_twice, largest
 from tribo.integrators.step_control import EPSILON, all_finite, evaluate_rates, growth_factor
-from tribo.kernels.compiled import expanded, kernel
 from tribo.kernels.equations_of_motion import equations_of_motion
 from tribo.kernels.powers import all_powers
 from tribo.kernels.records import Model
 from tribo.kernels.samples import State, copy, copy_rows, copy_state
-from tribo.kernels.simd_arrays import room
 from tribo.kernels.status import COMPLETED, NOT_CONVERGED, NOT_FINITE
 
 # Sweeps through the nodes after which an iteration has not converged.

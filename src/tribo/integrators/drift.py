@@ -7,9 +7,12 @@ import math
 
 import numpy as np
 
+from tribo.compiler.jit import inlined, kernel
+from tribo.compiler.lanes import LANES, broadcast
+from tribo.compiler.lanes_functions import sine_cosine
+from tribo.compiler.lanes_memory import add_block, block, set_block
 from tribo.integrators.rotations import changes, rotation
 from tribo.kernels.blocks import column_of_constants, coordinates, is_fixed, keeps_velocity
-from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.equations_of_motion import place_block
 from tribo.kernels.kinematics import end_force, rotational_power
 from tribo.kernels.levers import lever_of_bar, pivot_lengths
@@ -26,9 +29,6 @@ from tribo.kernels.records import (
     PHI_START,
     SIN_PHI,
 )
-from tribo.kernels.simd import LANES, broadcast
-from tribo.kernels.simd_arrays import add_block, block, set_block
-from tribo.kernels.simd_functions import sine_cosine
 
 # Gauss-Legendre nodes and weights on (0, 1), for the ends of clamped bars that rotate.
 _ROOT = math.sqrt(0.6)

@@ -11,11 +11,13 @@ the margin towards each other, the active blocks are selected again.
 
 import numpy as np
 
+from tribo.compiler.jit import kernel, owning_kernel
+from tribo.compiler.lanes import LANES, broadcast, maximum, sqrt, where_less
+from tribo.compiler.lanes_memory import block
 from tribo.integrators.drift import drift_block
 from tribo.integrators.rotations import rotation
 from tribo.kernels.blocks import column_of_constants, is_fixed
 from tribo.kernels.cells import near_blocks, set_boxes, sort_boxes
-from tribo.kernels.compiled import kernel, owning_kernel
 from tribo.kernels.equations_of_motion import bar_angles
 from tribo.kernels.neighbours import (
     have_crossed,
@@ -24,8 +26,6 @@ from tribo.kernels.neighbours import (
     rebuild,
 )
 from tribo.kernels.records import FREQUENCY, L1
-from tribo.kernels.simd import LANES, broadcast, maximum, sqrt, where_less
-from tribo.kernels.simd_arrays import block
 
 
 @kernel

@@ -15,17 +15,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from tribo.compiler.jit import inlined
+from tribo.compiler.lanes import broadcast
+from tribo.compiler.lanes_functions import sine_cosine
+from tribo.compiler.lanes_memory import add_block, block, set_block
 from tribo.kernels.blocks import column_of_constants, coordinates, is_fixed, set_coordinates
-from tribo.kernels.compiled import inlined
 from tribo.kernels.equations_of_motion import bar_angles
 from tribo.kernels.kinematics import end_force, rotational_power
 from tribo.kernels.levers import lever_of_bar, pivot_lengths
 from tribo.kernels.powers import place_of
 from tribo.kernels.records import INERTIA, INVERSE_BAR_LENGTH, KAPPA, L2, MASS, TX, TY
 from tribo.kernels.samples import copy
-from tribo.kernels.simd import broadcast
-from tribo.kernels.simd_arrays import add_block, block, set_block
-from tribo.kernels.simd_functions import sine_cosine
 
 
 class Reservoirs(NamedTuple):

@@ -7,6 +7,9 @@ it.  The mean of both is the mean of the velocities before and after the substep
 let the asperites jump, each half has the velocity that makes its jump in a step, too; see `jumps`.
 """
 
+from tribo.compiler.jit import inlined, kernel
+from tribo.compiler.lanes import broadcast
+from tribo.compiler.lanes_memory import block, set_block
 from tribo.integrators.jumps import Reservoirs, add_opposite_works, with_jump
 from tribo.kernels.blocks import (
     all_coordinates,
@@ -20,7 +23,6 @@ from tribo.kernels.blocks import (
     set_vectors,
     vectors,
 )
-from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.equations_of_motion import (
     accelerate,
     accelerations,
@@ -28,8 +30,6 @@ from tribo.kernels.equations_of_motion import (
     drive_of_block,
 )
 from tribo.kernels.powers import Powers, powers_of_block, shared_powers
-from tribo.kernels.simd import broadcast
-from tribo.kernels.simd_arrays import block, set_block
 from tribo.kernels.user_forces import custom_forces
 
 # Iterations for velocities in the middle of a kick, on which forces of plug-ins may depend.  A

@@ -3,11 +3,11 @@
 Sizes of all arrays are whole blocks of lanes.
 """
 
+from tribo.compiler.jit import inlined, kernel
+from tribo.compiler.lanes import LANES, absolute, broadcast, where_less
+from tribo.compiler.lanes_memory import block, set_block
+from tribo.compiler.numbers_in_lanes import largest_of_runs, sum_of_runs
 from tribo.integrators.step_control import EPSILON
-from tribo.kernels.compiled import inlined, kernel
-from tribo.kernels.numbers_in_lanes import largest_of_runs, sum_of_runs
-from tribo.kernels.simd import LANES, absolute, broadcast, where_less
-from tribo.kernels.simd_arrays import block, set_block
 
 
 @inlined

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
+from tribo.compiler.plugin_methods import recognize_class
 from tribo.integrators import collocation_tableaux, nystrom_tableaux, tableaux, time_loops
 from tribo.integrators.collocation import Collocation
 from tribo.integrators.nystrom import Nystrom
 from tribo.integrators.runge_kutta import EmbeddedRungeKutta, RungeKutta
 from tribo.integrators.splitting import Splitting, alternating, composed, splitting_steps
-from tribo.kernels.plugin_methods import recognize_class
 from tribo.model.scene import Scene
 from tribo.validation import InputError, choice
 

@@ -8,6 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tribo.compiler.jit import inlined, kernel
+from tribo.compiler.lanes import LANES, where_less
+from tribo.compiler.lanes_memory import block, set_block
+from tribo.compiler.pointers import pointers
 from tribo.integrators.nystrom import try_step
 from tribo.integrators.step_control import (
     accept_step,
@@ -19,13 +23,9 @@ from tribo.integrators.step_control import (
     step_underflows,
     time_left,
 )
-from tribo.kernels.array_pointers import pointers
-from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.encounters import next_encounter
 from tribo.kernels.equations_of_motion import top_speeds
 from tribo.kernels.samples import write_row
-from tribo.kernels.simd import LANES, where_less
-from tribo.kernels.simd_arrays import block, set_block
 from tribo.kernels.status import COMPLETED, PAUSED
 
 # Rows of the steps that are tried, a lane each: where they begin, their length, where they end, 1

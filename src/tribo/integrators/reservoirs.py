@@ -11,13 +11,16 @@ and the sum over steps makes the drift F / gamma and the diffusion T / gamma, fo
 The reasons for this scheme are in docs/explanation/methods.md.
 """
 
+from tribo.compiler.jit import inlined, kernel
+from tribo.compiler.lanes import LANES, broadcast, where_less
+from tribo.compiler.lanes_functions import sine_cosine
+from tribo.compiler.lanes_memory import add_block, block, set_block
+from tribo.compiler.numbers_in_lanes import add_numbers
 from tribo.integrators.bar_pushes import push_bars
 from tribo.integrators.jumps import set_jump
 from tribo.kernels.blocks import column_of_constants, is_fixed, own_number
-from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.equations_of_motion import bar_angles, velocities_of_bars
 from tribo.kernels.langevin import damped_motion, fours_of_normals, pairs_of_normals
-from tribo.kernels.numbers_in_lanes import add_numbers
 from tribo.kernels.powers import momentum, place_of
 from tribo.kernels.records import (
     FREQUENCY,
@@ -32,9 +35,6 @@ from tribo.kernels.records import (
     TX,
     TY,
 )
-from tribo.kernels.simd import LANES, broadcast, where_less
-from tribo.kernels.simd_arrays import add_block, block, set_block
-from tribo.kernels.simd_functions import sine_cosine
 
 
 @inlined

@@ -2,6 +2,10 @@
 
 import numpy as np
 
+from tribo.compiler.jit import inlined, kernel
+from tribo.compiler.lanes import LANES, where_less
+from tribo.compiler.lanes_functions import sine_cosine
+from tribo.compiler.lanes_memory import block, room, set_block
 from tribo.kernels.blocks import (
     column_of,
     column_of_constants,
@@ -9,11 +13,7 @@ from tribo.kernels.blocks import (
     last_block,
     selected_at,
 )
-from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.records import FREQUENCY
-from tribo.kernels.simd import LANES, where_less
-from tribo.kernels.simd_arrays import block, room, set_block
-from tribo.kernels.simd_functions import sine_cosine
 
 
 def empty_rotations(table: np.ndarray | None, times: int) -> np.ndarray:

@@ -9,12 +9,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tribo.compiler.jit import expanded
+from tribo.compiler.lanes_memory import room
 from tribo.integrators.linear_combinations import add, combine, largest
 from tribo.integrators.step_control import evaluate_rates, growth_factor
-from tribo.kernels.compiled import expanded
 from tribo.kernels.records import Model
 from tribo.kernels.samples import State, copy, copy_state
-from tribo.kernels.simd_arrays import room
 from tribo.kernels.status import COMPLETED
 
 ERROR_ORDER = 8.0  # power of h as which the combined error estimate of DOP853 grows

@@ -19,6 +19,23 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tribo.compiler.jit import inlined, kernel
+from tribo.compiler.lanes import broadcast
+from tribo.compiler.lanes_memory import room
+from tribo.compiler.pointers import pointers
+from tribo.compiler.team import (
+    DRIFT,
+    KICK,
+    LISTS,
+    PHASE,
+    REACTIONS,
+    begin_phase,
+    continue_phase,
+    finish_piece,
+    next_rank,
+    part_of,
+    wait_for_piece,
+)
 from tribo.integrators.bath_substep import bath_substep
 from tribo.integrators.drift import drift_block, settle_end_works
 from tribo.integrators.inactive import advance_inactive, make_lists, update_lists
@@ -43,7 +60,6 @@ from tribo.integrators.step_control import (
     time_left,
     update_encounter,
 )
-from tribo.kernels.array_pointers import pointers
 from tribo.kernels.baths import set_bath_momenta
 from tribo.kernels.blocks import (
     active_of,
@@ -53,33 +69,17 @@ from tribo.kernels.blocks import (
     first_block,
     last_block,
 )
-from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.contact_forces import contact_piece
 from tribo.kernels.equations_of_motion import forces, gather_contact, place_bobs
 from tribo.kernels.neighbours import crowded, have_left, is_empty, list_piece, note_crossed
 from tribo.kernels.powers import Powers, shared_powers
 from tribo.kernels.records import Model
 from tribo.kernels.samples import State, copy
-from tribo.kernels.simd import broadcast
-from tribo.kernels.simd_arrays import room
 from tribo.kernels.status import (
     BOBS_COINCIDE,
     COMPLETED,
     NOT_FINITE,
     PAUSED,
-)
-from tribo.kernels.team import (
-    DRIFT,
-    KICK,
-    LISTS,
-    PHASE,
-    REACTIONS,
-    begin_phase,
-    continue_phase,
-    finish_piece,
-    next_rank,
-    part_of,
-    wait_for_piece,
 )
 
 

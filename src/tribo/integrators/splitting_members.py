@@ -1,5 +1,8 @@
 """Splitting steps of eight members of an ensemble side by side, one in each lane."""
 
+from tribo.compiler.jit import kernel
+from tribo.compiler.lanes import LANES
+from tribo.compiler.pointers import pointers
 from tribo.integrators.splitting import arrive, begin_works, take_step
 from tribo.integrators.step_control import (
     ENCOUNTER_UPDATE,
@@ -9,14 +12,11 @@ from tribo.integrators.step_control import (
     equal_step,
     time_left,
 )
-from tribo.kernels.array_pointers import pointers
 from tribo.kernels.baths import set_bath_momenta
 from tribo.kernels.blocks import clear
-from tribo.kernels.compiled import kernel
 from tribo.kernels.encounters import next_encounter
 from tribo.kernels.equations_of_motion import place_bobs, top_speeds
 from tribo.kernels.samples import write_row
-from tribo.kernels.simd import LANES
 from tribo.kernels.status import COMPLETED, PAUSED, STEP_UNDERFLOW
 
 # Rows of what is known of the members' encounters: their rate as it was last computed [1 / time],

@@ -5,15 +5,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tribo.compiler.jit import expanded, inlined, kernel
+from tribo.compiler.lanes import LANES, absolute, broadcast, sum_of_lanes
+from tribo.compiler.lanes_memory import block
 from tribo.kernels.blocks import active_of
-from tribo.kernels.compiled import expanded, inlined, kernel
 from tribo.kernels.encounters import fastest_approach, least_clearance, next_encounter
 from tribo.kernels.equations_of_motion import equations_of_motion, place_bobs, top_speeds
 from tribo.kernels.neighbours import crowded, is_empty, refresh
 from tribo.kernels.powers import all_powers
 from tribo.kernels.samples import write_sample
-from tribo.kernels.simd import LANES, absolute, broadcast, sum_of_lanes
-from tribo.kernels.simd_arrays import block
 from tribo.kernels.status import (
     BOBS_COINCIDE,
     COMPLETED,

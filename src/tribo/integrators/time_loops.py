@@ -15,6 +15,7 @@ Both functions complete a state: coordinates, accounts, their rates of change at
 the method keeps for the next step.
 """
 
+from tribo.compiler.pointers import pointers
 from tribo.integrators.step_control import (
     accept_step,
     advance_equally,
@@ -31,7 +32,6 @@ from tribo.integrators.step_control import (
     underflow_status,
     update_encounter,
 )
-from tribo.kernels.array_pointers import pointers
 from tribo.kernels.neighbours import crowded
 from tribo.kernels.samples import copy_state
 from tribo.kernels.status import COMPLETED, NOT_FINITE, PAUSED

@@ -3,9 +3,11 @@
 Those of one bar stand side by side: all x, all y, then the torsional.  Eight are computed at once.
 """
 
+from tribo.compiler.jit import kernel
+from tribo.compiler.lanes import LANES, broadcast, sum_of_lanes
+from tribo.compiler.lanes_memory import block, set_block
+from tribo.compiler.numbers_in_lanes import lane_of
 from tribo.kernels.blocks import column_of_constants
-from tribo.kernels.compiled import kernel
-from tribo.kernels.numbers_in_lanes import lane_of
 from tribo.kernels.records import (
     ALONG_X,
     ALONG_Y,
@@ -15,8 +17,6 @@ from tribo.kernels.records import (
     OSCILLATOR_MASS,
     PHI_START,
 )
-from tribo.kernels.simd import LANES, broadcast, sum_of_lanes
-from tribo.kernels.simd_arrays import block, set_block
 
 
 @kernel

@@ -7,11 +7,11 @@ Members of an ensemble can be computed side by side instead: then the lanes of e
 asperite of eight members, and nothing acts between lanes.  `lane` is None where there is one run.
 """
 
-from tribo.kernels.compiled import inlined, kernel
-from tribo.kernels.numbers_in_lanes import lane_of
+from tribo.compiler.jit import inlined, kernel
+from tribo.compiler.lanes import LANES, broadcast, sum_of_lanes
+from tribo.compiler.lanes_memory import block, set_block
+from tribo.compiler.numbers_in_lanes import lane_of
 from tribo.kernels.records import ALONG_X, ALONG_Y
-from tribo.kernels.simd import LANES, broadcast, sum_of_lanes
-from tribo.kernels.simd_arrays import block, set_block
 
 
 @inlined

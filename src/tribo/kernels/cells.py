@@ -7,11 +7,11 @@ ones.  In a periodic scene the cells are, too.
 
 import math
 
+from tribo.compiler.jit import kernel
+from tribo.compiler.lanes import LANES
 from tribo.kernels.blocks import column_of, first_block, last_block
-from tribo.kernels.compiled import kernel
 from tribo.kernels.kinematics import nearest_image
 from tribo.kernels.records import X, Z
-from tribo.kernels.simd import LANES
 
 
 @kernel

@@ -7,23 +7,8 @@ import math
 
 from numba import literal_unroll
 
-from tribo.kernels.blocks import (
-    active_of,
-    column_of,
-    columns_at,
-    first_block,
-    first_column,
-    last_block,
-    stride_of,
-)
-from tribo.kernels.compiled import inlined, kernel
-from tribo.kernels.kinematics import nearest_image
-from tribo.kernels.neighbours import image, is_partner, partner_species
-from tribo.kernels.numbers_in_lanes import potential_of
-from tribo.kernels.potential_in_lanes import force_in_lanes, range_in_lanes
-from tribo.kernels.python_callback import call_at
-from tribo.kernels.records import CHARGE, FX, FY, X, Y, Z
-from tribo.kernels.simd import (
+from tribo.compiler.jit import inlined, kernel
+from tribo.compiler.lanes import (
     FAST_INVERSE_ROOTS,
     LANES,
     NARROW,
@@ -41,7 +26,22 @@ from tribo.kernels.simd import (
     widen,
     with_lane,
 )
-from tribo.kernels.simd_arrays import add_block, block, set_block
+from tribo.compiler.lanes_memory import add_block, block, set_block
+from tribo.compiler.numbers_in_lanes import potential_of
+from tribo.compiler.python_callback import call_at
+from tribo.kernels.blocks import (
+    active_of,
+    column_of,
+    columns_at,
+    first_block,
+    first_column,
+    last_block,
+    stride_of,
+)
+from tribo.kernels.kinematics import nearest_image
+from tribo.kernels.neighbours import image, is_partner, partner_species
+from tribo.kernels.potential_in_lanes import force_in_lanes, range_in_lanes
+from tribo.kernels.records import CHARGE, FX, FY, X, Y, Z
 
 # Square of a distance below which the squares of its components lose digits to underflow.
 SQUARE_IS_SAFE = 1e-280

@@ -7,13 +7,10 @@ table of its own.  The tables are then added in the order of the chunks.
 
 from numba import literal_unroll
 
-from tribo.kernels.blocks import active_of, clear, column_of, first_block, last_block
-from tribo.kernels.compiled import inlined, kernel
-from tribo.kernels.contact import add_calculated, add_contact, add_rows, block_of, row_of
-from tribo.kernels.records import ALONG_X, ALONG_Y, FX, FY
-from tribo.kernels.simd import LANES, broadcast
-from tribo.kernels.simd_arrays import add_block, block, set_block
-from tribo.kernels.team import (
+from tribo.compiler.jit import inlined, kernel
+from tribo.compiler.lanes import LANES, broadcast
+from tribo.compiler.lanes_memory import add_block, block, set_block
+from tribo.compiler.team import (
     CONTACT,
     INTERACTION,
     PAIR,
@@ -23,6 +20,9 @@ from tribo.kernels.team import (
     continue_phase,
     part_of,
 )
+from tribo.kernels.blocks import active_of, clear, column_of, first_block, last_block
+from tribo.kernels.contact import add_calculated, add_contact, add_rows, block_of, row_of
+from tribo.kernels.records import ALONG_X, ALONG_Y, FX, FY
 
 
 @inlined

@@ -6,6 +6,14 @@ from typing import NamedTuple
 import numpy as np
 from numba import literal_unroll
 
+from tribo.compiler.jit import inlined, kernel
+from tribo.compiler.lanes import (
+    between_lanes,
+    broadcast,
+    maximum,
+)
+from tribo.compiler.lanes_memory import block
+from tribo.compiler.numbers_in_lanes import potential_of
 from tribo.kernels.blocks import (
     column_of,
     columns_at,
@@ -14,17 +22,9 @@ from tribo.kernels.blocks import (
     last_block,
     stride_of,
 )
-from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.contact import block_of, distance_of, first_candidate, row_of
 from tribo.kernels.neighbours import is_partner, partner_species
-from tribo.kernels.numbers_in_lanes import potential_of
 from tribo.kernels.records import CHARGE, OWN_TEMPERATURE
-from tribo.kernels.simd import (
-    between_lanes,
-    broadcast,
-    maximum,
-)
-from tribo.kernels.simd_arrays import block
 
 # With noise, an encounter can matter if at some distance up to the present one, of this many that
 # are evenly spaced, the potential energy exceeds this fraction of k_B T.  The first is a sixteenth:

@@ -6,6 +6,10 @@ centre of mass; where no net force can arise they stay zero and are no coordinat
 oscillator's coordinates are its displacement from the resting bar in the same uniform motion.
 """
 
+from tribo.compiler.jit import inlined, kernel
+from tribo.compiler.lanes import LANES, broadcast, sqrt, sum_of_lanes
+from tribo.compiler.lanes_functions import sine_cosine, sine_cosine_versine
+from tribo.compiler.lanes_memory import block, set_block
 from tribo.kernels.baths import bath_accelerations, bath_forces, torsional_accelerations
 from tribo.kernels.blocks import (
     all_coordinates,
@@ -21,7 +25,6 @@ from tribo.kernels.blocks import (
     set_vectors,
     vectors,
 )
-from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.contact_forces import contact_forces
 from tribo.kernels.fields import field_forces
 from tribo.kernels.kinematics import bar_velocity, bob_position
@@ -62,9 +65,6 @@ from tribo.kernels.records import (
     X,
     Y,
 )
-from tribo.kernels.simd import LANES, broadcast, sqrt, sum_of_lanes
-from tribo.kernels.simd_arrays import block, set_block
-from tribo.kernels.simd_functions import sine_cosine, sine_cosine_versine
 from tribo.kernels.springs import spring_forces
 from tribo.kernels.user_forces import custom_forces
 

@@ -2,9 +2,9 @@
 
 from numba import literal_unroll
 
+from tribo.compiler.jit import kernel
+from tribo.compiler.numbers_in_lanes import lane_of
 from tribo.kernels.blocks import clear, first_column, stride_of
-from tribo.kernels.compiled import kernel
-from tribo.kernels.numbers_in_lanes import lane_of
 from tribo.kernels.records import ALONG_X, ALONG_Y, X, Y
 
 

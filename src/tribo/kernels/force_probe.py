@@ -1,7 +1,10 @@
 """All forces on the asperites in sampled states: nothing moves."""
 
+from tribo.compiler.jit import inlined, kernel
+from tribo.compiler.lanes import LANES
+from tribo.compiler.lanes_functions import sine_cosine
+from tribo.compiler.lanes_memory import block, set_block
 from tribo.kernels.blocks import column_of_constants, set_vectors, vectors
-from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.equations_of_motion import (
     accelerate,
     bar_angles,
@@ -23,9 +26,6 @@ from tribo.kernels.records import (
     RIGHT_Y,
 )
 from tribo.kernels.samples import PULL_X, PULL_Y
-from tribo.kernels.simd import LANES
-from tribo.kernels.simd_arrays import block, set_block
-from tribo.kernels.simd_functions import sine_cosine
 from tribo.kernels.user_forces import custom_forces
 
 # Rows of what is found, each but the last with the row of y behind that of x: contact, contact

@@ -10,11 +10,11 @@ import numpy as np
 from numba import types
 from numba.extending import overload
 
-from tribo.kernels.compiled import inlined, kernel
-from tribo.kernels.jit_options import KERNEL
-from tribo.kernels.simd import broadcast, sqrt, where_less, with_lane
-from tribo.kernels.simd_arrays import block
-from tribo.kernels.simd_functions import exponential
+from tribo.compiler.jit import inlined, kernel
+from tribo.compiler.jit_options import KERNEL
+from tribo.compiler.lanes import broadcast, sqrt, where_less, with_lane
+from tribo.compiler.lanes_functions import exponential
+from tribo.compiler.lanes_memory import block
 
 
 class Deviates(NamedTuple):

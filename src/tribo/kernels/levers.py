@@ -6,11 +6,11 @@ and an infinite MASS, and there are no coordinates x and y.  `pivots` has the di
 pivot to the centre of mass: l2 on driven bars, 0 elsewhere; None without driven bars.
 """
 
+from tribo.compiler.jit import inlined
+from tribo.compiler.lanes import broadcast
+from tribo.compiler.lanes_memory import block
 from tribo.kernels.blocks import column_of_constants
-from tribo.kernels.compiled import inlined
 from tribo.kernels.records import L1, L2, TX, TY
-from tribo.kernels.simd import broadcast
-from tribo.kernels.simd_arrays import block
 
 
 @inlined

@@ -14,14 +14,14 @@ import math
 
 import numpy as np
 
+from tribo.compiler.jit import inlined, kernel, owning_kernel
+from tribo.compiler.lanes import LANES, broadcast, sum_of_lanes
+from tribo.compiler.lanes_memory import block
+from tribo.compiler.team import LISTS, PAIR, begin_phase, continue_phase, part_of
 from tribo.kernels.blocks import column_of, first_block, last_block
 from tribo.kernels.cells import gap, near_blocks, periods, set_boxes, sort_boxes
-from tribo.kernels.compiled import inlined, kernel, owning_kernel
 from tribo.kernels.kinematics import nearest_image
 from tribo.kernels.records import ALONG_X, ALONG_Y, X, Y, Z
-from tribo.kernels.simd import LANES, broadcast, sum_of_lanes
-from tribo.kernels.simd_arrays import block
-from tribo.kernels.team import LISTS, PAIR, begin_phase, continue_phase, part_of
 
 
 @kernel

@@ -10,9 +10,9 @@ from typing import Any
 from numba import TypingError, config, njit, types
 from numba.extending import overload
 
-from tribo.kernels.numbers_in_lanes import lane_of, numbers_at_lane
-from tribo.kernels.plugin_methods import formula
-from tribo.kernels.simd import LANES, broadcast, lane, lanes, spread_like, with_lane
+from tribo.compiler.lanes import LANES, broadcast, lane, lanes, spread_like, with_lane
+from tribo.compiler.numbers_in_lanes import lane_of, numbers_at_lane
+from tribo.compiler.plugin_methods import formula
 
 
 @functools.cache

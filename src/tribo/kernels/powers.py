@@ -30,6 +30,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import literal_unroll
 
+from tribo.compiler.jit import inlined, kernel
+from tribo.compiler.lanes import LANES, broadcast, lane, with_lane
+from tribo.compiler.lanes_functions import sine_cosine
+from tribo.compiler.lanes_memory import add_block, block, set_block
+from tribo.compiler.numbers_in_lanes import add_numbers, lane_of, set_numbers, sum_of_runs
 from tribo.kernels.baths import set_bath_momenta, torsional_torque
 from tribo.kernels.blocks import (
     all_coordinates,
@@ -38,7 +43,6 @@ from tribo.kernels.blocks import (
     is_fixed,
     vectors,
 )
-from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.equations_of_motion import (
     bar_angles,
     bar_forces,
@@ -49,7 +53,6 @@ from tribo.kernels.equations_of_motion import (
 from tribo.kernels.fields import field_shift
 from tribo.kernels.kinematics import bar_velocity, end_force, rotational_power
 from tribo.kernels.levers import lever_of_bar, lever_of_bob, velocities_of_centres
-from tribo.kernels.numbers_in_lanes import add_numbers, lane_of, set_numbers, sum_of_runs
 from tribo.kernels.records import (
     ALONG_X,
     ALONG_Y,
@@ -71,9 +74,6 @@ from tribo.kernels.records import (
     X,
     Y,
 )
-from tribo.kernels.simd import LANES, broadcast, lane, with_lane
-from tribo.kernels.simd_arrays import add_block, block, set_block
-from tribo.kernels.simd_functions import sine_cosine
 
 # Number of accounts in each group; POINT is that of internal, field and thermal.
 CONTACT, SLIDE, DRIVE, ENDS, USER_ENDS, POINT, SWING = 4, 2, 4, 5, 8, 4, 1

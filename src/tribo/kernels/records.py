@@ -2,7 +2,7 @@
 
 Lengths, times and masses are plain floats.  Positions are relative to the scene's origin and
 velocities to the first surface's, so no digits are lost in a distant scene or a fast frame.
-:mod:`tribo.run.ledger` computes the quantities in the laboratory.
+:mod:`tribo.ledger.ledger` computes the quantities in the laboratory.
 """
 
 from typing import Any, NamedTuple

@@ -5,6 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import literal_unroll
 
+from tribo.compiler.jit import inlined, kernel
+from tribo.compiler.lanes_memory import room, with_spare_lanes
 from tribo.kernels.baths import (
     bar_angle,
     first_slot,
@@ -15,11 +17,9 @@ from tribo.kernels.baths import (
     torsional_slot,
 )
 from tribo.kernels.blocks import clear, first_column, stride_of
-from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.contact import contact_energy, pair_energy
 from tribo.kernels.fields import field_energy
 from tribo.kernels.records import ALONG_X, ALONG_Y
-from tribo.kernels.simd_arrays import room, with_spare_lanes
 from tribo.kernels.springs import spring_energies
 
 SPRINGS, BATH, TORSIONAL, WITHIN, MOMENTUM_X, MOMENTUM_Y, STORED = range(7)

@@ -5,11 +5,11 @@ i + n and j + n, of which eight are computed at once; columns that fill the last
 have springs without stiffness.
 """
 
+from tribo.compiler.jit import inlined, kernel
+from tribo.compiler.lanes import LANES
+from tribo.compiler.lanes_memory import add_block, block
 from tribo.kernels.blocks import sum_at
-from tribo.kernels.compiled import inlined, kernel
 from tribo.kernels.records import ALONG_X, ALONG_Y, REST_X, REST_Y, STIFFNESS
-from tribo.kernels.simd import LANES
-from tribo.kernels.simd_arrays import add_block, block
 
 
 @inlined

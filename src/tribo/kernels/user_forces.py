@@ -2,11 +2,11 @@
 
 from numba import literal_unroll
 
+from tribo.compiler.jit import kernel
+from tribo.compiler.numbers_in_lanes import lane_of
 from tribo.kernels.baths import bar_angle
 from tribo.kernels.blocks import column_of_constants
-from tribo.kernels.compiled import kernel
 from tribo.kernels.kinematics import bar_position, bar_velocity
-from tribo.kernels.numbers_in_lanes import lane_of
 from tribo.kernels.records import (
     ALONG_X,
     ALONG_Y,

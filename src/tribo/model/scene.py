@@ -7,24 +7,30 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tribo.files import replace_file
+from tribo.model import fields, topography
 from tribo.model.comparison import ComparedByValue
 from tribo.model.drives import Custom, DrivenBars, Ends, Forced, Pulled, Pushed
 from tribo.model.effects import Effect
 from tribo.model.fields import Field
 from tribo.model.initial import UNITS, UNITS_OF_DISPLACEMENTS
 from tribo.model.interaction import Interaction, Periodic, as_periodic
+from tribo.model.scene_writer import output_table, surface_table, table_of, toml
 from tribo.model.settings import Numerics, Output
 from tribo.model.surface import Surface
+from tribo.model.topography import Topography
+from tribo.potentials import tables as potentials
 from tribo.potentials.from_ase import Live
 from tribo.potentials.mixins import Potential
 from tribo.validation import (
     POSITIVE,
     SHORTEST_DURATION,
     InputError,
+    as_path,
     inside,
     integer,
     must_be,
@@ -362,6 +368,51 @@ class Scene(ComparedByValue):
             If the file cannot be written, or the scene has no text, as with a class that is
             defined in a notebook.
         """
-        from tribo.model.scene_writer import save_scene
+        path = as_path(path)
+        table = self.to_table()
+        for item, surface in zip(table["surface"], self.surfaces, strict=True):
+            if isinstance(surface.heights, Topography):
+                item["heights"] = topography.as_table(surface.heights, path.parent)
+        replace_file(path, toml(table))
 
-        save_scene(self, path)
+    def to_toml(self) -> str:
+        """The text of a scene file that needs no files of topographies: heights are numbers.
+
+        Returns
+        -------
+        str
+
+        Raises
+        ------
+        InputError
+            The scene has no text, as with a class that is defined in a notebook.
+        """
+        return toml(self.to_table()).decode("utf-8")
+
+    def to_table(self) -> dict[str, Any]:
+        """The nested table of that file.
+
+        Returns
+        -------
+        dict
+        """
+        table: dict[str, Any] = {"title": self.title} if self.title else {}
+        interactions = [
+            potentials.as_table(i.potential)
+            | {
+                key: list(names)
+                for key, names in (("between", i.between), ("species", i.species))
+                if names
+            }
+            for i in self.interactions
+        ]
+        return table | {
+            "duration": self.duration,
+            "seed": self.seed,
+            "output": output_table(self.output),
+            "numerics": table_of(self.numerics),
+            "periodic": table_of(self.periodic),
+            "interaction": interactions,
+            "field": [fields.as_table(item) for item in self.fields],
+            "surface": [surface_table(surface) for surface in self.surfaces],
+        }

@@ -11,10 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba.extending import register_jitable
 
-from tribo.kernels.compiled import inlined
-from tribo.kernels.contact import separation
-from tribo.kernels.potential_in_lanes import force_in_lanes, range_in_lanes
-from tribo.kernels.simd import (
+from tribo.compiler.jit import inlined
+from tribo.compiler.lanes import (
     FAST_INVERSE_ROOTS,
     LANES,
     broadcast,
@@ -24,7 +22,9 @@ from tribo.kernels.simd import (
     where_less,
     with_lane,
 )
-from tribo.kernels.simd_functions import sine_cosine
+from tribo.compiler.lanes_functions import sine_cosine
+from tribo.kernels.contact import separation
+from tribo.kernels.potential_in_lanes import force_in_lanes, range_in_lanes
 
 
 class PairScene(NamedTuple):

@@ -13,10 +13,8 @@ import math
 
 import numpy as np
 
-from tribo.integrators.nystrom import Nystrom
-from tribo.kernels.compiled import inlined, kernel
-from tribo.kernels.numbers_in_lanes import numbers_at_lane, numbers_in_lanes
-from tribo.kernels.simd import (
+from tribo.compiler.jit import inlined, kernel
+from tribo.compiler.lanes import (
     LANES,
     absolute,
     any_below,
@@ -27,8 +25,10 @@ from tribo.kernels.simd import (
     where_less,
     with_lane,
 )
-from tribo.kernels.simd_arrays import load, rows_of, store
-from tribo.kernels.simd_functions import near_zero, reduced
+from tribo.compiler.lanes_functions import near_zero, reduced
+from tribo.compiler.lanes_memory import load, rows_of, store
+from tribo.compiler.numbers_in_lanes import numbers_at_lane, numbers_in_lanes
+from tribo.integrators.nystrom import Nystrom
 from tribo.kernels.status import COMPLETED, PAUSED
 from tribo.pair.forces import PairScene, contact_of, distance, swing_accelerations
 from tribo.pair.loop import ENERGY

@@ -8,6 +8,9 @@ vector registers, and neither arrays nor records of asperites are read on the wa
 
 import math
 
+from tribo.compiler.jit import kernel
+from tribo.compiler.lanes import LANES, broadcast, lane, sum_of_lanes
+from tribo.compiler.lanes_memory import rows_of, store
 from tribo.integrators.collocation import MAX_EXTRAPOLATION, error_weight
 from tribo.integrators.step_control import (
     accept_step,
@@ -18,9 +21,6 @@ from tribo.integrators.step_control import (
     time_left,
     underflow_status,
 )
-from tribo.kernels.compiled import kernel
-from tribo.kernels.simd import LANES, broadcast, lane, sum_of_lanes
-from tribo.kernels.simd_arrays import rows_of, store
 from tribo.kernels.status import BOBS_COINCIDE, COMPLETED, NOT_FINITE, PAUSED
 from tribo.pair.forces import contact_at, distance, encounter_rate_of, swing_accelerations
 from tribo.pair.step import Nodes, try_step

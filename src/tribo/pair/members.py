@@ -1,7 +1,7 @@
 """Many runs of a pair, one after another, without Python between them."""
 
-from tribo.kernels.compiled import kernel
-from tribo.kernels.potential_numbers import with_numbers
+from tribo.compiler.jit import kernel
+from tribo.compiler.potential_numbers import with_numbers
 from tribo.pair.loop import COLUMNS, pair_collocation
 
 # The loop of a single run, for callers that are compiled.

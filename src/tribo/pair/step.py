@@ -12,15 +12,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tribo.integrators.collocation import (
-    MAX_EXTRAPOLATION,
-    MAX_SWEEPS,
-    SWEEP_TOLERANCE,
-    Collocation,
-)
-from tribo.integrators.step_control import EPSILON, MAX_GROWTH, MIN_GROWTH
-from tribo.kernels.compiled import inlined
-from tribo.kernels.simd import (
+from tribo.compiler.jit import inlined
+from tribo.compiler.lanes import (
     LANES,
     absolute,
     broadcast,
@@ -29,7 +22,14 @@ from tribo.kernels.simd import (
     sum_of_lanes,
     with_lane,
 )
-from tribo.kernels.simd_arrays import load, store
+from tribo.compiler.lanes_memory import load, store
+from tribo.integrators.collocation import (
+    MAX_EXTRAPOLATION,
+    MAX_SWEEPS,
+    SWEEP_TOLERANCE,
+    Collocation,
+)
+from tribo.integrators.step_control import EPSILON, MAX_GROWTH, MIN_GROWTH
 from tribo.pair.forces import contact_at, encounter_rate_of, swing_accelerations
 from tribo.pair.step_rows import (
     AA,

@@ -1,6 +1,6 @@
 """The rows and columns of the memory of the pair's loop."""
 
-from tribo.kernels.simd import (
+from tribo.compiler.lanes import (
     LANES,
 )
 

@@ -2,9 +2,8 @@
 
 from typing import Any, NamedTuple
 
-from tribo.integrators.step_control import EPSILON
-from tribo.kernels.compiled import inlined
-from tribo.kernels.simd import (
+from tribo.compiler.jit import inlined
+from tribo.compiler.lanes import (
     LANES,
     absolute,
     lane,
@@ -13,7 +12,8 @@ from tribo.kernels.simd import (
     sums_of_lanes,
     with_lane,
 )
-from tribo.kernels.simd_arrays import load, store
+from tribo.compiler.lanes_memory import load, store
+from tribo.integrators.step_control import EPSILON
 from tribo.pair.step_rows import (
     ACCOUNTS,
     ALLOWED,

@@ -19,7 +19,7 @@ from tribo.model.settings import Output
 from tribo.model.surface import Surface
 from tribo.paper.published_values import agrees, published
 from tribo.potentials import Coulomb
-from tribo.run.result import Result
+from tribo.result import Result
 from tribo.simulation import simulate
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from tribo.plotting.picture import Picture, pose
 from tribo.plotting.plots import typical_swing
 from tribo.plotting.series import WORKS, works_of
 from tribo.plotting.style import EDGE, INK, POINTS_PER_INCH, frame, style
-from tribo.run.result import Result
+from tribo.results.run_result import RunResult
 from tribo.validation import InputError, as_path, integer
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ DRAWN = ("w1", "w2", "w")
 
 
 def animate(
-    result: Result,
+    result: RunResult,
     path: str | Path,
     frames: int = 120,
     rate: int = 20,
@@ -47,7 +47,7 @@ def animate(
 
     Parameters
     ----------
-    result : Result
+    result : RunResult
     path : str or Path
         The file, which is replaced if it exists; its name ends on .gif or .mp4.
     frames : int
@@ -109,7 +109,7 @@ class Film:
 
     Parameters
     ----------
-    result : Result
+    result : RunResult
     surface : str
         The surface whose works are shown.
     bath : bool
@@ -122,7 +122,7 @@ class Film:
         The work of each name, up to the sample shown.
     """
 
-    def __init__(self, result: Result, surface: str, bath: bool = False) -> None:
+    def __init__(self, result: RunResult, surface: str, bath: bool = False) -> None:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
 
@@ -170,13 +170,13 @@ def _some(samples: int) -> np.ndarray:
     return np.unique(np.linspace(0, samples - 1, min(samples, 50)).astype(int))
 
 
-def _named_works(result: Result, surface: str) -> dict[str, np.ndarray]:
+def _named_works(result: RunResult, surface: str) -> dict[str, np.ndarray]:
     """The works that are drawn, by name, of a surface; none where they are not kept."""
     works = works_of(result, surface, None)
     return {name: works[name] for work in DRAWN for name in (work, f"{work}_ps") if name in works}
 
 
-def _curves(ax: Axes, result: Result, works: dict[str, np.ndarray]) -> dict[str, Any]:
+def _curves(ax: Axes, result: RunResult, works: dict[str, np.ndarray]) -> dict[str, Any]:
     """Faint curves of all times, and a line for each that `show` fills."""
     lines = {}
     for name, values in works.items():

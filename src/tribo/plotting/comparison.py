@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from tribo.plotting.plots import ASPECT, Plots
 from tribo.plotting.style import WIDE, drawing_on
-from tribo.run.result import Result
+from tribo.results.run_result import RunResult
 from tribo.validation import must_be
 
 if TYPE_CHECKING:
@@ -18,13 +18,13 @@ DASHES: tuple[Any, ...] = ("-", (0, (4, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)
 
 
 def compare(
-    results: Mapping[str, Result], kind: str = "energy_budget", ax: Axes | None = None
+    results: Mapping[str, RunResult], kind: str = "energy_budget", ax: Axes | None = None
 ) -> Axes:
     """Draw the same plot of several results in one figure, each with a line style of its own.
 
     Parameters
     ----------
-    results : mapping of str to Result
+    results : mapping of str to RunResult
         Results by the names that legends show.
     kind : str
         "angles", "energy_budget" or "phase".

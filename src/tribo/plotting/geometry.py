@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from tribo.analysis.contact_probe import ContactProbe
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
-from tribo.run.contact_probe import ContactProbe
-from tribo.run.result import Result
+from tribo.results.run_result import RunResult
 from tribo.validation import InputError
 
 
@@ -66,7 +66,7 @@ class AsperiteGeometry:
 SceneGeometry = dict[str, list[AsperiteGeometry]]  # the asperites of each surface
 
 
-def scene_geometry(result: Result, t: float) -> SceneGeometry:
+def scene_geometry(result: RunResult, t: float) -> SceneGeometry:
     """All asperites at a time.
 
     Between samples, centres of mass and angles are cubic Hermite interpolants of the samples and
@@ -74,7 +74,7 @@ def scene_geometry(result: Result, t: float) -> SceneGeometry:
 
     Parameters
     ----------
-    result : Result
+    result : RunResult
     t : float
         Time, from the first sample to the last [time].
 
@@ -110,7 +110,7 @@ def shifted(geometry: SceneGeometry, shift: np.ndarray | tuple[float, float]) ->
     return {name: [each.shifted(shift) for each in group] for name, group in geometry.items()}
 
 
-def _asperites(result: Result, surface: Surface, t: float) -> list[AsperiteGeometry]:
+def _asperites(result: RunResult, surface: Surface, t: float) -> list[AsperiteGeometry]:
     series = result[surface.name]
     k = int(np.searchsorted(result.t, t, side="right")) - 1
 

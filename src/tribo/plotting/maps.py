@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from tribo.layout.scene_records import resting_bobs
 from tribo.plotting.style import COLUMN, drawing_on, figure_of
-from tribo.run.result import Result
-from tribo.run.scene_records import resting_bobs
+from tribo.results.run_result import RunResult
 from tribo.validation import InputError
 
 if TYPE_CHECKING:
@@ -25,13 +25,13 @@ BAR = (1.03, 0.0, 0.04, 1.0)
 
 
 def surface_map(
-    result: Result, name: str, quantity: str, sample: int, ax: Axes | None = None
+    result: RunResult, name: str, quantity: str, sample: int, ax: Axes | None = None
 ) -> Axes:
     """Draw a quantity of every asperite of a grid in colour, over the place of its bob at rest.
 
     Parameters
     ----------
-    result : Result
+    result : RunResult
     name : str
         Of the grid.
     quantity : str
@@ -81,7 +81,7 @@ def surface_map(
     return ax
 
 
-def _values(result: Result, name: str, quantity: str, sample: int) -> np.ndarray:
+def _values(result: RunResult, name: str, quantity: str, sample: int) -> np.ndarray:
     """A series of every asperite at a sample, (n,)."""
     table = result[name]
     if quantity not in table or table[quantity].ndim != 2:

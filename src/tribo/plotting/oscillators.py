@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from tribo.model.surface import Surface
-from tribo.run.result import Result
+from tribo.results.run_result import RunResult
 from tribo.validation import InputError
 
 # Most dots of a bar: of more oscillators, evenly spaced ones are drawn.
@@ -20,12 +20,12 @@ DISTANCE, REACH = 0.4, 0.25
 PART = 0.9
 
 
-def oscillator_dots(result: Result, samples: np.ndarray) -> dict[str, np.ndarray]:
+def oscillator_dots(result: RunResult, samples: np.ndarray) -> dict[str, np.ndarray]:
     """The places of the dots at some samples.
 
     Parameters
     ----------
-    result : Result
+    result : RunResult
     samples : ndarray of int, (n,)
 
     Returns
@@ -42,7 +42,7 @@ def oscillator_dots(result: Result, samples: np.ndarray) -> dict[str, np.ndarray
     return {s.name: _dots(result, s, samples, factor) for s in _with_bath(result)}
 
 
-def magnification(result: Result) -> float:
+def magnification(result: RunResult) -> float:
     """The factor of all displacements in the drawing.  Raises InputError as above."""
     surfaces = _with_bath(result)
     if not surfaces:
@@ -53,7 +53,7 @@ def magnification(result: Result) -> float:
     return REACH * _rod(surfaces[0]) / largest if largest > 0.0 else 1.0
 
 
-def _with_bath(result: Result) -> list[Surface]:
+def _with_bath(result: RunResult) -> list[Surface]:
     return [each for each in result.scene.surfaces if each.bath.masses.size]
 
 
@@ -62,7 +62,7 @@ def _rod(surface: Surface) -> float:
     return float(np.median(surface.each["length"]))
 
 
-def _dots(result: Result, surface: Surface, samples: np.ndarray, factor: float) -> np.ndarray:
+def _dots(result: RunResult, surface: Surface, samples: np.ndarray, factor: float) -> np.ndarray:
     """The dots of one surface."""
     values = surface.each
     order = np.argsort(surface.bath.frequencies, kind="stable")

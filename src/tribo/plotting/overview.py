@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from tribo.plotting.plots import Plots
 from tribo.plotting.style import style
-from tribo.run.force_averages import has_mean_friction
-from tribo.run.result import Result
+from tribo.results.force_averages import has_mean_friction
+from tribo.results.run_result import RunResult
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 SIZE = (7.0, 7.6)
 
 
-def overview(result: Result) -> Figure:
+def overview(result: RunResult) -> Figure:
     """Draw snapshots, works on the first surface, energies, angles and phases of a result.
 
     Where sliding goes on and forces are recorded, the friction force on the first surface takes the
@@ -24,7 +24,7 @@ def overview(result: Result) -> Figure:
 
     Parameters
     ----------
-    result : Result
+    result : RunResult
 
     Returns
     -------

@@ -9,7 +9,7 @@ import numpy as np
 from tribo.model.surface import Surface
 from tribo.plotting.oscillators import oscillator_dots
 from tribo.plotting.style import INK
-from tribo.run.result import Result
+from tribo.results.run_result import RunResult
 from tribo.validation import InputError
 
 if TYPE_CHECKING:
@@ -62,12 +62,12 @@ class Pose(NamedTuple):
         return float(left), float(right), float(bottom), float(top)
 
 
-def pose(result: Result, sample: int, bath: bool = False) -> Pose:
+def pose(result: RunResult, sample: int, bath: bool = False) -> Pose:
     """The asperites at a sample, those at a depth shifted to the right and upward.
 
     Parameters
     ----------
-    result : Result
+    result : RunResult
     sample : int
     bath : bool
         Whether bath oscillators are drawn.
@@ -97,7 +97,7 @@ def _shift(surface: Surface) -> np.ndarray:
     return np.asarray(surface.resting_bobs()[:, 2:] * OBLIQUE)
 
 
-def _pose(result: Result, surface: Surface, sample: int) -> tuple[np.ndarray, ...]:
+def _pose(result: RunResult, surface: Surface, sample: int) -> tuple[np.ndarray, ...]:
     series = result[surface.name]
     if len(series["theta"]) != len(result.t):
         raise InputError("output.samples", "must be fewer, to keep the places of single asperites")
@@ -120,7 +120,7 @@ class Picture:
     ----------
     ax : matplotlib.axes.Axes
         The axes to draw on.  Their limits stay as they are.
-    result : Result
+    result : RunResult
     scale : float
         Size of one unit of length in the drawing [points].
     swing : float
@@ -130,7 +130,7 @@ class Picture:
     """
 
     def __init__(
-        self, ax: Axes, result: Result, scale: float, swing: float, bath: bool = False
+        self, ax: Axes, result: RunResult, scale: float, swing: float, bath: bool = False
     ) -> None:
         from matplotlib.collections import LineCollection
 

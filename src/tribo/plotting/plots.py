@@ -24,7 +24,8 @@ from tribo.plotting.style import (
     point_length,
     time_labels,
 )
-from tribo.run.result import Result
+from tribo.results.force_averages import friction_force
+from tribo.results.run_result import RunResult
 from tribo.validation import InputError, must_be
 
 if TYPE_CHECKING:
@@ -72,14 +73,14 @@ class Plots:
 
     Parameters
     ----------
-    result : Result
+    result : RunResult
     label : str
         Text before the names of lines in legends.
     linestyle : str or tuple
         Line style of matplotlib.
     """
 
-    def __init__(self, result: Result, label: str = "", linestyle: Any = "-") -> None:
+    def __init__(self, result: RunResult, label: str = "", linestyle: Any = "-") -> None:
         self._result = result
         self._label = label
         self._line = {"linestyle": linestyle}
@@ -201,7 +202,7 @@ class Plots:
             The forces were not recorded, or there are too few samples.
         """
         result, name = self._result, self._surface(surface)
-        found = result.friction_force(name, after)
+        found = friction_force(result, name, after)
         with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
             given = math.isfinite(found.half_width)
             label = f"{found.mean:.3g}" + f" ± {found.half_width:.1g}" * given
@@ -357,14 +358,14 @@ class Plots:
         return WIDTHS[index % 2] if len(self._result.scene.surfaces) > 1 else WIDTH
 
 
-def nearest_sample(result: Result, t: float) -> int:
+def nearest_sample(result: RunResult, t: float) -> int:
     """The sample whose time is nearest.  Raises InputError for a time outside of the run."""
     if not result.t[0] <= t <= result.t[-1]:
         raise InputError("times", f"must be from {result.t[0]:g} to {result.t[-1]:g}, got {t}")
     return int(np.argmin(np.abs(result.t - t)))
 
 
-def typical_swing(result: Result) -> float:
+def typical_swing(result: RunResult) -> float:
     """The swing that 99 % of all swings in the run do not exceed, at least 1e-9 [rad]."""
     swings = [np.abs(_swing(result, surface)).ravel() for surface in result.scene.surfaces]
     return max(1e-9, float(np.nanpercentile(np.concatenate(swings), STRONGEST)))
@@ -385,11 +386,11 @@ def _legend(ax: Axes) -> None:
     )
 
 
-def _times(result: Result, times: Sequence[float] | None) -> Sequence[float]:
+def _times(result: RunResult, times: Sequence[float] | None) -> Sequence[float]:
     return np.linspace(result.t[0], result.t[-1], 4).tolist() if times is None else times
 
 
-def _swing(result: Result, surface: Surface) -> np.ndarray:
+def _swing(result: RunResult, surface: Surface) -> np.ndarray:
     """(times, asperites) angles of pendulums from their rest, relative to the bars [rad]."""
     series = result[surface.name]
     return np.asarray(series.theta - surface.rest - series.phi)
@@ -399,7 +400,7 @@ def _colours() -> tuple[str, ...]:
     return CYCLE * 8
 
 
-def _budget(result: Result) -> dict[str, np.ndarray]:
+def _budget(result: RunResult) -> dict[str, np.ndarray]:
     """The energies that work became, by name; those that never change are left out."""
     system, blocks = result.system, result.ledger.blocks.values()
     kinetic = sum(block["delta_K"] for block in blocks)
@@ -418,14 +419,14 @@ def _budget(result: Result) -> dict[str, np.ndarray]:
     return {name: np.asarray(values) for name, values in changes.items() if np.any(values)}
 
 
-def _heats(result: Result) -> list[np.ndarray]:
+def _heats(result: RunResult) -> list[np.ndarray]:
     """The heat that the reservoir of each surface was given, (times,); empty without any."""
     tables = [result[name] for name in result.ledger.surfaces]
     heats = [np.asarray(table["heat"]) for table in tables if "heat" in table]
     return [heat.reshape(result.t.size, -1).sum(axis=1) for heat in heats]
 
 
-def _work_put_in(result: Result) -> tuple[np.ndarray | None, str]:
+def _work_put_in(result: RunResult) -> tuple[np.ndarray | None, str]:
     """The work that is put in, before heat, and its name; None without a ledger."""
     if "applied_work" not in result.system:
         return None, ""

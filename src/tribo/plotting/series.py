@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tribo.plotting.style import COLUMN, INK, POINTS_PER_INCH, drawing_on
-from tribo.run.result import Result
+from tribo.results.run_result import RunResult
 from tribo.validation import must_be
 
 if TYPE_CHECKING:
@@ -31,13 +31,13 @@ LABEL_GAP = 11.0
 
 
 def angle_curve(
-    result: Result, surface: str = "upper", asperite: int = 0, ax: Axes | None = None
+    result: RunResult, surface: str = "upper", asperite: int = 0, ax: Axes | None = None
 ) -> Axes:
     """Draw theta over time [rad].
 
     Parameters
     ----------
-    result : Result
+    result : RunResult
     surface, asperite : str, int
         The asperite.
     ax : matplotlib.axes.Axes, optional
@@ -59,7 +59,7 @@ def angle_curve(
 
 
 def work_curves(
-    result: Result,
+    result: RunResult,
     surface: str = "upper",
     asperite: int | None = 0,
     span: tuple[float, float] | None = None,
@@ -71,7 +71,7 @@ def work_curves(
 
     Parameters
     ----------
-    result : Result
+    result : RunResult
     surface : str
     asperite : int or None
         None for the sums over all asperites of the surface.
@@ -118,7 +118,7 @@ def work_curves(
     return ax
 
 
-def works_of(result: Result, surface: str, asperite: int | None) -> dict[str, np.ndarray]:
+def works_of(result: RunResult, surface: str, asperite: int | None) -> dict[str, np.ndarray]:
     """Works and pseudoworks by name, (times,): of one asperite, or summed over the surface."""
     series = result[surface]
     names = [work + suffix for work in WORKS for suffix in ("", "_ps")]

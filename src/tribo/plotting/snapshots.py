@@ -28,7 +28,7 @@ from tribo.plotting.style import (
     point_length,
     time_labels,
 )
-from tribo.run.result import Result
+from tribo.results.run_result import RunResult
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -137,13 +137,13 @@ def draw_asperites(ax: Axes, geometry: SceneGeometry) -> None:
 
 
 def snapshot(
-    result: Result, t: float, forces: tuple[str, int] | None = None, ax: Axes | None = None
+    result: RunResult, t: float, forces: tuple[str, int] | None = None, ax: Axes | None = None
 ) -> Axes:
     """Draw all asperites at a time, and the contact force on one of them.
 
     Parameters
     ----------
-    result : Result
+    result : RunResult
     t : float
         Time, from the first sample to the last [time].
     forces : tuple of str and int, optional
@@ -226,7 +226,7 @@ def _force_arrow(
 
 
 def sequence(
-    result: Result,
+    result: RunResult,
     times: Sequence[float],
     surface: str = "upper",
     asperite: int = 0,
@@ -240,7 +240,7 @@ def sequence(
 
     Parameters
     ----------
-    result : Result
+    result : RunResult
     times : sequence of float
         Times of the snapshots [time].
     surface, asperite : str, int

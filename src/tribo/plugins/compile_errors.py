@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 
 from numba import NumbaError, UnsupportedBytecodeError, njit, types
 
-from tribo.kernels.compiled import is_compiled
-from tribo.kernels.plugin_methods import METHOD_ARGUMENTS, formula, recognize, type_of
+from tribo.compiler.jit import is_compiled
+from tribo.compiler.plugin_methods import METHOD_ARGUMENTS, formula, recognize, type_of
 from tribo.plugins import classes as plugins
 from tribo.plugins.sources import is_own
 from tribo.validation import InputError
@@ -33,7 +33,7 @@ def compiling(loop: Any, placed: Sequence[tuple[str, NamedTuple]]) -> Iterator[N
     Parameters
     ----------
     loop : callable
-        A loop made by :func:`tribo.kernels.compiled.time_loop`, which is compiled in the context.
+        A loop made by :func:`tribo.compiler.jit.time_loop`, which is compiled in the context.
     placed : sequence of (str, NamedTuple)
         The plug-ins of the scene, each with its field.
     """

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from tribo.files import strict_json
 from tribo.plotting.style import save
-from tribo.run.result import without_nan
+from tribo.report_card.figure import Curves, card_figure
 
 EPSILON = float(np.finfo(float).eps)
 
@@ -105,38 +105,6 @@ class Check:
 
 
 @dataclass(frozen=True, eq=False)
-class Curves:
-    """The curves of a report card's figure, at n distances.
-
-    Attributes
-    ----------
-    r : ndarray, (n,)
-        Distances [length].
-    energy, force : ndarray, (n,)
-        [energy], [energy / length]
-    disagreement : ndarray, (n,)
-        |F + dU/dr| relative to the scale of the force.
-    uncertainty : ndarray, (n,)
-        Uncertainty of dU/dr by differences, relative to the same.
-    bound : float
-        Largest acceptable disagreement.
-    cutoff : float
-        Infinite without a cutoff [length].
-    length : float
-        Typical distance: that of the minimum if there is one [length].
-    """
-
-    r: np.ndarray
-    energy: np.ndarray
-    force: np.ndarray
-    disagreement: np.ndarray
-    uncertainty: np.ndarray
-    bound: float
-    cutoff: float
-    length: float
-
-
-@dataclass(frozen=True, eq=False)
 class Report:
     """The report card of a potential; ``report["force"]`` is one of its checks.
 
@@ -178,7 +146,7 @@ class Report:
             "passed": self.passed,
             "checks": [check.table for check in self.checks],
         }
-        return json.dumps(without_nan(table), indent=1, allow_nan=False)
+        return strict_json(table)
 
     def save_figure(self, path: str | Path) -> Path:
         """Draw energy, force, their disagreement and the cutoff.
@@ -198,9 +166,7 @@ class Report:
         InputError
             If the name ends otherwise, or the file cannot be written.
         """
-        from tribo.report_card.figure import card_figure
-
-        return save(card_figure(self), path)
+        return save(card_figure(self.curves, self.potential), path)
 
     def __str__(self) -> str:
         r = self.curves.r

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import differentiate
 
-from tribo.report_card.card import EPSILON, Check, Curves
+from tribo.report_card.card import EPSILON, Check
+from tribo.report_card.figure import Curves
 from tribo.report_card.scan import PotentialScan
 
 if TYPE_CHECKING:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,8 +13,6 @@ from tribo.plotting.style import COLUMN, INK, style
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-    from tribo.report_card.card import Curves, Report
 
 EPSILON = float(np.finfo(float).eps)
 
@@ -27,12 +26,46 @@ DEPTHS = 2.5
 FLOOR = 1e-17
 
 
-def card_figure(report: Report) -> Figure:
+@dataclass(frozen=True, eq=False)
+class Curves:
+    """The curves of a report card's figure, at n distances.
+
+    Attributes
+    ----------
+    r : ndarray, (n,)
+        Distances [length].
+    energy, force : ndarray, (n,)
+        [energy], [energy / length]
+    disagreement : ndarray, (n,)
+        |F + dU/dr| relative to the scale of the force.
+    uncertainty : ndarray, (n,)
+        Uncertainty of dU/dr by differences, relative to the same.
+    bound : float
+        Largest acceptable disagreement.
+    cutoff : float
+        Infinite without a cutoff [length].
+    length : float
+        Typical distance: that of the minimum if there is one [length].
+    """
+
+    r: np.ndarray
+    energy: np.ndarray
+    force: np.ndarray
+    disagreement: np.ndarray
+    uncertainty: np.ndarray
+    bound: float
+    cutoff: float
+    length: float
+
+
+def card_figure(curves: Curves, title: str) -> Figure:
     """Draw energy, force and their disagreement at all distances of the card.
 
     Parameters
     ----------
-    report : Report
+    curves : Curves
+    title : str
+        The name of the potential.
 
     Returns
     -------
@@ -41,14 +74,13 @@ def card_figure(report: Report) -> Figure:
     """
     from matplotlib.figure import Figure
 
-    curves = report.curves
     with style():
         figure = Figure(figsize=(COLUMN, 1.35 * COLUMN), layout="constrained")
         energy, force, disagreement = figure.subplots(3, 1)
         _curve(energy, curves, curves.energy, ENERGY, "$U$")
         _curve(force, curves, curves.force, FORCE, "$F$")
         _disagreement(disagreement, curves)
-        energy.set_title(report.potential, fontsize=8.0, wrap=True)
+        energy.set_title(title, fontsize=8.0, wrap=True)
         energy.tick_params(labelbottom=False)
         force.tick_params(labelbottom=False)
         for ax in (energy, force, disagreement):

@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tribo.analysis.contact_probe import ContactProbe
 from tribo.model.interaction import Interaction
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.potentials.mixins import Potential
-from tribo.run.contact_probe import ContactProbe
 from tribo.validation import LARGEST_NUMBER, InputError
 
 if TYPE_CHECKING:

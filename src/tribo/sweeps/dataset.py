@@ -11,9 +11,8 @@ import numpy as np
 
 from tribo.ensembles.kept_values import about_kept
 from tribo.kernels.status import Status
-from tribo.model.scene_writer import scene_text
-from tribo.run.dataset import Variable
-from tribo.run.quantities import SUMMED_QUANTITIES
+from tribo.ledger.quantities import SUMMED_QUANTITIES
+from tribo.results.dataset import Variable
 from tribo.sweeps.grid import Grid
 from tribo.sweeps.points import Found, mean_and_half_width
 from tribo.validation import InputError
@@ -57,7 +56,7 @@ def dataset(
     whole = len(found) == grid.size
     attributes = {
         "tribo_version": __version__,
-        "scene": scene_text(grid.scene_before),
+        "scene": grid.scene_before.to_toml(),
         "status": str(Status.COMPLETED if whole else Status.INTERRUPTED),
         "notes": json.dumps(notes),
         "seconds": seconds,

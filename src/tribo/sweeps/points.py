@@ -18,12 +18,11 @@ from tribo.ensembles.kept_values import MISSED, Kept
 from tribo.ensembles.members import Source, Variation
 from tribo.ensembles.runner import total_names
 from tribo.kernels.status import Status
+from tribo.layout.layout import lay_out
+from tribo.ledger.ledger import assemble
+from tribo.ledger.samples import Samples
 from tribo.model.scene import Scene
 from tribo.model.scene_file import scene_from
-from tribo.model.scene_writer import scene_text
-from tribo.run.layout import lay_out
-from tribo.run.ledger import assemble
-from tribo.run.samples import Samples
 from tribo.simulation import prepare
 from tribo.validation import InputError, is_list, short_repr
 
@@ -126,7 +125,7 @@ def found_at(
         for scene in scenes:
             yield run_point(scene, names, group)
         return
-    jobs = [Job(scene_text(scene), names, group) for scene in scenes]
+    jobs = [Job(scene.to_toml(), names, group) for scene in scenes]
     yield from run_jobs(engine, run_job, jobs)
 
 

@@ -16,8 +16,8 @@ from pathlib import Path
 from typing import BinaryIO, Self
 
 from tribo.files import locked, not_written, replace_file
-from tribo.run.identity import plain_table, plugin_stamps, version
-from tribo.run.journal import PART
+from tribo.loops.journal import PART
+from tribo.model.identity import plain_table, plugin_stamps, version
 from tribo.sweeps.grid import Grid
 from tribo.sweeps.points import Found, Members
 from tribo.validation import InputError

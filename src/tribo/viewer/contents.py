@@ -11,11 +11,11 @@ from typing import Any
 
 import numpy as np
 
+from tribo.analysis.contact_probe import ContactProbe
+from tribo.ledger.quantities import EVERY_QUANTITY, Table
 from tribo.model.surface import Surface
 from tribo.plotting.oscillators import MOST, magnification, oscillator_dots
-from tribo.run.contact_probe import ContactProbe
-from tribo.run.quantities import EVERY_QUANTITY, Table
-from tribo.run.result import Result
+from tribo.results.run_result import RunResult
 from tribo.validation import InputError
 
 # Numbers that are drawn: places of each asperite, at each time that is drawn.
@@ -28,12 +28,12 @@ MOST_ARROWS = 200
 WORKS = ("w1", "w1_ps", "w2", "w2_ps", "wL", "wR")
 
 
-def contents(result: Result, bath: bool = False) -> dict[str, Any]:
+def contents(result: RunResult, bath: bool = False) -> dict[str, Any]:
     """Everything that the page shows, for JSON.
 
     Parameters
     ----------
-    result : Result
+    result : RunResult
     bath : bool
         Whether bath oscillators are drawn.
 
@@ -75,7 +75,7 @@ def contents(result: Result, bath: bool = False) -> dict[str, Any]:
     }
 
 
-def _frames(result: Result, bath: bool) -> np.ndarray:
+def _frames(result: RunResult, bath: bool) -> np.ndarray:
     """The samples that are drawn: all, or as many as a page can hold, the last among them."""
     samples = len(result.t)
     numbers = len(PLACES) * result.scene.count
@@ -87,14 +87,14 @@ def _frames(result: Result, bath: bool) -> np.ndarray:
     return np.unique(np.linspace(0, samples - 1, most).round().astype(int))
 
 
-def _accuracy(result: Result) -> str:
+def _accuracy(result: RunResult) -> str:
     """What is known of the errors, in words."""
     if result.met is None:
         return "errors not estimated"
     return "accuracy met" if result.met else "accuracy not met"
 
 
-def _drawn(result: Result, surface: Surface, frames: np.ndarray) -> dict[str, Any]:
+def _drawn(result: RunResult, surface: Surface, frames: np.ndarray) -> dict[str, Any]:
     """Sizes of the asperites of a surface, and their places at each frame."""
     table = result[surface.name]
     missing = [name for name in PLACES if name not in table]
@@ -118,7 +118,7 @@ def _drawn(result: Result, surface: Surface, frames: np.ndarray) -> dict[str, An
     }
 
 
-def _forces(result: Result, frames: np.ndarray) -> str | None:
+def _forces(result: RunResult, frames: np.ndarray) -> str | None:
     """Contact forces on all bobs at each frame (x, y); None where they are not drawn.
 
     They are not where asperites are many, and where the code of a potential was not loaded.
@@ -144,7 +144,7 @@ def _forces(result: Result, frames: np.ndarray) -> str | None:
     return _singles(forces)
 
 
-def _groups(result: Result) -> list[dict[str, Any]]:
+def _groups(result: RunResult) -> list[dict[str, Any]]:
     """The curves of each surface, the works of single forces summed over it, and the system."""
     ledger = result.ledger
     groups = []

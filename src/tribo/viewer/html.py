@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import re
 from html import escape
 from importlib.resources import files
 from pathlib import Path
 
-from tribo.files import replace_file
-from tribo.run.result import Result, without_nan
+from tribo.files import replace_file, strict_json
+from tribo.results.run_result import RunResult
 from tribo.validation import as_path
 from tribo.viewer.contents import contents
 
@@ -17,12 +16,12 @@ from tribo.viewer.contents import contents
 SCRIPTS = ("run.js", "drawing.js", "curves.js", "player.js")
 
 
-def write_page(result: Result, path: str | Path, bath: bool = False) -> Path:
+def write_page(result: RunResult, path: str | Path, bath: bool = False) -> Path:
     """Write a page that plays a run.
 
     Parameters
     ----------
-    result : Result
+    result : RunResult
     path : str or Path
         The file, which is replaced if it exists.
     bath : bool
@@ -44,7 +43,7 @@ def write_page(result: Result, path: str | Path, bath: bool = False) -> Path:
     return path
 
 
-def document(result: Result, bath: bool = False) -> str:
+def document(result: RunResult, bath: bool = False) -> str:
     """The page as text."""
     parts = files("tribo.viewer").joinpath("parts")
 
@@ -53,7 +52,7 @@ def document(result: Result, bath: bool = False) -> str:
 
     held = contents(result, bath)
     # "<" would end the script that holds the data; JSON may write it as an escape.
-    data = json.dumps(without_nan(held), allow_nan=False).replace("<", "\\u003c")
+    data = strict_json(held, None).replace("<", "\\u003c")
     filled = {
         "TITLE": escape(held["title"]),
         "STYLE": part("style.css"),

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 from tribo import plotting
 from tribo.plotting.style import INK, WIDE
+from tribo.work_precision.rows import Reference, Row
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-    from tribo.work_precision.diagram import Reference, Row, WorkPrecision
 
 # Colour and marker of each method; families share a hue.
 STYLES = {
@@ -37,45 +37,45 @@ LARGEST_ERROR = 3.0
 # Label of the axis of each cost.
 COSTS = {"seconds": "time [s]", "force_evaluations": "evaluations of all forces"}
 
-# The cost on the horizontal axis of a diagram.
-CostName = Literal["seconds", "force_evaluations"]
 
-
-def draw(found: WorkPrecision, cost: CostName, ax: Axes | None) -> Axes:
+def draw(
+    rows: Sequence[Row], reference: Reference, chosen: Sequence[Row], cost: str, ax: Axes | None
+) -> Axes:
     """Draw error against a cost, on new axes if none are given."""
     if ax is None:
         with plotting.style():
-            return draw(found, cost, plotting.axes(WIDE, 0.7 * WIDE))
+            return draw(rows, reference, chosen, cost, plotting.axes(WIDE, 0.7 * WIDE))
     if cost == "seconds":
-        _draw_front(ax, found)
-    for name in dict.fromkeys(row.method for row in found.rows):
-        rows = [row for row in found.rows if row.method == name]
+        _draw_front(ax, rows)
+    for name in dict.fromkeys(row.method for row in rows):
+        own = [row for row in rows if row.method == name]
         colour, marker = STYLES.get(name, (INK, "x"))
         style: Any = {"color": colour, "marker": marker, "markersize": 2.6, "linewidth": 0.8}
-        errors = [_shown_error(row, found.reference) for row in rows]
-        ax.plot([getattr(row, cost) for row in rows], errors, label=name, **style)
-    _draw_choices(ax, found, cost)
-    ax.axhline(found.reference.error, color="0.5", linewidth=0.6, linestyle=(0, (4, 2)))
+        errors = [_shown_error(row, reference) for row in own]
+        ax.plot([getattr(row, cost) for row in own], errors, label=name, **style)
+    _draw_choices(ax, chosen, reference, cost)
+    ax.axhline(reference.error, color="0.5", linewidth=0.6, linestyle=(0, (4, 2)))
     ax.set(xscale="log", yscale="log", xlabel=COSTS[cost])
     ax.set_ylim(top=min(ax.get_ylim()[1], LARGEST_ERROR))
     ax.set_ylabel("largest error, in units of its scale")
     return ax
 
 
-def save(found: WorkPrecision, path: str | Path) -> Path:
+def save(
+    rows: Sequence[Row], reference: Reference, chosen: Sequence[Row], path: str | Path
+) -> Path:
     """Draw both diagrams into a file."""
     with plotting.style():
-        return plotting.save(_figure(found), path)
+        return plotting.save(_figure(rows, reference, chosen), path)
 
 
-def _draw_choices(ax: Axes, found: WorkPrecision, cost: CostName) -> None:
+def _draw_choices(ax: Axes, chosen: Sequence[Row], reference: Reference, cost: str) -> None:
     """Draw rings round the fastest runs, for each goal, of the method that tribo chooses."""
-    chosen = found.automatic_rows
     if chosen:
         style: Any = {"linestyle": "none", "marker": "o", "markersize": RING, "fillstyle": "none"}
         ax.plot(
             [getattr(row, cost) for row in chosen],
-            [_shown_error(row, found.reference) for row in chosen],
+            [_shown_error(row, reference) for row in chosen],
             color=INK,
             markeredgewidth=0.8,
             label="automatic choice",
@@ -83,23 +83,23 @@ def _draw_choices(ax: Axes, found: WorkPrecision, cost: CostName) -> None:
         )
 
 
-def _draw_front(ax: Axes, found: WorkPrecision) -> None:
+def _draw_front(ax: Axes, rows: Sequence[Row]) -> None:
     """Draw a line along the runs of the front."""
-    front = sorted((row for row in found.rows if row.front), key=lambda row: row.seconds)
+    front = sorted((row for row in rows if row.front), key=lambda row: row.seconds)
     style: Any = {"linewidth": 5.0, "solid_capstyle": "round", "zorder": 0.5, "label": "front"}
     ax.plot(
         [row.seconds for row in front], [row.error for row in front], color=FRONT_COLOUR, **style
     )
 
 
-def _figure(found: WorkPrecision) -> Figure:
+def _figure(rows: Sequence[Row], reference: Reference, chosen: Sequence[Row]) -> Figure:
     """Both diagrams side by side, with one legend."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(1.35 * WIDE, 0.62 * WIDE), layout="constrained")
     left, right = figure.subplots(1, 2, sharey=True)
-    found.plot("seconds", left)
-    found.plot("force_evaluations", right).set_ylabel("")
+    draw(rows, reference, chosen, "seconds", left)
+    draw(rows, reference, chosen, "force_evaluations", right).set_ylabel("")
     front, *handles = left.get_legend_handles_labels()[0]
     style: Any = {"loc": "outside right", "fontsize": 7.5, "frameon": False}
     figure.legend(handles=[*handles, front], **style)

@@ -23,14 +23,15 @@ from tribo.accuracy.scales import reported_scales
 from tribo.accuracy.tolerance_scales import FLOOR, ToleranceScales, tolerance_scales
 from tribo.integrators import methods
 from tribo.kernels.status import Status
+from tribo.layout.layout import lay_out
+from tribo.ledger.ledger import Ledger, assemble
+from tribo.loops.select import Integrator
 from tribo.model.scene import Scene
 from tribo.model.settings import Output
-from tribo.run.layout import lay_out
-from tribo.run.ledger import Ledger, assemble
-from tribo.run.loop_selection import Integrator
 from tribo.simulation import prepare
 from tribo.validation import POSITIVE, InputError, number
-from tribo.work_precision.diagram import GOALS, Reference, Row, WorkPrecision, with_front
+from tribo.work_precision.diagram import GOALS, WorkPrecision
+from tribo.work_precision.rows import Reference, Row, with_front
 
 # Methods of the reference, the first that can integrate the scene.  The polynomial of
 # gauss-radau-15 does not fit forces whose derivatives jump.

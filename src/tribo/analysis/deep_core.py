@@ -1,0 +1,91 @@
+"""Bobs that start deep in the repulsive core of a potential."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tribo.kernels.records import CHARGE, Contact
+from tribo.layout.layout import Layout
+from tribo.ledger.closest_bobs import Closest, asperite_name, closest_of_contacts
+from tribo.ledger.samples import Samples
+from tribo.model.drives import Pulled
+from tribo.model.surface import Surface
+
+# Energy of two bobs, in units of the other energies of their asperites, from which they are deep in
+# a core: those of Lennard-Jones are from 0.75 sigma on.
+DEEP = 100.0
+# Distances at which the depth of a potential is looked for, in units of that of the bobs.
+DISTANCES = np.geomspace(1.0, 100.0, 31)
+
+
+def core_notes(layout: Layout) -> tuple[str, ...]:
+    """A note on the bobs that start deepest in a core, with their energy."""
+    n, start = layout.coordinates, Samples.at_zero(layout)
+    start.y[0, : layout.core] = layout.start[: layout.core]
+    start.y[0, layout.core :] = layout.start[n : n + layout.core]
+    found = [
+        (energy / other, energy, bobs)
+        for bobs, contact in closest_of_contacts(layout, start)
+        for energy, other in [_energies(layout, bobs, contact)]
+        if energy > DEEP * other > 0.0
+    ]
+    if not found:
+        return ()
+    ratio, energy, bobs = max(found)
+    surfaces = [layout.scene.surfaces[layout.asperites.surface[k]] for k in bobs[1:]]
+    advice = "start them farther apart"
+    if any(_moves(layout, surface) for surface in surfaces):
+        advice += ", or from tribo.relax(scene)"
+    one, other = (asperite_name(layout, k) for k in bobs[1:])
+    return (
+        f"the bobs of {one} and {other} start deep in a repulsive core: {bobs.distance:.3g} apart, "
+        f"with an energy of {energy:.3g}, {ratio:.1g} times their other energies; {advice}",
+    )
+
+
+def _energies(layout: Layout, bobs: Closest, contact: Contact) -> tuple[float, float]:
+    """The energy of two bobs that repel each other, else 0, and the largest of their others."""
+    columns = layout.places.columns[list(bobs[1:])]
+    species = layout.model.species
+    if contact.species is not None and species is not None:
+        kinds = sorted(species[columns].tolist())
+        if kinds != sorted(contact.species.tolist()):
+            return 0.0, 0.0
+    charges = layout.model.each[CHARGE, columns]
+    r = bobs.distance * DISTANCES
+    energy = contact.potential.energy_between
+    try:
+        with np.errstate(all="ignore"):
+            energies = np.array([energy(distance, *charges) for distance in r], float)
+    # A user's energy may raise anything: its errors are reported when it is compiled.
+    except Exception:
+        return 0.0, 0.0
+    if not energies[0] > energies[1]:
+        return 0.0, 0.0
+    return float(energies[0]), max(-float(np.min(energies)), _other_energies(layout, bobs))
+
+
+def _other_energies(layout: Layout, bobs: Closest) -> float:
+    """The largest energy of two asperites but for contact [energy].
+
+    That of their relative motion, of torsion by 1 rad, of a pull or a load over the length of a
+    rod, and their temperatures.
+    """
+    pair = layout.asperites[list(bobs[1:])]
+    speed = np.hypot(np.ptp(pair.vx), np.ptp(pair.vy))
+    rods = (pair.l1 + pair.l2).tolist()
+    energies = [float(np.max(0.5 * pair.mass) * speed**2), float(np.max(0.5 * pair.kappa))]
+    for k, rod in zip(pair.surface.tolist(), rods, strict=True):
+        surface = layout.scene.surfaces[k]
+        drive = surface.drive
+        energies += [abs(drive.load or 0.0) * rod, surface.bath.temperature]
+        energies.append(surface.langevin.temperature if surface.langevin else 0.0)
+        energies.append(0.5 * drive.stiffness * rod**2 if isinstance(drive, Pulled) else 0.0)
+    return max(energies)
+
+
+def _moves(layout: Layout, surface: Surface) -> bool:
+    """Whether the bobs of a surface can move out of a core."""
+    scene = layout.scene
+    slides = scene.slides_along_x(surface) or scene.slides_along_y(surface)
+    return slides or not surface.asperite.is_rigid

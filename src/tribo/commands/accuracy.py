@@ -1,0 +1,56 @@
+"""The command `tribo accuracy`."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from typing import TYPE_CHECKING
+
+from tribo.commands.scene_options import check_figure, load_with_values
+from tribo.interrupts import COMPLETED, STOPPED, report_by
+from tribo.validation import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from tribo.work_precision import MeansPrecision, WorkPrecision
+
+
+def run_accuracy(options: argparse.Namespace) -> int:
+    """Measure and print errors and costs, or with noise half-widths and costs; the exit status."""
+    from tribo.integrators.methods import noisy
+    from tribo.work_precision import means_precision, work_precision
+
+    scene = load_with_values(options)
+    check_figure(options.figure)
+    observables = options.observables or ()
+    report = _keep_for_interrupt(options)
+    found: MeansPrecision | WorkPrecision
+    if noisy(scene):
+        for option in ("methods", "figure"):
+            if getattr(options, option) is not None:
+                raise InputError(f"--{option}", "cannot go with a scene that has thermal noise")
+        found = means_precision(scene, observables, options.seconds, report)
+    else:
+        progress = (lambda name: print(name, file=sys.stderr)) if sys.stderr.isatty() else None
+        found = work_precision(
+            scene, options.methods, observables, options.seconds, progress, report
+        )
+        if options.figure is not None and found.rows:
+            found.save_figure(options.figure)
+    print(found.to_json() if options.json else found)
+    if not found.rows:
+        print("tribo: no run ended in time; give more --seconds", file=sys.stderr)
+    return COMPLETED if found.rows and found.status == "completed" else STOPPED
+
+
+def _keep_for_interrupt(
+    options: argparse.Namespace,
+) -> Callable[[MeansPrecision | WorkPrecision], None]:
+    """A function that keeps what was measured, to be printed if an interrupt ends the program."""
+
+    def keep(found: MeansPrecision | WorkPrecision) -> None:
+        if found.rows:
+            report_by(lambda: print(found.to_json() if options.json else found, flush=True))
+
+    return keep

@@ -1,0 +1,211 @@
+"""The command `tribo ensemble`: what is varied and how, and a summary of members."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import re
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tribo.commands.scene_options import load
+from tribo.ensembles.members import Distribution, Source
+from tribo.ensembles.sampling import Sampler, dimensions, grid
+from tribo.files import netcdf_target, replace_file, strict_json
+from tribo.interrupts import COMPLETED, STOPPED, also_in_part
+from tribo.kernels.status import Status
+from tribo.model.scene import Scene
+from tribo.validation import InputError, inside, must_be
+
+if TYPE_CHECKING:
+    import xarray
+
+# What a summary has of each quantity that is kept.
+COLUMNS = ("mean", "deviation")
+
+# The form of an argument of --vary.
+VARIED = re.compile(r"\s*(?P<key>[^=\s]+)\s*=\s*(?P<name>\w+)\((?P<numbers>[^()]*)\)\s*")
+
+# The same in words.
+FORM = (
+    "KEY=normal(MEAN,DEVIATION), KEY=uniform(LOW,HIGH) or KEY=grid(FIRST,LAST,POINTS), with "
+    "DEVIATION > 0, LOW < HIGH and POINTS >= 1"
+)
+
+
+def _normal(mean: float, deviation: float) -> Distribution:
+    from scipy import stats
+
+    _check(deviation > 0.0)
+    return stats.norm(mean, deviation)
+
+
+def _uniform(low: float, high: float) -> Distribution:
+    from scipy import stats
+
+    _check(low < high)
+    return stats.uniform(low, high - low)
+
+
+def _grid(first: float, last: float, points: float) -> np.ndarray:
+    _check(points >= 1 and points == int(points))
+    return np.linspace(first, last, int(points))
+
+
+def _check(right: bool) -> None:
+    if not right:
+        raise ValueError
+
+
+# What can be given for a key, by name.
+SOURCES: dict[str, Callable[..., Distribution | np.ndarray]] = {
+    "normal": _normal,
+    "uniform": _uniform,
+    "grid": _grid,
+}
+
+
+def varied(texts: Sequence[str]) -> dict[str, Source]:
+    """Keys and their distributions, from texts as "upper.theta=normal(0,0.1)", or points of a grid.
+
+    Raises InputError.
+    """
+    sources = dict(map(_varied, texts))
+    axes = {key: source for key, source in sources.items() if isinstance(source, np.ndarray)}
+    if axes and len(axes) < len(sources):
+        raise InputError("--vary", "cannot mix grid(...) with distributions")
+    return dict(grid(axes)) if axes else dict(sources)
+
+
+def _varied(text: str) -> tuple[str, Distribution | np.ndarray]:
+    found = VARIED.fullmatch(text)
+    try:
+        assert found is not None
+        source = SOURCES[found["name"]](*map(float, found["numbers"].split(",")))
+    except (AssertionError, ValueError, KeyError, TypeError):
+        raise must_be("--vary", FORM, text) from None
+    return found["key"], source
+
+
+def sampler_named(name: str, scene: Scene, vary: Mapping[str, Source], seed: int) -> Sampler:
+    """A sampler of scipy.stats.qmc by the name that the command line has for it.
+
+    Raises InputError if there is nothing to draw.
+    """
+    from scipy.stats import qmc
+
+    with inside("--vary"):
+        numbers = sum(dimensions(scene, vary).values())
+    if numbers == 0:
+        raise InputError("--sampler", "needs distributions in --vary, as normal(0,0.1)")
+    kinds: dict[str, Callable[..., Sampler]] = {
+        "sobol": qmc.Sobol,
+        "latin-hypercube": qmc.LatinHypercube,
+    }
+    return kinds[name](numbers, rng=np.random.default_rng(seed))
+
+
+def run_ensemble(options: argparse.Namespace) -> int:
+    """Run the ensemble and print its summary; the exit status."""
+    from tribo.ensembles import ensemble
+
+    if options.resume and (options.out is None or options.keep is None):
+        raise InputError("--resume", "needs --keep NAMES and --out FILE")
+    if options.out is not None:
+        netcdf_target("--out", options.out)
+    vary = varied(options.vary)
+    keep = None if options.keep is None else options.keep.split(",")
+    scene, sampler = load(options), None
+    if options.sampler is not None:
+        sampler = sampler_named(options.sampler, scene, vary, options.seed)
+    data = also_in_part(
+        ensemble,
+        scene,
+        options.n,
+        vary,
+        options.seed,
+        keep=keep,
+        at=options.at,
+        statistics=options.statistics,
+        out=None if keep is None else options.out,
+        resume=options.resume,
+        sampler=sampler,
+    )
+    if options.out is not None and keep is None:
+        replace_file(options.out, bytes(data.to_netcdf(engine="h5netcdf")))
+    found = summary(data, None if keep is None else options.out)
+    print(as_json(found) if options.json else in_words(found))
+    return COMPLETED if data.attrs["status"] == "completed" else STOPPED
+
+
+def summary(data: xarray.Dataset, out: Path | None) -> dict[str, Any]:
+    """What a command prints: the members by status, and means at the end.
+
+    After an interrupt they are those of the finished members, unless these are in a file.
+    """
+    attributes, finished = data.attrs, data.attrs["status"] != Status.INTERRUPTED
+    rest = {"seconds": attributes["seconds"], "method": attributes["method"]}
+    notes = json.loads(attributes["notes"]) if "notes" in attributes else []
+    if not finished:
+        where = "the quantities are those of the finished members"
+        if out is not None:
+            where = f"the finished members are in {out}.part; --resume goes on"
+        notes = [f"the ensemble was interrupted; {where}", *notes]
+    if "keep" not in attributes:
+        counts = {"completed": data.sizes["member"]}
+        table = _means(data)
+    else:
+        counts = json.loads(attributes["members"])
+        # To read all members of an ensemble that was interrupted from a file takes long.
+        names = json.loads(attributes["keep"]) if finished or out is None else []
+        table = {name: dict(zip(COLUMNS, _moments(data, name), strict=True)) for name in names}
+    status, wanted = attributes["status"], int(attributes.get("n", data.sizes.get("member", 0)))
+    head = {"status": status, "n": wanted, "members": counts, "quantities": table}
+    return {**head, "notes": notes, **rest}
+
+
+def as_json(found: Mapping[str, Any]) -> str:
+    """A summary as one JSON object."""
+    return strict_json(dict(found))
+
+
+def in_words(found: Mapping[str, Any]) -> str:
+    """A summary as lines."""
+    members, table = found["members"], found["quantities"]
+    lines = [f"{found['status']}: {sum(members.values())} of {found['n']} members"]
+    lines += [f"{count} {status}" for status, count in members.items()]
+    if table:
+        columns = list(next(iter(table.values())))
+        lines.append(f"{'quantity':<28} " + " ".join(f"{c.replace('_', '-'):>13}" for c in columns))
+    for name, numbers in table.items():
+        lines.append(f"{name:<28} " + " ".join(f"{x:>13.6g}" for x in numbers.values()))
+    lines += [f"note: {note}" for note in found["notes"]]
+    lines.append(f"{found['seconds']:.2f} s by {found['method']}")
+    return "\n".join(lines)
+
+
+def _moments(data: xarray.Dataset, name: str) -> tuple[float, float]:
+    """Mean and standard deviation of a quantity at the end, over members and asperites.
+
+    Members are a sample, of n with n - 1 degrees of freedom; a surface has no other asperites.
+    """
+    end = {"time": -1} if "time" in data.dims else {}
+    if "covariance" in data:
+        means, variances = (data[f"{name}_{of}"].isel(end) for of in ("mean", "variance"))
+    else:
+        values = data[name if name in data.data_vars else f"{name}_end"].isel(end)
+        means, variances = values.mean("member"), values.var("member", ddof=1)
+    return float(means.mean()), float(np.sqrt(variances.mean() + means.var()))
+
+
+def _means(data: xarray.Dataset) -> dict[str, dict[str, float]]:
+    """The means at the end, with the half-widths of their 95 % intervals."""
+    table = {}
+    for name in map(str, data.data_vars):
+        if name.endswith("_half_width") and f"{(of := name[:-11])}_mean" in data:
+            numbers = {what: float(data[f"{of}_{what}"][-1]) for what in ("mean", "half_width")}
+            table[of] = numbers
+    return table

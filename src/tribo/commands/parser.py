@@ -1,0 +1,389 @@
+"""The commands: their options, and what each prints."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import warnings
+from dataclasses import replace
+from pathlib import Path
+
+from tribo.commands.doctor import add_doctor
+from tribo.commands.help import FIRST_STEPS, CommandParser, add_completion
+from tribo.commands.new import add_new
+from tribo.commands.run import add_run
+from tribo.commands.scene_options import (
+    add_numerics,
+    add_scene,
+    add_set,
+    add_vary,
+    check_figure,
+    load,
+    load_with_values,
+    parsed,
+    split,
+)
+from tribo.files import checked_target
+from tribo.interrupts import COMPLETED, STOPPED, also_in_part
+from tribo.validation import TriboWarning
+
+
+def run_command(arguments: list[str] | None) -> int:
+    """Run the command that the arguments name; return the exit status."""
+    options = _parser().parse_args(arguments)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", TriboWarning)  # commands print what it would say
+        status: int = options.command(options)
+    return status
+
+
+def _parser() -> argparse.ArgumentParser:
+    from tribo import __version__
+
+    parser = CommandParser(
+        prog="tribo",
+        description="Simulate sliding friction of asperites, with work accounting.",
+        epilog=FIRST_STEPS,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--version", action="version", version=f"tribo {__version__}")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+
+    def command(name: str, purpose: str) -> argparse.ArgumentParser:
+        sentence = f"{purpose[0].upper()}{purpose[1:]}."
+        return commands.add_parser(name, help=purpose, description=sentence)
+
+    add_run(command("run", "simulate a scene file, or repeat the run of a file"))
+    _add_sweep(command("sweep", "run a scene with every combination of values"))
+    _add_ensemble(command("ensemble", "run a scene from many starts"))
+    _add_paper(command("paper", "compare the paper's cases with its numbers"))
+    _add_explain(command("explain", "say what a run will do and cost"))
+    _add_accuracy(command("accuracy", "measure the error of each method against its time"))
+    _add_check(command("check", "check a potential and print a report card"))
+    _add_atlas(command("atlas", "run hard scenes and compare with references"))
+    _add_view(command("view", "write a page that plays a run in a browser"))
+    _add_plot(command("plot", "draw the file of a run in one figure"))
+    _add_export_lammps(command("export-lammps", "write a scene as input files of LAMMPS"))
+    add_new(command("new", "print or write a commented scene file to start from"))
+    add_doctor(command("doctor", "print versions, cores, cache and speed"))
+    completion = command("completion", "print a script that completes commands")
+    add_completion(completion, parser, commands.choices.values())
+    return parser
+
+
+def _add_sweep(sweep: argparse.ArgumentParser) -> None:
+    add_scene(sweep)
+    sweep.add_argument(
+        "--set",
+        action="append",
+        required=True,
+        metavar="KEY=VALUES",
+        help="values separated by commas, as 'upper.drive.load=0.1,0.2,0.4'; if repeated, every "
+        "combination is run",
+    )
+    sweep.add_argument(
+        "--members", type=int, metavar="N", help="number of runs at each point (default: 1)"
+    )
+    add_vary(sweep)
+    sweep.add_argument(
+        "--keep",
+        metavar="NAMES",
+        help="quantities to keep at the end, with commas (default: those of whole surfaces)",
+    )
+    sweep.add_argument("--seed", type=int, default=0, help="seed of the members (default: 0)")
+    add_numerics(sweep)
+    sweep.add_argument(
+        "--processes",
+        type=int,
+        default=1,
+        metavar="N",
+        help="number of points run at a time (default: 1)",
+    )
+    sweep.add_argument(
+        "--out",
+        type=Path,
+        metavar="FILE",
+        help="write all points as NetCDF; during the sweep FILE.part keeps the finished ones",
+    )
+    sweep.add_argument(
+        "--resume", action="store_true", help="continue from the points in FILE.part"
+    )
+    sweep.add_argument(
+        "--figure",
+        type=Path,
+        metavar="FILE",
+        help="draw the first quantity against the first key of --set",
+    )
+    sweep.add_argument("--json", action="store_true", help="print the points as JSON")
+    sweep.set_defaults(command=_sweep)
+
+
+def _add_ensemble(ensemble: argparse.ArgumentParser) -> None:
+    add_scene(ensemble)
+    add_vary(ensemble)
+    ensemble.add_argument(
+        "-n", type=int, help="number of members; with grids, the number of their points"
+    )
+    ensemble.add_argument(
+        "--keep",
+        metavar="NAMES",
+        help="quantities to keep, separated by commas, as upper.w1,contact_energy (default: time "
+        "averages of all)",
+    )
+    ensemble.add_argument(
+        "--at",
+        choices=["end", "samples"],
+        default="end",
+        help="keep them at the end, or at all times of the scene's output (default: end)",
+    )
+    ensemble.add_argument(
+        "--statistics",
+        action="store_true",
+        help="return means, covariances, quantiles and histograms of the kept quantities, not the "
+        "members",
+    )
+    ensemble.add_argument("--seed", type=int, default=0, help="seed of the ensemble (default: 0)")
+    ensemble.add_argument(
+        "--sampler",
+        choices=["sobol", "latin-hypercube"],
+        help="draw quasi-random instead of random numbers; for sobol, N should be a power of 2",
+    )
+    ensemble.add_argument(
+        "--out",
+        type=Path,
+        metavar="FILE",
+        help="write all members or statistics as NetCDF; with --keep, the finished members are in "
+        "FILE.part until all are",
+    )
+    ensemble.add_argument(
+        "--resume",
+        action="store_true",
+        help="continue from FILE.part, with the same bits as without a stop; print the result if "
+        "FILE is complete",
+    )
+    ensemble.add_argument("--json", action="store_true", help="print the summary as JSON")
+    ensemble.set_defaults(command=_ensemble)
+
+
+def _add_paper(paper: argparse.ArgumentParser) -> None:
+    paper.add_argument(
+        "case", nargs="?", choices=list("ABCDE"), help="case of the paper (default: all)"
+    )
+    paper.add_argument("--json", action="store_true", help="print the comparison as JSON")
+    paper.add_argument(
+        "--figures", type=Path, metavar="DIR", help="write the paper's figures to this folder"
+    )
+    paper.set_defaults(command=_paper)
+
+
+def _add_explain(explain: argparse.ArgumentParser) -> None:
+    add_scene(explain)
+    add_set(explain)
+    explain.add_argument("--json", action="store_true", help="print the explanation as JSON")
+    explain.set_defaults(command=_explain)
+
+
+def _add_accuracy(accuracy: argparse.ArgumentParser) -> None:
+    add_scene(accuracy)
+    add_set(accuracy)
+    accuracy.add_argument("--json", action="store_true", help="print the rows as JSON")
+    accuracy.add_argument(
+        "--figure",
+        type=Path,
+        metavar="FILE",
+        help="write a figure of error against time and evaluations",
+    )
+    accuracy.add_argument(
+        "--methods", nargs="+", metavar="NAME", help="methods to compare (default: all)"
+    )
+    accuracy.add_argument(
+        "--observables",
+        nargs="+",
+        metavar="NAME",
+        help='observables whose errors count, as "upper.W" (default: all)',
+    )
+    accuracy.add_argument(
+        "--seconds",
+        type=float,
+        default=30.0,
+        help="limit of the time of all runs together (default: 30)",
+    )
+    accuracy.set_defaults(command=_accuracy)
+
+
+def _add_plot(plot: argparse.ArgumentParser) -> None:
+    plot.add_argument("file", type=Path, metavar="FILE.nc", help="the file of a run")
+    plot.add_argument(
+        "-o", "--out", type=Path, metavar="FIGURE", help="the figure to write (default: FILE.png)"
+    )
+    plot.set_defaults(command=_plot)
+
+
+def _add_check(check: argparse.ArgumentParser) -> None:
+    check.add_argument(
+        "potential",
+        metavar="POTENTIAL",
+        help="name of a built-in potential, file.py:Class, or an expression in r",
+    )
+    check.add_argument(
+        "parameters",
+        nargs="*",
+        metavar="NAME=VALUE",
+        help="parameters, and cutoff, at_cutoff and switch_from as in [interaction]",
+    )
+    check.add_argument("--json", action="store_true", help="print the report card as JSON")
+    check.add_argument(
+        "--figure",
+        type=Path,
+        metavar="FILE",
+        help="write a figure of energy, force, and the error of the force",
+    )
+    check.set_defaults(command=_check)
+
+
+def _add_atlas(atlas: argparse.ArgumentParser) -> None:
+    atlas.add_argument(
+        "names", nargs="*", metavar="NAME", help="scenes of the atlas (default: all)"
+    )
+    atlas.add_argument("--json", action="store_true", help="print the table as JSON")
+    atlas.set_defaults(command=_atlas)
+
+
+def _add_view(view: argparse.ArgumentParser) -> None:
+    view.add_argument(
+        "scene",
+        type=Path,
+        metavar="SCENE.toml|FILE.nc",
+        help="a scene file, to be run, or the file of a run",
+    )
+    view.add_argument(
+        "-o", "--out", type=Path, required=True, metavar="PAGE.html", help="the page to write"
+    )
+    view.add_argument(
+        "--bath",
+        action="store_true",
+        help='draw bath oscillators; the file of a run must have the series "oscillators"',
+    )
+    view.add_argument(
+        "--no-plugins", action="store_true", help="refuse a scene file that names code"
+    )
+    view.set_defaults(command=_view)
+
+
+def _add_export_lammps(export: argparse.ArgumentParser) -> None:
+    add_scene(export)
+    add_set(export)
+    export.add_argument(
+        "-o", "--out", type=Path, required=True, metavar="DIR", help="the folder to write to"
+    )
+    export.set_defaults(command=_export_lammps)
+
+
+def _sweep(options: argparse.Namespace) -> int:
+    from tribo.commands.sweep import run_sweep
+
+    return run_sweep(options)
+
+
+def _ensemble(options: argparse.Namespace) -> int:
+    from tribo.commands.ensemble import run_ensemble
+
+    return run_ensemble(options)
+
+
+def _paper(options: argparse.Namespace) -> int:
+    from tribo import paper
+
+    cases = [options.case] if options.case else list(paper.CASES)
+    tables = paper.compare(cases)
+    if options.figures is not None:
+        from tribo.paper import figures as paper_figures
+
+        for path in paper_figures.draw(options.figures, cases):
+            print(path, file=sys.stderr)
+    if options.json:
+        print(
+            json.dumps(
+                {case: [row.as_json() for row in rows] for case, rows in tables.items()}, indent=1
+            )
+        )
+    else:
+        print(paper.report(tables))
+    return COMPLETED
+
+
+def _explain(options: argparse.Namespace) -> int:
+    from tribo.explanation import explain
+
+    explanation = explain(load_with_values(options))
+    print(explanation.to_json() if options.json else explanation)
+    return COMPLETED
+
+
+def _view(options: argparse.Namespace) -> int:
+    from tribo.result import load_result
+    from tribo.simulation import simulate
+
+    checked_target("--out", options.out)
+    if options.scene.suffix == ".toml":
+        scene = load(options)
+        if options.bath:
+            series = (*scene.output.series, "oscillators")
+            scene = replace(scene, output=replace(scene.output, series=series))
+        result = also_in_part(simulate, scene)
+    else:
+        result = load_result(options.scene)
+    print(result.to_html(options.out, options.bath))
+    return COMPLETED if result.status == "completed" else STOPPED
+
+
+def _plot(options: argparse.Namespace) -> int:
+    from tribo import plotting
+    from tribo.result import load_result
+
+    path = plotting.figure_path("--out", options.out or options.file.with_suffix(".png"))
+    checked_target("--out", path)
+    print(plotting.save(plotting.overview(load_result(options.file)), path))
+    return COMPLETED
+
+
+def _export_lammps(options: argparse.Namespace) -> int:
+    from tribo.export.lammps import to_lammps
+
+    files = to_lammps(load_with_values(options), options.out)
+    print(files.data, files.forces, files.run, sep="\n")
+    for text in files.omitted:
+        print(f"omitted: {text}")
+    return COMPLETED
+
+
+def _accuracy(options: argparse.Namespace) -> int:
+    from tribo.commands.accuracy import run_accuracy
+
+    return run_accuracy(options)
+
+
+def _check(options: argparse.Namespace) -> int:
+    from tribo.potentials.tables import from_table
+    from tribo.report_card import check
+
+    check_figure(options.figure)
+    table = {"potential": options.potential} | dict(map(_parameter, options.parameters))
+    report = check(from_table(table, Path.cwd()))
+    if options.figure is not None:
+        report.save_figure(options.figure)
+    print(report.to_json() if options.json else report)
+    return COMPLETED if report.passed else STOPPED
+
+
+def _atlas(options: argparse.Namespace) -> int:
+    from tribo.commands.atlas import run_atlas
+
+    return run_atlas(options)
+
+
+def _parameter(text: str) -> tuple[str, object]:
+    """A name and its value."""
+    name, value = split("parameter", text)
+    return name, parsed(value)

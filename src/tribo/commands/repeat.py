@@ -1,0 +1,134 @@
+"""Runs that are repeated from their files, and how the two differ."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from tribo.model.identity import plain_table
+from tribo.model.scene_file import scene_from
+from tribo.plugins.unloaded import Code, code
+from tribo.progress import Shown
+from tribo.result import Result
+from tribo.simulation import simulate
+from tribo.validation import InputError
+
+
+class Difference(NamedTuple):
+    """A series of two runs that is not the same bit for bit.
+
+    Attributes
+    ----------
+    name : str
+        The series, as "upper.w1"; "status", if the runs ended differently.
+    size : float
+        The largest difference of its values, in the unit of the series; inf if the series have
+        different times, and nan where values are nan.
+    """
+
+    name: str
+    size: float
+
+
+def repeat(
+    result: Result,
+    plugins: bool = True,
+    progress: Shown = None,
+    out: str | Path | None = None,
+    resume: bool = False,
+    threads: int | None = None,
+) -> Result:
+    """Run the scene of a result again with its settings.
+
+    Code that the scene names is loaded from where the scene says, beside the file of the result,
+    and must be what it was.
+
+    Parameters
+    ----------
+    result : Result
+        As :func:`tribo.load_result` returns it.
+    plugins : bool
+        Whether the scene may name code.
+    progress, out, resume, threads
+        As for :func:`tribo.simulate`.
+
+    Returns
+    -------
+    Result
+
+    Raises
+    ------
+    InputError
+        The code has changed or is refused, or the run began from the state of another run.
+    """
+    settings = result.settings
+    if settings["start"] is not None:
+        raise InputError(
+            "start",
+            "is the state of another run, which the file does not hold; repeat that run, and "
+            "continue from its state with simulate(scene, start=state)",
+        )
+    if not plugins:
+        with code(Code.REFUSE):
+            scene_from(plain_table(result.scene))
+    step = settings["step"]
+    return simulate(
+        result.scene,
+        accuracy=result.accuracy,
+        method=result.method,
+        step=step if isinstance(step, float) else None,
+        progress=progress,
+        out=out,
+        resume=resume,
+        threads=threads,
+    )
+
+
+def differences(before: Result, after: Result) -> list[Difference]:
+    """The series and error estimates that differ in any bit, the largest difference first.
+
+    Parameters
+    ----------
+    before, after : Result
+
+    Returns
+    -------
+    list of Difference
+        Empty if all bits are the same.
+    """
+    if before.status != after.status:
+        return [Difference("status", np.inf)]
+    one, other, none = _series(before), _series(after), np.empty(0)
+    pairs = {name: (one.get(name, none), other.get(name, none)) for name in one | other}
+    found = [
+        Difference(name, _largest(*pair))
+        for name, pair in pairs.items()
+        if pair[0].tobytes() != pair[1].tobytes()
+    ]
+    return sorted(found, key=lambda difference: -difference.size)
+
+
+def sentence(before: Result, after: Result, found: list[Difference]) -> str:
+    """What differs between a run and its repetition, and why it may."""
+    if not found:
+        return "repeated, bit for bit"
+    worst = found[0]
+    text = f"not repeated bit for bit: {len(found)} series or values differ, {worst.name} by "
+    text += f"{worst.size:.1e}"
+    if before.version != after.version:
+        return f"{text}; the file is by tribo {before.version}, and this is {after.version}"
+    return f"{text}; other versions of numpy and numba, or another CPU, may round differently"
+
+
+def _series(result: Result) -> dict[str, np.ndarray]:
+    """All series, times and error estimates of a result by name."""
+    return {str(name): each.values for name, each in result.to_xarray().variables.items()}
+
+
+def _largest(one: np.ndarray, other: np.ndarray) -> float:
+    """The largest difference of two arrays; inf if they have different shapes."""
+    if one.shape != other.shape:
+        return np.inf
+    return float(np.max(np.abs(one - other), initial=0.0))

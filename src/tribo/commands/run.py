@@ -1,0 +1,129 @@
+"""The command `tribo run`: a scene file is simulated, and the run of a file repeated."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tribo.commands.scene_options import (
+    add_numerics,
+    add_scene,
+    add_set,
+    as_number,
+    check_figure,
+    load_with_values,
+    parsed,
+    with_samples,
+)
+from tribo.files import netcdf_target
+from tribo.interrupts import COMPLETED, STOPPED, also_in_part
+from tribo.validation import InputError, integer
+
+if TYPE_CHECKING:
+    from tribo.result import Result
+
+# Options that change a scene or its numerics, which a repeated run takes from its file.
+CHANGES = ("set", "accuracy", "method", "step", "samples")
+
+
+def add_run(run: argparse.ArgumentParser) -> None:
+    """Add the arguments of `tribo run`."""
+    add_scene(run, "SCENE.toml|FILE.nc")
+    run.add_argument(
+        "--out",
+        type=Path,
+        metavar="FILE",
+        help="write all time series as NetCDF; during the run and after an interruption, FILE.part "
+        "has the samples so far",
+    )
+    run.add_argument(
+        "--resume",
+        action="store_true",
+        help="continue from FILE.part, with the same bits as without a stop; print the result if "
+        "FILE is complete",
+    )
+    run.add_argument("--json", action="store_true", help="print only the end state, as JSON")
+    add_numerics(run)
+    run.add_argument("--samples", metavar="N", help="number of evenly spaced times to record")
+    run.add_argument(
+        "--threads",
+        metavar="N",
+        help="threads that share each step of a large surface; the results do not depend on it "
+        "(default: TRIBO_THREADS, or the number of cores)",
+    )
+    add_set(run)
+    run.add_argument(
+        "--figure",
+        type=Path,
+        metavar="FILE",
+        help="write a figure of the works on the first asperite",
+    )
+    run.set_defaults(command=_run)
+
+
+def _run(options: argparse.Namespace) -> int:
+    if options.resume and options.out is None:
+        raise InputError("--resume", "needs --out FILE")
+    if options.out is not None:
+        netcdf_target("--out", options.out)
+    check_figure(options.figure)
+    if options.scene.suffix == ".nc":
+        result, same = _repeated(options)
+    else:
+        result, same = _simulated(options), True
+    if options.figure is not None:
+        _draw(result, options.figure)
+    print(result.to_json() if options.json else result)
+    return COMPLETED if result.status == "completed" and same else STOPPED
+
+
+def _simulated(options: argparse.Namespace) -> Result:
+    """The result of a scene file."""
+    from tribo.simulation import simulate
+
+    accuracy, step = (as_number(f"--{n}", getattr(options, n)) for n in ("accuracy", "step"))
+    threads = _threads(options)
+    scene = with_samples(load_with_values(options), options.samples)
+    numerics = (accuracy, options.method, step)
+    files = {"out": options.out, "resume": options.resume}
+    return also_in_part(simulate, scene, *numerics, **files, threads=threads)
+
+
+def _threads(options: argparse.Namespace) -> int | None:
+    """The number of threads, if it is given.  Raises InputError."""
+    if options.threads is None:
+        return None
+    return integer("--threads", parsed(options.threads), 1)
+
+
+def _repeated(options: argparse.Namespace) -> tuple[Result, bool]:
+    """The result of the run in a file, and whether it has the bits of the file."""
+    from tribo.commands.repeat import differences, repeat, sentence
+    from tribo.result import load_result
+
+    for name in CHANGES:
+        if getattr(options, name):
+            raise InputError(f"--{name}", "cannot go with the file of a run; give a scene file")
+    before = load_result(options.scene)
+    result = also_in_part(
+        repeat,
+        before,
+        not options.no_plugins,
+        out=options.out,
+        resume=options.resume,
+        threads=_threads(options),
+    )
+    found = differences(before, result)
+    print(f"{options.scene}: {sentence(before, result, found)}", file=sys.stderr)
+    return result, not found
+
+
+def _draw(result: Result, path: Path) -> None:
+    """Draw the works on the first asperite, or its angle where works are not kept."""
+    from tribo import plotting
+
+    name = result.scene.surfaces[0].name
+    kept = "w" in result.ledger.surfaces[name]
+    plotting.save((plotting.work_curves if kept else plotting.angle_curve)(result, name), path)

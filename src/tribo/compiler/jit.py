@@ -1,0 +1,241 @@
+"""How Python functions become kernels: compiled, cached on disk, and never stale.
+
+numba's disk cache looks at the file of the compiled function only.  If a potential, or a helper in
+another file, is edited, the cache would still serve the machine code of the old physics.  Kernels
+that are cached therefore have a stamp in their name: the hash of all sources they are built from.
+Other sources make another kernel.
+"""
+
+import functools
+import gc
+import hashlib
+import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from types import FunctionType
+from typing import Any
+
+import numpy as np
+from numba import config, njit, typeof
+
+from tribo.compiler.jit_options import INLINED, KERNEL, LOOP, NUMPY_ERRORS, OWNING_KERNEL, UNCOUNTED
+from tribo.compiler.numba_private import NATIVE
+from tribo.interrupts import held
+
+if NATIVE:
+    from tribo.compiler.cache import KernelCache
+
+kernel = njit(**KERNEL)
+inlined = njit(**KERNEL, **INLINED)
+# Expanded in its caller before that is typed.
+expanded = njit(**NUMPY_ERRORS, inline="always")
+# Kernels that make or return arrays.
+owning_kernel = njit(**OWNING_KERNEL)
+# Kernels that Python calls too.
+shared_kernel = njit(**NUMPY_ERRORS, **UNCOUNTED)
+_loop = njit(**LOOP)
+
+# A file of the disk cache with the code of a time loop: source, name, the stamps of package and
+# plug-ins, line, and version of Python.
+FILE_NAME = re.compile(r"\w+\.\w+_[0-9a-f]{16}_\w*-\d+\.py.*\.nb[ic]")
+
+
+# Sources that machine code is made of: those of kernels, methods and potentials, and of the field
+# that is built in.
+COMPILED = ("compiler", "kernels", "integrators", "pair", "potentials", "model/fields.py")
+
+
+@functools.cache
+def code_stamp() -> str:
+    """Hash of the sources of this package that are compiled [16 hex digits]."""
+    return stamp_of(COMPILED)
+
+
+@functools.cache
+def package_stamp() -> str:
+    """Hash of all sources of this package [16 hex digits]."""
+    return stamp_of((".",))
+
+
+def stamp_of(places: tuple[str, ...]) -> str:
+    """Hash of the sources of this package in some folders and files [16 hex digits]."""
+    digest = hashlib.blake2b(digest_size=8)
+    root = Path(__file__).resolve().parents[1]
+    paths = {path for place in places for path in (root / place).rglob("*.py")}
+    paths |= {root / place for place in places if place.endswith(".py")}
+    for path in sorted(paths):
+        digest.update(path.relative_to(root).as_posix().encode())
+        digest.update(path.read_bytes())
+    return digest.hexdigest()
+
+
+@functools.cache
+def time_loop(loop: FunctionType, stamp: str | None) -> Callable[..., Any]:
+    """Compile a time loop and keep it on disk.
+
+    Machine code that earlier versions of the package left there is removed.  Threads can run the
+    loop at the same time, each with arrays of its own.
+
+    Parameters
+    ----------
+    loop : function
+        The loop, as Python.
+    stamp : str or None
+        Hash of the sources of the scene's plug-ins; None to keep nothing on disk.
+
+    Returns
+    -------
+    callable
+        The loop, compiled at the first call with arguments of new types.
+    """
+    if stamp is None or config.DISABLE_JIT:  # type: ignore[attr-defined]
+        return _loop(loop)
+    # Each way keeps its own files.
+    compiled = _named(loop, f"{code_stamp()}_{stamp}{'' if NATIVE else '_plain'}")
+    remove_stale(loop)
+    return compiled
+
+
+def _named(loop: FunctionType, stamps: str) -> Any:
+    """The loop under a name of its own, by which the disk cache finds it."""
+    name = f"{loop.__name__}_{stamps}"
+    clone = FunctionType(loop.__code__, loop.__globals__, name, loop.__defaults__)
+    clone.__qualname__ = name
+    compiled: Any = _loop(clone)
+    # With no folder that can be written, each process compiles.
+    with suppress(RuntimeError):
+        if NATIVE:
+            compiled._cache = KernelCache(clone)
+        else:
+            compiled = njit(**LOOP, cache=True)(clone)
+    return compiled
+
+
+def cached_files(loop: FunctionType) -> list[Path]:
+    """Files of machine code on disk in the folder of a time loop.
+
+    They are of all loops from sources in one folder, and of all versions of package and plug-ins.
+    """
+    folder = _named(loop, code_stamp()).stats.cache_path
+    if folder is None:
+        return []
+    return sorted(path for path in Path(folder).glob("*.nb?") if FILE_NAME.fullmatch(path.name))
+
+
+def is_compiled(loop: Any) -> bool:
+    """Whether a loop made by :func:`time_loop` has been compiled, in this process or on disk."""
+    if config.DISABLE_JIT or loop.signatures:  # type: ignore[attr-defined]
+        return True
+    folder = loop.stats.cache_path
+    return folder is not None and any(Path(folder).glob(f"*.{loop.__name__}-*.nbc"))
+
+
+def remove_stale(loop: FunctionType) -> None:
+    """Remove the machine code that other versions of the package left in the folder of a loop.
+
+    numba has one folder for the sources of one folder, by its full path, so these are earlier
+    versions of the package in the same place.  A process that still runs one of them has its code
+    in memory, and compiles again what it does not find.
+    """
+    for path in cached_files(loop):
+        if f"_{code_stamp()}_" not in path.name:
+            remove(path)
+
+
+def remove(path: Path) -> None:
+    """Remove a file unless another process has removed it, uses it, or owns it."""
+    try:
+        path.unlink()
+    except OSError:
+        return
+
+
+@contextmanager
+def undisturbed() -> Iterator[None]:
+    """Compile without interrupts, and without Python's cyclic garbage collector.
+
+    The collector takes 10 to 20 % of the time: numba allocates millions of small objects, nearly
+    all of which live until it has finished.
+    """
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        with held():
+            yield
+    finally:
+        if enabled:
+            gc.enable()
+
+
+class EntryPoint:
+    """The machine code of a compiled loop, called without looking up the types of arguments.
+
+    To look up the types of a dozen arguments takes longer than a short run.
+
+    Parameters
+    ----------
+    loop : callable
+        A loop made by :func:`time_loop`.
+    fixed : tuple
+        Its first arguments, the same in each call.
+    examples : tuple
+        The other arguments, of the types that each call will have.
+    """
+
+    def __init__(self, loop: Any, fixed: tuple[Any, ...], examples: tuple[Any, ...]) -> None:
+        """Compile the loop, or load it from disk.  Raises numba's errors."""
+        kinds = tuple(typeof(argument) for argument in (*fixed, *examples))
+        with undisturbed():
+            loop.compile(kinds)
+        self._code = loop.overloads[kinds].entry_point if NATIVE else loop
+        self._fixed = fixed
+        self._arrays = tuple(
+            (place, example.dtype, example.strides)
+            for place, example in enumerate(examples)
+            if isinstance(example, np.ndarray)
+        )
+        self._tuples = tuple(
+            (place, example) for place, example in enumerate(examples) if isinstance(example, tuple)
+        )
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Call the loop with `fixed` and these arguments; TypeError for arguments of other types.
+
+        Tuples that are the examples themselves are not searched again.
+        """
+        for place, dtype, strides in self._arrays:
+            array = arguments[place]
+            if array.dtype is not dtype or array.strides != strides:
+                _refuse_other(place, array, dtype, len(strides))
+        for place, example in self._tuples:
+            if arguments[place] is not example:
+                _compare(place, arguments[place], example)
+        return self._code(*self._fixed, *arguments)
+
+
+def _compare(place: int, given: Any, example: Any) -> None:
+    """Raise TypeError where numba's types of two arguments with their members would differ."""
+    if _class_of(given) is not _class_of(example):
+        kinds = type(example).__name__, type(given).__name__
+        raise TypeError(f"argument {place} must contain a {kinds[0]}, got a {kinds[1]}")
+    if isinstance(example, np.ndarray):
+        _refuse_other(place, given, example.dtype, example.ndim)
+    elif isinstance(example, tuple):
+        if len(given) != len(example):
+            raise TypeError(f"argument {place} must have {len(example)} members, got {len(given)}")
+        for one, other in zip(given, example, strict=True):
+            _compare(place, one, other)
+
+
+def _class_of(value: Any) -> type:
+    """The class of a value; numba does not tell a float of numpy from one of Python."""
+    return float if isinstance(value, float) else type(value)
+
+
+def _refuse_other(place: int, array: np.ndarray, dtype: np.dtype, ndim: int) -> None:
+    if array.dtype != dtype or array.ndim != ndim or not array.flags.c_contiguous:
+        raise TypeError(
+            f"argument {place} must be a C-contiguous array of {dtype} with {ndim} dimension(s), "
+            f"got {array.dtype} with shape {array.shape} and strides {array.strides}"
+        )

@@ -1,0 +1,446 @@
+"""Eight numbers in one vector register: nodes of a step, or asperites, side by side.
+
+`Lanes` is a type for kernels.  It has +, -, *, / with itself and with floats, comparisons, whose
+result is 1 where they hold and 0 elsewhere, and the functions below; each acts on all eight
+numbers.  Formulas of potentials may use sqrt, exp, abs, whole powers, minimum and maximum too.
+Where four numbers are enough, `narrow` Lanes have four, whose roots and quotients take half the
+time.
+
+With AVX-512 a root takes some 20 cycles and a quotient 16, and neither begins before the last one
+ends.  `inverse_root` takes a third of one of them there (FAST_INVERSE_ROOTS).
+"""
+
+import operator
+from typing import Any
+
+from llvmlite import ir
+from numba import config, types
+from numba.extending import intrinsic, lower_builtin, models, register_model, type_callable
+
+from tribo.compiler.numba_private import cgutils, cpu_features
+
+LANES = 8
+NARROW = 4
+_FLOAT, _INDEX = ir.DoubleType(), ir.IntType(32)
+_VECTOR = ir.VectorType(_FLOAT, LANES)
+
+
+class LanesType(types.Type):
+    """The type of floats side by side in a register."""
+
+    def __init__(self, count: int) -> None:
+        super().__init__(name="Lanes" if count == LANES else "NarrowLanes")
+        self.vector = ir.VectorType(_FLOAT, count)
+
+
+lanes, narrow_lanes = LanesType(LANES), LanesType(NARROW)
+
+
+@register_model(LanesType)
+class _LanesModel(models.PrimitiveModel):
+    def __init__(self, manager, numba_type) -> None:
+        super().__init__(manager, numba_type, numba_type.vector)
+
+
+def _spread(builder, x, kind=_VECTOR):
+    """A number in all lanes; lanes as they are."""
+    if x.type == kind:
+        return x
+    if isinstance(x.type, ir.IntType):
+        x = builder.sitofp(x, _FLOAT)
+    nothing = ir.Constant(kind, ir.Undefined)
+    first = builder.insert_element(nothing, x, ir.Constant(_INDEX, 0))
+    zeros = ir.Constant(ir.VectorType(_INDEX, kind.count), [0] * kind.count)
+    return builder.shuffle_vector(first, nothing, zeros)
+
+
+def _lanes_of(args) -> LanesType | None:
+    """The type of Lanes among the types of arguments, of which there is one."""
+    found = {arg for arg in args if isinstance(arg, LanesType)}
+    return found.pop() if len(found) == 1 else None
+
+
+def _binary(operation, compute) -> None:
+    """Give Lanes an operation with Lanes and with numbers."""
+
+    @type_callable(operation)
+    def find_type(context):
+        def result(one, other):
+            args = one, other
+            known = all(isinstance(arg, (LanesType, types.Float, types.Integer)) for arg in args)
+            return _lanes_of(args) if known else None
+
+        return result
+
+    def build(context, builder, sig, args):
+        vector = sig.return_type.vector
+        one, other = (_spread(builder, arg, vector) for arg in args)
+        return compute(builder, one, other, isinstance(sig.args[0], LanesType))
+
+    numbers = (types.Float, types.Integer)
+    pairs: list[tuple[Any, Any]] = [(LanesType, LanesType)]
+    pairs += [(LanesType, kind) for kind in numbers] + [(kind, LanesType) for kind in numbers]
+    for pair in pairs:
+        lower_builtin(operation, *pair)(build)
+
+
+def _arithmetic(operation, instruction: str) -> None:
+    def compute(builder, one, other, of_lanes):
+        flags = ["contract"]
+        if instruction == "fdiv" and not of_lanes:
+            flags += ["arcp", "reassoc"]  # 1 / (1 / x) becomes x: see `root_and_inverse`
+        return getattr(builder, instruction)(one, other, flags=flags)
+
+    _binary(operation, compute)
+
+
+def _comparison(operation, symbol: str) -> None:
+    def compute(builder, one, other, of_lanes):
+        return builder.uitofp(builder.fcmp_ordered(symbol, one, other), one.type)
+
+    _binary(operation, compute)
+
+
+for _operation, _instruction in (
+    (operator.add, "fadd"),
+    (operator.sub, "fsub"),
+    (operator.mul, "fmul"),
+    (operator.truediv, "fdiv"),
+):
+    _arithmetic(_operation, _instruction)
+
+
+for _operation, _symbol in (
+    (operator.lt, "<"),
+    (operator.le, "<="),
+    (operator.gt, ">"),
+    (operator.ge, ">="),
+):
+    _comparison(_operation, _symbol)
+
+
+@type_callable(operator.neg)
+def _type_of_negative(context):
+    return lambda x: x if isinstance(x, LanesType) else None
+
+
+@lower_builtin(operator.neg, LanesType)
+def _negative(context, builder, sig, args):
+    return builder.fneg(args[0])
+
+
+def _llvm(builder, name: str, result, arguments: list, fast=()):
+    kind = ir.FunctionType(result, [argument.type for argument in arguments])
+    count = arguments[-1].type.count
+    function = cgutils.get_or_insert_function(builder.module, kind, f"llvm.{name}.v{count}f64")
+    return builder.call(function, arguments, fastmath=fast)
+
+
+@intrinsic
+def sqrt(typing_context, x):
+    """Square roots."""
+
+    def build(context, builder, sig, args):
+        return _llvm(builder, "sqrt", args[0].type, list(args))
+
+    return x(x), build
+
+
+def _has_fast_inverse_roots() -> bool:
+    """Whether code is compiled for a processor that estimates inverse roots of doubles."""
+    features = config.CPU_FEATURES  # type: ignore[attr-defined]
+    known = (cpu_features() if features is None else features).split(",")
+    compiled = not config.DISABLE_JIT  # type: ignore[attr-defined]
+    return compiled and {"+avx512f", "+avx512vl"} <= set(known)
+
+
+FAST_INVERSE_ROOTS = _has_fast_inverse_roots()
+# (1 - x)^(-1/2) = 1 + x (1/2 + x (3/8 + ...)), from the last term on.
+_OF_INVERSE_ROOT = (5 / 16, 3 / 8, 1 / 2)
+
+
+@intrinsic
+def inverse_root(typing_context, x):
+    """1 / sqrt(x) with an error below 1.2 ulp; nan for 0 and inf.
+
+    Only where FAST_INVERSE_ROOTS.  The estimate y has an error of 2^-14; with d = 1 - x y^2 the
+    value is y (1 - d)^(-1/2).
+    """
+
+    def build(context, builder, sig, args):
+        (x,) = args
+        count, mask = x.type.count, ir.IntType(8)
+        kind = ir.FunctionType(x.type, [x.type, x.type, mask])
+        name = f"llvm.x86.avx512.rsqrt14.pd.{64 * count}"
+        estimate = cgutils.get_or_insert_function(builder.module, kind, name)
+        y = builder.call(estimate, [x, ir.Constant(x.type, [0.0] * count), mask(-1)])
+
+        def fused(one, other, constant):
+            if isinstance(constant, float):
+                constant = ir.Constant(x.type, [constant] * count)
+            return _llvm(builder, "fma", x.type, [one, other, constant])
+
+        d = fused(builder.fneg(builder.fmul(x, y)), y, 1.0)
+        terms = ir.Constant(x.type, [_OF_INVERSE_ROOT[0]] * count)
+        for constant in _OF_INVERSE_ROOT[1:]:
+            terms = fused(terms, d, constant)
+        return fused(builder.fmul(y, d), terms, y)
+
+    return x(x), build
+
+
+@intrinsic
+def absolute(typing_context, x):
+    """Absolute values."""
+
+    def build(context, builder, sig, args):
+        return _llvm(builder, "fabs", args[0].type, list(args))
+
+    return x(x), build
+
+
+@intrinsic
+def floor(typing_context, x):
+    """The largest whole numbers that are not larger."""
+
+    def build(context, builder, sig, args):
+        return _llvm(builder, "floor", args[0].type, list(args))
+
+    return x(x), build
+
+
+@intrinsic
+def sum_of_lanes(typing_context, x):
+    """Sum of the numbers, in any order."""
+
+    def build(context, builder, sig, args):
+        start = ir.Constant(_FLOAT, -0.0)
+        return _llvm(builder, "vector.reduce.fadd", _FLOAT, [start, args[0]], ("reassoc",))
+
+    return types.float64(x), build
+
+
+def _paired(one: list[int], other: list[int]) -> tuple[Any, Any]:
+    kind = ir.VectorType(_INDEX, LANES)
+    return ir.Constant(kind, one), ir.Constant(kind, other)
+
+
+# Eight registers are summed in three rounds.  Each adds lanes of two registers, those of the first
+# counted from 0 and those of the second from 8.  In the end lane i has the sum of register i.
+_ROUNDS = (
+    _paired([0, 8, 2, 10, 4, 12, 6, 14], [1, 9, 3, 11, 5, 13, 7, 15]),
+    _paired([0, 1, 8, 9, 4, 5, 12, 13], [2, 3, 10, 11, 6, 7, 14, 15]),
+    _paired([0, 1, 2, 3, 8, 9, 10, 11], [4, 5, 6, 7, 12, 13, 14, 15]),
+)
+
+
+@intrinsic
+def sums_of_lanes(typing_context, xs):
+    """Sums of eight Lanes: that of the first in lane 0, and so on."""
+
+    def build(context, builder, sig, args):
+        left = cgutils.unpack_tuple(builder, args[0], LANES)
+        for one, other in _ROUNDS:
+            pairs = zip(left[::2], left[1::2], strict=True)
+            left = [
+                builder.fadd(builder.shuffle_vector(a, b, one), builder.shuffle_vector(a, b, other))
+                for a, b in pairs
+            ]
+        return left[0]
+
+    return lanes(xs), build
+
+
+@intrinsic
+def maximum(typing_context, x):
+    """The largest of the eight numbers, none of which may be nan."""
+
+    def build(context, builder, sig, args):
+        x = args[0]
+        for half in (4, 2, 1):
+            swap = [(i + half) % LANES for i in range(LANES)]
+            mask = ir.Constant(ir.VectorType(_INDEX, LANES), swap)
+            other = builder.shuffle_vector(x, x, mask)
+            x = builder.select(builder.fcmp_ordered(">", x, other), x, other)
+        return builder.extract_element(x, ir.Constant(_INDEX, 0))
+
+    return types.float64(lanes), build
+
+
+@intrinsic
+def where_less(typing_context, x, y, one, other):
+    """`one` in the lanes where x < y, `other` elsewhere; each is Lanes or a float."""
+
+    def build(context, builder, sig, args):
+        x, y, one, other = (_spread(builder, arg, sig.return_type.vector) for arg in args)
+        return builder.select(builder.fcmp_ordered("<", x, y), one, other)
+
+    found = _lanes_of((x, y, one, other))
+    return (found(x, y, one, other), build) if found else None
+
+
+@intrinsic
+def broadcast(typing_context, x):
+    """The same number in every lane; Lanes as they are."""
+
+    def build(context, builder, sig, args):
+        return _spread(builder, args[0])
+
+    return lanes(x if x == lanes else types.float64), build
+
+
+@intrinsic
+def spread_like(typing_context, x, number):
+    """The same number in every lane that x has."""
+
+    def build(context, builder, sig, args):
+        return _spread(builder, args[1], sig.return_type.vector)
+
+    return x(x, types.float64), build
+
+
+@intrinsic
+def narrow(typing_context, x):
+    """The first four of eight numbers."""
+
+    def build(context, builder, sig, args):
+        kept = ir.Constant(ir.VectorType(_INDEX, NARROW), list(range(NARROW)))
+        return builder.shuffle_vector(args[0], ir.Constant(_VECTOR, ir.Undefined), kept)
+
+    return narrow_lanes(lanes), build
+
+
+@intrinsic
+def widen(typing_context, x):
+    """Four numbers and four zeros."""
+
+    def build(context, builder, sig, args):
+        places = ir.Constant(ir.VectorType(_INDEX, LANES), list(range(LANES)))
+        zeros = ir.Constant(narrow_lanes.vector, [0.0] * NARROW)
+        return builder.shuffle_vector(args[0], zeros, places)
+
+    return lanes(narrow_lanes), build
+
+
+@intrinsic
+def lane(typing_context, x, i):
+    """The number in lane i."""
+
+    def build(context, builder, sig, args):
+        return builder.extract_element(args[0], builder.trunc(args[1], _INDEX))
+
+    return types.float64(x, types.intp), build
+
+
+@intrinsic
+def with_lane(typing_context, x, i, value):
+    """The Lanes x with another number in lane i."""
+
+    def build(context, builder, sig, args):
+        return builder.insert_element(args[0], args[2], builder.trunc(args[1], _INDEX))
+
+    return x(x, types.intp, types.float64), build
+
+
+@intrinsic
+def between_lanes(typing_context, low, high, x, other):
+    """`x` in the lanes from `low` to `high`, that excluded; `other`, a float, elsewhere."""
+
+    def build(context, builder, sig, args):
+        low, high, x, other = args
+        wanted = _between(builder, low, high, x.type.count)
+        return builder.select(wanted, x, _spread(builder, other, x.type))
+
+    return x(types.intp, types.intp, x, types.float64), build
+
+
+def _between(builder, low, high, lanes_in_all):
+    """The mask of the lanes from `low` to `high`, that excluded."""
+    begun = builder.not_(first(builder, low, lanes_in_all))
+    return builder.and_(begun, first(builder, high, lanes_in_all))
+
+
+def first(builder, n, lanes_in_all=LANES):
+    """The mask of the first n lanes."""
+    kind = ir.VectorType(_INDEX, lanes_in_all)
+    count = builder.insert_element(
+        ir.Constant(kind, ir.Undefined), builder.trunc(n, _INDEX), ir.Constant(_INDEX, 0)
+    )
+    zeros = ir.Constant(kind, [0] * lanes_in_all)
+    count = builder.shuffle_vector(count, zeros, zeros)
+    return builder.icmp_signed("<", ir.Constant(kind, list(range(lanes_in_all))), count)
+
+
+@intrinsic
+def any_below(typing_context, low, high, x, limit):
+    """Whether x <= limit in any lane from `low` to `high`, that excluded."""
+
+    def build(context, builder, sig, args):
+        low, high, x, limit = args
+        wanted = _between(builder, low, high, x.type.count)
+        limit = _spread(builder, limit, x.type)
+        below = builder.and_(wanted, builder.fcmp_ordered("<=", x, limit))
+        bits = ir.IntType(x.type.count)
+        return builder.icmp_unsigned("!=", builder.bitcast(below, bits), ir.Constant(bits, 0))
+
+    return types.boolean(types.intp, types.intp, x, types.float64), build
+
+
+@intrinsic
+def seldom(typing_context, condition, usual, kernel, arguments):
+    """`usual`, or kernel(usual, *arguments) where a condition holds that hardly ever does.
+
+    The compiler keeps registers free of the call, as it does not after an ``if``.
+    """
+    called = typing_context.resolve_function_type(kernel, (usual, *arguments), {})
+
+    def build(context, builder, sig, args):
+        condition, usual, _, arguments = args
+        result = cgutils.alloca_once_value(builder, usual)
+        with cgutils.if_unlikely(builder, condition):
+            call = context.get_function(kernel, called)
+            context.add_linking_libs(getattr(call, "libs", ()))
+            members = cgutils.unpack_tuple(builder, arguments)
+            builder.store(call(builder, [usual, *members]), result)
+        return builder.load(result)
+
+    return usual(condition, usual, kernel, arguments), build
+
+
+@intrinsic
+def power_of_two(typing_context, x):
+    """2^x for whole numbers from -1022 to 1023."""
+
+    def build(context, builder, sig, args):
+        # Beyond 2^52 the spacing of floating-point numbers is 1, so the last bits are x.
+        count = args[0].type.count
+        integers = ir.VectorType(ir.IntType(64), count)
+        bits = builder.fadd(args[0], ir.Constant(args[0].type, [1.5 * 2.0**52] * count))
+        bits = builder.bitcast(bits, integers)
+        bits = builder.add(bits, ir.Constant(integers, [1023] * count))
+        bits = builder.shl(bits, ir.Constant(integers, [52] * count))
+        return builder.bitcast(bits, args[0].type)
+
+    return x(x), build
+
+
+if config.DISABLE_JIT:  # type: ignore[attr-defined]
+    from tribo.compiler.lanes_uncompiled import (  # noqa: F401
+        absolute,
+        any_below,
+        between_lanes,
+        broadcast,
+        floor,
+        lane,
+        maximum,
+        narrow,
+        power_of_two,
+        seldom,
+        spread_like,
+        sqrt,
+        sum_of_lanes,
+        sums_of_lanes,
+        where_less,
+        widen,
+        with_lane,
+    )

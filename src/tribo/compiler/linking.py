@@ -1,0 +1,171 @@
+"""How numba compiles a kernel that only other kernels call: once, as part of their code.
+
+By default numba optimises every function together with all the functions that it calls, and
+generates machine code for it, then does so again in each of its callers.  A kernel at depth five
+is optimised five times, and most of its machine code is never run.  Here a kernel stays as its
+front end leaves it until the time loop that contains it is optimised.
+"""
+
+import ctypes
+from typing import Any
+
+from tribo.compiler.numba_private import (
+    CompilerBase,
+    DefaultPassBuilder,
+    InlineClosureLikes,
+    InlineOverloads,
+    JITCodeLibrary,
+    Lower,
+    MakeFunctionToJitFunction,
+    NativeLowering,
+    NopythonRewrites,
+    PassManager,
+    StateDict,
+    WithLifting,
+    _dynfunc,
+    register_pass,
+)
+from tribo.compiler.tuple_types import TupleLibrary
+
+
+class LinkedLibrary(TupleLibrary):
+    """The code of one kernel without that of those it calls; neither optimised nor machine code.
+
+    Were each kernel linked with all that it calls, as numba does, the deepest one would be copied
+    once for every path to it.
+    """
+
+    def _optimize_functions(self, ll_module: Any) -> None:
+        ll_module.data_layout = self._codegen._data_layout
+
+    def finalize(self) -> None:
+        """Link and optimise nothing: a library that machine code is made of does."""
+        self._raise_if_finalized()
+        for library in self._linking_libraries:
+            self._reload_init.update(library._reload_init)
+        self._finalize_dynamic_globals()
+        for function in self._final_module.functions:
+            if not function.is_declaration:
+                function.linkage = "linkonce_odr"  # as numba sets it in a copy
+        self._finalized = True
+
+    def _get_module_for_linking(self) -> Any:
+        """The code of this kernel and of all that it calls, each once."""
+        whole = None
+        # Callers first: LLVM leaves out functions without a caller.
+        for library in self._called():
+            own = JITCodeLibrary._get_module_for_linking(library)
+            if whole is None:
+                whole = own.clone()
+            else:
+                whole.link_in(own, preserve=True)
+        return whole
+
+    def _called(self) -> list[JITCodeLibrary]:
+        """This library and those of all kernels that it calls, each after its first caller."""
+        found: dict[JITCodeLibrary, None] = {self: None}
+        waiting: list[JITCodeLibrary] = [self]
+        for library in waiting:
+            if isinstance(library, LinkedLibrary):
+                new = [each for each in library._linking_libraries if each not in found]
+                found.update(dict.fromkeys(new))
+                waiting += dict.fromkeys(new)
+        return list(found)
+
+
+class LoopLibrary(TupleLibrary):
+    """The code of a time loop, optimised once.
+
+    numba optimises twice, so that the first pass brings together the reference counts that the
+    second removes.  Kernels count none.
+    """
+
+    def _optimize_final_module(self) -> None:
+        passes, builder = self._codegen._module_pass_manager()
+        passes.run(self._final_module, builder)
+
+
+# What a call of a kernel from Python leads to: a function of CPython that raises TypeError.
+WRONG_CALL = ctypes.cast(ctypes.pythonapi.PyErr_BadArgument, ctypes.c_void_p).value
+
+
+class KernelLower(Lower):
+    """numba's lowering without the sizes of arguments, which only debuggers need.
+
+    LLVM has to parse a module of its own for each of them.
+    """
+
+    def storevar(self, value: Any, name: str, argidx: int | None = None) -> None:
+        """Store the value into a variable."""
+        super().storevar(value, name, argidx if self.context.enable_nrt else None)
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class LinkedLowering(NativeLowering):
+    """Lower a kernel to code for its callers."""
+
+    _name = "linked_lowering"
+    lowering_class = KernelLower
+
+    def run_pass(self, state: StateDict) -> bool:
+        """Lower into a :class:`LinkedLibrary`, with an entry point that only marks it."""
+        context = state.targetctx
+        state.library = library = LinkedLibrary(context.codegen(), state.func_id.func_qualname)
+        state.flags.no_compile = True
+        super().run_pass(state)
+        library.finalize()
+        lowered = state["cr"]
+        description = lowered.fndesc
+        entry, module = WRONG_CALL, description.lookup_module()
+        mark = _dynfunc.make_function(
+            module, description.qualname, "", entry, lowered.env, (library,)
+        )
+        context.insert_user_function(mark, description, [library])
+        state["cr"] = lowered._replace(cfunc=mark)
+        return True
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class LoopLowering(NativeLowering):
+    """Lower a time loop to machine code."""
+
+    _name = "loop_lowering"
+
+    def run_pass(self, state: StateDict) -> bool:
+        """Lower into a :class:`LoopLibrary`."""
+        state.library = LoopLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
+        state.library.enable_object_caching()
+        return super().run_pass(state)
+
+
+# Passes for `with` blocks, closures, generator expressions, arithmetic of whole arrays, and
+# overloads that are expanded in their callers.
+UNNEEDED = (
+    WithLifting,
+    InlineClosureLikes,
+    MakeFunctionToJitFunction,
+    NopythonRewrites,
+    InlineOverloads,
+)
+
+
+class KernelCompiler(CompilerBase):
+    """numba's compiler of kernels (numba.njit takes it as pipeline_class)."""
+
+    lowering: type[NativeLowering] = LinkedLowering
+
+    def define_pipelines(self) -> list[PassManager]:
+        """numba's passes without those for what kernels do not have; the last one is ours."""
+        passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
+        changed = PassManager("kernel")
+        for each, description in passes.passes:
+            if each not in UNNEEDED:
+                changed.add_pass(self.lowering if each is NativeLowering else each, description)
+        changed.finalize()
+        return [changed]
+
+
+class LoopCompiler(KernelCompiler):
+    """numba's compiler of time loops."""
+
+    lowering = LoopLowering

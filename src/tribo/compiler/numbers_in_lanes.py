@@ -1,0 +1,143 @@
+"""Numbers that may be Lanes, and NamedTuples of them: scenes that differ, side by side."""
+
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+from numba import config, types
+from numba.extending import intrinsic, overload
+
+from tribo.compiler.lanes import _INDEX, LANES, LanesType, lane, lanes, maximum, sum_of_lanes
+from tribo.compiler.lanes_memory import block, row_at, rows_of, set_block
+from tribo.compiler.numba_private import cgutils
+from tribo.compiler.plugin_methods import like
+
+
+def _is_plain(kind: Any, number: types.Type) -> bool:
+    numbers: tuple[types.Type, ...] = getattr(kind, "types", ())
+    return bool(numbers) and all(each == number for each in numbers)
+
+
+@intrinsic
+def numbers_in_lanes(typing_context, shared, table, rows, first):
+    """A NamedTuple of floats with rows of Rows, from `first` on, as its numbers.
+
+    Without a `table` of numbers, and where there are others than floats, it is `shared` as it is.
+    """
+    if isinstance(table, types.NoneType) or not _is_plain(shared, types.float64):
+        return shared(shared, table, rows, first), lambda context, builder, sig, args: args[0]
+    count = len(shared.types)
+
+    def build(context, builder, sig, args):
+        places = [builder.add(args[3], ir.Constant(args[3].type, k)) for k in range(count)]
+        values = [row_at(builder, args[2], place) for place in places]
+        return context.make_tuple(builder, sig.return_type, values)
+
+    in_lanes = like(shared, lanes)
+    return in_lanes(shared, table, rows, first), build
+
+
+@intrinsic
+def numbers_at_lane(typing_context, each, i):
+    """The floats of a NamedTuple of Lanes in lane i; one of floats as it is."""
+    if not _is_plain(each, lanes):
+        return each(each, i), lambda context, builder, sig, args: args[0]
+
+    def build(context, builder, sig, args):
+        place = builder.trunc(args[1], _INDEX)
+        numbers = cgutils.unpack_tuple(builder, args[0])
+        values = [builder.extract_element(number, place) for number in numbers]
+        return context.make_tuple(builder, sig.return_type, values)
+
+    floats = like(each, types.float64)
+    return floats(each, types.intp), build
+
+
+def potential_of(contact, lane):
+    """The potential of an interaction; for `lane` that of one member of an ensemble.
+
+    Where members differ in its numbers, these are Lanes without a `lane`.
+    """
+    return contact.potential
+
+
+@overload(potential_of)
+def _find_potential_of(contact, lane):
+    if isinstance(contact[contact.fields.index("numbers")], types.NoneType):
+        return potential_of
+    return _own_potentials if isinstance(lane, types.NoneType) else _own_potential
+
+
+def _own_potentials(contact, lane):
+    return numbers_in_lanes(contact.potential, contact.numbers, rows_of(contact.numbers), 0)
+
+
+def _own_potential(contact, lane):
+    own = numbers_in_lanes(contact.potential, contact.numbers, rows_of(contact.numbers), 0)
+    return numbers_at_lane(own, lane)
+
+
+def lane_of(x, i):
+    """Number i of Lanes, counted from any block; a float as it is."""
+    return x[i % LANES] if isinstance(x, np.ndarray) else x  # where numba does not compile
+
+
+@overload(lane_of)
+def _find_lane_of(x, i):
+    return _lane_of if isinstance(x, LanesType) else (lambda x, i: x)
+
+
+def _lane_of(x, i):
+    return lane(x, i & (LANES - 1))
+
+
+def sum_of_runs(members, x):
+    """The sum over all lanes for one run; where the lanes are `members`, the sum of each."""
+    return sum_of_lanes(x)
+
+
+def largest_of_runs(members, x):
+    """The largest of all lanes for one run; where the lanes are `members`, that of each."""
+    return maximum(x)
+
+
+def _keep_members_apart(function: Any) -> None:
+    """Let kernels call a function of all lanes of one run, which leaves those of members alone."""
+
+    @overload(function)
+    def find(members, x):
+        return function if isinstance(members, types.NoneType) else (lambda members, x: x)
+
+
+_keep_members_apart(sum_of_runs)
+_keep_members_apart(largest_of_runs)
+
+
+def set_numbers(array, k, x):
+    """Set element k of an array to a number, or eight elements from there on to Lanes."""
+    array[k] = x
+
+
+def _set_block(array, k, x):
+    set_block(array, k, x)
+
+
+@overload(set_numbers)
+def _find_set_numbers(array, k, x):
+    return _set_block if isinstance(x, LanesType) else set_numbers
+
+
+def add_numbers(array, k, x):
+    """Add to them likewise."""
+    array[k] += x
+
+
+@overload(add_numbers)
+def _find_add_numbers(array, k, x):
+    if isinstance(x, LanesType):
+        return lambda array, k, x: set_block(array, k, block(array, k) + x)
+    return add_numbers
+
+
+if config.DISABLE_JIT:  # type: ignore[attr-defined]
+    from tribo.compiler.lanes_uncompiled import numbers_at_lane

@@ -1,0 +1,165 @@
+"""numba's types of plug-ins, which are NamedTuples of numbers with methods that kernels call.
+
+numba gives every NamedTuple class a type, but all these types are of one kind, and methods are
+registered for a kind.  Here each class of plug-ins has a kind of its own, from :func:`recognize`
+on.  A kernel finds its methods when it is compiled, and inlines them; NamedTuples of other programs
+are not touched.
+"""
+
+import functools
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from numba import njit, typeof, types
+from numba.extending import intrinsic, models, overload_method, register_model, typeof_impl
+
+from tribo.compiler.formula_names import compilable
+from tribo.compiler.jit_options import COUNTED, KERNEL, LINKED
+from tribo.compiler.numba_private import cgutils
+
+# Methods of plug-ins, each with its number of arguments after self.
+METHOD_ARGUMENTS = {
+    # Potentials: at r, of two charges.
+    "energy": 1,
+    "force": 1,
+    "coupling": 2,
+    "energy_between": 3,
+    "force_between": 3,
+    "feature": 0,
+    "clearance": 1,
+    "range": 0,
+    # Tables: what energy and force share, at r.
+    "interval": 1,
+    "defined": 1,
+    # Fields: at x, y.
+    "energy_at": 2,
+    "force_at": 2,
+    # Drives: at t, x, y, vx, vy, fx, fy.
+    "force_on_bar": 7,
+    # Ends of bars: at t, phi, nu, twist.
+    "end_forces": 4,
+}
+# Those of integration methods: see :mod:`tribo.integrators.time_loops`.
+STEP_ARGUMENTS = {"step": 7, "trial": 9}
+
+# Plug-ins may call functions that make arrays.
+_OPTIONS = {
+    **{name: {**LINKED, **COUNTED} for name in METHOD_ARGUMENTS},
+    **dict.fromkeys(STEP_ARGUMENTS, KERNEL),
+}
+
+
+# Classes that :func:`recognize` has seen.
+_recognized: set[Any] = set()
+
+
+class PluginType:
+    """The type of instances of a plug-in's class, beside numba's of that NamedTuple."""
+
+    instance_class: Any
+    types: Any
+
+    def __reduce__(self) -> Any:
+        """Each process makes its own kinds, so the disk cache keeps their classes alone."""
+        return plugin_type, (self.instance_class, self.types)
+
+
+def plugin_type(cls: Any, members: Iterable[types.Type]) -> Any:
+    """The type of instances of a plug-in's class whose members have these types."""
+    plain = types.BaseTuple.from_types(tuple(members), cls)
+    if isinstance(plain, types.NamedUniTuple):
+        return _kind(cls, types.NamedUniTuple)(plain.dtype, plain.count, cls)
+    return _kind(cls, types.NamedTuple)(plain.types, cls)
+
+
+def recognize(plugin: Any) -> None:
+    """Let kernels call the methods of a plug-in, and of those among its fields."""
+    for item in plugin:
+        if hasattr(item, "_fields"):
+            recognize(item)
+    recognize_class(type(plugin))
+
+
+def recognize_class(cls: Any) -> None:
+    """The same for all instances of a class."""
+    if cls in _recognized:
+        return
+    _recognized.add(cls)
+    for base in (types.NamedTuple, types.NamedUniTuple):
+        _kind(cls, base)
+
+    @typeof_impl.register(cls)
+    def find_type(value: Any, context: Any) -> Any:
+        return plugin_type(cls, [typeof_impl(item, context) for item in value])
+
+
+def type_of(plugin: Any) -> Any:
+    """The type of a plug-in."""
+    recognize(plugin)
+    return typeof(plugin)
+
+
+def like(kind: Any, number: types.Type) -> Any:
+    """The type of a NamedTuple of numbers with numbers of another type."""
+    if isinstance(kind, PluginType):
+        return plugin_type(kind.instance_class, [number] * len(kind.types))
+    return types.NamedUniTuple(number, len(kind.types), kind.instance_class)
+
+
+@functools.cache
+def _kind(cls: Any, base: type) -> Any:
+    """The kind of types of a class, with the methods that the class has beside its fields."""
+    kind = type(f"{cls.__name__}Type", (PluginType, base), {})
+    model = models.UniTupleModel if base is types.NamedUniTuple else models.TupleModel
+    register_model(kind)(model)
+    for name, arguments in (METHOD_ARGUMENTS | STEP_ARGUMENTS).items():
+        if name not in cls._fields and callable(getattr(cls, name, None)):
+            find = _finder(formula(getattr(cls, name)), arguments)
+            overload_method(kind, name, jit_options=_OPTIONS[name], strict=False)(find)
+    return kind
+
+
+def formula(method: Any) -> Any:
+    """A method of a plug-in as kernels compile it."""
+    return compilable(method, constructor)
+
+
+@functools.cache
+def constructor(cls: Any) -> Any:
+    """What makes an instance of a class in compiled code; the class itself if it is no plug-in."""
+    if not any(callable(getattr(cls, name, None)) for name in METHOD_ARGUMENTS):
+        return cls
+
+    @intrinsic
+    def build(typing_context, members):  # type: ignore[no-untyped-def]
+        kinds = [types.unliteral(kind) for kind in members.types]
+        kind = plugin_type(cls, kinds)
+
+        def code(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
+            given = cgutils.unpack_tuple(builder, arguments[0])
+            each = zip(given, signature.args[0].types, kinds, strict=True)
+            return context.make_tuple(builder, kind, [context.cast(builder, *one) for one in each])
+
+        return kind(members), code
+
+    defaults = tuple(cls._field_defaults.values())
+    names = ", ".join(cls._fields)
+    scope = {"build": build}
+    exec(f"def make({names}):\n    return build(({names},))", scope)
+    make: Any = scope["make"]
+    make.__defaults__ = defaults
+    return njit(**KERNEL)(make)
+
+
+def _finder(method: Any, arguments: int) -> Callable[..., Any]:
+    """A function of the types of self and arguments, which returns the method."""
+    finders: dict[int, Callable[..., Any]] = {
+        0: lambda self: method,
+        1: lambda self, a: method,
+        2: lambda self, a, b: method,
+        3: lambda self, a, b, c: method,
+        4: lambda self, a, b, c, d: method,
+        7: lambda self, a, b, c, d, e, f, g: method,
+        9: lambda self, a, b, c, d, e, f, g, h, i: method,
+    }
+    return finders[arguments]

@@ -1,0 +1,208 @@
+"""Threads that share the work of a step.
+
+A step has phases: lists of neighbours, contact, drift, kick.  Each phase has a number of pieces
+that depends on the scene alone, and each piece writes where no other does, so that the results have
+the same bits for any number of threads.  The thread of the time loop begins a phase and takes
+pieces until none is left; assistants take pieces too.  Then it waits for the pieces that assistants
+have taken.  None waits for an assistant that the operating system has stopped between two pieces.
+
+Threads have ranks.  Each begins with the pieces of its own part of all, which are the same in every
+step, so that the numbers in it stay in the memory of its core; then it looks for pieces that others
+have left.  It takes a piece by a compare-and-swap of the last phase in which the piece was taken.
+As long as a piece is not finished, the phase cannot change.
+"""
+
+import os
+from typing import NamedTuple
+
+import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic
+
+from tribo.compiler.jit import kernel
+from tribo.compiler.lanes_memory import element
+from tribo.compiler.numba_private import cgutils
+
+# Phases.
+LISTS, CONTACT, REACTIONS, DRIFT, KICK = range(5)
+
+# Places of the counters.  Those that threads write at the same time are in cache lines of their
+# own, of at most 16 numbers.
+WORK, DONE, CLOSED, PHASE, END, INTERACTION, PAIR, THREADS, RANK = 0, 16, *range(32, 38), 48
+COUNTERS = 64
+# Counter WORK is the number of phases so far times this, plus the pieces of the present one.
+MOST_PIECES = 1 << 20
+# Places in the row of a thread: the last phase that it saw, and how many of its pieces it tried.
+SEEN, TRIED = 0, 1
+OWN_NUMBERS = 16  # a cache line and the next one
+
+# Looks for work after which a waiting thread lets others have its core: about a microsecond.
+LOOKS = 200
+
+
+class Team(NamedTuple):
+    """What threads share, and how their work is divided."""
+
+    counters: np.ndarray  # (COUNTERS,): the present phase, pieces finished, ...
+    taken: np.ndarray  # (pieces,) number of the last phase in which each piece was taken
+    ranks: np.ndarray  # (threads, OWN_NUMBERS) of each thread: SEEN and TRIED
+    numbers: np.ndarray  # (2,) of the present phase: times
+    tiles: np.ndarray  # (tiles, 3) surface, which of its tiles, and how many it has
+    lengths: np.ndarray  # (chunks,) of the rows of each chunk of a list of neighbours
+    begins: np.ndarray  # (chunks + 1,) where the room of each chunk begins in that list
+    reach: np.ndarray  # (chunks, 2) columns first <= i < last of the reactions to each chunk
+    reactions: np.ndarray  # (2 chunks, n) x and y of the reactions to the rows of each chunk
+
+
+@intrinsic
+def _load(typing_context, array, i):
+    """Element i, and all that was written before it."""
+
+    def build(context, builder, sig, args):
+        place = element(context, builder, sig.args[0], *args)
+        return builder.load_atomic(place, "acquire", 8)
+
+    return types.int64(array, types.intp), build
+
+
+@intrinsic
+def _publish(typing_context, array, i, value):
+    """Set element i, after all that was written before."""
+
+    def build(context, builder, sig, args):
+        place = element(context, builder, sig.args[0], *args[:2])
+        builder.store_atomic(args[2], place, "release", 8)
+        return context.get_dummy_value()
+
+    return types.void(array, types.intp, types.int64), build
+
+
+@intrinsic
+def _count(typing_context, array, i):
+    """Add one to element i, after all that was written before; returns what it was."""
+
+    def build(context, builder, sig, args):
+        place = element(context, builder, sig.args[0], *args)
+        return builder.atomic_rmw("add", place, ir.Constant(ir.IntType(64), 1), "acq_rel")
+
+    return types.int64(array, types.intp), build
+
+
+@intrinsic
+def _replace(typing_context, array, i, value, new):
+    """Set element i to `new` if it is `value`; whether it was."""
+
+    def build(context, builder, sig, args):
+        place = element(context, builder, sig.args[0], *args[:2])
+        found = builder.cmpxchg(place, *args[2:], "acq_rel", "acquire")
+        return builder.extract_value(found, 1)
+
+    return types.boolean(array, types.intp, types.int64, types.int64), build
+
+
+@intrinsic
+def _yield(typing_context):
+    """Let another thread have the core, if one waits for it."""
+
+    def build(context, builder, sig, args):
+        kind = ir.FunctionType(ir.IntType(32), [])
+        name = "SwitchToThread" if os.name == "nt" else "sched_yield"
+        builder.call(cgutils.get_or_insert_function(builder.module, kind, name), [])
+        return context.get_dummy_value()
+
+    return types.void(), build
+
+
+@kernel
+def begin_phase(team, phase, pieces):
+    """Offer the pieces of a phase to all threads, and take one; what else it needs is in place.
+
+    Like :func:`continue_phase` it returns -1 when all pieces are finished.
+    """
+    counters = team.counters
+    counters[PHASE] = phase
+    counters[END] += pieces
+    number = counters[WORK] // MOST_PIECES + 1
+    _publish(counters, WORK, number * MOST_PIECES + pieces)
+    return piece_or_end(team)
+
+
+@kernel
+def continue_phase(team):
+    """Finish a piece, and take another one."""
+    finish_piece(team)
+    return piece_or_end(team)
+
+
+@kernel
+def piece_or_end(team):
+    """The next piece for the thread of the time loop; without one the end of the phase, and -1."""
+    piece = next_piece(team, 0)
+    if piece < 0:
+        end_phase(team)
+    return piece
+
+
+@kernel
+def next_piece(team, rank):
+    """Take the next piece of the present phase; -1 where none is left."""
+    work = _load(team.counters, WORK)
+    phase, pieces = work // MOST_PIECES, work % MOST_PIECES
+    own = team.ranks[rank]
+    if own[SEEN] != phase:
+        own[SEEN] = phase
+        own[TRIED] = 0
+    first = rank * pieces // team.counters[THREADS]
+    while own[TRIED] < pieces:
+        piece = (first + own[TRIED]) % pieces
+        own[TRIED] += 1
+        before = _load(team.taken, piece)
+        if before < phase and _replace(team.taken, piece, before, phase):
+            return piece
+    return -1
+
+
+@kernel
+def next_rank(team):
+    """The rank of an assistant; that of the time loop's own thread is 0."""
+    return _count(team.counters, RANK) + 1
+
+
+@kernel
+def finish_piece(team):
+    """Tell that a piece is finished."""
+    _count(team.counters, DONE)
+
+
+@kernel
+def end_phase(team):
+    """Wait until all pieces are finished."""
+    counters = team.counters
+    looks = 0
+    while _load(counters, DONE) != counters[END]:
+        looks += 1
+        if looks > LOOKS:
+            _yield()
+
+
+@kernel
+def wait_for_piece(team, rank):
+    """The next piece of this phase or of a later one, for an assistant; -1 when it may leave."""
+    looks = 0
+    while True:
+        piece = next_piece(team, rank)
+        if piece >= 0:
+            return piece
+        if _load(team.counters, CLOSED) != 0:
+            return -1
+        looks += 1
+        if looks > LOOKS:
+            _yield()
+
+
+@kernel
+def part_of(first, last, part, parts):
+    """The range of a part of a range that is divided into equal parts."""
+    size = last - first
+    return first + size * part // parts, first + size * (part + 1) // parts

@@ -1,0 +1,1 @@
+"""From a scene to flat arrays: tables of constants, slots of the state, contacts, and the start."""

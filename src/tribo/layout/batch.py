@@ -1,0 +1,93 @@
+"""The asperites of each surface as a ledger reads them, batch by batch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+
+import numpy as np
+
+from tribo.kernels.records import FORCED
+from tribo.layout.force_records import Records
+
+# Asperites of a batch: more of them would make the temporary arrays of a ledger large.
+BATCH_SIZE = 50_000
+
+Asperites = SimpleNamespace  # the fields of kernels.records.ASPERITE, each an array (asperites,)
+
+
+@dataclass(frozen=True, eq=False)
+class Batch:
+    """Some consecutive asperites.
+
+    Attributes
+    ----------
+    place : slice
+        Of the asperites among all.
+    asperites : Asperites
+        Their parameters and slots.
+    velocity : ndarray, (2, asperites)
+        Initial velocity of their surface, in the laboratory.
+    held : ndarray, (asperites,)
+        1 if the drive opposes all of f1_x, 0 if it leaves the surface free to slide.
+    reservoir : ndarray, (2, asperites)
+        Velocity of the reservoir in the surface's first frame.
+    present : frozenset of str
+        Groups of slots, as "dof_x" and "acc_slide", that any of the asperites has.
+    """
+
+    place: slice
+    asperites: Asperites
+    velocity: np.ndarray
+    held: np.ndarray
+    reservoir: np.ndarray
+    present: frozenset[str]
+    _consecutive: dict[str, bool] = field(default_factory=dict, init=False, repr=False)
+
+    def are_consecutive(self, group: str) -> bool:
+        """Whether the slots of a group follow one another, and one stride holds for all of them."""
+        if group not in self._consecutive:
+            slots, stride = getattr(self.asperites, group), self.asperites.stride
+            follow = slots.ndim == 1 and slots[0] >= 0 and bool(np.all(np.diff(slots) == 1))
+            self._consecutive[group] = follow and bool(np.all(stride == stride[0]))
+        return self._consecutive[group]
+
+
+def batches_of(whole: Batch, part: slice) -> tuple[Batch, ...]:
+    """Consecutive asperites among all, at most BATCH_SIZE at a time."""
+    starts = range(part.start, part.stop, BATCH_SIZE)
+    return tuple(_some(whole, slice(k, min(k + BATCH_SIZE, part.stop))) for k in starts)
+
+
+def batch_of(records: Records, surfaces: Records, velocity: np.ndarray) -> Batch:
+    """All asperites, whose initial velocities are `velocity` (asperites, 2)."""
+    mine, names = records["surface"], records.dtype.names or ()
+    # Attributes of records take microseconds.
+    asperites = Asperites(**{name: np.asarray(records[name]) for name in names})
+    return Batch(
+        place=slice(0, records.size),
+        asperites=asperites,
+        velocity=velocity.T.copy(),
+        held=(surfaces["drive"] == FORCED).astype(float)[mine],
+        reservoir=np.array([surfaces["reservoir_x"], surfaces["reservoir_y"]])[:, mine],
+        present=_present(asperites),
+    )
+
+
+def _some(whole: Batch, place: slice) -> Batch:
+    parts = {name: each[..., place] for name, each in vars(whole.asperites).items()}
+    asperites = Asperites(**parts)
+    return Batch(
+        place,
+        asperites,
+        whole.velocity[..., place],
+        whole.held[place],
+        whole.reservoir[:, place],
+        _present(asperites),
+    )
+
+
+def _present(asperites: Asperites) -> frozenset[str]:
+    """The groups of slots that any of the asperites has."""
+    groups = (item for item in vars(asperites).items() if item[0].startswith(("acc_", "dof_")))
+    return frozenset(name for name, slots in groups if slots.max() >= 0)

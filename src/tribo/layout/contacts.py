@@ -1,0 +1,217 @@
+"""Contacts between bobs, as kernels read them: species, calculators and neighbour lists."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tribo.compiler.lanes import LANES
+from tribo.compiler.lanes_memory import room
+from tribo.kernels.records import Active, Boxes, Calculator, Cells, Contact, Model, Neighbours
+from tribo.model.interaction import Interaction
+from tribo.model.scene import Scene
+from tribo.potentials import Coulomb, as_potential
+from tribo.potentials.from_ase import Call, Live, ZeroForce, elements
+from tribo.potentials.registry import complete
+from tribo.validation import InputError, inside
+
+# How much farther than the largest cutoff a neighbour list reaches, relative to the cutoff: longer
+# lists cost more in each evaluation, shorter ones have to be rebuilt more often.
+SKIN = 0.1
+# Pairs of bobs up to which every pair is visited, rather than a neighbour list.
+UNLISTED_PAIRS = 4096
+# Room of a neighbour list, in units of what it needed when it had too little: bobs that approach
+# one another need somewhat more soon after.
+EXTRA_ROOM = 1.5
+
+
+def lay_out_contacts(
+    scene: Scene,
+) -> tuple[tuple[Contact, ...], tuple[Contact, ...] | None, int, float]:
+    """The contacts of a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+        An interaction with a cutoff has a neighbour list where its bobs are many.
+
+    Returns
+    -------
+    between : tuple of Contact
+        Contacts between surfaces, at least one.
+    within : tuple of Contact or None
+        Contacts among the bobs of one surface; None without any.
+    rows : int
+        Rows of the neighbour list; 0 without one.
+    skin : float
+        How much farther than the cutoff the list reaches [length].
+    """
+    between: list[Contact] = []
+    within: list[Contact] = []
+    rows = 0
+    longest = 0.0
+    for interaction in scene.interactions:
+        reach = interaction.potential.range()
+        pairs = scene.pairs(interaction)
+        first = []
+        for one, other in pairs:
+            count = scene.surfaces[one].count
+            listed = np.isfinite(reach) and count * scene.surfaces[other].count > UNLISTED_PAIRS
+            first.append(rows if listed else -1)
+            if listed:
+                rows += count
+                longest = max(longest, reach)
+        inner = any(one == other for one, other in pairs)
+        potential = interaction.potential
+        if isinstance(potential, Live):
+            potential = complete(ZeroForce)(potential.length, potential.reach)
+        (within if inner else between).append(
+            Contact(
+                potential,
+                np.array(pairs, dtype=np.int64).reshape(-1, 2),
+                np.array(first, dtype=np.int64),
+                _kinds(scene, interaction),
+            )
+        )
+    if not between:  # kernels cannot iterate over an empty tuple: a contact without pairs
+        nothing = np.empty(0, dtype=np.int64)
+        between.append(Contact(as_potential(Coulomb(0.0)), nothing.reshape(0, 2), nothing, None))
+    return tuple(between), tuple(within) or None, rows, SKIN * longest
+
+
+def neighbours(model: Model, rows: int, skin: float, active: Active | None) -> Neighbours:
+    """An empty neighbour list of so many rows, which the first evaluation of forces fills."""
+    contacts = (*model.contacts, *(model.within or ()))
+    all_species = (-1, -1)
+    blocks = model.each.shape[1] // LANES
+    listed = [
+        (one, other, row, contact.potential.range() + skin, contact.species)
+        for contact in contacts
+        for (one, other), row in zip(contact.pairs.tolist(), contact.rows.tolist(), strict=True)
+        if row >= 0
+    ]
+    return Neighbours(
+        pairs=np.array([pair[:3] for pair in listed], dtype=np.int64),
+        species=np.array(
+            [all_species if pair[4] is None else pair[4] for pair in listed], np.int64
+        ),
+        reach=np.array([pair[3] for pair in listed]),
+        start=np.zeros(rows + 1, np.int64),
+        index=np.zeros(8 * rows, np.int32),
+        place=nowhere(model.each.shape[1]),
+        skin=skin,
+        made=np.zeros(1, np.int64),
+        crossed=np.zeros(1, np.int64),
+        listed=np.full(1, np.nan),
+        active=active,
+        own=empty_boxes(blocks),
+        others=empty_boxes(blocks),
+        cells=empty_cells(blocks),
+    )
+
+
+def empty_boxes(count: int) -> Boxes:
+    """Room for so many boxes."""
+    return Boxes(np.zeros(1, np.int64), np.empty((3, count)), np.empty((3, count)))
+
+
+def empty_cells(count: int) -> Cells:
+    """Room for the cells of so many points."""
+    return Cells(
+        np.zeros(2),
+        np.zeros(2),
+        np.zeros(2, np.int64),
+        np.empty(2 * count + 17, np.int64),
+        np.empty(count, np.int64),
+        np.empty(count, np.int64),
+    )
+
+
+def nowhere(count: int) -> np.ndarray:
+    """Positions of so many bobs that are not known yet, (2, count)."""
+    place = room((2, count))
+    place[:] = np.nan
+    return place
+
+
+def with_room(neighbours: Neighbours | None) -> Neighbours | None:
+    """The same list, or an empty one with more room if it had too little."""
+    if neighbours is None or neighbours.start[-1] <= neighbours.index.size:
+        return neighbours
+    space = int(EXTRA_ROOM * neighbours.start[-1])
+    return neighbours._replace(
+        index=np.zeros(space, np.int32), place=nowhere(neighbours.place.shape[1])
+    )
+
+
+def raise_calculator_errors(calls: tuple[Call, ...]) -> None:
+    """Raise InputError for an error that a calculator raised when kernels called it."""
+    for call in calls:
+        if call.error is not None:
+            raise InputError("potential", f"the calculator raises {call.failure}")
+
+
+def calculator_calls(scene: Scene, depths: list[np.ndarray]) -> tuple[Call, ...]:
+    """What compiled code calls for interactions that ASE calculators compute.
+
+    Parameters
+    ----------
+    scene : Scene
+        May have such interactions.
+    depths : list of ndarray
+        z of the bobs of each surface [length].
+
+    Returns
+    -------
+    tuple of Call
+    """
+    found = []
+    for i, interaction in enumerate(scene.interactions):
+        if isinstance(interaction.potential, Live):
+            indices = _surfaces_of(scene, interaction)
+            surfaces = [scene.surfaces[k] for k in indices]
+            with inside(f"interaction[{i}]"):
+                symbols = elements([name for s in surfaces for name in s.species_of_each.tolist()])
+            found.append(
+                Call(
+                    interaction.potential.calculator,
+                    symbols,
+                    np.concatenate([depths[k] for k in indices]),
+                    [s.count for s in surfaces],
+                    (scene.periodic.x or 0.0, scene.periodic.z or 0.0),
+                )
+            )
+    return tuple(found)
+
+
+def calculators(scene: Scene, calls: tuple[Call, ...]) -> tuple[Calculator, ...] | None:
+    """The calculators as kernels read them; None without any."""
+    live = [item for item in scene.interactions if isinstance(item.potential, Live)]
+    found = [
+        Calculator(
+            call.address, np.array(_surfaces_of(scene, item)), call.place, call.force, call.energy
+        )
+        for item, call in zip(live, calls, strict=True)
+    ]
+    return tuple(found) or None
+
+
+def _surfaces_of(scene: Scene, interaction: Interaction) -> list[int]:
+    """Indices of the surfaces that an interaction is between."""
+    return sorted({k for pair in scene.pairs(interaction) for k in pair})
+
+
+def species(scene: Scene, columns: np.ndarray, count: int) -> np.ndarray | None:
+    """(count,) index of each bob's species; None where no interaction depends on species."""
+    if all(interaction.species is None for interaction in scene.interactions):
+        return None
+    names = np.concatenate([surface.species_of_each for surface in scene.surfaces])
+    species = room((count,))
+    species[columns] = np.searchsorted(scene.species, names)
+    return species
+
+
+def _kinds(scene: Scene, interaction: Interaction) -> np.ndarray | None:
+    """Indices of the two species that an interaction is between; None for all species."""
+    if interaction.species is None:
+        return None
+    return np.searchsorted(scene.species, interaction.species)

@@ -1,0 +1,145 @@
+"""Initial states of a layout, with some initial values changed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tribo.layout.layout import Layout
+from tribo.layout.start import draw_starts, start_baths
+from tribo.validation import InputError, number_or_array
+
+# Initial values by name, "surface.theta" (or swing, phi, omega, nu): a number, or one per asperite.
+Start = Mapping[str, ArrayLike]
+# Where a quantity of a surface stands in y, its value at rest, and the number of asperites.
+Slots = tuple[int | np.ndarray, float, int]
+
+
+class InitialState:
+    """y at t = 0, with some initial values of the scene changed.
+
+    Parameters
+    ----------
+    layout : Layout
+        The scene.
+    """
+
+    def __init__(self, layout: Layout) -> None:
+        self._layout = layout
+        model = layout.model
+        self._has_baths = any(item is not None for item in (model.bath, model.torsional))
+        self._is_drawn = any(s.initial.temperature for s in layout.scene.surfaces)
+        self._slots: dict[str, Slots] = {}
+
+    def __call__(self, start: Start, seed: int | None = None) -> np.ndarray:
+        """The state that `start` changes.
+
+        Parameters
+        ----------
+        start : mapping
+            "surface.theta" (or swing, phi, omega, nu) -> a number, or one for each asperite.
+            A phi moves theta with it where neither the scene nor `start` gives a theta or swing.
+        seed : int, optional
+            From which thermal starts are drawn; by default that of the scene.
+
+        Returns
+        -------
+        ndarray, (2 coordinates,)
+
+        Raises
+        ------
+        InputError
+            A name or a value cannot be used, or both theta and swing are given.
+        """
+        if not isinstance(start, (dict, Mapping)):  # a dict is recognised sooner
+            raise InputError("start", f"must map names to values, got {start!r}")
+        y = self._layout.start.copy()
+        if self._is_drawn and seed is not None:
+            self._draw(y[None], [seed])
+        for key, value in start.items():
+            known = self._slots.get(key)
+            if known is None:
+                known = self._slots[key] = _slots(self._layout, key)
+            slots, rest, count = known
+            values = number_or_array(key, value)
+            if isinstance(values, np.ndarray):
+                if values.size != count:
+                    raise InputError(key, f"has {values.size} values for {count} asperites")
+                values = values.reshape(y[slots].shape)
+            y[slots] = values - rest
+        for key in start:
+            if key.endswith((".phi", ".swing")):
+                self._follow(key.rpartition(".")[0], start, y)
+        if self._has_baths and (start or seed is not None):
+            self._start_baths(y[None], [self._layout.scene.seed if seed is None else seed])
+        return y
+
+    def of_members(self, values: Mapping[str, np.ndarray], seeds: np.ndarray) -> np.ndarray:
+        """The states of many members.
+
+        Parameters
+        ----------
+        values : mapping
+            "surface.theta" (or swing, phi, omega, nu) -> (members, 1) or (members, asperites).
+        seeds : ndarray, (members,)
+            From which thermal starts are drawn.
+
+        Returns
+        -------
+        ndarray, (members, 2 coordinates)
+
+        Raises
+        ------
+        InputError
+            A name cannot be used.
+        """
+        if any(key.endswith((".phi", ".swing")) for key in values):
+            return np.array([self._of_member(values, m, int(s)) for m, s in enumerate(seeds)])
+        y = np.tile(self._layout.start, (seeds.size, 1))
+        if self._is_drawn:
+            self._draw(y, seeds.tolist())
+        for key, rows in values.items():
+            slots, rest, count = _slots(self._layout, key)
+            y[:, np.atleast_1d(slots)] = np.broadcast_to(rows, (seeds.size, count)) - rest
+        if self._has_baths:
+            self._start_baths(y, seeds.tolist())
+        return y
+
+    def _draw(self, y: np.ndarray, seeds: list[int]) -> None:
+        """Draw the starts of surfaces that have a temperature, (runs, 2 coordinates)."""
+        n, layout = self._layout.coordinates, self._layout
+        draw_starts(layout.asperites, layout.scene, layout.parts, y[:, :n], y[:, n:], seeds)
+
+    def _start_baths(self, y: np.ndarray, seeds: list[int]) -> None:
+        """Start every bath about its bars, where initial values have changed."""
+        n, layout = self._layout.coordinates, self._layout
+        start_baths(layout.asperites, layout.scene, layout.parts, y[:, :n], y[:, n:], seeds)
+
+    def _of_member(self, values: Mapping[str, np.ndarray], m: int, seed: int) -> np.ndarray:
+        own = {key: rows[m] for key, rows in values.items()}
+        return self({key: v if v.size > 1 else float(v[0]) for key, v in own.items()}, seed)
+
+    def _follow(self, name: str, start: Start, y: np.ndarray) -> None:
+        """Let theta follow phi, as in :class:`tribo.Initial`, where it is given nowhere."""
+        given = [key for key in (f"{name}.theta", f"{name}.swing") if key in start]
+        if len(given) == 2:
+            raise InputError(given[1], f"cannot go with {given[0]}; give one or the other")
+        surface, _ = self._layout.scene.initial_value(f"{name}.theta")
+        if not given and surface.initial_swing is None:
+            swing, phi = (_slots(self._layout, f"{name}.{key}")[0] for key in ("swing", "phi"))
+            y[swing] = y[phi]
+
+
+def _slots(layout: Layout, key: str) -> Slots:
+    """Where the quantity of a surface stands; numpy finds an integer sooner than an array."""
+    surface, quantity = layout.scene.initial_value(key)
+    part = layout.parts[surface.name]
+    slots = np.arange(part.start, part.stop)
+    if quantity in ("phi", "nu"):
+        slots = layout.asperites.dof_phi[part].astype(int)
+    if quantity in ("omega", "nu"):
+        slots = slots + layout.coordinates
+    rest = surface.rest if quantity == "theta" else 0.0
+    return slots if surface.count > 1 else int(slots[0]), rest, surface.count

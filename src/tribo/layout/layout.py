@@ -1,0 +1,312 @@
+"""From a scene to the flat arrays of the kernels, and the meaning of each slot of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from tribo.compiler.lanes import LANES
+from tribo.compiler.lanes_memory import room
+from tribo.compiler.plugin_methods import recognize
+from tribo.kernels import records
+from tribo.kernels.records import Model, Neighbours
+from tribo.kernels.samples import BATH_ROWS
+from tribo.layout import contacts, slots
+from tribo.layout.active import active_blocks
+from tribo.layout.batch import Batch, batch_of, batches_of
+from tribo.layout.force_records import fields_on_surfaces, user_forces
+from tribo.layout.further_series import further_series
+from tribo.layout.scene_records import resting_bobs, scene_records
+from tribo.layout.start import start_of
+from tribo.layout.tables import columns_of_constants, model_tables
+from tribo.layout.threads import team_of
+from tribo.model.drives import Custom as CustomDrive
+from tribo.model.drives import Ends
+from tribo.model.identity import loaded
+from tribo.model.scene import Scene
+from tribo.potentials.from_ase import Call, Live
+
+
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """A scene laid out for the kernels.
+
+    y = (q, v) has the swings of all asperites first, then phi, x and y of those that are free
+    to change, then the baths; s has the accounts.  A slot of -1 is absent.
+
+    Attributes
+    ----------
+    scene : Scene
+        What is laid out.
+    asperites : recarray of ASPERITE
+        What each asperite is, and where its numbers stand in y and s.
+    surfaces : recarray of SURFACE
+        The same of the surfaces.
+    model : Model
+        The tables that the kernels read.
+    start : ndarray, (2 coordinates,)
+        y at the start of the run.
+    core, coordinates, accounts : int
+        Coordinates of the asperites; all coordinates, including the baths'; size of s.
+    places : Places
+        Where the kernels have what y and s have.
+    room : (int, int)
+        Coordinates and accounts of the kernels.
+    velocity : ndarray, (n, 2)
+        Initial velocity of each asperite's surface, in the laboratory.
+    origin : ndarray, (2,)
+        The point that positions are relative to, in the laboratory.
+    parts : dict
+        Surface -> slice of its asperites.
+    calculator_calls : tuple of Call
+        The ASE calculators that the kernels call.
+    rows, skin : int, float
+        Rows of the neighbour list, 0 without one; how much farther than a cutoff it reaches.
+    beginning : float
+        Time at which the run starts.
+    """
+
+    scene: Scene
+    asperites: Any
+    surfaces: Any
+    model: Model
+    start: np.ndarray
+    core: int
+    coordinates: int
+    accounts: int
+    places: slots.Places
+    room: tuple[int, int]
+    velocity: np.ndarray
+    origin: np.ndarray
+    parts: dict[str, slice]
+    calculator_calls: tuple[Call, ...]
+    rows: int
+    skin: float
+    beginning: float = 0.0
+
+    @cached_property
+    def times(self) -> np.ndarray:
+        """The times to record, from the start of the run on."""
+        times = self.scene.times
+        return np.union1d(times[times > self.beginning], [self.beginning])
+
+    @cached_property
+    def batches(self) -> tuple[tuple[Batch, ...], ...]:
+        """The asperites of each surface, as the ledger reads them."""
+        return tuple(batches_of(self.together, part) for part in self.parts.values())
+
+    @cached_property
+    def together(self) -> Batch:
+        """The asperites of all surfaces."""
+        return batch_of(self.asperites, self.surfaces, self.velocity)
+
+    def velocity_of(self, index: int) -> tuple[float | np.ndarray, ...]:
+        """The initial velocity of a surface, in the laboratory: x and y."""
+        return self.scene.surfaces[index].velocity
+
+    def mass_of(self, index: int) -> float | np.ndarray:
+        """The mass of a surface and its bath."""
+        return float(self.surfaces[index].total_mass)
+
+    @cached_property
+    def effects(self) -> dict[str, tuple[int, bool, bool]]:
+        """Surface -> its index, whether a field acts on it, whether it has a reservoir."""
+        return {
+            surface.name: (
+                index,
+                any(surface.name in item.on for item in self.scene.fields),
+                bool(surface.langevin),
+            )
+            for index, surface in enumerate(self.scene.surfaces)
+        }
+
+    @cached_property
+    def further(self) -> dict[str, frozenset[str]]:
+        """Surface -> the names of further series that are asked for."""
+        return {s.name: further_series(self.scene, s) for s in self.scene.surfaces}
+
+    @property
+    def sampled_baths(self) -> tuple[int, int]:
+        """The shape of what a sample has of the baths, (0, 0) where no series needs it."""
+        bathed = self.model.bath is not None or self.model.torsional is not None
+        series = self.scene.output.series
+        if not (series and bathed):
+            return 0, 0
+        rows = BATH_ROWS
+        if "oscillators" in series:
+            rows += 2 * max(self.oscillators.values())
+        return rows, self.model.each.shape[1]
+
+    @cached_property
+    def oscillators(self) -> dict[str, int]:
+        """Surface -> the number of oscillators on each bar that move along x and y."""
+        return {surface.name: surface.bath.masses.size for surface in self.scene.surfaces}
+
+    @cached_property
+    def accounted(self) -> Batch:
+        """Those that have the accounts: all asperites, or lanes that stand for their sums."""
+        if self.model.sums is None:
+            return self.together
+        lanes = slots.lanes_of_surfaces(self.scene, self.surfaces).view(np.recarray)
+        velocities = np.array([surface.velocity for surface in self.scene.surfaces])
+        return batch_of(lanes, self.surfaces, velocities[lanes["surface"]])
+
+    @cached_property
+    def accounted_parts(self) -> tuple[slice, ...]:
+        """The place of each surface in `accounted`."""
+        counts = self.surfaces.account_stride
+        stops = np.cumsum(counts)
+        return tuple(map(slice, (stops - counts).tolist(), stops.tolist()))
+
+    @cached_property
+    def accounted_batches(self) -> tuple[tuple[Batch, ...], ...]:
+        """Those of each surface that have the accounts."""
+        if self.model.sums is None:
+            return self.batches
+        return tuple(batches_of(self.accounted, part) for part in self.accounted_parts)
+
+    @property
+    def anchors(self) -> np.ndarray:
+        """Displacement of each pulling stage and each field at t = 0, (surfaces + fields, 2)."""
+        stages = np.column_stack([self.model.surfaces.anchor, np.zeros(len(self.scene.surfaces))])
+        return np.concatenate([stages, *(f.anchor[None] for f in self.model.fields or ())])
+
+    @property
+    def drifts(self) -> np.ndarray:
+        """Velocity of each pulling stage and each field, (surfaces + fields, 2)."""
+        stages = np.column_stack([self.model.surfaces.speed, np.zeros(len(self.scene.surfaces))])
+        return np.concatenate([stages, *(f.drift[None] for f in self.model.fields or ())])
+
+    def anchored(self, anchors: np.ndarray) -> Layout:
+        """The same layout with other places of pulling stages and fields at t = 0."""
+        model = self.model
+        count = len(self.scene.surfaces)
+        surfaces = model.surfaces.copy()
+        surfaces.anchor = anchors[:count, 0]
+        moved = [
+            field._replace(origin=field.origin - anchor, anchor=anchor)
+            for field, anchor in zip(model.fields or (), anchors[count:], strict=True)
+        ]
+        model = model._replace(surfaces=surfaces, fields=tuple(moved) or None)
+        return replace(self, model=model)
+
+    @property
+    def constants(self) -> np.ndarray:
+        """The constants of all asperites, (rows, n); see `tribo.kernels.records.CONSTANTS`."""
+        columns = columns_of_constants(
+            self.model.surfaces, self.asperites.surface, self.places.columns
+        )
+        return np.asarray(self.model.constants[:, columns])
+
+    @property
+    def depths(self) -> np.ndarray:
+        """z of every bob [length], (n,)."""
+        depths: np.ndarray = self.model.each[records.Z, self.places.columns]
+        return depths
+
+    @property
+    def plugins(self) -> list[Any]:
+        """All plug-ins that the kernels are compiled with."""
+        model = self.model
+        own = [custom.plugin for custom in (*(model.drives or ()), *(model.ends or ()))]
+        acting = (*model.contacts, *(model.within or ()), *(model.fields or ()))
+        return [item.potential for item in acting] + own
+
+    @property
+    def named_plugins(self) -> list[tuple[str, Any]]:
+        """All plug-ins that a user may have written, each with its field in the scene."""
+        model = self.model
+        places = [
+            (f"interaction[{i}].potential", item.potential)
+            for i, item in enumerate(self.scene.interactions)
+            if not isinstance(item.potential, Live)
+        ]
+        places += [(f"field[{i}].kind", f.potential) for i, f in enumerate(model.fields or ())]
+        places += [(f"surface[{c.surface}].drive", c.plugin) for c in model.drives or ()]
+        return places + [(f"surface[{c.surface}].bars", c.plugin) for c in model.ends or ()]
+
+    def neighbours(self, splits: bool = False) -> Neighbours | None:
+        """An empty neighbour list, which the first evaluation of the forces fills.
+
+        Splitting methods, for which `splits` is true, leave inactive blocks out.
+        """
+        if self.rows == 0:
+            return None
+        active = active_blocks(self.scene, self.model, self.skin) if splits else None
+        return contacts.neighbours(self.model, self.rows, self.skin, active)
+
+
+def _orders(scene: Scene, bobs: list[np.ndarray], listed: bool) -> list[np.ndarray]:
+    """Place of each asperite in the kernels' numbering of its surface.
+
+    Lists of neighbours name blocks, so they are shorter where blocks are compact.  Lattice springs
+    are faster where the bars of a row follow one another.
+    """
+    return [
+        slots.spatial_order(own) if listed and not surface.springs else np.arange(len(own))
+        for surface, own in zip(scene.surfaces, bobs, strict=True)
+    ]
+
+
+def lay_out(scene: Scene) -> Layout:
+    """The flat arrays of a scene, in which absent effects have no slots."""
+    scene = loaded(scene)
+    counts = [surface.count for surface in scene.surfaces]
+    stops = np.cumsum(counts).tolist()
+    parts = {
+        surface.name: slice(stop - surface.count, stop)
+        for surface, stop in zip(scene.surfaces, stops, strict=True)
+    }
+    asperites, physics = scene_records(scene, parts)
+    origin = np.array(scene.surfaces[0].first_bob[:2])
+    kept = scene.output.ledger != "none"
+    sliding = slots.slide(scene) & kept
+    fields, shared = fields_on_surfaces(scene, origin, int(np.sum(sliding)) if kept else None)
+    physics["acc_block"] = np.where(sliding, np.cumsum(sliding) - 1, -1)
+    mine = slots.number(scene, physics, shared, width=1)
+    theirs = slots.number(scene, physics, shared, LANES)
+    slots.give_slots(asperites, mine.surfaces, ("dof_", "acc_"))
+    if scene.output.ledger == "surfaces":
+        slots.without_accounts(asperites)
+    start = start_of(asperites, scene, parts, mine)
+    bobs = [resting_bobs(scene, k) for k in range(len(scene.surfaces))]
+    calls = contacts.calculator_calls(scene, [own[:, 2] for own in bobs])
+    between, within, rows, skin = contacts.lay_out_contacts(scene)
+    orders = _orders(scene, bobs, rows > 0 and not calls)
+    places = slots.places(mine, theirs, np.arange(shared), orders)
+    model = model_tables(scene, asperites, theirs, places)._replace(
+        contacts=between,
+        within=within,
+        inner=room((2, theirs.columns)) if within else None,
+        calculators=contacts.calculators(scene, calls),
+        fields=fields,
+        external=room((2, theirs.columns)) if fields else None,
+        drives=user_forces(scene, origin, "drive", CustomDrive),
+        ends=(ends := user_forces(scene, origin, "bars", Ends)),
+        end_forces=room((4, theirs.columns)) if ends else None,
+    )
+    model = model._replace(team=team_of(scene, model, between + (within or ())))
+    layout = Layout(
+        scene=scene,
+        asperites=asperites.view(np.recarray),
+        surfaces=mine.surfaces.view(np.recarray),
+        model=model,
+        start=start,
+        core=mine.core,
+        coordinates=mine.coordinates,
+        accounts=mine.accounts,
+        places=places,
+        room=(theirs.coordinates, theirs.accounts),
+        velocity=np.repeat([surface.velocity for surface in scene.surfaces], counts, axis=0),
+        origin=origin,
+        parts=parts,
+        calculator_calls=calls,
+        rows=rows,
+        skin=skin,
+    )
+    for plugin in layout.plugins:
+        recognize(plugin)
+    return layout

@@ -1,0 +1,88 @@
+"""The arrays that belong to a time loop: those that kernels write, and its memory in one array.
+
+A layout is only read, so that several threads can run it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from tribo.compiler.lanes import LANES
+from tribo.compiler.lanes_memory import room
+from tribo.compiler.team import Team
+from tribo.kernels.records import Model
+from tribo.layout import contacts
+from tribo.layout.layout import Layout
+from tribo.potentials.from_ase import Call
+
+# Tables of the kernels that are written, one column an asperite.
+SCRATCH = (
+    *("bobs", "drive", "inner", "external", "internal", "displaced", "friction"),
+    *("swing_friction", "end_forces", "bath_momentum"),
+)
+
+
+def own_model(layout: Layout) -> tuple[Model, tuple[Call, ...]]:
+    """The model of a scene for one loop, with arrays and calculators that no other loop uses."""
+    model = with_scratch(layout.model, layout.model.each.shape[1])
+    calls: tuple[Call, ...] = ()
+    if layout.calculator_calls:
+        depths = [layout.depths[part] for part in layout.parts.values()]
+        calls = contacts.calculator_calls(layout.scene, depths)
+        model = model._replace(calculators=contacts.calculators(layout.scene, calls))
+    team = None if model.team is None else _own_team(model.team)
+    return model._replace(surfaces=model.surfaces.copy(), team=team), calls
+
+
+def with_scratch(model: Model, columns: int) -> Model:
+    """The model with scratch of its own, with so many columns."""
+    tables = {name: getattr(model, name) for name in SCRATCH}
+    own: dict[str, Any] = {n: room((len(t), columns)) for n, t in tables.items() if t is not None}
+    return model._replace(**own)
+
+
+def _own_team(team: Team) -> Team:
+    """A team whose threads share the work of one loop."""
+    own = {name: getattr(team, name).copy() for name in team._fields if name != "reactions"}
+    return team._replace(**own | {"reactions": room(team.reactions.shape)})
+
+
+def together(item: Any) -> tuple[Any, np.ndarray]:
+    """Nested tuples whose arrays are parts of one array, and that array, restored at once."""
+    numbers = room((sum(map(_size, arrays_in(item))),))
+    return _moved(item, numbers), numbers
+
+
+def _size(array: np.ndarray) -> int:
+    """Numbers that an array takes, to the end of a block."""
+    return -(-array.size // LANES) * LANES
+
+
+def _moved(item: Any, memory: np.ndarray) -> Any:
+    """Nested tuples whose arrays are parts of one array, which is restored at once."""
+    places = iter(np.cumsum([0, *map(_size, arrays_in(item))]).tolist())
+
+    def move(one: Any) -> Any:
+        if isinstance(one, np.ndarray):
+            first = next(places)
+            new = memory[first : first + one.size].reshape(one.shape)
+            new[...] = one
+            return new
+        if isinstance(one, tuple):
+            parts = [move(each) for each in one]
+            return type(one)(*parts) if hasattr(one, "_fields") else tuple(parts)
+        return one
+
+    return move(item)
+
+
+def arrays_in(item: object) -> Iterator[np.ndarray]:
+    """All arrays in nested tuples."""
+    if isinstance(item, np.ndarray):
+        yield item
+    elif isinstance(item, tuple):
+        for each in item:
+            yield from arrays_in(each)

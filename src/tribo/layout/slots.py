@@ -1,0 +1,269 @@
+"""Where every number of a scene stands in the vectors of coordinates and of accounts.
+
+There are two numberings.  Samples have one column for every number.  Kernels compute blocks of
+asperites, so what a surface has of one kind begins at a multiple of the size of a block, and the
+last block is filled.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tribo.compiler.lanes import LANES
+from tribo.kernels import records
+from tribo.kernels.powers import CONTACT, DRIVE, ENDS, POINT, SLIDE, SWING, USER_ENDS
+from tribo.kernels.records import BARS, CUSTOM, PULLED, PUSHED, RIGID
+from tribo.model.drives import Ends
+from tribo.model.scene import Scene
+from tribo.model.surface import Surface
+
+# Groups of accounts, one number an asperite or a lane each, and how many accounts each group has.
+GROUPS = {
+    "acc_contact": CONTACT,
+    "acc_slide": SLIDE,
+    "acc_drive": DRIVE,
+    "acc_ends": ENDS,
+    "acc_user_ends": USER_ENDS,
+    "acc_internal": POINT,
+    "acc_field": POINT,
+    "acc_thermal": POINT,
+    "acc_swing": SWING,
+}
+
+
+@dataclass(frozen=True)
+class Numbering:
+    """The slots of all surfaces in one numbering.
+
+    Attributes
+    ----------
+    surfaces : ndarray of SURFACE
+        With their slots.
+    core, coordinates, accounts : int
+        Coordinates of the asperites; all coordinates, with the baths'; accounts.
+    """
+
+    surfaces: np.ndarray
+    core: int
+    coordinates: int
+    accounts: int
+
+    @property
+    def columns(self) -> int:
+        """Number of asperites, with those that fill blocks."""
+        return int(self.surfaces["stop"][-1])
+
+
+def number(
+    scene: Scene, surfaces: np.ndarray, shared: int, width: int, members: int = 1
+) -> Numbering:
+    """Number everything in blocks of `width`; the first `shared` accounts are of no asperite.
+
+    `surfaces` has all but the slots; it is copied.  Each asperite stands for so many `members`.
+    """
+    surfaces = surfaces.copy()
+    counts = members * np.array([surface.count for surface in scene.surfaces])
+    stops = np.cumsum(_whole(counts, width))
+    surfaces["start"], surfaces["stop"] = stops - _whole(counts, width), stops
+    surfaces["end"] = surfaces["start"] + counts
+    for name, first in (("oscillators", "first_oscillator"), ("torsionals", "first_torsional")):
+        surfaces[name] = _whole(surfaces[name], width)
+        surfaces[first] = np.cumsum(surfaces[name]) - surfaces[name]
+    core = _number_coordinates(scene, surfaces, int(stops[-1]))
+    sizes = counts * (2 * surfaces["oscillators"] + surfaces["torsionals"])
+    ends = core + np.cumsum(sizes)
+    surfaces["dof_bath"] = np.where(sizes > 0, ends - sizes, -1)
+    accounts = _number_accounts(scene, surfaces, int(_whole(np.array(shared), width)))
+    return Numbering(surfaces, core, int(ends[-1]), accounts)
+
+
+def _whole(sizes: np.ndarray, width: int) -> np.ndarray:
+    """Sizes, rounded up to whole blocks."""
+    return -(-sizes // width) * width
+
+
+def _slots(
+    wanted: list[bool] | np.ndarray, sizes: np.ndarray, first: int
+) -> tuple[np.ndarray, int]:
+    """First slot of each surface, -1 where none is wanted, and the first slot after them.
+
+    A surface where they are wanted has as many slots as `sizes` say.
+    """
+    sizes = np.where(wanted, sizes, 0)
+    stops = first + np.cumsum(sizes)
+    return np.where(wanted, stops - sizes, -1), int(stops[-1])
+
+
+def _number_coordinates(scene: Scene, surfaces: np.ndarray, stop: int) -> int:
+    """Assign the asperites' slots of q after the swings'; returns their number."""
+    own = scene.surfaces
+    for name, wanted in (
+        ("dof_phi", [s.bars != "clamped" for s in own]),
+        ("dof_x", [scene.slides_along_x(s) for s in own]),
+        ("dof_y", [scene.slides_along_y(s) for s in own]),
+    ):
+        surfaces[name], stop = _slots(wanted, surfaces["stop"] - surfaces["start"], stop)
+    return stop
+
+
+def slide(scene: Scene) -> np.ndarray:
+    """Whether the centres of mass of each surface can leave their uniform motion."""
+    own = scene.surfaces
+    return np.array([scene.slides_along_x(s) or scene.slides_along_y(s) for s in own])
+
+
+def _number_accounts(scene: Scene, surfaces: np.ndarray, stop: int) -> int:
+    """Assign the slots of s that asperites have, from `stop` on; returns the number of all.
+
+    Sums over surfaces have accounts for what follows, asperite by asperite, from other accounts:
+    the work of drives on arms of different shapes, and the pseudowork of contact on driven bars.
+    """
+    own, ledger = scene.surfaces, scene.output.ledger
+    sums, bars = ledger == "surfaces", surfaces["drive"] == BARS
+    size = surfaces["stop"] - surfaces["start"]
+    surfaces["account_stride"] = np.minimum(size, LANES) if sums else size
+    surfaces["account_mask"] = LANES - 1 if sums else -1
+    wanted = {
+        "acc_contact": [True for _ in own],
+        "acc_slide": slide(scene) | (bars & sums),
+        "acc_drive": np.isin(surfaces["drive"], (RIGID, PULLED, CUSTOM, BARS, PUSHED))
+        | (surfaces["loaded"] == 1)
+        | (sums & np.array([np.ptp(arm_ratios(s)) > 0.0 for s in own])),
+        "acc_ends": [s.bars == "clamped" and bool(np.any(s.each["kappa"] > 0.0)) for s in own],
+        "acc_user_ends": [isinstance(s.bars, Ends) for s in own],
+        "acc_internal": [
+            bool(s.springs)
+            or s.bath.masses.size + s.bath.inertias.size > 0
+            or scene.has_contact_within(s)
+            for s in own
+        ],
+        "acc_field": [any(s.name in item.on for item in scene.fields) for s in own],
+        "acc_thermal": [s.bar_reservoir is not None for s in own],
+        "acc_swing": [s.swing_reservoir is not None for s in own],
+    }
+    for name, width in GROUPS.items():
+        present = wanted[name] if ledger != "none" else np.zeros(len(own), bool)
+        surfaces[name], stop = _slots(present, width * surfaces["account_stride"], stop)
+    return stop
+
+
+def give_slots(asperites: np.ndarray, surfaces: np.ndarray, groups: tuple[str, ...]) -> None:
+    """Set every asperite's slots of some groups, as "dof_" and "acc_", from its surface's."""
+    own = surfaces[asperites["surface"]]
+    place = np.arange(asperites.size) - np.searchsorted(asperites["surface"], asperites["surface"])
+    asperites["stride"] = own["account_stride"]
+    for name in records.ASPERITE.names or ():
+        if name.startswith(groups):
+            each = 2 * own["oscillators"] + own["torsionals"] if name == "dof_bath" else 1
+            asperites[name] = np.where(own[name] >= 0, own[name] + each * place, -1)
+
+
+def without_accounts(asperites: np.ndarray) -> None:
+    """Let asperites have no accounts of their own."""
+    for name in GROUPS:
+        asperites[name] = -1
+
+
+def arm_ratios(surface: Surface) -> np.ndarray:
+    """l2 / l1 of each asperite."""
+    each = surface.each
+    return np.asarray(each["l2"] / each["l1"])
+
+
+def lanes_of_surfaces(scene: Scene, surfaces: np.ndarray) -> np.ndarray:
+    """Asperites that stand for the sums over the lanes of each surface, in place of its own.
+
+    Their works have the levers already; a drive without accounts has that of contact.
+    """
+    counts = surfaces["account_stride"]
+    asperites = np.zeros(int(np.sum(counts)), records.ASPERITE)
+    asperites["surface"] = np.repeat(np.arange(len(surfaces)), counts)
+    asperites["l1"], asperites["facing"] = 1.0, 1.0
+    ratios = [arm_ratios(surface)[0] for surface in scene.surfaces]
+    asperites["l2"] = np.repeat(np.where(surfaces["acc_drive"] >= 0, 1.0, ratios), counts)
+    for name in records.ASPERITE.names or ():
+        if name.startswith("dof_"):
+            asperites[name] = -1
+    give_slots(asperites, surfaces, ("acc_",))
+    return asperites
+
+
+@dataclass(frozen=True)
+class Places:
+    """Where the kernels have what samples have.
+
+    Attributes
+    ----------
+    columns : ndarray, (n,)
+        Of the asperites, in the tables of the kernels.
+    q : ndarray, (coordinates,)
+        Of the coordinates.
+    s : ndarray, (accounts,)
+        Of the accounts.
+    """
+
+    columns: np.ndarray
+    q: np.ndarray
+    s: np.ndarray
+
+
+def spatial_order(bobs: np.ndarray) -> np.ndarray:
+    """Places for the bobs of a surface, (n,), so that each block of eight is compact in space.
+
+    `bobs` are the positions of the resting bobs, (n, 3).  They follow one another along strips in
+    x that are as wide as a square with eight bobs, and go back along the next strip.
+    """
+    x, z = bobs[:, 0], bobs[:, 2]
+    area = float(np.ptp(x) * np.ptp(z))
+    strip = np.zeros(len(bobs), np.int64)
+    if area > 0.0:
+        strip = np.floor((z - np.min(z)) / np.sqrt(LANES * area / len(bobs))).astype(np.int64)
+    order = np.lexsort((z, np.where(strip % 2 == 0, x, -x), strip))
+    place = np.empty(len(bobs), np.int64)
+    place[order] = np.arange(len(bobs))
+    return place
+
+
+def places(
+    samples: Numbering, kernels: Numbering, shared: np.ndarray, orders: list[np.ndarray]
+) -> Places:
+    """Where the kernels have what samples have.
+
+    `shared` has the places of the accounts that are of no asperite, and `orders` the place of each
+    asperite in the kernels' numbering of its surface.
+    """
+    q = np.empty(samples.coordinates, np.int64)
+    s = np.empty(samples.accounts, np.int64)
+    s[: shared.size] = shared
+    columns = []
+    for here, there, order in zip(samples.surfaces, kernels.surfaces, orders, strict=True):
+        each = np.arange(order.size)
+        columns.append(there["start"] + order)
+        for name in ("start", "dof_phi", "dof_x", "dof_y"):
+            if here[name] >= 0:
+                q[here[name] + each] = there[name] + order
+        _place_baths(here, there, order, q)
+        each = np.arange(here["account_stride"])
+        # Accounts that are sums have lanes in place of asperites.
+        place = order if here["account_mask"] == -1 else each
+        for name, width in GROUPS.items():
+            for k in range(width if here[name] >= 0 else 0):
+                stride = there["account_stride"]
+                s[here[name] + k * each.size + each] = there[name] + k * stride + place
+    return Places(np.concatenate(columns), q, s)
+
+
+def _place_baths(here: np.void, there: np.void, order: np.ndarray, q: np.ndarray) -> None:
+    """Set the places of a surface's oscillators."""
+    first, width = [], []
+    for record, place in ((here, np.arange(order.size)), (there, order)):
+        width.append(2 * record["oscillators"] + record["torsionals"])
+        first.append(record["dof_bath"] + place[:, None] * width[-1])
+    parts = ((0, "oscillators"), (1, "oscillators"), (2, "torsionals"))
+    for before, name in parts:
+        n = np.arange(here[name])
+        if n.size:
+            mine = first[0] + before * here["oscillators"] + n
+            q[mine] = first[1] + before * there["oscillators"] + n

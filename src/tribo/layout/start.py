@@ -1,0 +1,179 @@
+"""Coordinates and velocities at the start of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from tribo.layout.slots import Numbering
+from tribo.model.bath import Bath, thermal_start, thermal_torsional_start
+from tribo.model.scene import Scene
+from tribo.model.surface import Surface
+
+
+class Draws:
+    """Normal deviates of several runs, each from a generator of its own.
+
+    Parameters
+    ----------
+    seeds : sequence of int
+        Of the runs.
+    surface : int
+        The index of a surface.
+    of : int
+        What is drawn: 1 for oscillators, 3 for a start.
+    """
+
+    def __init__(self, seeds: Sequence[int], surface: int, of: int) -> None:
+        self._generators = [np.random.default_rng([seed, surface, of]) for seed in seeds]
+
+    def standard_normal(self, shape: tuple[int, ...]) -> np.ndarray:
+        """The next deviates, (runs, *shape)."""
+        return np.array([own.standard_normal(shape) for own in self._generators])
+
+
+def start_of(
+    asperites: np.ndarray, scene: Scene, parts: dict[str, slice], numbering: Numbering
+) -> np.ndarray:
+    """y at t = 0; the angle and the rate of a clamped bar are in its record instead."""
+    y = np.zeros(2 * numbering.coordinates)
+    q, v = y[: numbering.coordinates], y[numbering.coordinates :]
+    for surface in scene.surfaces:
+        part = parts[surface.name]
+        initial = surface.initial.for_each(surface.count)
+        phi, nu = asperites["phi"][part], asperites["nu"][part]
+        swing = surface.initial_swing
+        q[part] = phi if swing is None else swing
+        v[part] = 0.0 if initial["omega"] is None else initial["omega"]
+        turning = asperites["dof_phi"][part]
+        if surface.bars != "clamped":
+            q[turning], v[turning] = phi, nu
+        displace(asperites[part], initial, q, v)
+    draw_starts(asperites, scene, parts, q[None], v[None], [scene.seed])
+    start_baths(asperites, scene, parts, q[None], v[None], [scene.seed])
+    return y
+
+
+def displace(
+    asperites: np.ndarray, initial: dict[str, np.ndarray | None], q: np.ndarray, v: np.ndarray
+) -> None:
+    """Set the displacements of centres of mass and their rates that are given."""
+    for name, values in (("x", q), ("y", q), ("vx", v), ("vy", v)):
+        given = initial[name]
+        if given is not None:
+            values[asperites[f"dof_{name[-1]}"]] = given
+
+
+def draw_starts(
+    asperites: np.ndarray,
+    scene: Scene,
+    parts: dict[str, slice],
+    q: np.ndarray,
+    v: np.ndarray,
+    seeds: Sequence[int],
+) -> None:
+    """Draw swings and rates of surfaces that start at a temperature, for runs with some seeds.
+
+    Energies of torsion springs and of motion have Boltzmann's distribution.  q and v are
+    (runs, coordinates).
+    """
+    for index, surface in enumerate(scene.surfaces):
+        if surface.initial.temperature:
+            part = parts[surface.name]
+            draws = Draws(seeds, index, 3)
+            _draw_start(asperites[part], scene, surface, part, q, v, draws)
+
+
+def _draw_start(
+    asperites: np.ndarray,
+    scene: Scene,
+    surface: Surface,
+    part: slice,
+    q: np.ndarray,
+    v: np.ndarray,
+    draws: Draws,
+) -> None:
+    """Draw the starts of one surface."""
+    temperature, count = surface.initial.temperature, asperites.size
+
+    def drawn(inertia: np.ndarray) -> np.ndarray:
+        return np.sqrt(temperature / inertia) * draws.standard_normal(np.shape(inertia))
+
+    q[:, part] = asperites["phi"]
+    if not surface.asperite.is_rigid:
+        q[:, part] += drawn(asperites["kappa"])
+        v[:, part] = drawn(asperites["inertia"] + asperites["mass"] * asperites["pivot"] ** 2)
+    if surface.bars != "clamped":
+        v[:, asperites["dof_phi"]] = drawn(asperites["i2"])
+    if scene.slides_along_x(surface):
+        mass = np.sum(asperites["mass"]) if surface.moves_as_one else asperites["mass"]
+        v[:, asperites["dof_x"]] = np.broadcast_to(drawn(mass).reshape(len(v), -1), (len(v), count))
+    if scene.slides_along_y(surface):
+        v[:, asperites["dof_y"]] = drawn(asperites["mass"])
+
+
+def start_baths(
+    asperites: np.ndarray,
+    scene: Scene,
+    parts: dict[str, slice],
+    q: np.ndarray,
+    v: np.ndarray,
+    seeds: Sequence[int],
+) -> None:
+    """Start oscillators at the bars, or drawn about them at temperature T.
+
+    q and v are (runs, coordinates), of runs with some seeds.
+    """
+    for index, surface in enumerate(scene.surfaces):
+        part = parts[surface.name]
+        own, bath = asperites[part], surface.bath
+        hang_baths(own, bath, part, q)
+        if bath.temperature > 0.0:
+            _draw_baths(own, bath, q, v, Draws(seeds, index, 1))
+
+
+def _draw_baths(
+    asperites: np.ndarray, bath: Bath, q: np.ndarray, v: np.ndarray, draws: Draws
+) -> None:
+    """Draw the oscillators of one surface, which are at their bars."""
+    n, first = bath.masses.size, asperites["dof_bath"]
+    if n:
+        dx, dy, vx, vy = thermal_start(bath, draws, asperites.size)
+        slots = first[:, None] + np.arange(n)
+        q[:, slots] += dx
+        q[:, slots + n] += dy
+        v[:, slots], v[:, slots + n] = vx, vy
+    if bath.inertias.size:
+        turn, rate = thermal_torsional_start(bath, draws, asperites.size)
+        slots = first[:, None] + 2 * n + np.arange(bath.inertias.size)
+        q[:, slots] += turn
+        v[:, slots] = rate
+
+
+def hang_baths(asperites: np.ndarray, bath: Bath, part: slice, q: np.ndarray) -> None:
+    """Put the oscillators of a surface where they exert no force: at their bars.
+
+    q is (coordinates,), or (runs, coordinates) of several runs.
+    """
+    n, first = bath.masses.size, asperites["dof_bath"]
+    if n:
+        slots = first[:, None] + np.arange(n)
+        x, y = displaced_bars(asperites, part, q)
+        q[..., slots], q[..., slots + n] = x[..., None], y[..., None]
+    if bath.inertias.size:
+        slots = first[:, None] + 2 * n + np.arange(bath.inertias.size)
+        q[..., slots] = q[..., asperites["dof_phi"], None]
+
+
+def displaced_bars(
+    asperites: np.ndarray, part: slice, q: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Displacements of a surface's bars from their uniform motion at rest, along x and y."""
+    arm = (asperites["l2"] - asperites["pivot"]) * asperites["facing"]  # driven bars stay in place
+    swing = q[..., part]
+    x, y = -arm * np.sin(swing), -arm * 2.0 * np.sin(0.5 * swing) ** 2
+    for bars, slots in ((x, asperites["dof_x"]), (y, asperites["dof_y"])):
+        if np.all(slots >= 0):
+            bars += q[..., slots]
+    return x, y

@@ -1,0 +1,201 @@
+"""The tables of the kernels: a row for each quantity, a column for each asperite."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tribo.compiler.lanes import LANES
+from tribo.compiler.lanes_memory import room
+from tribo.kernels import records
+from tribo.kernels.records import Box, Model
+from tribo.layout import contacts, slots
+from tribo.layout.force_records import springs
+from tribo.layout.scene_records import resting_bobs
+from tribo.model.scene import Scene
+
+# Fields of an asperite from which all other constants follow.
+PARAMETERS = ("mass", "inertia", "kappa", "l1", "l2", "i2", "bar_length", "pivot", "phi", "nu")
+# Constants of those that fill up a block which are 1, as are their inverses; others are 0.
+ONES = [records.MASS, records.INERTIA, records.I2, records.BAR_LENGTH, records.COS_PHI]
+ONES += [records.INVERSE_MASS, records.INVERSE_INERTIA, records.INVERSE_BAR_LENGTH]
+
+
+def model_tables(
+    scene: Scene, asperites: np.ndarray, numbering: slots.Numbering, places: slots.Places
+) -> Model:
+    """The tables of the kernels; contacts, fields and forces of plug-ins are still absent."""
+    n = numbering.columns
+    _place_constants(numbering.surfaces, asperites)
+    shared = columns_of_constants(numbering.surfaces, asperites["surface"], places.columns)
+    bath = _oscillators(numbering, [(s.bath.masses, s.bath.frequencies) for s in scene.surfaces])
+    torsional = _oscillators(
+        numbering, [(s.bath.inertias, s.bath.torsional_frequencies) for s in scene.surfaces]
+    )
+    lattice = springs(scene, asperites, places.columns)
+    pulls = lattice is not None or bath is not None
+    on_bars = any(surface.bar_reservoir for surface in scene.surfaces)
+    on_swings = any(surface.swing_reservoir for surface in scene.surfaces)
+    return Model(
+        constants=_constants(scene, asperites, numbering.surfaces, shared),
+        each=_each(scene, asperites, places.columns, n),
+        surfaces=numbering.surfaces.view(np.recarray),
+        core=numbering.core,
+        ledger=None if scene.output.ledger == "none" else True,
+        sums=True if scene.output.ledger == "surfaces" else None,
+        contacts=(),
+        within=None,
+        calculators=None,
+        species=contacts.species(scene, places.columns, n),
+        bobs=room((records.BOB_ROWS, n)),
+        drive=room((2, n)),
+        inner=None,
+        external=None,
+        internal=room((2, n)) if pulls else None,
+        displaced=room((2, n)) if pulls else None,
+        friction=room((2, n)) if on_bars else None,
+        swing_friction=room((1, n)) if on_swings else None,
+        pivots=_pivots(asperites, numbering.surfaces, shared),
+        fixed=True if any(s.asperite.is_rigid for s in scene.surfaces) else None,
+        turning=True if np.any(numbering.surfaces["turning"]) else None,
+        end_forces=None,
+        box=Box(scene.periodic.x or 0.0, scene.periodic.z or 0.0) if scene.periodic else None,
+        springs=lattice,
+        bath=bath,
+        bath_momentum=None if bath is None else room((2, n)),
+        torsional=torsional,
+        fields=None,
+        drives=None,
+        ends=None,
+        members=None,
+        own=None,
+        team=None,
+    )
+
+
+def are_alike(surface: np.void, asperites: np.ndarray) -> bool:
+    """Whether the asperites of a surface share their constants.
+
+    Those that fill its last block would turn if the angles of bars were not zero.
+    """
+    same = (np.all(asperites[name] == asperites[name][0]) for name in PARAMETERS)
+    return not surface["tilted"] and all(same)
+
+
+def _place_constants(surfaces: np.ndarray, asperites: np.ndarray) -> None:
+    """Set where the constants of all surfaces stand."""
+    ends, first = np.searchsorted(asperites["surface"], np.arange(surfaces.size + 1)), 0
+    for k, surface in enumerate(surfaces):
+        alike = are_alike(surface, asperites[ends[k] : ends[k + 1]])
+        surface["first_constants"], surface["constants_mask"] = first, 0 if alike else -1
+        first += LANES if alike else surface["stop"] - surface["start"]
+
+
+def count_of_constants(surfaces: np.ndarray) -> int:
+    """Columns of the table of constants."""
+    last = surfaces[-1]
+    size = LANES if last["constants_mask"] == 0 else last["stop"] - last["start"]
+    return int(last["first_constants"] + size)
+
+
+def columns_of_constants(
+    surfaces: np.ndarray, owners: np.ndarray, columns: np.ndarray
+) -> np.ndarray:
+    """The columns of the constants of some asperites.
+
+    Parameters
+    ----------
+    surfaces : ndarray of SURFACE
+        All surfaces.
+    owners : ndarray, (n,)
+        The surface of each asperite.
+    columns : ndarray, (n,)
+        Of the asperites.
+    """
+    place = (columns - surfaces["start"][owners]) & surfaces["constants_mask"][owners]
+    return np.asarray(surfaces["first_constants"][owners] + place)
+
+
+def _each(scene: Scene, asperites: np.ndarray, columns: np.ndarray, count: int) -> np.ndarray:
+    """The table of constants that differ between asperites that are alike otherwise."""
+    table = room((records.EACH_ROWS, count))
+    table[records.X_START, columns] = asperites["x"]
+    on_bars = asperites["facing"] * asperites["pivot"]
+    table[records.Y_START, columns] = asperites["y"] + on_bars
+    depths = [resting_bobs(scene, k)[:, 2] for k in range(len(scene.surfaces))]
+    table[records.Z, columns] = np.concatenate(depths)
+    table[records.CHARGE, columns] = np.concatenate([s.each["charge"] for s in scene.surfaces])
+    table[records.PRESENT, columns] = 1.0
+    return table
+
+
+def _constants(
+    scene: Scene, asperites: np.ndarray, surfaces: np.ndarray, columns: np.ndarray
+) -> np.ndarray:
+    """The table of constants, in which the columns of all asperites are `columns`.
+
+    Others fill up blocks of asperites that are not alike, and feel no force.
+    """
+    table = room((len(records.CONSTANTS), count_of_constants(surfaces)))
+    table[ONES] = 1.0
+    table[:, columns] = constants_of(scene, asperites)
+    _fill_blocks(table, surfaces)
+    return table
+
+
+def constants_of(scene: Scene, asperites: np.ndarray) -> np.ndarray:
+    """The constants of asperites, (rows, asperites)."""
+    table = np.zeros((len(records.CONSTANTS), asperites.size))
+    for row, name in enumerate(records.CONSTANTS):
+        if name in (records.ASPERITE.names or ()):
+            table[row] = asperites[name]
+    _refer_to_bars(table, asperites)
+    rigid = np.array([s.asperite.is_rigid for s in scene.surfaces])[asperites["surface"]]
+    table[records.INERTIA, rigid] = np.inf
+    table[records.INVERSE_MASS] = 1.0 / table[records.MASS]
+    table[records.INVERSE_INERTIA] = 1.0 / table[records.INERTIA]
+    table[records.INVERSE_BAR_LENGTH] = 1.0 / asperites["bar_length"]
+    phi = asperites["phi"]
+    table[records.SIN_PHI], table[records.COS_PHI] = np.sin(phi), np.cos(phi)
+    turning = asperites["dof_phi"] >= 0
+    mobility = table[records.INVERSE_INERTIA] + np.where(turning, 1.0 / asperites["i2"], 0.0)
+    table[records.FREQUENCY] = np.sqrt(asperites["kappa"] * mobility)
+    return table
+
+
+def _fill_blocks(table: np.ndarray, surfaces: np.ndarray) -> None:
+    """Give the first column of those that are alike to the whole block that they share."""
+    for first in surfaces["first_constants"][surfaces["constants_mask"] == 0]:
+        table[:, first : first + LANES] = table[:, first : first + 1]
+
+
+def _refer_to_bars(table: np.ndarray, asperites: np.ndarray) -> None:
+    """Refer the constants of asperites on driven bars to the bar's centre; see `kernels.levers`."""
+    driven = asperites["pivot"] > 0.0
+    a = asperites[driven]
+    table[records.INERTIA, driven] += a["mass"] * a["pivot"] ** 2
+    table[records.MASS, driven] = np.inf
+    table[records.L1, driven] += a["pivot"]
+    table[records.L2, driven] = 0.0
+
+
+def _pivots(asperites: np.ndarray, surfaces: np.ndarray, columns: np.ndarray) -> np.ndarray | None:
+    """The table of :mod:`tribo.kernels.levers`; None without driven bars."""
+    if not np.any(asperites["pivot"] > 0.0):
+        return None
+    pivots = room((1, count_of_constants(surfaces)))
+    pivots[0, columns] = asperites["pivot"]
+    _fill_blocks(pivots, surfaces)
+    return pivots
+
+
+def _oscillators(
+    numbering: slots.Numbering, baths: list[tuple[np.ndarray, np.ndarray]]
+) -> np.ndarray | None:
+    """Masses and frequencies of all oscillators; those that fill the last block have none."""
+    whole = [-(-masses.size // LANES) * LANES for masses, _ in baths]
+    if sum(whole) == 0:
+        return None
+    table, first = room((2, sum(whole))), np.cumsum(whole) - whole
+    for k, (masses, frequencies) in enumerate(baths):
+        table[:, first[k] : first[k] + masses.size] = masses, frequencies
+    return table

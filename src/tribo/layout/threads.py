@@ -1,0 +1,165 @@
+"""How many threads share the work of one run, and how it is divided among them."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import config
+
+from tribo.compiler.lanes import LANES
+from tribo.compiler.lanes_memory import room
+from tribo.compiler.team import CLOSED, COUNTERS, OWN_NUMBERS, RANK, THREADS, Team
+from tribo.integrators.methods import Method
+from tribo.interrupts import held
+from tribo.kernels.records import Contact, Model
+from tribo.model.scene import Scene
+from tribo.validation import InputError, integer
+
+# The environment variable with the number of threads of a run.
+VARIABLE = "TRIBO_THREADS"
+# Pairs of bobs in an evaluation from which threads share it, listed ones in units of blocks of
+# eight: a step then takes 0.2 ms or more, and to divide it takes a hundredth of that.
+SHARED_PAIRS = 100_000
+# Blocks with bobs in reach of a bob, as a list names them.
+LISTED_BLOCKS = 6
+# Chunks of rows of a pair of surfaces: one for so many asperites, and at most so many.  The
+# reactions to neighbouring chunks overlap, so more chunks take longer.
+ASPERITES_OF_CHUNK = 1250
+MOST_CHUNKS = 16
+# Tiles of all asperites, in which they drift and are kicked.
+TILES = 48
+
+
+class Threads(NamedTuple):
+    """The number of threads of a run.
+
+    Attributes
+    ----------
+    number : int
+        Threads.
+    why : str
+        Why so many, as the end of a sentence.
+    """
+
+    number: int
+    why: str
+
+
+def available_cores() -> int:
+    """Number of cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def threads_of(model: Model, method: Method, threads: int | None) -> Threads:
+    """The number of threads of a run.
+
+    Parameters
+    ----------
+    model : Model
+        The scene; its `team` is None where threads do not pay.
+    method : Method
+        How time advances.
+    threads : int or None
+        The number wanted; None for TRIBO_THREADS, or without it as many as there are cores.
+
+    Returns
+    -------
+    Threads
+
+    Raises
+    ------
+    InputError
+        The number wanted is no positive integer.
+    """
+    wanted, why = _wanted(threads)
+    if config.DISABLE_JIT:  # type: ignore[attr-defined]
+        return Threads(1, "since nothing is compiled")
+    if not method.splits:
+        return Threads(1, f"since {method.name} has one thread; splitting methods share their work")
+    if model.team is None:
+        return Threads(1, "since a step is too short to be shared")
+    return Threads(min(wanted, TILES), why)
+
+
+def _wanted(threads: int | None) -> tuple[int, str]:
+    """The number of threads that is wanted, and why."""
+    if threads is not None:
+        return integer("threads", threads, 1), "as given"
+    text = os.environ.get(VARIABLE, "").strip()
+    if not text:
+        return available_cores(), "as many as there are cores"
+    if not text.isdecimal() or int(text) < 1:
+        raise InputError(VARIABLE, f"must be a positive integer, got {text!r}")
+    return int(text), f"by {VARIABLE}"
+
+
+def team_of(scene: Scene, model: Model, contacts: tuple[Contact, ...]) -> Team | None:
+    """How threads share the work of a scene; None where a step is too short."""
+    counts = [surface.count for surface in scene.surfaces]
+    pairs = 0
+    for contact in contacts:
+        for (one, other), row in zip(contact.pairs.tolist(), contact.rows.tolist(), strict=True):
+            blocks = LISTED_BLOCKS if row >= 0 else counts[other] // LANES
+            pairs += counts[one] * blocks
+    if LANES * pairs < SHARED_PAIRS or config.DISABLE_JIT:  # type: ignore[attr-defined]
+        return None
+    chunks = min(max(max(counts) // ASPERITES_OF_CHUNK, 4), MOST_CHUNKS)
+    columns, tiles = model.each.shape[1], tiles_of(model)
+    counters = np.zeros(COUNTERS, np.int64)
+    counters[THREADS] = 1
+    return Team(
+        counters=counters,
+        taken=np.zeros(max(chunks, len(tiles)), np.int64),
+        ranks=np.zeros((TILES, OWN_NUMBERS), np.int64),
+        numbers=np.zeros(2),
+        tiles=tiles,
+        lengths=np.zeros(chunks, np.int64),
+        begins=np.zeros(chunks + 1, np.int64),
+        reach=np.zeros((chunks, 2), np.int64),
+        reactions=room((2 * chunks, columns)),
+    )
+
+
+def tiles_of(model: Model) -> np.ndarray:
+    """Surface, place in it, and number of its tiles, for each tile.
+
+    They are in the order of their places, so that a part of them has the same part of each surface.
+    Works that are summed over a surface are summed by one thread.
+    """
+    size = LANES * max(1, model.each.shape[1] // (TILES * LANES))
+    tiles = []
+    for k, surface in enumerate(model.surfaces):
+        parts = 1 if model.sums else -(-int(surface.stop - surface.start) // size)
+        tiles += [(k, part, parts) for part in range(parts)]
+    return np.array(sorted(tiles, key=lambda tile: (tile[1] + 0.5) / tile[2]), np.int64)
+
+
+@contextmanager
+def assisted(team: Team | None, count: int, assist: Callable[[], Any]) -> Iterator[None]:
+    """Let so many more threads share the work of a time loop in this block.
+
+    They end with the block, however it ends; an interrupt is raised behind it.
+    """
+    if team is None or count == 0:
+        yield
+        return
+    team.counters[[CLOSED, RANK, THREADS]] = 0, 0, 1 + count
+    assistants: list[threading.Thread] = []
+    with held():
+        try:
+            for _ in range(count):
+                assistant = threading.Thread(target=assist, daemon=True)
+                assistant.start()
+                assistants.append(assistant)
+            yield
+        finally:
+            team.counters[CLOSED] = 1
+            for assistant in assistants:
+                assistant.join()

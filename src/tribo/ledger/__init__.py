@@ -1,0 +1,1 @@
+"""From samples to works, pseudoworks, energies and forces, series by series."""

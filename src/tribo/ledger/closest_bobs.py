@@ -1,0 +1,104 @@
+"""The bobs that are closest to one another among those that interact."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from tribo.kernels.kinematics import bob_position
+from tribo.kernels.records import Contact
+from tribo.layout.layout import Layout
+from tribo.ledger.motion import motions, swing_direction
+from tribo.ledger.samples import Samples
+
+
+class Closest(NamedTuple):
+    """The two bobs of two surfaces that are closest to one another.
+
+    Attributes
+    ----------
+    distance : float
+        [length].
+    one, other : int
+        Numbers of their asperites.
+    """
+
+    distance: float
+    one: int
+    other: int
+
+
+def closest_bobs(layout: Layout, sample: Samples) -> Closest | None:
+    """The closest of all bobs that interact.
+
+    Parameters
+    ----------
+    layout : Layout
+        The scene.
+    sample : Samples
+        One sample of a run.
+
+    Returns
+    -------
+    Closest or None
+        None where no bobs interact, or where a position is not finite.
+    """
+    return min((found for found, _ in closest_of_contacts(layout, sample)), default=None)
+
+
+def closest_of_contacts(layout: Layout, sample: Samples) -> Iterator[tuple[Closest, Contact]]:
+    """The closest bobs of each two surfaces in contact; nothing where a position is not finite."""
+    places = bob_places(layout, sample)[0]
+    if not np.all(np.isfinite(places)):
+        return
+    places, box = in_box(layout, places)
+    for contact in (*layout.model.contacts, *(layout.model.within or ())):
+        for one, other in contact.pairs:
+            mine, theirs = (layout.surfaces[k] for k in (one, other))
+            own = places[mine.start : mine.stop]
+            tree = KDTree(places[theirs.start : theirs.stop], boxsize=box)
+            # Within a surface, the nearest bob to each is that bob itself.
+            rank = 2 if one == other else 1
+            distances, indices = tree.query(own, k=[rank])
+            i = int(np.argmin(distances[:, 0]))
+            near = int(indices[i, 0])
+            if near < tree.n:  # a surface of one bob has no other
+                pair = int(mine.start) + i, int(theirs.start) + near
+                yield Closest(float(distances[i, 0]), *pair), contact
+
+
+def in_box(layout: Layout, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Places of bobs in the scene's box, and its lengths along each axis, 0 where there is none."""
+    box = np.zeros(3)
+    if layout.model.box is not None:
+        box[:] = layout.model.box.x, 0.0, layout.model.box.z
+        periodic = box > 0.0
+        places = places.copy()
+        places[..., periodic] %= box[periodic]
+        # The remainder of a tiny negative number is the period itself, which trees refuse.
+        places[..., periodic] %= box[periodic]
+    return places, box
+
+
+def bob_places(layout: Layout, samples: Samples) -> np.ndarray:
+    """Positions of all bobs at all times, (times, n, 3), in the frame of the first surface."""
+    places = np.empty((samples.t.size, layout.asperites.size, 3))
+    places[..., 2] = layout.depths
+    for index in range(len(layout.scene.surfaces)):
+        for batch, motion in motions(layout, samples, index):
+            a = batch.asperites
+            x, y = a.x + a.vx * motion.t + motion.x, a.y + a.vy * motion.t + motion.y
+            x, y = bob_position(x, y, a.l1, *swing_direction(a.facing, motion.swing))
+            places[:, batch.place, 0], places[:, batch.place, 1] = x, y
+    return places
+
+
+def asperite_name(layout: Layout, index: int) -> str:
+    """An asperite by its surface and its place there, from 0 on."""
+    for name, part in layout.parts.items():
+        if part.start <= index < part.stop:
+            return f'asperite {index - part.start} of "{name}"'
+    raise IndexError(index)

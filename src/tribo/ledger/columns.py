@@ -1,0 +1,129 @@
+"""All series of a run side by side, which is the fastest way to compare runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from tribo.layout.layout import Layout
+from tribo.ledger.accounts import Integrals
+from tribo.ledger.quantities import BLOCK_QUANTITIES, Quantity, needs_accounts, reported
+from tribo.ledger.totals import Group, Linear, System, Whole
+
+
+class Columns(NamedTuple):
+    """All series of a run side by side.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Of the quantities, "w1", or "upper.w1" for that of one surface.
+    starts : ndarray, (names,)
+        The first column of each.
+    values : ndarray, (times, columns)
+        The series.
+    """
+
+    names: tuple[str, ...]
+    starts: np.ndarray
+    values: np.ndarray
+
+    def rows(self, selected: slice | np.ndarray) -> Columns:
+        """The same series at some of the times."""
+        return self._replace(values=self.values[selected])
+
+    def largest(self) -> np.ndarray:
+        """The largest magnitude of each quantity, (names,)."""
+        return np.maximum.reduceat(np.abs(self.values).max(axis=0, initial=0.0), self.starts)
+
+    def minus(self, other: Columns) -> Columns:
+        """The differences of the series from those of another run at the same times."""
+        with np.errstate(invalid="ignore"):  # of two infinite energies
+            return self._replace(values=self.values - other.values)
+
+
+def columns_of(layout: Layout, group: Group, names: Iterable[str] = ()) -> Columns:
+    """All series of a run, and further ones by `names`, as "upper.W".
+
+    Those that are linear in the integrals of the kernels are computed together; their last bits may
+    differ from those of a series that is computed alone.
+
+    Parameters
+    ----------
+    layout
+        the scene
+    group
+        all asperites
+    names
+        of further quantities
+    """
+    items = _items(layout, group)
+    linear = [(item, item.of) for item in items if isinstance(item.of, Linear)]
+    rest = [item for item in items if not isinstance(item.of, Linear)]
+
+    def together(s: np.ndarray) -> np.ndarray:
+        integrals = Integrals(s)
+        values = [of.value(each, integrals) for item, of in linear for each in item.sources]
+        none = np.empty((len(s), 0))
+        return np.concatenate([none, *(value.reshape(len(s), -1) for value in values)], axis=1)
+
+    values = [group.samples.linear("columns", together)]
+    series = (item.of(each) for item in rest for each in item.sources)
+    values += [each.reshape(len(values[0]), -1) for each in series]
+    ordered = [*(item for item, _ in linear), *rest]
+    starts = np.cumsum([0, *(item.width for item in ordered[:-1])])
+    columns = Columns(tuple(i.name for i in ordered), starts, np.concatenate(values, axis=1))
+    return _with(layout, columns, names)
+
+
+class Item(NamedTuple):
+    """A reported quantity, and what it is computed from."""
+
+    name: str
+    of: Callable[..., np.ndarray]
+    sources: Sequence[Group | System]
+    width: int
+
+
+def _items(layout: Layout, group: Group) -> list[Item]:
+    """All quantities that are reported."""
+    samples, effects = group.samples, layout.effects.values()
+    (entry,) = group.entries
+    wholes = tuple(Whole(layout, samples, k, entry) for k in range(len(layout.parts)))
+    system = System(layout, samples, wholes)
+    found = reported(
+        layout.scene.output.ledger,
+        any(field for _, field, _ in effects),
+        any(reservoir for *_, reservoir in effects),
+    )
+    of_each: list[tuple[Mapping[str, Quantity], Sequence[Group | System], int]] = [
+        (found.asperites, (group,), layout.scene.count),
+        (found.blocks, wholes, len(wholes)),
+        (found.system, (system,), 1),
+    ]
+    return [
+        Item(name, quantity.of, sources, width)
+        for quantities, sources, width in of_each
+        for name, quantity in quantities.items()
+    ]
+
+
+def _with(layout: Layout, columns: Columns, names: Iterable[str]) -> Columns:
+    """The columns with further ones, copies of those of single surfaces."""
+    for full in names:
+        surface, _, name = full.rpartition(".")
+        if surface:
+            start = int(columns.starts[columns.names.index(name)])
+            index = layout.effects[surface][0]
+            sums = needs_accounts(name) and layout.model.sums is not None
+            whole = name in BLOCK_QUANTITIES or sums
+            part = slice(index, index + 1) if whole else layout.parts[surface]
+            own = columns.values[:, start + part.start : start + part.stop]
+            columns = Columns(
+                (*columns.names, full),
+                np.append(columns.starts, columns.values.shape[1]),
+                np.concatenate([columns.values, own], axis=1),
+            )
+    return columns

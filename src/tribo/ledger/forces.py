@@ -1,0 +1,124 @@
+"""The forces on asperites as series, from the raw samples of a run.
+
+The kernels compute them again in each sampled state.  A force that has white noise has no value at
+one time; its series is the mean over the interval that ends at the sample, from its impulse.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from tribo.compiler.jit import time_loop
+from tribo.compiler.lanes_memory import room
+from tribo.kernels import force_probe
+from tribo.kernels.records import BARS
+from tribo.layout.batch import Batch
+from tribo.layout.contacts import raise_calculator_errors, with_room
+from tribo.layout.layout import Layout
+from tribo.layout.loop_memory import own_model
+from tribo.ledger.accounts import Integrals
+from tribo.ledger.entry import Entry
+from tribo.ledger.samples import Samples
+from tribo.plugins.compile_errors import compiling
+from tribo.plugins.sources import source_stamp
+
+
+class Force(NamedTuple):
+    """A force on asperites.
+
+    Attributes
+    ----------
+    row : int
+        Of its x in what the kernels find.
+    meaning : str
+        In a few words.
+    work : str
+        The name of its work; empty where it never has noise.
+    """
+
+    row: int
+    meaning: str
+    work: str = ""
+
+
+FORCES = {
+    "f1": Force(force_probe.F1, "contact force on the bob"),
+    "f_within": Force(force_probe.WITHIN, "contact force of bobs of the same surface"),
+    "f_field": Force(force_probe.FIELD, "force of external fields on the bob"),
+    "f2": Force(force_probe.F2, "drive on the bar", "w2"),
+    "f_spring": Force(force_probe.SPRING, "force of lattice springs on the bar"),
+    "f_bath": Force(force_probe.BATH, "force of the bath on the bar"),
+    "fL": Force(force_probe.LEFT, "force on the bar's left end", "wL"),
+    "fR": Force(force_probe.RIGHT, "force on the bar's right end", "wR"),
+    "f_T": Force(force_probe.FRICTION, "force of the reservoir on the bar", "w_T"),
+}
+
+
+class Forces:
+    """The forces on all asperites in the sampled states.
+
+    Parameters
+    ----------
+    layout : Layout
+        The scene.
+    samples : Samples
+        The raw samples of a run.
+    """
+
+    def __init__(self, layout: Layout, samples: Samples) -> None:
+        self._layout = layout
+        self._samples = samples
+
+    def of(self, entry: Entry, index: int, name: str, axis: int) -> np.ndarray:
+        """The series of a force along x or y, axis 0 or 1, on a batch, (times, asperites)."""
+        force, batch = FORCES[name], entry.batch
+        if name in self._layout.scene.surfaces[index].noisy_forces:
+            return self._mean(batch, force.work, axis)
+        if name == "f2" and self._layout.surfaces[index].drive == BARS:
+            return self._reaction(entry, axis)
+        return self._found(batch, force.row + axis)
+
+    def _found(self, batch: Batch, row: int) -> np.ndarray:
+        """A row of what the kernels find."""
+        return self._every[:, row, self._layout.places.columns[batch.place]]
+
+    def _mean(self, batch: Batch, work: str, axis: int) -> np.ndarray:
+        """The mean of a force over the interval that ends at each sample; NaN at the first."""
+        accounts = Integrals(self._samples.s).of(batch)
+        account = accounts[work]
+        impulse = accounts.whole((account.jx, account.jy)[axis])
+        mean = np.full(impulse.shape, np.nan)
+        mean[1:] = np.diff(impulse, axis=0) / np.diff(self._samples.t)[:, None]
+        return mean
+
+    def _reaction(self, entry: Entry, axis: int) -> np.ndarray:
+        """f2 on driven bars: what the motion of the centre of mass leaves over of other forces."""
+        a, (tx, ty) = entry.batch.asperites, entry.direction
+        turning, inward = self._found(entry.batch, force_probe.SWING), entry.omega**2
+        acceleration = a.pivot * (
+            turning * tx - inward * ty if axis == 0 else turning * ty + inward * tx
+        )
+        others = (force.row + axis for name, force in FORCES.items() if name != "f2")
+        return a.mass * acceleration - sum(self._found(entry.batch, row) for row in others)
+
+    @cached_property
+    def _every(self) -> np.ndarray:
+        """What the kernels find, (times, ROWS, columns)."""
+        layout, samples = self._layout, self._samples
+        columns, coordinates = layout.model.each.shape[1], layout.room[0]
+        found = room((samples.t.size, force_probe.ROWS, columns))
+        scratch = [room((coordinates,)) for _ in range(3)]
+        neighbours, done = layout.neighbours(), 0
+        model, calls = own_model(layout)
+        places, y = layout.places.q[: layout.core], np.ascontiguousarray(samples.y)
+        probe = time_loop(force_probe.force_probe, source_stamp(layout.plugins))
+        with compiling(probe, layout.named_plugins):
+            while done < samples.t.size:
+                neighbours = with_room(neighbours)
+                arrays = places, samples.t, y, samples.baths
+                done = probe(model, neighbours, *arrays, done, *scratch, found)
+        raise_calculator_errors(calls)
+        return found

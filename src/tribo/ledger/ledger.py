@@ -1,0 +1,340 @@
+"""The ledger: every reported quantity, from the raw samples of a run.
+
+The identities that must hold, and by which the accounts are audited:
+
+    asperite   w - w_ps = delta_e_int,  w_ps = delta_k_trans
+    surface    W_ps = delta_K,  W - W_ps = delta_E_int
+    system     total_energy_change = applied_work
+"""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property, partial
+from typing import Any
+
+import numpy as np
+
+from tribo.kernels.samples import BATH_ROWS
+from tribo.layout.further_series import system_names
+from tribo.layout.layout import Layout
+from tribo.ledger.forces import Forces
+from tribo.ledger.quantities import (
+    EVERY_QUANTITY,
+    QUANTITIES,
+    Quantity,
+    Reported,
+    Table,
+    needs_accounts,
+    reported,
+)
+from tribo.ledger.samples import Samples
+from tribo.ledger.totals import System, Whole
+from tribo.validation import InputError, must_be
+
+# Characters of a line of a text that stands for series.
+WIDTH = 100
+
+
+class NotKeptError(InputError, KeyError, AttributeError):
+    """A quantity that ``output.keep`` leaves out."""
+
+    def __str__(self) -> str:
+        return f"{self.field}: {self.problem}"
+
+
+class Series(Mapping[str, np.ndarray]):
+    """Series by name, as ``series["theta"]`` or ``series.theta``, each computed when first needed.
+
+    Quantities of asperites are (times, asperites), those of a surface as a whole (times,).
+
+    Parameters
+    ----------
+    names : collection of str
+        Of the quantities.
+    compute : callable
+        Computes the series of a name.
+    kept : tuple of str
+        The names in ``output.keep``, where no others were recorded.
+    """
+
+    def __init__(
+        self,
+        names: Collection[str],
+        compute: Callable[[str], np.ndarray],
+        kept: tuple[str, ...] = (),
+    ) -> None:
+        self._names = names
+        self._compute = compute
+        self._kept = kept
+        self._known: dict[str, np.ndarray] = {}
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        known = self._known.get(name)
+        if known is None:
+            if name not in self._names:
+                raise self._absence(name)
+            known = self._known[name] = self._compute(name)
+        return known
+
+    def __getattr__(self, name: str) -> np.ndarray:
+        if name.startswith("_"):  # a copy asks for methods before it has names
+            raise AttributeError(name)
+        try:
+            return self[name]
+        except NotKeptError:
+            raise
+        except KeyError as error:
+            raise AttributeError(error.args[0]) from None
+
+    def _absence(self, name: str) -> KeyError:
+        """The error that says why there is no such series."""
+        if self._kept and name in EVERY_QUANTITY:
+            return NotKeptError(
+                "output.keep",
+                f'has only {", ".join(self._kept)}, so that "{name}" was not recorded; add it, and '
+                "run again",
+            )
+        return KeyError(self._reason(name))
+
+    def _reason(self, name: str) -> str:
+        if needs_accounts(name) and not any(map(needs_accounts, self._names)):
+            return f'"{name}" is not kept; works need another output.ledger, as "asperites"'
+        return f"no quantity {name!r}; there are {', '.join(self._names)}"
+
+    def __repr__(self) -> str:
+        text = f"{len(self._names)} series: {', '.join(self._names)}"
+        return textwrap.fill(text, WIDTH, subsequent_indent="    ")
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self._names]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._names
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return known, (dict(self), self._kept)
+
+
+def known(table: Table, kept: tuple[str, ...] = ()) -> Series:
+    """Series that are known already."""
+    return Series(table, table.__getitem__, kept)
+
+
+@dataclass(eq=False, repr=False)
+class Ledger:
+    """All quantities that a run reports, in the laboratory.
+
+    Attributes
+    ----------
+    t : ndarray, (times,)
+        The recorded times.
+    surfaces : mapping
+        Surface -> quantity -> (times, asperites).
+    blocks : mapping
+        Surface -> quantity of the surface as a whole -> (times,).
+    system : mapping
+        Quantity of the system -> (times,).
+    kept : tuple of str
+        The names in ``output.keep``, where no others were recorded; else empty.
+    oscillators : mapping
+        Surface with a bath -> displacements of its oscillators from their bars, (times, asperites,
+        oscillators, 2); empty where the scene's output does not ask for them.
+    """
+
+    t: np.ndarray  # (times,)
+    surfaces: Mapping[str, Table]  # surface -> quantity -> (times, asperites)
+    blocks: Mapping[str, Table]  # surface -> quantity -> (times,)
+    system: Table  # quantity -> (times,)
+    kept: tuple[str, ...] = ()  # names in output.keep; empty where all is recorded
+    oscillators: Mapping[str, np.ndarray] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        counts = ", ".join(f'{len(self.of(name))} of "{name}"' for name in self.surfaces)
+        return f"Ledger of {self.t.size} times: {counts}, {len(self.system)} of the system"
+
+    def series(self, name: str) -> list[np.ndarray]:
+        """All series of a quantity, "w1", or that of one surface, "upper.w1"."""
+        surface, _, name = name.rpartition(".")
+        tables = [self.system, *self.surfaces.values(), *self.blocks.values()]
+        if surface:
+            tables = [self.surfaces.get(surface, {}), self.blocks.get(surface, {})]
+        return [table[name] for table in tables if name in table]
+
+    @property
+    def names(self) -> list[str]:
+        """The quantities of which there are series."""
+        tables = [*self.surfaces.values(), *self.blocks.values(), self.system]
+        return [name for name in EVERY_QUANTITY if any(name in table for table in tables)]
+
+    def of(self, surface: str) -> Series:
+        """All series of a surface.  Raises KeyError if there is no such surface."""
+        return known({**self.surfaces[surface], **self.blocks[surface]}, self.kept)
+
+    def rows(self, selected: slice | np.ndarray) -> Ledger:
+        """The ledger at some of its times: a slice, indices or a mask."""
+
+        def rows_of(table: Table) -> Series:
+            return Series(table, lambda name: table[name][selected], self.kept)
+
+        return Ledger(
+            self.t[selected],
+            {name: rows_of(table) for name, table in self.surfaces.items()},
+            {name: rows_of(table) for name, table in self.blocks.items()},
+            rows_of(self.system),
+            self.kept,
+            {name: values[selected] for name, values in self.oscillators.items()},
+        )
+
+    def only(self, keep: Sequence[str]) -> Ledger:
+        """The ledger of the named quantities alone, as "upper.W", in arrays of their own."""
+        if self.kept:
+            return self
+        kept = tuple(keep)
+
+        def some(table: Table, surface: str) -> Series:
+            names = [name for name in table if (f"{surface}." * bool(surface)) + name in kept]
+            return known({name: np.array(table[name]) for name in names}, kept)
+
+        return Ledger(
+            np.array(self.t),
+            {name: some(table, name) for name, table in self.surfaces.items()},
+            {name: some(table, name) for name, table in self.blocks.items()},
+            some(self.system, ""),
+            kept,
+        )
+
+    def at_end(self) -> Ledger:
+        """The ledger at the last time alone."""
+        return self.rows(slice(-1, None))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        parts = dict(self.surfaces), dict(self.blocks), self.system, self.kept
+        return Ledger, (self.t, *parts, dict(self.oscillators))
+
+
+class Assembled(Ledger):
+    """The ledger of raw samples; each series is computed when it is first asked for.
+
+    Parameters
+    ----------
+    layout : Layout
+        The scene.
+    samples : Samples
+        The raw samples of a run, the first of which is the start of the run.
+    """
+
+    def __init__(self, layout: Layout, samples: Samples) -> None:
+        self.t = samples.t
+        self._layout = layout
+        self._samples = samples
+        # Neither wholes nor series refer to the ledger: all is released without a collection.
+        self._wholes: dict[str, Whole] = {}
+        self._forces = Forces(layout, samples)
+        self._series: dict[str, Series] = {}
+
+    def of(self, surface: str) -> Series:
+        """All series of a surface.  Raises KeyError if there is no such surface."""
+        if surface not in self._series:
+            index = self._layout.effects[surface][0]
+            whole = Whole(self._layout, self._samples, index, forces=self._forces)
+            self._wholes[surface] = whole
+            found = self._reported(surface)
+            every = {**found.asperites, **found.blocks}
+            self._series[surface] = Series(every, partial(series_of, every, whole))
+        return self._series[surface]
+
+    @cached_property
+    def surfaces(self) -> dict[str, Series]:  # type: ignore[override]
+        """Surface -> quantity -> (times, asperites)."""
+        return {
+            name: Series(self._reported(name).asperites, self.of(name).__getitem__)
+            for name in self._layout.parts
+        }
+
+    @cached_property
+    def blocks(self) -> dict[str, Series]:  # type: ignore[override]
+        """Surface -> quantity of the surface as a whole -> (times,)."""
+        parts = self._layout.parts
+        return {
+            name: Series(self._reported(name).blocks, self.of(name).__getitem__) for name in parts
+        }
+
+    @cached_property
+    def system(self) -> Series:  # type: ignore[override]
+        """Quantity of the system -> (times,)."""
+        scene = self._layout.scene
+        further = frozenset(system_names(scene))
+        found = reported(scene.output.ledger, False, False, further).system
+        return Series(found, partial(series_of, found, self._system))
+
+    @cached_property
+    def oscillators(self) -> dict[str, np.ndarray]:  # type: ignore[override]
+        """Surface with a bath -> displacements of its oscillators from their bars."""
+        layout, rows = self._layout, self._samples.baths[:, BATH_ROWS:]
+        if rows.shape[1] == 0:
+            return {}
+        counts = layout.oscillators
+        most, columns = max(counts.values()), rows.shape[2]
+        axes = rows.reshape(len(rows), 2, most, columns)
+        return {
+            name: axes[:, :, : counts[name], layout.places.columns[part]].transpose(0, 3, 2, 1)
+            for name, part in layout.parts.items()
+            if counts[name]
+        }
+
+    def _reported(self, surface: str) -> Reported:
+        """The quantities of a surface and of its asperites."""
+        _, field, reservoir = self._layout.effects[surface]
+        ledger, further = self._layout.scene.output.ledger, self._layout.further[surface]
+        return reported(ledger, field, reservoir, further)
+
+    @cached_property
+    def _system(self) -> System:
+        for name in self._layout.parts:
+            self.of(name)
+        return System(self._layout, self._samples, tuple(self._wholes.values()))
+
+    def at_end(self) -> Ledger:
+        """The ledger at the last time alone, from the samples that it needs."""
+        samples, with_forces = self._samples, "forces" in self._layout.scene.output.series
+        samples = samples.last_interval() if with_forces else samples.ends()
+        return Assembled(self._layout, samples).rows(slice(-1, None))
+
+
+def series_of(quantities: Mapping[str, Quantity], source: Whole | System, name: str) -> np.ndarray:
+    """The series of a quantity of a surface or of the system."""
+    return quantities[name].of(source)
+
+
+def assemble(layout: Layout, samples: Samples) -> Assembled:
+    """The ledger of raw samples, the first of which is the start of the run."""
+    return Assembled(layout, samples)
+
+
+def check_keep(layout: Layout) -> None:
+    """Refuse names in ``output.keep`` of quantities that the scene does not report."""
+    ledger = assemble(layout, Samples.at_zero(layout))
+    for i, full in enumerate(layout.scene.output.keep or ()):
+        surface, _, name = full.rpartition(".")
+        table: Collection[str] = ledger.system if not surface else ()
+        if surface in layout.parts:
+            table = ledger.of(surface)
+        if name not in table:
+            first = next(iter(layout.parts))
+            further = name in EVERY_QUANTITY and name not in QUANTITIES
+            series = ' (this one may need output.series = ["forces", "energies"])' * further
+            raise must_be(
+                f"output.keep[{i}]",
+                f'a quantity of a surface that the scene reports, as "{first}.W" or "{first}.x_cm",'
+                f' or one of the system, as "contact_energy"{series}',
+                full,
+            )

@@ -1,0 +1,113 @@
+"""Samples of a pair as those of a scene."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable
+from dataclasses import fields
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from tribo.kernels.samples import STORED
+from tribo.layout.pair_factors import Factors
+from tribo.ledger.samples import Samples
+from tribo.pair.loop import ENERGY
+from tribo.pair.step_rows import Q1, Q2
+
+
+class PairSamples(Samples):
+    """The samples of a pair, which stay in the loop's record until they are asked for.
+
+    Parameters
+    ----------
+    t : ndarray, (times,)
+        When they were recorded.
+    record : ndarray, (times, COLUMNS)
+        Rows of the loop's record.
+    first : ndarray, (COLUMNS,) or (times, COLUMNS)
+        The first row of the run, or that of each row's run.
+    factors : Factors
+        Of the scene's layout.
+    """
+
+    def __init__(
+        self, t: np.ndarray, record: np.ndarray, first: np.ndarray, factors: Factors
+    ) -> None:
+        self.t = t
+        self._record = record
+        self._first = first
+        self._factors = factors
+
+    @cached_property
+    def y(self) -> np.ndarray:  # type: ignore[override]
+        """Coordinates and their rates, (times, 2 coordinates)."""
+        return self._record[:, :ENERGY] @ self._factors.state[:, :ENERGY].T
+
+    @cached_property
+    def s(self) -> np.ndarray:  # type: ignore[override]
+        """Accounts, (times, accounts)."""
+        return self._columns @ self._factors.accounts.T
+
+    @property
+    def contact(self) -> np.ndarray:  # type: ignore[override]
+        """Energy of the contact, (times,)."""
+        return self._record[:, ENERGY]
+
+    @cached_property
+    def field(self) -> np.ndarray:  # type: ignore[override]
+        """Zeros, (times,)."""
+        return np.zeros(self.t.size)
+
+    @cached_property
+    def stored(self) -> np.ndarray:  # type: ignore[override]
+        """Zeros, (times, 2, STORED)."""
+        return np.zeros((self.t.size, 2, STORED))
+
+    @property
+    def baths(self) -> np.ndarray:  # type: ignore[override]
+        """Empty, (times, 0, 0)."""
+        return np.empty((self.t.size, 0, 0))
+
+    def linear(self, key: Hashable, function: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+        """The value of a linear function of `s`, from the record's columns that it depends on."""
+        factors = self._factors.linear.get(key)
+        if factors is None:
+            factors = function(self._factors.accounts.T)
+            if not factors[ENERGY:].any():  # the arcs, which take longer, have no part
+                factors = factors[:ENERGY]
+            self._factors.linear[key] = factors
+        columns = self._record[:, :ENERGY] if len(factors) == ENERGY else self._columns
+        if factors.size > len(factors):
+            values = columns @ factors.reshape(len(factors), -1)
+            return values.reshape(len(values), *factors.shape[1:])
+        # Sums row by row, unlike products of matrices, have the same bits for any number of times.
+        value = np.vecdot(columns, factors if factors.ndim == 1 else factors[:, 0])
+        return value if factors.ndim == 1 else value[:, None]
+
+    def then(self, *later: Samples) -> Samples:
+        """These samples, followed by `later` ones of runs with the same start."""
+        parts = [each for each in (self, *later) if isinstance(each, PairSamples)]
+        if len(parts) <= len(later):
+            return super().then(*later)
+        t = np.concatenate([each.t for each in parts])
+        record = np.concatenate([each._record for each in parts])
+        return PairSamples(t, record, self._first, self._factors)
+
+    def _rows(self, selected: np.ndarray) -> PairSamples:
+        return PairSamples(self.t[selected], self._record[selected], self._first, self._factors)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Samples, tuple(getattr(self, f.name) for f in fields(Samples))
+
+    @cached_property
+    def _arcs(self) -> np.ndarray:
+        """Integrals of q omega sin q: the powers of the end forces are multiples of it."""
+        q = self._record[:, [Q1, Q2]]
+        first = self._first[..., [Q1, Q2]]
+        return (np.sin(q) - q * np.cos(q)) - (np.sin(first) - first * np.cos(first))
+
+    @cached_property
+    def _columns(self) -> np.ndarray:
+        """The record's columns before the energy, and the arcs."""
+        return np.concatenate([self._record[:, :ENERGY], self._arcs], axis=1)

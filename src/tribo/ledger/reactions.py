@@ -1,0 +1,58 @@
+"""The reaction of the constraint on driven bars: what their motion leaves over of other forces."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tribo.kernels.records import BARS
+from tribo.layout.batch import Batch
+from tribo.layout.layout import Layout
+from tribo.ledger.accounts import FORCES, Accounts
+from tribo.ledger.motion import about_pivots
+from tribo.ledger.samples import Samples
+
+
+def add_reactions(layout: Layout, samples: Samples, start: np.ndarray) -> None:
+    """Set the accounts of f2 on driven bars in `samples`.
+
+    The impulse is M (v_cm - v_cm(0)) less all other impulses, the pseudowork the change of kinetic
+    energy less all other pseudoworks.  In the frame of the bars f2 does no work.  `start` is y at
+    the start of the run, (1, 2 coordinates), or a row for each sample.
+    """
+    for index in range(len(layout.parts)):
+        if layout.surfaces[index].drive == BARS and layout.surfaces[index].acc_drive >= 0:
+            changes = [_changes(layout, batch, samples, start) for batch in layout.batches[index]]
+            if layout.model.sums is not None:
+                changes = [_in_first_lane(changes, layout.surfaces[index].account_stride)]
+            for batch, change in zip(layout.accounted_batches[index], changes, strict=True):
+                _add(Accounts(batch, samples.s), samples.s, change)
+
+
+def _changes(layout: Layout, batch: Batch, samples: Samples, start: np.ndarray) -> np.ndarray:
+    """Changes of momentum along x and y and of kinetic energy, (3, times, asperites)."""
+    a = batch.asperites
+    (vx0, vy0), (vx, vy) = (
+        about_pivots(a, y[:, batch.place], y[:, layout.core :][:, batch.place])[2:]
+        for y in (start, samples.y)
+    )
+    kinetic = 0.5 * a.mass * (vx**2 + vy**2 - vx0**2 - vy0**2)
+    return np.stack([a.mass * (vx - vx0), a.mass * (vy - vy0), kinetic])
+
+
+def _in_first_lane(changes: list[np.ndarray], lanes: int) -> np.ndarray:
+    """The sums over asperites as those of the first of some lanes, (3, times, lanes)."""
+    found = np.zeros((*changes[0].shape[:2], lanes))
+    found[:, :, 0] = sum(np.sum(change, axis=2) for change in changes)
+    return found
+
+
+def _add(forces: Accounts, s: np.ndarray, change: np.ndarray) -> None:
+    """Set the accounts of one batch, from the changes of its momenta and kinetic energy."""
+    a = forces.batch.asperites
+    others = [forces[name] for name in FORCES if name != "w2"]
+    px, py, kinetic = change
+    pseudo = kinetic - sum(f.pseudo for f in others)
+    s[:, a.acc_drive] = px - sum(f.jx for f in others)
+    s[:, a.acc_drive + a.stride] = py - sum(f.jy for f in others)
+    s[:, a.acc_drive + 2 * a.stride] = pseudo  # minus the work about the centre of mass
+    s[:, a.acc_drive + 3 * a.stride] = pseudo

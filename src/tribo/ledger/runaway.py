@@ -1,0 +1,82 @@
+"""The guard of runs with equal steps: energy that no work accounts for."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tribo.kernels.samples import BATH, SPRINGS, TORSIONAL, WITHIN
+from tribo.layout.layout import Layout
+from tribo.ledger.ledger import assemble
+from tribo.ledger.motion import internal_energy, motions
+from tribo.ledger.quantities import Table
+from tribo.ledger.samples import Samples
+
+# Energy that appears, in units of that at the start, from which a run counts as lost: a step that
+# is too long for a spring multiplies it by 1e3 in tens of steps, an inaccurate one does not.
+RUNAWAY = 1e3
+
+
+def lost_sample(layout: Layout, samples: Samples) -> int | None:
+    """The index of the first sample at which the energy has run away, if there is one.
+
+    Without a ledger it is not known.
+    """
+    if layout.model.ledger is None or not np.any(grows(layout, samples)):
+        return None
+    return first_lost(layout, samples, assemble(layout, samples).system)[0]
+
+
+def first_lost(
+    layout: Layout, samples: Samples, system: Table, known: float = 0.0
+) -> tuple[int | None, float]:
+    """The first sample at which the energy has run away, if there is one.
+
+    That is where the energy exceeds RUNAWAY times that at the start, and its change differs from
+    the applied work by more than any applied work and any energy of contact or of fields so far.
+
+    Parameters
+    ----------
+    layout
+        the scene
+    samples
+        of a run, the first of which is its start
+    system
+        the ledger of the system at these samples
+    known
+        the largest of those works and energies before
+
+    Returns
+    -------
+    lost : int or None
+        index of the sample
+    known : float
+        the largest of those works and energies so far
+    """
+    with np.errstate(over="ignore", invalid="ignore"):  # an energy may exceed all numbers
+        excess = np.abs(system["total_energy_change"] - system["applied_work"])
+        terms = np.abs([samples.contact, samples.field, system["applied_work"]])
+        so_far = np.maximum.accumulate(np.maximum(np.max(terms, axis=0), known))
+        lost = np.flatnonzero(grows(layout, samples) & (excess > so_far))
+    return (int(lost[0]) if lost.size else None), float(so_far[-1])
+
+
+def grows(layout: Layout, samples: Samples) -> np.ndarray:
+    """Whether the energy exceeds RUNAWAY times that at the start, (times,)."""
+    with np.errstate(over="ignore", invalid="ignore"):  # an energy may exceed all numbers
+        energy = _energy(layout, samples)
+        return np.asarray(energy > RUNAWAY * samples.at_start(energy))
+
+
+def _energy(layout: Layout, samples: Samples) -> np.ndarray:
+    """Sum of the magnitudes of all energies, in the frame of the surfaces' mean velocity."""
+    surfaces = range(len(layout.scene.surfaces))
+    mean = np.mean([np.asarray(layout.velocity_of(index)) for index in surfaces], axis=0)
+    stores = samples.stored[:, :, [SPRINGS, BATH, TORSIONAL, WITHIN]]
+    energy = np.sum(np.abs(stores), axis=(1, 2)) + np.abs(samples.contact) + np.abs(samples.field)
+    for index in surfaces:
+        for batch, m in motions(layout, samples, index):
+            vx, vy = batch.velocity - mean[..., None]
+            moving = 0.5 * ((m.vx + vx) ** 2 + (m.vy + vy) ** 2)
+            internal = internal_energy(batch.asperites, m.omega, m.nu, m.swing - m.phi)
+            energy = energy + np.sum(moving * batch.asperites.mass + internal, axis=1)
+    return np.asarray(energy)

@@ -1,0 +1,150 @@
+"""Contact between surfaces over time, and notes where they part for good or never meet."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from tribo.layout.contact_distance import contact_distance
+from tribo.layout.layout import Layout
+from tribo.ledger.closest_bobs import bob_places, in_box
+from tribo.ledger.samples import Samples
+from tribo.model.scene import Scene
+
+# Time without contact at the end of a run after which surfaces count as parted: at least so much of
+# the run, and so many times the longest time between two contacts before.  A surface that hops or
+# slips has such times of about equal length.
+LEAST_PART, LONGER = 0.1, 2.0
+# What notes on such surfaces say.
+PART = "part for good"
+# Recorded times at which notes look for contact, at most.
+MOST_LOOKS = 256
+# Pairs of bobs up to which all distances take less time than a tree: 60 us for a tree of few.
+MOST_PAIRS = 400
+
+
+class Reach(NamedTuple):
+    """The distance of two bobs in contact.
+
+    Attributes
+    ----------
+    distance : float
+        [length].
+    ends : bool
+        Whether their potential is zero beyond it.
+    species : tuple of str, or None
+        The species of the two bobs; None for any.
+    """
+
+    distance: float
+    ends: bool
+    species: tuple[str, str] | None
+
+
+def without_contact(layout: Layout, samples: Samples, index: int) -> np.ndarray:
+    """Whether no bob of a surface is in contact with one of another surface, (times,)."""
+    places = bob_places(layout, samples)
+    pairs = {pair: each for pair, each in _reaches(layout.scene).items() if index in pair}
+    touching = [_in_contact(layout, places, pair, each) for pair, each in pairs.items()]
+    return ~np.any(touching, axis=0)
+
+
+def separation_notes(layout: Layout, samples: Samples) -> tuple[str, ...]:
+    """Notes on surfaces that never come within the range of their contact, or part for good."""
+    notes, scene = [], layout.scene
+    reaches = _reaches(scene)
+    if not reaches:
+        return ()
+    looked_at = np.linspace(0, samples.t.size - 1, min(samples.t.size, MOST_LOOKS)).astype(int)
+    t = samples.t[looked_at]
+    places = bob_places(layout, samples.at(t))
+    for pair, reach in reaches.items():
+        one, other = (scene.surfaces[k] for k in pair)
+        touching = t[_in_contact(layout, places, pair, reach)]
+        loaded = any(surface.drive.load is not None for surface in (one, other))
+        if touching.size == 0 and all(each.ends for each in reach):
+            notes.append(
+                f'at no recorded time was a bob of "{one.name}" within the range of contact, '
+                f'{max(each.distance for each in reach):.4g}, of a bob of "{other.name}"; start '
+                "them closer to one another, or run for longer"
+            )
+        elif (loaded or "forces" in scene.output.series) and _part(t, touching):
+            notes.append(
+                f'"{one.name}" and "{other.name}" {PART}: none of their bobs was in contact '
+                f"after t = {touching[-1]:.6g}; averages over time include the time from there on"
+            )
+    return tuple(notes)
+
+
+def _part(t: np.ndarray, touching: np.ndarray) -> bool:
+    """Whether the time after the last contact is long, by the times of recorded contacts."""
+    if touching.size == 0:
+        return False
+    before = float(np.max(np.diff(touching), initial=0.0))
+    return bool(t[-1] - touching[-1] > max(LEAST_PART * (t[-1] - t[0]), LONGER * before))
+
+
+def _reaches(scene: Scene) -> dict[tuple[int, int], list[Reach]]:
+    """Of each two surfaces that interact by potentials with a range alone, their distances."""
+    found: dict[tuple[int, int], list[Reach]] = {}
+    endless = set()
+    for interaction in scene.interactions:
+        distance = contact_distance(scene, interaction)
+        for pair in scene.pairs(interaction):
+            if distance is None:
+                endless.add(pair)
+            else:
+                ends = bool(np.isfinite(interaction.potential.range()))
+                found.setdefault(pair, []).append(Reach(distance, ends, interaction.species))
+    return {pair: reach for pair, reach in found.items() if pair not in endless}
+
+
+def _in_contact(
+    layout: Layout, places: np.ndarray, pair: tuple[int, int], reaches: list[Reach]
+) -> np.ndarray:
+    """Whether any two bobs of two surfaces are in contact, (times,), from (times, n, 3)."""
+    surfaces = [layout.scene.surfaces[k] for k in pair]
+    bobs = [places[:, layout.parts[surface.name]] for surface in surfaces]
+    found = np.zeros(len(places), dtype=bool)
+    for distance, _, species in reaches:
+        for kinds in {species, species and species[::-1]}:
+            mine, theirs = bobs
+            if kinds is not None:
+                mine, theirs = (
+                    each[:, surface.species_of_each == kind]
+                    for each, surface, kind in zip(bobs, surfaces, kinds, strict=True)
+                )
+            found |= _any_within(layout, mine, theirs, distance)
+    return found
+
+
+def _any_within(
+    layout: Layout, mine: np.ndarray, theirs: np.ndarray, distance: float
+) -> np.ndarray:
+    """Whether any two of some places (times, n, 3) and (times, m, 3) are closer than a distance."""
+    found = np.zeros(len(mine), dtype=bool)
+    if not (mine.size and theirs.size and distance > 0.0):
+        return found
+    with np.errstate(invalid="ignore"):
+        y, their_y = mine[..., 1], theirs[..., 1]
+        gap = np.maximum(y.min(axis=1) - their_y.max(axis=1), their_y.min(axis=1) - y.max(axis=1))
+        near = np.isfinite(mine).all(axis=(1, 2)) & np.isfinite(theirs).all(axis=(1, 2))
+        near &= gap < distance
+    (mine, box), (theirs, _) = in_box(layout, mine[near]), in_box(layout, theirs[near])
+    if mine.shape[1] * theirs.shape[1] <= MOST_PAIRS:
+        found[near] = _nearest(mine, theirs, box) < distance
+        return found
+    for k, own, others in zip(np.flatnonzero(near), mine, theirs, strict=True):
+        nearest, _ = KDTree(others, boxsize=box).query(own, distance_upper_bound=distance)
+        found[k] = np.min(nearest) < distance
+    return found
+
+
+def _nearest(mine: np.ndarray, theirs: np.ndarray, box: np.ndarray) -> np.ndarray:
+    """The smallest distance of any two places in a box, (times,)."""
+    between = mine[:, :, None] - theirs[:, None]
+    periodic = box > 0.0
+    between[..., periodic] -= box[periodic] * np.round(between[..., periodic] / box[periodic])
+    return np.asarray(np.sqrt(np.min(np.sum(between**2, axis=-1), axis=(1, 2))))

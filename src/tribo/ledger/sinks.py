@@ -1,0 +1,160 @@
+"""The ledger of a run whose samples are too many to hold: assembled portion by portion."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+
+from tribo.kernels.force_probe import ROWS
+from tribo.kernels.status import Status
+from tribo.layout.layout import Layout
+from tribo.ledger.ledger import Ledger, assemble, known
+from tribo.ledger.passing import passed_through
+from tribo.ledger.quantities import ASPERITE_QUANTITIES, OPTIONAL_QUANTITIES, Table
+from tribo.ledger.runaway import first_lost
+from tribo.ledger.samples import Samples
+
+# Bytes of all samples of a run. Above it, only the first and the last sample of each asperite are
+# kept: a gigabyte fits into the memory of any computer of today.
+SERIES_BYTES = 2**30
+# Bytes of the samples of one portion: 1/8 of the above, so that a portion needs little memory
+# beside the state of the run.
+PORTION_BYTES = 2**27
+
+
+class StreamedLedger:
+    """The ledger of a run whose samples arrive in portions.
+
+    It has the complete series that ``output.keep`` names; without it, those of the surfaces as
+    wholes and of the system, while those of the asperites are left out.
+
+    Parameters
+    ----------
+    layout : Layout
+        The scene.
+    guarded : bool
+        Whether the energy may run away, as with equal steps.
+    """
+
+    def __init__(self, layout: Layout, guarded: bool = False) -> None:
+        self._layout = layout
+        self._guarded = guarded and layout.model.ledger is not None
+        self._known = 0.0  # see `first_lost`
+        self._portions: list[Ledger] = []
+        self._written = 0  # portions that `new_arrays` has returned
+
+    def add(self, samples: Samples, earlier: int) -> tuple[int, Status] | None:
+        """Take in a portion after `earlier` samples that were taken in before.
+
+        These are the first of the run and the last two, which changes and means over an interval
+        are relative to.  Returns the index of the first sample at which the energy has run away, or
+        surfaces have passed through each other, if there is one, and its status; samples after it
+        are left out.
+        """
+        ledger, lost = assemble(self._layout, samples), None
+        if self._guarded:
+            lost, self._known = first_lost(self._layout, samples, ledger.system, self._known)
+        ends = [] if lost is None else [(lost, Status.ENERGY_RUNAWAY)]
+        passed = np.flatnonzero(passed_through(self._layout, samples))
+        ends += [(int(k), Status.PASSED_THROUGH) for k in passed[:1]]
+        end = min(ends, default=None)
+        self._keep(ledger.rows(slice(earlier, None if end is None else end[0] + 1)))
+        return end
+
+    def _keep(self, ledger: Ledger) -> None:
+        """Keep what the scene asks for."""
+        keep = self._layout.scene.output.keep
+        if keep is not None:
+            self._portions.append(ledger.only(keep))
+            return
+        # Copies: the loop writes the next portion into the same arrays.
+        blocks = {name: _copied(table) for name, table in ledger.blocks.items()}
+        self._portions.append(Ledger(np.array(ledger.t), {}, blocks, _copied(ledger.system)))
+
+    def new_arrays(self) -> dict[str, np.ndarray]:
+        """The portions since the last call, and what the next one needs, as arrays for a file."""
+        new, self._written = self._portions[self._written :], len(self._portions)
+        series = {
+            (part, name, quantity): [getattr(ledger, part)[name][quantity] for ledger in new]
+            for part in ("surfaces", "blocks")
+            for name, table in getattr(new[0], part).items()
+            for quantity in table
+        }
+        series |= {("system", "", name): [x.system[name] for x in new] for name in new[0].system}
+        arrays = {str(k): np.concatenate(values) for k, values in enumerate(series.values())}
+        arrays["t"] = np.concatenate([ledger.t for ledger in new])
+        arrays["names"] = np.frombuffer(json.dumps(list(series)).encode(), np.uint8)
+        arrays["known"] = np.array(self._known)
+        return arrays
+
+    def take_back(self, arrays: dict[str, np.ndarray]) -> None:
+        """Take in portions from the arrays of a file."""
+        scene = self._layout.scene
+        kept, names = tuple(scene.output.keep or ()), [each.name for each in scene.surfaces]
+        parts: dict[str, dict[str, dict[str, np.ndarray]]] = {
+            "surfaces": {name: {} for name in names if kept},
+            "blocks": {name: {} for name in names},
+            "system": {"": {}},
+        }
+        for k, (part, name, quantity) in enumerate(json.loads(arrays["names"].tobytes())):
+            parts[part][name][quantity] = arrays[str(k)]
+        surfaces, blocks, system = parts["surfaces"], parts["blocks"], parts["system"][""]
+        self._portions.append(Ledger(arrays["t"], surfaces, blocks, system, kept))
+        self._written, self._known = len(self._portions), float(arrays["known"])
+
+    def whole(self, samples: Samples) -> Ledger:
+        """All series; those of asperites that are left out are at the ends of `samples`."""
+        portions = self._portions
+        t = np.concatenate([portion.t for portion in portions])
+        kept = portions[0].kept
+        blocks = {
+            name: _joined([portion.blocks[name] for portion in portions], kept)
+            for name in portions[0].blocks
+        }
+        system = _joined([portion.system for portion in portions], kept)
+        if not kept:
+            ends = np.unique([0, samples.t.size - 1])
+            at_ends = assemble(self._layout, samples).rows(ends)
+            return Ledger(t, at_ends.surfaces, blocks, system, kept, at_ends.oscillators)
+        surfaces = {
+            name: _joined([portion.surfaces[name] for portion in portions], kept)
+            for name in portions[0].surfaces
+        }
+        return Ledger(t, surfaces, blocks, system, kept)
+
+
+def is_streamed(layout: Layout, times: int) -> bool:
+    """Whether a run with a given step does not hold so many samples of all asperites."""
+    if layout.scene.output.keep is None:
+        return exceeds_memory(layout, times)
+    return times * _sample_bytes(layout) > PORTION_BYTES
+
+
+def exceeds_memory(layout: Layout, times: int) -> bool:
+    """Whether so many samples of all asperites are too many to hold."""
+    return times * _sample_bytes(layout) > SERIES_BYTES
+
+
+def portion_size(layout: Layout) -> int:
+    """Samples of one portion."""
+    return max(1, PORTION_BYTES // _sample_bytes(layout))
+
+
+def _copied(table: Table) -> dict[str, np.ndarray]:
+    return {name: np.array(table[name]) for name in table}
+
+
+def _joined(tables: list[Table], kept: tuple[str, ...]) -> Table:
+    names = tables[0]
+    return known({name: np.concatenate([each[name] for each in tables]) for name in names}, kept)
+
+
+def _sample_bytes(layout: Layout) -> int:
+    """Bytes of one sample, raw and as the ledger."""
+    reported = len(ASPERITE_QUANTITIES) + len(OPTIONAL_QUANTITIES)
+    raw = 2 * layout.core + layout.accounts + math.prod(layout.sampled_baths)
+    if "forces" in layout.scene.output.series:
+        raw += ROWS * layout.model.each.shape[1]
+    return 8 * (raw + 2 * reported * layout.scene.count)

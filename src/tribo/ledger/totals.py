@@ -1,0 +1,335 @@
+"""Surfaces and the system, from sums over asperites.  Arrays are (times,) unless stated."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from functools import cached_property
+
+import numpy as np
+
+from tribo.kernels.records import BARS
+from tribo.kernels.samples import (
+    BATH,
+    KINETIC,
+    MOMENTUM_X,
+    MOMENTUM_Y,
+    SPRINGS,
+    TORSIONAL,
+    WITHIN,
+)
+from tribo.layout.batch import Batch
+from tribo.layout.layout import Layout
+from tribo.ledger.accounts import APPLIED, EXTERNAL, Account, Integrals, Part, accounted
+from tribo.ledger.entry import Entry
+from tribo.ledger.forces import Forces
+from tribo.ledger.samples import Samples
+from tribo.ledger.separation import without_contact
+
+# In a run that stopped because values were not finite, the last are infinite or NaN here too.
+_with_infinities = np.errstate(over="ignore", invalid="ignore")
+
+
+class Group:
+    """Some asperites.
+
+    Parameters
+    ----------
+    layout : Layout
+        The scene.
+    samples : Samples
+        The raw samples of a run, the first of which is the start of the run.
+    batches : tuple of Batch
+        The asperites.
+
+    Attributes
+    ----------
+    samples, batches
+        As given.
+    """
+
+    def __init__(self, layout: Layout, samples: Samples, batches: tuple[Batch, ...]) -> None:
+        self._layout = layout
+        self.samples = samples
+        self.batches = batches
+
+    @cached_property
+    def entries(self) -> tuple[Entry, ...]:
+        """The motion of the asperites, batch by batch."""
+        return tuple(Entry(self._layout, batch, self.samples) for batch in self.batches)
+
+    @_with_infinities
+    def each(self, value: Callable[[Entry], np.ndarray]) -> np.ndarray:
+        """A quantity of all asperites, (times, asperites)."""
+        return _side_by_side([value(entry) for entry in self.entries])
+
+    def accounted(self, integrals: Integrals, name: str) -> np.ndarray:
+        """A work, a pseudowork or the heat of all asperites, (times, asperites)."""
+        return _side_by_side([accounted(integrals.of(batch), name) for batch in self.batches])
+
+
+class Whole(Group):
+    """A surface: its asperites, and sums over them; V is the velocity of its centre of all masses.
+
+    Parameters
+    ----------
+    layout : Layout
+        The scene.
+    samples : Samples
+        The raw samples of a run, the first of which is the start of the run.
+    index : int
+        Of the surface.
+    among : Entry, optional
+        The motion of all asperites, if it is known.
+    forces : Forces, optional
+        The forces on all asperites, where they are reported.
+    """
+
+    def __init__(
+        self,
+        layout: Layout,
+        samples: Samples,
+        index: int,
+        among: Entry | None = None,
+        forces: Forces | None = None,
+    ) -> None:
+        super().__init__(layout, samples, layout.batches[index])
+        self._index = index
+        self._among = among
+        self._forces = forces
+
+    @cached_property
+    def entries(self) -> tuple[Entry, ...]:
+        """The motion of the asperites, batch by batch."""
+        if self._among is None:
+            return super().entries
+        return tuple(self._among.part(batch) for batch in self.batches)
+
+    def summed(self, integrals: Integrals, name: str) -> np.ndarray:
+        """The sum over the asperites of a work, a pseudowork or the heat."""
+        every = (integrals.of(batch) for batch in self._accounted)
+        return _sum(accounted(each, name) for each in every)
+
+    def work(self, integrals: Integrals) -> np.ndarray:
+        """The work of external forces."""
+        return self._sum_over(integrals, EXTERNAL, Account.work)
+
+    def pseudowork(self, integrals: Integrals) -> np.ndarray:
+        """The pseudowork of external forces."""
+        slot = self._record.acc_block
+        boost = self._sum_over(integrals, EXTERNAL, Account.boost)
+        if slot >= 0:
+            return boost + integrals.s[:, slot]
+        # Surfaces keep their momentum, or a constraint provides its change.
+        return boost + self.samples.change(self._bulk) if self._record.drive == BARS else boost
+
+    def applied(self, integrals: Integrals) -> np.ndarray:
+        """The work of outside agents."""
+        return self._sum_over(integrals, APPLIED, Account.work)
+
+    @cached_property
+    @_with_infinities
+    def change_of_kinetic(self) -> np.ndarray:
+        """The change of the bulk kinetic energy."""
+        vx, vy = self._layout.velocity_of(self._index)
+        lag_x, lag_y = self._lag
+        moving = self._mass * (vx * lag_x + vy * lag_y) + self._bulk
+        return self.samples.change(moving)
+
+    @cached_property
+    @_with_infinities
+    def change_of_internal(self) -> np.ndarray:
+        """The change of the internal energy: of all energy that is not bulk kinetic."""
+        within = self._total(lambda e: e.moving + e.internal) - self._bulk
+        within = within + self._stored[:, [SPRINGS, BATH, TORSIONAL, WITHIN]].sum(axis=1)
+        return self.samples.change(within)
+
+    def force(self, name: str, axis: int) -> np.ndarray:
+        """A force on each asperite along x or y, axis 0 or 1, (times, asperites)."""
+        assert self._forces is not None
+        forces, index = self._forces, self._index
+        return _side_by_side([forces.of(entry, index, name, axis) for entry in self.entries])
+
+    def force_along_x(self, *names: str) -> np.ndarray:
+        """The x component of the sum of some forces on all asperites."""
+        return np.asarray(np.sum(sum(self.force(name, 0) for name in names), axis=1))
+
+    @property
+    def without_contact(self) -> np.ndarray:
+        """1 where no bob of the surface is in contact with another surface, else 0."""
+        return without_contact(self._layout, self.samples, self._index).astype(float)
+
+    def stored(self, place: int) -> np.ndarray:
+        """A stored energy, SPRINGS or WITHIN."""
+        return self._stored[:, place]
+
+    @property
+    @_with_infinities
+    def heat_of_bath(self) -> np.ndarray:
+        """The change of the bath's energy in the surface's own motion.
+
+        That is the motion with V; on driven bars, which do not excite a bath, that of the bars.
+        """
+        energy = self._bath_energy
+        if self._record.drive != BARS:
+            (x, y), stored = self._lag, self._stored
+            common = x * stored[:, MOMENTUM_X] + y * stored[:, MOMENTUM_Y]
+            energy = energy - common + 0.5 * self._mass_of_bath * (x**2 + y**2)
+        return self.samples.change(energy)
+
+    @property
+    def kinetic_of_bath(self) -> np.ndarray:
+        """The kinetic energy of the bath in the laboratory."""
+        vx, vy = self._layout.velocity_of(self._index)
+        stored = self._stored
+        moving = vx * stored[:, MOMENTUM_X] + vy * stored[:, MOMENTUM_Y]
+        own = self._own_kinetic_of_bath + moving
+        return np.asarray(own + 0.5 * self._mass_of_bath * (vx**2 + vy**2))
+
+    @property
+    def potential_of_bath(self) -> np.ndarray:
+        """The potential energy of the bath."""
+        return np.asarray(self._bath_energy - self._own_kinetic_of_bath)
+
+    @property
+    def _mass_of_bath(self) -> float | np.ndarray:
+        """The mass of all oscillators that move along x and y."""
+        return self._mass - float(self._record.mass)
+
+    @property
+    def _bath_energy(self) -> np.ndarray:
+        """The energy of the bath, in the surface's first frame."""
+        return np.asarray(self._stored[:, [BATH, TORSIONAL]].sum(axis=1))
+
+    @property
+    def _own_kinetic_of_bath(self) -> np.ndarray:
+        """The kinetic energy of the bath, in the surface's first frame."""
+        part = list(self._layout.parts.values())[self._index]
+        columns = self._layout.places.columns[part]
+        return np.asarray(self.samples.baths[:, KINETIC, columns].sum(axis=1))
+
+    @property
+    def _record(self) -> np.record:
+        return self._layout.surfaces[self._index]
+
+    @cached_property
+    def _mass(self) -> float | np.ndarray:
+        """The mass of the surface and its bath."""
+        return self._layout.mass_of(self._index)
+
+    @property
+    def _accounted(self) -> tuple[Batch, ...]:
+        """The asperites, or lanes that stand for their sums, with accounts."""
+        return self._layout.accounted_batches[self._index]
+
+    @property
+    def _stored(self) -> np.ndarray:
+        return self.samples.stored[:, self._index]
+
+    @cached_property
+    def _lag(self) -> tuple[np.ndarray, np.ndarray]:
+        """The velocity V in the surface's first frame."""
+        mass, stored = self._mass, self._stored
+        px = self._total(lambda e: e.vx * e.batch.asperites.mass) + stored[:, MOMENTUM_X]
+        py = self._total(lambda e: e.vy * e.batch.asperites.mass) + stored[:, MOMENTUM_Y]
+        return px / mass, py / mass
+
+    @cached_property
+    def _bulk(self) -> np.ndarray:
+        """The kinetic energy of the motion with V, in the surface's first frame."""
+        lag_x, lag_y = self._lag
+        return np.asarray(0.5 * self._mass * (lag_x**2 + lag_y**2))
+
+    def _sum_over(
+        self,
+        integrals: Integrals,
+        names: tuple[str, ...],
+        part: Callable[[Account, np.ndarray], Part],
+    ) -> np.ndarray:
+        """A part of the accounts of some forces."""
+        every = [integrals.of(batch) for batch in self._accounted]
+        return _sum(
+            each.whole(sum(part(each[name], each.batch.velocity) for name in names))
+            for each in every
+        )
+
+    def _total(self, value: Callable[[Entry], np.ndarray]) -> np.ndarray:
+        return _sum(map(value, self.entries))
+
+
+class System:
+    """The whole system.
+
+    Parameters
+    ----------
+    layout : Layout
+        The scene.
+    samples : Samples
+        The raw samples of a run, the first of which is the start of the run.
+    wholes : tuple of Whole
+        Its surfaces.
+
+    Attributes
+    ----------
+    samples
+        As given.
+    batches : tuple
+        Empty: the system is no batch of asperites.
+    """
+
+    def __init__(self, layout: Layout, samples: Samples, wholes: tuple[Whole, ...]) -> None:
+        self._layout = layout
+        self.samples = samples
+        self.batches: tuple[Batch, ...] = ()
+        self._wholes = wholes
+
+    def contact_energy(self) -> np.ndarray:
+        """The potential energy of contacts between surfaces."""
+        return self.samples.contact
+
+    def field_energy(self) -> np.ndarray:
+        """The potential energy in external fields."""
+        return self.samples.field
+
+    @_with_infinities
+    def change_of_energy(self) -> np.ndarray:
+        """The change of the total energy; that of bobs at one place is infinite."""
+        potential = self.samples.contact + self.samples.field
+        changes = (w.change_of_kinetic + w.change_of_internal for w in self._wholes)
+        return np.asarray(sum(changes) + self.samples.change(potential))
+
+    def applied(self, integrals: Integrals) -> np.ndarray:
+        """The work of drives, ends, reservoirs and moving fields."""
+        slots = [f.account for f in self._layout.model.fields or () if f.account >= 0]
+        works = sum(whole.applied(integrals) for whole in self._wholes)
+        return np.asarray(sum((integrals.s[:, slot] for slot in slots), start=works))
+
+
+class Linear:
+    """A quantity that is linear in the integrals of the kernels.
+
+    Parameters
+    ----------
+    value : callable
+        Its series, from its surface or the system, and the integrals.
+    """
+
+    def __init__(self, value: Callable[..., np.ndarray]) -> None:
+        self.value = value
+
+    def __call__(self, source: Group | System) -> np.ndarray:
+        """Its series, from the samples of its surface or of the system."""
+        key = source.batches, self
+        return source.samples.linear(key, lambda s: self.value(source, Integrals(s)))
+
+
+def _side_by_side(series: list[np.ndarray]) -> np.ndarray:
+    """The series of all asperites, from those of the batches."""
+    return series[0] if len(series) == 1 else np.concatenate(series, axis=1)
+
+
+def _sum(values: Iterable[np.ndarray]) -> np.ndarray:
+    """The sum of all, over their asperites.
+
+    Sums, unlike products of matrices, have the same bits for any number of times.
+    """
+    return np.asarray(sum(np.sum(value, axis=1) for value in values))

@@ -1,0 +1,238 @@
+"""The time loops of any scene, with the state of their run."""
+
+from __future__ import annotations
+
+import json
+import time
+from typing import Any
+
+import numpy as np
+
+from tribo.compiler.jit import time_loop, undisturbed
+from tribo.compiler.lanes import LANES
+from tribo.compiler.lanes_memory import room, with_spare_lanes
+from tribo.compiler.team import CLOSED
+from tribo.integrators.methods import Method
+from tribo.integrators.splitting import assist
+from tribo.integrators.step_control import Tolerance
+from tribo.kernels.records import CLOCK
+from tribo.kernels.samples import STORED, Record, State, empty_state, initial_state
+from tribo.layout.contacts import with_room
+from tribo.layout.layout import Layout
+from tribo.layout.loop_memory import own_model
+from tribo.layout.threads import assisted
+from tribo.ledger.samples import Samples
+from tribo.loops.integrate import Columns, Memory, Setting
+from tribo.plugins.compile_errors import compiling
+from tribo.plugins.sources import source_stamp
+
+# Which blocks are active, and how long the others have not been advanced.
+SELECTION = ("blocks", "first", "since", "place", "selected")
+
+
+class GeneralLoop:
+    """The time loop of a method for one scene, and the state of its run.
+
+    Parameters
+    ----------
+    layout : Layout
+        The scene.
+    method : Method
+        How time advances.
+    setting : float or Tolerance
+        The step, or the tolerances of an adaptive method.
+    start : ndarray, (2 coordinates,)
+        y at t = 0.
+    first_step : float
+        The first step of an adaptive method [time].
+    threads : int
+        Threads that share each step; the results do not depend on it.
+
+    Attributes
+    ----------
+    layout : Layout
+        The scene.
+    model : Model
+        The tables of the kernels, with scratch of this loop.
+    calls : tuple of Call
+        ASE calculators that it calls.
+    clocks : ndarray, (1,)
+        How far the run has come.
+    state : State
+        Coordinates, velocities, accounts, and what the method keeps of its last step.
+    adaptive : bool
+        Whether it chooses its steps.
+    compiled : callable
+        The loop, compiled at its first call.
+    """
+
+    def __init__(
+        self,
+        layout: Layout,
+        method: Method,
+        setting: Setting,
+        start: np.ndarray,
+        first_step: float,
+        threads: int = 1,
+    ) -> None:
+        self.layout = layout
+        self.model, self.calls = own_model(layout)
+        self._assistants = threads - 1
+        self.adaptive = method.adaptive
+        self.clocks = np.zeros(1, CLOCK).view(np.recarray)
+        self.clocks.h = first_step if method.adaptive else 0.0
+        if isinstance(setting, Tolerance):
+            self.clocks.encounter_fraction = setting.encounter_fraction
+        coordinates, accounts = layout.room
+        places, n = layout.places, layout.coordinates
+        y = np.zeros(2 * coordinates)
+        y[places.q], y[coordinates + places.q] = start[:n], start[n:]
+        self.state = initial_state(y, accounts, method.remembers, method.splits)
+        core = places.q[: layout.core]
+        self._recorded = np.concatenate([core, coordinates + core]), places.s
+        self._neighbours = layout.neighbours(method.splits)
+        self._noise: tuple[np.random.Generator, ...] = ()
+        work = method.coefficients.workspace(self.model, self.state)
+        if method.splits:
+            self._noise = (np.random.default_rng([layout.scene.seed, 2]),)
+        speeds = room((3, self.model.each.shape[1]))
+        self._scratch: tuple[tuple[Any, ...] | np.ndarray, ...]
+        self._scratch = (work,) if method.splits else (work, speeds)
+        if method.adaptive:
+            self._scratch += (empty_state(self.state),)
+        self._constants = (method.coefficients, in_blocks(setting, layout))
+        self.compiled = time_loop(method.loop, source_stamp(layout.plugins))
+        self._assist: Any = None
+        if self._assistants:
+            self._assist = time_loop(assist, source_stamp(layout.plugins))
+
+    def room(self, samples: int) -> Columns:
+        """Arrays for so many samples."""
+        surfaces = len(self.layout.scene.surfaces)
+        return (
+            np.empty((samples, 2 * self.layout.core)),
+            np.empty((samples, self.layout.accounts)),
+            np.empty(samples),
+            np.empty(samples),
+            np.zeros((samples, surfaces, STORED)),
+            np.empty((samples, *self.layout.sampled_baths)),
+        )
+
+    def advance(self, times: np.ndarray, columns: Columns, budget: int) -> int:
+        """Take at most `budget` steps, and record the samples at `times`; a code of a status."""
+        model, arguments = self.model, self._arguments(times, columns, budget)
+        with assisted(model.team, self._assistants, self.assist):
+            code: int = self.compiled(model, *arguments)
+        return code
+
+    def assist(self) -> None:
+        """Share the steps that another thread takes, until it has no more."""
+        self._assist(self.model, self._neighbours, self.state, self._scratch[0])
+
+    def _arguments(self, times: np.ndarray, columns: Columns, budget: int) -> tuple[Any, ...]:
+        """The arguments of the loop, behind the model."""
+        self._neighbours = with_room(self._neighbours)
+        return (
+            self._neighbours,
+            *self._constants,
+            self.clocks,
+            self.state,
+            times,
+            Record(*columns, *self._recorded),  # type: ignore[call-arg]
+            budget,
+            *self._noise,
+            *self._scratch,
+        )
+
+    def forget_neighbours(self) -> None:
+        """Let the next call make its neighbour list, if it has one, from the bobs' places."""
+        if self._neighbours is not None:
+            self._neighbours.place[:] = np.nan
+
+    @property
+    def inactive(self) -> int:
+        """Number of asperites that are not stepped, until blocks are selected again."""
+        if self._neighbours is None or self._neighbours.active is None:
+            return 0
+        own = self._neighbours.active.since[self.layout.places.columns // LANES]
+        return int(np.count_nonzero(np.isfinite(own)))
+
+    def memory(self) -> Memory:
+        """All that another loop of this kind needs to continue, until this one goes on."""
+        memory = {"clock": numbers_of(self.clocks)}
+        memory |= self.state._asdict()
+        if self._neighbours is not None:
+            for name in ("start", "index", "place", "made", "listed"):
+                memory[f"neighbours_{name}"] = getattr(self._neighbours, name)
+            if self._neighbours.active is not None:
+                for name in SELECTION:
+                    memory[f"active_{name}"] = getattr(self._neighbours.active, name)
+        if self._noise:
+            text = json.dumps(self._noise[0].bit_generator.state)
+            memory["noise"] = np.frombuffer(text.encode(), np.uint8)
+        return memory
+
+    def restore(self, memory: Memory) -> None:
+        """Continue where another loop of this kind was."""
+        set_numbers(self.clocks, memory["clock"])
+        self.state = State(**{name: with_spare_lanes(memory[name]) for name in State._fields})
+        if self._neighbours is not None:
+            self._neighbours = self._neighbours._replace(
+                start=memory["neighbours_start"].copy(),
+                index=memory["neighbours_index"].copy(),
+                place=with_spare_lanes(memory["neighbours_place"]),
+                made=memory["neighbours_made"].copy(),
+                listed=memory["neighbours_listed"].copy(),
+            )
+            if self._neighbours.active is not None:
+                for name in SELECTION:
+                    getattr(self._neighbours.active, name)[...] = memory[f"active_{name}"]
+        if self._noise:
+            self.restore_noise(memory["noise"])
+
+    def restore_noise(self, noise: np.ndarray) -> None:
+        """Draw the random numbers that follow those drawn before, if any are drawn."""
+        for generator in self._noise:
+            generator.bit_generator.state = json.loads(noise.tobytes())
+
+    def samples(self, times: np.ndarray, columns: Columns) -> Samples:
+        """The first samples in `columns`, which were recorded at `times`."""
+        return Samples(times, *(column[: times.size] for column in columns))
+
+
+def compile_loop(layout: Layout, method: Method, threads: int = 1) -> float:
+    """Compile a loop for a scene, or load it from the disk cache; returns the seconds."""
+    began = time.perf_counter()
+    setting: Setting = 1.0
+    if method.adaptive:
+        setting = Tolerance(np.ones(2 * layout.coordinates), np.ones(layout.accounts), 1.0, 1.0)
+    loop = GeneralLoop(layout, method, setting, layout.start, 0.0, threads)
+    with undisturbed(), compiling(loop.compiled, layout.named_plugins):
+        if threads > 1:
+            loop.model.team.counters[CLOSED] = 1
+            loop.assist()
+        loop.advance(np.ones(1), loop.room(1), 0)
+    return time.perf_counter() - began
+
+
+def in_blocks(setting: Setting, layout: Layout) -> Setting:
+    """A setting as the kernels read it; a tolerance is 1 for what fills their blocks."""
+    if not isinstance(setting, Tolerance):
+        return setting
+    coordinates, accounts = layout.room
+    y, s, n = room((2 * coordinates,)), room((accounts,)), layout.coordinates
+    y[:], s[:] = 1.0, 1.0
+    y[layout.places.q], y[coordinates + layout.places.q] = setting.y[:n], setting.y[n:]
+    s[layout.places.s] = setting.s
+    return setting._replace(y=y, s=s)
+
+
+def numbers_of(clocks: np.ndarray) -> np.ndarray:
+    """The fields of a clock as numbers; counts below 2^53 are exact."""
+    return np.array(clocks[0].tolist(), float)
+
+
+def set_numbers(clocks: np.ndarray, numbers: np.ndarray) -> None:
+    """Set the fields of a clock from :func:`numbers_of`."""
+    for name, value in zip(CLOCK.names or (), numbers, strict=True):
+        clocks[name] = value

@@ -1,0 +1,336 @@
+"""One integration of a scene: a time loop, called in chunks, and its samples."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+
+from tribo import interrupts
+from tribo.integrators.step_control import Tolerance
+from tribo.kernels.status import PAUSED, STATUS_OF_CODE, Status
+from tribo.layout.layout import Layout
+from tribo.ledger.reactions import add_reactions
+from tribo.ledger.samples import Samples
+from tribo.ledger.sinks import StreamedLedger, portion_size
+from tribo.loops.guards import ProgressGuard, most_evaluations
+from tribo.potentials.from_ase import Call
+
+Progress = Callable[[float], None]  # called with the time reached, a few times a second
+Setting = float | Tolerance  # of a time loop: its step, or the tolerances of an adaptive one
+Columns = tuple[np.ndarray, ...]  # raw samples of a time loop; the first axis of each is time
+Memory = dict[str, np.ndarray]  # all that a time loop needs to continue bit for bit
+
+# Seconds between two checks for an interrupt: short for a person, long against a call.
+CHUNK_SECONDS = 0.1
+# Steps of the first chunk: a person does not notice the time they take, even with a million
+# asperites.
+FIRST_CHUNK = 1
+# Largest ratio of the steps of a chunk to those of the one before: the first steps may be much
+# cheaper than later ones.
+CHUNK_GROWTH = 16
+# Steps of any chunk, at most: budgets are integers of 64 bits.
+LARGEST_CHUNK = 1_000_000_000
+# Seconds that a chunk counts as taking if the clock shows less.
+LEAST_SECONDS = 1e-6
+
+
+class TimeLoop(Protocol):
+    """A compiled time loop, and the state of its run."""
+
+    layout: Layout
+    adaptive: bool  # whether it chooses its steps
+
+    @property
+    def calls(self) -> tuple[Call, ...]:
+        """ASE calculators that the loop calls."""
+
+    @property
+    def clocks(self) -> np.ndarray:
+        """How far the run has come, (1,) of :data:`tribo.kernels.records.CLOCK`."""
+
+    def room(self, samples: int) -> Columns:
+        """Arrays for so many samples."""
+
+    def advance(self, times: np.ndarray, columns: Columns, budget: int) -> int:
+        """Take at most `budget` steps, and record the samples at `times`; a code of a status."""
+
+    def forget_neighbours(self) -> None:
+        """Let the next call make its neighbour list, if it has one, from the bobs' places."""
+
+    def memory(self) -> Memory:
+        """All that another loop of this kind needs to continue, until this one goes on."""
+
+    def restore(self, memory: Memory) -> None:
+        """Continue where another loop of this kind was."""
+
+    def samples(self, times: np.ndarray, columns: Columns) -> Samples:
+        """The first samples in `columns`, which were recorded at `times`."""
+
+
+class Checkpoints(Protocol):
+    """Where an integration keeps its samples and its memory while it goes on."""
+
+    def restore(self, loop: TimeLoop, columns: Columns) -> Status | None:
+        """Fill in what was kept, if anything; the status of an integration that had ended."""
+
+    def due(self) -> bool:
+        """Whether it is time to keep what was reached."""
+
+    def keep(self, loop: TimeLoop, columns: Columns, status: Status | None) -> None:
+        """Keep the samples so far and the memory, and the status if the integration has ended."""
+
+
+class PortionCheckpoints(Protocol):
+    """Where a streamed integration keeps its portions while it goes on."""
+
+    def restore_portions(
+        self, loop: TimeLoop, streamed: StreamedLedger
+    ) -> tuple[int, Samples | None]:
+        """Take in what was kept, if anything; the number of portions, and the samples held."""
+
+    def due(self) -> bool:
+        """Whether it is time to keep what was reached."""
+
+    def keep_portions(
+        self, loop: TimeLoop, streamed: StreamedLedger, number: int, held: Samples
+    ) -> None:
+        """Keep what was taken in, after so many portions."""
+
+
+@dataclass(eq=False)
+class Integration:
+    """One integration of the equations of motion.
+
+    Attributes
+    ----------
+    recorded : callable
+        Returns the raw samples.
+    status : Status
+        How the integration ended.
+    counts : ndarray
+        Steps and evaluations of all forces, its first two elements.
+    seconds : float
+        Wall time.
+    remembered : callable
+        Returns all that the time loop needs to continue from the end.
+    passages : tuple of int
+        Number of steps in which bobs passed an encounter far below k_B T, and the last two bobs.
+    failures : tuple of str
+        Errors that ASE calculators raised.
+    """
+
+    recorded: Callable[[], Samples]
+    status: Status
+    counts: np.ndarray
+    seconds: float
+    remembered: Callable[[], Memory]
+    passages: tuple[int, ...] = (0, 0, 0)
+    failures: tuple[str, ...] = ()
+    # Not a cached_property, whose lock takes a part of the time of a short run.
+    _samples: Samples | None = None
+
+    @property
+    def samples(self) -> Samples:
+        """The raw samples, built when they are first needed."""
+        if self._samples is None:
+            self._samples = self.recorded()
+        return self._samples
+
+    @cached_property
+    def memory(self) -> Memory:
+        """All that the time loop needs to continue from the end, built when it is first needed."""
+        return self.remembered()
+
+    def without_samples(self) -> Integration:
+        """The same with the first sample and the last two alone."""
+        few = self.samples.last_interval()
+        return replace(self, recorded=lambda: few, _samples=few)
+
+    @property
+    def steps(self) -> int:
+        """Steps taken."""
+        return int(self.counts[0])
+
+    @property
+    def evaluations(self) -> int:
+        """Evaluations of all forces."""
+        return int(self.counts[1])
+
+
+def first_step_at(tolerance: Tolerance, longest: float, order: int) -> float:
+    """The first step of a run: shorter with finer tolerances.
+
+    Two runs that began with the same step would share its error, which no step control has seen.
+    """
+    return longest * tolerance.level ** (1.0 / order)
+
+
+def integrate(
+    loop: TimeLoop,
+    times: np.ndarray,
+    progress: Progress | None = None,
+    streamed: StreamedLedger | None = None,
+    checkpoints: Checkpoints | None = None,
+    portions: PortionCheckpoints | None = None,
+    columns: Columns | None = None,
+    before: Samples | None = None,
+    most: float | None = None,
+) -> Integration:
+    """Integrate through `times`.
+
+    Ends at the last time, or where something stops it; then the state reached is the last sample.
+
+    Parameters
+    ----------
+    loop : TimeLoop
+        The state at the start.
+    times : ndarray, (times,)
+        The times to record.
+    progress : callable, optional
+        Called with the time reached.
+    streamed : StreamedLedger, optional
+        Takes in the samples, of which only the first and the last two are kept then.
+    checkpoints : Checkpoints, optional
+        Keeps what is reached, and has what was reached before; not of a streamed run.
+    portions : PortionCheckpoints, optional
+        The same of a streamed run.
+    columns : tuple of ndarray, optional
+        The samples of a loop that has begun.
+    before : Samples, optional
+        The first sample of the run that is continued; it comes before all others.
+    most : float, optional
+        Force evaluations that adaptive steps may take; those of the scene without it.
+    """
+    began = time.perf_counter()
+    rows = times.size if streamed is None else portion_size(loop.layout)
+    columns = columns or loop.room(min(rows, times.size) + 1)
+    held: Samples | None = None
+    status, done = Status.COMPLETED, 0
+    if streamed is not None and portions is not None:
+        done, held = portions.restore_portions(loop, streamed)
+    for first in range(rows * done, times.size, rows):
+        portion = times[first : first + rows]
+        if first > 0:
+            loop.clocks["sample"] = 0
+        status = _run_through(loop, portion, columns, progress, checkpoints, most)
+        memory = loop.memory()
+        if status != Status.COMPLETED:  # the loop goes on, to record where it stopped
+            memory = {name: array.copy() for name, array in memory.items()}
+        counts = np.array([loop.clocks["steps"][0], loop.clocks["evaluations"][0]])
+        passages = _passages(loop)
+        new = _recorded(loop, portion, columns, status)
+        if before is not None and first == 0:
+            new = before.then(new)
+        add_reactions(loop.layout, new, (new if held is None else held).y[:1])
+        # No other name holds on to samples, whose memory large scenes need for the next ones.
+        earlier = 0 if held is None else held.t.size
+        held = new if held is None else held.then(new)
+        if streamed is not None:
+            end = streamed.add(held, earlier)
+            if end is not None:
+                status, held = end[1], held.at(held.t[: end[0] + 1])
+            held = held.last_interval()
+        if status != Status.COMPLETED:
+            break
+        more = first + rows < times.size  # else the result is next
+        if more and streamed is not None and portions is not None and portions.due():
+            portions.keep_portions(loop, streamed, first // rows + 1, held)
+    whole = held
+    assert whole is not None
+    seconds = time.perf_counter() - began
+    failures = tuple(call.failure for call in loop.calls if call.error is not None)
+    return Integration(lambda: whole, status, counts, seconds, lambda: memory, passages, failures)
+
+
+def _passages(loop: TimeLoop) -> tuple[int, int, int]:
+    """Steps in which bobs passed an encounter far below k_B T, and the last two bobs."""
+    columns = [loop.clocks[name][0] for name in ("passing", "passed")]
+    one, other = (int(np.argmax(loop.layout.places.columns == column)) for column in columns)
+    return int(loop.clocks["passages"][0]), one, other
+
+
+def _run_through(
+    loop: TimeLoop,
+    times: np.ndarray,
+    columns: Columns,
+    progress: Progress | None,
+    checkpoints: Checkpoints | None,
+    most: float | None,
+) -> Status:
+    """Run through the times, from the last checkpoint if there is one; how it ended."""
+    if checkpoints is None:
+        return run_in_chunks(loop, times, columns, progress, most)
+    status = checkpoints.restore(loop, columns)
+    if status is not None:
+        return status
+
+    def between(t: float) -> None:
+        if checkpoints.due():
+            checkpoints.keep(loop, columns, None)
+        if progress is not None:
+            progress(t)
+
+    status = run_in_chunks(loop, times, columns, between, most)
+    # An interrupt ends the program, not the integration, which can be continued.
+    checkpoints.keep(loop, columns, None if status == Status.INTERRUPTED else status)
+    return status
+
+
+def _recorded(loop: TimeLoop, times: np.ndarray, columns: Columns, status: Status) -> Samples:
+    """The samples of a run, and the state in which it stopped as one more."""
+    done = int(loop.clocks["sample"][0])
+    t = float(loop.clocks["t"][0])
+    if status == Status.COMPLETED or (done and times[done - 1] == t):
+        return loop.samples(times[:done], columns)
+    # The loop records a sample that is due before it takes a step.
+    loop.clocks["sample"], loop.clocks["t_low"], loop.clocks["evaluations"] = 0, 0.0, 1
+    loop.forget_neighbours()
+    rest = tuple(column[done:] for column in columns)
+    while loop.advance(np.array([t]), rest, 1) == PAUSED:
+        pass
+    return loop.samples(np.append(times[:done], t), columns)
+
+
+def run_in_chunks(
+    loop: TimeLoop,
+    times: np.ndarray,
+    columns: Columns,
+    progress: Progress | None = None,
+    most: float | None = None,
+) -> Status:
+    """Run through the times in chunks, and check for an interrupt and for progress between them.
+
+    The clock only decides how many steps a chunk has; loops give the same bits for any chunks.
+    """
+    budget = FIRST_CHUNK
+    code = PAUSED
+    layout = loop.layout
+    most = most_evaluations(layout.scene) if most is None else most
+    guard = ProgressGuard(loop.clocks, layout.beginning, float(times[-1]), layout.scene.count, most)
+    for item in loop.calls:
+        item.error, item.interrupted = None, False
+    try:
+        while code == PAUSED:
+            began = time.perf_counter()
+            code = loop.advance(times, columns, guard.within(budget))
+            taken = max(time.perf_counter() - began, LEAST_SECONDS)
+            for item in loop.calls:
+                if item.error is not None:
+                    return Status.CALCULATOR_FAILED
+                if item.interrupted:
+                    raise KeyboardInterrupt
+            if loop.adaptive and code == PAUSED and guard.is_hopeless():
+                return Status.NO_PROGRESS
+            wanted = budget * min(CHUNK_SECONDS / taken, CHUNK_GROWTH)
+            budget = int(min(max(wanted, FIRST_CHUNK), LARGEST_CHUNK))
+            if progress is not None:
+                progress(float(loop.clocks["t"][0]))
+    except KeyboardInterrupt:
+        interrupts.answer()
+        return Status.INTERRUPTED
+    return STATUS_OF_CODE[code]

@@ -1,0 +1,186 @@
+"""The frequencies that steps have to resolve."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from tribo.integrators.methods import Method
+from tribo.integrators.splitting import Splitting
+from tribo.kernels.records import (
+    FREQUENCY,
+    INERTIA,
+    KAPPA,
+    L1,
+    L2,
+    MASS,
+    OSCILLATOR_FREQUENCY,
+    PULLED,
+)
+from tribo.layout.force_records import stiffness_at_bars
+from tribo.layout.layout import Layout
+from tribo.model.fields import Corrugation
+
+# Change of a place in units of a rod's length, of an angle in radians, and of a velocity in these
+# for each unit of time, by which derivatives of a user's forces are taken.  A smaller one would let
+# a jump of a force, as of dry friction at rest, demand steps that are too short to be of use.
+DIFFERENCE = 0.01
+
+# Bounds on steps h with reservoirs, where a pendulum of frequency w swings.  The jumps by which
+# strong friction undoes the drifts leave an error that heats it.  With z = gamma h / mass:
+# <twist^2> of harmonic swings is too large by about 0.12 z (w h / 2)^4, from the covariance of a
+# step, and that of wide swings on damped bars by about 0.13 z T / kappa, but by less than 1 % for
+# z < 0.25 at any T, as measured on 1500 pendulums.  Both stay below 2.5 %.
+MOST_DAMPED_PHASE = 0.2  # of z (w h / 2)^4
+MOST_DAMPED_SWING = 0.15  # of z T / kappa
+MOST_DAMPING = 0.25  # of z, where T / kappa is large
+
+
+def pendulum_frequency(layout: Layout) -> float:
+    """The angular frequency of the fastest pendulum [rad / time]."""
+    return float(np.max(layout.model.constants[FREQUENCY]))
+
+
+def spring_frequency(layout: Layout) -> float:
+    """A bound on the angular frequencies of lattice springs and of pulling springs [rad / time].
+
+    By Gershgorin: the sum of a row of the matrix of stiffnesses, over mass and inertia of its bar.
+    """
+    a, surfaces, springs = layout.asperites, layout.surfaces, layout.model.springs
+    stiffness = np.where(surfaces.drive == PULLED, surfaces.stiffness, 0.0)[a.surface]
+    if springs is not None:
+        columns = layout.places.columns
+        stiffness += 2.0 * stiffness_at_bars(springs, layout.model.drive.shape[1])[columns]
+    return float(np.sqrt(np.max(stiffness * _mobility(layout))))
+
+
+def bath_frequency(layout: Layout) -> float:
+    """The angular frequency of the fastest oscillator of any bath [rad / time]; 0 without one."""
+    baths = (layout.model.bath, layout.model.torsional)
+    fastest = [float(np.max(bath[OSCILLATOR_FREQUENCY])) for bath in baths if bath is not None]
+    return max(fastest, default=0.0)
+
+
+def corrugation_frequency(layout: Layout) -> float:
+    """The largest angular frequency of a bob in a minimum of a corrugation [rad / time]."""
+    table = layout.constants
+    mobility = 1.0 / table[MASS] + table[L1] ** 2 / table[INERTIA]
+    fastest = 0.0
+    for field in layout.model.fields or ():
+        if type(field.potential) is Corrugation:
+            amplitude, period = field.potential
+            curvature = abs(amplitude) * (2.0 * np.pi / period) ** 2
+            on = np.isin(layout.asperites.surface, field.surfaces)
+            fastest = max(fastest, float(np.sqrt(curvature * np.max(mobility[on]))))
+    return fastest
+
+
+def longest_damped_step(
+    layout: Layout,
+    gamma: np.ndarray | None = None,
+    swing_gamma: np.ndarray | None = None,
+    temperature: np.ndarray | None = None,
+) -> float:
+    """The longest step of a splitting method with which reservoirs leave swings their temperature.
+
+    Parameters
+    ----------
+    layout : Layout
+        The scene.
+    gamma, swing_gamma, temperature : ndarray, (..., surfaces), optional
+        Of the reservoirs, in place of those of the surfaces.
+
+    Returns
+    -------
+    float
+        The step [time]; infinite where no reservoir acts on pendulums that can swing.
+    """
+    a, s, table = layout.asperites, layout.surfaces, layout.constants
+    gamma = s.gamma if gamma is None else gamma
+    swing_gamma = s.swing_gamma if swing_gamma is None else swing_gamma
+    temperature = s.temperature if temperature is None else temperature
+    with np.errstate(divide="ignore", invalid="ignore"):
+        on_bars = gamma[..., a.surface] / table[MASS] * np.isfinite(table[INERTIA])
+        rates = np.maximum(on_bars, swing_gamma[..., a.surface] / table[INERTIA])
+        most = (16.0 * MOST_DAMPED_PHASE / (rates * table[FREQUENCY] ** 4)) ** 0.2
+        torsion = table[KAPPA] / temperature[..., a.surface]
+        curved = np.maximum(MOST_DAMPING, MOST_DAMPED_SWING * torsion) / on_bars
+        curved = np.where(temperature[..., a.surface] > 0.0, curved, np.inf)
+    return float(min(np.nanmin(most, initial=np.inf), np.nanmin(curved, initial=np.inf)))
+
+
+def user_frequency(layout: Layout) -> float:
+    """The largest rate at which a user's forces change a motion at the start [rad / time].
+
+    Measured by differences at one asperite of each surface; 0 where they cannot be taken.
+    """
+    with np.errstate(all="ignore"):
+        rates = [rate for rate in _user_rates(layout) if np.isfinite(rate)]
+    return max(rates, default=0.0)
+
+
+def turn_of_step(layout: Layout, method: Method, step: float, frequency: float) -> float:
+    """The phase of a frequency in the longest substep that a splitting method takes [rad]."""
+    return frequency * longest_step(layout, step) * longest_kick(method)
+
+
+def longest_step(layout: Layout, step: float) -> float:
+    """The longest step that equal steps of at most `step` take [time].
+
+    They are equal parts of the time between two samples; see `integrators.step_control.equal_step`.
+    """
+    intervals = np.diff(layout.times)
+    return float(np.max(intervals / np.maximum(1.0, np.ceil(intervals / step - 1e-9))))
+
+
+def longest_kick(method: Method) -> float:
+    """The longest kick of a splitting method, in units of the step."""
+    assert isinstance(method.coefficients, Splitting)
+    return float(np.max(np.abs(method.coefficients.kicks)))
+
+
+def _mobility(layout: Layout) -> np.ndarray:
+    """Velocity of each bar for a unit of momentum, at most."""
+    table = layout.constants
+    mobility: np.ndarray = 1.0 / table[MASS] + table[L2] ** 2 / table[INERTIA]
+    return mobility
+
+
+def _user_rates(layout: Layout) -> Iterator[float]:
+    """Rates at which a user's forces change places, angles, and velocities."""
+    a, mobility = layout.asperites, _mobility(layout)
+    for drive in layout.model.drives or ():
+        i = int(layout.surfaces.start[drive.surface])
+        place = np.add(drive.origin, (a.x[i], a.y[i] + a.facing[i] * a.l2[i]))
+        velocity = np.add(drive.velocity, (a.vx[i], a.vy[i]))
+        state, size = (0.0, *place, *velocity, 0.0, 0.0), float(a.l1[i] + a.l2[i])
+        force = drive.plugin.force_on_bar
+        yield np.sqrt(_slope(force, state, (1, 2), size) * mobility[i])
+        yield _slope(force, state, (3, 4), size) * mobility[i]
+    for end in layout.model.ends or ():
+        i = int(layout.surfaces.start[end.surface])
+        angles, arm = (0.0, float(a.phi[i]), float(a.nu[i]), 0.0), a.bar_length[i] / a.i2[i]
+        force = end.plugin.end_forces
+        yield np.sqrt(_slope(force, angles, (1, 3), 1.0) * arm)
+        yield _slope(force, angles, (2,), 1.0) * arm
+
+
+def _slope(
+    force: Callable[..., tuple[float, ...]],
+    state: tuple[float, ...],
+    places: tuple[int, ...],
+    size: float,
+) -> float:
+    """The largest derivative of a force by some of its arguments; nan if it cannot be computed."""
+    slopes = [0.0]
+    for place in places:
+        one, other = list(state), list(state)
+        one[place] -= DIFFERENCE * size
+        other[place] += DIFFERENCE * size
+        try:
+            change = np.subtract(force(*other), force(*one))
+        except (ArithmeticError, ValueError):
+            return np.nan
+        slopes.append(float(np.max(np.abs(change))) / (2.0 * DIFFERENCE * size))
+    return max(slopes)

@@ -1,0 +1,158 @@
+"""A compiled time loop for one layout and one method."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from tribo.integrators.methods import METHODS, Method
+from tribo.integrators.step_control import Tolerance
+from tribo.layout.layout import Layout, lay_out
+from tribo.ledger.sinks import StreamedLedger
+from tribo.loops.cuts import up_to_runaway
+from tribo.loops.general import GeneralLoop, compile_loop
+from tribo.loops.integrate import Integration, Progress, Setting, first_step_at, integrate
+from tribo.loops.journal import Journal, key_of
+from tribo.loops.pair import Pair, has_pair_loop
+from tribo.loops.state import Origin, State, continued
+from tribo.model.scene import Scene
+
+
+class Integrator:
+    """Integrates one layout by one method, with a loop that is compiled at construction.
+
+    A pair of asperites has a loop of its own where the method provides one.
+
+    Parameters
+    ----------
+    layout : Layout
+        The scene.
+    method : Method
+        How time advances.
+    first_step : float
+        The longest first step of an adaptive method [time].
+    progress : callable, optional
+        Called with the time reached, a few times a second.
+    origin : Origin, optional
+        The state from which the layout begins; its runs take the general loop.
+    journal : Journal, optional
+        Keeps what each integration reaches, and has what was reached before.
+    threads : int
+        Threads that share each step of the general loop.
+
+    Attributes
+    ----------
+    first_step : float
+        As given.
+    compile_seconds : float
+        Time to compile the loop, or to load it from disk.
+    threads : int
+        As given.
+    pair : Pair or None
+        The loop of a pair of asperites, where the method provides one.
+
+    Raises
+    ------
+    InputError
+        A plug-in cannot be compiled.
+    """
+
+    def __init__(
+        self,
+        layout: Layout,
+        method: Method,
+        first_step: float,
+        progress: Progress | None = None,
+        origin: Origin | None = None,
+        journal: Journal | None = None,
+        threads: int = 1,
+    ) -> None:
+        self.layout = layout
+        self.method = method
+        self.first_step = first_step
+        self._progress = progress
+        self.origin = origin
+        self._journal = journal
+        self.threads = threads
+        pair = origin is None and has_pair_loop(layout, method)
+        self.pair = Pair(layout, method, first_step) if pair else None
+        if self.pair is not None:
+            self.compile_seconds = self.pair.compile_seconds
+        else:
+            self.compile_seconds = compile_loop(layout, method, threads)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle what to lay out and compile again, without `progress` and `journal`."""
+        state = None if self.origin is None else self.origin.state
+        arguments = self.layout.scene, self.method.name, self.first_step, state, self.threads
+        return _integrator_from, arguments
+
+    def __call__(
+        self,
+        setting: Setting,
+        times: np.ndarray,
+        start: np.ndarray | None = None,
+        streamed: StreamedLedger | None = None,
+        most: float | None = None,
+    ) -> Integration:
+        """Integrate through `times`.
+
+        Parameters
+        ----------
+        setting : float or Tolerance
+            The step, or the tolerances of an adaptive method.
+        times : ndarray, (times,)
+            When to record.
+        start : ndarray, (2 coordinates,), optional
+            y at t = 0; the scene's without it.
+        streamed : StreamedLedger, optional
+            Takes the samples in, of which only the first and the last two are kept then.
+        most : float, optional
+            Force evaluations that adaptive steps may take; those of the scene without it.
+
+        Returns
+        -------
+        Integration
+        """
+        start = self.layout.start if start is None else start
+        entry = None
+        if self._journal is not None:
+            entry = self._journal.integration(key_of(setting, times, start))
+        if self.pair is not None:
+            assert isinstance(setting, Tolerance)
+            return self.pair.integrate(setting, start, times, self._progress, entry, most)
+        first = self.first_step
+        if isinstance(setting, Tolerance):
+            first = first_step_at(setting, first, self.method.order)
+        loop = GeneralLoop(self.layout, self.method, setting, start, first, self.threads)
+        before = None
+        if self.origin is not None:
+            exactly = np.array_equal(start, self.layout.start)
+            self.origin.place(loop, self.method.name, exactly)
+            before, times = self.origin.first, times[times >= self.layout.beginning]
+        whole, portions = (entry, None) if streamed is None else (None, entry)
+        run = integrate(
+            loop,
+            times,
+            self._progress,
+            streamed,
+            whole,
+            portions,
+            before=before,
+            most=most,
+        )
+        # A streamed run is guarded while its samples arrive, and adaptive steps keep the energy.
+        if streamed is not None or self.method.adaptive:
+            return run
+        return up_to_runaway(self.layout, run)
+
+
+def _integrator_from(
+    scene: Scene, method: str, first_step: float, state: State | None, threads: int
+) -> Integrator:
+    """The integrator of a scene, or of its continuation from a state."""
+    layout, origin = lay_out(scene), None
+    if state is not None:
+        layout, origin = continued(layout, state)
+    return Integrator(layout, METHODS[method], first_step, origin=origin, threads=threads)

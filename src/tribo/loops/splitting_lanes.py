@@ -1,0 +1,124 @@
+"""Members of an ensemble by a splitting method, eight at a time in the lanes of registers."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from tribo.compiler.lanes import LANES
+from tribo.compiler.lanes_memory import room
+from tribo.integrators.methods import Method
+from tribo.integrators.splitting_members import LOST, WATCHED, splitting_members
+from tribo.kernels.langevin import Deviates
+from tribo.kernels.records import CLOCK
+from tribo.kernels.status import COMPLETED, PAUSED
+from tribo.layout.layout import Layout
+from tribo.layout.member_numbers import MemberNumbers
+from tribo.loops.integrate import Columns, Setting
+from tribo.loops.lane_loop import LaneLoop, padded
+from tribo.pair.members import CODE, EVALUATIONS, STEPS
+
+# Steps of a call of the loop, at most, since an interrupt waits for its end.
+MOST_STEPS = 4096
+# Normal deviates that are drawn at once for a member, at most: 256 kB for eight.
+MOST_DEVIATES = 4096
+
+
+class SplittingLanes(LaneLoop):
+    """The loop of a splitting method; parameters as those of `LaneLoop`.
+
+    Raises
+    ------
+    InputError
+        If a plug-in does not compile.
+    """
+
+    def __init__(self, layout: Layout, method: Method, own_numbers: bool) -> None:
+        super().__init__(layout, method, own_numbers)
+        self._clocks = np.zeros(1, CLOCK).view(np.recarray)
+        watch = room((WATCHED, LANES))
+        self._state, self._work, self._watch = self.keep(
+            (self._state, self._work, watch), [self._clocks]
+        )
+        self._draws = self.coefficients.kicks.size * deviates_of_substep(self.layout)
+        examples = self._arguments(1.0, self.room(LANES), 0, np.empty((0, LANES)))
+        self._entry = self.compile(splitting_members, examples)
+
+    def run(
+        self,
+        step: Setting,
+        starts: np.ndarray,
+        seeds: np.ndarray,
+        columns: Columns,
+        numbers: MemberNumbers | None,
+    ) -> np.ndarray:
+        """Run members from `starts` (members, 2 coordinates), and record their samples.
+
+        Returns their counts, (members, 3): PAUSED of those that need a loop of their own.
+        """
+        assert isinstance(step, float)
+        members, times = len(starts), self.layout.times.size
+        chosen = np.arange(padded(members)).clip(max=members - 1)
+        counts = np.empty((members, 3), np.int64)
+        rows_of_numbers = self.rows_of(numbers, members)
+        for first in range(0, members, LANES):
+            own = chosen[first : first + LANES]
+            rows = slice(first * times, (first + LANES) * times)
+            some = tuple(each[rows] for each in columns)
+            self._memory[self._places_of_numbers] = rows_of_numbers[own]
+            lost = self._run_eight(step, starts[own], seeds[own].tolist(), some)
+            counts[own, CODE] = np.where(lost, PAUSED, COMPLETED)
+            clock = self._clocks[0]
+            counts[own, STEPS], counts[own, EVALUATIONS] = clock.steps, clock.evaluations
+        return counts
+
+    def _run_eight(
+        self, step: float, starts: np.ndarray, seeds: list[int], columns: Columns
+    ) -> np.ndarray:
+        """Run eight members; which of them need a loop of their own, (8,)."""
+        self.forget()
+        self._state.y[self._places] = starts
+        generators = [np.random.default_rng([seed, 2]) for seed in seeds] if self._draws else []
+        left = steps_in_all(self.layout.times, step)
+        code = PAUSED
+        while code == PAUSED:
+            budget = max(1, min(left, MOST_STEPS, MOST_DEVIATES // max(1, self._draws)))
+            deviates = np.empty((budget * self._draws, LANES))
+            for lane, generator in enumerate(generators):
+                deviates[:, lane] = generator.standard_normal(len(deviates))
+            code = self._entry(*self._arguments(step, columns, budget, deviates))
+            left -= budget
+        lost: np.ndarray = (self._watch[LOST] > 0.0) | (code != COMPLETED)
+        return lost
+
+    def _arguments(
+        self, step: float, columns: Columns, budget: int, deviates: np.ndarray
+    ) -> tuple[Any, ...]:
+        """The arguments of the loop, behind the model."""
+        return (
+            self.coefficients,
+            step,
+            self._clocks,
+            self._state,
+            self.layout.times,
+            self.record(columns),
+            budget,
+            self._watch,
+            Deviates(deviates, np.zeros(1, np.int64)),
+            self._work,
+        )
+
+
+def steps_in_all(times: np.ndarray, step: float) -> int:
+    """Steps of a run in equal steps of at most `step` between samples."""
+    return int(np.sum(np.maximum(1.0, np.ceil(np.diff(times) / step - 1e-9))))
+
+
+def deviates_of_substep(layout: Layout) -> int:
+    """Normal deviates that a member takes for a substep of its reservoirs."""
+    noisy = [s for s in layout.surfaces if s["temperature"] > 0.0]
+    return sum(
+        int(s["end"] - s["start"]) * (4 * (s["gamma"] > 0.0) + 2 * (s["swing_gamma"] > 0.0))
+        for s in noisy
+    )

@@ -1,0 +1,127 @@
+"""What tells one run from another: the scene, the settings, this package and the plug-ins."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from tribo.compiler.jit import package_stamp
+from tribo.model.drives import Custom, Ends
+from tribo.model.scene import Scene
+from tribo.model.scene_file import scene_from
+from tribo.plugins.sources import source_stamp
+from tribo.plugins.unloaded import Code, Unloaded, code
+from tribo.validation import InputError, short_repr
+
+Identity = dict[str, object]  # as JSON
+
+
+def settings_of(
+    method: str,
+    accuracy: float | Mapping[str, float] | None,
+    step: float | None,
+    start: str | None,
+) -> Identity:
+    """The settings of a run; `start` is the digest of the state where it begins."""
+    accuracy = dict(accuracy) if isinstance(accuracy, Mapping) else accuracy
+    return {"method": method, "accuracy": accuracy, "step": step, "start": start}
+
+
+def identity_of(scene: Scene, settings: Identity, by: str) -> Identity:
+    """What a run depends on; `by` is the version of this package."""
+    return {
+        "version": by,
+        "scene": plain_table(scene),
+        "settings": settings,
+        "plugin": plugin_stamps(scene),
+    }
+
+
+@cache
+def version() -> str:
+    """The version of this package, and the hash of its sources."""
+    from tribo import __version__
+
+    return f"{__version__} ({package_stamp()})"
+
+
+def plain_table(scene: Scene) -> dict[str, Any]:
+    """The scene as the nested table of its file, with TOML's own types."""
+    return tomllib.loads(scene.to_toml())
+
+
+def plugin_stamps(scene: Scene) -> dict[str, str | None]:
+    """The hash of the sources of each plug-in that is not this package's, by its field."""
+    return {place: stamp for place, item in _plugins(scene) if (stamp := _stamp(item)) != ""}
+
+
+def _plugins(scene: Scene) -> list[tuple[str, NamedTuple | Unloaded]]:
+    """All plug-ins, each with its field in the scene; no calculators."""
+    places = [
+        (f"interaction[{i}].potential", item.potential) for i, item in enumerate(scene.interactions)
+    ]
+    places += [(f"field[{i}].kind", item.potential) for i, item in enumerate(scene.fields)]
+    for i, surface in enumerate(scene.surfaces):
+        if isinstance(surface.drive, Custom):
+            places.append((f"surface[{i}].drive", surface.drive.force))
+        if isinstance(surface.bars, Ends):
+            places.append((f"surface[{i}].bars", surface.bars.force))
+    return [item for item in places if isinstance(item[1], (tuple, Unloaded))]
+
+
+def _stamp(plugin: NamedTuple | Unloaded) -> str | None:
+    return plugin.stamp if isinstance(plugin, Unloaded) else source_stamp([plugin])
+
+
+def opened(table: dict[str, Any], stamps: Mapping[str, str | None], folder: Path) -> Scene:
+    """The scene in a result, without its code; `stamps` are those of :func:`plugin_stamps`."""
+    with code(Code.LEAVE):
+        scene = scene_from(table, folder)
+    for place, item in _plugins(scene):
+        if isinstance(item, Unloaded):
+            item.stamp = stamps.get(place)
+    return scene
+
+
+def loaded(scene: Scene) -> Scene:
+    """The scene with the code of all its plug-ins; InputError if that has changed."""
+    before = {place: item for place, item in _plugins(scene) if isinstance(item, Unloaded)}
+    if not before:
+        return scene
+    scene = scene_from(plain_table(scene))
+    now = plugin_stamps(scene)
+    for place, item in before.items():
+        if item.stamp is not None and now.get(place) != item.stamp:
+            raise InputError(
+                place, f"{item.name} has changed since the result was computed; load its scene file"
+            )
+    return scene
+
+
+def first_difference(one: object, other: object, key: str = "") -> str | None:
+    """Where two tables of scenes differ first, "duration was 4.0, is 5.0"; None if nowhere."""
+    if isinstance(one, dict) and isinstance(other, dict):
+        names = dict.fromkeys([*one, *other])
+        pairs = [(f"{key}.{name}", one.get(name), other.get(name)) for name in names]
+    elif isinstance(one, list) and isinstance(other, list) and len(one) == len(other):
+        pairs = [(f"{key}[{i}]", *pair) for i, pair in enumerate(zip(one, other, strict=True))]
+    else:
+        same = one == other
+        return None if same else f"{key.removeprefix('.')} was {_shown(one)}, is {_shown(other)}"
+    return next((d for name, a, b in pairs if (d := first_difference(a, b, name))), None)
+
+
+def _shown(value: object) -> str:
+    return "missing" if value is None else short_repr(value)
+
+
+def refuse_other(path: Path, before: Identity, now: Identity) -> None:
+    """Raise InputError if a file is of another run, and name the first thing that differs."""
+    difference = first_difference(before, now)
+    if difference is not None:
+        raise InputError(
+            str(path), f"is of another run: {difference}; start again without --resume"
+        )

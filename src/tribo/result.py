@@ -1,0 +1,331 @@
+"""Results: the data of a run, with the ways to draw, convert and read it.
+
+This is the only place that joins results with plotting, export and the viewer, which stand between
+them; each is loaded when a method is called.
+"""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tribo.files import netcdf_path, strict_json
+from tribo.kernels.status import Status
+from tribo.model.identity import opened
+from tribo.results import dataset, report
+from tribo.results.averages import Average
+from tribo.results.cost import Cost
+from tribo.results.force_averages import force_average, friction_force, time_without_contact
+from tribo.results.run_result import Known, RunResult
+from tribo.validation import as_path
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+
+
+# The ending of names of tables.
+CSV = ".csv"
+
+
+class Result(RunResult):
+    __doc__ = RunResult.__doc__
+
+    def friction_force(
+        self, surface: str, after: float | str | None = None, part: str | None = None
+    ) -> Average:
+        """The time average of the friction force on a surface, with a 95 % interval.
+
+        The friction force is the x component of what resists sliding: the sum of all contact
+        forces f1 and of all forces of external fields.  It is negative on a surface that slides
+        towards positive x.  The scene's output must ask for the series "forces".
+
+        Parameters
+        ----------
+        surface : str
+            Name of the surface.
+        after : float or "auto", optional
+            When the average begins, as in :func:`tribo.time_average`; by default at the scene's
+            ``output.run_in`` [time].
+        part : "contact" or "field", optional
+            One of the two; both without it.
+
+        Returns
+        -------
+        Average
+            As of :func:`tribo.time_average` [force].  Its note says where a run stopped.
+
+        Raises
+        ------
+        InputError
+            The forces were not recorded, no field acts on the surface, or there are fewer than two
+            samples.
+        """
+        return friction_force(self, surface, after, part)
+
+    def pull_force(self, surface: str, after: float | str | None = None) -> Average:
+        """The time average of the drive's force on a surface, with a 95 % interval.
+
+        It is the x component of the sum of f2 over the asperites: of the springs of a pulled
+        surface, or of the reaction that holds driven bars.  It is positive on a surface that is
+        pulled towards positive x.  The scene's output must ask for the series "forces".
+
+        Parameters
+        ----------
+        surface : str
+            Name of the surface.
+        after : float or "auto", optional
+            When the average begins, as in :func:`tribo.time_average`; by default at the scene's
+            ``output.run_in`` [time].
+
+        Returns
+        -------
+        Average
+            As of :func:`tribo.time_average` [force].  Its note says where a run stopped.
+
+        Raises
+        ------
+        InputError
+            The forces were not recorded, or there are fewer than two samples.
+        """
+        return force_average(self, f"{surface}.pull_force", after)
+
+    def time_without_contact(self, surface: str, after: float | None = None) -> float:
+        """The share of time in which no bob of a surface is in contact with another surface.
+
+        Two bobs are in contact within the range of their potential.  Where it decays without an
+        end, they are if their energy is at least 1 % of the sum of the energy of torsion by 1 rad
+        of the softest asperite and of k_B T.  The scene's output must ask for the series "forces".
+
+        Parameters
+        ----------
+        surface : str
+            Name of the surface.
+        after : float, optional
+            When the average begins; by default the scene's ``output.run_in`` [time].
+
+        Returns
+        -------
+        float
+            Between 0 and 1.
+
+        Raises
+        ------
+        InputError
+            The contact was not recorded, or has no range, as that of Coulomb, or there are fewer
+            than two samples.
+        """
+        return time_without_contact(self, surface, after)
+
+    @property
+    def end(self) -> dict[str, Any]:
+        """The end state and the cost, as ``tribo run --json`` prints them."""
+        return report.end(self)
+
+    def to_json(self) -> str:
+        """The property `end` as strict JSON, as ``tribo run --json`` prints it.
+
+        Returns
+        -------
+        str
+            One JSON object; numbers that are not finite are null.
+        """
+        return strict_json(self.end)
+
+    def __repr__(self) -> str:
+        return str(self)
+
+    def _repr_html_(self) -> str:
+        return report.html(self)
+
+    def __str__(self) -> str:
+        return report.text(self)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """All series as a labelled data set.
+
+        Returns
+        -------
+        xarray.Dataset
+            ``upper.theta`` (time, upper_asperite), ``upper.W`` and ``applied_work`` (time,), each
+            with `units` and `long_name`, and, as ``upper.theta_error``, a bound on its error where
+            one is known.  Coordinates ``time``, ``upper_asperite``, and the resting bobs as
+            ``upper.x_rest``, ``upper.y_rest`` and ``upper.z_rest``.
+        """
+        return dataset.dataset(self)
+
+    def save(self, path: str | Path) -> None:
+        """Write everything to a NetCDF file that :func:`tribo.load_result` reads, or CSV.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file, which is replaced if it exists.  A name that ends on .csv makes a table of
+            all series alone, without the scene and the error estimates: a row for each time, and a
+            column for each quantity, as ``upper.W``, and for each asperite if a surface has
+            several, as ``upper.theta[3]``.
+
+        Raises
+        ------
+        InputError
+            The file cannot be written, or its name ends on neither .nc nor .csv.
+        """
+        path = as_path(path)
+        if path.suffix.lower() == CSV:
+            report.save_csv(self, path)
+        else:
+            dataset.save(self, netcdf_path("path", path, " or .csv"))
+
+    @property
+    def plot(self) -> Any:
+        """Plots, each with ``ax=None``, that return the Axes.
+
+        ``angles()``, ``work()``, ``energy_budget()``, ``snapshots()`` and ``phase()``: see
+        :class:`tribo.plotting.Plots`.
+        """
+        from tribo.plotting import Plots
+
+        return Plots(self)
+
+    def animate(self, path: str | Path, **settings: Any) -> Path:
+        """Write a moving picture of the run with its works: GIF, or MP4 if ffmpeg is installed.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file, which is replaced if it exists; its name ends on .gif or .mp4.
+        **settings
+            ``frames``, ``rate``, ``surface``, ``dpi`` and ``bath`` of
+            :func:`tribo.plotting.animate`.
+
+        Returns
+        -------
+        Path
+            The file.
+
+        Raises
+        ------
+        InputError
+            If the name ends otherwise, ffmpeg is missing, or the file cannot be written.
+        """
+        from tribo.plotting import animate
+
+        return animate(self, path, **settings)
+
+    def to_ase(self, symbols: dict[str, str] | None = None) -> list[Any]:
+        """The run as a list of ``ase.Atoms``, one for each sample: bobs, then bars.
+
+        ``ase.io.write("run.traj", result.to_ase())`` and ``"run.extxyz"`` make files that ASE and
+        other programs open.
+
+        Parameters
+        ----------
+        symbols : dict of str to str, optional
+            Elements of the bobs by surface, as ``{"upper": "Si"}``; without it their species.
+
+        Returns
+        -------
+        list of ase.Atoms
+            With masses, velocities, charges, contact energy and contact forces: see
+            :func:`tribo.export.ase_atoms.to_ase`.  Numbers are in the scene's units.
+
+        Raises
+        ------
+        InputError
+            If a symbol is no element, or a surface does not exist.
+        """
+        from tribo.export.ase_atoms import to_ase
+
+        return to_ase(self, symbols)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """All series as a table of pandas: a row for each time.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns (surface, asperite, quantity): ``frame["upper", 0, "theta"]``.  Quantities of a
+            whole surface have the asperite "all", those of the system the surface "system".
+        """
+        from tribo.export.pandas_tables import ledger_table
+
+        return ledger_table(self)
+
+    def end_to_pandas(self) -> pandas.DataFrame:
+        """The end state as a table of pandas: a row for each asperite, a column a quantity.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Indexed by (surface, asperite).
+        """
+        from tribo.export.pandas_tables import end_table
+
+        return end_table(self)
+
+    def to_html(self, path: str | Path, bath: bool = False) -> Path:
+        """Write a page that plays the run in a browser: one file that loads nothing else.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file, which is replaced if it exists.
+        bath : bool
+            Whether bath oscillators are drawn, as dots behind their bars with magnified
+            displacements; the scene's output must ask for the series "oscillators".
+
+        Returns
+        -------
+        Path
+            The file.
+
+        Raises
+        ------
+        InputError
+            The file cannot be written, or the places of asperites, or of the oscillators that are
+            requested, are not recorded.
+        """
+        from tribo.viewer import write_page
+
+        return write_page(self, path, bath)
+
+
+def load_result(path: str | Path) -> Result:
+    """Read a result from the file that :meth:`tribo.Result.save` wrote.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+
+    Returns
+    -------
+    Result
+
+    Raises
+    ------
+    InputError
+        There is no such file, or it holds no result.
+    """
+    path = as_path(path)
+    data = dataset.load(path)
+    settings, stamps = (json.loads(data.attrs[name]) for name in ("settings", "plugins"))
+    scene = opened(tomllib.loads(data.attrs["scene"]), stamps, path.parent)
+    bounds = json.loads(data.attrs["error_estimate"])
+    return Result(
+        scene=scene,
+        status=Status(data.attrs["status"]),
+        method=data.attrs["method"],
+        why=data.attrs["why"],
+        accuracy=json.loads(data.attrs["accuracy"]),
+        met=json.loads(data.attrs["met"]),
+        notes=tuple(json.loads(data.attrs["notes"])),
+        bounds={name: bound for name, bound in bounds.items() if bound is not None},
+        assemble=Known(dataset.ledger_of(data, scene)),
+        add_up=Known(Cost(**json.loads(data.attrs["cost"]))),
+        take_state=Known(dataset.state_in(data, scene)),
+        settings=settings,
+        version=data.attrs["version"],
+    )

@@ -1,0 +1,249 @@
+"""Averages of series over time, with intervals that allow for correlation and for periodic motion.
+
+The low frequencies of a series are its products with some smooth functions that vanish at both
+ends, so that the incomplete period at an end, of stick and slip or of a lattice, hardly matters.
+The products are regressed on those of a constant (D. J. Thomson, Proc. IEEE 70 (1982) 1055): what
+they leave over is the spectral density near frequency zero (P. Heidelberger, P. D. Welch, Commun.
+ACM 24 (1981) 233).  How it depends on frequency is unknown, so that Student's intervals of several
+spectra are averaged, weighted by their likelihoods.  `benchmarks/averages.py` measures how often
+the interval contains the exact mean.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from tribo.results.intervals import CONFIDENCE
+from tribo.validation import InputError, must_be, number, vector
+
+# Number of functions; the last one has half as many periods.  More would reach the frequency of
+# ten slips, fewer leave few degrees of freedom.
+FUNCTIONS = 12
+# Spectra that are flat, fall as that of exponential correlation with a time in units of the
+# series, or rise with the frequency of so many functions, as beside a periodic motion.
+CORRELATION_TIMES = (0.0, *np.geomspace(0.01, 0.64, 7).tolist())
+RISES = (16.0, 8.0, 4.0, 2.0)
+# The time in which the autocorrelation falls to 1/e, in units of the series, above which there is
+# no interval: at a correlation time of 1/5 that leaves 4 % of the series one.
+LONGEST_CORRELATION = 0.035
+# An interval is wider by the factor 1 + (this time over WIDENING)^4, because a series with a short
+# one may be one of the short ones of a longer correlation: measured, from 1/20 to 1/50.
+WIDENING = 0.032
+# Part of the half-width by which the average with equal weights may differ from that with smooth
+# ends; beyond it, the ends are incomplete periods.  And its interval, relative to the other.
+SIMILAR, NARROWER = 0.5, 0.9
+# A difference from the line between its neighbours is a slip within an interval between samples,
+# if it is so many times the median.
+UNRESOLVED = 5.0
+# Probability with which a trend is not one of chance, and the same of one by unresolved slips: 3.3
+# standard errors, that of a slope being the square root of 12 times that of the mean.
+TREND, SLOPE = 0.999, 11.4
+
+
+class Average(NamedTuple):
+    """The average of a series over time; units are those of the series.
+
+    Attributes
+    ----------
+    mean : float
+        The average.
+    half_width : float
+        Half-width of its 95 % interval; NaN where the series is too short for one.
+    spread : float
+        The standard deviation over time.
+    correlation_time : float
+        An estimate, to a third or so, of the integral of the autocorrelation from zero on [time];
+        small where the motion is periodic.
+    effective_samples : float
+        The number of independent samples whose mean is as exact: the length of the series over
+        twice the correlation time.
+    after : float
+        When the average begins [time].
+    note : str
+        Why there is no interval, or that the series has a trend; else empty.
+    """
+
+    mean: float
+    half_width: float
+    spread: float
+    correlation_time: float
+    effective_samples: float
+    after: float
+    note: str = ""
+
+
+class _Estimate(NamedTuple):
+    """A coefficient of a regression: its value, half-width, and the spectral density left over."""
+
+    value: float
+    half_width: float
+    density: float
+
+
+def time_average(
+    t: Sequence[float] | np.ndarray,
+    values: Sequence[float] | np.ndarray,
+    after: float | str = "auto",
+) -> Average:
+    """The average of a series over time, with a 95 % interval.
+
+    Parameters
+    ----------
+    t, values : array_like, (times,)
+        The series.  Times increase and need not be evenly spaced; between them the series is taken
+        as linear.
+    after : float or "auto"
+        When the average begins, to leave out the run-in [time].  "auto" leaves out twice what
+        makes the standard error, as of independent samples, smallest (K. P. White, Simulation 69
+        (1997) 323), at most half of the series, if that changes the average by more than its
+        half-width.
+
+    Returns
+    -------
+    Average
+        The integral over the time, unless incomplete periods at the ends matter: then the weights
+        vanish there.
+
+    Raises
+    ------
+    InputError
+        Times or values are not numbers, times do not increase, or fewer than two are left.
+    """
+    t, values = vector("t", t, unit="time"), vector("values", values, size=len(t))
+    if np.any(np.diff(t) <= 0.0):
+        raise InputError("t", "must increase")
+    if after != "auto":
+        return _average(t, values, _first(t, after))
+    whole, later = _average(t, values, 0), _average(t, values, _run_in(t, values))
+    return later if abs(whole.mean - later.mean) > later.half_width else whole
+
+
+def _average(t: np.ndarray, values: np.ndarray, first: int) -> Average:
+    """The average of a series from one of its samples on."""
+    t, values = t[first:], values[first:]
+    if t.size < 2:
+        raise InputError("after", f"must leave two samples or more, got {t.size}")
+    weights = _weights(t)
+    mean = float(weights @ values)
+    rest = values - mean
+    spread = float(np.sqrt(weights @ rest**2))
+    begin, length = float(t[0]), float(t[-1] - t[0])
+    if t.size < 2 * FUNCTIONS:
+        note = f"too short for an interval: {t.size} samples, {2 * FUNCTIONS} or more would do"
+        return Average(mean, np.nan, spread, np.nan, np.nan, begin, note)
+    s, note = (t - begin) / length, ""
+    low = _low_frequencies(s, weights)
+    smooth = _regression(rest @ low, low.sum(axis=0), CONFIDENCE)
+    trend = _regression((rest - smooth.value) @ low, (s - 0.5) @ low, TREND)
+    unresolved = _unresolved(s, rest, weights)
+    memory = _correlated(s, rest)
+    half_width = np.hypot(smooth.half_width * (1.0 + (memory / WIDENING) ** 4), 2.0 * unresolved)
+    if abs(smooth.value) <= SIMILAR * half_width:
+        half_width *= NARROWER
+    else:
+        mean += smooth.value
+    density = smooth.density + unresolved**2
+    if memory > LONGEST_CORRELATION:
+        half_width = np.nan
+        note = "too short for an interval: it is correlated for a large part of its length"
+    if abs(trend.value) > np.hypot(trend.half_width, SLOPE * unresolved):
+        note = f"has a trend of {trend.value / length:.2g} per unit of time"
+    correlation_time = 0.5 * length * density / spread**2 if spread > 0.0 else 0.0
+    effective = spread**2 / density if density > 0.0 else float(t.size)
+    found = mean, float(half_width), spread, float(correlation_time), float(effective)
+    return Average(*found, begin, note)
+
+
+def _first(t: np.ndarray, after: float | str) -> int:
+    """The place of the first time that is not before `after`."""
+    if isinstance(after, str):
+        raise must_be("after", 'a time or "auto"', after)
+    return int(np.searchsorted(t, number("after", after, unit="time")))
+
+
+def _run_in(t: np.ndarray, values: np.ndarray) -> int:
+    """The place in the first half that is twice as late as the one of the smallest error.
+
+    That is the error of the mean of independent samples from there on, by which an exponential
+    approach still has its own error.
+    """
+    weights = _weights(t)
+    left = np.cumsum(weights[::-1])[::-1]
+    rest = values - weights @ values
+    mean, square = (np.cumsum((weights * x)[::-1])[::-1] / left for x in (rest, rest**2))
+    half = int(np.searchsorted(t, 0.5 * (t[0] + t[-1])))
+    least = int(np.argmin(((square - mean**2) / left)[: half + 1]))
+    return min(half, int(np.searchsorted(t, 2.0 * t[least] - t[0])))
+
+
+def _weights(t: np.ndarray) -> np.ndarray:
+    """The weights of the trapezoidal rule for the mean, (times,)."""
+    steps = np.diff(t) / (t[-1] - t[0])
+    return 0.5 * (np.append(steps, 0.0) + np.append(0.0, steps))
+
+
+def _low_frequencies(s: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Orthonormal functions that vanish at the ends as s^2, times the weights, (times, functions).
+
+    The mean square of the product of each with noise is the noise's spectral density.
+    """
+    root = np.sqrt(weights)[:, None]
+    orders = np.arange(1, FUNCTIONS + 1)
+    functions = np.sin(np.pi * s)[:, None] * np.sin(np.pi * np.outer(s, orders))
+    return np.asarray(root * np.linalg.qr(root * functions)[0])
+
+
+def _spectra() -> np.ndarray:
+    """Spectral densities at the frequencies of the functions, relative, (spectra, functions)."""
+    orders = np.arange(1, FUNCTIONS + 1)
+    falls = [1.0 / (1.0 + (np.pi * orders * time) ** 2) for time in CORRELATION_TIMES]
+    rises = [(1.0 + (orders / rise) ** 2) ** 2 for rise in RISES]
+    return np.array([*falls, *rises])
+
+
+def _regression(products: np.ndarray, of_unit: np.ndarray, confidence: float) -> _Estimate:
+    """How many times `of_unit` is in the products, averaged over the spectra."""
+    from scipy.special import stdtr
+
+    spectra, degrees = _spectra(), FUNCTIONS - 1
+    information = np.sum(of_unit**2 / spectra, axis=1)
+    value = np.sum(products * of_unit / spectra, axis=1) / information
+    squares = np.sum((products - np.outer(value, of_unit)) ** 2 / spectra, axis=1)
+    if not np.all(squares > 0.0):  # a constant
+        return _Estimate(float(value[0]), 0.0, 0.0)
+    log = -0.5 * (np.sum(np.log(spectra), axis=1) + np.log(information) + degrees * np.log(squares))
+    likelihood = np.exp(log - np.max(log))
+    likelihood /= np.sum(likelihood)
+    mean = float(likelihood @ value)
+    errors = np.sqrt(squares / degrees / information)
+
+    def excess(half_width: float) -> float:
+        ends = [(mean + side * half_width - value) / errors for side in (-1.0, 1.0)]
+        return float(likelihood @ (stdtr(degrees, ends[1]) - stdtr(degrees, ends[0]))) - confidence
+
+    from scipy.optimize import brentq
+
+    far = 1e3 * float(np.max(errors) + np.ptp(value))
+    density = float(np.exp(likelihood @ np.log(squares / degrees)))
+    return _Estimate(mean, float(brentq(excess, 0.0, far, rtol=1e-6)), density)
+
+
+def _unresolved(s: np.ndarray, rest: np.ndarray, weights: np.ndarray) -> float:
+    """The standard error that slips within an interval between samples leave in the mean.
+
+    Such a slip is at an unknown place, uniformly distributed, in its interval.
+    """
+    part = (s[1:-1] - s[:-2]) / (s[2:] - s[:-2])
+    bend = np.abs(rest[1:-1] - rest[:-2] - part * (rest[2:] - rest[:-2]))
+    slips = bend > UNRESOLVED * np.median(bend)
+    return float(np.sqrt(np.sum((weights[1:-1] * bend)[slips] ** 2) / 6.0))
+
+
+def _correlated(s: np.ndarray, rest: np.ndarray) -> float:
+    """The time in which the autocorrelation falls to 1/e, in units of the series."""
+    even = np.interp(np.linspace(0.0, 1.0, s.size), s, rest)
+    correlation = np.fft.irfft(np.abs(np.fft.rfft(even, 2 * s.size)) ** 2)[: s.size]
+    return int(np.argmax(correlation < np.exp(-1.0) * correlation[0])) / s.size

@@ -1,0 +1,217 @@
+"""Results as labelled data sets, and as the NetCDF files that hold them."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import re
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from tribo.files import replace_file
+from tribo.ledger.ledger import Ledger, known
+from tribo.ledger.quantities import EVERY_QUANTITY, SUMMED_QUANTITIES, UNITS, Table
+from tribo.loops.state import State
+from tribo.model.identity import plugin_stamps, version
+from tribo.model.scene import Scene
+from tribo.results.run_result import RunResult
+from tribo.validation import InputError
+
+if TYPE_CHECKING:
+    import xarray
+
+# Before the names of the arrays of a state.
+STATE = "state."
+# After the name of a surface in that of its bath oscillators' displacements.
+OSCILLATORS = ".oscillators"
+# Before the hash of a file, which is computed with zeros in its place.
+HASH = b"blake2b:"
+NO_DIGEST = b"0" * 64
+# A variable of a data set: its dimensions, its values and its attributes.
+Variable = tuple[tuple[str, ...], np.ndarray | float, dict[str, str]]
+
+
+def dataset(result: RunResult) -> xarray.Dataset:
+    """All series of a result and their error estimates, with all else in the attributes."""
+    import xarray
+
+    variables: dict[str, Variable] = {}
+    for name, table in result.ledger.surfaces.items():
+        times = "end" if _has_ends_alone(result) else "time"
+        variables |= _series(table, result.error_estimate, name, (times, f"{name}_asperite"))
+        variables |= _series(result.ledger.blocks[name], result.error_estimate, name, ("time",))
+        if name in result.ledger.oscillators:
+            variables[f"{name}{OSCILLATORS}"] = _oscillators(result, name, times)
+    variables |= _series(result.system, result.error_estimate, "", ("time",))
+    return xarray.Dataset(variables, coords=_coordinates(result), attrs=_attributes(result))
+
+
+def _series(
+    table: Table, bounds: dict[str, float | None], surface: str, dimensions: tuple[str, ...]
+) -> dict[str, Variable]:
+    """The variables of a table, each followed by the estimate of its error."""
+    variables: dict[str, Variable] = {}
+    for key, values in table.items():
+        name = f"{surface}.{key}" if surface else key
+        is_sum = key in SUMMED_QUANTITIES and len(dimensions) == 1
+        quantity = SUMMED_QUANTITIES[key] if is_sum else EVERY_QUANTITY[key]
+        about = {"units": quantity.units, "long_name": quantity.long_name}
+        variables[name] = (dimensions, values, about)
+        bound = bounds.get(name, bounds[key])
+        if bound is not None:
+            about = about | {"long_name": f"bound on the error of: {quantity.long_name}"}
+            variables[f"{name}_error"] = ((), bound, about)
+    return variables
+
+
+def _oscillators(result: RunResult, surface: str, times: str) -> Variable:
+    """The displacements of the bath oscillators of a surface."""
+    dimensions = (times, f"{surface}_asperite", f"{surface}_oscillator", "axis")
+    about = {
+        "units": UNITS["length"],
+        "long_name": "displacement of the bath oscillator from its bar",
+    }
+    return dimensions, result.ledger.oscillators[surface], about
+
+
+def _has_ends_alone(result: RunResult) -> bool:
+    """Whether the asperites' series have the first and the last time alone."""
+    tables = result.ledger.surfaces.values()
+    first = next((series for table in tables for series in table.values()), result.t)
+    return len(first) != result.t.size
+
+
+def _coordinates(result: RunResult) -> dict[str, Variable]:
+    """The times; and the asperites of each surface, with their resting bobs."""
+    coordinates: dict[str, Variable] = {
+        "time": (("time",), result.t, {"units": "time", "long_name": "time"})
+    }
+    if _has_ends_alone(result):
+        about = {"units": "time", "long_name": "first and last time"}
+        coordinates["end"] = (("end",), result.t[[0, -1]], about)
+    for index, surface in enumerate(result.scene.surfaces):
+        dimension = f"{surface.name}_asperite"
+        number = np.arange(surface.count)
+        about = {"units": "1", "long_name": f'asperite of "{surface.name}"'}
+        coordinates[dimension] = ((dimension,), number, about)
+        resting = surface.resting_bobs(seed=[result.scene.seed, index, 0])
+        for k, axis in enumerate("xyz"):
+            about = {"units": UNITS["length"], "long_name": f"{axis} of the resting bob"}
+            coordinates[f"{surface.name}.{axis}_rest"] = ((dimension,), resting[:, k], about)
+    return coordinates
+
+
+def _attributes(result: RunResult) -> dict[str, str]:
+    """The scene and all that is known of the run, as text."""
+    return {
+        "version": version(),
+        "settings": json.dumps(result.settings),
+        "plugins": json.dumps(plugin_stamps(result.scene)),
+        "scene": result.scene.to_toml(),
+        "status": str(result.status),
+        "method": result.method,
+        "cost": json.dumps(asdict(result.cost)),
+        "error_estimate": json.dumps(result.error_estimate),
+        "accuracy": json.dumps(result.accuracy),
+        "met": json.dumps(result.met),
+        "notes": json.dumps(result.notes),
+        "why": result.why,
+    }
+
+
+def save(result: RunResult, path: Path) -> None:
+    """Write a NetCDF file, which appears complete or not at all.  Raises InputError."""
+    replace_file(path, content(result))
+
+
+def content(result: RunResult) -> bytes:
+    """The bytes of the NetCDF file of a result, with its state and a hash of the whole."""
+    state: dict[str, Variable] = {}
+    for name, array in result.state().arrays().items():
+        dimensions = tuple(f"{STATE}{name}_{axis}" for axis in range(array.ndim))
+        state[f"{STATE}{name}"] = (dimensions, array, {})
+    data = dataset(result).assign(state)
+    data.attrs["hash"] = (HASH + NO_DIGEST).decode()
+    image = bytes(data.to_netcdf(engine="h5netcdf"))
+    return image.replace(HASH + NO_DIGEST, HASH + _digest(image))
+
+
+def _digest(image: bytes) -> bytes:
+    return hashlib.blake2b(image, digest_size=32).hexdigest().encode()
+
+
+def load(path: Path) -> xarray.Dataset:
+    """The data set in a file that `save` wrote.
+
+    Raises InputError if the file cannot be read, or if any bit of it has changed.
+    """
+    import xarray
+
+    try:
+        image = path.read_bytes()
+    except (OSError, ValueError) as error:
+        raise InputError(str(path), f"cannot be read ({_reason(error)})") from None
+    if not _is_intact(image):
+        raise InputError(
+            str(path),
+            "cannot be read: it is damaged, or no result that this version of tribo has written "
+            "(xarray.open_dataset reads data sets of ensembles and sweeps)",
+        )
+    return xarray.load_dataset(io.BytesIO(image), engine="h5netcdf")
+
+
+def _is_intact(image: bytes) -> bool:
+    """Whether the file has its own hash."""
+    return any(
+        found[1] == _digest(image[: found.start(1)] + NO_DIGEST + image[found.end(1) :])
+        for found in re.finditer(HASH + b"([0-9a-f]{64})", image)
+    )
+
+
+def _reason(error: Exception) -> str:
+    return getattr(error, "strerror", None) or str(error)
+
+
+def state_in(data: xarray.Dataset, scene: Scene) -> State:
+    """The state in a data set."""
+    arrays = {
+        str(name).removeprefix(STATE): variable.values
+        for name, variable in data.data_vars.items()
+        if str(name).startswith(STATE)
+    }
+    return State.of_arrays(arrays, data.attrs["method"], scene, data.attrs["version"])
+
+
+def ledger_of(data: xarray.Dataset, scene: Scene) -> Ledger:
+    """The ledger in a data set."""
+    surfaces: dict[str, dict[str, np.ndarray]] = {s.name: {} for s in scene.surfaces}
+    blocks: dict[str, dict[str, np.ndarray]] = {s.name: {} for s in scene.surfaces}
+    system: dict[str, np.ndarray] = {}
+    for name, variable in data.data_vars.items():
+        surface, _, key = str(name).rpartition(".")
+        if key not in EVERY_QUANTITY or str(name).startswith(STATE):
+            continue  # an error estimate, or the state
+        if not surface:
+            system[key] = variable.values
+        elif variable.ndim == 2:
+            surfaces[surface][key] = variable.values
+        else:
+            blocks[surface][key] = variable.values
+    oscillators = {
+        name: data[f"{name}{OSCILLATORS}"].values
+        for name in surfaces
+        if f"{name}{OSCILLATORS}" in data
+    }
+    kept = tuple(scene.output.keep or ())
+    return Ledger(
+        data["time"].values,
+        {name: known(table, kept) for name, table in surfaces.items()},
+        {name: known(table, kept) for name, table in blocks.items()},
+        known(system, kept),
+        kept,
+        oscillators,
+    )

@@ -1,0 +1,136 @@
+"""Averages over time of the forces on a surface: friction, and the force of its drive."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from tribo.kernels.status import Status
+from tribo.model.drives import Drive, Pulled
+from tribo.model.scene import Scene
+from tribo.model.surface import Surface
+from tribo.results.averages import Average, time_average
+from tribo.results.run_result import RunResult
+from tribo.validation import InputError, choice
+
+# The parts of a friction force.
+PARTS = ("contact", "field")
+# Part of the pull above which the drag of a reservoir on the bars is noted: below it, the pull is
+# the friction force to its first digit.
+NOTED_DRAG = 0.1
+
+
+def friction_force(
+    result: RunResult, surface: str, after: float | str | None = None, part: str | None = None
+) -> Average:
+    """The average of the friction force on a surface, or of a part of it."""
+    name = _friction_series(result.scene, surface, part)
+    return force_average(result, f"{surface}.{name}", after)
+
+
+def _friction_series(scene: Scene, surface: str, part: str | None) -> str:
+    """The name of the series of the friction force or of a part of it.  Raises InputError."""
+    if part is None:
+        return "friction_force"
+    name = f"{choice('part', part, PARTS)}_force"
+    if any(surface in item.on for item in scene.fields):
+        return name
+    if part == "field":
+        raise InputError("part", f'must be "contact": no field acts on "{surface}"')
+    return "friction_force"
+
+
+def force_average(result: RunResult, full: str, after: float | str | None = None) -> Average:
+    """The average of a force on a surface, as "upper.pull_force", and where the run stopped.
+
+    By default it begins at the scene's ``output.run_in``.
+    """
+    surface, _, name = full.rpartition(".")
+    series = result[surface]
+    if name not in series and not result.ledger.kept:
+        if "forces" in result.scene.output.series:
+            ledger = result.scene.output.ledger
+            raise InputError("output.ledger", f'must be "asperites", got "{ledger}": f2 has noise')
+        raise InputError("output.series", 'does not contain "forces"; add it, and run again')
+    # Means over intervals have no first value; the last ones of a stopped run may be infinite.
+    finite = np.isfinite(series[name])
+    after = result.scene.output.run_in if after is None else after
+    found = time_average(result.t[finite], series[name][finite], after)
+    notes = [found.note]
+    if result.status != Status.COMPLETED:
+        notes.insert(0, f"the run stopped at t = {result.t[-1]:g}, {result.status}")
+    if name == "pull_force":
+        notes.append(_drag_note(result, surface, found.mean))
+    return found._replace(note="; ".join(filter(None, notes)))
+
+
+def recorded_averages(result: RunResult) -> dict[str, Any]:
+    """The averages of friction forces and of drives, where they are recorded, as for JSON."""
+    later = np.count_nonzero(result.t >= result.scene.output.run_in)
+    averages: dict[str, Any] = {}
+    for name in ("friction_force", "pull_force"):
+        of = [surface for surface, block in result.ledger.blocks.items() if name in block]
+        if of and later > 2:  # the first may have no value
+            averages[name] = {s: force_average(result, f"{s}.{name}")._asdict() for s in of}
+    return averages
+
+
+def time_without_contact(result: RunResult, surface: str, after: float | None = None) -> float:
+    """The share of time in which no bob of a surface is in contact with another surface."""
+    series = result[surface]
+    if "time_without_contact" not in series and not result.ledger.kept:
+        raise InputError(
+            "output.series",
+            'does not contain "forces", or the contact has no range: time_without_contact is '
+            "not recorded",
+        )
+    later = result.t >= (result.scene.output.run_in if after is None else after)
+    t, without = result.t[later], series["time_without_contact"][later]
+    if t.size < 2:
+        raise InputError("after", f"leaves {t.size} samples, and a share of time takes two")
+    return float(np.sum(0.5 * (without[1:] + without[:-1]) * np.diff(t)) / (t[-1] - t[0]))
+
+
+def shares_without_contact(result: RunResult) -> dict[str, dict[str, float]]:
+    """The share of time without contact of every surface, where it is recorded, by name."""
+    if np.count_nonzero(result.t >= result.scene.output.run_in) < 2:
+        return {}
+    names = [n for n, b in result.ledger.blocks.items() if "time_without_contact" in b]
+    shares = {name: time_without_contact(result, name) for name in names}
+    return {"time_without_contact": shares} if shares else {}
+
+
+def has_mean_friction(scene: Scene) -> bool:
+    """Whether sliding goes on, so that a mean friction force says something.
+
+    Asperites that pass others meet each once; where their forces are not even recorded, or two
+    asperites meet alone, the mean depends on how long the run lasts.
+    """
+    drives = [surface.drive for surface in scene.surfaces]
+    pulled = any(isinstance(drive, Pulled) for drive in drives)
+    loaded = any(load_of(surface) > 0.0 for surface in scene.surfaces)
+    recorded = scene.count > 2 and "forces" in scene.output.series
+    return recorded or pulled or loaded or bool(scene.fields) or scene.periodic.x is not None
+
+
+def load_of(surface: Surface) -> float:
+    """The load on all asperites of a surface; zero without one."""
+    drive = surface.drive
+    load = drive.load if isinstance(drive, Drive) else None
+    return abs(load or 0.0) * surface.count
+
+
+def _drag_note(result: RunResult, surface: str, pull: float) -> str:
+    """A note where the drag of a reservoir on the bars is a large part of the pull."""
+    part = next(each for each in result.scene.surfaces if each.name == surface)
+    reservoir, series = part.bar_reservoir, result[surface]
+    if reservoir is None or "x_bar" not in series:
+        return ""
+    still = part.velocity if reservoir.velocity is None else reservoir.velocity
+    moved = series["x_bar"][-1] - series["x_bar"][0]
+    velocities = moved / (result.t[-1] - result.t[0]) - still[0]
+    drag = float(-reservoir.gamma * np.sum(velocities))
+    if abs(drag) <= NOTED_DRAG * abs(pull):
+        return ""
+    return f"the reservoir's drag on the bars, {drag:.2g}, is more than a tenth of it"

@@ -1,0 +1,279 @@
+"""What a reader of a result should know about its scene and its method."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from tribo.analysis.deep_core import core_notes
+from tribo.integrators.methods import Method
+from tribo.kernels.encounters import NEGLIGIBLE
+from tribo.kernels.records import CLOCK
+from tribo.kernels.status import Status
+from tribo.layout.layout import Layout
+from tribo.ledger.closest_bobs import asperite_name, closest_bobs
+from tribo.ledger.ledger import Ledger
+from tribo.loops.guards import reach_of
+from tribo.loops.integrate import Integration
+from tribo.loops.resolution import longest_step, pendulum_frequency, turn_of_step
+from tribo.model.drives import Forced
+from tribo.model.scene import Scene
+from tribo.model.spectrum import valid_until
+from tribo.plugins.sources import is_own
+from tribo.potentials.tables import as_table
+from tribo.validation import short_repr
+
+# Phase of the fastest pendulum between two kicks above which a step is noted [rad]: static
+# deflections are 2 % too small there.
+NOTED_TURN = 0.5
+# Longest step that is taken, in units of the given one, below which it is noted.  Above it, errors
+# are those of the given step within 10 % for a method of order 2, and a third for order 8: less
+# than what a step of half the length changes at any order.
+NOTED_CUT = 0.95
+# Part of the work of the other drives that a surface at rest may receive without a note: below it,
+# the work of the other drives is the dissipated energy to its first digit.
+NOTED_WORK = 0.1
+# Recorded times at which the distances of bobs are looked at, at most: 0.1 ms each for a pair.
+MOST_LOOKS = 256
+
+
+def run_notes(layout: Layout, method: Method, step: float | None) -> tuple[str, ...]:
+    """Notes on starts, rough potentials, given steps, and baths that are too small."""
+    scene = layout.scene
+    steps = [] if step is None else [*_on_cut(layout, step), *_on_step(layout, method, step)]
+    starts = [*core_notes(layout), *_on_places(scene), *_on_angles(scene)]
+    return (*starts, *_on_potentials(scene, method), *steps, *_on_baths(scene))
+
+
+def calculator_notes(run: Integration) -> tuple[str, ...]:
+    """Notes on errors that ASE calculators raised in a run."""
+    return tuple(f"the calculator raised {failure}" for failure in run.failures)
+
+
+def budget_notes(layout: Layout, ledger: Ledger, bounds: Mapping[str, float]) -> tuple[str, ...]:
+    """A note where the energy budget does not close with potentials or fields of the user's own.
+
+    The change of the total energy is then not the work applied, within the bounds on their errors:
+    a force is not minus the gradient of its energy.
+    """
+    own = _own_potentials(layout.scene)
+    system = ledger.system
+    if not own or "applied_work" not in system:
+        return ()
+    change, work = system["total_energy_change"], system["applied_work"]
+    gap = float(np.max(np.abs(change - work)))
+    bound = bounds["total_energy_change"] + bounds["applied_work"]
+    if not gap > bound:
+        return ()
+    return (
+        f"the energy budget does not close: the total energy and the work applied differ by "
+        f"{gap:.1e}, more than their errors of {bound:.1e}; the force of {' or '.join(own)} is not "
+        "conservative, or less smooth than it declares; tribo check tells which",
+    )
+
+
+def _own_potentials(scene: Scene) -> list[str]:
+    """The names of the potentials and fields whose class is the user's own."""
+    items = [item.potential for item in scene.interactions]
+    items += [item.potential for item in scene.fields]
+    return list(dict.fromkeys(name for item in items for name in _own_classes(item)))
+
+
+def _own_classes(potential: object) -> Iterator[str]:
+    """The names of the user's classes in a potential, which may be made of others."""
+    if isinstance(potential, tuple):
+        if not is_own(type(potential)):
+            yield type(potential).__name__
+        for inner in potential:
+            yield from _own_classes(inner)
+
+
+def passage_notes(layout: Layout, run: Integration) -> tuple[str, ...]:
+    """A note on encounters that steps of a run with noise have passed."""
+    count, *bobs = run.passages
+    if count == 0:
+        return ()
+    one, other = (asperite_name(layout, bob) for bob in bobs)
+    return (
+        f"in {count} steps bobs passed one another within the step, {one} and {other} last; "
+        f"their potential energy is below {NEGLIGIBLE:g} k_B T there and does not affect the "
+        "motion, but works of their contact are inaccurate; a smaller step resolves them",
+    )
+
+
+def drive_notes(layout: Layout, ledger: Ledger) -> tuple[str, ...]:
+    """A note on every surface at rest on whose swinging bars a forced drive does work."""
+    surfaces = layout.scene.surfaces
+    if layout.model.ledger is None:
+        return ()
+    works = {s.name: float(np.sum(ledger.of(s.name)["w2"][-1])) for s in surfaces}
+    at_rest = [s.name for s in surfaces if isinstance(s.drive, Forced) and s.velocity == (0.0, 0.0)]
+    others = sum(work for name, work in works.items() if name not in at_rest)
+    return tuple(
+        f'"{name}" is forced and at rest, but its bars swing: its drive does {works[name]:.3g} of '
+        f'work, where the other drives do {others:.3g}; drive = "bars" holds bars without work'
+        for name in at_rest
+        if abs(works[name]) > NOTED_WORK * abs(others) > 0.0
+    )
+
+
+def stop_notes(layout: Layout, run: Integration) -> tuple[str, ...]:
+    """Where a run stopped: the time, the last step, and the closest bobs that interact.
+
+    Of a run without progress also what the whole run would take.
+    """
+    if run.status in (Status.COMPLETED, Status.INTERRUPTED, Status.PASSED_THROUGH):
+        return ()
+    clock = dict(zip(CLOCK.names or (), run.memory["clock"], strict=True))
+    taken = clock["last_step"]
+    step = f"after a last step of {taken:.3g}" if taken > 0.0 else "before the first step"
+    t, near = _closest_at_end(layout, run)
+    cure = ""
+    if run.status == Status.ENCOUNTER_JUMPED and clock["encounter_rate"] > 0.0:
+        cure = f"; a step below {1.0 / clock['encounter_rate']:.2g} resolves this encounter"
+    stop, done = f"stopped at t = {t:.9g}, {step}{near}{cure}", t - layout.beginning
+    if run.status != Status.NO_PROGRESS or done <= 0.0:
+        return (stop,)
+    whole = run.evaluations * (layout.scene.duration - layout.beginning) / done
+    return (stop, f"at its mean rate, {reach_of(layout.scene, whole, layout.beginning)}")
+
+
+def halving_notes(layout: Layout, run: Integration, step: float, shorter: float) -> tuple[str, ...]:
+    """A note on an automatic step that was too long for an encounter."""
+    t, near = _closest_at_end(layout, run)
+    return (
+        f"steps of {step:.3g} would have passed an encounter at t = {t:.4g}{near}; the run was "
+        f"repeated with steps of {shorter:.3g}",
+    )
+
+
+def _closest_at_end(layout: Layout, run: Integration) -> tuple[float, str]:
+    """The time at which a run ended, and the closest bobs then, as a part of a sentence."""
+    last = run.samples.last()
+    bobs = closest_bobs(layout, last)
+    if bobs is None:
+        return float(last.t[0]), ""
+    distance, *both = bobs
+    one, other = (asperite_name(layout, bob) for bob in both)
+    return float(last.t[0]), f"; the closest bobs, of {one} and {other}, were {distance:.3g} apart"
+
+
+def approach_notes(layout: Layout, run: Integration) -> tuple[str, ...]:
+    """Where the bobs of a run that missed its accuracy were closest, among its recorded times."""
+    samples = run.samples
+    looked_at = np.linspace(0, samples.t.size - 1, min(samples.t.size, MOST_LOOKS)).astype(int)
+    found = []
+    for t in samples.t[looked_at]:
+        bobs = closest_bobs(layout, samples.at(np.array([t])))
+        if bobs is not None:
+            found.append((*bobs, float(t)))
+    if not found:
+        return ()
+    distance, *both, t = min(found)
+    one, other = (asperite_name(layout, bob) for bob in both)
+    return (
+        f"among the recorded times, bobs were closest at t = {t:.9g}: those of {one} and {other} "
+        f"were {distance:.3g} apart",
+    )
+
+
+def _on_places(scene: Scene) -> list[str]:
+    """Surfaces of which several asperites are on one place."""
+    notes = []
+    for surface in scene.surfaces:
+        number = surface.count
+        if surface.positions is None:
+            shape, spacing = surface.shape, surface.spacing
+            places = math.prod(n if d else 1 for n, d in zip(shape, spacing, strict=True))
+            advice = "give a spacing [length] for each axis of shape"
+        else:
+            places, advice = len(np.unique(surface.positions, axis=0)), "give other positions"
+        if places < number:
+            notes.append(
+                f'the {number} asperites of "{surface.name}" are on {places} '
+                f"place{'s' * (places > 1)}, where alike ones act as one; {advice}"
+            )
+    return notes
+
+
+def _on_angles(scene: Scene) -> list[str]:
+    """Initial angles beyond a whole turn, which may be degrees."""
+    notes = []
+    for surface in scene.surfaces:
+        phi, swing = surface.initial.for_each(surface.count)["phi"], surface.initial_swing
+        for name, angles in (("swing from rest", swing), ("phi", phi)):
+            largest = 0.0 if angles is None else float(np.max(np.abs(angles)))
+            if largest > 2.0 * math.pi:
+                notes.append(
+                    f'"{surface.name}" starts with a {name} of {largest:.4g} rad, more than a '
+                    f"whole turn; {largest:.4g} degrees would be {math.radians(largest):.4g}"
+                )
+    return notes
+
+
+def _on_potentials(scene: Scene, method: Method) -> list[str]:
+    """Potentials that are less smooth than the method needs them to be."""
+    notes = []
+    for interaction in scene.interactions:
+        smoothness = interaction.potential.smoothness()
+        name = short_repr(as_table(interaction.potential)["potential"])
+        if smoothness < 0:
+            notes.append(
+                f"the energy of {name} jumps, which no force accounts for: the ledger does not "
+                "close where bobs cross the jump"
+            )
+        elif smoothness < method.smoothness:
+            notes.append(
+                f"{name} has {smoothness} continuous derivatives; {method.name} needs "
+                f"{method.smoothness} for errors of order {method.order}"
+            )
+    return notes
+
+
+def _on_cut(layout: Layout, step: float) -> list[str]:
+    """A note on steps that are shorter than the given one, since samples are closer together."""
+    taken, interval = longest_step(layout, step), float(np.max(np.diff(layout.times)))
+    if taken >= NOTED_CUT * step:
+        return []
+    longer = f"a step that divides {interval:.4g} is taken as it is given"
+    if step > interval:
+        longer = "fewer samples allow longer steps"
+    return [
+        f"steps are at most {taken:.4g} long in place of {step:.4g}: they are equal parts of the "
+        f"time between two samples, at most {interval:.4g}; {longer}"
+    ]
+
+
+def _on_step(layout: Layout, method: Method, step: float) -> list[str]:
+    """A note on pendulums that a given step of a splitting method hardly resolves."""
+    if not method.splits:
+        return []
+    turn = turn_of_step(layout, method, step, pendulum_frequency(layout))
+    if turn <= NOTED_TURN:
+        return []
+    right = 0.5 * turn / math.tan(0.5 * turn)
+    return [
+        f"the fastest pendulum rotates by {turn:.2g} rad from one kick to the next, so constant "
+        f"forces deflect it by {right:.2g} of the right angle; steps up to "
+        f"{step * NOTED_TURN / turn:.2g} keep this error below 2 %",
+    ]
+
+
+def _on_baths(scene: Scene) -> list[str]:
+    """Baths that represent a continuum for less than the duration of the run."""
+    notes = []
+    for surface in scene.surfaces:
+        if surface.bath.spectrum is None:
+            continue
+        each = surface.each
+        stiffness = 0.0 if surface.asperite.is_rigid else each["kappa"]
+        frequency = float(np.max(np.sqrt(stiffness / each["inertia"])))
+        until = valid_until(surface.bath.spectrum, float(np.min(each["mass"])), frequency)
+        if until < scene.duration:
+            notes.append(
+                f'the bath of "{surface.name}" stands for a continuum until t = {until:.4g}; the '
+                f"run lasts {scene.duration:g}, so give it more oscillators"
+            )
+    return notes

@@ -1,0 +1,206 @@
+"""Results for readers: a summary, a table in a notebook, and a CSV file."""
+
+from __future__ import annotations
+
+import csv
+import html as markup
+import io
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tribo.files import replace_file
+from tribo.kernels.status import MEANINGS, Status
+from tribo.model.drives import Pulled
+from tribo.model.surface import Surface
+from tribo.results.averages import Average
+from tribo.results.cost import Cost
+from tribo.results.force_averages import (
+    has_mean_friction,
+    load_of,
+    recorded_averages,
+    shares_without_contact,
+)
+from tribo.results.run_result import RunResult
+
+# Quantities of surfaces in the summary, their words and their formats.
+WORKS = (
+    ("W", "work", " .6g"),
+    ("W_ps", "pseudowork", " .6g"),
+    ("delta_E_int", "internal energy", "+.6g"),
+)
+# Quantities of surfaces in the table, where they are kept, and what stands above them.
+SHOWN = {
+    "W": "work",
+    "W_ps": "pseudowork",
+    "delta_K": "bulk kinetic energy",
+    "delta_E_int": "internal energy",
+}
+
+
+def end(result: RunResult) -> dict[str, Any]:
+    """The end state and the cost, as ``tribo run --json`` prints them."""
+    ledger = result.ledger.at_end()
+    return {
+        "status": result.status,
+        "t": float(ledger.t[-1]),
+        "method": result.method,
+        "steps": result.cost.steps,
+        "force_evaluations": result.cost.force_evaluations,
+        "wall_seconds": result.cost.wall_seconds,
+        "compile_seconds": result.cost.compile_seconds,
+        "seconds_for_digit_more": result.cost.digit_more,
+        "seconds_for_digit_fewer": result.cost.digit_fewer,
+        "why": result.why,
+        "accuracy": result.accuracy,
+        "accuracy_met": result.met,
+        "notes": list(result.notes),
+        "surfaces": {
+            name: {key: values[-1].tolist() for key, values in table.items()}
+            for name, table in ledger.surfaces.items()
+        },
+        "blocks": {
+            name: {key: float(values[-1]) for key, values in table.items()}
+            for name, table in ledger.blocks.items()
+        },
+        "system": {key: float(values[-1]) for key, values in ledger.system.items()},
+        "error_estimate": dict(result.error_estimate),
+        **recorded_averages(result),
+        **shares_without_contact(result),
+    }
+
+
+def text(result: RunResult) -> str:
+    """The summary of a result: what ran, the surfaces at the end, friction, and notes."""
+    cost = result.cost
+    worst = [value for value in result.error_estimate.values() if value is not None]
+    error = f"errors up to {max(worst):.1e}" if worst else "errors not estimated"
+    lines = [
+        f"{result.scene.title or 'scene'}: {result.status} at t = {result.t[-1]:g}; "
+        f"{result.method}, {cost.steps} steps, {cost.force_evaluations} force evaluations, "
+        f"{cost.wall_seconds:.3g} s{_digits(cost)}; {error}"
+    ]
+    if result.status != Status.COMPLETED:
+        lines.append(f"  {MEANINGS[result.status]}")
+    if result.ledger.kept:
+        lines.append(f"  only {', '.join(result.ledger.kept)} are recorded")
+    for name, block in result.ledger.at_end().blocks.items():
+        parts = [f"{word} {block[key][-1]:{form}}" for key, word, form in WORKS if key in block]
+        if "W" not in block and not result.ledger.kept:
+            parts = ["works are not kept", *parts]
+        if parts:
+            lines.append(f"  {name:>10}: {', '.join(parts)}")
+    lines += [*_friction(result), *_without_contact(result)]
+    return "\n".join([*lines, *(f"  note: {note}" for note in result.notes)])
+
+
+def _without_contact(result: RunResult) -> list[str]:
+    """The share of time without contact, where it is recorded."""
+    shares = shares_without_contact(result).get("time_without_contact", {})
+    each = ", ".join(f"{name} {100.0 * share:.3g} %" for name, share in shares.items())
+    return [f"  time without contact: {each}"] * bool(shares)
+
+
+def _friction(result: RunResult) -> list[str]:
+    """Friction forces, heat and the energy budget, of scenes in which sliding goes on."""
+    if not has_mean_friction(result.scene):
+        return []
+    averages, lines = recorded_averages(result), []
+    for surface in result.scene.surfaces:
+        for name, word in (("friction_force", "friction force"), ("pull_force", "drive's force")):
+            found = averages.get(name, {}).get(surface.name)
+            drives = found is not None and found["mean"] != 0.0
+            if drives and (name == "friction_force" or isinstance(surface.drive, Pulled)):
+                parts = in_words(Average(**found), surface, name == "friction_force")
+                lines.append(f"  {surface.name:>10}: {word} {parts}")
+    if not averages and not result.ledger.kept:
+        lines = ['  friction force: not recorded; series = ["forces"] under [output] records it']
+    return [*lines, *_energies(result)]
+
+
+def in_words(found: Average, surface: Surface, is_friction: bool) -> str:
+    """An average with its interval, in all and per asperite, and in units of the load."""
+    interval = f" +- {found.half_width:.2g}" if np.isfinite(found.half_width) else ""
+    parts = [f"{found.mean:.4g}{interval} from t = {found.after:g} on"]
+    if surface.count > 1:
+        parts.append(f"{found.mean / surface.count:.4g} per asperite")
+    if is_friction and load_of(surface) > 0.0:
+        parts.append(f"{abs(found.mean) / load_of(surface):.4g} of the load")
+    return ", ".join(parts) + f" ({found.note})" * bool(found.note)
+
+
+def _energies(result: RunResult) -> list[str]:
+    """The heat given to reservoirs and baths, and how well the energy budget closes."""
+    lines = []
+    end = result.ledger.at_end()
+    for name, block in end.blocks.items():
+        tables = {**end.surfaces.get(name, {}), **block}
+        heats = {"reservoir": "heat", "bath": "heat_bath"}
+        parts = [
+            f"{np.sum(tables[h][-1]):.6g} to the {to}" for to, h in heats.items() if h in tables
+        ]
+        if parts:
+            lines.append(f"  {name:>10}: heat {', '.join(parts)}")
+    if "applied_work" in end.system and "total_energy_change" in end.system:
+        work, change = (end.system[k][-1] for k in ("applied_work", "total_energy_change"))
+        lines.append(
+            f"  energy: work applied {work:.6g}, change of the total energy {change:.6g}, "
+            f"difference {work - change:.1e}"
+        )
+    return lines
+
+
+def _digits(cost: Cost) -> str:
+    """The cost of a digit more or fewer."""
+    if cost.digit_more is None or cost.digit_fewer is None:
+        return ""
+    return f" (one digit more {cost.digit_more:.2g} s, one fewer {cost.digit_fewer:.2g} s)"
+
+
+def html(result: RunResult) -> str:
+    """The summary of a result as HTML: what ran, the surfaces at the end, and notes."""
+    first, *_ = text(result).splitlines()
+    blocks = result.ledger.at_end().blocks
+    names = [name for name in SHOWN if all(name in block for block in blocks.values())]
+    rows = [_row(["surface", *(SHOWN[name] for name in names)], "th")]
+    for surface, block in blocks.items():
+        rows.append(_row([surface, *(f"{block[name][-1]:.6g}" for name in names)]))
+    bounds = [result.error_estimate.get(name) for name in names]
+    if any(bound is not None for bound in bounds):
+        rows.append(_row(["error below", *("" if b is None else f"{b:.1e}" for b in bounds)]))
+    lines = [line.strip() for line in (*_friction(result), *_without_contact(result))]
+    lines += result.notes
+    notes = "".join(f"<li>{markup.escape(line)}</li>" for line in lines)
+    after = f"<ul>{notes}</ul>" if notes else ""
+    return f"<p>{markup.escape(first)}</p><table>{''.join(rows)}</table>{after}"
+
+
+def _row(cells: list[str], tag: str = "td") -> str:
+    return f"<tr>{''.join(f'<{tag}>{markup.escape(cell)}</{tag}>' for cell in cells)}</tr>"
+
+
+def save_csv(result: RunResult, path: Path) -> None:
+    """Write all series as a table with a row for each time.  Raises InputError."""
+    columns = dict(_columns(result))
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))
+    replace_file(path, text.getvalue().encode())
+
+
+def _columns(result: RunResult) -> Iterator[tuple[str, np.ndarray]]:
+    """The columns of the table; series of which only both ends are kept are left out."""
+    yield "time", result.t
+    for surface in result.ledger.surfaces:
+        for name, values in result[surface].items():
+            if len(values) != result.t.size:
+                continue
+            if values.ndim == 1 or values.shape[1] == 1:
+                yield f"{surface}.{name}", values.reshape(-1)
+                continue
+            for index, column in enumerate(values.T):
+                yield f"{surface}.{name}[{index}]", column
+    yield from result.system.items()

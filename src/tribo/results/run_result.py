@@ -1,0 +1,182 @@
+"""The data of a run: time series, the end, error estimates and cost."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+
+from tribo.kernels.status import MEANINGS, Status
+from tribo.ledger.ledger import Ledger, Series
+from tribo.ledger.quantities import Table
+from tribo.loops.state import State
+from tribo.model.identity import Identity
+from tribo.model.scene import Scene
+from tribo.results.cost import Cost
+from tribo.validation import InputError
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, eq=False)
+class Known(Generic[T]):
+    """A value that is known already, in place of a function that computes it."""
+
+    value: T
+
+    def __call__(self) -> T:
+        """The value."""
+        return self.value
+
+
+@dataclass(eq=False)
+class RunResult:
+    """The result of a run.
+
+    ``result["upper"].theta`` is an array (times, asperites) in the scene's units,
+    ``result.system["applied_work"]`` one of (times,).
+
+    Attributes
+    ----------
+    scene : Scene
+        The scene that was run.
+    t : ndarray, (times,)
+        The recorded times [time].
+    ledger : Ledger
+        All series; assembled from the raw samples when first needed.
+    system : dict
+        The series of the system: quantity -> (times,).
+    end : dict
+        The end state and the cost, as ``tribo run --json`` prints them.
+    status : Status
+        "completed", or the name of what stopped the run.
+    method : str
+        The integration method.
+    why : str
+        The reason for the method; empty if it was given.
+    cost : Cost
+        Steps, force evaluations and times.
+    accuracy : float, dict or None
+        The requested accuracy, or one for each observable by name; None where a method
+        and a step were given.
+    met : bool or None
+        Whether every error estimate is within the accuracy; None without estimates.
+    notes : tuple of str
+        Anything else that a reader of the result should know.
+    error_estimate : dict
+        Quantity -> bound on its error over all surfaces, asperites and times; None if unknown.
+    settings : dict
+        Method, accuracy, step, and the hash of the state where the run began, if it did.
+    version : str
+        The version of tribo that ran it, with the hash of its sources.
+    """
+
+    scene: Scene
+    status: Status  # "completed", or the name of what stopped the run
+    method: str
+    why: str  # the method was chosen; empty where it was given
+    accuracy: float | Mapping[str, float] | None  # asked for: one number, or one per observable
+    met: bool | None  # whether every error estimate is within the accuracy; None without estimates
+    notes: tuple[str, ...]
+    bounds: Mapping[str, float] = field(repr=False)  # on errors, by name; empty without estimates
+    assemble: Callable[[], Ledger] = field(repr=False)  # computes the ledger
+    add_up: Callable[[], Cost] = field(repr=False)  # computes the cost
+    take_state: Callable[[], State] = field(repr=False)  # computes the state at the end
+    settings: Identity = field(repr=False)  # see tribo.model.identity
+    version: str  # of the package that ran it
+    # Not a cached_property, whose lock takes a part of the time of a short run.
+    _ledger: Ledger | None = field(default=None, init=False, repr=False)
+
+    @property
+    def ledger(self) -> Ledger:
+        """All series, each computed from the raw samples when it is first read."""
+        if self._ledger is None:
+            self._ledger = self.assemble()
+        return self._ledger
+
+    @cached_property
+    def cost(self) -> Cost:
+        """Steps, force evaluations and times."""
+        return self.add_up()
+
+    @property
+    def t(self) -> np.ndarray:
+        """The recorded times, (times,)."""
+        return self.ledger.t
+
+    @property
+    def system(self) -> Table:
+        """The series of the system: quantity -> (times,)."""
+        return self.ledger.system
+
+    @cached_property
+    def error_estimate(self) -> dict[str, float | None]:
+        """Quantity -> bound on its error over all surfaces, asperites and times, or None."""
+        asked = self.accuracy if isinstance(self.accuracy, Mapping) else ()
+        return dict.fromkeys([*self.ledger.names, *asked]) | dict(self.bounds)
+
+    def __getitem__(self, surface: str) -> Series:
+        ledger = self.ledger
+        try:
+            return ledger.of(surface)
+        except KeyError:
+            names = ", ".join(ledger.surfaces)
+            raise KeyError(f"there is no surface {surface!r}; there are {names}") from None
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What is pickled or copied: the ledger, the cost and the state, without the runs."""
+        return {
+            **self.__dict__,
+            "assemble": Known(self.ledger),
+            "add_up": Known(self.cost),
+            "take_state": Known(self.state()),
+        }
+
+    def oscillators(self, surface: str) -> np.ndarray:
+        """The displacements of the bath oscillators of a surface from their bars.
+
+        The scene's output must ask for the series "oscillators".  Torsional oscillators are not
+        among them.
+
+        Parameters
+        ----------
+        surface : str
+            Name of the surface.
+
+        Returns
+        -------
+        ndarray, (times, asperites, oscillators, 2)
+            Along x and along y [length].
+
+        Raises
+        ------
+        InputError
+            They were not recorded, or the surface has no such oscillators.
+        """
+        found = self.ledger.oscillators
+        if surface not in found:
+            if "oscillators" in self.scene.output.series:
+                raise InputError(surface, "has no bath oscillators that move along x and y")
+            raise InputError(
+                "output.series", 'does not contain "oscillators"; add it, and run again'
+            )
+        return found[surface]
+
+    def state(self) -> State:
+        """The full state at the end, from which :func:`tribo.simulate` continues.
+
+        Returns
+        -------
+        State
+        """
+        return self.take_state()
+
+    @property
+    def shortcoming(self) -> str:
+        """The reason why the run missed its request, in one sentence; empty if it did not."""
+        if self.status != Status.COMPLETED:
+            return f"the run stopped at t = {self.t[-1]:g}, {self.status}: {MEANINGS[self.status]}"
+        return f"the accuracy is not met: {self.notes[-1]}" if self.met is False else ""

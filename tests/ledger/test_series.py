@@ -1,0 +1,295 @@
+"""Series on request: forces and energies against independent equations, sums and the ledger."""
+
+import json
+import math
+import pickle
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import tribo
+from support import reference
+from support.continued import chain, pair
+from support.everything import everything
+from tribo.layout.layout import lay_out
+
+EVERY = ("forces", "energies", "oscillators")
+
+
+def asking(scene, *series, **output):
+    """The scene with further series."""
+    return replace(scene, output=replace(scene.output, series=series, **output))
+
+
+@pytest.fixture(scope="module")
+def result():
+    """A run with contact between and within, a field, a pull, a load, springs and a bath."""
+    scene = everything(2.0, samples=201)
+    fields = (replace(scene.fields[0], velocity=(0.0, 0.0)),)
+    return tribo.simulate(
+        asking(replace(scene, fields=fields), *EVERY), method="verlet", step=0.002
+    )
+
+
+def vectors(table, name):
+    """x and y of a force, (2, times, asperites); zeros where there is none."""
+    zero = np.zeros(table.theta.shape)
+    return np.array([table.get(f"{name}_{axis}", zero) for axis in "xy"])
+
+
+def test_forces_are_those_of_the_reference(result):
+    """At every time, from the equations of another program; the bath's by the momentum below."""
+    model = reference.Model(result.scene.to_table())
+    theirs = {"f_within": "within", "f_field": "field", "f_spring": "f_int"}
+    tables = [result["upper"], result["lower"]]
+
+    def joined(name):
+        return np.concatenate([table[name] for table in tables], axis=1)
+
+    bars, bobs = ([joined(f"{axis}_{place}") for axis in "xy"] for place in ("bar", "bob"))
+    rest = np.repeat([surface.rest for surface in model.surfaces], 2)
+    phi, twist = joined("phi"), joined("theta") - joined("phi") - rest
+    for k in range(0, 201, 20):
+        r1, r2 = np.array([each[k] for each in bobs]), np.array([each[k] for each in bars])
+        motion = SimpleNamespace(r1=r1, r2=r2, s=r2[:, model.owner], phi=phi[k], twist=twist[k])
+        expected = model.forces(result.t[k], motion)
+        for name in ("f1", "f2", "fL", "fR", *theirs):
+            found = np.concatenate([vectors(table, name)[:, k] for table in tables], axis=1)
+            assert found == pytest.approx(getattr(expected, theirs.get(name, name)), abs=1e-12)
+
+
+def test_forces_change_the_momentum(result):
+    """Simpson's rule over the sum of all of them; the fastest bath moves by 1/60 turn a sample."""
+    step = result.t[1] - result.t[0]
+    for name, masses in (("upper", np.array([3.0, 3.5])), ("lower", 3.0)):
+        table = result[name]
+        names = {key[:-2] for key in table if key.startswith("f") and key.endswith("_x")}
+        total = sum(vectors(table, key) for key in names)
+        panels = step / 3.0 * (total[:, :-2:2] + 4.0 * total[:, 1:-1:2] + total[:, 2::2])
+        impulse = np.cumsum(panels, axis=1)
+        velocity = np.array([table.vx_cm, table.vy_cm])
+        assert masses * (velocity[:, 2::2] - velocity[:, :1]) == pytest.approx(impulse, abs=2e-6)
+        assert np.max(np.abs(impulse)) > 0.1
+    assert np.max(np.abs(result["lower"].f_bath_x)) > 1e-3
+    for name in ("upper", "lower"):
+        table = result[name]
+        forces = {"friction_force": ("f1", "f_field"), "pull_force": ("f2",)}
+        if "field_force" in table:
+            forces |= {"contact_force": ("f1",), "field_force": ("f_field",)}
+        for whole, parts in forces.items():
+            total = sum(vectors(table, part)[0].sum(axis=1) for part in parts)
+            assert table[whole] == pytest.approx(total, abs=1e-14), (name, whole)
+    assert "field_force" in result["upper"] and np.ptp(result["upper"].pull_force) > 0.0
+
+
+def test_energies_close_against_the_ledger(result):
+    """Their sum changes as the total energy does, to round-off, and each part as its account."""
+    total = result.system["contact_energy"] + result.system["field_energy"]
+    for surface in result.scene.surfaces:
+        table = result[surface.name]
+        parts = {key: table[key] for key in ("k_trans", "k_swing", "k_bar", "e_torsion")}
+        total = total + sum(each.sum(axis=1) for each in parts.values())
+        total = total + sum(table.get(f"e_{k}", 0.0) for k in ("springs", "within", "bath"))
+        total = total + table.get("k_bath", 0.0)
+        internal = parts["k_swing"] + parts["k_bar"] + parts["e_torsion"]
+        assert internal - internal[0] == pytest.approx(table.delta_e_int, abs=1e-13)
+        translation = parts["k_trans"] - parts["k_trans"][0]
+        assert translation == pytest.approx(table.delta_k_trans, abs=1e-13)
+    change = result.system["total_energy_change"]
+    assert total - total[0] == pytest.approx(change, abs=1e-13) and np.max(np.abs(change)) > 1.0
+    lower = result["lower"]
+    assert lower.heat_bath[0] == 0.0
+    assert lower.heat_bath[-1] > 1e-3 and lower.k_bath[-1] != lower.e_bath[-1]
+
+
+def test_names_follow_the_effects(result):
+    """Forces and energies that a surface cannot have are no series, and none are by default."""
+    upper, lower = result["upper"], result["lower"]
+    assert "f_spring_x" in upper and "f_spring_x" not in lower and "f_T_x" not in upper
+    assert "k_bath" in lower and "k_bath" not in upper and "e_within" not in lower
+    plain = tribo.simulate(everything(1.0, samples=5), method="verlet", step=0.01)
+    assert "f1_x" not in plain["upper"] and "field_energy" not in plain.system
+    assert plain.ledger._samples.baths.size == 0
+    with pytest.raises(tribo.InputError, match=r'output\.series: does not contain "forces"'):
+        plain.friction_force("upper")
+
+
+def test_noise_has_means():
+    """f_T is its impulse over the interval; the end alone says the same; runs continue."""
+    scene = asking(chain((1.0, 2.0, 4.0)), *EVERY)
+    how = {"method": "verlet", "step": 0.02}
+    whole = tribo.simulate(scene, **how)
+    upper = whole["upper"]
+    names = [key[:-2] for key in upper if key.startswith("f") and key.endswith("_x")]
+    assert np.all(np.isnan(upper.f_T_x[0])) and np.all(np.isfinite(upper.f_T_x[1:]))
+    assert all(np.all(np.isfinite(vectors(upper, name))) for name in names if name != "f_T")
+    accounts = whole.ledger._samples.s[:, lay_out(scene).asperites.acc_thermal[:4]]
+    mean = np.diff(accounts, axis=0) / np.diff(whole.t)[:, None]
+    assert np.array_equal(upper.f_T_x[1:], mean)
+    assert whole.end["surfaces"]["upper"]["f_T_x"] == upper.f_T_x[-1].tolist()
+    half = tribo.simulate(asking(chain((1.0, 2.0))), **how)
+    rest = tribo.simulate(scene, **how, start=half.state())
+    for key in ("f_T_x", "f_bath_x", "f1_x", "k_bath", "heat_bath"):
+        assert np.array_equal(rest["upper"][key][1:], upper[key][3:]), key
+
+
+@pytest.mark.parametrize("ledger", ["surfaces", "none"])
+def test_noise_without_impulses(ledger):
+    """Without the ledger of asperites, only the forces with noise are left out."""
+    scene, how = chain((1.0, 2.0)), {"method": "verlet", "step": 0.02}
+    whole = tribo.simulate(asking(scene, "forces"), **how)["upper"]
+    result = tribo.simulate(asking(scene, "forces", ledger=ledger), **how)
+    forces = {key for key in whole if key.startswith("f") and key[-2:] in ("_x", "_y")}
+    assert forces - set(result["upper"]) == {"f_T_x", "f_T_y"}
+    for key in ("f1_x", "f2_x", "f_bath_x", "fL_x", "friction_force", "pull_force"):
+        np.testing.assert_allclose(result["upper"][key], whole[key], rtol=1e-12, atol=1e-12)
+    reservoir = tribo.Langevin(0.5, 0.1, on="swing")
+    bars = replace(
+        scene.surfaces[0], langevin=reservoir, drive=tribo.DrivenBars(), bath=tribo.Bath()
+    )
+    bars = replace(asking(scene, "forces", ledger=ledger), surfaces=(bars, scene.surfaces[1]))
+    result = tribo.simulate(bars, **how)
+    assert "friction_force" in result["upper"] and "f2_x" not in result["upper"]
+    with pytest.raises(tribo.InputError, match=f'ledger: must be "asperites", got "{ledger}"'):
+        result.pull_force("upper")
+
+
+@pytest.mark.slow
+def test_reactions_and_rigid_asperites():
+    """f2 on driven bars and the ends of rigid asperites balance what acts on them."""
+    surfaces = (
+        tribo.Surface(
+            "upper",
+            bob=(-1.0, 0.7),
+            velocity=(0.5, 0.0),
+            drive=tribo.DrivenBars(),
+            initial=tribo.Initial(swing=0.3, omega=-0.4),
+        ),
+        tribo.Surface(
+            "lower", facing="up", drive=tribo.Free(), asperite=tribo.Asperite(kappa=math.inf)
+        ),
+    )
+    output = tribo.Output(samples=201, series=EVERY)
+    scene = tribo.Scene(surfaces, tribo.Morse(D=0.1, alpha=2.0, r0=0.5), 2.0, output=output)
+    result = tribo.simulate(scene, method="verlet", step=0.002)
+    for name in ("upper", "lower"):
+        table = result[name]
+        total = sum(vectors(table, force) for force in ("f1", "f2", "fL", "fR"))
+        velocity = np.array([table.vx_cm, table.vy_cm])
+        slope = np.gradient(velocity, result.t, axis=1)
+        assert 3.0 * slope[:, 2:-2] == pytest.approx(total[:, 2:-2], abs=1e-3)
+        assert np.max(np.abs(total)) > 0.05
+    # The couple of the ends holds the pendulum against the forces on bob and bar.
+    lower = result["lower"]
+    torque = 3.0 * vectors(lower, "fR")[1]
+    arm = np.array([lower.x_bob - lower.x_cm, lower.y_bob - lower.y_cm])
+    force = vectors(lower, "f1")
+    opposite = arm[0] * force[1] - arm[1] * force[0]
+    bar = np.array([lower.x_bar - lower.x_cm, lower.y_bar - lower.y_cm])
+    drive = vectors(lower, "f2")
+    opposite = opposite + bar[0] * drive[1] - bar[1] * drive[0]
+    assert torque == pytest.approx(-opposite, abs=1e-12) and np.max(np.abs(torque)) > 0.01
+
+
+def test_friction_force(result, tmp_path):
+    """Mean, interval and spread of it and of its parts, in the JSON and from a file."""
+    found = result.friction_force("upper")
+    force = result["upper"].friction_force
+    assert found.spread == pytest.approx(np.std(force), rel=0.05)
+    assert found == tribo.time_average(result.t, force, 0.0)
+    parts = [result.friction_force("upper", part=part) for part in ("contact", "field")]
+    assert parts[0] == tribo.time_average(result.t, result["upper"].f1_x.sum(axis=1), 0.0)
+    assert parts[1].spread > 0.0
+    assert sum(part.mean for part in parts) == pytest.approx(found.mean, abs=found.spread / 10)
+    after = result.friction_force("upper", after=1.0)
+    assert after.after == 1.0
+    assert after.mean == pytest.approx(np.trapezoid(force[100:], result.t[100:]), abs=0.02)
+    end = json.loads(result.to_json())
+    assert end["friction_force"]["upper"]["mean"] == found.mean
+    assert end["pull_force"]["upper"]["mean"] == result.pull_force("upper").mean
+    assert end["blocks"]["upper"]["friction_force"] == force[-1]
+    assert end["error_estimate"]["f1_x"] is None
+    result.save(tmp_path / "result.nc")
+    loaded = tribo.load_result(tmp_path / "result.nc")
+    assert loaded.friction_force("upper")[0::2] == found[0::2]
+    assert loaded.friction_force("upper", part="field")[0] == parts[1].mean
+    assert loaded.pull_force("upper")[0] == result.pull_force("upper").mean
+    assert np.array_equal(loaded["lower"].f_bath_y, result["lower"].f_bath_y)
+    with pytest.raises(tribo.InputError, match='part: must be "contact" or "field"'):
+        result.friction_force("upper", part="drive")
+    drawn, average, _ = result.plot.friction_force("upper").get_lines()
+    assert np.array_equal(drawn.get_ydata(), force)
+    assert list(average.get_ydata()) == [found.mean] * 2
+
+
+def test_oscillators(result, tmp_path):
+    """Displacements times stiffnesses are the force on each bar; files and pickles keep them."""
+    found, bath = result.oscillators("lower"), result.scene.surfaces[1].bath
+    assert found.shape == (201, 2, bath.masses.size, 2)
+    stiffness = bath.masses * bath.frequencies**2
+    force = np.einsum("m,tamx->xta", stiffness, found)
+    assert force == pytest.approx(vectors(result["lower"], "f_bath"), rel=1e-12, abs=1e-14)
+    assert np.abs(force).max() > 1e-3 and np.abs(found[0]).max() < 1e-16
+    result.save(tmp_path / "result.nc")
+    for copy in (tribo.load_result(tmp_path / "result.nc"), pickle.loads(pickle.dumps(result))):
+        assert np.array_equal(copy.oscillators("lower"), found)
+    with pytest.raises(tribo.InputError, match="upper: has no bath oscillators"):
+        result.oscillators("upper")
+    with pytest.raises(tribo.InputError, match='does not contain "oscillators"'):
+        tribo.simulate(pair(), method="verlet", step=0.1).oscillators("upper")
+
+
+def test_pairs_and_accuracies(tmp_path):
+    """The loop for a pair reports them too; an accuracy of a force is refused."""
+    scene = asking(replace(pair(), output=tribo.Output(samples=41)), *EVERY)
+    result = tribo.simulate(scene, accuracy=1e-6)
+    assert result.met and result["upper"].f1_x == pytest.approx(-result["lower"].f1_x, abs=1e-15)
+    # The contact force is minus the slope of the contact energy along the path of the bobs.
+    across = result["upper"].x_bob - result["lower"].x_bob
+    along = result["upper"].y_bob - result["lower"].y_bob
+    r = np.hypot(across, along)
+    assert result["upper"].f1_x == pytest.approx(0.2 * across / r**3, rel=1e-12)
+    with pytest.raises(tribo.InputError, match=r"accuracy\.upper\.f1_x: is not a reported"):
+        tribo.simulate(scene, accuracy={"upper.f1_x": 1e-3})
+    scene.save(tmp_path / "scene.toml")
+    assert tribo.load_scene(tmp_path / "scene.toml").output.series == EVERY
+    with pytest.raises(
+        tribo.InputError, match=r"series\[0\]: must be .forces. or .energies. or .osc"
+    ):
+        tribo.Output(series=["force"])
+    with pytest.raises(tribo.InputError, match="series: must be a list of words"):
+        tribo.Output(series="forces")
+
+
+@pytest.mark.parametrize("velocity", [(0.0, 0.0), (3.0, -1.0)])
+def test_heat_of_the_bath_of_a_bar_that_is_pushed_ever_harder(velocity):
+    """One oscillator that lags: its energy about the motion of both, in any frame, is exact.
+
+    The relative coordinate u has u'' = -W^2 u - r t / M, W^2 = w^2 (1 + m / M), from rest.
+    """
+    m, w, rate, duration = 0.7, 2.0, 0.4, 9.0
+    rigid = tribo.Asperite(kappa=np.inf)
+    mass = rigid.m1 + rigid.m2
+    upper = tribo.Surface(
+        "upper",
+        bob=(20.0, 5.0),
+        velocity=velocity,
+        asperite=rigid,
+        bath=tribo.Bath(masses=[m], frequencies=[w]),
+        drive=tribo.Pushed(force=(0.0, 0.0), rate=(rate, 0.0)),
+    )
+    lower = tribo.Surface("lower", facing="up", asperite=rigid, velocity=velocity)
+    output = tribo.Output(samples=31, series=["energies"])
+    contact = tribo.with_cutoff(tribo.LennardJones(0.1, 0.5), 1.0)
+    scene = tribo.Scene((upper, lower), contact, duration, output=output)
+    result = tribo.simulate(scene, accuracy=1e-9)
+    t, big = result.t, w * np.sqrt(1.0 + m / mass)
+    u = -rate / (mass * big**2) * (t - np.sin(big * t) / big)
+    du = -rate / (mass * big**2) * (1.0 - np.cos(big * t))
+    lag = du * mass / (mass + m)
+    heat = 0.5 * m * (lag**2 + w**2 * u**2)
+    assert result["upper"].heat_bath == pytest.approx(heat, abs=1e-8)
+    common = 0.5 * m * (0.5 * rate * t[-1] ** 2 / (mass + m)) ** 2
+    assert heat[-1] < 0.2 * common  # in the frame of the start it would be the larger part

@@ -1,0 +1,116 @@
+"""`tribo.time_average`: coverage of its interval, whole periods, run-in, trends, uneven times."""
+
+import runpy
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import tribo
+from tribo.results.averages import FUNCTIONS
+
+ROOT = Path(__file__).parents[2]
+BENCHMARK = runpy.run_path(str(ROOT / "benchmarks" / "averages.py"))
+KINDS, coverage = BENCHMARK["kinds"](), BENCHMARK["coverage"]
+
+
+@pytest.mark.parametrize(
+    ("kind", "given"),
+    [
+        ("white noise", 1.0),
+        ("exponential, 1/100", 0.97),
+        ("exponential, 1/20", 0.2),
+        ("sawtooth, 10", 1.0),
+        ("sawtooth, 100", 1.0),
+        ("slow slips, 30", 1.0),
+        ("thermal 0.1, 10", 0.9),
+        ("thermal 0.3, 30", 0.9),
+    ],
+)
+def test_intervals_contain_the_mean(kind, given):
+    """In 95 % of 150 series; the binomial deviation is 1.8 %, or 2.7 % of the 40 % at 1/20."""
+    found = coverage(KINDS[kind], 150, 1000)
+    assert found.given >= given and found.covered >= 0.90
+    assert found.width < 4.0
+
+
+def test_short_series_have_no_interval():
+    """Of a correlation time of a fifth of the length, or few samples; the note says it."""
+    assert coverage(KINDS["exponential, 1/5"], 150, 1000).given <= 0.08
+    t = np.arange(2 * FUNCTIONS - 1.0)
+    found = tribo.time_average(t, np.sin(t), 0.0)
+    assert np.isnan(found.half_width) and "too short for an interval: 23 samples" in found.note
+    noise = np.random.default_rng(1).standard_normal(2000)
+    slow = tribo.time_average(np.arange(2000.0), np.cumsum(noise), 0.0)
+    assert np.isnan(slow.half_width) and slow.note
+
+
+def test_incomplete_periods_do_not_matter():
+    """The mean of sine waves has an error far below amplitude over phase, and so its interval."""
+    for periods in (10.3, 51.7, 200.25):
+        s = np.linspace(0.0, 1.0, 4001)
+        found = tribo.time_average(s, 7.0 + np.sin(2.0 * np.pi * periods * s), 0.0)
+        plain = abs(np.trapezoid(np.sin(2.0 * np.pi * periods * s), s))
+        assert abs(found.mean - 7.0) < found.half_width < 0.2 * plain
+        assert found.effective_samples > 4001
+
+
+def test_correlation_time_and_effective_samples():
+    """On average, of exponential correlation with a time of 10: 2000 / (2 * 10) are independent."""
+    rng, t = np.random.default_rng(3), np.arange(2000.0)
+    made = [BENCHMARK["exponential"](1 / 200, rng, 2000) for _ in range(60)]
+    found = [tribo.time_average(t, values, 0.0) for values in made]
+    assert np.median([each.correlation_time for each in found]) == pytest.approx(10.0, rel=0.4)
+    assert np.median([each.effective_samples for each in found]) == pytest.approx(100.0, rel=0.4)
+    assert np.mean([each.spread for each in found]) == pytest.approx(1.0, rel=0.03)
+
+
+def test_uneven_times_weigh_their_intervals():
+    """Exact for straight lines; a denser half counts no more than the other."""
+    rng = np.random.default_rng(2)
+    t = np.sort(np.append(rng.uniform(0.0, 100.0, 3000), rng.uniform(0.0, 50.0, 3000)))
+    values = np.where(t < 50.0, 1.0, 3.0) + np.sin(3.0 * t)
+    found = tribo.time_average(t, values, 0.0)
+    assert found.mean == pytest.approx(2.0, abs=0.02)
+    slips = (0.37 * t) % 1.0
+    found = tribo.time_average(t, slips, 0.0)
+    assert abs(found.mean - 0.5) < found.half_width < 0.02
+    flat = tribo.time_average(t, np.full(t.size, 2.5))
+    assert flat.mean == pytest.approx(2.5, abs=1e-14) and flat.half_width < 1e-12
+
+
+def test_units_and_offsets_do_not_matter():
+    """Scaled and shifted series in other units of time have scaled results."""
+    values = KINDS["thermal 0.1, 30"](np.random.default_rng(4), 1500)
+    t = np.linspace(0.0, 1.0, 1500)
+    one = tribo.time_average(t, values, 0.0)
+    other = tribo.time_average(5.0 + 1e6 * t, 1e-9 * (values - 1e3), 0.0)
+    assert other.mean == pytest.approx(1e-9 * (one.mean - 1e3), rel=1e-9)
+    assert other.half_width == pytest.approx(1e-9 * one.half_width, rel=1e-5)
+    assert other.correlation_time == pytest.approx(1e6 * one.correlation_time, rel=1e-5)
+
+
+def test_the_run_in_is_left_out():
+    """Where it matters: an exponential approach, and not of a stationary series."""
+    rng, t = np.random.default_rng(5), np.linspace(0.0, 100.0, 2000)
+    values = 1.0 + 0.1 * rng.standard_normal(2000)
+    assert tribo.time_average(t, values).after == 0.0
+    found = tribo.time_average(t, values + 5.0 * np.exp(-t / 4.0))
+    assert 20.0 < found.after < 50.0 and abs(found.mean - 1.0) < found.half_width < 0.02
+    assert abs(tribo.time_average(t, values + 5.0 * np.exp(-t / 4.0), 0.0).mean - 1.0) > 0.1
+    trend = tribo.time_average(t, values + 0.002 * t)
+    assert "has a trend of 0.00" in trend.note
+
+
+def test_wrong_input_is_refused():
+    """Times that do not increase, values that are no numbers, and words."""
+    t = np.arange(40.0)
+    for arguments, message in (
+        ((t[::-1], t), "t: must increase"),
+        ((t, t[:-1]), "values: must be 40 numbers"),
+        ((t, np.full(40, np.nan)), r"values\[0\]: must be a finite number"),
+        ((t, t, "later"), 'after: must be a time or "auto"'),
+        ((t, t, 39.5), "after: must leave two samples or more, got 0"),
+    ):
+        with pytest.raises(tribo.InputError, match=message):
+            tribo.time_average(*arguments)

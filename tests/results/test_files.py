@@ -1,0 +1,325 @@
+"""Result files and journals: complete or not at all, and never other numbers."""
+
+import errno
+import os
+import random
+import subprocess
+import sys
+import time
+from dataclasses import replace
+
+import pytest
+
+import tribo
+from support.continued import chain, pair, same_end
+from tribo import Coulomb, InputError, Output, Scene, Surface
+from tribo.commands.cli import main
+from tribo.layout import contacts
+from tribo.loops import integrate, journal
+
+SLOWLY = 3  # steps of a chunk: small enough for many checkpoints
+
+
+class Killed(BaseException):
+    """The process ends here."""
+
+
+@pytest.fixture
+def often(monkeypatch):
+    """A checkpoint after every chunk of a few steps; neighbour lists for few bobs too."""
+    monkeypatch.setattr(contacts, "UNLISTED_PAIRS", 0)
+    monkeypatch.setattr(os, "fsync", lambda descriptor: None)
+    monkeypatch.setattr(journal, "INTERVAL", -1.0)
+    monkeypatch.setattr(journal, "RELATIVE_INTERVAL", 0.0)
+    monkeypatch.setattr(integrate, "FIRST_CHUNK", SLOWLY)
+    monkeypatch.setattr(integrate, "LARGEST_CHUNK", SLOWLY)
+
+
+def killer(after):
+    """A function that kills the process after so many calls."""
+    calls = []
+
+    def kill(*arguments):
+        calls.append(arguments)
+        if len(calls) > after:
+            raise Killed
+
+    return kill
+
+
+HOW = {  # scene, and how it is run
+    "noise": (chain(), {"method": "verlet", "step": 0.02}),
+    "pair": (pair(), {"accuracy": 1e-6}),
+}
+
+
+@pytest.mark.parametrize("name", [*HOW, "state"])
+def test_resumed_after_kills(often, tmp_path, name):
+    """Killed again and again, a run ends with the bits of one that was not."""
+    scene, how = HOW.get(name, HOW["pair"])
+    if name == "state":  # by the general loop of a method with memory
+        how = how | {"start": tribo.simulate(pair(4.0), **how).state()}
+    out = tmp_path / "run.nc"
+    whole = tribo.simulate(scene, **how)
+    kills = 0
+    while True:
+        try:
+            found = tribo.simulate(scene, **how, out=out, resume=True, progress=killer(kills + 2))
+            break
+        except Killed:
+            kills += 1
+            assert not out.exists() and (tmp_path / "run.nc.part").exists()
+    assert kills >= 4
+    assert same_end(whole, found) and found.error_estimate == whole.error_estimate
+    assert not (tmp_path / "run.nc.part").exists()
+    again = tribo.simulate(scene, **how, out=out, resume=True, progress=killer(0))
+    assert same_end(whole, again) and found.cost == again.cost
+
+
+def test_killed_while_it_saves(monkeypatch, tmp_path):
+    """Wherever a save ends, an earlier file is whole, and the run resumes."""
+    out, kinds = tmp_path / "run.nc", {"accuracy": 1e-6}
+    whole = tribo.simulate(pair(), **kinds, out=out)
+    for name in ("fsync", "replace"):
+        original, before = getattr(os, name), out.read_bytes()
+        for after in range(0, 20, 4):
+            kill = killer(after)
+            with monkeypatch.context() as patch:
+                patch.setattr(os, name, lambda *a, do=original, kill=kill: (kill(), do(*a)))
+                try:
+                    tribo.simulate(pair(), **kinds, out=out)
+                    break
+                except Killed:
+                    assert out.read_bytes() == before
+            found = tribo.simulate(pair(), **kinds, out=out, resume=True)
+            assert same_end(whole, found)
+            before = out.read_bytes()
+        assert after >= (8 if name == "fsync" else 4)
+
+
+def test_full_disk(monkeypatch, tmp_path):
+    """One sentence; an earlier file is whole, and the run resumes when there is room."""
+
+    def full(descriptor):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    out = tmp_path / "run.nc"
+    whole = tribo.simulate(pair(), accuracy=1e-6)
+    before = b"an earlier file"
+    out.write_bytes(before)
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "fsync", full)
+        for write in (lambda path: tribo.simulate(pair(), accuracy=1e-6, out=path), whole.save):
+            with pytest.raises(InputError, match=r"cannot be written \(No space left on device\)"):
+                write(out)
+            assert out.read_bytes() == before
+    assert same_end(whole, tribo.simulate(pair(), accuracy=1e-6, out=out, resume=True))
+
+
+def test_damaged_result(tmp_path):
+    """Any change of a file is refused in one sentence."""
+    path = tmp_path / "run.nc"
+    tribo.simulate(pair(), accuracy=1e-4, out=path)
+    content = path.read_bytes()
+    rng = random.Random(1)
+    for trial in range(134):
+        damaged = bytearray(content)
+        if trial % 4 == 0:
+            damaged = damaged[: rng.randrange(len(content))]
+        elif trial % 4 == 1:
+            start = rng.randrange(len(content))
+            damaged[start : start + 100] = rng.randbytes(100)
+        else:
+            damaged[rng.randrange(len(content))] ^= 1 << rng.randrange(8)
+        path.write_bytes(damaged)
+        with pytest.raises(InputError, match="cannot be read: it is damaged"):
+            tribo.load_result(path)
+    path.write_bytes(content)
+    assert tribo.load_result(path).status == "completed"
+
+
+def test_damaged_journal(often, tmp_path):
+    """What follows the damage is computed again, to the same bits."""
+    scene, how = HOW["pair"]
+    out, part = tmp_path / "run.nc", tmp_path / "run.nc.part"
+    whole = tribo.simulate(scene, **how)
+    with pytest.raises(Killed):
+        tribo.simulate(scene, **how, out=out, progress=killer(9))
+    content = part.read_bytes()
+    rng = random.Random(2)
+    for _ in range(6):
+        damaged = bytearray(content)
+        damaged[rng.randrange(len(content))] ^= 1 << rng.randrange(8)
+        part.write_bytes(damaged[: rng.randrange(len(content) // 2, len(content))])
+        found = tribo.simulate(scene, **how, out=out, resume=True)
+        assert same_end(whole, found) and found.error_estimate == whole.error_estimate
+        out.unlink()
+
+
+def test_journal_without_replaced_frames(often, monkeypatch, tmp_path):
+    """A journal that has grown is written again, and resumes as before."""
+    monkeypatch.setattr(journal, "MOST_REPLACED", 0)
+    scene, how = HOW["noise"]
+    out, part = tmp_path / "run.nc", tmp_path / "run.nc.part"
+    with pytest.raises(Killed):
+        tribo.simulate(scene, **how, out=out, progress=killer(40))
+    smaller = part.stat().st_size
+    found = tribo.simulate(scene, **how, out=out, resume=True)
+    assert same_end(tribo.simulate(scene, **how), found)
+    monkeypatch.setattr(journal, "MOST_REPLACED", 2**60)
+    with pytest.raises(Killed):
+        tribo.simulate(scene, **how, out=out, progress=killer(40))
+    assert smaller < 0.2 * part.stat().st_size
+
+
+def test_full_disk_when_a_journal_is_written_again(often, monkeypatch, tmp_path):
+    """One sentence; the journal stays as it was, nothing else is left, and the run resumes."""
+    monkeypatch.setattr(journal, "MOST_REPLACED", 0)
+    scene, how = HOW["noise"]
+    out, part = tmp_path / "run.nc", tmp_path / "run.nc.part"
+
+    def full(source, target):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "replace", full)
+        with pytest.raises(InputError, match=r"cannot be written \(No space left on device\)"):
+            tribo.simulate(scene, **how, out=out)
+    assert [path.name for path in tmp_path.iterdir()] == [part.name]
+    found = tribo.simulate(scene, **how, out=out, resume=True)
+    assert same_end(tribo.simulate(scene, **how), found)
+
+
+def test_another_run_is_refused(often, monkeypatch, tmp_path):
+    """By name, from the journal and from the complete file; both stay as they were."""
+    out, part = tmp_path / "run.nc", tmp_path / "run.nc.part"
+    with pytest.raises(Killed):
+        tribo.simulate(pair(), accuracy=1e-6, out=out, progress=killer(5))
+    for path in (part, out):
+        before = path.read_bytes()
+        for scene, accuracy, problem in (
+            (pair(9.0), 1e-6, r"scene.duration was 8.0, is 9.0"),
+            (replace(pair(), interactions=Coulomb(0.3)), 1e-6, r"\[0\].strength was 0.2, is 0.3"),
+            (pair(), 1e-5, r"settings.accuracy was 1e-06, is 1e-05"),
+        ):
+            with pytest.raises(InputError, match=f"is of another run: .*{problem}"):
+                tribo.simulate(scene, accuracy=accuracy, out=out, resume=True)
+        with monkeypatch.context() as patch:
+            patch.setattr("tribo.simulation.version", lambda: "0.0.1")
+            with pytest.raises(InputError, match=r"version was .*, is '0.0.1'"):
+                tribo.simulate(pair(), accuracy=1e-6, out=out, resume=True)
+        assert path.read_bytes() == before
+        tribo.simulate(pair(), accuracy=1e-6, out=out, resume=True)
+    assert not part.exists()
+
+
+def test_two_writers(often, tmp_path):
+    """The journal is of one process alone."""
+    out = tmp_path / "run.nc"
+
+    def another(t):
+        with pytest.raises(InputError, match="is being written by another process"):
+            tribo.simulate(pair(), accuracy=1e-6, out=out)
+
+    tribo.simulate(pair(), accuracy=1e-6, out=out, progress=another)
+
+
+def test_links_pipes_and_devices(tmp_path):
+    """A link is followed; what is no file is refused before the run."""
+    (tmp_path / "link.nc").symlink_to("real.nc")
+    tribo.simulate(pair(), accuracy=1e-4, out=tmp_path / "link.nc")
+    assert (tmp_path / "link.nc").is_symlink() and (tmp_path / "real.nc").is_file()
+    os.mkfifo(tmp_path / "pipe")
+    for path, problem in (
+        (tmp_path / "pipe", "must be a regular file, got the pipe or device"),
+        ("/dev/null", "must be a regular file, got the pipe or device"),
+        (tmp_path, "must be the name of a file, got the folder"),
+        (tmp_path / ("n" * 300), "must be a name of at most"),
+        (tmp_path / "real.nc" / "x.nc", "must be in a folder that exists"),
+    ):
+        with pytest.raises(InputError, match=f"out: {problem}"):
+            tribo.simulate(pair(), accuracy=1e-4, out=path)
+
+
+def quick():
+    """A scene whose run takes about a second."""
+    surfaces = (Surface("upper", bob=(-1.0, 0.0)), Surface("lower", facing="up"))
+    return Scene(surfaces, Coulomb(0.2), 1e3, output=Output(samples=101))
+
+
+PROGRAM = "import sys; from tribo.commands.cli import main; sys.exit(main())"
+
+
+@pytest.mark.parametrize("kills", [5, pytest.param(100, marks=pytest.mark.slow)])
+def test_killed_at_random(kills, tmp_path):
+    """Programs that are killed at any moment, from the first on; each end has the same bits."""
+    path, out = tmp_path / "scene.toml", tmp_path / "run.nc"
+    scene = replace(quick(), numerics=tribo.Numerics(method="verlet", step=1e-3))
+    scene.save(path)
+    whole = tribo.simulate(scene)
+    rng = random.Random(kills)
+    command = [sys.executable, "-c", PROGRAM, "run", str(path), "--out", str(out), "--resume"]
+    ends = killed = 0
+    while killed < kills or not ends:
+        with subprocess.Popen(command, stdout=subprocess.DEVNULL) as process:
+            if killed < kills:
+                time.sleep(rng.uniform(0.2, 2.0))
+                killed += process.poll() is None
+                process.kill()
+        assert process.returncode != 0 or out.exists()
+        if out.exists():  # a kill may come between the last rename and the end of the program
+            ends += 1
+            assert same_end(whole, tribo.load_result(out))
+            out.unlink()
+
+
+PLUGIN = """
+from pathlib import Path
+from typing import NamedTuple
+Path(__file__).with_name("loaded").touch()
+class Own(NamedTuple):
+    s: float
+    def energy(self, r):
+        return self.s / r
+"""
+TABLE = """
+duration = 1.0
+output = { samples = 2 }
+numerics = { method = "midpoint", step = 0.1 }
+interaction = { potential = "own.py:Own", s = 0.2, cutoff = 3.0 }
+surface = [ { name = "upper", bob = [-1.0, 0.0] }, { name = "lower", facing = "up" } ]
+"""
+OPENED = """
+import sys, tribo
+from pathlib import Path
+result = tribo.load_result(sys.argv[1])
+print(result.status, result, result.scene.duration, result.state().t)
+tribo.plotting.save(tribo.plotting.snapshot(result, 0.5), sys.argv[2])
+result.save(sys.argv[1])
+assert not Path(sys.argv[1]).with_name("loaded").exists()
+try:
+    tribo.simulate(tribo.load_result(sys.argv[1]).scene)
+except tribo.InputError as error:
+    print("refused:", error)
+print(Path(sys.argv[1]).with_name("loaded").exists())
+"""
+
+
+def test_opening_a_result_loads_no_code(tmp_path, capsys, server):
+    """Running its scene does, if the plug-in is what it was; `--no-plugins` refuses it."""
+    scene, own = tmp_path / "scene.toml", tmp_path / "own.py"
+    scene.write_text(TABLE)
+    own.write_text(PLUGIN)
+    assert main(["run", str(scene), "--no-plugins"]) == 2
+    assert "own.py:Own, which --no-plugins refuses" in capsys.readouterr().err
+    assert not (tmp_path / "loaded").exists()
+    out = tmp_path / "run.nc"
+    tribo.simulate(tribo.load_scene(scene), out=out)
+    for plugin, refused in ((PLUGIN, False), (PLUGIN.replace("/ r", "/ r**2"), True)):
+        own.write_text(plugin)
+        (tmp_path / "loaded").unlink()
+        printed = server.run(OPENED, out, tmp_path / "figure.png")
+        assert printed.startswith("completed") and printed.endswith("True\n")
+        assert ("refused: interaction[0].potential: " in printed) == refused
+    with pytest.raises(InputError, match=r"plugin.interaction\[0\].potential was '\w+', is '\w+'"):
+        tribo.simulate(tribo.load_scene(scene), out=out, resume=True)

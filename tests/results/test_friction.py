@@ -1,0 +1,161 @@
+"""Averages of friction and pull: fields and contact, parts, members, files, and what is printed."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import tribo
+from tribo.commands.cli import main
+from tribo.kernels.status import Status
+from tribo.plotting import overview
+from tribo.results import report
+
+HOW = {"method": "verlet", "step": 0.02}
+GAMMA, SPEED, DURATION = 1.0, 0.05, 450.0
+
+
+def tip(temperature=0.0, gamma=GAMMA, **output):
+    """A tip that is pulled over a corrugation, in stick and slip, with a reservoir on its bar."""
+    langevin = tribo.Langevin(gamma=gamma, temperature=temperature)
+    drive = tribo.Pulled(stiffness=5.0, speed=SPEED)
+    surface = tribo.Surface(
+        "tip", asperite=tribo.Asperite(kappa=np.inf), drive=drive, langevin=langevin
+    )
+    field = tribo.Field(tribo.Corrugation(amplitude=0.3, period=1.0), on=["tip"])
+    output = tribo.Output(**({"samples": 2001, "series": ("forces",), "run_in": 50.0} | output))
+    return tribo.Scene([surface], [], DURATION, fields=[field], output=output, seed=3)
+
+
+@pytest.fixture(scope="module")
+def result():
+    """The run at rest of temperature."""
+    return tribo.simulate(tip(), **HOW)
+
+
+def test_a_tip_on_a_corrugation_has_friction(result):
+    """Friction, pull and drag balance; their works are friction times distance."""
+    friction, pull = result.friction_force("tip"), result.pull_force("tip")
+    drag = -GAMMA * SPEED
+    assert -2.0 < friction.mean < -0.5 < 0.0 < friction.half_width < 0.1
+    assert 0.0 < pull.half_width < 0.1
+    gap = friction.mean + pull.mean + drag
+    assert abs(gap) < friction.half_width + pull.half_width
+    assert result.friction_force("tip", part="field") == friction
+    contact = result.friction_force("tip", part="contact")
+    assert contact.mean == contact.spread == contact.half_width == 0.0
+    # The stage does the work of the pull at its own speed.
+    later = result.t >= 50.0
+    spring = SPEED * result.t + result["tip"].x_bar[0, 0] - result["tip"].x_bar[:, 0]
+    assert pull.mean == pytest.approx(5.0 * np.mean(spring[later]), rel=0.02)
+    with pytest.raises(tribo.InputError, match='must be "contact": no field acts on "upper"'):
+        sliding(tribo.Forced()).friction_force("upper", part="field")
+
+
+@pytest.mark.parametrize("temperature", [0.0, 0.02])
+def test_it_is_the_same_in_files_members_and_sweeps(temperature, tmp_path, capsys, monkeypatch):
+    """Also in portions, with sums of works alone, and from the command line."""
+    scene = tip(temperature)
+    result = tribo.simulate(scene, **HOW)
+    friction, pull = result.friction_force("tip"), result.pull_force("tip")
+    assert friction.mean < -0.3 and pull.mean > 0.3
+    result.save(tmp_path / "tip.nc")
+    loaded = tribo.load_result(tmp_path / "tip.nc")
+    assert (loaded.friction_force("tip"), loaded.pull_force("tip")) == (friction, pull)
+    keep = ["tip.friction_force", "tip.pull_force", "tip.field_force"]
+    members = tribo.ensemble(scene, 2, {"tip.vx": np.zeros((2, 1))}, keep=keep, **HOW)
+    points = tribo.sweep(scene, {"tip.vx": [0.0]}, keep=keep, **HOW)
+    for data in (members, points) if temperature == 0.0 else ():
+        for name, average in zip(keep, (friction, pull, friction), strict=True):
+            assert data[name].values[0] == average.mean
+            assert data[f"{name}_time_half_width"].values[0] == average.half_width
+    assert np.all(np.isfinite(members["tip.pull_force_time_half_width"]))
+    monkeypatch.setattr("tribo.ledger.sinks.SERIES_BYTES", 10_000)
+    monkeypatch.setattr("tribo.ledger.sinks.PORTION_BYTES", 5_000)
+    kept = tribo.simulate(tip(temperature, keep=keep), **HOW)
+    if temperature == 0.0:
+        kept = [kept, tribo.simulate(tip(ledger="surfaces"), **HOW)]
+        path = tmp_path / "tip.toml"
+        replace(scene, numerics=tribo.Numerics(**HOW)).save(path)
+        assert main(["run", str(path), "--json"]) == 0
+        end = json.loads(capsys.readouterr().out)
+        assert end["friction_force"]["tip"]["mean"] == friction.mean
+        assert end["pull_force"]["tip"] == pull._asdict()
+    for other in np.atleast_1d(kept):
+        assert (other.friction_force("tip"), other.pull_force("tip")) == (friction, pull)
+
+
+def sliding(drive, **settings):
+    """One asperite over another: the loop for a pair, or the general one."""
+    upper = tribo.Surface("upper", bob=(-3.0, 0.0), velocity=(0.5, 0.0), drive=drive)
+    lower = tribo.Surface("lower", facing="up", drive=drive)
+    output = tribo.Output(samples=301, series=("forces",), **settings)
+    return tribo.simulate(
+        tribo.Scene([upper, lower], tribo.Gaussian(0.2, 0.5), 12.0, output=output),
+        method="gauss-radau-15",
+        accuracy=1e-9,
+    )
+
+
+@pytest.mark.parametrize("ledger", ["asperites", "none"])
+@pytest.mark.parametrize("drive", [tribo.Forced(), tribo.DrivenBars()])
+def test_the_pull_of_forced_surfaces_and_driven_bars(drive, ledger):
+    """A forced drive cancels the contact; the reaction of bars is that less the bob's momentum."""
+    result = sliding(drive, ledger=ledger)
+    upper = result["upper"]
+    friction, pull = result.friction_force("upper"), result.pull_force("upper")
+    momentum = np.trapezoid(upper.friction_force + upper.pull_force, result.t)
+    change = result.scene.surfaces[0].each["mass"][0] * (upper.vx_cm[-1, 0] - upper.vx_cm[0, 0])
+    assert momentum == pytest.approx(change, abs=2e-4)
+    assert friction.mean == pytest.approx(result["upper"].f1_x.mean(), rel=0.05)
+    if isinstance(drive, tribo.Forced):
+        assert pull.mean == pytest.approx(-friction.mean, rel=1e-9)
+    # One passage: no mean friction force in the summary.
+    assert "friction" not in str(result) and "friction" not in result._repr_html_()
+
+
+def test_the_summary_prints_friction_heat_and_budget(result):
+    """As text and as HTML, with the pull, per asperite and per load where there is one."""
+    friction = result.friction_force("tip")
+    text = str(result)
+    assert (
+        f"friction force {friction.mean:.4g} +- {friction.half_width:.2g} from t = 50.175 on"
+        in text
+    )
+    assert f"drive's force {result.pull_force('tip').mean:.4g} +- " in text
+    assert f"heat {result['tip'].heat[-1, 0]:.6g} to the reservoir" in text
+    assert f"energy: work applied {result.system['applied_work'][-1]:.6g}, change of the" in text
+    assert "friction force" in result._repr_html_() and "energy: work" in result._repr_html_()
+    drawn = [ax.get_ylabel() for ax in overview(result).axes]
+    assert "friction force on tip" in drawn
+    plain = tribo.simulate(tip(series=()), **HOW)
+    assert 'friction force: not recorded; series = ["forces"] under [output]' in str(plain)
+
+
+def test_the_summary_divides_by_asperites_and_loads(result):
+    """Friction per asperite, and as a part of the load on all of them."""
+    drive = tribo.Pulled(load=0.5)
+    upper = tribo.Surface("upper", drive=drive, shape=(4, 1), spacing=(1.0, 0.0))
+    text = report.in_words(result.friction_force("tip")._replace(mean=-0.8), upper, True)
+    assert text.startswith("-0.8 +- ") and text.endswith(", -0.2 per asperite, 0.4 of the load")
+    alone = report.in_words(result.pull_force("tip"), result.scene.surfaces[0], False)
+    assert "per asperite" not in alone and "load" not in alone
+
+
+def test_a_large_drag_is_noted():
+    """Where the reservoir resists with more than a tenth of the pull."""
+    assert "drag" not in tribo.simulate(tip(), **HOW).pull_force("tip").note
+    result = tribo.simulate(tip(gamma=8.0), **HOW)
+    drag = "the reservoir's drag on the bars, -0.39, is more than a tenth of it"
+    assert result.pull_force("tip").note == drag and drag in str(result)
+    assert drag in json.loads(result.to_json())["pull_force"]["tip"]["note"]
+
+
+def test_the_average_of_a_stopped_run_says_so(result):
+    """Its status and its time are in the note."""
+    stopped = replace(result)
+    stopped.status = Status.ENCOUNTER_JUMPED
+    for average in (stopped.friction_force("tip"), stopped.pull_force("tip")):
+        assert average.note.startswith("the run stopped at t = 450, EncounterJumped")
+    assert "the run stopped at t = 450, EncounterJumped" in str(stopped)

@@ -1,0 +1,146 @@
+"""Notes of a result on what its drives did, and on bobs that start in a core."""
+
+import re
+
+import numpy as np
+import pytest
+
+import tribo
+from tribo import Asperite, Coulomb, Forced, Free, Langevin, Output, Scene, Surface
+from tribo.analysis.deep_core import core_notes
+from tribo.layout.layout import lay_out
+
+
+def notes(lower_drive, velocity=(0.0, 0.0), **numerics):
+    """The notes on a pass over a surface with a drive."""
+    upper = Surface("upper", bob=(-3.0, 0.0), velocity=(0.5, 0.0))
+    lower = Surface("lower", facing="up", drive=lower_drive, velocity=velocity)
+    scene = Scene((upper, lower), Coulomb(0.2), 12.0)
+    return tribo.simulate(scene, **numerics).notes
+
+
+@pytest.mark.parametrize("numerics", [{"accuracy": 1e-6}, {"method": "rk4", "step": 0.03}])
+def test_a_forced_surface_at_rest_that_receives_work_is_noted(numerics):
+    """With an estimate of errors and with a given step."""
+    (note,) = notes(Forced(), **numerics)
+    assert note.startswith('"lower" is forced and at rest, but its bars swing')
+    assert note.endswith('drive = "bars" holds bars without work')
+
+
+@pytest.mark.parametrize(
+    ("drive", "velocity"), [(Free(), (0.0, 0.0)), (Forced(), (-0.125, 0.0)), (Forced(), (0.0, 0.1))]
+)
+def test_other_surfaces_are_not_noted(drive, velocity):
+    """A free one, and one that moves."""
+    assert notes(drive, velocity, accuracy=1e-6) == ()
+
+
+def test_little_work_is_not_noted():
+    """A stiff pendulum at rest hardly swings."""
+    upper = Surface("upper", bob=(-3.0, 0.0), velocity=(0.5, 0.0))
+    lower = Surface("lower", facing="up", asperite=Asperite(kappa=100.0))
+    assert tribo.simulate(Scene((upper, lower), Coulomb(0.2), 12.0)).notes == ()
+
+
+def pressed(gap, periodic=None, **settings):
+    """Bobs above one another, or nearly so."""
+    upper = Surface("upper", bob=(-1e-17, gap), **settings)
+    lower = Surface("lower", facing="up", shape=(3, 1), spacing=(-2.0, 0.0), **settings)
+    potential = tribo.with_cutoff(tribo.LennardJones(0.5, 1.0), 2.5)
+    return lay_out(Scene((lower, upper), potential, 1.0, periodic=periodic or {}))
+
+
+def test_a_start_in_a_core_is_noted():
+    """With the pair and its energy; not in front of the core, or with stiff springs."""
+    (note,) = core_notes(pressed(0.5))
+    assert note == (
+        'the bobs of asperite 0 of "lower" and asperite 0 of "upper" start deep in a repulsive '
+        "core: 0.5 apart, with an energy of 8.06e+03, 8e+03 times their other energies; start them "
+        "farther apart, or from tribo.relax(scene)"
+    )
+    assert core_notes(pressed(0.5, {"x": 6.0})) == (note,), "a bob is at -1e-17 in a period"
+    assert core_notes(pressed(0.8)) == () and core_notes(pressed(1.0)) == ()
+    assert core_notes(pressed(0.5, asperite=Asperite(kappa=1e6))) == ()
+    (note,) = core_notes(pressed(0.5, asperite=Asperite(kappa=float("inf"))))
+    assert note.endswith("times their other energies; start them farther apart")
+
+
+def test_a_start_in_a_core_is_warned_of():
+    """By the call, and in the notes of its result."""
+    upper = Surface("upper", bob=(0.0, 0.001))
+    scene = Scene((upper, Surface("lower", facing="up", drive=Free())), Coulomb(0.2), 1e-5)
+    with pytest.warns(tribo.TriboWarning, match="start deep in a repulsive core: 0.001 apart"):
+        notes = tribo.simulate(scene, method="rk4", step=1e-6).notes
+    assert "start deep in a repulsive core" in notes[0]
+
+
+def passing(method, step, times=None, samples=25, **settings):
+    """A pass with given samples, by equal steps."""
+    upper = Surface("upper", bob=(-3.0, 0.0), velocity=(0.5, 0.0), **settings)
+    lower = Surface("lower", facing="up", drive=Free())
+    output = Output(samples=samples) if times is None else Output(times=times)
+    return tribo.simulate(
+        Scene((upper, lower), Coulomb(0.2), 12.0, output=output), method=method, step=step
+    )
+
+
+@pytest.mark.parametrize("method", ["midpoint", "verlet"])
+@pytest.mark.parametrize(("step", "taken"), [(5.0, 0.5), (0.6, 0.5), (0.3, 0.25), (0.26, 0.25)])
+def test_steps_that_samples_shorten(method, step, taken):
+    """A note has the step that is taken where it is more than 5 % shorter than the given one."""
+    result, exact = passing(method, step), passing(method, taken)
+    assert result.cost.steps == round(12.0 / taken)
+    assert np.array_equal(result["upper"].w1, exact["upper"].w1)
+    assert exact.notes == ()
+    if taken > 0.95 * step:
+        assert result.notes == ()
+        return
+    (note,) = result.notes
+    rest = "fewer samples allow longer steps" if step > 0.5 else "a step that divides 0.5 is taken"
+    assert note.startswith(f"steps are at most {taken:g} long in place of {step:g}: ")
+    assert rest in note
+
+
+def test_steps_between_unequal_samples():
+    """The longest step counts: others are shorter where samples are closer together."""
+    assert passing("midpoint", 0.25, (0.1, 5.0, 5.01, 12.0)).notes == ()
+    times = (0.1, *(0.4 * np.arange(1, 30)))
+    (note,) = passing("midpoint", 0.6, times).notes
+    assert note.startswith("steps are at most 0.4 long in place of 0.6: ")
+    assert passing("midpoint", 0.4, times).notes == ()
+
+
+def test_automatic_steps_are_as_they_are_taken():
+    """With noise and without a given step, no step is shorter than another."""
+    reservoir = Langevin(0.1, temperature=0.1)
+    assert passing(None, None, samples=1201, langevin=reservoir).notes == ()
+
+
+def starting(**settings):
+    """The notes on a start with settings of the upper surface."""
+    upper = Surface("upper", **{"bob": (-3.0, 0.0)} | settings)
+    surfaces = upper, Surface("lower", facing="up")
+    scene = Scene(surfaces, Coulomb(0.2), 0.1, output=Output(samples=2))
+    return tribo.prepare(scene, method="rk4", step=0.05).run().notes
+
+
+@pytest.mark.parametrize(
+    ("settings", "places"),
+    [
+        ({"shape": (3, 2)}, "6 asperites of .* are on 1 place,"),
+        ({"shape": (3, 2), "spacing": (1.0, 0.0)}, "6 asperites of .* are on 3 places,"),
+        ({"bob": (0.0, 0.0), "positions": [[-3.0, 0.0, 0.0]] * 2}, "2 asperites of .* on 1 place,"),
+    ],
+)
+def test_asperites_on_one_place_are_noted(settings, places):
+    """Without a spacing, or with equal positions."""
+    (note,) = starting(**settings)
+    assert re.search(places, note)
+
+
+def test_angles_beyond_a_turn_are_noted():
+    """They look like degrees; those of a surface that faces up are counted from pi."""
+    (note,) = starting(initial=tribo.Initial(theta=30.0))
+    assert "swing from rest of 30 rad" in note and "30 degrees would be 0.5236" in note
+    assert starting(initial=tribo.Initial(theta=6.2)) == ()
+    assert starting(shape=(3, 1), spacing=(1.0, 0.0)) == ()
