@@ -12,10 +12,10 @@ from support.inactive import inactive as not_stepped
 from tribo.explanation.speeds import inactive_at_start
 from tribo.integrators.methods import METHODS
 from tribo.layout import active, contacts
+from tribo.layout import layout as layouts
 from tribo.layout.layout import lay_out
 from tribo.loops import integrate
 from tribo.loops.general import GeneralLoop
-from tribo.run import layout as layouts
 
 VERLET = {"method": "verlet", "step": STEP}
 

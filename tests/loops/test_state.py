@@ -6,12 +6,12 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
-from tribo.run import state as states
 
 import tribo
 from support.continued import chain, pair, same_end
 from tribo import Corrugation, Field, InputError
 from tribo.layout import contacts
+from tribo.loops import state as states
 
 
 @pytest.fixture(autouse=True)

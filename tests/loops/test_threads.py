@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tribo.run import layout as layouts
 
 import tribo
 from support.sliding import long_slide
@@ -15,6 +14,7 @@ from support.sliding import scene as crowded
 from tribo.commands.cli import main
 from tribo.integrators.methods import METHODS
 from tribo.layout import contacts, threads
+from tribo.layout import layout as layouts
 from tribo.layout.layout import lay_out
 from tribo.loops import general
 

@@ -154,8 +154,8 @@ def listed_pairs() -> str:
     """A list has exactly the pairs within its reach, sorted, whether cells are many or one."""
     from tribo.kernels.neighbours import refresh
     from tribo.kernels.records import X, Y
+    from tribo.layout import layout as layouts
     from tribo.model.scene_file import scene_from
-    from tribo.run import layout as layouts
 
     rng = np.random.default_rng(3)
     for count, extent, box in (

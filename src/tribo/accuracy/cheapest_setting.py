@@ -7,10 +7,10 @@ from collections.abc import Callable
 import numpy as np
 
 from tribo.accuracy.comparison import Accuracy, error_bounds
+from tribo.accuracy.decision import LONG_RUN
 from tribo.accuracy.estimate import excess_of_request
 from tribo.accuracy.found_settings import FoundSettings
 from tribo.accuracy.levels import setting_at, work
-from tribo.accuracy.search import LONG_RUN
 from tribo.accuracy.tolerance_scales import tolerance_scales
 from tribo.integrators.methods import Method
 from tribo.kernels.status import Status

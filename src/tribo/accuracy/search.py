@@ -8,13 +8,13 @@ round-off beyond the request.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from tribo.accuracy.comparison import (
     ABORTED,
-    FROM_OUTSIDE,
     Accuracy,
     Attempt,
     error_bounds,
@@ -24,7 +24,17 @@ from tribo.accuracy.comparison import (
     out_of_reach,
     strictest,
 )
-from tribo.accuracy.estimate import excess_of_request, rounding
+from tribo.accuracy.decision import (
+    LONG_RUN,
+    Limits,
+    Round,
+    Stop,
+    best,
+    decide,
+    is_too_long,
+    too_fine,
+)
+from tribo.accuracy.estimate import excess_of_request
 from tribo.accuracy.found_settings import Errors, FoundSettings
 from tribo.accuracy.levels import (
     NEAR,
@@ -50,37 +60,15 @@ from tribo.validation import InputError
 FIRST = 2.0 / 3.0
 # Rounds of lower levels, after which a request counts as out of reach.
 ROUNDS = 6
-# A round stalls if its estimate exceeds this fraction of the one before.
-STALLED = 0.5
-# Stalled rounds in a row, after which round-off is taken for the limit.
-MOST_STALLS = 2
-# The next level is at most this times the last one; its square if the error is unknown.
-LOWER = 0.1
-# The next level aims at this fraction of the request.
-AIM = 0.3
 # Requests below this measure the amplification at once, because rounding counts in their estimate.
 # Others do so if the first round misses them: where nothing moves but by weak forces, a change of
 # the start matters a thousand times more than rounding, which is relative to what it rounds.
 TIGHT = 1e-9
-# Work of a long run [force evaluations x asperites], which is refused early if its request is out
-# of reach: 5 to 10 s at the 0.03 to 0.06 us that benchmarks/calibrate.py measures for an asperite.
-# The tries of `cheapest_setting` end after as much work.
-LONG_RUN = 1.5e8
 # Level of the coarse runs for an accuracy of 1, where a small change of the start grows by 1.  Of
 # two grids of 5041 asperites, where changes grew by 53,000, the error was 0.02 at a level of 6e-6.
 AMPLIFIED = 5.0
 # A long run is refused if growing errors make it this many times as long.
 MOST_LONGER = 4.0
-# The next round takes this fraction of equal steps that are too long.
-SHORTER = 0.25
-# Statuses of runs whose equal steps are too long.
-TOO_LONG = (Status.ENCOUNTER_JUMPED, Status.NOT_FINITE, Status.NOT_CONVERGED)
-# Levels closer than this are not told apart.
-CLOSE = 3.0
-# Largest error, relative to the scales, of a run that is delivered where finer ones stop.
-KNOWN = 0.01
-# Estimates below this many times the effect of rounding gain too little from finer settings.
-MOST_ROUNDED = 3.0
 # Evaluations of a search, in units of those of the run that it delivers, beyond which no further
 # round begins.  Five rounds of a method of order 8 take eight to ten times as many.
 MOST_COST = 10.0
@@ -136,33 +124,28 @@ def find_settings(
             break
         if not search.run_round(level):
             break
-        lower = search.next_level(level)
-        if lower is None:
+        following = search.decide()
+        if isinstance(following, Stop):
             break
-        level = lower
+        level = following
     return search.found()
 
 
 @dataclass
-class _Round:
-    """A fine run, and the two coarse ones that it is compared with."""
+class _Round(Round):
+    """A round with its runs: two coarse ones, and the fine one last."""
 
-    level: float  # of the coarse runs
-    coarse: Setting
-    fine: Setting
-    runs: list[Integration] = field(default_factory=list)  # the fine one is the last
-    excess: float = np.inf  # the largest estimate of the fine run relative to the request
+    coarse: Setting = 0.0
+    fine: Setting = 0.0
+    runs: list[Integration] = field(default_factory=list)
     errors: Errors | None = None  # of the fine run
 
-    @property
-    def finest(self) -> Integration:
-        """The fine run."""
-        return self.runs[-1]
-
-    @property
-    def stopped(self) -> Status | None:
-        """The status of a run that stopped, if there is one."""
-        return next((r.status for r in self.runs if r.status != Status.COMPLETED), None)
+    def add(self, layout: Layout, fine: Integration, coarse: Sequence[Integration] = ()) -> None:
+        """The runs, of which the first that stopped gives the status."""
+        self.runs = [*coarse, fine]
+        stops = [run.status for run in self.runs if run.status != Status.COMPLETED]
+        self.stopped = stops[0] if stops else None
+        self.steps, self.work = fine.steps, work(layout, fine)
 
 
 class _Search:
@@ -184,10 +167,21 @@ class _Search:
         self.scales: ToleranceScales | None = None  # of the last of them, once they are measured
         self.rounds: list[_Round] = []
         self.amplification: float | None = None
-        self.reached = np.inf  # the last level of a round that completed, or of the pilot
-        self.too_fine = 0.0  # the loosest level at which runs stopped
-        self.stalls = 0
+        self.reached = np.inf  # the level of a pilot that completed
         self.costly = False
+
+    @property
+    def limits(self) -> Limits:
+        """What bounds the search, as far as it is known now."""
+        return Limits(
+            self.wanted,
+            self.method.order,
+            self.method.adaptive,
+            finest_level(self.method),
+            self.reached,
+            self.count.spent > self.count.most,
+            self.amplification,
+        )
 
     def run_pilot(self, level: float) -> float | None:
         """Run the pilot of an adaptive method; none with equal steps.
@@ -201,7 +195,7 @@ class _Search:
         setting, pilot, self.scales = self.count.pilot(self.stops.few)
         self.runs.append(pilot)
         if pilot.status in ABORTED:
-            self.rounds.append(_Round(level, setting, setting, [pilot]))
+            self.rounds.append(_Round(level, coarse=setting, fine=setting, runs=[pilot]))
             return None
         if pilot.status != Status.COMPLETED:
             return level
@@ -259,66 +253,40 @@ class _Search:
             1 + COARSE_RUNS, self.count.seconds(level, self.runs[-1] if self.runs else None)
         )
         finest = self.count.run(fine, self.stops.fine, finer)
-        last = _Round(level, coarse, fine, [finest])
         self.costly = bool(self.rounds) and not self._affords(
             COARSE_RUNS * self.count.expected(level)
         )
         if self.costly:
             return False
+        last = _Round(level, coarse=coarse, fine=fine)
+        last.add(layout, finest)
         self.rounds.append(last)
         for times in (self.stops.few, self.stops.many):
             if last.stopped is None:
-                last.runs.insert(-1, self.count.run(coarse, times, level))
+                coarser = [*last.runs[:-1], self.count.run(coarse, times, level)]
+                last.add(layout, finest, coarser)
         self.runs.append(finest)
         self.scales = None
-        if last.stopped is None:
-            self.reached = level
         return True
 
-    def next_level(self, level: float) -> float | None:
-        """The level of the round after one at `level`; None if the search ends."""
+    def decide(self) -> float | Stop:
+        """The level of the next round, or why there is none; estimates the errors of the last."""
         last = self.rounds[-1]
-        if last.stopped in FROM_OUTSIDE:
-            return None
-        if self.method.adaptive and last.stopped is not None:
-            self.too_fine = max(self.too_fine, level)
-            return None if self.count.spent > self.count.most else self._looser()
-        finest = finest_level(self.method)
-        shorter = level * SHORTER**self.method.order
-        fine = last.finest
-        can_be_too_long = not self.method.adaptive and work(self.layout, fine) < SHORTER * LONG_RUN
-        if can_be_too_long and last.stopped in TOO_LONG:
-            return shorter
-        before = self.rounds[-2].excess if len(self.rounds) > 1 else np.inf
         if last.stopped is None:
             if self.wanted < TIGHT:
                 self._measure(last)
-            last.excess = self._excess(last)
-        if can_be_too_long and len(self.rounds) == 1 and last.excess * self.wanted > 1.0:
-            self.amplification, last.excess = None, np.inf
-            return shorter
-        excess = last.excess
-        if excess > 1.0 and self.amplification is None and last.stopped is None:
+            last.estimate = last.excess = self._excess(last)
+        if is_too_long(self.rounds, self.limits):
+            self.amplification, last.estimate, last.excess = None, np.inf, np.inf
+        elif last.stopped is None and last.estimate > 1.0 and self.amplification is None:
             self._measure(last)
             last.excess = self._excess(last)
-        self.stalls = self.stalls + 1 if excess > STALLED * before else 0
-        if (
-            self.count.spent > self.count.most
-            or excess <= 1.0
-            or level <= finest
-            or self.stalls == MOST_STALLS
-        ):
-            return None
-        if last.stopped is None and self._is_out_of_reach(last):
-            return None
-        lower = AIM / excess if np.isfinite(excess) else LOWER**2
-        lower = max(level * min(LOWER, lower), finest)
-        return lower if lower > self.too_fine else self._looser()
+        return decide(self.rounds, self.limits)
 
     def found(self) -> FoundSettings:
         """The settings and runs of the best round."""
-        chosen, stopped = self._best(), None
-        if self.too_fine > 0.0:
+        chosen, stopped = best(self.rounds, self.limits), None
+        if too_fine(self.rounds, self.limits) > 0.0:
             stopped = next(item.stopped for item in self.rounds if item.stopped is not None)
         others = [run for run in self.runs if run not in chosen.runs]
         return FoundSettings(
@@ -335,19 +303,6 @@ class _Search:
             chosen.errors,
         )
 
-    def _best(self) -> _Round:
-        """The finest round whose excess is about the smallest.
-
-        Where runs stop, and others have errors as large as the scales, the finest that stopped.
-        """
-        known = [item for item in self.rounds if item.excess * self.wanted <= KNOWN]
-        if known or self.too_fine == 0.0:
-            candidates = known or self.rounds
-            least = min(item.excess for item in candidates)
-            near = [item for item in candidates if STALLED * item.excess <= least]
-            return min(near, key=lambda item: item.level)
-        return min(self.rounds, key=lambda item: item.level)
-
     def _scales(self) -> ToleranceScales:
         """Those of the last run, or without one a first guess."""
         if self.scales is None and self.runs:
@@ -356,26 +311,9 @@ class _Search:
 
     def _affords(self, further: float) -> bool:
         """Whether a round with `further` evaluations leaves the search cheap enough."""
-        most = MOST_COST * self._best().finest.evaluations
+        most = MOST_COST * best(self.rounds, self.limits).runs[-1].evaluations
         short = SHORT_SEARCH / self.layout.scene.count
         return self.count.spent + further <= max(most, short)
-
-    def _is_out_of_reach(self, last: _Round) -> bool:
-        """Whether amplified rounding keeps finer settings from the request, or it is unknown."""
-        if self.amplification is None:
-            return True
-        estimate = last.excess * self.wanted
-        if self.too_fine > 0.0 and estimate > KNOWN:
-            return False
-        if self.amplification * EPSILON > self.wanted:
-            return True
-        rounded = rounding(self.amplification, last.finest.steps)
-        return rounded > self.wanted and estimate < MOST_ROUNDED * rounded
-
-    def _looser(self) -> float | None:
-        """A level between one at which runs stop and one at which they do not; None if close."""
-        level = (self.too_fine * self.reached) ** 0.5
-        return level if np.isfinite(level) and level > CLOSE * self.too_fine else None
 
     def _amplification(self, setting: Setting, run: Integration) -> float | None:
         names = observables(self.accuracy)

@@ -1,0 +1,194 @@
+"""What follows a round of a search: a level for the next one, or the reason to stop.
+
+A round compares a fine run with two coarse ones.  The functions here see its numbers alone, and run
+nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from itertools import pairwise
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+
+from tribo.accuracy.comparison import FROM_OUTSIDE
+from tribo.accuracy.estimate import rounding
+from tribo.accuracy.scales import EPSILON
+from tribo.kernels.status import Status
+
+# A round stalls if its estimate exceeds this fraction of the one before.
+STALLED = 0.5
+# Stalled rounds in a row, after which round-off is taken for the limit.
+MOST_STALLS = 2
+# The next level is at most this times the last one; its square if the error is unknown.
+LOWER = 0.1
+# The next level aims at this fraction of the request.
+AIM = 0.3
+# The next round takes this fraction of equal steps that are too long.
+SHORTER = 0.25
+# Statuses of runs whose equal steps are too long.
+TOO_LONG = (Status.ENCOUNTER_JUMPED, Status.NOT_FINITE, Status.NOT_CONVERGED)
+# Levels closer than this are not told apart.
+CLOSE = 3.0
+# Largest error, relative to the scales, of a run that is delivered where finer ones stop.
+KNOWN = 0.01
+# Estimates below this many times the effect of rounding gain too little from finer settings.
+MOST_ROUNDED = 3.0
+# Work of a long run [force evaluations x asperites], which is refused early if its request is out
+# of reach: 5 to 10 s at the 0.03 to 0.06 us that benchmarks/calibrate.py measures for an asperite.
+# The tries of `cheapest_setting` end after as much work.
+LONG_RUN = 1.5e8
+
+
+@dataclass
+class Round:
+    """What a search knows of a round.
+
+    Attributes
+    ----------
+    level
+        of the errors of its coarse runs, relative to the scales
+    stopped
+        the status of a run that stopped, if one did
+    estimate
+        the largest error of the fine run in units of the request, as first made
+    excess
+        the same, with the amplification of small errors if it was measured after that
+    steps, work
+        of the fine run; its work is in force evaluations x asperites
+    """
+
+    level: float
+    stopped: Status | None = None
+    estimate: float = np.inf
+    excess: float = np.inf
+    steps: int = 0
+    work: float = 0.0
+
+
+class Limits(NamedTuple):
+    """What bounds a search.
+
+    Attributes
+    ----------
+    wanted
+        the smallest error of the request, relative to the scales
+    order, adaptive
+        of the method
+    finest
+        the finest level of coarse runs
+    reached
+        the level of a pilot run that completed; infinite without one
+    exhausted
+        whether the evaluations of any run are spent
+    amplification
+        of a small change of the start; None where it was not measured
+    """
+
+    wanted: float
+    order: int
+    adaptive: bool
+    finest: float
+    reached: float = np.inf
+    exhausted: bool = False
+    amplification: float | None = None
+
+
+class Stop(StrEnum):
+    """Why a search ends."""
+
+    ENDED = "a run was ended from outside"
+    EXHAUSTED = "the evaluations are spent"
+    MET = "the request is met"
+    FINEST = "no finer level exists"
+    STALLED = "finer settings gain nothing"
+    OUT_OF_REACH = "rounding, amplified, exceeds the request"
+    BRACKETED = "slightly finer runs stop"
+
+
+def decide(rounds: Sequence[Round], limits: Limits) -> float | Stop:
+    """The level of the next round, or why there is none."""
+    last = rounds[-1]
+    if last.stopped in FROM_OUTSIDE:
+        return Stop.ENDED
+    if is_too_long(rounds, limits):
+        return last.level * SHORTER**limits.order
+    if limits.exhausted:
+        return Stop.EXHAUSTED
+    if limits.adaptive and last.stopped is not None:
+        return _looser(rounds, limits)
+    if last.estimate <= 1.0:
+        return Stop.MET
+    if last.level <= limits.finest:
+        return Stop.FINEST
+    if _stalls(rounds) >= MOST_STALLS:
+        return Stop.STALLED
+    if last.stopped is None and _is_out_of_reach(rounds, limits):
+        return Stop.OUT_OF_REACH
+    lower = AIM / last.estimate if np.isfinite(last.estimate) else LOWER**2
+    lower = max(last.level * min(LOWER, lower), limits.finest)
+    return lower if lower > too_fine(rounds, limits) else _looser(rounds, limits)
+
+
+def is_too_long(rounds: Sequence[Round], limits: Limits) -> bool:
+    """Whether equal steps are so long that the errors of the last round say nothing."""
+    last = rounds[-1]
+    if limits.adaptive or last.work >= SHORTER * LONG_RUN:
+        return False
+    return last.stopped in TOO_LONG or (len(rounds) == 1 and last.excess * limits.wanted > 1.0)
+
+
+AnyRound = TypeVar("AnyRound", bound=Round)
+
+
+def best(rounds: Sequence[AnyRound], limits: Limits) -> AnyRound:
+    """The finest round whose excess is about the smallest.
+
+    Where runs stop, and others have errors as large as the scales, the finest that stopped.
+    """
+    known = [item for item in rounds if item.excess * limits.wanted <= KNOWN]
+    candidates: Sequence[AnyRound] = rounds
+    if known or too_fine(rounds, limits) == 0.0:
+        candidates = known or rounds
+        least = min(item.excess for item in candidates)
+        candidates = [item for item in candidates if STALLED * item.excess <= least]
+    return min(candidates, key=lambda item: item.level)
+
+
+def too_fine(rounds: Sequence[Round], limits: Limits) -> float:
+    """The loosest level at which adaptive runs stopped; zero if none did."""
+    levels = [item.level for item in rounds if item.stopped not in (None, *FROM_OUTSIDE)]
+    return max(levels, default=0.0) if limits.adaptive else 0.0
+
+
+def _stalls(rounds: Sequence[Round]) -> int:
+    """How many rounds in a row, up to the last, gained little on the one before."""
+    count = 0
+    for before, after in pairwise(rounds):
+        count = count + 1 if after.estimate > STALLED * before.excess else 0
+    return count
+
+
+def _is_out_of_reach(rounds: Sequence[Round], limits: Limits) -> bool:
+    """Whether amplified rounding keeps finer settings from the request, or it is unknown."""
+    last, grown = rounds[-1], limits.amplification
+    if grown is None:
+        return True
+    error = last.excess * limits.wanted
+    if too_fine(rounds, limits) > 0.0 and error > KNOWN:
+        return False
+    if grown * EPSILON > limits.wanted:
+        return True
+    rounded = rounding(grown, last.steps)
+    return rounded > limits.wanted and error < MOST_ROUNDED * rounded
+
+
+def _looser(rounds: Sequence[Round], limits: Limits) -> float | Stop:
+    """A level between one at which runs stop and one at which they do not, if these are apart."""
+    stop = too_fine(rounds, limits)
+    completed = [item.level for item in rounds if item.stopped is None]
+    level = (stop * (completed[-1] if completed else limits.reached)) ** 0.5
+    return float(level) if np.isfinite(level) and level > CLOSE * stop else Stop.BRACKETED
