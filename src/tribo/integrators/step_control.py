@@ -4,8 +4,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numba.extending import register_jitable
 
 from tribo.compiler.jit import expanded, inlined, kernel
+from tribo.compiler.jit_options import NUMPY_ERRORS
 from tribo.compiler.lanes import LANES, absolute, broadcast, sum_of_lanes
 from tribo.compiler.lanes_memory import block
 from tribo.kernels.blocks import active_of
@@ -139,6 +141,12 @@ def record_due(model, neighbours, clock, state, times, record):
     return 0.0
 
 
+@register_jitable(**NUMPY_ERRORS)
+def count_of_steps(time, step):
+    """Number of equal steps of at most `step` in a time: as few as round-off allows."""
+    return np.maximum(1.0, np.ceil(time / step - 1e-9))
+
+
 @kernel
 def equal_step(clock, left, step):
     """The step, and whether it ends with the next sample, which is `left` ahead.
@@ -146,7 +154,7 @@ def equal_step(clock, left, step):
     Between two samples all steps are the same: the largest up to `step` that divides the time.
     """
     if clock.h == 0.0:
-        clock.h = left / max(1.0, np.ceil(left / step - 1e-9))
+        clock.h = left / count_of_steps(left, step)
     return clock.h, left < 1.5 * clock.h
 
 

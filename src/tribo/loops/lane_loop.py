@@ -58,6 +58,11 @@ class LaneLoop(RecordingLoop):
         Whether members differ in numbers too.
     alone : Pool of GeneralMembers
         Loops for members that are run alone.
+
+    Raises
+    ------
+    InputError
+        A plug-in does not compile.
     """
 
     def __init__(
@@ -88,6 +93,11 @@ class LaneLoop(RecordingLoop):
         self._places = np.concatenate([eight.q, coordinates + eight.q], axis=1)
         self._own: list[np.ndarray] = []
         self._fresh: list[np.ndarray] = []
+        self.prepare(layout, method)
+
+    @abstractmethod
+    def prepare(self, layout: Layout, method: Method) -> None:
+        """Make what else the loop needs, and compile it."""
 
     @abstractmethod
     def fill_lanes(

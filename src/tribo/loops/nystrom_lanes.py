@@ -17,8 +17,7 @@ from tribo.kernels.samples import empty_state
 from tribo.kernels.status import PAUSED
 from tribo.layout.layout import Layout
 from tribo.ledger.samples import sample_columns
-from tribo.loops.batch import MemberStarts, Pool
-from tribo.loops.batch_general import GeneralMembers
+from tribo.loops.batch import MemberStarts
 from tribo.loops.general import unit_setting
 from tribo.loops.integrate import Columns, Setting, first_step_at
 from tribo.loops.lane_loop import LaneLoop
@@ -28,23 +27,10 @@ TRIALS = 1024
 
 
 class NystromLanes(LaneLoop):
-    """The loop of a Nystrom method; parameters as those of `LaneLoop`.
+    """The loop of a Nystrom method."""
 
-    Raises
-    ------
-    InputError
-        If a plug-in does not compile.
-    """
-
-    def __init__(
-        self,
-        layout: Layout,
-        method: Method,
-        first_step: float,
-        own_numbers: bool,
-        alone: Pool[GeneralMembers],
-    ) -> None:
-        super().__init__(layout, method, first_step, own_numbers, alone)
+    def prepare(self, layout: Layout, method: Method) -> None:
+        """Make clocks and scratch, and compile the loop."""
         self._clocks = np.zeros(LANES, CLOCK).view(np.recarray)
         speeds = room((3, self.eight.model.each.shape[1]))
         tried, new = room((TRIED, LANES)), empty_state(self._state)

@@ -10,13 +10,13 @@ from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
 from tribo.integrators.methods import Method
 from tribo.integrators.splitting_members import LOST, WATCHED, splitting_members
+from tribo.integrators.step_control import count_of_steps
 from tribo.kernels.langevin import Deviates
 from tribo.kernels.records import CLOCK
 from tribo.kernels.status import CODE, COMPLETED, COUNTS, EVALUATIONS, PAUSED, STEPS
 from tribo.layout.layout import Layout
 from tribo.ledger.samples import sample_columns
-from tribo.loops.batch import MemberStarts, Pool, padded
-from tribo.loops.batch_general import GeneralMembers
+from tribo.loops.batch import MemberStarts, padded
 from tribo.loops.integrate import Columns, Setting
 from tribo.loops.lane_loop import LaneLoop
 
@@ -27,23 +27,10 @@ MOST_DEVIATES = 4096
 
 
 class SplittingLanes(LaneLoop):
-    """The loop of a splitting method; parameters as those of `LaneLoop`.
+    """The loop of a splitting method."""
 
-    Raises
-    ------
-    InputError
-        If a plug-in does not compile.
-    """
-
-    def __init__(
-        self,
-        layout: Layout,
-        method: Method,
-        first_step: float,
-        own_numbers: bool,
-        alone: Pool[GeneralMembers],
-    ) -> None:
-        super().__init__(layout, method, first_step, own_numbers, alone)
+    def prepare(self, layout: Layout, method: Method) -> None:
+        """Make clocks and scratch, and compile the loop."""
         self._clocks = np.zeros(1, CLOCK).view(np.recarray)
         watch = room((WATCHED, LANES))
         self._state, self._work, self._watch = self.keep(
@@ -112,7 +99,7 @@ class SplittingLanes(LaneLoop):
 
 def steps_in_all(times: np.ndarray, step: float) -> int:
     """Steps of a run in equal steps of at most `step` between samples."""
-    return int(np.sum(np.maximum(1.0, np.ceil(np.diff(times) / step - 1e-9))))
+    return int(np.sum(count_of_steps(np.diff(times), step)))
 
 
 def deviates_of_substep(layout: Layout) -> int:
