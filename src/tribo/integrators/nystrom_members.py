@@ -138,10 +138,10 @@ def plan_steps(clocks, times, queue, tried):
 
 
 @kernel
-def is_taken(model, clock, order, tried, speeds, lane):
+def is_taken(model, clock, method, tried, speeds, lane):
     """Take or reject the step of a member, by its error and the encounters at its end."""
     h, error = tried[LENGTH, lane], tried[ERROR, lane]
-    growth = growth_factor(error, order)
+    growth = growth_factor(error, method.order, method.most_growth)
     if not error <= 1.0:
         reject_step(clock, h * growth)
         return False
@@ -238,7 +238,7 @@ def nystrom_members(
             taken = False
             if queue.held[lane] >= 0:
                 clocks[lane].evaluations += method.c.size
-                taken = is_taken(model, clocks[lane], method.order, tried, speeds, lane)
+                taken = is_taken(model, clocks[lane], method, tried, speeds, lane)
             tried[TAKEN, lane] = 1.0 if taken else 0.0
         take_steps(new, state, block(tried[TAKEN], 0))
         for lane in range(LANES):

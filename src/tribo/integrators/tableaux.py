@@ -37,4 +37,5 @@ CLASSICAL = RungeKutta(
     np.array([0.0, 0.5, 0.5, 1.0]),
 )
 
-DOP853 = EmbeddedRungeKutta(**read("dop853"))
+_TABLE = read("dop853")
+DOP853 = EmbeddedRungeKutta(_TABLE["a"], _TABLE["b"], _TABLE["c"], _TABLE["e5"], _TABLE["e3"])
