@@ -20,6 +20,7 @@ from tribo.kernels.status import PAUSED
 from tribo.layout.initial_state import InitialState
 from tribo.layout.member_numbers import member_numbers
 from tribo.ledger.ledger import assemble
+from tribo.loops.batch import MemberStarts
 from tribo.loops.batch_pair import PairMembers
 from tribo.loops.batch_pair_lanes import PairLanes, has_lanes
 from tribo.model.parameters import with_values
@@ -70,20 +71,26 @@ def test_members_are_single_runs(case):
             np.testing.assert_array_equal(data[name][member], ledger.series(name)[0][-1], name)
 
 
+def starts_of(layout, swings):
+    """Members that differ in the swing of the first asperite."""
+    y = np.tile(layout.start, (swings.size, 1))
+    y[:, 0] = swings
+    return MemberStarts(y, np.zeros(swings.size, int))
+
+
 @pytest.mark.parametrize("case", ["A", "C"])
 @pytest.mark.parametrize("method", [RKN8, RKN12])
 def test_members_in_lanes_alone(case, method):
     """The same bits in any lane and company; the last of the crowd fill no register."""
     simulation = tribo.prepare(scene_of(case))
-    pair, duration = simulation.integrator.pair, simulation.scene.duration
+    pair = simulation.integrator.pair
     assert has_lanes(pair)
-    starts = np.tile(simulation.layout.start, (45, 1))
-    starts[:, 0] = np.linspace(-1.2, 0.4, 45)
-    loop, tolerance = PairLanes(pair, method, duration), simulation.plan.setting
+    starts = starts_of(simulation.layout, np.linspace(-1.2, 0.4, 45))
+    loop, tolerance = PairLanes(pair, method), simulation.plan.setting
     crowd = loop.run(tolerance, starts)
     assert np.all(crowd.counts[:, 0] == 0)
     for member in (0, 8, 17, 44):
-        alone = loop.run(tolerance, starts[member : member + 1])
+        alone = loop.run(tolerance, starts.of_members(slice(member, member + 1)))
         together = crowd.samples.of_members(np.array([member]))
         np.testing.assert_array_equal(alone.samples.y, together.y)
         np.testing.assert_array_equal(alone.samples.s, together.s)
@@ -95,13 +102,12 @@ def test_members_in_lanes_alone(case, method):
 def test_formulas_of_lanes_are_the_integrated_accounts(case, method):
     """Every quantity at the end, against the collocation, which integrates the accounts."""
     simulation = tribo.prepare(scene_of(case, 1e-11))
-    layout, pair, times = simulation.layout, simulation.integrator.pair, simulation.layout.times
+    layout, pair = simulation.layout, simulation.integrator.pair
     assert has_lanes(pair)
-    starts = np.tile(layout.start, (9, 1))
-    starts[:, 0] = np.linspace(-0.3, 0.3, 9)
+    starts = starts_of(layout, np.linspace(-0.3, 0.3, 9))
     tolerance = simulation.plan.setting
-    found = PairLanes(pair, method, simulation.scene.duration).run(tolerance, starts)
-    wanted = PairMembers(pair, times).run(tolerance, starts)
+    found = PairLanes(pair, method).run(tolerance, starts)
+    wanted = PairMembers(pair).run(tolerance, starts)
     ledgers = [assemble(layout, runs.samples) for runs in (found, wanted)]
     for name in KEEP:
         one, other = (ledger.series(name)[0][-9:] for ledger in ledgers)
@@ -378,17 +384,17 @@ def test_own_numbers_in_lanes():
     """Those of the scene change no bit; a member that moves along y needs another loop."""
     simulation = tribo.prepare(scene_of("A"))
     layout, pair, tolerance = simulation.layout, simulation.integrator.pair, simulation.plan.setting
-    starts = np.tile(layout.start, (11, 1))
-    starts[:, 0] = np.linspace(-1.2, 0.4, 11)
-    duration = simulation.scene.duration
-    usual = PairLanes(pair, RKN8, duration).run(tolerance, starts)
-    own = PairLanes(pair, RKN8, duration, own_numbers=True)
+    starts = starts_of(layout, np.linspace(-1.2, 0.4, 11))
+    usual = PairLanes(pair, RKN8).run(tolerance, starts)
+    own = PairLanes(pair, RKN8, own_numbers=True)
     speeds = np.tile(simulation.scene.surfaces[0].velocity, (11, 1))
-    same = own.run(tolerance, starts, member_numbers(layout, 11, {"upper.velocity": speeds}))
+    numbers = member_numbers(layout, 11, {"upper.velocity": speeds})
+    same = own.run(tolerance, starts._replace(numbers=numbers))
     np.testing.assert_array_equal(same.samples.y, usual.samples.y)
     np.testing.assert_array_equal(same.counts, usual.counts)
     speeds[4, 1] = 1e-3
-    moved = own.run(tolerance, starts, member_numbers(layout, 11, {"upper.velocity": speeds}))
+    numbers = member_numbers(layout, 11, {"upper.velocity": speeds})
+    moved = own.run(tolerance, starts._replace(numbers=numbers))
     assert np.flatnonzero(moved.counts[:, CODE] == PAUSED).tolist() == [4]
 
 

@@ -12,11 +12,19 @@ from tribo.ensembles.step_runs import StepRuns
 from tribo.integrators.methods import METHODS
 from tribo.integrators.nystrom_members import MOST_TRIALS
 from tribo.integrators.step_control import Tolerance
-from tribo.kernels.status import BOBS_COINCIDE, COMPLETED, ENCOUNTER_JUMPED
+from tribo.kernels.status import (
+    BOBS_COINCIDE,
+    CODE,
+    COMPLETED,
+    ENCOUNTER_JUMPED,
+    EVALUATIONS,
+    STEPS,
+)
 from tribo.layout.layout import lay_out
+from tribo.loops.batch import Batch, MemberStarts
 from tribo.loops.batch_general import GeneralMembers
-from tribo.loops.batch_lanes import MembersInLanes, fit_lanes
-from tribo.pair.members import CODE, EVALUATIONS, STEPS
+from tribo.loops.choose_batch import choose_batch
+from tribo.loops.lane_loop import fit_lanes
 
 FIELDS = ("y", "s", "contact", "field", "stored")
 STEP, FIRST_STEP = 0.02, 0.2
@@ -92,13 +100,15 @@ def two_rows(bob=(-1.0, 0.5), **settings):
 def starts_of(layout, members):
     """Starts that differ, from a fixed seed."""
     rng = np.random.default_rng(3)
-    return layout.start + 0.02 * rng.standard_normal((members, layout.start.size))
+    y = layout.start + 0.02 * rng.standard_normal((members, layout.start.size))
+    return MemberStarts(y, np.arange(members) + 5)
 
 
 def loops_of(layout, method):
     """Loops that run members in lanes, and one by one."""
     assert fit_lanes(layout, method)
-    return [kind(layout, method, FIRST_STEP) for kind in (MembersInLanes, GeneralMembers)]
+    alone = Batch(lambda: GeneralMembers(layout, method, FIRST_STEP))
+    return [choose_batch(layout, method, FIRST_STEP), alone]
 
 
 def setting_of(layout, method):
@@ -111,8 +121,8 @@ def setting_of(layout, method):
 
 def runs_of(loop, layout, members, chosen=slice(None), method=METHODS["verlet"]):
     """The runs of some of these members."""
-    starts, seeds = starts_of(layout, members), np.arange(members) + 5
-    return loop.run(setting_of(layout, method), starts[chosen], seeds[chosen])
+    starts = starts_of(layout, members).of_members(chosen)
+    return loop.run(setting_of(layout, method), starts)
 
 
 def check_agreement(one, other, within):
@@ -148,7 +158,7 @@ def test_steps_that_pass_an_encounter():
     """Where tolerances allow longer steps, lanes reject those that go too far as single runs do."""
     layout, method = lay_out(two_rows((-1.0, 0.05))), METHODS["rkn8"]
     starts = starts_of(layout, 20)
-    setting = Tolerance(np.full(starts.shape[1], 0.1), np.full(layout.accounts, 0.1), 0.1, 0.9)
+    setting = Tolerance(np.full(layout.start.size, 0.1), np.full(layout.accounts, 0.1), 0.1, 0.9)
     one, other = (loop.run(setting, starts) for loop in loops_of(layout, method))
     check_agreement(one, other, 1e-11)
     tried = (one.counts[:, EVALUATIONS] - 1) // method.coefficients.c.size
@@ -178,14 +188,16 @@ def test_adaptive_members_that_need_care_are_run_alone():
     starts, setting = starts_of(layout, 20), setting_of(layout, method)
     upper, n = layout.surfaces[0], layout.coordinates
     touching, lost, fast = special = [3, 8, 12]
-    starts[touching] = layout.start
-    starts[touching, upper.dof_x] = 1.0
-    starts[lost, n] = np.nan
-    starts[fast, n] = 3e4
+    starts.y[touching] = layout.start
+    starts.y[touching, upper.dof_x] = 1.0
+    starts.y[lost, n] = np.nan
+    starts.y[fast, n] = 3e4
     found = loop.run(setting, starts)
     assert found.counts[touching, CODE] == BOBS_COINCIDE
     assert found.counts[fast, STEPS] > MOST_TRIALS
-    assert np.array_equal(found.counts[special], single.run(setting, starts[special]).counts)
+    assert np.array_equal(
+        found.counts[special], single.run(setting, starts.of_members(special)).counts
+    )
     others = np.setdiff1d(np.arange(20), special)
     for field in FIELDS:
         mine = getattr(found.of_members(others).samples, field)
@@ -229,19 +241,19 @@ def test_member_that_jumps_an_encounter_is_run_alone():
     upper = tribo.Surface("upper", bob=(-1.0, 0.5), velocity=(0.5, 0.0))
     scene = tribo.Scene([upper, tribo.Surface("lower", facing="up")], tribo.Coulomb(0.2), 2.0)
     layout, method = lay_out(scene), METHODS["verlet"]
-    starts = np.tile(layout.start, (9, 1))
-    starts[:, 0] = np.linspace(-0.1, 0.1, 9)
+    starts = MemberStarts(np.tile(layout.start, (9, 1)), np.zeros(9, int))
+    starts.y[:, 0] = np.linspace(-0.1, 0.1, 9)
     loop, single = loops_of(layout, method)
     usual = loop.run(0.05, starts)
     assert np.all(usual.counts[:, CODE] == COMPLETED)
-    starts[4, layout.coordinates] = 400.0
+    starts.y[4, layout.coordinates] = 400.0
     found = loop.run(0.05, starts)
     assert found.counts[4, CODE] == ENCOUNTER_JUMPED
     others = np.arange(9) != 4
     for name in FIELDS:
         mine = getattr(found.of_members(others).samples, name)
         assert np.array_equal(mine, getattr(usual.of_members(others).samples, name)), name
-    alone = single.run(0.05, starts[4:5])
+    alone = single.run(0.05, starts.of_members(slice(4, 5)))
     assert np.array_equal(found.counts[4], alone.counts[0])
 
 

@@ -16,7 +16,8 @@ from tribo.integrators.methods import METHODS
 from tribo.integrators.step_control import Tolerance
 from tribo.layout.layout import lay_out
 from tribo.layout.member_numbers import can_differ, member_numbers
-from tribo.loops.batch_lanes import MembersInLanes
+from tribo.loops.batch import MemberStarts
+from tribo.loops.choose_batch import choose_batch
 
 SPEEDS = {"upper.velocity": stats.uniform(0.4, 0.2)}
 STRENGTHS = {"interaction.strength": stats.uniform(0.1, 0.2)}
@@ -140,15 +141,15 @@ def test_members_do_not_depend_on_their_company():
     """The same bits in any lane, and alone again from the data set."""
     scene = scene_of()
     layout, method = lay_out(scene), METHODS["rkn8"]
-    loop = MembersInLanes(layout, method, 0.2, own_numbers=True)
+    loop = choose_batch(layout, method, 0.2, own_numbers=True)
     values = Variation(scene, SPEEDS | STRENGTHS | ASPERITES, 0).members(np.arange(40)).values
     numbers = member_numbers(layout, 40, values)
-    starts = np.tile(layout.start, (40, 1))
+    starts = MemberStarts(np.tile(layout.start, (40, 1)), np.zeros(40, int), numbers)
     y, s = np.full(layout.start.size, 1e-8), np.full(layout.accounts, 1e-8)
     setting = Tolerance(y, s, 1e-8)
-    whole = loop.run(setting, starts, numbers=numbers)
+    whole = loop.run(setting, starts)
     chosen = np.array([18, 3, 11, 4, 39, 7, 9, 2, 16, 1])
-    some = loop.run(setting, starts[chosen], numbers=numbers.of_members(chosen))
+    some = loop.run(setting, starts.of_members(chosen))
     same = whole.of_members(chosen)
     assert np.array_equal(some.counts, same.counts)
     assert np.array_equal(some.samples.y, same.samples.y)

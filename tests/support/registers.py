@@ -28,9 +28,9 @@ def entry_point(loop, fixed, _):
 def registers_as_arrays():
     """The loop for pairs without a compiler."""
     stack = ExitStack()
-    adapter, loop = "tribo.loops.pair", "tribo.loops.pair_loop"
+    adapter = "tribo.loops.pair"
     importlib.import_module(adapter)
     config = SimpleNamespace(DISABLE_JIT=False)
     stack.enter_context(mock.patch(f"{adapter}.config", config))
-    stack.enter_context(mock.patch(f"{loop}.EntryPoint", entry_point))
+    stack.enter_context(mock.patch(f"{adapter}.EntryPoint", entry_point))
     return stack

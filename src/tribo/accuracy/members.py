@@ -10,7 +10,7 @@ from tribo.accuracy.comparison import Accuracy, observables
 from tribo.accuracy.scales import KINDS, mean_velocity, motion_scales
 from tribo.layout.layout import Layout
 from tribo.ledger.columns import Columns, columns_of
-from tribo.ledger.member_samples import MemberSamples
+from tribo.ledger.samples import Samples
 from tribo.ledger.totals import Group
 
 
@@ -23,27 +23,27 @@ class FineMembers:
     ----------
     layout : Layout
         The scene.
-    fine : MemberSamples
+    fine : Samples
         Their samples.
     accuracy : float or mapping
         The relative error of everything, or of each observable named.
     """
 
-    def __init__(self, layout: Layout, fine: MemberSamples, accuracy: Accuracy) -> None:
+    def __init__(self, layout: Layout, fine: Samples, accuracy: Accuracy) -> None:
         self._layout = layout
         self._accuracy = accuracy
         self._names = observables(accuracy)
-        self._members = fine.members
+        self._members = fine.runs
         group = Group(layout, fine, (layout.together,))
         self._columns = columns_of(layout, group, self._names)
-        self._scales = _scales(layout, group, _largest(self._columns, fine.members), fine.members)
+        self._scales = _scales(layout, group, _largest(self._columns, fine.runs), fine.runs)
 
-    def excess(self, other: MemberSamples) -> np.ndarray:
+    def excess(self, other: Samples) -> np.ndarray:
         """The largest difference of each member in another run, in units of the accuracy.
 
         Parameters
         ----------
-        other : MemberSamples
+        other : Samples
             The same members at the same times.
 
         Returns

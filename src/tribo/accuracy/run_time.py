@@ -7,6 +7,7 @@ import numpy as np
 from tribo.accuracy.choose_method import PAIR, RATES, Rate
 from tribo.integrators.methods import Method
 from tribo.integrators.splitting import Splitting
+from tribo.integrators.step_control import count_of_steps
 from tribo.layout.layout import Layout
 from tribo.loops.pair import has_pair_loop
 
@@ -59,5 +60,5 @@ def counted(layout: Layout, method: Method, step: float) -> float:
     if isinstance(method.coefficients, Splitting):
         each = method.coefficients.kicks.size
     intervals = np.diff(layout.times)
-    steps = np.sum(np.maximum(1.0, np.ceil(intervals / step - 1e-9)))
+    steps = np.sum(count_of_steps(intervals, step))
     return float(steps * each + (not method.splits))

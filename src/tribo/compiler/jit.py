@@ -62,7 +62,8 @@ def stamp_of(places: tuple[str, ...]) -> str:
     """Hash of the sources of this package in some folders and files [16 hex digits]."""
     digest = hashlib.blake2b(digest_size=8)
     root = Path(__file__).resolve().parents[1]
-    paths = {path for place in places for path in (root / place).rglob("*.py")}
+    kinds = ("*.py", "*.json")
+    paths = {path for place in places for kind in kinds for path in (root / place).rglob(kind)}
     paths |= {root / place for place in places if place.endswith(".py")}
     for path in sorted(paths):
         digest.update(path.relative_to(root).as_posix().encode())

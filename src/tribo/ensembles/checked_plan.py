@@ -28,15 +28,13 @@ from tribo.ensembles.checked_runs import (
     KEPT,
     ROUGHER,
     SAMPLE,
-    Begun,
     CheckedPlan,
     CheckedRuns,
 )
 from tribo.ensembles.engines import in_threads
 from tribo.ensembles.members import Variation
-from tribo.kernels.status import COMPLETED
-from tribo.ledger.member_samples import MemberRuns
-from tribo.pair.members import CODE, EVALUATIONS
+from tribo.kernels.status import CODE, COMPLETED, EVALUATIONS
+from tribo.loops.batch import MemberRuns, MemberStarts
 
 # Levels that are tried, from the loosest, in units of the accuracy.
 LEVELS = 2.0 ** np.arange(14.0, -24.0, -0.5)
@@ -89,17 +87,16 @@ def _cheapest(
     runs: CheckedRuns, variation: Variation, count: int, scales: tuple[float, ...]
 ) -> CheckedPlan:
     """The cheapest setting that keeps the accuracy of the sample."""
-    begun = runs.begin(variation.sample(count, SAMPLE))
+    starts = runs.begin(variation.sample(count, SAMPLE))
     levels = np.maximum(LEVELS * runs.strictest, runs.finest)
-    fine = runs.run(runs.exact, levels[-1], scales, begun)
-    known = fine.counts[:, CODE] == COMPLETED
+    fine = runs.run(runs.exact, levels[-1], scales, starts)
     best, least = CheckedPlan(runs.exact, max(FLOOR, FINER * runs.strictest), -1, scales), np.inf
     for method, way in runs.ways.items():
         too_loose, good = -1, levels.size - 1
         while good - too_loose > 1:
             k = (good + too_loose) // 2
-            found = runs.run(method, levels[k], scales, begun)
-            if np.all(runs.excess(fine, found)[known] <= CHOSEN):
+            found = runs.run(method, levels[k], scales, starts)
+            if np.all(runs.excess(fine, found)[fine.complete] <= CHOSEN):
                 good, cost = k, way.cost * float(found.counts[:, EVALUATIONS].sum())
             else:
                 too_loose = k
@@ -115,14 +112,14 @@ class Pilot:
     ----------
     runs : CheckedRuns
         Runs members.
-    begun : Begun
+    starts : MemberStarts
         The members.
     threads : int
         That run them.
     """
 
-    def __init__(self, runs: CheckedRuns, begun: Begun, threads: int) -> None:
-        self._runs, self._begun, self._threads = runs, begun, threads
+    def __init__(self, runs: CheckedRuns, starts: MemberStarts, threads: int) -> None:
+        self._runs, self._starts, self._threads = runs, starts, threads
         self._piece = min(PIECE, runs.chunk)
 
     def with_most_evaluations(self, plan: CheckedPlan) -> tuple[CheckedPlan, float]:
@@ -130,7 +127,7 @@ class Pilot:
 
         Also returns the largest difference of others from finer runs, in units of the accuracy.
         """
-        counts = np.concatenate(self._each(lambda some: self._run(plan, some).counts, self._begun))
+        counts = np.concatenate(self._each(lambda some: self._run(plan, some).counts, self._starts))
         evaluations = counts[:, EVALUATIONS]
         complete = np.flatnonzero(counts[:, CODE] == COMPLETED)
         order = complete[np.argsort(-evaluations[complete], kind="stable")]
@@ -153,15 +150,17 @@ class Pilot:
         """Differences from finer runs by a method, in units of the accuracy, (members,)."""
         level = self._runs.finer(plan.level)
 
-        def errors(some: Begun) -> np.ndarray:
+        def errors(some: MemberStarts) -> np.ndarray:
             fine = self._runs.run(method, level, plan.scales, some)
             return self._runs.excess(fine, self._run(plan, some))
 
-        return np.concatenate([np.empty(0), *self._each(errors, self._begun.of_members(members))])
+        return np.concatenate([np.empty(0), *self._each(errors, self._starts.of_members(members))])
 
-    def _run(self, plan: CheckedPlan, some: Begun) -> MemberRuns:
+    def _run(self, plan: CheckedPlan, some: MemberStarts) -> MemberRuns:
         return self._runs.run(plan.method, plan.level, plan.scales, some)
 
-    def _each(self, task: Callable[[Begun], np.ndarray], begun: Begun) -> list[np.ndarray]:
+    def _each(
+        self, task: Callable[[MemberStarts], np.ndarray], starts: MemberStarts
+    ) -> list[np.ndarray]:
         """The results for pieces of some members, in threads."""
-        return list(in_threads(task, begun.pieces(self._piece), self._threads))
+        return list(in_threads(task, starts.pieces(self._piece), self._threads))

@@ -15,7 +15,8 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple, Protocol, Self
+from functools import partial
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -29,17 +30,15 @@ from tribo.ensembles.members import Members, values_at_start
 from tribo.ensembles.rough_runs import rough_differences
 from tribo.integrators.nystrom_tableaux import RKN8, RKN12
 from tribo.integrators.step_control import Tolerance
-from tribo.kernels.status import COMPLETED, Status
+from tribo.kernels.status import EVALUATIONS, STEPS, Status
 from tribo.layout.initial_state import InitialState
-from tribo.layout.member_numbers import MemberNumbers, member_numbers
+from tribo.layout.member_numbers import member_numbers
 from tribo.ledger.ledger import assemble
-from tribo.ledger.member_samples import MemberRuns
 from tribo.ledger.passing import passed_through
-from tribo.loops.batch_lanes import MembersInLanes, fit_lanes, members_of
-from tribo.loops.batch_pair import PairMembers
+from tribo.loops.batch import Batch, MemberRuns, MemberStarts, padded
 from tribo.loops.batch_pair_lanes import PairLanes, has_lanes
-from tribo.loops.lane_loop import padded
-from tribo.pair.members import CODE, EVALUATIONS, STEPS
+from tribo.loops.choose_batch import choose_batch
+from tribo.loops.lane_loop import fit_lanes
 from tribo.prepared import Simulation
 
 # Members that are run in one call, at most: of a pair some 30 ms, after which an interrupt is
@@ -86,44 +85,12 @@ AGREED = 0.5
 REFINEMENTS = 3
 
 
-class Loop(Protocol):
-    """Runs members with a setting."""
-
-    def run(self, setting: Tolerance, starts: np.ndarray, /) -> MemberRuns:
-        """Run members from `starts` (members, 2 coordinates), in this thread."""
-
-
-class Begun(NamedTuple):
-    """Members before their runs.
-
-    Attributes
-    ----------
-    starts : ndarray, (members, 2 coordinates)
-        Their states at t = 0.
-    numbers : MemberNumbers or None
-        Numbers of their own.
-    """
-
-    starts: np.ndarray
-    numbers: MemberNumbers | None
-
-    def of_members(self, selected: np.ndarray | slice) -> Begun:
-        """Some of them."""
-        numbers = None if self.numbers is None else self.numbers.of_members(selected)
-        return Begun(self.starts[selected], numbers)
-
-    def pieces(self, size: int) -> list[Begun]:
-        """So many of them at a time."""
-        firsts = range(0, len(self.starts), size)
-        return [self.of_members(slice(first, first + size)) for first in firsts]
-
-
 class Way(NamedTuple):
     """A way to run members.
 
     Attributes
     ----------
-    loop : Loop
+    batch : Batch
         Runs them.
     near : float
         The longest step, as a fraction of the time to the next encounter.
@@ -131,7 +98,7 @@ class Way(NamedTuple):
         Time of an evaluation, relative to that of the collocation.
     """
 
-    loop: Loop
+    batch: Batch
     near: float
     cost: float
 
@@ -238,10 +205,10 @@ class CheckedRuns:
         Those that need a search for their own settings have the status UNKNOWN.
         """
         plan = self.plan
-        begun = self.begin(members)
-        runs = self.run(plan.method, plan.level, plan.scales, begun)
-        passed = passed_through(runs.layout, runs.samples).reshape(-1, len(begun.starts))
-        complete = (runs.counts[:, CODE] == COMPLETED) & ~passed.any(axis=0)
+        starts = self.begin(members)
+        runs = self.run(plan.method, plan.level, plan.scales, starts)
+        passed = passed_through(runs.layout, runs.samples).reshape(-1, len(starts.y))
+        complete = runs.complete & ~passed.any(axis=0)
         found = KeptValues(
             kept_values(self.kept, runs),
             np.where(complete, str(Status.COMPLETED), UNKNOWN).astype(STATUS_TYPE),
@@ -250,44 +217,41 @@ class CheckedRuns:
             np.full(complete.size, np.nan),
         )
         some = (members.numbers < SAMPLE) | (members.numbers % CHECKED == 0)
-        checked = complete & (self._doubtful(runs, begun) | some)
+        checked = complete & (self._doubtful(runs, starts) | some)
         if checked.any():
-            self._refine(found, np.flatnonzero(checked), runs, begun)
+            self._refine(found, np.flatnonzero(checked), runs, starts)
         return found
 
-    def begin(self, members: Members) -> Begun:
+    def begin(self, members: Members) -> MemberStarts:
         """Some members before their runs."""
-        starts = self._initial.of_members(values_at_start(members.values), members.seeds)
-        if not self.own_numbers:
-            return Begun(starts, None)
-        layout = self.simulation.layout
-        return Begun(starts, member_numbers(layout, len(starts), members.values))
+        y = self._initial.of_members(values_at_start(members.values), members.seeds)
+        numbers = None
+        if self.own_numbers:
+            numbers = member_numbers(self.simulation.layout, len(y), members.values)
+        return MemberStarts(y, members.seeds, numbers)
 
-    def _doubtful(self, runs: MemberRuns, begun: Begun) -> np.ndarray:
+    def _doubtful(self, runs: MemberRuns, starts: MemberStarts) -> np.ndarray:
         """Whether runs by the plan may miss their accuracy, (members,)."""
         plan = self.plan
-        if begun.numbers is None:
+        if starts.numbers is None:
             return np.asarray(runs.counts[:, EVALUATIONS] > plan.most_evaluations)
         near = ROUGHER_NEAR * self.ways[plan.method].near
-        rough = self.run(plan.method, ROUGHER * plan.level, plan.scales, begun, near)
-        return rough_differences(runs, rough, begun.numbers, self._accuracy) > AGREED
+        rough = self.run(plan.method, ROUGHER * plan.level, plan.scales, starts, near)
+        return rough_differences(runs, rough, starts.numbers, self._accuracy) > AGREED
 
     def run(
         self,
         method: str,
         level: float,
         scales: tuple[float, ...],
-        begun: Begun,
+        starts: MemberStarts,
         near: float | None = None,
     ) -> MemberRuns:
         """Run members by one way with tolerances of one level; `near` in place of the way's."""
         way = self.ways[method]
         near = way.near if near is None else near
         tolerance = tolerance_at(self.simulation, ToleranceScales(*scales), level, near)
-        if begun.numbers is None:
-            return way.loop.run(tolerance, begun.starts)
-        assert isinstance(way.loop, PairMembers | PairLanes | MembersInLanes)
-        return way.loop.run(tolerance, begun.starts, numbers=begun.numbers)
+        return way.batch.run(tolerance, starts)
 
     def excess(self, fine: MemberRuns, runs: MemberRuns) -> np.ndarray:
         """The largest difference of each member from a finer run, in units of its accuracy.
@@ -296,19 +260,20 @@ class CheckedRuns:
         """
         exact = FineMembers(fine.layout, fine.samples, self._accuracy)
         excess = exact.excess(runs.samples)
-        complete = (runs.counts[:, CODE] == COMPLETED) & (fine.counts[:, CODE] == COMPLETED)
-        return np.where(complete & np.isfinite(excess), excess, np.inf)
+        return np.where(runs.complete & fine.complete & np.isfinite(excess), excess, np.inf)
 
     def finer(self, level: float) -> float:
         """The level of runs that check those of another level."""
         return max(FLOOR, FINER * min(level, self.strictest))
 
-    def _refine(self, found: KeptValues, now: np.ndarray, runs: MemberRuns, begun: Begun) -> None:
+    def _refine(
+        self, found: KeptValues, now: np.ndarray, runs: MemberRuns, starts: MemberStarts
+    ) -> None:
         """Check members with some places, and deliver those that miss from finer runs."""
         coarse, level = runs.of_members(now), self.plan.level
         for _ in range(REFINEMENTS + 1):
             level = self.finer(level)
-            fine = self.run(self.exact, level, self.plan.scales, begun.of_members(now))
+            fine = self.run(self.exact, level, self.plan.scales, starts.of_members(now))
             excess = self.excess(fine, coarse)
             known = np.isfinite(excess)
             found.error[now] = np.where(known, excess * self.strictest, np.nan)
@@ -326,15 +291,11 @@ class CheckedRuns:
 def _ways(simulation: Simulation, own_numbers: bool) -> dict[str, Way]:
     """The ways to run members, by method."""
     pair, method, layout = simulation.integrator.pair, simulation.method, simulation.layout
-    if pair is None:
-        first_step = simulation.integrator.first_step
-        loop = members_of(layout, method, first_step, own_numbers)
-        return {method.name: Way(loop, NEAR_ALONE, 1.0)}
-    times = layout.times
-    ways = {method.name: Way(PairMembers(pair, times), NEAR_ALONE, 1.0)}
-    if has_lanes(pair) and times.size == 2:
+    batch = choose_batch(layout, method, simulation.integrator.first_step, own_numbers, pair)
+    ways = {method.name: Way(batch, NEAR_ALONE, 1.0)}
+    if pair is not None and has_lanes(pair) and layout.times.size == 2:
         for name, explicit in (("rkn8", RKN8), ("rkn12", RKN12)):
-            lanes = PairLanes(pair, explicit, times[-1], own_numbers)
+            lanes = Batch(partial(PairLanes, pair, explicit, own_numbers))
             ways[name] = Way(lanes, NEAR_IN_LANES, COST_IN_LANES)
     return ways
 
@@ -355,7 +316,7 @@ def kept_values(kept: Kept, runs: MemberRuns) -> dict[str, np.ndarray]:
     ledger, found = assemble(runs.layout, runs.samples), {}
     for name in kept.names:
         series = ledger.series(name)[0]
-        each = series.reshape(-1, runs.samples.members, *series.shape[1:])
+        each = series.reshape(-1, runs.samples.runs, *series.shape[1:])
         found[name] = np.moveaxis(each, 0, 1) if kept.at_samples else each[-1]
     return found
 

@@ -21,6 +21,7 @@ from tribo.ensembles.statistics_store import StatisticsStore
 from tribo.ensembles.stores import About, InMemory, Store, Target
 from tribo.files import netcdf_target
 from tribo.integrators.methods import noisy
+from tribo.integrators.step_control import count_of_steps
 from tribo.layout.layout import lay_out
 from tribo.ledger.quantities import FURTHER
 from tribo.loops.journal import PART
@@ -81,7 +82,7 @@ class Wanted(NamedTuple):
         else:
             step = number("step", step, POSITIVE)
         assert step is not None  # there is one wherever there is noise
-        return float(intervals[0] / max(1.0, np.ceil(intervals[0] / step - 1e-9)))
+        return float(intervals[0] / count_of_steps(intervals[0], step))
 
     @staticmethod
     def check_absent(at: str, statistics: bool, out: object, resume: bool) -> None:

@@ -23,7 +23,7 @@ from tribo.ensembles.step_runs import StepRuns
 from tribo.ensembles.stores import Store
 from tribo.layout.member_numbers import can_differ
 from tribo.loops.batch_general import has_batches
-from tribo.loops.batch_lanes import fit_lanes
+from tribo.loops.lane_loop import fit_lanes
 from tribo.model.scene_file import scene_from
 from tribo.prepared import Simulation
 from tribo.simulation import from_settings

@@ -10,11 +10,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from tribo.accuracy.scales import KINDS
-from tribo.kernels.status import COMPLETED
 from tribo.layout.member_numbers import MemberNumbers
 from tribo.ledger.ledger import assemble
-from tribo.ledger.member_samples import MemberRuns
-from tribo.pair.members import CODE
+from tribo.loops.batch import MemberRuns
 
 
 def rough_differences(
@@ -48,8 +46,7 @@ def rough_differences(
             with np.errstate(divide="ignore", invalid="ignore"):
                 gaps = np.abs(one - two).reshape(-1, members, *one.shape[1:2] or (1,))
                 found = np.fmax(found, gaps.max(axis=(0, 2)) / scale)
-    complete = (runs.counts[:, CODE] == COMPLETED) & (rough.counts[:, CODE] == COMPLETED)
-    return np.where(complete & ~np.isnan(found), found, np.inf)
+    return np.where(runs.complete & rough.complete & ~np.isnan(found), found, np.inf)
 
 
 def _least_scales(runs: MemberRuns, numbers: MemberNumbers) -> dict[str, np.ndarray | float]:

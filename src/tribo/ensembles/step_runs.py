@@ -11,14 +11,14 @@ from tribo.ensembles.checked_runs import chunk_of, kept_values
 from tribo.ensembles.kept_values import STATUS_TYPE, UNKNOWN, Kept, KeptValues
 from tribo.ensembles.members import Members, values_at_start
 from tribo.kernels.records import OF_MEMBERS
-from tribo.kernels.status import COMPLETED, Status
+from tribo.kernels.status import STEPS, Status
 from tribo.layout.initial_state import InitialState
 from tribo.layout.member_numbers import MemberNumbers, member_numbers
 from tribo.ledger.passing import passed_through
 from tribo.ledger.runaway import grows
-from tribo.loops.batch_lanes import members_of
+from tribo.loops.batch import MemberStarts
+from tribo.loops.choose_batch import choose_batch
 from tribo.loops.resolution import longest_damped_step
-from tribo.pair.members import CODE, STEPS
 from tribo.prepared import Simulation
 
 
@@ -48,7 +48,7 @@ class StepRuns:
         self.kept = kept
         first_step = simulation.integrator.first_step
         self._own_numbers = own_numbers
-        self._loop = members_of(layout, simulation.method, first_step, bool(own_numbers))
+        self._batch = choose_batch(layout, simulation.method, first_step, bool(own_numbers))
         self._initial = InitialState(layout)
 
     @property
@@ -61,15 +61,16 @@ class StepRuns:
     def compute(self, members: Members) -> KeptValues:
         """Run some members.  Those that do not complete have the status UNKNOWN."""
         layout = self.simulation.layout
-        starts = self._initial.of_members(values_at_start(members.values), members.seeds)
-        own: tuple[MemberNumbers, ...] = ()
+        y = self._initial.of_members(values_at_start(members.values), members.seeds)
+        own: MemberNumbers | None = None
         if self._own_numbers:
-            own = (member_numbers(layout, len(starts), members.values),)
-            self._check_step(own[0])
-        runs = self._loop.run(self.simulation.plan.setting, starts, members.seeds, *own)
-        grown = grows(runs.layout, runs.samples).reshape(-1, len(starts)).any(axis=0)
-        passed = passed_through(runs.layout, runs.samples).reshape(-1, len(starts)).any(axis=0)
-        complete = (runs.counts[:, CODE] == COMPLETED) & ~grown & ~passed
+            own = member_numbers(layout, len(y), members.values)
+            self._check_step(own)
+        starts = MemberStarts(y, members.seeds, own)
+        runs = self._batch.run(self.simulation.plan.setting, starts)
+        grown = grows(runs.layout, runs.samples).reshape(-1, len(y)).any(axis=0)
+        passed = passed_through(runs.layout, runs.samples).reshape(-1, len(y)).any(axis=0)
+        complete = runs.complete & ~grown & ~passed
         unknown = np.full(complete.size, np.nan)
         return KeptValues(
             kept_values(self.kept, runs),

@@ -17,7 +17,7 @@ import numpy as np
 from tribo.compiler.jit import expanded, kernel
 from tribo.compiler.lanes_memory import room
 from tribo.integrators.linear_combinations import add, add_twice, combine, combine_twice, largest
-from tribo.integrators.step_control import EPSILON, all_finite, evaluate_rates, growth_factor
+from tribo.integrators.step_control import EPSILON, all_finite, evaluate_rates
 from tribo.kernels.equations_of_motion import equations_of_motion
 from tribo.kernels.powers import all_powers
 from tribo.kernels.records import Model
@@ -63,6 +63,8 @@ class Collocation(NamedTuple):
     b: np.ndarray  # (nodes,)
     pole: np.ndarray  # (nodes,) 1 / product over k of c_j - c_k, of the barycentric formula
     last: np.ndarray  # (nodes,) weights of the integral of the polynomial's highest term
+    order: float  # of the highest term as a power of h: the number of nodes
+    most_growth: float = MAX_EXTRAPOLATION
 
     def workspace(self, model: Model, state: State) -> Nodes:
         """The arrays that a step needs, for Python."""
@@ -84,14 +86,13 @@ class Collocation(NamedTuple):
         copy(state.acceleration, work.accelerations[0])
         copy(state.power, work.powers[0])
         if not solve(self, model, neighbours, clock, h, state, work, SWEEP_TOLERANCE, 1.0):
-            return False, 0.5, all_finite(work.acceleration)
+            return math.inf, all_finite(work.acceleration)
         evaluate_powers(self, model, neighbours, clock, h, state, work)
         error = estimate_error(self, h, state, work, tolerance)
         if error <= 1.0:
             copy_state(state, new)
             complete_step(self, model, neighbours, clock, h, end, new, work)
-        growth = min(MAX_EXTRAPOLATION, growth_factor(error, self.c.size))
-        return error <= 1.0, growth, math.isfinite(error)
+        return error, math.isfinite(error)
 
 
 def empty_nodes(count: int, state: State) -> Nodes:

@@ -44,6 +44,7 @@ def collocation(nodes: tuple[str, ...]) -> Collocation:
         b=np.array([float(_twice(p, one)) for p in basis]),
         pole=np.array([float(pole) for pole in poles]),
         last=np.array([float(pole / len(c)) for pole in poles]),
+        order=float(len(c)),
     )
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from tribo.compiler.jit import expanded, kernel
 from tribo.compiler.lanes_memory import room
 from tribo.integrators.linear_combinations import add, add_twice, combine, combine_twice, largest
-from tribo.integrators.step_control import evaluate_rates, growth_factor
+from tribo.integrators.step_control import MAX_GROWTH, evaluate_rates
 from tribo.kernels.equations_of_motion import equations_of_motion
 from tribo.kernels.powers import all_powers
 from tribo.kernels.records import Model
@@ -51,6 +51,7 @@ class Nystrom(NamedTuple):
     eb: np.ndarray  # (stages,) weights of the error of coordinates
     ev: np.ndarray  # (stages + 1,) of velocities and accounts; the last at the end of the step
     order: float  # of the error estimate as a power of h
+    most_growth: float = MAX_GROWTH
 
     def workspace(self, model: Model, state: State) -> Stages:
         """The arrays that a step needs, for Python."""
@@ -60,7 +61,7 @@ class Nystrom(NamedTuple):
         """Try a step; see :mod:`tribo.integrators.time_loops`."""
         error = try_step(self, model, neighbours, clock.t, h, end, state, new, tolerance, work)
         clock.evaluations += self.c.size
-        return error <= 1.0, growth_factor(error, self.order), math.isfinite(error)
+        return error, math.isfinite(error)
 
 
 def empty_stages(count: int, model: Model, state: State) -> Stages:

@@ -1,7 +1,6 @@
 """Nystrom steps of eight members of an ensemble side by side, each with steps of its own length.
 
-A lane whose member is at its end takes the next one.  What is computed of a member depends on that
-member alone.
+What is computed of a member depends on that member alone.
 """
 
 from typing import NamedTuple
@@ -12,6 +11,7 @@ from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import LANES, where_less
 from tribo.compiler.lanes_memory import block, set_block
 from tribo.compiler.pointers import pointers
+from tribo.integrators.lane_queue import leave_member, next_member
 from tribo.integrators.nystrom import try_step
 from tribo.integrators.step_control import (
     accept_step,
@@ -31,24 +31,19 @@ from tribo.kernels.status import COMPLETED, PAUSED
 # Rows of the steps that are tried, a lane each: where they begin, their length, where they end, 1
 # where that is at a sample, their error, and 1 where they are taken.
 BEGIN, LENGTH, END, LANDING, ERROR, TAKEN, TRIED = range(7)
-# Columns of the counts of a member, as in `tribo.pair.members`.
-CODE, STEPS, EVALUATIONS = range(3)
 # Steps and rejected steps after which a member is left to a run of its own, which is guarded
 # against no progress.
 MOST_TRIALS = 2048
 
 
-class Queue(NamedTuple):
-    """The members of a call, and how far it is with them."""
+class Starts(NamedTuple):
+    """Where members begin, and the numbers in which they differ."""
 
-    starts: np.ndarray  # (members, 2 coordinates) y at t = 0, in the numbering of samples
+    y: np.ndarray  # (members, 2 coordinates) y at t = 0, in the numbering of samples
     places: np.ndarray  # (8, 2 coordinates) where each lane has them
     numbers: np.ndarray  # (members, numbers) in which they differ
     places_of_numbers: np.ndarray  # (8, numbers) where each lane has them
     memory: np.ndarray  # (k,) where they are
-    counts: np.ndarray  # (members, 3) filled in; PAUSED of those that need a loop of their own
-    held: np.ndarray  # (8,) the member in each lane; -1 where there is none
-    waiting: np.ndarray  # (1,) the first member that has not been begun
     first_step: float  # [time]
 
 
@@ -60,30 +55,18 @@ def clear_lane(x, lane):
 
 
 @kernel
-def load_member(clock, state, queue, lane):
-    """Put the next member into a lane, at its start."""
-    m = queue.waiting[0]
-    queue.waiting[0] = m + 1
-    queue.held[lane] = m
-    clock.t, clock.t_low, clock.h = 0.0, 0.0, queue.first_step
+def load_member(clock, state, starts, m, lane):
+    """Put a member into a lane, at its start."""
+    clock.t, clock.t_low, clock.h = 0.0, 0.0, starts.first_step
     clock.sample, clock.steps, clock.rejected, clock.after_rejection = 0, 0, 0, 0
     clock.evaluations = 1
-    for j in range(queue.places.shape[1]):
-        state.y[queue.places[lane, j]] = queue.starts[m, j]
-    for j in range(queue.numbers.shape[1]):
-        queue.memory[queue.places_of_numbers[lane, j]] = queue.numbers[m, j]
+    for j in range(starts.places.shape[1]):
+        state.y[starts.places[lane, j]] = starts.y[m, j]
+    for j in range(starts.numbers.shape[1]):
+        starts.memory[starts.places_of_numbers[lane, j]] = starts.numbers[m, j]
     clear_lane(state.y_low, lane)
     clear_lane(state.s, lane)
     clear_lane(state.s_low, lane)
-
-
-@kernel
-def leave_member(clock, queue, lane, code):
-    """Let a lane be free, and count what its member took."""
-    m = queue.held[lane]
-    queue.held[lane] = -1
-    queue.counts[m, CODE] = code
-    queue.counts[m, STEPS], queue.counts[m, EVALUATIONS] = clock.steps, clock.evaluations
 
 
 @kernel
@@ -94,7 +77,7 @@ def write_due(model, clock, state, times, record, queue, lane):
         write_row(model, None, clock.t, state, record, row, lane)
         clock.sample += 1
         if clock.sample == times.size:
-            leave_member(clock, queue, lane, COMPLETED)
+            leave_member(queue, lane, COMPLETED, clock.steps, clock.evaluations)
             return
 
 
@@ -106,15 +89,15 @@ def take_lanes(new, old, taken):
 
 
 @kernel
-def fill_lanes(model, clocks, state, new, times, record, queue, tried, speeds):
+def fill_lanes(model, clocks, state, new, times, record, queue, starts, tried, speeds):
     """Begin members in the lanes that are free; the others keep their rates."""
     first = queue.waiting[0]
     for lane in range(LANES):
-        begins = queue.held[lane] < 0 and queue.waiting[0] < queue.starts.shape[0]
-        if begins:
-            load_member(clocks[lane], state, queue, lane)
+        m = next_member(queue, lane) if queue.held[lane] < 0 else -1
+        if m >= 0:
+            load_member(clocks[lane], state, starts, m, lane)
         tried[BEGIN, lane] = clocks[lane].t
-        tried[TAKEN, lane] = 1.0 if begins else 0.0
+        tried[TAKEN, lane] = 1.0 if m >= 0 else 0.0
     if queue.waiting[0] == first:
         return
     n = state.acceleration.size
@@ -128,7 +111,7 @@ def fill_lanes(model, clocks, state, new, times, record, queue, tried, speeds):
             found = next_encounter(model, None, speeds, lane)
             clocks[lane].encounter_rate = found.rate
             if found.closest == 0.0:
-                leave_member(clocks[lane], queue, lane, PAUSED)
+                leave_member(queue, lane, PAUSED, clocks[lane].steps, clocks[lane].evaluations)
             else:
                 write_due(model, clocks[lane], state, times, record, queue, lane)
 
@@ -146,7 +129,7 @@ def plan_steps(clocks, times, queue, tried):
         h, landing = next_step(clock, clock.encounter_rate, time_left(clock, goal))
         trials = clock.steps + clock.rejected
         if trials >= MOST_TRIALS or step_underflows(h, landing, times[times.size - 1]):
-            leave_member(clock, queue, lane, PAUSED)
+            leave_member(queue, lane, PAUSED, clock.steps, clock.evaluations)
             continue
         tried[LENGTH, lane], tried[END, lane] = h, end_of_step(clock, goal, h, landing)
         tried[LANDING, lane] = 1.0 if landing else 0.0
@@ -155,10 +138,10 @@ def plan_steps(clocks, times, queue, tried):
 
 
 @kernel
-def is_taken(model, clock, order, tried, speeds, lane):
+def is_taken(model, clock, method, tried, speeds, lane):
     """Take or reject the step of a member, by its error and the encounters at its end."""
     h, error = tried[LENGTH, lane], tried[ERROR, lane]
-    growth = growth_factor(error, order)
+    growth = growth_factor(error, method.order, method.most_growth)
     if not error <= 1.0:
         reject_step(clock, h * growth)
         return False
@@ -183,7 +166,20 @@ def take_steps(new, state, taken):
 
 
 def nystrom_members(
-    model, method, tolerance, clocks, state, times, record, budget, queue, tried, work, speeds, new
+    model,
+    method,
+    tolerance,
+    clocks,
+    state,
+    times,
+    record,
+    budget,
+    queue,
+    starts,
+    tried,
+    work,
+    speeds,
+    new,
 ):
     """Integrate all members through the sample times; return a status.
 
@@ -209,6 +205,8 @@ def nystrom_members(
         Trials after which the loop pauses: call again to continue.
     queue : Queue
         The members.
+    starts : Starts
+        Where they begin.
     tried : ndarray, (TRIED, 8)
         Memory for the steps that are tried.
     work : Stages
@@ -221,14 +219,15 @@ def nystrom_members(
     int
         COMPLETED or PAUSED.
     """
-    model, method, tolerance, state, times, record, queue, tried, work, speeds, new = pointers(
-        (model, method, tolerance, state, times, record, queue, tried, work, speeds, new)
+    model, method, tolerance, state, times, record, work, new = pointers(
+        (model, method, tolerance, state, times, record, work, new)
     )
+    queue, starts, tried, speeds = pointers((queue, starts, tried, speeds))
     n = state.acceleration.size
     for _ in range(budget):
-        fill_lanes(model, clocks, state, new, times, record, queue, tried, speeds)
+        fill_lanes(model, clocks, state, new, times, record, queue, starts, tried, speeds)
         if plan_steps(clocks, times, queue, tried) == 0:
-            if queue.waiting[0] == queue.starts.shape[0]:
+            if queue.waiting[0] == queue.counts.shape[0]:
                 return COMPLETED
             continue
         t, h, end = block(tried[BEGIN], 0), block(tried[LENGTH], 0), block(tried[END], 0)
@@ -239,7 +238,7 @@ def nystrom_members(
             taken = False
             if queue.held[lane] >= 0:
                 clocks[lane].evaluations += method.c.size
-                taken = is_taken(model, clocks[lane], method.order, tried, speeds, lane)
+                taken = is_taken(model, clocks[lane], method, tried, speeds, lane)
             tried[TAKEN, lane] = 1.0 if taken else 0.0
         take_steps(new, state, block(tried[TAKEN], 0))
         for lane in range(LANES):

@@ -12,12 +12,10 @@ import numpy as np
 from tribo.compiler.jit import expanded
 from tribo.compiler.lanes_memory import room
 from tribo.integrators.linear_combinations import add, combine, largest
-from tribo.integrators.step_control import evaluate_rates, growth_factor
+from tribo.integrators.step_control import MAX_GROWTH, evaluate_rates
 from tribo.kernels.records import Model
 from tribo.kernels.samples import State, copy, copy_state
 from tribo.kernels.status import COMPLETED
-
-ERROR_ORDER = 8.0  # power of h as which the combined error estimate of DOP853 grows
 
 
 class Stages(NamedTuple):
@@ -58,6 +56,8 @@ class EmbeddedRungeKutta(NamedTuple):
     c: np.ndarray  # (stages,)
     e5: np.ndarray  # (stages,)
     e3: np.ndarray  # (stages,)
+    order: float = 8.0  # of the combined error estimate as a power of h
+    most_growth: float = MAX_GROWTH
 
     def workspace(self, model: Model, state: State) -> Stages:
         """The arrays that a step needs, for Python."""
@@ -74,7 +74,7 @@ class EmbeddedRungeKutta(NamedTuple):
         if error <= 1.0:
             copy_state(state, new)
             complete_step(self, model, neighbours, clock, h, end, new, work)
-        return error <= 1.0, growth_factor(error, ERROR_ORDER), math.isfinite(error)
+        return error, math.isfinite(error)
 
 
 def empty_stages(count: int, state: State) -> Stages:

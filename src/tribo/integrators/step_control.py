@@ -1,11 +1,13 @@
 """Step control of all time loops: samples that are due, encounters ahead, steps accepted or not."""
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numba.extending import register_jitable
 
 from tribo.compiler.jit import expanded, inlined, kernel
+from tribo.compiler.jit_options import NUMPY_ERRORS
 from tribo.compiler.lanes import LANES, absolute, broadcast, sum_of_lanes
 from tribo.compiler.lanes_memory import block
 from tribo.kernels.blocks import active_of
@@ -30,6 +32,8 @@ MIN_GROWTH = 0.2
 MAX_GROWTH = 6.0
 # Factor on the step that an error estimate allows, so that few steps are rejected.
 SAFETY = 0.9
+# Factor on a step whose equations were not solved, so that there is no estimate of its error.
+NOT_SOLVED = 0.5
 # Fraction of the way to an encounter, after which equal steps compute the encounter rate again.
 ENCOUNTER_UPDATE = 0.25
 # Steps after which equal steps compute the encounter rate again, since bobs at rest may begin to
@@ -139,6 +143,12 @@ def record_due(model, neighbours, clock, state, times, record):
     return 0.0
 
 
+@register_jitable(**NUMPY_ERRORS)
+def count_of_steps(time: Any, step: float) -> Any:
+    """Number of equal steps of at most `step` in a time: as few as round-off allows."""
+    return np.maximum(1.0, np.ceil(time / step - 1e-9))
+
+
 @kernel
 def equal_step(clock, left, step):
     """The step, and whether it ends with the next sample, which is `left` ahead.
@@ -146,7 +156,7 @@ def equal_step(clock, left, step):
     Between two samples all steps are the same: the largest up to `step` that divides the time.
     """
     if clock.h == 0.0:
-        clock.h = left / max(1.0, np.ceil(left / step - 1e-9))
+        clock.h = left / count_of_steps(left, step)
     return clock.h, left < 1.5 * clock.h
 
 
@@ -202,13 +212,18 @@ def underflow_status(clock):
 
 
 @kernel
-def growth_factor(error, order):
-    """The factor from a step to the next, from its error, which grows as h^order."""
-    if not math.isfinite(error):
+def growth_factor(error, order, most):
+    """The factor from a step to the next, at most `most`, from its error, which grows as h^order.
+
+    An infinite error is that of a step whose equations were not solved.
+    """
+    if error == math.inf:
+        return NOT_SOLVED
+    if math.isnan(error):
         return MIN_GROWTH
     if error == 0.0:
-        return MAX_GROWTH
-    return min(MAX_GROWTH, max(MIN_GROWTH, SAFETY * error ** (-1.0 / order)))
+        return most
+    return min(most, max(MIN_GROWTH, SAFETY * error ** (-1.0 / order)))
 
 
 @kernel

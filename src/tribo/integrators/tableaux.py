@@ -1,4 +1,4 @@
-"""Coefficients of explicit Runge-Kutta methods, as data.
+"""Coefficients of explicit Runge-Kutta methods, and how the tables of long ones are read.
 
 Sources.  midpoint: C. Runge, Math. Ann. 46 (1895) 167.  classical: W. Kutta, Z. Math. Phys. 46
 (1901) 435.  DOP853, eighth order with embedded fifth and third: E. Hairer, S. P. Norsett,
@@ -6,145 +6,36 @@ G. Wanner, Solving Ordinary Differential Equations I, 2nd ed., Springer 1993, se
 the digits of their program.
 """
 
+import json
+from pathlib import Path
+
 import numpy as np
 
 from tribo.integrators.runge_kutta import EmbeddedRungeKutta, RungeKutta
 
 
-def stages(*rows: dict[int, float]) -> np.ndarray:
-    """The matrix of weights (stages, stages), from one dictionary {column: weight} a row."""
+def stages(*rows: list[float]) -> np.ndarray:
+    """The strictly lower triangular matrix of weights (stages, stages), from its rows."""
     a = np.zeros((len(rows), len(rows)))
     for i, row in enumerate(rows):
-        for j, value in row.items():
-            a[i, j] = value
+        a[i, : len(row)] = row
     return a
 
 
-MIDPOINT = RungeKutta(stages({}, {0: 0.5}), np.array([0.0, 1.0]), np.array([0.0, 0.5]))
+def read(name: str) -> dict[str, np.ndarray]:
+    """The coefficients of a method from its file, by name; "a" is (stages, stages)."""
+    path = Path(__file__).parent / "coefficients" / f"{name}.json"
+    table = json.loads(path.read_text(encoding="utf-8"))
+    return {key: stages(*each) if key == "a" else np.array(each) for key, each in table.items()}
+
+
+MIDPOINT = RungeKutta(stages([], [0.5]), np.array([0.0, 1.0]), np.array([0.0, 0.5]))
 
 CLASSICAL = RungeKutta(
-    stages({}, {0: 0.5}, {1: 0.5}, {2: 1.0}),
+    stages([], [0.5], [0.0, 0.5], [0.0, 0.0, 1.0]),
     np.array([1 / 6, 1 / 3, 1 / 3, 1 / 6]),
     np.array([0.0, 0.5, 0.5, 1.0]),
 )
 
-_A = stages(
-    {},
-    {0: 0.05260015195876773},
-    {0: 0.0197250569845379, 1: 0.0591751709536137},
-    {0: 0.02958758547680685, 2: 0.08876275643042054},
-    {0: 0.2413651341592667, 2: -0.8845494793282861, 3: 0.924834003261792},
-    {0: 0.037037037037037035, 3: 0.17082860872947386, 4: 0.12546768756682242},
-    {0: 0.037109375, 3: 0.17025221101954405, 4: 0.06021653898045596, 5: -0.017578125},
-    {
-        0: 0.03709200011850479,
-        3: 0.17038392571223998,
-        4: 0.10726203044637328,
-        5: -0.015319437748624402,
-        6: 0.008273789163814023,
-    },
-    {
-        0: 0.6241109587160757,
-        3: -3.3608926294469414,
-        4: -0.868219346841726,
-        5: 27.59209969944671,
-        6: 20.154067550477894,
-        7: -43.48988418106996,
-    },
-    {
-        0: 0.47766253643826434,
-        3: -2.4881146199716677,
-        4: -0.590290826836843,
-        5: 21.230051448181193,
-        6: 15.279233632882423,
-        7: -33.28821096898486,
-        8: -0.020331201708508627,
-    },
-    {
-        0: -0.9371424300859873,
-        3: 5.186372428844064,
-        4: 1.0914373489967295,
-        5: -8.149787010746927,
-        6: -18.52006565999696,
-        7: 22.739487099350505,
-        8: 2.4936055526796523,
-        9: -3.0467644718982196,
-    },
-    {
-        0: 2.273310147516538,
-        3: -10.53449546673725,
-        4: -2.0008720582248625,
-        5: -17.9589318631188,
-        6: 27.94888452941996,
-        7: -2.8589982771350235,
-        8: -8.87285693353063,
-        9: 12.360567175794303,
-        10: 0.6433927460157636,
-    },
-)
-_B = np.array(
-    [
-        0.054293734116568765,
-        0.0,
-        0.0,
-        0.0,
-        0.0,
-        4.450312892752409,
-        1.8915178993145003,
-        -5.801203960010585,
-        0.3111643669578199,
-        -0.1521609496625161,
-        0.20136540080403034,
-        0.04471061572777259,
-    ]
-)
-_C = np.array(
-    [
-        0.0,
-        0.05260015195876773,
-        0.0789002279381516,
-        0.1183503419072274,
-        0.2816496580927726,
-        0.3333333333333333,
-        0.25,
-        0.3076923076923077,
-        0.6512820512820513,
-        0.6,
-        0.8571428571428571,
-        1.0,
-    ]
-)
-_E5 = np.array(
-    [
-        0.01312004499419488,
-        0.0,
-        0.0,
-        0.0,
-        0.0,
-        -1.2251564463762044,
-        -0.4957589496572502,
-        1.6643771824549864,
-        -0.35032884874997366,
-        0.3341791187130175,
-        0.08192320648511571,
-        -0.022355307863886294,
-    ]
-)
-_E3 = np.array(
-    [
-        -0.18980075407240762,
-        0.0,
-        0.0,
-        0.0,
-        0.0,
-        4.450312892752409,
-        1.8915178993145003,
-        -5.801203960010585,
-        -0.4226823213237919,
-        -0.1521609496625161,
-        0.20136540080403034,
-        0.02265179219836082,
-    ]
-)
-
-DOP853 = EmbeddedRungeKutta(_A, _B, _C, _E5, _E3)
+_TABLE = read("dop853")
+DOP853 = EmbeddedRungeKutta(_TABLE["a"], _TABLE["b"], _TABLE["c"], _TABLE["e5"], _TABLE["e3"])

@@ -6,10 +6,10 @@ are compiled, as kernels find those of a plug-in:
     workspace(model, state)   for Python: the arrays that a step needs
     step(...)                 for :func:`equal_steps`: advance the state in place to the time `end`;
                               returns COMPLETED, or the status with which the run stops
-    trial(...)                for :func:`adaptive_steps`: try a step and estimate its error; returns
-                              whether the error is within the tolerance, the factor by which the
-                              next step may differ, and whether all is finite.  If the error is
-                              within the tolerance, `new` is then the state at the time `end`.
+    trial(...)                for :func:`adaptive_steps`: try a step; returns its error in units of
+                              the tolerance, and whether all is finite.  If the error is at most 1,
+                              `new` is then the state at the time `end`.
+    order, most_growth        with these, :func:`growth_factor` finds the next step from the error
 
 Both functions complete a state: coordinates, accounts, their rates of change at `end`, and what
 the method keeps for the next step.
@@ -24,6 +24,7 @@ from tribo.integrators.step_control import (
     end_of_step,
     equal_step,
     equal_step_status,
+    growth_factor,
     initialize,
     next_step,
     record_due,
@@ -102,11 +103,10 @@ def adaptive_steps(
         if step_underflows(h, landing, last):
             return underflow_status(clock)
         end = end_of_step(clock, times[clock.sample], h, landing)
-        within, growth, finite = method.trial(
-            model, neighbours, clock, h, end, state, new, tolerance, work
-        )
+        error, finite = method.trial(model, neighbours, clock, h, end, state, new, tolerance, work)
         clock.not_finite = 0 if finite else 1
-        if not within:
+        growth = growth_factor(error, method.order, method.most_growth)
+        if not error <= 1.0:
             reject_step(clock, h * growth)
         elif check_arrival(model, neighbours, clock, end, new, speeds, h):
             accept_step(clock, end, h, landing, growth)

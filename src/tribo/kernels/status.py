@@ -1,9 +1,13 @@
-"""How a run can end: an integer code inside kernels, a `Status` everywhere else."""
+"""How a run can end: an integer code inside kernels, a `Status` everywhere else; its counts."""
 
 from enum import StrEnum
 
 COMPLETED, PAUSED, BOBS_COINCIDE, STEP_UNDERFLOW = range(4)
 NOT_FINITE, ENCOUNTER_JUMPED, NOT_CONVERGED = range(4, 7)
+
+# Columns of the counts of a run: the code of its status, steps, and evaluations of all forces.
+CODE, STEPS, EVALUATIONS = range(3)
+COUNTS = 3
 
 
 class Status(StrEnum):

@@ -1,4 +1,4 @@
-"""Samples of a pair as those of a scene."""
+"""Samples of a pair as those of a scene, of one run or of several."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from tribo.kernels.samples import STORED
-from tribo.layout.pair_factors import Factors
+from tribo.layout.pair_scene import Factors
 from tribo.ledger.samples import Samples
-from tribo.pair.loop import ENERGY
+from tribo.pair.loop import COLUMNS, ENERGY
 from tribo.pair.step_rows import Q1, Q2
 
 
@@ -21,12 +21,12 @@ class PairSamples(Samples):
 
     Parameters
     ----------
-    t : ndarray, (times,)
+    t : ndarray, (times x runs,)
         When they were recorded.
-    record : ndarray, (times, COLUMNS)
+    record : ndarray, (times x runs, COLUMNS)
         Rows of the loop's record.
-    first : ndarray, (COLUMNS,) or (times, COLUMNS)
-        The first row of the run, or that of each row's run.
+    first : ndarray, (runs, COLUMNS)
+        The first row of each run.
     factors : Factors
         Of the scene's layout.
     """
@@ -38,11 +38,16 @@ class PairSamples(Samples):
         self._record = record
         self._first = first
         self._factors = factors
+        self.runs = len(first)
 
     @cached_property
     def y(self) -> np.ndarray:  # type: ignore[override]
-        """Coordinates and their rates, (times, 2 coordinates)."""
-        return self._record[:, :ENERGY] @ self._factors.state[:, :ENERGY].T
+        """Coordinates and their rates, (times, 2 coordinates).
+
+        Each is a multiple of one column: a product of matrices takes as long as half of the runs.
+        """
+        columns: np.ndarray = self._record[:, self._factors.columns]
+        return columns * self._factors.multiples
 
     @cached_property
     def s(self) -> np.ndarray:  # type: ignore[override]
@@ -85,6 +90,27 @@ class PairSamples(Samples):
         value = np.vecdot(columns, factors if factors.ndim == 1 else factors[:, 0])
         return value if factors.ndim == 1 else value[:, None]
 
+    def of_members(self, selected: np.ndarray) -> PairSamples:
+        """The samples of some of the runs, by their indices or a mask."""
+        shape = self.t.size // self.runs, self.runs, COLUMNS
+        record = self._record.reshape(shape)[:, selected].reshape(-1, COLUMNS)
+        first = self._first[selected]
+        return PairSamples(self.t[:: self.runs].repeat(len(first)), record, first, self._factors)
+
+    def with_factors(self, state: np.ndarray, accounts: np.ndarray) -> Samples:
+        """The samples as they are where each run has factors of its own.
+
+        They are those of :func:`tribo.layout.pair_scene.factors_of`, (runs, ..., columns).
+        """
+        columns = self._columns.reshape(-1, self.runs, state.shape[2]).swapaxes(0, 1)
+        y, s = (
+            (columns @ factors.swapaxes(1, 2)).swapaxes(0, 1).reshape(-1, factors.shape[1])
+            for factors in (state, accounts)
+        )
+        return Samples.of_runs(
+            self.runs, self.t, y, s, self.contact, self.field, self.stored, self.baths
+        )
+
     def then(self, *later: Samples) -> Samples:
         """These samples, followed by `later` ones of runs with the same start."""
         parts = [each for each in (self, *later) if isinstance(each, PairSamples)]
@@ -103,9 +129,10 @@ class PairSamples(Samples):
     @cached_property
     def _arcs(self) -> np.ndarray:
         """Integrals of q omega sin q: the powers of the end forces are multiples of it."""
-        q = self._record[:, [Q1, Q2]]
-        first = self._first[..., [Q1, Q2]]
-        return (np.sin(q) - q * np.cos(q)) - (np.sin(first) - first * np.cos(first))
+        q = self._record[:, [Q1, Q2]].reshape(-1, self.runs, 2)
+        first = self._first[:, [Q1, Q2]]
+        arcs = (np.sin(q) - q * np.cos(q)) - (np.sin(first) - first * np.cos(first))
+        return np.asarray(arcs.reshape(-1, 2))
 
     @cached_property
     def _columns(self) -> np.ndarray:

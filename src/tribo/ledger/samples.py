@@ -1,4 +1,4 @@
-"""The raw samples of a run, as the time loops record them."""
+"""The raw samples of one run, or of several runs of a scene, as the time loops record them."""
 
 from __future__ import annotations
 
@@ -13,9 +13,14 @@ from tribo.layout.layout import Layout
 
 @dataclass(eq=False)
 class Samples:
-    """The raw samples of a run, one row for each time.
+    """The raw samples of runs of one scene: a row for each time and run, those of a time together.
 
     The columns are explained in `tribo.layout.layout` and `tribo.kernels.samples`.
+
+    Attributes
+    ----------
+    runs : int
+        How many runs there are; all have the same times.
     """
 
     t: np.ndarray  # (times,)
@@ -26,13 +31,19 @@ class Samples:
     stored: np.ndarray  # (times, surfaces, STORED)
     baths: np.ndarray  # (times, rows, columns), or (times, 0, 0) where no series needs it
 
+    runs = 1
+
+    @classmethod
+    def of_runs(cls, runs: int, *columns: np.ndarray) -> Samples:
+        """The samples of so many runs, (times x runs, ...) each; the first time is their start."""
+        samples = Samples(*columns)
+        samples.runs = runs
+        return samples
+
     @classmethod
     def at_zero(cls, layout: Layout) -> Samples:
         """One sample at t = 0, of which all values are zero."""
-        one = np.zeros(1)
-        y, s = np.zeros((1, 2 * layout.core)), np.zeros((1, layout.accounts))
-        stored = np.zeros((1, len(layout.parts), STORED))
-        return cls(one, y, s, one, one, stored, np.zeros((1, *layout.sampled_baths)))
+        return cls(np.zeros(1), *map(np.zeros_like, sample_columns(layout, 1)))
 
     def at(self, times: np.ndarray) -> Samples:
         """The samples whose times are among `times`, which ascend."""
@@ -70,9 +81,20 @@ class Samples:
         with np.errstate(over="ignore", invalid="ignore"):
             return function(self.s)
 
+    def of_members(self, selected: np.ndarray) -> Samples:
+        """The samples of some of the runs, by their indices or a mask."""
+        rows = np.arange(self.t.size).reshape(-1, self.runs)[:, selected]
+        samples = self._rows(rows.ravel())
+        samples.runs = rows.shape[1]
+        return samples
+
     def at_start(self, series: np.ndarray) -> np.ndarray:
-        """The value of a series of these samples at the start of the run."""
-        return np.asarray(series[0])
+        """The value of a series of these samples at the start of each run."""
+        if self.runs == 1:
+            return np.asarray(series[0])
+        return np.tile(
+            series[: self.runs], (self.t.size // self.runs, *np.ones(series.ndim - 1, int))
+        )
 
     def change(self, series: np.ndarray) -> np.ndarray:
         """A series of these samples less its value at the start of the run."""
@@ -80,6 +102,18 @@ class Samples:
 
     def _rows(self, selected: np.ndarray) -> Samples:
         return Samples(*(getattr(self, f.name)[selected] for f in fields(Samples)))
+
+
+def sample_columns(layout: Layout, *shape: int) -> tuple[np.ndarray, ...]:
+    """Arrays for the samples of a time loop, whose first axes have a shape; all but the times."""
+    return (
+        np.empty((*shape, 2 * layout.core)),
+        np.empty((*shape, layout.accounts)),
+        np.empty(shape),
+        np.empty(shape),
+        np.zeros((*shape, len(layout.parts), STORED)),
+        np.empty((*shape, *layout.sampled_baths)),
+    )
 
 
 def _joined(parts: list[np.ndarray]) -> np.ndarray:

@@ -16,12 +16,12 @@ from tribo.integrators.methods import Method
 from tribo.integrators.splitting import assist
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.records import CLOCK
-from tribo.kernels.samples import STORED, Record, State, empty_state, initial_state
+from tribo.kernels.samples import Record, State, empty_state, initial_state
 from tribo.layout.contacts import with_room
 from tribo.layout.layout import Layout
 from tribo.layout.loop_memory import own_model
 from tribo.layout.threads import assisted
-from tribo.ledger.samples import Samples
+from tribo.ledger.samples import Samples, sample_columns
 from tribo.loops.integrate import Columns, Memory, Setting
 from tribo.plugins.compile_errors import compiling
 from tribo.plugins.sources import source_stamp
@@ -108,15 +108,7 @@ class GeneralLoop:
 
     def room(self, samples: int) -> Columns:
         """Arrays for so many samples."""
-        surfaces = len(self.layout.scene.surfaces)
-        return (
-            np.empty((samples, 2 * self.layout.core)),
-            np.empty((samples, self.layout.accounts)),
-            np.empty(samples),
-            np.empty(samples),
-            np.zeros((samples, surfaces, STORED)),
-            np.empty((samples, *self.layout.sampled_baths)),
-        )
+        return sample_columns(self.layout, samples)
 
     def advance(self, times: np.ndarray, columns: Columns, budget: int) -> int:
         """Take at most `budget` steps, and record the samples at `times`; a code of a status."""
@@ -203,16 +195,20 @@ class GeneralLoop:
 def compile_loop(layout: Layout, method: Method, threads: int = 1) -> float:
     """Compile a loop for a scene, or load it from the disk cache; returns the seconds."""
     began = time.perf_counter()
-    setting: Setting = 1.0
-    if method.adaptive:
-        setting = Tolerance(np.ones(2 * layout.coordinates), np.ones(layout.accounts), 1.0, 1.0)
-    loop = GeneralLoop(layout, method, setting, layout.start, 0.0, threads)
+    loop = GeneralLoop(layout, method, unit_setting(layout, method), layout.start, 0.0, threads)
     with undisturbed(), compiling(loop.compiled, layout.named_plugins):
         if threads > 1:
             loop.model.team.counters[CLOSED] = 1
             loop.assist()
         loop.advance(np.ones(1), loop.room(1), 0)
     return time.perf_counter() - began
+
+
+def unit_setting(layout: Layout, method: Method) -> Setting:
+    """A step of 1, or tolerances of 1, of the type that a method takes."""
+    if not method.adaptive:
+        return 1.0
+    return Tolerance(np.ones(2 * layout.coordinates), np.ones(layout.accounts), 1.0, 1.0)
 
 
 def in_blocks(setting: Setting, layout: Layout) -> Setting:

@@ -12,7 +12,7 @@ import numpy as np
 
 from tribo import interrupts
 from tribo.integrators.step_control import Tolerance
-from tribo.kernels.status import PAUSED, STATUS_OF_CODE, Status
+from tribo.kernels.status import COUNTS, EVALUATIONS, PAUSED, STATUS_OF_CODE, STEPS, Status
 from tribo.layout.layout import Layout
 from tribo.ledger.reactions import add_reactions
 from tribo.ledger.samples import Samples
@@ -113,7 +113,7 @@ class Integration:
     status : Status
         How the integration ended.
     counts : ndarray
-        Steps and evaluations of all forces, its first two elements.
+        Steps and evaluations of all forces, by the columns of :mod:`tribo.kernels.status`.
     seconds : float
         Wall time.
     remembered : callable
@@ -154,12 +154,12 @@ class Integration:
     @property
     def steps(self) -> int:
         """Steps taken."""
-        return int(self.counts[0])
+        return int(self.counts[STEPS])
 
     @property
     def evaluations(self) -> int:
         """Evaluations of all forces."""
-        return int(self.counts[1])
+        return int(self.counts[EVALUATIONS])
 
 
 def first_step_at(tolerance: Tolerance, longest: float, order: int) -> float:
@@ -221,7 +221,8 @@ def integrate(
         memory = loop.memory()
         if status != Status.COMPLETED:  # the loop goes on, to record where it stopped
             memory = {name: array.copy() for name, array in memory.items()}
-        counts = np.array([loop.clocks["steps"][0], loop.clocks["evaluations"][0]])
+        counts = np.zeros(COUNTS)
+        counts[[STEPS, EVALUATIONS]] = loop.clocks["steps"][0], loop.clocks["evaluations"][0]
         passages = _passages(loop)
         new = _recorded(loop, portion, columns, status)
         if before is not None and first == 0:

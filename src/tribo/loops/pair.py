@@ -1,8 +1,4 @@
-"""One asperite on one: the layout of a scene for the loop of :mod:`tribo.pair`, and back.
-
-The loop's record has few columns.  Every coordinate and every account of the scene's layout is a
-multiple of one of them; two matrices hold the factors.
-"""
+"""Runs of one asperite on one by its own loop, in threads."""
 
 from __future__ import annotations
 
@@ -11,18 +7,29 @@ import time
 import numpy as np
 from numba import config
 
+from tribo.compiler.jit import EntryPoint, time_loop
 from tribo.compiler.lanes import LANES
 from tribo.integrators.collocation import Collocation
 from tribo.integrators.methods import Method
 from tribo.integrators.step_control import Tolerance
-from tribo.kernels.records import CHARGE, FORCED, FREE, Z
+from tribo.kernels.records import CHARGE, CLOCK, FORCED, FREE, Z
+from tribo.kernels.status import COMPLETED, PAUSED, Status
 from tribo.layout.layout import Layout
-from tribo.layout.pair_factors import FIRST_ACCOUNT, Factors, factors_of
-from tribo.loops.integrate import Checkpoints, Integration, Progress, first_step_at
-from tribo.loops.pair_loop import PairLoop
+from tribo.layout.pair_scene import FIRST_ACCOUNT, Factors, factors_of, mobility_of, record_of
+from tribo.ledger.pair_samples import PairSamples
+from tribo.loops.batch import Pool
+from tribo.loops.general import numbers_of, set_numbers
+from tribo.loops.integrate import (
+    Checkpoints,
+    Columns,
+    Integration,
+    Memory,
+    Progress,
+    first_step_at,
+    integrate,
+)
 from tribo.model.effects import Effect
-from tribo.pair.forces import PAIR
-from tribo.pair.loop import ENERGY
+from tribo.pair.loop import COLUMNS, ENERGY, pair_collocation
 from tribo.pair.step import table
 from tribo.pair.step_rows import (
     FIRST,
@@ -32,10 +39,13 @@ from tribo.pair.step_rows import (
     OF_V1,
     OF_V2,
     ROWS,
+    STATE,
     V1,
     V2,
     J,
 )
+from tribo.plugins.compile_errors import compiling
+from tribo.plugins.sources import source_stamp
 
 # Effects of scenes that the loop of a pair knows.
 KNOWN = {Effect.CONTACT, Effect.SWING, Effect.SLIDING, Effect.CLAMPED_ENDS, Effect.CUTOFF}
@@ -43,6 +53,9 @@ KNOWN = {Effect.CONTACT, Effect.SWING, Effect.SLIDING, Effect.CLAMPED_ENDS, Effe
 # First step in units of the one that is usual: the loop's method is of order 15, and a first step
 # that is too long costs one rejection only.
 FIRST_STEP_FACTOR = 8.0
+
+# Steps before a run without a progress report can be interrupted: a few milliseconds.
+UNINTERRUPTED_STEPS = 2048
 
 
 def has_pair_loop(layout: Layout, method: Method) -> bool:
@@ -75,7 +88,7 @@ def is_pair(layout: Layout) -> bool:
 
 
 class Pair:
-    """A scene of two asperites, and its compiled loop; threads can run it at the same time.
+    """A scene of two asperites, and its compiled loops; threads can run it at the same time.
 
     Parameters
     ----------
@@ -104,7 +117,6 @@ class Pair:
     """
 
     def __init__(self, layout: Layout, method: Method, first_step: float) -> None:
-        """Compile the loop, or load it from disk."""
         began = time.perf_counter()
         self.layout = layout
         asperites = np.asarray(layout.asperites)
@@ -116,7 +128,8 @@ class Pair:
         self._first_step, self._order = FIRST_STEP_FACTOR * first_step, method.order
         assert isinstance(method.coefficients, Collocation)
         self._coefficients = method.coefficients
-        self._idle = [self._new_loop()]
+        self._loops = Pool(lambda: PairLoop(self))
+        self._loops.give_back(self._loops.take())
         self.compile_seconds = time.perf_counter() - began
 
     def integrate(
@@ -132,28 +145,20 @@ class Pair:
 
         With `most` force evaluations, or those of the scene without it.
         """
-        loop = self.free_loop()
-        if loop.tolerance is not tolerance:
-            loop.set_up(tolerance, self.limits(tolerance))
-        run = loop.integrate(start, times, progress, checkpoints, most)
-        self._idle.append(loop)
+        loop = self._loops.take()
+        loop.begin(tolerance, start)
+        if progress is not None or checkpoints is not None:
+            run = integrate(loop, times, progress, None, checkpoints, most=most)
+        else:
+            run = loop.undisturbed(times, most)
+        self._loops.give_back(loop)
         return run
-
-    def free_loop(self) -> PairLoop:
-        """A loop that no other thread uses; one that a run leaves unfinished is not used again."""
-        try:
-            return self._idle.pop()
-        except IndexError:
-            return self._new_loop()
 
     def rows(self) -> np.ndarray:
         """The memory of a loop before its first run, (ROWS, 8)."""
         rows = np.zeros((ROWS, LANES))
         rows[:LIMITS] = table(self._coefficients)
         return rows
-
-    def _new_loop(self) -> PairLoop:
-        return PairLoop(self.layout, self.scene_arguments, self.rows(), self.factors)
 
     def limits(self, tolerance: Tolerance) -> np.ndarray:
         """The loop's own limits (2, 8), with which all of the layout's tolerances are met."""
@@ -170,43 +175,91 @@ class Pair:
         return both
 
 
-def mobility_of(layout: Layout, asperites: np.ndarray) -> np.ndarray:
-    """(..., 2) displacement of each centre of mass for k = 1."""
-    free = layout.surfaces.drive == FREE
-    return np.asarray(np.array([1.0, -1.0]) * free / asperites["mass"])
-
-
-def record_of(
-    asperites: np.ndarray, depths: np.ndarray, charges: np.ndarray, mobility: np.ndarray
-) -> np.ndarray:
-    """Scenes as the loop reads them.
+class PairLoop:
+    """The time loop of a pair, and all that it writes; :class:`tribo.loops.integrate.TimeLoop`.
 
     Parameters
     ----------
-    asperites : ndarray, (..., 2), of ASPERITE
-        Those of each scene.
-    depths : ndarray, (2,)
-        z of the bobs.
-    charges, mobility : ndarray, (..., 2)
-        Of the bobs; :func:`mobility_of`.
+    pair : Pair
+        The scene.
 
-    Returns
-    -------
-    ndarray, (...), of PAIR
+    Raises
+    ------
+    InputError
+        If the potential does not compile.
     """
-    a = asperites
-    record = np.zeros(a.shape[:-1], PAIR)
-    for name, of in (("gap_x", "x"), ("gap_y", "y"), ("velocity_x", "vx"), ("velocity_y", "vy")):
-        record[name] = a[of][..., 0] - a[of][..., 1]
-    record["z_squared"] = (depths[0] - depths[1]) ** 2
-    record["mobility"] = mobility[..., 0] - mobility[..., 1]
-    for i, sign in enumerate((1.0, -1.0)):
-        one, free = a[..., i], mobility[..., i] != 0.0
-        lever = sign * one["facing"] / one["inertia"]
-        across = one["l1"] + one["l2"]
-        record[f"charge{i + 1}"] = charges[..., i]
-        record[f"arm{i + 1}"] = one["facing"] * one["l1"]
-        record[f"lever_x{i + 1}"] = lever * np.where(free, one["l1"], across)
-        record[f"lever_y{i + 1}"] = lever * across
-        record[f"omega_squared{i + 1}"] = one["kappa"] / one["inertia"]
-    return record
+
+    adaptive = True
+    calls = ()
+
+    def __init__(self, pair: Pair) -> None:
+        """Compile the loop, or load it from disk."""
+        self.layout = layout = pair.layout
+        self._pair = pair
+        self._tolerance: Tolerance | None = None  # from which the limits in the rows were made
+        self.clocks, self._rows = np.zeros(1, CLOCK), pair.rows()
+        self._evaluations = self.clocks["evaluations"]  # the loop begins a run where this is 0
+        self._start = layout.start
+        loop = time_loop(pair_collocation, source_stamp(layout.plugins))
+        fixed = (*pair.scene_arguments, self._rows, self.clocks)
+        examples = (layout.start, np.zeros(1), np.empty((2, COLUMNS)), 0)
+        with compiling(loop, layout.named_plugins):
+            self._loop = EntryPoint(loop, fixed, examples)
+
+    def begin(self, tolerance: Tolerance, start: np.ndarray) -> None:
+        """Begin a run from `start`, y of the scene's layout."""
+        if self._tolerance is not tolerance:
+            self._tolerance = tolerance
+            self._rows[LIMITS:STATE] = self._pair.limits(tolerance)
+            self.clocks["encounter_fraction"] = tolerance.encounter_fraction
+        self._evaluations[0] = 0
+        self._start = start
+
+    def undisturbed(self, times: np.ndarray, most: float | None) -> Integration:
+        """Integrate through `times` in one call, if it does not take too many steps."""
+        began = time.perf_counter()
+        record = np.empty((times.size + 1, COLUMNS))
+        code = self._loop(self._start, times, record, UNINTERRUPTED_STEPS)
+        if code != COMPLETED:
+            if code != PAUSED:
+                self._evaluations[0] = 0  # from the start again, to the same end
+            return integrate(self, times, columns=(record,), most=most)
+        seconds, clock = time.perf_counter() - began, self.clocks.tobytes()
+        rows, factors = self._rows[STATE:].copy(), self._pair.factors
+        return Integration(
+            lambda: PairSamples(times, record[:-1], record[:1], factors),
+            Status.COMPLETED,
+            record[-1],
+            seconds,
+            lambda: _memory(np.frombuffer(clock, CLOCK), rows),
+        )
+
+    def room(self, samples: int) -> Columns:
+        """Arrays for so many samples."""
+        return (np.empty((samples, COLUMNS)),)
+
+    def advance(self, times: np.ndarray, columns: Columns, budget: int) -> int:
+        """Take at most `budget` steps, and record the samples at `times`; a code of a status."""
+        code: int = self._loop(self._start, times, columns[0], budget)
+        return code
+
+    def forget_neighbours(self) -> None:
+        """Nothing, as a pair has no list."""
+
+    def memory(self) -> Memory:
+        """All that another loop of this kind needs to continue."""
+        return _memory(self.clocks, self._rows[STATE:].copy())
+
+    def restore(self, memory: Memory) -> None:
+        """Continue where another loop of this kind was."""
+        set_numbers(self.clocks, memory["clock"])
+        self._rows[STATE:] = memory["pair"]
+
+    def samples(self, times: np.ndarray, columns: Columns) -> PairSamples:
+        """The first samples in `columns`, of the scene's layout, which were recorded at `times`."""
+        record = columns[0][: times.size]
+        return PairSamples(times, record, record[:1], self._pair.factors)
+
+
+def _memory(clocks: np.ndarray, rows: np.ndarray) -> Memory:
+    return {"clock": numbers_of(clocks), "pair": rows}

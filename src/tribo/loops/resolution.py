@@ -8,6 +8,7 @@ import numpy as np
 
 from tribo.integrators.methods import Method
 from tribo.integrators.splitting import Splitting
+from tribo.integrators.step_control import count_of_steps
 from tribo.kernels.records import (
     FREQUENCY,
     INERTIA,
@@ -128,10 +129,10 @@ def turn_of_step(layout: Layout, method: Method, step: float, frequency: float) 
 def longest_step(layout: Layout, step: float) -> float:
     """The longest step that equal steps of at most `step` take [time].
 
-    They are equal parts of the time between two samples; see `integrators.step_control.equal_step`.
+    They are equal parts of the time between two samples.
     """
     intervals = np.diff(layout.times)
-    return float(np.max(intervals / np.maximum(1.0, np.ceil(intervals / step - 1e-9))))
+    return float(np.max(intervals / count_of_steps(intervals, step)))
 
 
 def longest_kick(method: Method) -> float:

@@ -10,14 +10,15 @@ from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
 from tribo.integrators.methods import Method
 from tribo.integrators.splitting_members import LOST, WATCHED, splitting_members
+from tribo.integrators.step_control import count_of_steps
 from tribo.kernels.langevin import Deviates
 from tribo.kernels.records import CLOCK
-from tribo.kernels.status import COMPLETED, PAUSED
+from tribo.kernels.status import CODE, COMPLETED, COUNTS, EVALUATIONS, PAUSED, STEPS
 from tribo.layout.layout import Layout
-from tribo.layout.member_numbers import MemberNumbers
+from tribo.ledger.samples import sample_columns
+from tribo.loops.batch import MemberStarts, padded
 from tribo.loops.integrate import Columns, Setting
-from tribo.loops.lane_loop import LaneLoop, padded
-from tribo.pair.members import CODE, EVALUATIONS, STEPS
+from tribo.loops.lane_loop import LaneLoop
 
 # Steps of a call of the loop, at most, since an interrupt waits for its end.
 MOST_STEPS = 4096
@@ -26,48 +27,34 @@ MOST_DEVIATES = 4096
 
 
 class SplittingLanes(LaneLoop):
-    """The loop of a splitting method; parameters as those of `LaneLoop`.
+    """The loop of a splitting method."""
 
-    Raises
-    ------
-    InputError
-        If a plug-in does not compile.
-    """
-
-    def __init__(self, layout: Layout, method: Method, own_numbers: bool) -> None:
-        super().__init__(layout, method, own_numbers)
+    def prepare(self, layout: Layout, method: Method) -> None:
+        """Make clocks and scratch, and compile the loop."""
         self._clocks = np.zeros(1, CLOCK).view(np.recarray)
         watch = room((WATCHED, LANES))
         self._state, self._work, self._watch = self.keep(
             (self._state, self._work, watch), [self._clocks]
         )
         self._draws = self.coefficients.kicks.size * deviates_of_substep(self.layout)
-        examples = self._arguments(1.0, self.room(LANES), 0, np.empty((0, LANES)))
+        columns = sample_columns(layout, LANES)
+        examples = self._arguments(1.0, columns, 0, np.empty((0, LANES)))
         self._entry = self.compile(splitting_members, examples)
 
-    def run(
-        self,
-        step: Setting,
-        starts: np.ndarray,
-        seeds: np.ndarray,
-        columns: Columns,
-        numbers: MemberNumbers | None,
+    def fill_lanes(
+        self, setting: Setting, starts: MemberStarts, numbers: np.ndarray, columns: Columns
     ) -> np.ndarray:
-        """Run members from `starts` (members, 2 coordinates), and record their samples.
-
-        Returns their counts, (members, 3): PAUSED of those that need a loop of their own.
-        """
-        assert isinstance(step, float)
-        members, times = len(starts), self.layout.times.size
+        """Run members eight by eight: with equal steps, all of them end together."""
+        assert isinstance(setting, float)
+        members, times = len(starts.y), self.layout.times.size
         chosen = np.arange(padded(members)).clip(max=members - 1)
-        counts = np.empty((members, 3), np.int64)
-        rows_of_numbers = self.rows_of(numbers, members)
+        counts = np.empty((members, COUNTS), np.int64)
         for first in range(0, members, LANES):
             own = chosen[first : first + LANES]
             rows = slice(first * times, (first + LANES) * times)
             some = tuple(each[rows] for each in columns)
-            self._memory[self._places_of_numbers] = rows_of_numbers[own]
-            lost = self._run_eight(step, starts[own], seeds[own].tolist(), some)
+            self._memory[self._places_of_numbers] = numbers[own]
+            lost = self._run_eight(setting, starts.y[own], starts.seeds[own].tolist(), some)
             counts[own, CODE] = np.where(lost, PAUSED, COMPLETED)
             clock = self._clocks[0]
             counts[own, STEPS], counts[own, EVALUATIONS] = clock.steps, clock.evaluations
@@ -112,7 +99,7 @@ class SplittingLanes(LaneLoop):
 
 def steps_in_all(times: np.ndarray, step: float) -> int:
     """Steps of a run in equal steps of at most `step` between samples."""
-    return int(np.sum(np.maximum(1.0, np.ceil(np.diff(times) / step - 1e-9))))
+    return int(np.sum(count_of_steps(np.diff(times), step)))
 
 
 def deviates_of_substep(layout: Layout) -> int:

@@ -1,9 +1,8 @@
 """Members of a pair in the lanes of vector registers, by an explicit Nystrom method.
 
-Each lane holds one member, with a step of its own.  A lane whose member is at its end takes the
-next one.  All arithmetic acts on every lane by itself, so that a member has the same bits in any
-lane and company.  Several registers are in flight, because the operations of one wait for one
-another.
+Each lane holds one member, with a step of its own.  All arithmetic acts on every lane by itself, so
+that a member has the same bits in any lane and company.  Several registers are in flight, because
+the operations of one wait for one another.
 
 Only the motion is integrated.  The accounts follow from it by conservation of energy: see
 :func:`write_end`.
@@ -28,11 +27,11 @@ from tribo.compiler.lanes import (
 from tribo.compiler.lanes_functions import near_zero, reduced
 from tribo.compiler.lanes_memory import load, rows_of, store
 from tribo.compiler.numbers_in_lanes import numbers_at_lane, numbers_in_lanes
+from tribo.integrators.lane_queue import leave_member, next_member
 from tribo.integrators.nystrom import Nystrom
 from tribo.kernels.status import COMPLETED, PAUSED
 from tribo.pair.forces import PairScene, contact_of, distance, swing_accelerations
 from tribo.pair.loop import ENERGY
-from tribo.pair.members import CODE, EVALUATIONS, STEPS
 from tribo.pair.step_rows import Q1, Q2, V1, V2, X1, X2, Y1, Y2, J, K, S
 
 # Registers in flight.
@@ -271,8 +270,8 @@ def clear_lane(work, base, i):
 
 
 @kernel
-def write_end(pair, potential, work, base, i, m, limits, samples, counts, stages):
-    """Write the end of the member in lane i, and its accounts.
+def write_end(pair, potential, work, base, i, m, limits, samples):
+    """Write the end of member m, in lane i, and its accounts; returns the code of its status.
 
     With G_i the change of q_i'^2 / 2 + omega_i^2 q_i^2 / 2, G_i = lever_x X_i + lever_y Y_i.  Of a
     forced asperite, whose levers are equal, that is X_i + Y_i, which alone is reported.  With U
@@ -309,9 +308,28 @@ def write_end(pair, potential, work, base, i, m, limits, samples, counts, stages
         last[account + X2], last[account + Y2] = both2 - y, y
     swings = max(abs(last[Q1]), abs(last[Q2]))
     whole = work[base + T, i] >= end and swings <= LARGEST_SWING and math.isfinite(gain1 + gain2)
-    counts[m, CODE] = COMPLETED if whole else PAUSED
-    counts[m, STEPS] = int(work[base + ACCEPTED, i])
-    counts[m, EVALUATIONS] = int(work[base + TRIALS, i]) * stages
+    return COMPLETED if whole else PAUSED
+
+
+@inlined
+def fill_lane(work, base, k, own, limits, scenes, samples, queue):
+    """Begin the next member that waits in lane k of all, or let the lane rest."""
+    i = k % LANES
+    m = next_member(queue, k)
+    clear_lane(work, base, i)
+    if m >= 0:
+        load_scene(work, base + own, i, m, scenes)
+        load_member(work, base, i, m, limits, samples)
+
+
+@kernel
+def end_member(pairs, potentials, work, base, k, limits, samples, queue, stages):
+    """Write the end of the member in lane k of all, and let the lane be free."""
+    i, m = k % LANES, queue.held[k]
+    one, its = numbers_at_lane(pairs, i), numbers_at_lane(potentials, i)
+    code = write_end(one, its, work, base, i, m, limits, samples)
+    steps, trials = int(work[base + ACCEPTED, i]), int(work[base + TRIALS, i])
+    leave_member(queue, k, code, steps, trials * stages)
 
 
 @inlined
@@ -321,7 +339,7 @@ def half_square_gain(x, before):
 
 
 def pair_members_in_lanes(
-    pair, potential, scenes, memory, tables, bounds, starts, samples, counts, running, stages
+    pair, potential, scenes, memory, tables, bounds, starts, samples, queue, stages
 ):
     """Integrate members from their starts to the end, GROUPS * LANES at a time.
 
@@ -343,11 +361,8 @@ def pair_members_in_lanes(
         y of the scene's layout at t = 0, for each member.
     samples : ndarray, (2, members, COLUMNS)
         Filled in with the samples at the start and at the end; J_Y and the integrals of q are 0.
-    counts : ndarray, (members, 3), of int64
-        Filled in: status, steps, evaluations; the status PAUSED of a member that needs another
-        loop.
-    running : ndarray, (GROUPS, 8), of int64
-        Memory for the numbers of the members in the lanes.
+    queue : Queue
+        The members, all of which wait; GROUPS * 8 lanes.
     stages : int
         Of the method.
     """
@@ -356,16 +371,10 @@ def pair_members_in_lanes(
     size = memory.shape[0] // GROUPS
     own = F + 3 * stages
     prepare_starts(pair, potential, work, own, scenes, starts, samples)
-    waiting = 0
-    for g in range(GROUPS):
-        for i in range(LANES):
-            running[g, i] = -1
-            clear_lane(work, g * size, i)
-            load_scene(work, g * size + own, i, min(waiting, members - 1), scenes)
-            if waiting < members:
-                running[g, i] = waiting
-                load_member(work, g * size, i, waiting, limits, samples)
-                waiting += 1
+    for k in range(GROUPS * LANES):
+        base = k // LANES * size
+        load_scene(work, base + own, k % LANES, members - 1, scenes)
+        fill_lane(work, base, k, own, limits, scenes, samples, queue)
     left = members
     while left > 0:
         at = 0
@@ -381,15 +390,8 @@ def pair_members_in_lanes(
             if sum_of_lanes(ended) > 0.0:
                 pairs, potentials = own_scenes(pair, potential, work, base + own, scenes)
                 for i in range(LANES):
-                    m = running[g, i]
-                    if m >= 0 and lane(ended, i) > 0.0:
-                        one, its = numbers_at_lane(pairs, i), numbers_at_lane(potentials, i)
-                        write_end(one, its, work, base, i, m, limits, samples, counts, stages)
+                    k = g * LANES + i
+                    if queue.held[k] >= 0 and lane(ended, i) > 0.0:
+                        end_member(pairs, potentials, work, base, k, limits, samples, queue, stages)
                         left -= 1
-                        running[g, i] = -1
-                        clear_lane(work, base, i)
-                        if waiting < members:
-                            running[g, i] = waiting
-                            load_scene(work, base + own, i, waiting, scenes)
-                            load_member(work, base, i, waiting, limits, samples)
-                            waiting += 1
+                        fill_lane(work, base, k, own, limits, scenes, samples, queue)

@@ -21,7 +21,14 @@ from tribo.integrators.step_control import (
     time_left,
     underflow_status,
 )
-from tribo.kernels.status import BOBS_COINCIDE, COMPLETED, NOT_FINITE, PAUSED
+from tribo.kernels.status import (
+    BOBS_COINCIDE,
+    COMPLETED,
+    EVALUATIONS,
+    NOT_FINITE,
+    PAUSED,
+    STEPS,
+)
 from tribo.pair.forces import contact_at, distance, encounter_rate_of, swing_accelerations
 from tribo.pair.step import Nodes, try_step
 from tribo.pair.step_rows import (
@@ -49,9 +56,6 @@ ENERGY = J + 1 + LANES
 
 # Number of columns of a record.
 COLUMNS = ENERGY + 1
-
-# Columns of the last row of a record, behind all samples: counts of the run.
-STEPS, EVALUATIONS = range(2)
 
 
 @kernel
@@ -86,7 +90,7 @@ def write_sample(pair, potential, clock, work, record):
 
 @kernel
 def write_summary(clock, record, last):
-    """Write counts of the run to the last row of a record."""
+    """Write counts of the run to the last row of a record, behind all samples."""
     record[last, STEPS] = clock.steps
     record[last, EVALUATIONS] = clock.evaluations
 

@@ -2,13 +2,11 @@
 
 from tribo.compiler.jit import kernel
 from tribo.compiler.potential_numbers import with_numbers
+from tribo.kernels.status import CODE, EVALUATIONS, STEPS
 from tribo.pair.loop import COLUMNS, pair_collocation
 
 # The loop of a single run, for callers that are compiled.
 integrate_pair = kernel(pair_collocation)
-
-# Columns of the counts of members: a code of a status, steps, and evaluations of all forces.
-CODE, STEPS, EVALUATIONS = range(3)
 
 
 def pair_members(
@@ -32,7 +30,7 @@ def pair_members(
         Memory for the samples of one member.
     samples : ndarray, (times, members, COLUMNS)
         Filled in with the samples; those of a member that did not complete have no meaning.
-    counts : ndarray, (members, 3), of int64
+    counts : ndarray, (members, COUNTS), of int64
         Filled in: status, steps, evaluations.
     budget : int
         Steps after which a member is left with the status PAUSED.

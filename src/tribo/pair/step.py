@@ -220,7 +220,7 @@ def solve(pair, potential, clock, h, work):
 def growth_factor(error):
     """Factor for the next step, of an error that grows as h^8.
 
-    See :func:`tribo.integrators.step_control.growth_factor`.
+    As :func:`tribo.integrators.step_control.growth_factor`, by roots, which are faster than powers.
     """
     growth = CAUTION / math.sqrt(math.sqrt(math.sqrt(error)))
     if not growth >= MIN_GROWTH:  # nan too

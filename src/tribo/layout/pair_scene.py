@@ -1,13 +1,20 @@
-"""Factors from the record of the pair's loop to the layout of a scene."""
+"""One asperite on one: a scene as the loop of a pair reads it, and back to the scene's layout.
+
+The samples of the loop have few columns.  Every coordinate and every account of the layout is a
+multiple of one of them; two matrices hold the factors.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Hashable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
+from tribo.kernels.records import FREE
 from tribo.layout.layout import Layout
+from tribo.pair.forces import PAIR
 from tribo.pair.loop import ENERGY
 from tribo.pair.step_rows import (
     J_Y,
@@ -51,6 +58,16 @@ class Factors:
     accounts: np.ndarray
     linear: dict[Hashable, np.ndarray]
 
+    @cached_property
+    def columns(self) -> np.ndarray:
+        """The column of which each coordinate or rate is a multiple, (2 coordinates,)."""
+        return np.argmax(np.abs(self.state), axis=1)
+
+    @cached_property
+    def multiples(self) -> np.ndarray:
+        """The multiples, (2 coordinates,)."""
+        return self.state[np.arange(len(self.state)), self.columns]
+
 
 def factors_of(
     layout: Layout, asperites: np.ndarray, mobility: np.ndarray
@@ -84,3 +101,45 @@ def factors_of(
             to_accounts[..., slots.acc_ends + 1, arc] = a["l2"] * a["facing"] * end
             to_accounts[..., slots.acc_ends + 3, first + twist] = end
     return to_state, to_accounts
+
+
+def mobility_of(layout: Layout, asperites: np.ndarray) -> np.ndarray:
+    """(..., 2) displacement of each centre of mass for k = 1."""
+    free = layout.surfaces.drive == FREE
+    return np.asarray(np.array([1.0, -1.0]) * free / asperites["mass"])
+
+
+def record_of(
+    asperites: np.ndarray, depths: np.ndarray, charges: np.ndarray, mobility: np.ndarray
+) -> np.ndarray:
+    """Scenes as the loop reads them.
+
+    Parameters
+    ----------
+    asperites : ndarray, (..., 2), of ASPERITE
+        Those of each scene.
+    depths : ndarray, (2,)
+        z of the bobs.
+    charges, mobility : ndarray, (..., 2)
+        Of the bobs; :func:`mobility_of`.
+
+    Returns
+    -------
+    ndarray, (...), of PAIR
+    """
+    a = asperites
+    record = np.zeros(a.shape[:-1], PAIR)
+    for name, of in (("gap_x", "x"), ("gap_y", "y"), ("velocity_x", "vx"), ("velocity_y", "vy")):
+        record[name] = a[of][..., 0] - a[of][..., 1]
+    record["z_squared"] = (depths[0] - depths[1]) ** 2
+    record["mobility"] = mobility[..., 0] - mobility[..., 1]
+    for i, sign in enumerate((1.0, -1.0)):
+        one, free = a[..., i], mobility[..., i] != 0.0
+        lever = sign * one["facing"] / one["inertia"]
+        across = one["l1"] + one["l2"]
+        record[f"charge{i + 1}"] = charges[..., i]
+        record[f"arm{i + 1}"] = one["facing"] * one["l1"]
+        record[f"lever_x{i + 1}"] = lever * np.where(free, one["l1"], across)
+        record[f"lever_y{i + 1}"] = lever * across
+        record[f"omega_squared{i + 1}"] = one["kappa"] / one["inertia"]
+    return record
