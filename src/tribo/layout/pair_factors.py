@@ -45,11 +45,14 @@ class Factors:
     linear : dict
         Those of linear functions of s by their keys, (columns, ...); without the arcs where these
         have no part.
+    driven : Layout or None
+        The scene's layout, if its bars are driven: the reactions on them are not linear.
     """
 
     state: np.ndarray
     accounts: np.ndarray
     linear: dict[Hashable, np.ndarray]
+    driven: Layout | None
 
 
 def factors_of(
@@ -83,4 +86,5 @@ def factors_of(
             to_accounts[..., slots.acc_ends, arc] = -a["l2"] * a["facing"] * end
             to_accounts[..., slots.acc_ends + 1, arc] = a["l2"] * a["facing"] * end
             to_accounts[..., slots.acc_ends + 3, first + twist] = end
+            to_accounts[..., slots.acc_ends + 4, arc] = a["pivot"] * a["facing"] * end
     return to_state, to_accounts

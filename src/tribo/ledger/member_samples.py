@@ -66,7 +66,7 @@ class MemberRuns(NamedTuple):
     def of(cls, layout: Layout, samples: MemberSamples, counts: np.ndarray) -> MemberRuns:
         """The runs with these raw samples, to which the reactions on driven bars are added."""
         if layout.model.pivots is not None:
-            add_reactions(layout, samples, samples.at_start(samples.y))
+            add_reactions(layout, samples.y, samples.s, samples.at_start(samples.y))
         return cls(layout, samples, counts)
 
     def of_members(self, selected: np.ndarray) -> MemberRuns:

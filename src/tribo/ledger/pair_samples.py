@@ -11,6 +11,7 @@ import numpy as np
 
 from tribo.kernels.samples import STORED
 from tribo.layout.pair_factors import Factors
+from tribo.ledger.reactions import add_reactions
 from tribo.ledger.samples import Samples
 from tribo.pair.loop import ENERGY
 from tribo.pair.step_rows import Q1, Q2
@@ -47,7 +48,11 @@ class PairSamples(Samples):
     @cached_property
     def s(self) -> np.ndarray:  # type: ignore[override]
         """Accounts, (times, accounts)."""
-        return self._columns @ self._factors.accounts.T
+        s = self._columns @ self._factors.accounts.T
+        if self._factors.driven is not None:
+            start = np.atleast_2d(self._first)[:, :ENERGY] @ self._factors.state[:, :ENERGY].T
+            add_reactions(self._factors.driven, self.y, s, start)
+        return s
 
     @property
     def contact(self) -> np.ndarray:  # type: ignore[override]
@@ -71,6 +76,8 @@ class PairSamples(Samples):
 
     def linear(self, key: Hashable, function: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
         """The value of a linear function of `s`, from the record's columns that it depends on."""
+        if self._factors.driven is not None:
+            return function(self.s)
         factors = self._factors.linear.get(key)
         if factors is None:
             factors = function(self._factors.accounts.T)

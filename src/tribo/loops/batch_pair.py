@@ -157,7 +157,7 @@ def member_runs(
         return MemberRuns(layout, samples, counts)
     mobility = mobility_of(layout, numbers.asperites)
     own = samples.with_factors(*factors_of(layout, numbers.asperites, mobility))
-    return MemberRuns(LayoutOfMembers.of(layout, numbers), own, counts)
+    return MemberRuns.of(LayoutOfMembers.of(layout, numbers), own, counts)
 
 
 def records_of(layout: Layout, numbers: MemberNumbers) -> np.ndarray:

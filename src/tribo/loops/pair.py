@@ -15,7 +15,7 @@ from tribo.compiler.lanes import LANES
 from tribo.integrators.collocation import Collocation
 from tribo.integrators.methods import Method
 from tribo.integrators.step_control import Tolerance
-from tribo.kernels.records import CHARGE, FORCED, FREE, Z
+from tribo.kernels.records import BARS, CHARGE, FORCED, FREE, Z
 from tribo.layout.layout import Layout
 from tribo.layout.pair_factors import FIRST_ACCOUNT, Factors, factors_of
 from tribo.loops.integrate import Checkpoints, Integration, Progress, first_step_at
@@ -39,6 +39,7 @@ from tribo.pair.step_rows import (
 
 # Effects of scenes that the loop of a pair knows.
 KNOWN = {Effect.CONTACT, Effect.SWING, Effect.SLIDING, Effect.CLAMPED_ENDS, Effect.CUTOFF}
+KNOWN |= {Effect.DRIVEN_BARS}
 
 # First step in units of the one that is usual: the loop's method is of order 15, and a first step
 # that is too long costs one rejection only.
@@ -53,7 +54,7 @@ def has_pair_loop(layout: Layout, method: Method) -> bool:
 
 
 def is_pair(layout: Layout) -> bool:
-    """Whether a scene is one asperite on one, forced or free, with bars clamped at rest.
+    """Whether a scene is one asperite on one, with bars clamped at rest, forced, free or driven.
 
     Centres of mass start where they rest, with their surface's velocity: the loop has one number
     for the impulse of the contact and for their rates.
@@ -69,7 +70,7 @@ def is_pair(layout: Layout) -> bool:
         and model.species is None
         and layout.rows == 0
         and len(model.contacts[0].pairs) == 1
-        and bool(np.all(np.isin(surfaces.drive, (FORCED, FREE)) & (surfaces.loaded == 0)))
+        and bool(np.all(np.isin(surfaces.drive, (FORCED, FREE, BARS)) & (surfaces.loaded == 0)))
         and bool(np.all((a.dof_phi < 0) & (a.phi == 0.0) & (a.nu == 0.0) & (a.dof_y < 0)))
     )
 
@@ -112,7 +113,8 @@ class Pair:
         depths, charges = layout.model.each[[Z, CHARGE]][:, layout.places.columns]
         record = record_of(asperites[None], depths, charges, mobility)
         self.scene_arguments = record, layout.model.contacts[0].potential
-        self.factors = Factors(*factors_of(layout, asperites, mobility), {})
+        driven = layout if layout.model.pivots is not None else None
+        self.factors = Factors(*factors_of(layout, asperites, mobility), {}, driven)
         self._first_step, self._order = FIRST_STEP_FACTOR * first_step, method.order
         assert isinstance(method.coefficients, Collocation)
         self._coefficients = method.coefficients
@@ -179,7 +181,7 @@ def mobility_of(layout: Layout, asperites: np.ndarray) -> np.ndarray:
 def record_of(
     asperites: np.ndarray, depths: np.ndarray, charges: np.ndarray, mobility: np.ndarray
 ) -> np.ndarray:
-    """Scenes as the loop reads them.
+    """Scenes as the loop reads them; driven bars take the place of centres of mass.
 
     Parameters
     ----------
@@ -198,15 +200,18 @@ def record_of(
     record = np.zeros(a.shape[:-1], PAIR)
     for name, of in (("gap_x", "x"), ("gap_y", "y"), ("velocity_x", "vx"), ("velocity_y", "vy")):
         record[name] = a[of][..., 0] - a[of][..., 1]
+    raised = a["facing"] * a["pivot"]
+    record["gap_y"] += raised[..., 0] - raised[..., 1]
     record["z_squared"] = (depths[0] - depths[1]) ** 2
     record["mobility"] = mobility[..., 0] - mobility[..., 1]
     for i, sign in enumerate((1.0, -1.0)):
         one, free = a[..., i], mobility[..., i] != 0.0
-        lever = sign * one["facing"] / one["inertia"]
+        inertia = one["inertia"] + one["mass"] * one["pivot"] ** 2
+        lever = sign * one["facing"] / inertia
         across = one["l1"] + one["l2"]
         record[f"charge{i + 1}"] = charges[..., i]
-        record[f"arm{i + 1}"] = one["facing"] * one["l1"]
+        record[f"arm{i + 1}"] = one["facing"] * (one["l1"] + one["pivot"])
         record[f"lever_x{i + 1}"] = lever * np.where(free, one["l1"], across)
         record[f"lever_y{i + 1}"] = lever * across
-        record[f"omega_squared{i + 1}"] = one["kappa"] / one["inertia"]
+        record[f"omega_squared{i + 1}"] = one["kappa"] / inertia
     return record
