@@ -71,6 +71,10 @@ if TYPE_CHECKING:  # "X as X" exports a name to type checkers
     from tribo.prepared import Simulation as Simulation
     from tribo.report_card import check as check
     from tribo.results.averages import Average as Average, time_average as time_average
+    from tribo.results.exponential_average import (
+        ExponentialAverage as ExponentialAverage,
+        exponential_average as exponential_average,
+    )
     from tribo.analysis.relax import NoEquilibriumError as NoEquilibriumError, relax as relax
     from tribo.result import Result as Result
     from tribo.result import load_result as load_result
@@ -99,6 +103,8 @@ _HOME = {
     "ensemble_member": "tribo.ensembles.one_member",
     "explain": "tribo.explanation",
     "Explanation": "tribo.explanation",
+    "ExponentialAverage": "tribo.results.exponential_average",
+    "exponential_average": "tribo.results.exponential_average",
     "Field": "tribo.model.fields",
     "Forced": "tribo.model.drives",
     "Free": "tribo.model.drives",
