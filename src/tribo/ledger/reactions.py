@@ -9,11 +9,10 @@ from tribo.layout.batch import Batch
 from tribo.layout.layout import Layout
 from tribo.ledger.accounts import FORCES, Accounts
 from tribo.ledger.motion import about_pivots
-from tribo.ledger.samples import Samples
 
 
-def add_reactions(layout: Layout, samples: Samples, start: np.ndarray) -> None:
-    """Set the accounts of f2 on driven bars in `samples`.
+def add_reactions(layout: Layout, y: np.ndarray, s: np.ndarray, start: np.ndarray) -> None:
+    """Set the accounts of f2 on driven bars in `s`, whose rows are of the coordinates in `y`.
 
     The impulse is M (v_cm - v_cm(0)) less all other impulses, the pseudowork the change of kinetic
     energy less all other pseudoworks.  In the frame of the bars f2 does no work.  `start` is y at
@@ -21,19 +20,19 @@ def add_reactions(layout: Layout, samples: Samples, start: np.ndarray) -> None:
     """
     for index in range(len(layout.parts)):
         if layout.surfaces[index].drive == BARS and layout.surfaces[index].acc_drive >= 0:
-            changes = [_changes(layout, batch, samples, start) for batch in layout.batches[index]]
+            changes = [_changes(layout, batch, y, start) for batch in layout.batches[index]]
             if layout.model.sums is not None:
                 changes = [_in_first_lane(changes, layout.surfaces[index].account_stride)]
             for batch, change in zip(layout.accounted_batches[index], changes, strict=True):
-                _add(Accounts(batch, samples.s), samples.s, change)
+                _add(Accounts(batch, s), s, change)
 
 
-def _changes(layout: Layout, batch: Batch, samples: Samples, start: np.ndarray) -> np.ndarray:
+def _changes(layout: Layout, batch: Batch, y: np.ndarray, start: np.ndarray) -> np.ndarray:
     """Changes of momentum along x and y and of kinetic energy, (3, times, asperites)."""
     a = batch.asperites
     (vx0, vy0), (vx, vy) = (
-        about_pivots(a, y[:, batch.place], y[:, layout.core :][:, batch.place])[2:]
-        for y in (start, samples.y)
+        about_pivots(a, each[:, batch.place], each[:, layout.core :][:, batch.place])[2:]
+        for each in (start, y)
     )
     kinetic = 0.5 * a.mass * (vx**2 + vy**2 - vx0**2 - vy0**2)
     return np.stack([a.mass * (vx - vx0), a.mass * (vy - vy0), kinetic])
