@@ -11,7 +11,7 @@ from tribo.kernels.kinematics import bob_velocity
 from tribo.layout.batch import Batch
 from tribo.layout.layout import Layout
 from tribo.ledger.ledger import Ledger
-from tribo.ledger.motion import Motion, internal_energy, swing_direction
+from tribo.ledger.motion import Motion, internal_energies, swing_direction
 from tribo.ledger.quantities import (
     ASPERITE_QUANTITIES,
     BLOCK_QUANTITIES,
@@ -176,8 +176,8 @@ def _internal_energy(layout: Layout, ledger: Ledger) -> float:
         table = ledger.surfaces[surface.name]
         a = layout.asperites[layout.parts[surface.name]]
         twist = table["theta"] - surface.rest - table["phi"]
-        energy = internal_energy(a, table["omega"], table["nu"], twist)
-        highest = max(highest, largest(energy))
+        swing, bar, spring = internal_energies(a, table["omega"], table["nu"], twist)
+        highest = max(highest, largest(swing + bar + spring))
     return highest
 
 

@@ -10,7 +10,7 @@ from tribo.accuracy.scales import fastest_of, largest, longest_rod, resolved
 from tribo.integrators.step_control import Tolerance
 from tribo.layout.batch import Batch
 from tribo.layout.layout import Layout
-from tribo.ledger.motion import Motion, internal_energy
+from tribo.ledger.motion import Motion
 from tribo.ledger.samples import Samples
 from tribo.loops.resolution import bath_frequency, pendulum_frequency
 
@@ -76,8 +76,7 @@ def tolerance_scales(layout: Layout, samples: Samples) -> ToleranceScales:
     batch, motion = layout.together, Motion(layout, layout.together, samples)
     relative = _relative_velocity(layout, batch)
     velocity = max(guess.velocity, fastest_of(batch, motion, relative.T))
-    torsion = motion.swing - motion.phi
-    internal = internal_energy(batch.asperites, motion.omega, motion.nu, torsion)
+    torsion, internal = motion.swing - motion.phi, motion.energy
     highest, change = largest(internal), largest(internal - internal[0])
     spin, turn, twist = largest(motion.omega), largest(motion.nu), largest(torsion)
     weights = _account_weights(layout)

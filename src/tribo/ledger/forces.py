@@ -20,7 +20,7 @@ from tribo.layout.contacts import raise_calculator_errors, with_room
 from tribo.layout.layout import Layout
 from tribo.layout.loop_memory import own_model
 from tribo.ledger.accounts import Integrals
-from tribo.ledger.entry import Entry
+from tribo.ledger.motion import Motion
 from tribo.ledger.samples import Samples
 from tribo.plugins.compile_errors import compiling
 from tribo.plugins.sources import source_stamp
@@ -72,13 +72,13 @@ class Forces:
         self._layout = layout
         self._samples = samples
 
-    def of(self, entry: Entry, index: int, name: str, axis: int) -> np.ndarray:
+    def of(self, motion: Motion, index: int, name: str, axis: int) -> np.ndarray:
         """The series of a force along x or y, axis 0 or 1, on a batch, (times, asperites)."""
-        force, batch = FORCES[name], entry.batch
+        force, batch = FORCES[name], motion.batch
         if name in self._layout.scene.surfaces[index].noisy_forces:
             return self._mean(batch, force.work, axis)
         if name == "f2" and self._layout.surfaces[index].drive == BARS:
-            return self._reaction(entry, axis)
+            return self._reaction(motion, axis)
         return self._found(batch, force.row + axis)
 
     def _found(self, batch: Batch, row: int) -> np.ndarray:
@@ -94,15 +94,15 @@ class Forces:
         mean[1:] = np.diff(impulse, axis=0) / np.diff(self._samples.t)[:, None]
         return mean
 
-    def _reaction(self, entry: Entry, axis: int) -> np.ndarray:
+    def _reaction(self, motion: Motion, axis: int) -> np.ndarray:
         """f2 on driven bars: what the motion of the centre of mass leaves over of other forces."""
-        a, (tx, ty) = entry.batch.asperites, entry.direction
-        turning, inward = self._found(entry.batch, force_probe.SWING), entry.omega**2
+        a, (tx, ty) = motion.batch.asperites, motion.direction
+        turning, inward = self._found(motion.batch, force_probe.SWING), motion.omega**2
         acceleration = a.pivot * (
             turning * tx - inward * ty if axis == 0 else turning * ty + inward * tx
         )
         others = (force.row + axis for name, force in FORCES.items() if name != "f2")
-        return a.mass * acceleration - sum(self._found(entry.batch, row) for row in others)
+        return a.mass * acceleration - sum(self._found(motion.batch, row) for row in others)
 
     @cached_property
     def _every(self) -> np.ndarray:

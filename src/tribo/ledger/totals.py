@@ -20,8 +20,8 @@ from tribo.kernels.samples import (
 from tribo.layout.batch import Batch
 from tribo.layout.layout import Layout
 from tribo.ledger.accounts import APPLIED, EXTERNAL, Account, Integrals, Part, accounted
-from tribo.ledger.entry import Entry
 from tribo.ledger.forces import Forces
+from tribo.ledger.motion import Motion
 from tribo.ledger.samples import Samples
 from tribo.ledger.separation import without_contact
 
@@ -29,7 +29,7 @@ from tribo.ledger.separation import without_contact
 _with_infinities = np.errstate(over="ignore", invalid="ignore")
 
 
-class Group:
+class AsperiteSeries:
     """Some asperites.
 
     Parameters
@@ -53,21 +53,21 @@ class Group:
         self.batches = batches
 
     @cached_property
-    def entries(self) -> tuple[Entry, ...]:
+    def motions(self) -> tuple[Motion, ...]:
         """The motion of the asperites, batch by batch."""
-        return tuple(Entry(self._layout, batch, self.samples) for batch in self.batches)
+        return tuple(Motion(self._layout, batch, self.samples) for batch in self.batches)
 
     @_with_infinities
-    def each(self, value: Callable[[Entry], np.ndarray]) -> np.ndarray:
+    def each(self, value: Callable[[Motion], np.ndarray]) -> np.ndarray:
         """A quantity of all asperites, (times, asperites)."""
-        return _side_by_side([value(entry) for entry in self.entries])
+        return _side_by_side([value(motion) for motion in self.motions])
 
     def accounted(self, integrals: Integrals, name: str) -> np.ndarray:
         """A work, a pseudowork or the heat of all asperites, (times, asperites)."""
         return _side_by_side([accounted(integrals.of(batch), name) for batch in self.batches])
 
 
-class Whole(Group):
+class SurfaceSeries(AsperiteSeries):
     """A surface: its asperites, and sums over them; V is the velocity of its centre of all masses.
 
     Parameters
@@ -78,7 +78,7 @@ class Whole(Group):
         The raw samples of a run, the first of which is the start of the run.
     index : int
         Of the surface.
-    among : Entry, optional
+    among : Motion, optional
         The motion of all asperites, if it is known.
     forces : Forces, optional
         The forces on all asperites, where they are reported.
@@ -89,7 +89,7 @@ class Whole(Group):
         layout: Layout,
         samples: Samples,
         index: int,
-        among: Entry | None = None,
+        among: Motion | None = None,
         forces: Forces | None = None,
     ) -> None:
         super().__init__(layout, samples, layout.batches[index])
@@ -98,10 +98,10 @@ class Whole(Group):
         self._forces = forces
 
     @cached_property
-    def entries(self) -> tuple[Entry, ...]:
+    def motions(self) -> tuple[Motion, ...]:
         """The motion of the asperites, batch by batch."""
         if self._among is None:
-            return super().entries
+            return super().motions
         return tuple(self._among.part(batch) for batch in self.batches)
 
     def summed(self, integrals: Integrals, name: str) -> np.ndarray:
@@ -147,7 +147,7 @@ class Whole(Group):
         """A force on each asperite along x or y, axis 0 or 1, (times, asperites)."""
         assert self._forces is not None
         forces, index = self._forces, self._index
-        return _side_by_side([forces.of(entry, index, name, axis) for entry in self.entries])
+        return _side_by_side([forces.of(motion, index, name, axis) for motion in self.motions])
 
     def force_along_x(self, *names: str) -> np.ndarray:
         """The x component of the sum of some forces on all asperites."""
@@ -252,11 +252,11 @@ class Whole(Group):
             for each in every
         )
 
-    def _total(self, value: Callable[[Entry], np.ndarray]) -> np.ndarray:
-        return _sum(map(value, self.entries))
+    def _total(self, value: Callable[[Motion], np.ndarray]) -> np.ndarray:
+        return _sum(map(value, self.motions))
 
 
-class System:
+class SystemSeries:
     """The whole system.
 
     Parameters
@@ -265,7 +265,7 @@ class System:
         The scene.
     samples : Samples
         The raw samples of a run, the first of which is the start of the run.
-    wholes : tuple of Whole
+    wholes : tuple of SurfaceSeries
         Its surfaces.
 
     Attributes
@@ -276,7 +276,7 @@ class System:
         Empty: the system is no batch of asperites.
     """
 
-    def __init__(self, layout: Layout, samples: Samples, wholes: tuple[Whole, ...]) -> None:
+    def __init__(self, layout: Layout, samples: Samples, wholes: tuple[SurfaceSeries, ...]) -> None:
         self._layout = layout
         self.samples = samples
         self.batches: tuple[Batch, ...] = ()
@@ -316,7 +316,7 @@ class Linear:
     def __init__(self, value: Callable[..., np.ndarray]) -> None:
         self.value = value
 
-    def __call__(self, source: Group | System) -> np.ndarray:
+    def __call__(self, source: AsperiteSeries | SystemSeries) -> np.ndarray:
         """Its series, from the samples of its surface or of the system."""
         key = source.batches, self
         return source.samples.linear(key, lambda s: self.value(source, Integrals(s)))
