@@ -3,7 +3,6 @@
 import json
 import os
 import pickle
-import resource
 import signal
 import subprocess
 import sys
@@ -15,6 +14,9 @@ import pytest
 import tribo
 from tribo.compiler.jit import undisturbed
 from tribo.interrupts import Interrupted
+
+# Windows has no such signals between processes.
+resource = pytest.importorskip("resource", reason="needs POSIX")
 
 LONG = """
 duration = 1e6

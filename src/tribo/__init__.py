@@ -142,14 +142,11 @@ _SUBPACKAGES = ("paper", "plotting", "potentials", "units")
 
 __all__ = [*_HOME, *_SUBPACKAGES, "__version__"]
 
-__version__: str
+# The one place of the version; pyproject.toml takes it from here.
+__version__ = "0.2.0"
 
 
 def __getattr__(name: str) -> object:
-    if name == "__version__":
-        from importlib.metadata import version
-
-        return version("tribo")
     if name in _SUBPACKAGES:
         return importlib.import_module(f"tribo.{name}")
     if name not in _HOME:

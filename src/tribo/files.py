@@ -9,12 +9,8 @@ import stat
 from pathlib import Path
 from typing import BinaryIO
 
+from tribo.system import lock, longest_name, replace
 from tribo.validation import InputError
-
-try:
-    import fcntl
-except ImportError:  # not on Windows, where a file that is open cannot be replaced
-    fcntl = None  # type: ignore[assignment]
 
 
 def checked_target(field: str, path: Path) -> Path:
@@ -40,7 +36,7 @@ def checked_target(field: str, path: Path) -> Path:
         raise InputError(field, f"must be a regular file, got the pipe or device {path}")
     if not os.access(folder, os.W_OK):
         raise InputError(field, f"must be in a folder that can be written, got {folder}")
-    limit = os.pathconf(folder, "PC_NAME_MAX") if hasattr(os, "pathconf") else 255
+    limit = longest_name(folder)
     if len(os.fsencode(path.name)) + len(NEW) > limit:
         raise InputError(field, f"must be a name of at most {limit - len(NEW)} bytes")
     return path
@@ -85,7 +81,7 @@ def replace_file(path: Path, content: bytes) -> None:
             file.write(content)
             file.flush()
             os.fsync(file.fileno())
-        os.replace(new, path)
+        replace(new, path)
     except OSError as error:
         new.unlink(missing_ok=True)
         raise not_written(path, error) from None
@@ -103,8 +99,7 @@ def locked(path: Path) -> BinaryIO:
     """
     try:
         file = open(path, "r+b")  # noqa: SIM115
-        if fcntl is not None:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        lock(file)
         if not os.path.samestat(os.fstat(file.fileno()), path.stat()):
             raise BlockingIOError  # another process has replaced the file meanwhile
     except BlockingIOError:

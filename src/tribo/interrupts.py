@@ -15,6 +15,8 @@ import sys
 import threading
 from contextlib import contextmanager
 
+from tribo.system import pipe_of_signals
+
 # As in `typing`, whose import would delay the answer.
 TYPE_CHECKING = False
 
@@ -75,8 +77,7 @@ def also_in_part(function: Callable[P, R], *args: P.args, **kwargs: P.kwargs) ->
 
 def watch() -> None:
     """Make sure that each interrupt of this program is answered."""
-    reader, writer = os.pipe()
-    os.set_blocking(writer, False)
+    reader, writer = pipe_of_signals()
     signal.signal(signal.SIGINT, signal.default_int_handler)
     sys.unraisablehook = _report_lost
     signal.set_wakeup_fd(writer, warn_on_full_buffer=False)

@@ -8,7 +8,7 @@ import pytest
 
 import tribo
 from tribo import paper
-from tribo.accuracy import search, search_runs
+from tribo.accuracy import decision, search, search_runs
 from tribo.loops.select import Integrator
 from tribo.progress import ProgressBar
 
@@ -46,7 +46,7 @@ def never_met(monkeypatch):
         return excess
 
     monkeypatch.setattr(search._Search, "_excess", worse)
-    monkeypatch.setattr(search, "MOST_STALLS", 100)
+    monkeypatch.setattr(decision, "MOST_STALLS", 100)
 
 
 def test_the_best_round_is_delivered(never_met):

@@ -224,6 +224,7 @@ def test_two_writers(often, tmp_path):
     tribo.simulate(pair(), accuracy=1e-6, out=out, progress=another)
 
 
+@pytest.mark.skipif(os.name == "nt", reason="needs POSIX's links and pipes")
 def test_links_pipes_and_devices(tmp_path):
     """A link is followed; what is no file is refused before the run."""
     (tmp_path / "link.nc").symlink_to("real.nc")

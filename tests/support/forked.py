@@ -2,6 +2,7 @@
 
 A server imports the package and forks for every program that it is told to run.  A program finds
 no plug-in and no compiled code of earlier ones, but what is on disk.
+Where processes cannot fork, as on Windows, every program has a process that imports it anew.
 """
 
 import io
@@ -12,6 +13,8 @@ import sys
 import traceback
 from contextlib import redirect_stdout
 from pathlib import Path
+
+FORKS = hasattr(os, "fork")
 
 
 class Server:
@@ -39,6 +42,9 @@ class Server:
         }
         print(json.dumps(task), file=self._process.stdin, flush=True)
         answer = json.loads(self._process.stdout.readline())
+        if not FORKS:
+            self.__exit__()
+            self.__enter__()
         assert "printed" in answer, answer["error"]
         return answer["printed"]
 
@@ -70,7 +76,7 @@ def serve():
 
     njit(lambda x: x + 1.0)(1.0)  # the first compilation of a process imports more of numba
     for line in sys.stdin:
-        child = os.fork()
+        child = os.fork() if FORKS else 0
         if child == 0:
             print(json.dumps(answer_to(json.loads(line))), flush=True)
             os._exit(0)

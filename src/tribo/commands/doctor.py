@@ -8,6 +8,9 @@ import platform
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
+from tribo import __version__
+from tribo.system import available_cores
+
 # Libraries whose versions matter for results and speed.
 LIBRARIES = ("numpy", "numba", "llvmlite", "scipy", "xarray", "h5py", "matplotlib", "ase")
 
@@ -38,17 +41,16 @@ def _doctor(options: argparse.Namespace) -> int:
 def _versions() -> dict[str, str]:
     """The versions of this package, of Python and of the libraries."""
     found = {}
-    for name in ("tribo", *LIBRARIES):
+    for name in LIBRARIES:
         try:
             found[name] = version(name)
         except PackageNotFoundError:
             found[name] = "is missing: pip install tribo again"
-    return {"python": platform.python_version()} | found
+    return {"python": platform.python_version(), "tribo": __version__} | found
 
 
 def _machine() -> dict[str, str]:
     """Processor, cores that this process may use, and compiled code on disk."""
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     folders = _code_folders()
     code = [file for folder in folders for file in folder.glob("*.nbc")]
     found = "no compiled functions yet"
@@ -58,7 +60,7 @@ def _machine() -> dict[str, str]:
         found = f"{len(code)} compiled functions, {size:.1f} MB, below {place}"
     return {
         "system": f"{platform.system()} {platform.machine()}",
-        "cores": str(cores),
+        "cores": str(available_cores()),
         "cache": found,
     }
 

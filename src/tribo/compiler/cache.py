@@ -7,7 +7,6 @@ types, and a checksum.
 
 import hashlib
 import io
-import os
 import pickle
 import uuid
 from pathlib import Path
@@ -16,6 +15,7 @@ from typing import Any
 import numba
 
 from tribo.compiler.numba_private import FunctionCache, IndexDataCacheFile, dumps
+from tribo.system import replace
 
 # Bytes of the checksum that a file begins with.
 CHECKSUM = 32
@@ -76,7 +76,7 @@ class CodeFiles:
         new = path.with_name(f"{path.name}.{uuid.uuid4().hex}")
         try:
             new.write_bytes(_checksum(content) + content)
-            os.replace(new, path)
+            replace(new, path)
         finally:
             new.unlink(missing_ok=True)
 

@@ -12,7 +12,6 @@ have left.  It takes a piece by a compare-and-swap of the last phase in which th
 As long as a piece is not finished, the phase cannot change.
 """
 
-import os
 from typing import NamedTuple
 
 import numpy as np
@@ -23,6 +22,7 @@ from numba.extending import intrinsic
 from tribo.compiler.jit import kernel
 from tribo.compiler.lanes_memory import element
 from tribo.compiler.numba_private import cgutils
+from tribo.system import YIELD
 
 # Phases.
 LISTS, CONTACT, REACTIONS, DRIFT, KICK = range(5)
@@ -107,8 +107,7 @@ def _yield(typing_context):
 
     def build(context, builder, sig, args):
         kind = ir.FunctionType(ir.IntType(32), [])
-        name = "SwitchToThread" if os.name == "nt" else "sched_yield"
-        builder.call(cgutils.get_or_insert_function(builder.module, kind, name), [])
+        builder.call(cgutils.get_or_insert_function(builder.module, kind, YIELD), [])
         return context.get_dummy_value()
 
     return types.void(), build

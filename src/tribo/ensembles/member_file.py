@@ -30,6 +30,7 @@ from tribo.files import NEW, locked, not_written
 from tribo.loops.journal import INTERVAL
 from tribo.model.identity import Identity, refuse_other
 from tribo.results.dataset import Variable
+from tribo.system import replace
 from tribo.validation import InputError
 
 if TYPE_CHECKING:
@@ -126,7 +127,7 @@ class MemberFile:
             file.attrs.update(attributes)
         if interrupted:
             return opened(self._part).isel(member=slice(0, self.done))
-        os.replace(self._part, self._path)
+        replace(self._part, self._path)
         return opened(self._path)
 
     def _create(self, variables: dict[str, Variable], coordinates: dict[str, Variable]) -> None:
@@ -141,7 +142,7 @@ class MemberFile:
                 _create_variable(file, name, variable, about.count)
             file.attrs.update(about.attributes)
             file.attrs.update({IDENTITY: self._identity, "coordinates": names})
-        os.replace(new, self._part)
+        replace(new, self._part)
 
     def _open(self) -> None:
         """Open the file for this process alone, and find its arrays."""

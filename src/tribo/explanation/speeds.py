@@ -6,7 +6,6 @@ Speeds are for display only.
 from __future__ import annotations
 
 import json
-import os
 import time
 import uuid
 from collections.abc import Callable
@@ -24,6 +23,7 @@ from tribo.loops.general import GeneralLoop
 from tribo.loops.pair import has_pair_loop
 from tribo.pair.loop import pair_collocation
 from tribo.plugins.sources import source_stamp
+from tribo.system import replace
 
 # Name of the file, in the folder of the machine code.
 FILE = "speeds.json"
@@ -112,6 +112,6 @@ def _write(path: Path | None, speeds: dict[str, float]) -> None:
     new = path.with_name(f"{path.name}.{uuid.uuid4().hex}")
     try:
         new.write_text(json.dumps({code_stamp(): speeds}, indent=1), encoding="utf-8")
-        os.replace(new, path)
+        replace(new, path)
     except OSError:
         new.unlink(missing_ok=True)

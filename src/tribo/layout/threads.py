@@ -18,6 +18,7 @@ from tribo.integrators.methods import Method
 from tribo.interrupts import held
 from tribo.kernels.records import Contact, Model
 from tribo.model.scene import Scene
+from tribo.system import available_cores
 from tribo.validation import InputError, integer
 
 # The environment variable with the number of threads of a run.
@@ -48,13 +49,6 @@ class Threads(NamedTuple):
 
     number: int
     why: str
-
-
-def available_cores() -> int:
-    """Number of cores that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def threads_of(model: Model, method: Method, threads: int | None) -> Threads:

@@ -29,12 +29,8 @@ from tribo.ledger.sinks import StreamedLedger
 from tribo.loops.integrate import Columns, Memory, Setting, TimeLoop
 from tribo.loops.state import below
 from tribo.model.identity import Identity, refuse_other
+from tribo.system import OPEN_FILES_CAN_BE_REPLACED, lock, replace
 from tribo.validation import InputError
-
-try:
-    import fcntl
-except ImportError:  # not on Windows, where a file that is open cannot be replaced
-    fcntl = None  # type: ignore[assignment]
 
 Arrays = dict[str, np.ndarray]
 
@@ -103,11 +99,16 @@ class Journal:
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Let other processes write the file."""
         if self._file is not None:
             self._file.close()
 
     def remove(self) -> None:
         """Remove the file, as the result is complete."""
+        self.close()  # an open file cannot be removed on Windows
         self.path.unlink(missing_ok=True)
 
     def integration(self, key: bytes) -> Entry:
@@ -144,12 +145,9 @@ class Journal:
     def _open(self) -> None:
         """Open the file, for this process alone."""
         try:
-            descriptor = os.open(
-                self.path, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o666
-            )
-            self._file = os.fdopen(descriptor, "r+b", buffering=0)
-            if fcntl is not None:
-                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            self.path.touch()
+            self._file = open(self.path, "r+b", buffering=0)  # noqa: SIM115
+            lock(self._file)
         except BlockingIOError:
             raise InputError(str(self.path), "is being written by another process") from None
         except OSError as error:
@@ -223,7 +221,9 @@ class Journal:
                     end += size
                 file.flush()
                 os.fsync(file.fileno())
-            os.replace(new, self.path)
+            if not OPEN_FILES_CAN_BE_REPLACED:
+                old.close()
+            replace(new, self.path)
         except OSError as error:
             new.unlink(missing_ok=True)
             raise not_written(self.path, error) from None

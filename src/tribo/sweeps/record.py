@@ -118,4 +118,5 @@ class Record:
     def remove(self) -> None:
         """Remove the file, whose points the complete data set has."""
         if self._part is not None:
+            self.__exit__()  # an open file cannot be removed on Windows
             self._part.unlink(missing_ok=True)
