@@ -11,8 +11,8 @@ import numpy as np
 
 from tribo.accuracy.scales import EPSILON, largest
 from tribo.kernels.samples import BATH, SPRINGS, TORSIONAL, WITHIN
-from tribo.layout.batch import Batch
 from tribo.layout.layout import Layout
+from tribo.layout.span import Span
 from tribo.ledger.accounts import APPLIED, EXTERNAL, FORCES, Accounts
 from tribo.ledger.motion import Motion
 from tribo.ledger.samples import Samples
@@ -99,7 +99,7 @@ def _of_ends(layout: Layout, motion: Motion, count: float) -> dict[str, float]:
     A work is a difference of two values of sin x - x cos x, with x the twist: the terms may be far
     larger than it is, and have the same bits in all runs.  In sums of both ends they cancel.
     """
-    a, twist = motion.batch.asperites, np.abs(motion.swing - motion.phi)
+    a, twist = motion.span.asperites, np.abs(motion.swing - motion.phi)
     clamped = layout.surfaces.acc_ends[a.surface] >= 0
     sin = np.abs(np.sin(twist))
     rounding = TERM_ROUNDINGS * EPSILON * (sin + np.abs(twist * np.cos(twist)))
@@ -114,15 +114,15 @@ def _of_ends(layout: Layout, motion: Motion, count: float) -> dict[str, float]:
     return found
 
 
-def _sums_of_works(samples: Samples, batch: Batch) -> np.ndarray:
+def _sums_of_works(samples: Samples, span: Span) -> np.ndarray:
     """The magnitudes of the terms of all accounts, summed: (times, asperites, sums)."""
-    terms = np.abs(samples.linear("terms", lambda s: _terms(Accounts(batch, s))))
+    terms = np.abs(samples.linear("terms", lambda s: _terms(Accounts(span, s))))
     return (terms.reshape(-1, TERMS) @ MEMBERS).reshape(*terms.shape[:2], -1)
 
 
 def _terms(forces: Accounts) -> np.ndarray:
     """The terms of all accounts, (times, asperites, terms)."""
-    (vx, vy), (x, y) = forces.batch.velocity, forces.batch.reservoir
+    (vx, vy), (x, y) = forces.span.velocity, forces.span.reservoir
     terms = []
     for name in FORCES:
         account = forces[name]
@@ -134,7 +134,7 @@ def _terms(forces: Accounts) -> np.ndarray:
 
 def _of_energies(layout: Layout, motion: Motion) -> dict[str, float]:
     """The largest terms of energies, by quantity."""
-    a, velocity, samples = motion.batch.asperites, motion.batch.velocity, motion.samples
+    a, velocity, samples = motion.span.asperites, motion.span.velocity, motion.samples
     internal, moving = motion.energy, motion.moving
     boost = a.mass * (np.abs(velocity[0] * motion.vx) + np.abs(velocity[1] * motion.vy))
     momentum = a.mass * np.hypot(motion.vx, motion.vy)

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from tribo.kernels.kinematics import bob_velocity
-from tribo.layout.batch import Batch
 from tribo.layout.layout import Layout
+from tribo.layout.span import Span
 from tribo.ledger.ledger import Ledger
 from tribo.ledger.motion import Motion, internal_energies, swing_direction
 from tribo.ledger.quantities import (
@@ -200,9 +200,9 @@ def _fastest_bob(layout: Layout, ledger: Ledger) -> float:
     return fastest
 
 
-def fastest_of(batch: Batch, m: Motion, velocity: np.ndarray) -> float:
+def fastest_of(span: Span, m: Motion, velocity: np.ndarray) -> float:
     """The largest speed of a bob, where `velocity` are those of the surfaces (2, asperites)."""
-    a = batch.asperites
+    a = span.asperites
     direction = swing_direction(a.facing, m.swing)
     vx, vy = bob_velocity(m.vx + velocity[0], m.vy + velocity[1], m.omega, a.l1, *direction)
     return float(np.max(np.hypot(vx, vy)))

@@ -8,15 +8,15 @@ from functools import cached_property
 import numpy as np
 
 from tribo.kernels.kinematics import bar_position, bob_position, bob_velocity
-from tribo.layout.batch import Asperites, Batch
 from tribo.layout.layout import Layout
+from tribo.layout.span import Asperites, Span
 from tribo.ledger.samples import Samples
 
 Position = tuple[np.ndarray, np.ndarray]  # x and y
 
 
 class Motion:
-    """The motion of a batch, and its energies.
+    """The motion of a span, and its energies.
 
     Every array is (times, asperites), and computed when it is first needed.  The displacements x
     and y and the velocities vx and vy are relative to the uniform motion with the initial velocity
@@ -26,22 +26,22 @@ class Motion:
     ----------
     layout : Layout
         The scene.
-    batch : Batch
+    span : Span
         Some asperites of one surface.
     samples : Samples
         The raw samples of a run, the first of which is the start of the run.
     """
 
-    def __init__(self, layout: Layout, batch: Batch, samples: Samples) -> None:
-        self.batch = batch
+    def __init__(self, layout: Layout, span: Span, samples: Samples) -> None:
+        self.span = span
         self.samples = samples
         self._layout = layout
 
-    def part(self, batch: Batch) -> Motion:
+    def part(self, span: Span) -> Motion:
         """The same of some of the asperites, with the arrays from which totals are summed."""
-        part = Motion(self._layout, batch, self.samples)
+        part = Motion(self._layout, span, self.samples)
         for name in ("vx", "vy", "moving", "internal"):
-            part.__dict__[name] = getattr(self, name)[:, batch.place]
+            part.__dict__[name] = getattr(self, name)[:, span.place]
         return part
 
     @cached_property
@@ -52,23 +52,23 @@ class Motion:
     @cached_property
     def swing(self) -> np.ndarray:
         """Angle theta from rest."""
-        return self._q[:, self.batch.place]
+        return self._q[:, self.span.place]
 
     @cached_property
     def phi(self) -> np.ndarray:
         """Angle of the bar."""
-        a = self.batch.asperites
+        a = self.span.asperites
         return self._column("dof_phi", self._q, lambda: a.phi + a.nu * self.t)
 
     @cached_property
     def omega(self) -> np.ndarray:
         """Rate of theta."""
-        return self._v[:, self.batch.place]
+        return self._v[:, self.span.place]
 
     @cached_property
     def nu(self) -> np.ndarray:
         """Rate of phi."""
-        return self._column("dof_phi", self._v, lambda: self.batch.asperites.nu)
+        return self._column("dof_phi", self._v, lambda: self.span.asperites.nu)
 
     @cached_property
     def x(self) -> np.ndarray:
@@ -93,12 +93,12 @@ class Motion:
     @cached_property
     def theta(self) -> np.ndarray:
         """The angle of the pendulum."""
-        return self.swing + np.where(self.batch.asperites.facing > 0.0, 0.0, np.pi)
+        return self.swing + np.where(self.span.asperites.facing > 0.0, 0.0, np.pi)
 
     @cached_property
     def centre(self) -> Position:
         """The centre of mass."""
-        a, velocity = self.batch.asperites, self.batch.velocity
+        a, velocity = self.span.asperites, self.span.velocity
         x = self._layout.origin[0] + (a.x + velocity[0] * self.t + self.x)
         y = self._layout.origin[1] + (a.y + velocity[1] * self.t + self.y)
         return x, y
@@ -106,32 +106,32 @@ class Motion:
     @cached_property
     def velocity(self) -> Position:
         """The velocity of the centre of mass."""
-        return self.batch.velocity[0] + self.vx, self.batch.velocity[1] + self.vy
+        return self.span.velocity[0] + self.vx, self.span.velocity[1] + self.vy
 
     @cached_property
     def bob(self) -> Position:
         """The bob."""
-        return bob_position(*self.centre, self.batch.asperites.l1, *self.direction)
+        return bob_position(*self.centre, self.span.asperites.l1, *self.direction)
 
     @cached_property
     def bar(self) -> Position:
         """The centre of the bar."""
-        return bar_position(*self.centre, self.batch.asperites.l2, *self.direction)
+        return bar_position(*self.centre, self.span.asperites.l2, *self.direction)
 
     @cached_property
     def direction(self) -> Position:
         """The unit vector along which a growing theta moves the bob."""
-        return swing_direction(self.batch.asperites.facing, self.swing)
+        return swing_direction(self.span.asperites.facing, self.swing)
 
     @cached_property
     def moving(self) -> np.ndarray:
         """Kinetic energy of the centre of mass, relative to its uniform motion."""
-        return np.asarray(0.5 * (self.vx**2 + self.vy**2) * self.batch.asperites.mass)
+        return np.asarray(0.5 * (self.vx**2 + self.vy**2) * self.span.asperites.mass)
 
     @cached_property
     def kinetic(self) -> np.ndarray:
         """Change of the translational kinetic energy."""
-        velocity, mass = self.batch.velocity, self.batch.asperites.mass
+        velocity, mass = self.span.velocity, self.span.asperites.mass
         kinetic = mass * (velocity[0] * self.vx + velocity[1] * self.vy) + self.moving
         return self.samples.change(kinetic)
 
@@ -139,12 +139,12 @@ class Motion:
     def translation(self) -> np.ndarray:
         """The translational kinetic energy."""
         vx, vy = self.velocity
-        return np.asarray(0.5 * self.batch.asperites.mass * (vx**2 + vy**2))
+        return np.asarray(0.5 * self.span.asperites.mass * (vx**2 + vy**2))
 
     @property
     def energies(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The kinetic energies of pendulum and bar about their centres, and that of the torsion."""
-        return internal_energies(self.batch.asperites, self.omega, self.nu, self.swing - self.phi)
+        return internal_energies(self.span.asperites, self.omega, self.nu, self.swing - self.phi)
 
     @cached_property
     def energy(self) -> np.ndarray:
@@ -160,23 +160,23 @@ class Motion:
     def bob_speed(self, frame: np.ndarray) -> np.ndarray:
         """The speed of the bob in a frame that moves with a velocity (2,), or (2, times)."""
         (vx, vy), (frame_x, frame_y) = self.velocity, frame[..., None]
-        moving = vx - frame_x, vy - frame_y, self.omega, self.batch.asperites.l1
+        moving = vx - frame_x, vy - frame_y, self.omega, self.span.asperites.l1
         return np.asarray(np.hypot(*bob_velocity(*moving, *self.direction)))
 
     @cached_property
     def _about_pivots(self) -> tuple[np.ndarray | float, ...]:
         """Displacements and velocities of centres of mass about driven bars; else zeros."""
-        if not self.batch.asperites.pivot.any():
+        if not self.span.asperites.pivot.any():
             return 0.0, 0.0, 0.0, 0.0
-        return about_pivots(self.batch.asperites, self.swing, self.omega)
+        return about_pivots(self.span.asperites, self.swing, self.omega)
 
     def _column(
         self, group: str, table: np.ndarray, absent: Callable[[], np.ndarray | float] = float
     ) -> np.ndarray:
         """The columns of a group of slots; the value of `absent` where there is none."""
-        if group in self.batch.present:
-            return columns(getattr(self.batch.asperites, group), table, absent())
-        return np.full((len(table), self.batch.asperites.stride.size), absent())
+        if group in self.span.present:
+            return columns(getattr(self.span.asperites, group), table, absent())
+        return np.full((len(table), self.span.asperites.stride.size), absent())
 
     @property
     def _q(self) -> np.ndarray:
@@ -187,10 +187,10 @@ class Motion:
         return self.samples.y[:, self._layout.core :]
 
 
-def motions(layout: Layout, samples: Samples, index: int) -> Iterator[tuple[Batch, Motion]]:
-    """The motion of surface `index`, batch by batch."""
-    for batch in layout.batches[index]:
-        yield batch, Motion(layout, batch, samples)
+def motions(layout: Layout, samples: Samples, index: int) -> Iterator[tuple[Span, Motion]]:
+    """The motion of surface `index`, span by span."""
+    for span in layout.spans[index]:
+        yield span, Motion(layout, span, samples)
 
 
 def about_pivots(

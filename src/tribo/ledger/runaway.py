@@ -74,8 +74,8 @@ def _energy(layout: Layout, samples: Samples) -> np.ndarray:
     stores = samples.stored[:, :, [SPRINGS, BATH, TORSIONAL, WITHIN]]
     energy = np.sum(np.abs(stores), axis=(1, 2)) + np.abs(samples.contact) + np.abs(samples.field)
     for index in surfaces:
-        for batch, m in motions(layout, samples, index):
-            vx, vy = batch.velocity - mean[..., None]
+        for span, m in motions(layout, samples, index):
+            vx, vy = span.velocity - mean[..., None]
             moving = 0.5 * ((m.vx + vx) ** 2 + (m.vy + vy) ** 2)
-            energy = energy + np.sum(moving * batch.asperites.mass + m.energy, axis=1)
+            energy = energy + np.sum(moving * span.asperites.mass + m.energy, axis=1)
     return np.asarray(energy)

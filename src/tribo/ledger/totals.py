@@ -17,8 +17,8 @@ from tribo.kernels.samples import (
     TORSIONAL,
     WITHIN,
 )
-from tribo.layout.batch import Batch
 from tribo.layout.layout import Layout
+from tribo.layout.span import Span
 from tribo.ledger.accounts import APPLIED, EXTERNAL, Account, Integrals, Part, accounted
 from tribo.ledger.forces import Forces
 from tribo.ledger.motion import Motion
@@ -38,24 +38,24 @@ class AsperiteSeries:
         The scene.
     samples : Samples
         The raw samples of a run, the first of which is the start of the run.
-    batches : tuple of Batch
+    spans : tuple of Span
         The asperites.
 
     Attributes
     ----------
-    samples, batches
+    samples, spans
         As given.
     """
 
-    def __init__(self, layout: Layout, samples: Samples, batches: tuple[Batch, ...]) -> None:
+    def __init__(self, layout: Layout, samples: Samples, spans: tuple[Span, ...]) -> None:
         self._layout = layout
         self.samples = samples
-        self.batches = batches
+        self.spans = spans
 
     @cached_property
     def motions(self) -> tuple[Motion, ...]:
-        """The motion of the asperites, batch by batch."""
-        return tuple(Motion(self._layout, batch, self.samples) for batch in self.batches)
+        """The motion of the asperites, span by span."""
+        return tuple(Motion(self._layout, span, self.samples) for span in self.spans)
 
     @_with_infinities
     def each(self, value: Callable[[Motion], np.ndarray]) -> np.ndarray:
@@ -64,7 +64,7 @@ class AsperiteSeries:
 
     def accounted(self, integrals: Integrals, name: str) -> np.ndarray:
         """A work, a pseudowork or the heat of all asperites, (times, asperites)."""
-        return _side_by_side([accounted(integrals.of(batch), name) for batch in self.batches])
+        return _side_by_side([accounted(integrals.of(span), name) for span in self.spans])
 
 
 class SurfaceSeries(AsperiteSeries):
@@ -92,21 +92,21 @@ class SurfaceSeries(AsperiteSeries):
         among: Motion | None = None,
         forces: Forces | None = None,
     ) -> None:
-        super().__init__(layout, samples, layout.batches[index])
+        super().__init__(layout, samples, layout.spans[index])
         self._index = index
         self._among = among
         self._forces = forces
 
     @cached_property
     def motions(self) -> tuple[Motion, ...]:
-        """The motion of the asperites, batch by batch."""
+        """The motion of the asperites, span by span."""
         if self._among is None:
             return super().motions
-        return tuple(self._among.part(batch) for batch in self.batches)
+        return tuple(self._among.part(span) for span in self.spans)
 
     def summed(self, integrals: Integrals, name: str) -> np.ndarray:
         """The sum over the asperites of a work, a pseudowork or the heat."""
-        every = (integrals.of(batch) for batch in self._accounted)
+        every = (integrals.of(span) for span in self._accounted)
         return _sum(accounted(each, name) for each in every)
 
     def work(self, integrals: Integrals) -> np.ndarray:
@@ -217,9 +217,9 @@ class SurfaceSeries(AsperiteSeries):
         return self._layout.mass_of(self._index)
 
     @property
-    def _accounted(self) -> tuple[Batch, ...]:
+    def _accounted(self) -> tuple[Span, ...]:
         """The asperites, or lanes that stand for their sums, with accounts."""
-        return self._layout.accounted_batches[self._index]
+        return self._layout.accounted_spans[self._index]
 
     @property
     def _stored(self) -> np.ndarray:
@@ -229,8 +229,8 @@ class SurfaceSeries(AsperiteSeries):
     def _lag(self) -> tuple[np.ndarray, np.ndarray]:
         """The velocity V in the surface's first frame."""
         mass, stored = self._mass, self._stored
-        px = self._total(lambda e: e.vx * e.batch.asperites.mass) + stored[:, MOMENTUM_X]
-        py = self._total(lambda e: e.vy * e.batch.asperites.mass) + stored[:, MOMENTUM_Y]
+        px = self._total(lambda e: e.vx * e.span.asperites.mass) + stored[:, MOMENTUM_X]
+        py = self._total(lambda e: e.vy * e.span.asperites.mass) + stored[:, MOMENTUM_Y]
         return px / mass, py / mass
 
     @cached_property
@@ -246,9 +246,9 @@ class SurfaceSeries(AsperiteSeries):
         part: Callable[[Account, np.ndarray], Part],
     ) -> np.ndarray:
         """A part of the accounts of some forces."""
-        every = [integrals.of(batch) for batch in self._accounted]
+        every = [integrals.of(span) for span in self._accounted]
         return _sum(
-            each.whole(sum(part(each[name], each.batch.velocity) for name in names))
+            each.whole(sum(part(each[name], each.span.velocity) for name in names))
             for each in every
         )
 
@@ -272,14 +272,14 @@ class SystemSeries:
     ----------
     samples
         As given.
-    batches : tuple
-        Empty: the system is no batch of asperites.
+    spans : tuple
+        Empty: the system is no span of asperites.
     """
 
     def __init__(self, layout: Layout, samples: Samples, wholes: tuple[SurfaceSeries, ...]) -> None:
         self._layout = layout
         self.samples = samples
-        self.batches: tuple[Batch, ...] = ()
+        self.spans: tuple[Span, ...] = ()
         self._wholes = wholes
 
     def contact_energy(self) -> np.ndarray:
@@ -318,12 +318,12 @@ class Linear:
 
     def __call__(self, source: AsperiteSeries | SystemSeries) -> np.ndarray:
         """Its series, from the samples of its surface or of the system."""
-        key = source.batches, self
+        key = source.spans, self
         return source.samples.linear(key, lambda s: self.value(source, Integrals(s)))
 
 
 def _side_by_side(series: list[np.ndarray]) -> np.ndarray:
-    """The series of all asperites, from those of the batches."""
+    """The series of all asperites, from those of the spans."""
     return series[0] if len(series) == 1 else np.concatenate(series, axis=1)
 
 
