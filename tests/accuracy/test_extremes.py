@@ -14,7 +14,7 @@ from tribo.accuracy.scales import EPSILON
 from tribo.accuracy.tolerance_scales import FLOOR, first_guess, tolerance_scales, tolerances
 from tribo.integrators.methods import METHODS
 from tribo.layout.layout import lay_out
-from tribo.ledger.entry import Entry
+from tribo.ledger.motion import Motion
 from tribo.ledger.samples import Samples
 from tribo.loops.integrate import first_step_at
 
@@ -23,7 +23,7 @@ METHOD = METHODS["gauss-radau-15"]
 
 def rounded(layout, sample):
     """The rounding of the terms of a run that is one sample."""
-    return rounding_of_terms(layout, Entry(layout, layout.together, sample), 1)
+    return rounding_of_terms(layout, Motion(layout, layout.together, sample), 1)
 
 
 def scales_of(scene):

@@ -16,8 +16,8 @@ from tribo.accuracy.roundoff import rounding_of_terms
 from tribo.accuracy.scales import KINDS, Scales, kind_of, reported_scales
 from tribo.accuracy.tolerance_scales import first_guess, tolerance_scales
 from tribo.layout.layout import lay_out
-from tribo.ledger.entry import Entry
 from tribo.ledger.ledger import assemble
+from tribo.ledger.motion import Motion
 
 TURNING = {
     "a free bar": {"bars": "free", "initial": tribo.Initial(theta=0.4, phi=-0.7, nu=0.9)},
@@ -28,7 +28,7 @@ TURNING = {
 
 def terms_of(layout, samples):
     """The rounding of terms in a run of one step."""
-    return rounding_of_terms(layout, Entry(layout, layout.together, samples), 1)
+    return rounding_of_terms(layout, Motion(layout, layout.together, samples), 1)
 
 
 def scene(bars: str) -> tribo.Scene:

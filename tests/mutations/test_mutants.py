@@ -38,7 +38,7 @@ PATTERNS = [
     "pair/step.py",
     "pair/step_sums.py",
     "ledger/accounts.py",
-    "layout/batch.py",
+    "layout/span.py",
     "layout/contacts.py",
     "layout/layout.py",
     "ledger/ledger.py",

@@ -27,10 +27,10 @@ from tribo import (
 )
 from tribo.kernels.status import MEANINGS, Status
 from tribo.ledger.columns import columns_of
-from tribo.ledger.entry import Entry
 from tribo.ledger.ledger import assemble
+from tribo.ledger.motion import Motion
 from tribo.ledger.quantities import QUANTITIES
-from tribo.ledger.totals import Group
+from tribo.ledger.totals import AsperiteSeries
 from tribo.loops.journal import Journal
 from tribo.simulation import from_settings
 
@@ -106,16 +106,16 @@ def test_a_quantity_is_computed_alone(monkeypatch):
     lone = tribo.prepare(scene(), accuracy=1e-6).run()
     rows = []
 
-    def broken(entry):
+    def broken(motion):
         raise ZeroDivisionError("no energy")
 
     with monkeypatch.context() as patch:
-        patch.setattr(Entry, "energy", property(broken))
+        patch.setattr(Motion, "energy", property(broken))
         assert lone["upper"].w1.shape == (9, 1) and lone["upper"].x_bob.shape == (9, 1)
         with pytest.raises(ZeroDivisionError, match="no energy"):
             _ = lone["upper"].delta_e_int
     monkeypatch.setattr(
-        Group,
+        AsperiteSeries,
         "each",
         lambda group, value: rows.append(group.samples.t.tolist()) or np.zeros((2, 1)),
     )
@@ -141,7 +141,7 @@ def test_columns_are_the_series(result):
     """All series side by side, those of single surfaces too, are the same as one by one."""
     simulation = tribo.prepare(scene(), method="midpoint", step=0.01)
     samples, layout = simulation.compute().ledger._samples, simulation.layout
-    group = Group(layout, samples, (layout.together,))
+    group = AsperiteSeries(layout, samples, (layout.together,))
     columns = columns_of(layout, group, ["upper.W", "lower.w1"])
     ledger, stops = assemble(layout, samples), [*columns.starts[1:], columns.values.shape[1]]
     assert set(columns.names) == {*ledger.names, "upper.W", "lower.w1"}

@@ -587,7 +587,7 @@ CHECKS["rk4, slid"] = Steps("slid", "rk4", 0.1, 4, 1e-4)
 CHECKS["rk4, slid, streamed"] = Limited(
     CHECKS["rk4, slid"], {"ledger.sinks.SERIES_BYTES": 0, "ledger.sinks.PORTION_BYTES": 0}
 )
-CHECKS["rk4, slid, in batches"] = Limited(CHECKS["rk4, slid"], {"layout.batch.BATCH_SIZE": 1})
+CHECKS["rk4, slid, in batches"] = Limited(CHECKS["rk4, slid"], {"layout.span.SPAN_SIZE": 1})
 CHECKS["gauss-8, slid"] = Steps("slid", "gauss-8", 0.25, 8, 1e-6)
 for _method in ("dop853", "rkn8", "rkn12", "gauss-radau-15"):
     CHECKS[f"{_method}, slid"] = Accurate("slid", _method, 1e-8, 1e-7)

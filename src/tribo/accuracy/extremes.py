@@ -15,7 +15,7 @@ from tribo.accuracy.scales import largest, mean_velocity
 from tribo.layout.layout import Layout
 from tribo.ledger.columns import columns_of
 from tribo.ledger.samples import Samples
-from tribo.ledger.totals import Group
+from tribo.ledger.totals import AsperiteSeries
 from tribo.loops.integrate import Integration
 
 # Bytes of the series of a portion; four times as many take a half longer, since caches hold less.
@@ -107,12 +107,12 @@ def _extremes(
 ) -> Extremes:
     """Those of one portion."""
     count, samples = fine.t.size, fine.then(*shared)
-    group = Group(layout, samples, (layout.together,))
-    columns, (entry,) = columns_of(layout, group, names), group.entries
+    group = AsperiteSeries(layout, samples, (layout.together,))
+    columns, (motion,) = columns_of(layout, group, names), group.motions
     run, coarse = columns.rows(slice(count)), columns.rows(slice(count, None))
     at_shared = run.rows(np.searchsorted(fine.t, samples.t[count:]))
-    speed = largest(entry.bob_speed(mean_velocity(layout))[:count])
-    internal = largest(entry.energy[:count])
-    terms = rounding_of_terms(layout, entry, steps)
+    speed = largest(motion.bob_speed(mean_velocity(layout))[:count])
+    internal = largest(motion.energy[:count])
+    terms = rounding_of_terms(layout, motion, steps)
     gaps = at_shared.minus(coarse).largest()
     return Extremes(run.names, run.largest(), gaps, speed, internal, terms)

@@ -11,7 +11,7 @@ from tribo.accuracy.scales import KINDS, mean_velocity, motion_scales
 from tribo.layout.layout import Layout
 from tribo.ledger.columns import Columns, columns_of
 from tribo.ledger.samples import Samples
-from tribo.ledger.totals import Group
+from tribo.ledger.totals import AsperiteSeries
 
 
 class FineMembers:
@@ -34,7 +34,7 @@ class FineMembers:
         self._accuracy = accuracy
         self._names = observables(accuracy)
         self._members = fine.runs
-        group = Group(layout, fine, (layout.together,))
+        group = AsperiteSeries(layout, fine, (layout.together,))
         self._columns = columns_of(layout, group, self._names)
         self._scales = _scales(layout, group, _largest(self._columns, fine.runs), fine.runs)
 
@@ -51,7 +51,10 @@ class FineMembers:
         ndarray, (members,)
             NaN where a value is not finite.
         """
-        accuracy, group = self._accuracy, Group(self._layout, other, (self._layout.together,))
+        accuracy, group = (
+            self._accuracy,
+            AsperiteSeries(self._layout, other, (self._layout.together,)),
+        )
         theirs = columns_of(self._layout, group, self._names)
         gaps = _largest(self._columns.minus(theirs), self._members)
         worst = np.zeros(self._members)
@@ -71,17 +74,17 @@ def _largest(columns: Columns, members: int) -> dict[str, np.ndarray]:
 
 
 def _scales(
-    layout: Layout, group: Group, tops: dict[str, np.ndarray], members: int
+    layout: Layout, group: AsperiteSeries, tops: dict[str, np.ndarray], members: int
 ) -> dict[str, np.ndarray | float]:
     """The scales of each member, as :class:`tribo.accuracy.scales.Scales` for a single run."""
-    (entry,) = group.entries
+    (motion,) = group.motions
 
     def largest(series: np.ndarray) -> np.ndarray:
         each = np.abs(series).reshape(-1, members, series.shape[1])
         return np.asarray(each.max(axis=(0, 2)))
 
-    internal, a = largest(entry.energy), layout.together.asperites
-    speed = largest(entry.bob_speed(mean_velocity(layout)))
+    internal, a = largest(motion.energy), layout.together.asperites
+    speed = largest(motion.bob_speed(mean_velocity(layout)))
     inertia, mass, length = (
         np.max(np.atleast_2d(each), axis=1)[:members] for each in (a.inertia, a.mass, a.l1 + a.l2)
     )

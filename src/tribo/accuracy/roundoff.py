@@ -11,10 +11,10 @@ import numpy as np
 
 from tribo.accuracy.scales import EPSILON, largest
 from tribo.kernels.samples import BATH, SPRINGS, TORSIONAL, WITHIN
-from tribo.layout.batch import Batch
 from tribo.layout.layout import Layout
+from tribo.layout.span import Span
 from tribo.ledger.accounts import APPLIED, EXTERNAL, FORCES, Accounts
-from tribo.ledger.entry import Entry
+from tribo.ledger.motion import Motion
 from tribo.ledger.samples import Samples
 from tribo.model.fields import Corrugation
 
@@ -56,7 +56,7 @@ def _sums() -> tuple[tuple[str, ...], np.ndarray]:
 SUMS, MEMBERS = _sums()
 
 
-def rounding_of_terms(layout: Layout, entry: Entry, steps: int) -> dict[str, float]:
+def rounding_of_terms(layout: Layout, motion: Motion, steps: int) -> dict[str, float]:
     """The rounding of the terms of energies and works, by quantity, in its own unit.
 
     Each term has some roundings of its own, and those of its `steps`, which add up like a random
@@ -66,12 +66,12 @@ def rounding_of_terms(layout: Layout, entry: Entry, steps: int) -> dict[str, flo
     ----------
     layout
         the scene
-    entry
+    motion
         all asperites, in a run and in those that it is compared with
     steps
         of the run
     """
-    samples, sums = entry.samples, _sums_of_works(entry.samples, layout.accounted)
+    samples, sums = motion.samples, _sums_of_works(motion.samples, layout.accounted)
     if layout.model.sums is not None:  # over lanes, of each surface
         whole = [sums[:, part].sum(axis=1) for part in layout.accounted_parts]
         sums, parts = np.stack(whole, axis=1), [slice(k, k + 1) for k in range(len(whole))]
@@ -87,21 +87,21 @@ def rounding_of_terms(layout: Layout, entry: Entry, steps: int) -> dict[str, flo
         if field.account >= 0:
             applied += np.abs(samples.s[:, field.account])
     terms["applied_work"] = largest(applied)
-    terms |= _of_energies(layout, entry)
+    terms |= _of_energies(layout, motion)
     count = EPSILON * (TERM_ROUNDINGS + WALK * steps**0.5)
     found = {name: count * magnitude for name, magnitude in terms.items()}
-    for name, rounding in _of_ends(layout, entry, count).items():
+    for name, rounding in _of_ends(layout, motion, count).items():
         found[name] += rounding
     return found
 
 
-def _of_ends(layout: Layout, entry: Entry, count: float) -> dict[str, float]:
+def _of_ends(layout: Layout, motion: Motion, count: float) -> dict[str, float]:
     """The rounding of the works of the ends of clamped bars, by quantity; `count` is of angles.
 
     A work is a difference of two values of sin x - x cos x, with x the twist: the terms may be far
     larger than it is, and have the same bits in all runs.  In sums of both ends they cancel.
     """
-    a, twist = entry.batch.asperites, np.abs(entry.swing - entry.phi)
+    a, twist = motion.span.asperites, np.abs(motion.swing - motion.phi)
     clamped = layout.surfaces.acc_ends[a.surface] >= 0
     sin = np.abs(np.sin(twist))
     rounding = TERM_ROUNDINGS * EPSILON * (sin + np.abs(twist * np.cos(twist)))
@@ -116,15 +116,15 @@ def _of_ends(layout: Layout, entry: Entry, count: float) -> dict[str, float]:
     return found
 
 
-def _sums_of_works(samples: Samples, batch: Batch) -> np.ndarray:
+def _sums_of_works(samples: Samples, span: Span) -> np.ndarray:
     """The magnitudes of the terms of all accounts, summed: (times, asperites, sums)."""
-    terms = np.abs(samples.linear("terms", lambda s: _terms(Accounts(batch, s))))
+    terms = np.abs(samples.linear("terms", lambda s: _terms(Accounts(span, s))))
     return (terms.reshape(-1, TERMS) @ MEMBERS).reshape(*terms.shape[:2], -1)
 
 
 def _terms(forces: Accounts) -> np.ndarray:
     """The terms of all accounts, (times, asperites, terms)."""
-    (vx, vy), (x, y) = forces.batch.velocity, forces.batch.reservoir
+    (vx, vy), (x, y) = forces.span.velocity, forces.span.reservoir
     terms = []
     for name in FORCES:
         account = forces[name]
@@ -134,12 +134,12 @@ def _terms(forces: Accounts) -> np.ndarray:
     return np.stack([forces.whole(term) for term in terms], axis=2)
 
 
-def _of_energies(layout: Layout, entry: Entry) -> dict[str, float]:
+def _of_energies(layout: Layout, motion: Motion) -> dict[str, float]:
     """The largest terms of energies, by quantity."""
-    a, velocity, samples = entry.batch.asperites, entry.batch.velocity, entry.samples
-    internal, moving = entry.energy, entry.moving
-    boost = a.mass * (np.abs(velocity[0] * entry.vx) + np.abs(velocity[1] * entry.vy))
-    momentum = a.mass * np.hypot(entry.vx, entry.vy)
+    a, velocity, samples = motion.span.asperites, motion.span.velocity, motion.samples
+    internal, moving = motion.energy, motion.moving
+    boost = a.mass * (np.abs(velocity[0] * motion.vx) + np.abs(velocity[1] * motion.vy))
+    momentum = a.mass * np.hypot(motion.vx, motion.vy)
     whole, within, bulk = np.zeros(samples.t.size), 0.0, 0.0
     for index, part in enumerate(layout.parts.values()):
         record, stored = layout.surfaces[index], samples.stored[:, index]
@@ -151,11 +151,11 @@ def _of_energies(layout: Layout, entry: Entry) -> dict[str, float]:
         whole = whole + energy + kinetic
     # The rounding of a position is relative to its terms, and an energy changes over the length of
     # its potential.  The rounding of an angle of many turns moves the ends of its arms.
-    x = np.abs(a.x) + np.abs(a.vx * entry.t) + np.abs(entry.x)
-    y = np.abs(a.y) + np.abs(a.vy * entry.t) + np.abs(entry.y)
-    turned = 1.0 + np.abs(entry.swing)
+    x = np.abs(a.x) + np.abs(a.vx * motion.t) + np.abs(motion.x)
+    y = np.abs(a.y) + np.abs(a.vy * motion.t) + np.abs(motion.y)
+    turned = 1.0 + np.abs(motion.swing)
     farthest = (np.hypot(x, y) + a.l1 * turned).max(axis=1)
-    contact = np.abs(samples.contact) * (1.0 + farthest / _shortest_length(layout, entry))
+    contact = np.abs(samples.contact) * (1.0 + farthest / _shortest_length(layout, motion))
     whole = whole + np.abs(samples.field) * (1.0 + farthest / _shortest_wave(layout))
     places = {
         f"{axis}_{end}": largest(magnitude + arm * turned)
@@ -164,7 +164,7 @@ def _of_energies(layout: Layout, entry: Entry) -> dict[str, float]:
     }
     return places | {
         "delta_e_int": largest(internal),
-        "swing_energy": largest(entry.swinging),
+        "swing_energy": largest(motion.swinging),
         "delta_k_trans": largest(moving + boost),
         "delta_E_int": within,
         "delta_K": bulk,
@@ -173,15 +173,15 @@ def _of_energies(layout: Layout, entry: Entry) -> dict[str, float]:
     }
 
 
-def _shortest_length(layout: Layout, entry: Entry) -> float:
+def _shortest_length(layout: Layout, motion: Motion) -> float:
     """The shortest length over which a contact's force changes; infinite without contacts.
 
     Of potentials without a length of their own, at the sample with the largest energy of contact.
     """
     contacts = (*layout.model.contacts, *(layout.model.within or ()))
     lengths = [contact.potential.feature()[0] for contact in contacts]
-    sample, parts = int(np.argmax(np.abs(entry.samples.contact))), list(layout.parts.values())
-    x, y = (place[sample] for place in entry.bob)
+    sample, parts = int(np.argmax(np.abs(motion.samples.contact))), list(layout.parts.values())
+    x, y = (place[sample] for place in motion.bob)
     for contact in layout.model.contacts:
         for one, other in ((parts[i], parts[j]) for i, j in contact.pairs if i != j):
             dx, dy = (p[one][:MOST_BOBS, None] - p[other][:MOST_BOBS] for p in (x, y))

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from tribo.kernels.kinematics import bob_velocity
-from tribo.layout.batch import Batch
 from tribo.layout.layout import Layout
+from tribo.layout.span import Span
 from tribo.ledger.ledger import Ledger
-from tribo.ledger.motion import Motion, internal_energy, swing_direction
+from tribo.ledger.motion import Motion, internal_energies, swing_direction
 from tribo.ledger.quantities import (
     ASPERITE_QUANTITIES,
     BLOCK_QUANTITIES,
@@ -178,8 +178,8 @@ def _internal_energy(layout: Layout, ledger: Ledger) -> float:
         table = ledger.surfaces[surface.name]
         a = layout.asperites[layout.parts[surface.name]]
         twist = table["theta"] - surface.rest - table["phi"]
-        energy = internal_energy(a, table["omega"], table["nu"], twist)
-        highest = max(highest, largest(energy))
+        swing, bar, spring = internal_energies(a, table["omega"], table["nu"], twist)
+        highest = max(highest, largest(swing + bar + spring))
     return highest
 
 
@@ -202,9 +202,9 @@ def _fastest_bob(layout: Layout, ledger: Ledger) -> float:
     return fastest
 
 
-def fastest_of(batch: Batch, m: Motion, velocity: np.ndarray) -> float:
+def fastest_of(span: Span, m: Motion, velocity: np.ndarray) -> float:
     """The largest speed of a bob, where `velocity` are those of the surfaces (2, asperites)."""
-    a = batch.asperites
+    a = span.asperites
     direction = swing_direction(a.facing, m.swing)
     vx, vy = bob_velocity(m.vx + velocity[0], m.vy + velocity[1], m.omega, a.l1, *direction)
     return float(np.max(np.hypot(vx, vy)))

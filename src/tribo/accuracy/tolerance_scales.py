@@ -8,9 +8,9 @@ import numpy as np
 
 from tribo.accuracy.scales import fastest_of, largest, longest_rod, resolved
 from tribo.integrators.step_control import Tolerance
-from tribo.layout.batch import Batch
 from tribo.layout.layout import Layout
-from tribo.ledger.motion import Motion, internal_energy
+from tribo.layout.span import Span
+from tribo.ledger.motion import Motion
 from tribo.ledger.samples import Samples
 from tribo.loops.resolution import bath_frequency, pendulum_frequency
 
@@ -59,12 +59,12 @@ def first_guess(layout: Layout) -> ToleranceScales:
     return ToleranceScales(velocity, energy, energy / velocity, rate, rate, 1.0)
 
 
-def _relative_velocity(layout: Layout, batch: Batch) -> np.ndarray:
+def _relative_velocity(layout: Layout, span: Span) -> np.ndarray:
     """Initial velocity of each asperite relative to the mean of the surfaces' (asperites, 2)."""
     first = layout.velocity[0]  # less this all is exact where all surfaces move fast
     starts = [part.start for part in layout.parts.values()]
     mean = np.mean([layout.velocity[start] - first for start in starts], axis=0)
-    return np.asarray((batch.velocity.T - first) - mean)
+    return np.asarray((span.velocity.T - first) - mean)
 
 
 def tolerance_scales(layout: Layout, samples: Samples) -> ToleranceScales:
@@ -73,11 +73,10 @@ def tolerance_scales(layout: Layout, samples: Samples) -> ToleranceScales:
     The works are those in the frame of the surfaces' mean velocity.
     """
     guess = first_guess(layout)
-    batch, motion = layout.together, Motion(layout, layout.together, samples)
-    relative = _relative_velocity(layout, batch)
-    velocity = max(guess.velocity, fastest_of(batch, motion, relative.T))
-    torsion = motion.swing - motion.phi
-    internal = internal_energy(batch.asperites, motion.omega, motion.nu, torsion)
+    span, motion = layout.together, Motion(layout, layout.together, samples)
+    relative = _relative_velocity(layout, span)
+    velocity = max(guess.velocity, fastest_of(span, motion, relative.T))
+    torsion, internal = motion.swing - motion.phi, motion.energy
     highest, change = largest(internal), largest(internal - internal[0])
     spin, turn, twist = largest(motion.omega), largest(motion.nu), largest(torsion)
     weights = _account_weights(layout)
@@ -88,7 +87,7 @@ def tolerance_scales(layout: Layout, samples: Samples) -> ToleranceScales:
     # Where nothing does work, the change of an energy is round-off.
     energy = max(work, change) if work > 0.0 or top.size == 0 else highest
     potential = max(largest(samples.contact), largest(samples.field)) / layout.scene.count
-    inertia = float(np.max(batch.asperites.inertia))
+    inertia = float(np.max(span.asperites.inertia))
     return ToleranceScales(
         velocity=velocity,
         energy=float(resolved(energy, potential)) or guess.energy,

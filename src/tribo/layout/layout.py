@@ -16,10 +16,10 @@ from tribo.kernels.records import Model, Neighbours
 from tribo.kernels.samples import BATH_ROWS
 from tribo.layout import contacts, slots
 from tribo.layout.active import active_blocks
-from tribo.layout.batch import Batch, batch_of, batches_of
 from tribo.layout.force_records import fields_on_surfaces, user_forces
 from tribo.layout.further_series import further_series
 from tribo.layout.scene_records import resting_bobs, scene_records
+from tribo.layout.span import Span, span_of, spans_of
 from tribo.layout.start import start_of
 from tribo.layout.tables import columns_of_constants, model_tables
 from tribo.layout.threads import team_of
@@ -94,14 +94,14 @@ class Layout:
         return np.union1d(times[times > self.beginning], [self.beginning])
 
     @cached_property
-    def batches(self) -> tuple[tuple[Batch, ...], ...]:
+    def spans(self) -> tuple[tuple[Span, ...], ...]:
         """The asperites of each surface, as the ledger reads them."""
-        return tuple(batches_of(self.together, part) for part in self.parts.values())
+        return tuple(spans_of(self.together, part) for part in self.parts.values())
 
     @cached_property
-    def together(self) -> Batch:
+    def together(self) -> Span:
         """The asperites of all surfaces."""
-        return batch_of(self.asperites, self.surfaces, self.velocity)
+        return span_of(self.asperites, self.surfaces, self.velocity)
 
     def velocity_of(self, index: int) -> tuple[float | np.ndarray, ...]:
         """The initial velocity of a surface, in the laboratory: x and y."""
@@ -146,13 +146,13 @@ class Layout:
         return {surface.name: surface.bath.masses.size for surface in self.scene.surfaces}
 
     @cached_property
-    def accounted(self) -> Batch:
+    def accounted(self) -> Span:
         """Those that have the accounts: all asperites, or lanes that stand for their sums."""
         if self.model.sums is None:
             return self.together
         lanes = slots.lanes_of_surfaces(self.scene, self.surfaces).view(np.recarray)
         velocities = np.array([surface.velocity for surface in self.scene.surfaces])
-        return batch_of(lanes, self.surfaces, velocities[lanes["surface"]])
+        return span_of(lanes, self.surfaces, velocities[lanes["surface"]])
 
     @cached_property
     def accounted_parts(self) -> tuple[slice, ...]:
@@ -162,11 +162,11 @@ class Layout:
         return tuple(map(slice, (stops - counts).tolist(), stops.tolist()))
 
     @cached_property
-    def accounted_batches(self) -> tuple[tuple[Batch, ...], ...]:
+    def accounted_spans(self) -> tuple[tuple[Span, ...], ...]:
         """Those of each surface that have the accounts."""
         if self.model.sums is None:
-            return self.batches
-        return tuple(batches_of(self.accounted, part) for part in self.accounted_parts)
+            return self.spans
+        return tuple(spans_of(self.accounted, part) for part in self.accounted_parts)
 
     @property
     def anchors(self) -> np.ndarray:

@@ -11,10 +11,10 @@ import numpy as np
 
 from tribo.compiler.potential_numbers import has_plain_numbers, numbers_of
 from tribo.kernels.records import ASPERITE, OF_MEMBERS, OWN_SPEED
-from tribo.layout.batch import Asperites, Batch, batch_of
 from tribo.layout.layout import Layout
 from tribo.layout.scene_records import fill_parameters, resting_bobs
 from tribo.layout.slots import slide
+from tribo.layout.span import Asperites, Span, span_of
 from tribo.model.asperite import Asperite
 from tribo.model.drives import Custom, DrivenBars, Pulled
 from tribo.model.parameters import INTERACTION, with_values
@@ -233,9 +233,9 @@ class LayoutOfMembers(Layout):
         return LayoutOfMembers.of(self, self.numbers.of_members(selected))
 
     @cached_property
-    def together(self) -> Batch:
+    def together(self) -> Span:
         """The asperites of all surfaces."""
-        one = batch_of(self.asperites, self.surfaces, self.velocity)
+        one = span_of(self.asperites, self.surfaces, self.velocity)
         own = {
             name: self._rows(self.numbers.asperites[name])
             for name, each in vars(one.asperites).items()

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tribo.layout.batch import Batch
+from tribo.layout.span import Span
 from tribo.ledger.motion import columns
 
 Part = np.ndarray | float  # of an account
@@ -40,35 +40,35 @@ class Account:
 
 
 class Accounts(dict[str, Account]):
-    """The accounts of the forces on a batch, by the names of their works, each made when needed.
+    """The accounts of the forces on a span, by the names of their works, each made when needed.
 
     Parameters
     ----------
-    batch : Batch
+    span : Span
         Some asperites of one surface.
     s : ndarray, (times, accounts)
         The integrals that the kernels record.
     """
 
-    def __init__(self, batch: Batch, s: np.ndarray) -> None:
+    def __init__(self, span: Span, s: np.ndarray) -> None:
         super().__init__()
-        self.batch = batch
+        self.span = span
         self._s = s
 
     def __missing__(self, name: str) -> Account:
-        account = self[name] = FORCES[name](self.batch, self._s)
+        account = self[name] = FORCES[name](self.span, self._s)
         return account
 
     def whole(self, part: Part) -> np.ndarray:
         """A part, or a sum of parts, of all asperites, (times, asperites)."""
-        shape = len(self._s), self.batch.held.size
+        shape = len(self._s), self.span.held.size
         if isinstance(part, np.ndarray) and part.shape == shape:
             return part if part.base is None else part.copy()  # users may change it
         return np.full(shape, part)
 
 
 class Integrals:
-    """The integrals that the kernels record, by batch and force.
+    """The integrals that the kernels record, by span and force.
 
     Parameters
     ----------
@@ -78,40 +78,40 @@ class Integrals:
 
     def __init__(self, s: np.ndarray) -> None:
         self.s = s
-        self._known: dict[Batch, Accounts] = {}
+        self._known: dict[Span, Accounts] = {}
 
-    def of(self, batch: Batch) -> Accounts:
-        """The accounts of a batch."""
-        if batch not in self._known:
-            self._known[batch] = Accounts(batch, self.s)
-        return self._known[batch]
+    def of(self, span: Span) -> Accounts:
+        """The accounts of a span."""
+        if span not in self._known:
+            self._known[span] = Accounts(span, self.s)
+        return self._known[span]
 
 
-def _columns(batch: Batch, group: str, places: Iterable[int], s: np.ndarray) -> list[Part]:
+def _columns(span: Span, group: str, places: Iterable[int], s: np.ndarray) -> list[Part]:
     """Columns of a group of accounts; zeros where the group is absent."""
-    if group not in batch.present:
+    if group not in span.present:
         return [0.0 for _ in places]
-    slots, stride = getattr(batch.asperites, group), batch.asperites.stride
-    if batch.are_consecutive(group):  # a part of the table, ten times faster than its columns
+    slots, stride = getattr(span.asperites, group), span.asperites.stride
+    if span.are_consecutive(group):  # a part of the table, ten times faster than its columns
         firsts = [int(slots[0] + k * stride[0]) for k in places]
         return [s[:, first : first + slots.size] for first in firsts]
     return [columns(np.where(slots >= 0, slots + k * stride, -1), s) for k in places]
 
 
-def _contact(batch: Batch, s: np.ndarray) -> Account:
+def _contact(span: Span, s: np.ndarray) -> Account:
     """The contact with bobs of other surfaces."""
-    jx, jy, about_x, about_y = _columns(batch, "acc_contact", range(4), s)
-    slide_x, slide_y = _columns(batch, "acc_slide", range(2), s)
-    a, swept = batch.asperites, about_x + about_y
+    jx, jy, about_x, about_y = _columns(span, "acc_contact", range(4), s)
+    slide_x, slide_y = _columns(span, "acc_slide", range(2), s)
+    a, swept = span.asperites, about_x + about_y
     return Account(a.l1 * swept, jx, jy, slide_x + slide_y + a.pivot * swept)
 
 
-def _drive(batch: Batch, s: np.ndarray) -> Account:
+def _drive(span: Span, s: np.ndarray) -> Account:
     """The drive: f2 = -(held f1_x, f1_y), unless it has an account of its own."""
-    a, held = batch.asperites, batch.held
-    jx, jy, about_x, about_y = _columns(batch, "acc_contact", range(4), s)
-    slide_x, slide_y = _columns(batch, "acc_slide", range(2), s)
-    own_jx, own_jy, own_about, own_pseudo = _columns(batch, "acc_drive", range(4), s)
+    a, held = span.asperites, span.held
+    jx, jy, about_x, about_y = _columns(span, "acc_contact", range(4), s)
+    slide_x, slide_y = _columns(span, "acc_slide", range(2), s)
+    own_jx, own_jy, own_about, own_pseudo = _columns(span, "acc_drive", range(4), s)
     own = a.acc_drive >= 0
     # On driven bars the reaction does no work in the frame of the surface.
     own_about = np.where(a.pivot > 0.0, -own_pseudo, -a.l2 * own_about)
@@ -123,39 +123,39 @@ def _drive(batch: Batch, s: np.ndarray) -> Account:
     )
 
 
-def _left_end(batch: Batch, s: np.ndarray) -> Account:
+def _left_end(span: Span, s: np.ndarray) -> Account:
     """The left end of the bar."""
-    about, jx, jy, pseudo = _columns(batch, "acc_ends", (0, 2, 3, 4), s)
-    user = _columns(batch, "acc_user_ends", (0, 2, 3, 6), s)
+    about, jx, jy, pseudo = _columns(span, "acc_ends", (0, 2, 3, 4), s)
+    user = _columns(span, "acc_user_ends", (0, 2, 3, 6), s)
     return Account(about + user[0], jx + user[1], jy + user[2], pseudo + user[3])
 
 
-def _right_end(batch: Batch, s: np.ndarray) -> Account:
+def _right_end(span: Span, s: np.ndarray) -> Account:
     """The right end of the bar, on which a clamp exerts the opposite of its force on the left."""
-    about, jx, jy, pseudo = _columns(batch, "acc_ends", range(1, 5), s)
-    user = _columns(batch, "acc_user_ends", (1, 4, 5, 7), s)
+    about, jx, jy, pseudo = _columns(span, "acc_ends", range(1, 5), s)
+    user = _columns(span, "acc_user_ends", (1, 4, 5, 7), s)
     return Account(about + user[0], user[1] - jx, user[2] - jy, user[3] - pseudo)
 
 
-def _thermal(batch: Batch, s: np.ndarray) -> Account:
+def _thermal(span: Span, s: np.ndarray) -> Account:
     """Langevin reservoirs: at the bar, and on the swing, whose torque has no pseudowork."""
-    jx, jy, about, pseudo = _columns(batch, "acc_thermal", range(4), s)
-    (swing,) = _columns(batch, "acc_swing", (0,), s)
+    jx, jy, about, pseudo = _columns(span, "acc_thermal", range(4), s)
+    (swing,) = _columns(span, "acc_swing", (0,), s)
     return Account(about + swing, jx, jy, pseudo)
 
 
-def _point(group: str) -> Callable[[Batch, np.ndarray], Account]:
+def _point(group: str) -> Callable[[Span, np.ndarray], Account]:
     """A force with accounts of its own."""
 
-    def account(batch: Batch, s: np.ndarray) -> Account:
-        jx, jy, about, pseudo = _columns(batch, group, range(4), s)
+    def account(span: Span, s: np.ndarray) -> Account:
+        jx, jy, about, pseudo = _columns(span, group, range(4), s)
         return Account(about, jx, jy, pseudo)
 
     return account
 
 
 # The account of every force on an asperite, by the name of its work.
-FORCES: dict[str, Callable[[Batch, np.ndarray], Account]] = {
+FORCES: dict[str, Callable[[Span, np.ndarray], Account]] = {
     "w1": _contact,
     "w2": _drive,
     "wL": _left_end,
@@ -171,11 +171,11 @@ APPLIED = ("w2", "wL", "wR", "w_T")
 
 def accounted(forces: Accounts, name: str) -> np.ndarray:
     """What is linear in the accounts: "w1", "w1_ps", ..., "w", "w_ps" of all forces, or "heat"."""
-    batch = forces.batch
+    span = forces.span
     if name == "heat":
-        (vx, vy), thermal = batch.reservoir, forces["w_T"]
+        (vx, vy), thermal = span.reservoir, forces["w_T"]
         return forces.whole(vx * thermal.jx + vy * thermal.jy - thermal.about - thermal.pseudo)
     force = name.removesuffix("_ps")
     kind = Account.pseudowork if name.endswith("_ps") else Account.work
     names = FORCES if force == "w" else [force]
-    return forces.whole(sum(kind(forces[name], batch.velocity) for name in names))
+    return forces.whole(sum(kind(forces[name], span.velocity) for name in names))

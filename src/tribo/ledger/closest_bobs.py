@@ -88,11 +88,11 @@ def bob_places(layout: Layout, samples: Samples) -> np.ndarray:
     places = np.empty((samples.t.size, layout.asperites.size, 3))
     places[..., 2] = layout.depths
     for index in range(len(layout.scene.surfaces)):
-        for batch, motion in motions(layout, samples, index):
-            a = batch.asperites
+        for span, motion in motions(layout, samples, index):
+            a = span.asperites
             x, y = a.x + a.vx * motion.t + motion.x, a.y + a.vy * motion.t + motion.y
             x, y = bob_position(x, y, a.l1, *swing_direction(a.facing, motion.swing))
-            places[:, batch.place, 0], places[:, batch.place, 1] = x, y
+            places[:, span.place, 0], places[:, span.place, 1] = x, y
     return places
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from tribo.layout.layout import Layout
 from tribo.ledger.accounts import Integrals
 from tribo.ledger.quantities import BLOCK_QUANTITIES, Quantity, needs_accounts, reported
-from tribo.ledger.totals import Group, Linear, System, Whole
+from tribo.ledger.totals import AsperiteSeries, Linear, SurfaceSeries, SystemSeries
 
 
 class Columns(NamedTuple):
@@ -44,7 +44,7 @@ class Columns(NamedTuple):
             return self._replace(values=self.values - other.values)
 
 
-def columns_of(layout: Layout, group: Group, names: Iterable[str] = ()) -> Columns:
+def columns_of(layout: Layout, group: AsperiteSeries, names: Iterable[str] = ()) -> Columns:
     """All series of a run, and further ones by `names`, as "upper.W".
 
     Those that are linear in the integrals of the kernels are computed together; their last bits may
@@ -78,33 +78,33 @@ def columns_of(layout: Layout, group: Group, names: Iterable[str] = ()) -> Colum
     return _with(layout, columns, names)
 
 
-class Item(NamedTuple):
+class ReportedSeries(NamedTuple):
     """A reported quantity, and what it is computed from."""
 
     name: str
     of: Callable[..., np.ndarray]
-    sources: Sequence[Group | System]
+    sources: Sequence[AsperiteSeries | SystemSeries]
     width: int
 
 
-def _items(layout: Layout, group: Group) -> list[Item]:
+def _items(layout: Layout, group: AsperiteSeries) -> list[ReportedSeries]:
     """All quantities that are reported."""
     samples, effects = group.samples, layout.effects.values()
-    (entry,) = group.entries
-    wholes = tuple(Whole(layout, samples, k, entry) for k in range(len(layout.parts)))
-    system = System(layout, samples, wholes)
+    (motion,) = group.motions
+    wholes = tuple(SurfaceSeries(layout, samples, k, motion) for k in range(len(layout.parts)))
+    system = SystemSeries(layout, samples, wholes)
     found = reported(
         layout.scene.output.ledger,
         any(field for _, field, _ in effects),
         any(reservoir for *_, reservoir in effects),
     )
-    of_each: list[tuple[Mapping[str, Quantity], Sequence[Group | System], int]] = [
+    of_each: list[tuple[Mapping[str, Quantity], Sequence[AsperiteSeries | SystemSeries], int]] = [
         (found.asperites, (group,), layout.scene.count),
         (found.blocks, wholes, len(wholes)),
         (found.system, (system,), 1),
     ]
     return [
-        Item(name, quantity.of, sources, width)
+        ReportedSeries(name, quantity.of, sources, width)
         for quantities, sources, width in of_each
         for name, quantity in quantities.items()
     ]

@@ -15,12 +15,12 @@ from tribo.compiler.jit import time_loop
 from tribo.compiler.lanes_memory import room
 from tribo.kernels import force_probe
 from tribo.kernels.records import BARS
-from tribo.layout.batch import Batch
 from tribo.layout.contacts import raise_calculator_errors, with_room
 from tribo.layout.layout import Layout
 from tribo.layout.loop_memory import own_model
+from tribo.layout.span import Span
 from tribo.ledger.accounts import Integrals
-from tribo.ledger.entry import Entry
+from tribo.ledger.motion import Motion
 from tribo.ledger.samples import Samples
 from tribo.plugins.compile_errors import compiling
 from tribo.plugins.sources import source_stamp
@@ -72,37 +72,37 @@ class Forces:
         self._layout = layout
         self._samples = samples
 
-    def of(self, entry: Entry, index: int, name: str, axis: int) -> np.ndarray:
-        """The series of a force along x or y, axis 0 or 1, on a batch, (times, asperites)."""
-        force, batch = FORCES[name], entry.batch
+    def of(self, motion: Motion, index: int, name: str, axis: int) -> np.ndarray:
+        """The series of a force along x or y, axis 0 or 1, on a span, (times, asperites)."""
+        force, span = FORCES[name], motion.span
         if name in self._layout.scene.surfaces[index].noisy_forces:
-            return self._mean(batch, force.work, axis)
+            return self._mean(span, force.work, axis)
         if name == "f2" and self._layout.surfaces[index].drive == BARS:
-            return self._reaction(entry, axis)
-        return self._found(batch, force.row + axis)
+            return self._reaction(motion, axis)
+        return self._found(span, force.row + axis)
 
-    def _found(self, batch: Batch, row: int) -> np.ndarray:
+    def _found(self, span: Span, row: int) -> np.ndarray:
         """A row of what the kernels find."""
-        return self._every[:, row, self._layout.places.columns[batch.place]]
+        return self._every[:, row, self._layout.places.columns[span.place]]
 
-    def _mean(self, batch: Batch, work: str, axis: int) -> np.ndarray:
+    def _mean(self, span: Span, work: str, axis: int) -> np.ndarray:
         """The mean of a force over the interval that ends at each sample; NaN at the first."""
-        accounts = Integrals(self._samples.s).of(batch)
+        accounts = Integrals(self._samples.s).of(span)
         account = accounts[work]
         impulse = accounts.whole((account.jx, account.jy)[axis])
         mean = np.full(impulse.shape, np.nan)
         mean[1:] = np.diff(impulse, axis=0) / np.diff(self._samples.t)[:, None]
         return mean
 
-    def _reaction(self, entry: Entry, axis: int) -> np.ndarray:
+    def _reaction(self, motion: Motion, axis: int) -> np.ndarray:
         """f2 on driven bars: what the motion of the centre of mass leaves over of other forces."""
-        a, (tx, ty) = entry.batch.asperites, entry.direction
-        turning, inward = self._found(entry.batch, force_probe.SWING), entry.omega**2
+        a, (tx, ty) = motion.span.asperites, motion.direction
+        turning, inward = self._found(motion.span, force_probe.SWING), motion.omega**2
         acceleration = a.pivot * (
             turning * tx - inward * ty if axis == 0 else turning * ty + inward * tx
         )
         others = (force.row + axis for name, force in FORCES.items() if name != "f2")
-        return a.mass * acceleration - sum(self._found(entry.batch, row) for row in others)
+        return a.mass * acceleration - sum(self._found(motion.span, row) for row in others)
 
     @cached_property
     def _every(self) -> np.ndarray:

@@ -31,7 +31,7 @@ from tribo.ledger.quantities import (
     reported,
 )
 from tribo.ledger.samples import Samples
-from tribo.ledger.totals import System, Whole
+from tribo.ledger.totals import SurfaceSeries, SystemSeries
 from tribo.validation import InputError, must_be
 
 # Characters of a line of a text that stands for series.
@@ -237,7 +237,7 @@ class Assembled(Ledger):
         self._layout = layout
         self._samples = samples
         # Neither wholes nor series refer to the ledger: all is released without a collection.
-        self._wholes: dict[str, Whole] = {}
+        self._wholes: dict[str, SurfaceSeries] = {}
         self._forces = Forces(layout, samples)
         self._series: dict[str, Series] = {}
 
@@ -245,7 +245,7 @@ class Assembled(Ledger):
         """All series of a surface.  Raises KeyError if there is no such surface."""
         if surface not in self._series:
             index = self._layout.effects[surface][0]
-            whole = Whole(self._layout, self._samples, index, forces=self._forces)
+            whole = SurfaceSeries(self._layout, self._samples, index, forces=self._forces)
             self._wholes[surface] = whole
             found = self._reported(surface)
             every = {**found.asperites, **found.blocks}
@@ -298,10 +298,10 @@ class Assembled(Ledger):
         return reported(ledger, field, reservoir, further)
 
     @cached_property
-    def _system(self) -> System:
+    def _system(self) -> SystemSeries:
         for name in self._layout.parts:
             self.of(name)
-        return System(self._layout, self._samples, tuple(self._wholes.values()))
+        return SystemSeries(self._layout, self._samples, tuple(self._wholes.values()))
 
     def at_end(self) -> Ledger:
         """The ledger at the last time alone, from the samples that it needs."""
@@ -310,7 +310,9 @@ class Assembled(Ledger):
         return Assembled(self._layout, samples).rows(slice(-1, None))
 
 
-def series_of(quantities: Mapping[str, Quantity], source: Whole | System, name: str) -> np.ndarray:
+def series_of(
+    quantities: Mapping[str, Quantity], source: SurfaceSeries | SystemSeries, name: str
+) -> np.ndarray:
     """The series of a quantity of a surface or of the system."""
     return quantities[name].of(source)
 

@@ -1,4 +1,4 @@
-"""The motion of a surface's asperites, from raw samples."""
+"""The motion of asperites and their energies, from raw samples."""
 
 from __future__ import annotations
 
@@ -7,49 +7,68 @@ from functools import cached_property
 
 import numpy as np
 
-from tribo.layout.batch import Asperites, Batch
+from tribo.kernels.kinematics import bar_position, bob_position, bob_velocity
 from tribo.layout.layout import Layout
+from tribo.layout.span import Asperites, Span
 from tribo.ledger.samples import Samples
+
+Position = tuple[np.ndarray, np.ndarray]  # x and y
 
 
 class Motion:
-    """The motion of a batch relative to its surface's initial velocity.
+    """The motion of a span, and its energies.
 
-    Every array is (times, asperites), and computed when it is first needed.
+    Every array is (times, asperites), and computed when it is first needed.  The displacements x
+    and y and the velocities vx and vy are relative to the uniform motion with the initial velocity
+    of the surface; positions and velocities are in the laboratory.
+
+    Parameters
+    ----------
+    layout : Layout
+        The scene.
+    span : Span
+        Some asperites of one surface.
+    samples : Samples
+        The raw samples of a run, the first of which is the start of the run.
     """
 
-    def __init__(self, layout: Layout, batch: Batch, samples: Samples) -> None:
-        self._core = layout.core
-        self._asperites = batch.asperites
-        self._present = batch.present
-        self._place = batch.place
-        self._samples = samples
+    def __init__(self, layout: Layout, span: Span, samples: Samples) -> None:
+        self.span = span
+        self.samples = samples
+        self._layout = layout
+
+    def part(self, span: Span) -> Motion:
+        """The same of some of the asperites, with the arrays from which totals are summed."""
+        part = Motion(self._layout, span, self.samples)
+        for name in ("vx", "vy", "moving", "internal"):
+            part.__dict__[name] = getattr(self, name)[:, span.place]
+        return part
 
     @cached_property
     def t(self) -> np.ndarray:
         """The times, (times, 1)."""
-        return self._samples.t[:, None]
+        return self.samples.t[:, None]
 
     @cached_property
     def swing(self) -> np.ndarray:
         """Angle theta from rest."""
-        return self._q[:, self._place]
+        return self._q[:, self.span.place]
 
     @cached_property
     def phi(self) -> np.ndarray:
         """Angle of the bar."""
-        a = self._asperites
+        a = self.span.asperites
         return self._column("dof_phi", self._q, lambda: a.phi + a.nu * self.t)
 
     @cached_property
     def omega(self) -> np.ndarray:
         """Rate of theta."""
-        return self._v[:, self._place]
+        return self._v[:, self.span.place]
 
     @cached_property
     def nu(self) -> np.ndarray:
         """Rate of phi."""
-        return self._column("dof_phi", self._v, lambda: self._asperites.nu)
+        return self._column("dof_phi", self._v, lambda: self.span.asperites.nu)
 
     @cached_property
     def x(self) -> np.ndarray:
@@ -72,33 +91,112 @@ class Motion:
         return self._column("dof_y", self._v) + self._about_pivots[3]
 
     @cached_property
+    def theta(self) -> np.ndarray:
+        """The angle of the pendulum."""
+        return self.swing + np.where(self.span.asperites.facing > 0.0, 0.0, np.pi)
+
+    @cached_property
+    def centre(self) -> Position:
+        """The centre of mass."""
+        a, velocity = self.span.asperites, self.span.velocity
+        x = self._layout.origin[0] + (a.x + velocity[0] * self.t + self.x)
+        y = self._layout.origin[1] + (a.y + velocity[1] * self.t + self.y)
+        return x, y
+
+    @cached_property
+    def velocity(self) -> Position:
+        """The velocity of the centre of mass."""
+        return self.span.velocity[0] + self.vx, self.span.velocity[1] + self.vy
+
+    @cached_property
+    def bob(self) -> Position:
+        """The bob."""
+        return bob_position(*self.centre, self.span.asperites.l1, *self.direction)
+
+    @cached_property
+    def bar(self) -> Position:
+        """The centre of the bar."""
+        return bar_position(*self.centre, self.span.asperites.l2, *self.direction)
+
+    @cached_property
+    def direction(self) -> Position:
+        """The unit vector along which a growing theta moves the bob."""
+        return swing_direction(self.span.asperites.facing, self.swing)
+
+    @cached_property
+    def moving(self) -> np.ndarray:
+        """Kinetic energy of the centre of mass, relative to its uniform motion."""
+        return np.asarray(0.5 * (self.vx**2 + self.vy**2) * self.span.asperites.mass)
+
+    @cached_property
+    def kinetic(self) -> np.ndarray:
+        """Change of the translational kinetic energy."""
+        velocity, mass = self.span.velocity, self.span.asperites.mass
+        kinetic = mass * (velocity[0] * self.vx + velocity[1] * self.vy) + self.moving
+        return self.samples.change(kinetic)
+
+    @property
+    def translation(self) -> np.ndarray:
+        """The translational kinetic energy."""
+        vx, vy = self.velocity
+        return np.asarray(0.5 * self.span.asperites.mass * (vx**2 + vy**2))
+
+    @property
+    def energies(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The kinetic energies of pendulum and bar about their centres, and that of the torsion."""
+        return internal_energies(self.span.asperites, self.omega, self.nu, self.swing - self.phi)
+
+    @cached_property
+    def energy(self) -> np.ndarray:
+        """The internal energy."""
+        swing, bar, spring = self.energies
+        return swing + bar + spring
+
+    @property
+    def swinging(self) -> np.ndarray:
+        """The energy that belongs to the drive: the internal one, on driven bars about the bar."""
+        a = self.span.asperites
+        return np.asarray(self.energy + 0.5 * a.mass * (a.pivot * self.omega) ** 2)
+
+    @cached_property
+    def internal(self) -> np.ndarray:
+        """Change of the internal energy."""
+        return self.samples.change(self.energy)
+
+    def bob_speed(self, frame: np.ndarray) -> np.ndarray:
+        """The speed of the bob in a frame that moves with a velocity (2,), or (2, times)."""
+        (vx, vy), (frame_x, frame_y) = self.velocity, frame[..., None]
+        moving = vx - frame_x, vy - frame_y, self.omega, self.span.asperites.l1
+        return np.asarray(np.hypot(*bob_velocity(*moving, *self.direction)))
+
+    @cached_property
     def _about_pivots(self) -> tuple[np.ndarray | float, ...]:
         """Displacements and velocities of centres of mass about driven bars; else zeros."""
-        if not self._asperites.pivot.any():
+        if not self.span.asperites.pivot.any():
             return 0.0, 0.0, 0.0, 0.0
-        return about_pivots(self._asperites, self.swing, self.omega)
+        return about_pivots(self.span.asperites, self.swing, self.omega)
 
     def _column(
         self, group: str, table: np.ndarray, absent: Callable[[], np.ndarray | float] = float
     ) -> np.ndarray:
         """The columns of a group of slots; the value of `absent` where there is none."""
-        if group in self._present:
-            return columns(getattr(self._asperites, group), table, absent())
-        return np.full((len(table), self._asperites.stride.size), absent())
+        if group in self.span.present:
+            return columns(getattr(self.span.asperites, group), table, absent())
+        return np.full((len(table), self.span.asperites.stride.size), absent())
 
     @property
     def _q(self) -> np.ndarray:
-        return self._samples.y[:, : self._core]
+        return self.samples.y[:, : self._layout.core]
 
     @property
     def _v(self) -> np.ndarray:
-        return self._samples.y[:, self._core :]
+        return self.samples.y[:, self._layout.core :]
 
 
-def motions(layout: Layout, samples: Samples, index: int) -> Iterator[tuple[Batch, Motion]]:
-    """The motion of surface `index`, batch by batch."""
-    for batch in layout.batches[index]:
-        yield batch, Motion(layout, batch, samples)
+def motions(layout: Layout, samples: Samples, index: int) -> Iterator[tuple[Span, Motion]]:
+    """The motion of surface `index`, span by span."""
+    for span in layout.spans[index]:
+        yield span, Motion(layout, span, samples)
 
 
 def about_pivots(
@@ -139,11 +237,3 @@ def internal_energies(
     """1/2 I omega^2, 1/2 i2 nu^2 and 1/2 kappa (theta - rest - phi)^2, each (times, asperites)."""
     a = asperites
     return 0.5 * a.inertia * omega**2, 0.5 * a.i2 * nu**2, 0.5 * a.kappa * torsion**2
-
-
-def internal_energy(
-    asperites: Asperites, omega: np.ndarray, nu: np.ndarray, torsion: np.ndarray
-) -> np.ndarray:
-    """Their sum."""
-    swing, bar, spring = internal_energies(asperites, omega, nu, torsion)
-    return np.asarray(swing + bar + spring)

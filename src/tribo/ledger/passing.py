@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from tribo.layout.layout import Layout
-from tribo.ledger.entry import Entry
+from tribo.ledger.motion import Motion
 from tribo.ledger.samples import Samples
 
 # Part of the bars of a surface that must pass for the surface to count as passed.
@@ -70,5 +70,5 @@ def _beyond(layout: Layout, samples: Samples, mine: int, theirs: int) -> np.ndar
 
 def _heights(layout: Layout, samples: Samples, index: int, point: str) -> np.ndarray:
     """y of the bars or of the bobs of a surface, (times, asperites)."""
-    entries = (Entry(layout, batch, samples) for batch in layout.batches[index])
-    return np.concatenate([getattr(entry, point)[1] for entry in entries], axis=1)
+    moved = (Motion(layout, span, samples) for span in layout.spans[index])
+    return np.concatenate([getattr(motion, point)[1] for motion in moved], axis=1)

@@ -9,9 +9,9 @@ from functools import cache
 import numpy as np
 
 from tribo.kernels.samples import SPRINGS, WITHIN
-from tribo.ledger.entry import Entry
 from tribo.ledger.forces import FORCES
-from tribo.ledger.totals import Group, Linear, System, Whole
+from tribo.ledger.motion import Motion
+from tribo.ledger.totals import AsperiteSeries, Linear, SurfaceSeries, SystemSeries
 
 Table = Mapping[str, np.ndarray]  # quantity -> its series
 
@@ -51,7 +51,7 @@ class Quantity:
         return UNITS[self.kind]
 
 
-def _each(value: Callable[[Entry], np.ndarray]) -> Callable[[Group], np.ndarray]:
+def _each(value: Callable[[Motion], np.ndarray]) -> Callable[[AsperiteSeries], np.ndarray]:
     return lambda group: group.each(value)
 
 
@@ -115,9 +115,9 @@ RESERVOIR_QUANTITIES = {
 OPTIONAL_QUANTITIES = FIELD_QUANTITIES | RESERVOIR_QUANTITIES
 # Of each surface as a whole.
 BLOCK_QUANTITIES = {
-    "W": Quantity("energy", "work of external forces on the surface", Linear(Whole.work)),
+    "W": Quantity("energy", "work of external forces on the surface", Linear(SurfaceSeries.work)),
     "W_ps": Quantity(
-        "energy", "pseudowork of external forces on the surface", Linear(Whole.pseudowork)
+        "energy", "pseudowork of external forces on the surface", Linear(SurfaceSeries.pseudowork)
     ),
     "delta_K": Quantity(
         "energy",
@@ -128,19 +128,21 @@ BLOCK_QUANTITIES = {
         "energy", "change of the surface's internal energy", lambda whole: whole.change_of_internal
     ),
     "friction_work": Quantity(
-        "energy", "work against the contact force at the surface's velocity", Linear(Whole.friction)
+        "energy",
+        "work against the contact force at the surface's velocity",
+        Linear(SurfaceSeries.friction),
     ),
 }
 # Of the whole system.
 SYSTEM_QUANTITIES = {
     "contact_energy": Quantity(
-        "energy", "potential energy of contacts between surfaces", System.contact_energy
+        "energy", "potential energy of contacts between surfaces", SystemSeries.contact_energy
     ),
     "total_energy_change": Quantity(
-        "energy", "change of the total energy", System.change_of_energy
+        "energy", "change of the total energy", SystemSeries.change_of_energy
     ),
     "applied_work": Quantity(
-        "energy", "work of drives, ends, reservoirs and moving fields", Linear(System.applied)
+        "energy", "work of drives, ends, reservoirs and moving fields", Linear(SystemSeries.applied)
     ),
 }
 # Those that have an accuracy.
@@ -152,11 +154,11 @@ def needs_accounts(name: str) -> bool:
     return name in QUANTITIES and isinstance(QUANTITIES[name].of, Linear)
 
 
-def _force(name: str, axis: int) -> Callable[[Whole], np.ndarray]:
+def _force(name: str, axis: int) -> Callable[[SurfaceSeries], np.ndarray]:
     return lambda whole: whole.force(name, axis)
 
 
-def _along_x(*names: str) -> Callable[[Whole], np.ndarray]:
+def _along_x(*names: str) -> Callable[[SurfaceSeries], np.ndarray]:
     return lambda whole: whole.force_along_x(*names)
 
 
@@ -204,7 +206,7 @@ FURTHER_OF_SURFACES = {
 AVERAGED = tuple(name for name, each in FURTHER_OF_SURFACES.items() if each.kind == "force")
 # Of the whole system, likewise.
 FURTHER_OF_SYSTEM = {
-    "field_energy": Quantity("energy", "potential energy in fields", System.field_energy)
+    "field_energy": Quantity("energy", "potential energy in fields", SystemSeries.field_energy)
 }
 # The groups in ``output.series``.
 FURTHER: dict[str, Mapping[str, Quantity]] = {

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from tribo.kernels.records import BARS
-from tribo.layout.batch import Batch
 from tribo.layout.layout import Layout
+from tribo.layout.span import Span
 from tribo.ledger.accounts import FORCES, Accounts
 from tribo.ledger.motion import about_pivots
 
@@ -20,18 +20,18 @@ def add_reactions(layout: Layout, y: np.ndarray, s: np.ndarray, start: np.ndarra
     """
     for index in range(len(layout.parts)):
         if layout.surfaces[index].drive == BARS and layout.surfaces[index].acc_drive >= 0:
-            changes = [_changes(layout, batch, y, start) for batch in layout.batches[index]]
+            changes = [_changes(layout, span, y, start) for span in layout.spans[index]]
             if layout.model.sums is not None:
                 changes = [_in_first_lane(changes, layout.surfaces[index].account_stride)]
-            for batch, change in zip(layout.accounted_batches[index], changes, strict=True):
-                _add(Accounts(batch, s), s, change)
+            for span, change in zip(layout.accounted_spans[index], changes, strict=True):
+                _add(Accounts(span, s), s, change)
 
 
-def _changes(layout: Layout, batch: Batch, y: np.ndarray, start: np.ndarray) -> np.ndarray:
+def _changes(layout: Layout, span: Span, y: np.ndarray, start: np.ndarray) -> np.ndarray:
     """Changes of momentum along x and y and of kinetic energy, (3, times, asperites)."""
-    a = batch.asperites
+    a = span.asperites
     (vx0, vy0), (vx, vy) = (
-        about_pivots(a, each[:, batch.place], each[:, layout.core :][:, batch.place])[2:]
+        about_pivots(a, each[:, span.place], each[:, layout.core :][:, span.place])[2:]
         for each in (start, y)
     )
     kinetic = 0.5 * a.mass * (vx**2 + vy**2 - vx0**2 - vy0**2)
@@ -46,8 +46,8 @@ def _in_first_lane(changes: list[np.ndarray], lanes: int) -> np.ndarray:
 
 
 def _add(forces: Accounts, s: np.ndarray, change: np.ndarray) -> None:
-    """Set the accounts of one batch, from the changes of its momenta and kinetic energy."""
-    a = forces.batch.asperites
+    """Set the accounts of one span, from the changes of its momenta and kinetic energy."""
+    a = forces.span.asperites
     others = [forces[name] for name in FORCES if name != "w2"]
     px, py, kinetic = change
     pseudo = kinetic - sum(f.pseudo for f in others)

@@ -7,7 +7,7 @@ import numpy as np
 from tribo.kernels.samples import BATH, SPRINGS, TORSIONAL, WITHIN
 from tribo.layout.layout import Layout
 from tribo.ledger.ledger import assemble
-from tribo.ledger.motion import internal_energy, motions
+from tribo.ledger.motion import motions
 from tribo.ledger.quantities import Table
 from tribo.ledger.samples import Samples
 
@@ -74,9 +74,8 @@ def _energy(layout: Layout, samples: Samples) -> np.ndarray:
     stores = samples.stored[:, :, [SPRINGS, BATH, TORSIONAL, WITHIN]]
     energy = np.sum(np.abs(stores), axis=(1, 2)) + np.abs(samples.contact) + np.abs(samples.field)
     for index in surfaces:
-        for batch, m in motions(layout, samples, index):
-            vx, vy = batch.velocity - mean[..., None]
+        for span, m in motions(layout, samples, index):
+            vx, vy = span.velocity - mean[..., None]
             moving = 0.5 * ((m.vx + vx) ** 2 + (m.vy + vy) ** 2)
-            internal = internal_energy(batch.asperites, m.omega, m.nu, m.swing - m.phi)
-            energy = energy + np.sum(moving * batch.asperites.mass + internal, axis=1)
+            energy = energy + np.sum(moving * span.asperites.mass + m.energy, axis=1)
     return np.asarray(energy)

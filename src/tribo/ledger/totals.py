@@ -17,11 +17,11 @@ from tribo.kernels.samples import (
     TORSIONAL,
     WITHIN,
 )
-from tribo.layout.batch import Batch
 from tribo.layout.layout import Layout
+from tribo.layout.span import Span
 from tribo.ledger.accounts import APPLIED, EXTERNAL, Account, Integrals, Part, accounted
-from tribo.ledger.entry import Entry
 from tribo.ledger.forces import Forces
+from tribo.ledger.motion import Motion
 from tribo.ledger.samples import Samples
 from tribo.ledger.separation import without_contact
 
@@ -29,7 +29,7 @@ from tribo.ledger.separation import without_contact
 _with_infinities = np.errstate(over="ignore", invalid="ignore")
 
 
-class Group:
+class AsperiteSeries:
     """Some asperites.
 
     Parameters
@@ -38,36 +38,36 @@ class Group:
         The scene.
     samples : Samples
         The raw samples of a run, the first of which is the start of the run.
-    batches : tuple of Batch
+    spans : tuple of Span
         The asperites.
 
     Attributes
     ----------
-    samples, batches
+    samples, spans
         As given.
     """
 
-    def __init__(self, layout: Layout, samples: Samples, batches: tuple[Batch, ...]) -> None:
+    def __init__(self, layout: Layout, samples: Samples, spans: tuple[Span, ...]) -> None:
         self._layout = layout
         self.samples = samples
-        self.batches = batches
+        self.spans = spans
 
     @cached_property
-    def entries(self) -> tuple[Entry, ...]:
-        """The motion of the asperites, batch by batch."""
-        return tuple(Entry(self._layout, batch, self.samples) for batch in self.batches)
+    def motions(self) -> tuple[Motion, ...]:
+        """The motion of the asperites, span by span."""
+        return tuple(Motion(self._layout, span, self.samples) for span in self.spans)
 
     @_with_infinities
-    def each(self, value: Callable[[Entry], np.ndarray]) -> np.ndarray:
+    def each(self, value: Callable[[Motion], np.ndarray]) -> np.ndarray:
         """A quantity of all asperites, (times, asperites)."""
-        return _side_by_side([value(entry) for entry in self.entries])
+        return _side_by_side([value(motion) for motion in self.motions])
 
     def accounted(self, integrals: Integrals, name: str) -> np.ndarray:
         """A work, a pseudowork or the heat of all asperites, (times, asperites)."""
-        return _side_by_side([accounted(integrals.of(batch), name) for batch in self.batches])
+        return _side_by_side([accounted(integrals.of(span), name) for span in self.spans])
 
 
-class Whole(Group):
+class SurfaceSeries(AsperiteSeries):
     """A surface: its asperites, and sums over them; V is the velocity of its centre of all masses.
 
     Parameters
@@ -78,7 +78,7 @@ class Whole(Group):
         The raw samples of a run, the first of which is the start of the run.
     index : int
         Of the surface.
-    among : Entry, optional
+    among : Motion, optional
         The motion of all asperites, if it is known.
     forces : Forces, optional
         The forces on all asperites, where they are reported.
@@ -89,24 +89,24 @@ class Whole(Group):
         layout: Layout,
         samples: Samples,
         index: int,
-        among: Entry | None = None,
+        among: Motion | None = None,
         forces: Forces | None = None,
     ) -> None:
-        super().__init__(layout, samples, layout.batches[index])
+        super().__init__(layout, samples, layout.spans[index])
         self._index = index
         self._among = among
         self._forces = forces
 
     @cached_property
-    def entries(self) -> tuple[Entry, ...]:
-        """The motion of the asperites, batch by batch."""
+    def motions(self) -> tuple[Motion, ...]:
+        """The motion of the asperites, span by span."""
         if self._among is None:
-            return super().entries
-        return tuple(self._among.part(batch) for batch in self.batches)
+            return super().motions
+        return tuple(self._among.part(span) for span in self.spans)
 
     def summed(self, integrals: Integrals, name: str) -> np.ndarray:
         """The sum over the asperites of a work, a pseudowork or the heat."""
-        every = (integrals.of(batch) for batch in self._accounted)
+        every = (integrals.of(span) for span in self._accounted)
         return _sum(accounted(each, name) for each in every)
 
     def work(self, integrals: Integrals) -> np.ndarray:
@@ -151,7 +151,7 @@ class Whole(Group):
         """A force on each asperite along x or y, axis 0 or 1, (times, asperites)."""
         assert self._forces is not None
         forces, index = self._forces, self._index
-        return _side_by_side([forces.of(entry, index, name, axis) for entry in self.entries])
+        return _side_by_side([forces.of(motion, index, name, axis) for motion in self.motions])
 
     def force_along_x(self, *names: str) -> np.ndarray:
         """The x component of the sum of some forces on all asperites."""
@@ -221,9 +221,9 @@ class Whole(Group):
         return self._layout.mass_of(self._index)
 
     @property
-    def _accounted(self) -> tuple[Batch, ...]:
+    def _accounted(self) -> tuple[Span, ...]:
         """The asperites, or lanes that stand for their sums, with accounts."""
-        return self._layout.accounted_batches[self._index]
+        return self._layout.accounted_spans[self._index]
 
     @property
     def _stored(self) -> np.ndarray:
@@ -233,8 +233,8 @@ class Whole(Group):
     def _lag(self) -> tuple[np.ndarray, np.ndarray]:
         """The velocity V in the surface's first frame."""
         mass, stored = self._mass, self._stored
-        px = self._total(lambda e: e.vx * e.batch.asperites.mass) + stored[:, MOMENTUM_X]
-        py = self._total(lambda e: e.vy * e.batch.asperites.mass) + stored[:, MOMENTUM_Y]
+        px = self._total(lambda e: e.vx * e.span.asperites.mass) + stored[:, MOMENTUM_X]
+        py = self._total(lambda e: e.vy * e.span.asperites.mass) + stored[:, MOMENTUM_Y]
         return px / mass, py / mass
 
     @cached_property
@@ -250,17 +250,17 @@ class Whole(Group):
         part: Callable[[Account, np.ndarray], Part],
     ) -> np.ndarray:
         """A part of the accounts of some forces."""
-        every = [integrals.of(batch) for batch in self._accounted]
+        every = [integrals.of(span) for span in self._accounted]
         return _sum(
-            each.whole(sum(part(each[name], each.batch.velocity) for name in names))
+            each.whole(sum(part(each[name], each.span.velocity) for name in names))
             for each in every
         )
 
-    def _total(self, value: Callable[[Entry], np.ndarray]) -> np.ndarray:
-        return _sum(map(value, self.entries))
+    def _total(self, value: Callable[[Motion], np.ndarray]) -> np.ndarray:
+        return _sum(map(value, self.motions))
 
 
-class System:
+class SystemSeries:
     """The whole system.
 
     Parameters
@@ -269,21 +269,21 @@ class System:
         The scene.
     samples : Samples
         The raw samples of a run, the first of which is the start of the run.
-    wholes : tuple of Whole
+    wholes : tuple of SurfaceSeries
         Its surfaces.
 
     Attributes
     ----------
     samples
         As given.
-    batches : tuple
-        Empty: the system is no batch of asperites.
+    spans : tuple
+        Empty: the system is no span of asperites.
     """
 
-    def __init__(self, layout: Layout, samples: Samples, wholes: tuple[Whole, ...]) -> None:
+    def __init__(self, layout: Layout, samples: Samples, wholes: tuple[SurfaceSeries, ...]) -> None:
         self._layout = layout
         self.samples = samples
-        self.batches: tuple[Batch, ...] = ()
+        self.spans: tuple[Span, ...] = ()
         self._wholes = wholes
 
     def contact_energy(self) -> np.ndarray:
@@ -320,14 +320,14 @@ class Linear:
     def __init__(self, value: Callable[..., np.ndarray]) -> None:
         self.value = value
 
-    def __call__(self, source: Group | System) -> np.ndarray:
+    def __call__(self, source: AsperiteSeries | SystemSeries) -> np.ndarray:
         """Its series, from the samples of its surface or of the system."""
-        key = source.batches, self
+        key = source.spans, self
         return source.samples.linear(key, lambda s: self.value(source, Integrals(s)))
 
 
 def _side_by_side(series: list[np.ndarray]) -> np.ndarray:
-    """The series of all asperites, from those of the batches."""
+    """The series of all asperites, from those of the spans."""
     return series[0] if len(series) == 1 else np.concatenate(series, axis=1)
 
 

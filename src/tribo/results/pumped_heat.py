@@ -60,10 +60,10 @@ def _works(layout: Layout, samples: Samples) -> tuple[np.ndarray, np.ndarray]:
     """The work of all drives, and friction times distance, minus the sum of V . J1; (times,)."""
     work, friction = np.zeros(samples.t.size), np.zeros(samples.t.size)
     integrals = Integrals(samples.s)
-    for batch in (batch for batches in layout.accounted_batches for batch in batches):
-        accounts = integrals.of(batch)
-        work += np.sum(accounts.whole(Account.work(accounts["w2"], batch.velocity)), axis=1)
-        along = accounts.whole(Account.boost(accounts["w1"], batch.velocity))
+    for span in (span for spans in layout.accounted_spans for span in spans):
+        accounts = integrals.of(span)
+        work += np.sum(accounts.whole(Account.work(accounts["w2"], span.velocity)), axis=1)
+        along = accounts.whole(Account.boost(accounts["w1"], span.velocity))
         friction -= np.sum(along, axis=1)
     return work, friction
 

@@ -1,4 +1,4 @@
-"""The asperites of each surface as a ledger reads them, batch by batch."""
+"""The asperites of each surface as a ledger reads them, span by span."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ import numpy as np
 from tribo.kernels.records import FORCED
 from tribo.layout.force_records import Records
 
-# Asperites of a batch: more of them would make the temporary arrays of a ledger large.
-BATCH_SIZE = 50_000
+# Asperites of a span: more of them would make the temporary arrays of a ledger large.
+SPAN_SIZE = 50_000
 
 Asperites = SimpleNamespace  # the fields of kernels.records.ASPERITE, each an array (asperites,)
 
 
 @dataclass(frozen=True, eq=False)
-class Batch:
+class Span:
     """Some consecutive asperites.
 
     Attributes
@@ -53,18 +53,18 @@ class Batch:
         return self._consecutive[group]
 
 
-def batches_of(whole: Batch, part: slice) -> tuple[Batch, ...]:
-    """Consecutive asperites among all, at most BATCH_SIZE at a time."""
-    starts = range(part.start, part.stop, BATCH_SIZE)
-    return tuple(_some(whole, slice(k, min(k + BATCH_SIZE, part.stop))) for k in starts)
+def spans_of(whole: Span, part: slice) -> tuple[Span, ...]:
+    """Consecutive asperites among all, at most SPAN_SIZE at a time."""
+    starts = range(part.start, part.stop, SPAN_SIZE)
+    return tuple(_some(whole, slice(k, min(k + SPAN_SIZE, part.stop))) for k in starts)
 
 
-def batch_of(records: Records, surfaces: Records, velocity: np.ndarray) -> Batch:
+def span_of(records: Records, surfaces: Records, velocity: np.ndarray) -> Span:
     """All asperites, whose initial velocities are `velocity` (asperites, 2)."""
     mine, names = records["surface"], records.dtype.names or ()
     # Attributes of records take microseconds.
     asperites = Asperites(**{name: np.asarray(records[name]) for name in names})
-    return Batch(
+    return Span(
         place=slice(0, records.size),
         asperites=asperites,
         velocity=velocity.T.copy(),
@@ -74,10 +74,10 @@ def batch_of(records: Records, surfaces: Records, velocity: np.ndarray) -> Batch
     )
 
 
-def _some(whole: Batch, place: slice) -> Batch:
+def _some(whole: Span, place: slice) -> Span:
     parts = {name: each[..., place] for name, each in vars(whole.asperites).items()}
     asperites = Asperites(**parts)
-    return Batch(
+    return Span(
         place,
         asperites,
         whole.velocity[..., place],
