@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from importlib import import_module
 from itertools import pairwise
 from types import SimpleNamespace
 
@@ -161,6 +162,32 @@ def test_finished_runs_survive_an_interrupt(interrupted, tmp_path, capsys):
     interrupts.report()  # as before the second method was compiled
     table = json.loads(capsys.readouterr().out)
     assert len(table["rows"]) == 2 and table["status"] == "Interrupted"
+
+
+def test_an_interrupt_ends_a_script(interrupted):
+    """The interrupt goes on, with the runs that ended before it."""
+    scene = tribo.Scene((tribo.Surface("upper"),), (), 1.0)
+    with pytest.raises(interrupts.Interrupted) as caught:
+        work_precision(scene, ["rkn8", "rk4"])
+    found = caught.value.result
+    assert len(found.rows) == 3 and found.status == "Interrupted"
+
+
+def test_an_interrupt_ends_means_in_a_script(monkeypatch):
+    """Likewise, with the ensembles that ended before it."""
+    ended = []
+
+    def ensemble(scene, members, **settings):
+        if ended:
+            raise KeyboardInterrupt
+        ended.append(members)
+        return tribo.ensemble(scene, members, **settings)
+
+    monkeypatch.setattr(import_module("tribo.work_precision.means"), "ensemble", ensemble)
+    with pytest.raises(interrupts.Interrupted) as caught:
+        means_precision(noisy())
+    found = caught.value.result
+    assert len(found.rows) == 1 and found.status == "Interrupted"
 
 
 def test_a_run_that_is_interrupted_ends_its_method(monkeypatch):

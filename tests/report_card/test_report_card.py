@@ -6,6 +6,7 @@ other properties must pass.
 
 import json
 import shlex
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tribo.commands.cli import main
+from tribo.kernels.status import Status
 from tribo.potentials import (
     BUILT_IN,
     LennardJones,
@@ -24,7 +26,7 @@ from tribo.potentials import (
 from tribo.potentials.cutoff import AT_CUTOFF
 from tribo.potentials.expression import is_expression
 from tribo.potentials.tables import MADE, from_table
-from tribo.report_card import check
+from tribo.report_card import check, motion
 from tribo.report_card.agreement import check_agreement
 from tribo.report_card.derivatives import check_force, curves, derivative
 from tribo.report_card.invariances import check_laws, check_work
@@ -322,7 +324,7 @@ import sys
 from pathlib import Path
 from tribo.plugins import sources
 from tribo.potentials.tables import from_table
-from tribo.report_card import check
+from tribo.report_card import check, motion
 from tribo.report_card.agreement import check_agreement
 from tribo.report_card.scan import PotentialScan
 if sys.argv[2] == "wrong":
@@ -584,3 +586,13 @@ def test_broken_laws(law, name, monkeypatch):
     monkeypatch.setattr(scan, "probe", lambda places, charges: law(places, *right(places, charges)))
     lines = {line.name: line for line in [*check_laws(scan), *check_work(scan)]}
     assert not lines[name].passed
+
+
+def test_an_interrupt_ends_the_check(monkeypatch):
+    """A run that Ctrl-C ends is not a check that failed."""
+    series = dict.fromkeys(("total_energy_change", "applied_work", "contact_energy"), np.zeros(2))
+    ended = SimpleNamespace(status=Status.INTERRUPTED, system=series)
+    stand_in = SimpleNamespace(compute=lambda: ended)
+    monkeypatch.setattr(motion, "prepare", lambda *given, **settings: stand_in)
+    with pytest.raises(KeyboardInterrupt):
+        check(LennardJones(1.0, 1.0))

@@ -44,7 +44,7 @@ def _sums() -> tuple[tuple[str, ...], np.ndarray]:
     members = {name: _members((name,), 0) for name in FORCES}
     members |= {f"{name}_ps": _members((name,), 1) for name in FORCES}
     members |= {"w": _members(every, 0), "w_ps": _members(every, 1)}
-    members |= {"heat": [about, pseudo, TERMS - 2, TERMS - 1]}
+    members |= {"heat": [about, pseudo, TERMS - 2, TERMS - 1], "heat_swing": [about]}
     members |= {"friction_work": _members(("w1",), 2)}
     members |= {"external": _members(EXTERNAL, 0), "applied": _members(APPLIED, 0)}
     table = np.zeros((TERMS, len(members)))

@@ -79,7 +79,7 @@ def _other_energies(layout: Layout, bobs: Closest) -> float:
         surface = layout.scene.surfaces[k]
         drive = surface.drive
         energies += [abs(drive.load or 0.0) * rod, surface.bath.temperature]
-        energies.append(surface.langevin.temperature if surface.langevin else 0.0)
+        energies += [each.temperature for each in surface.reservoirs]
         energies.append(0.5 * drive.stiffness * rod**2 if isinstance(drive, Pulled) else 0.0)
     return max(energies)
 

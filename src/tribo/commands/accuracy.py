@@ -7,7 +7,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from tribo.commands.scene_options import check_figure, load_with_values
-from tribo.interrupts import COMPLETED, STOPPED, report_by
+from tribo.interrupts import COMPLETED, STOPPED, also_in_part, report_by
 from tribo.validation import InputError
 
 if TYPE_CHECKING:
@@ -30,12 +30,11 @@ def run_accuracy(options: argparse.Namespace) -> int:
         for option in ("methods", "figure"):
             if getattr(options, option) is not None:
                 raise InputError(f"--{option}", "cannot go with a scene that has thermal noise")
-        found = means_precision(scene, observables, options.seconds, report)
+        found = also_in_part(means_precision, scene, observables, options.seconds, report)
     else:
         progress = (lambda name: print(name, file=sys.stderr)) if sys.stderr.isatty() else None
-        found = work_precision(
-            scene, options.methods, observables, options.seconds, progress, report
-        )
+        settings = options.methods, observables, options.seconds, progress, report
+        found = also_in_part(work_precision, scene, *settings)
         if options.figure is not None and found.rows:
             found.save_figure(options.figure)
     print(found.to_json() if options.json else found)

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from tribo.ensembles.swing_states import JointStart, SwingStates, joint_starts
 from tribo.integrators.methods import noisy
 from tribo.model.initial import UNITS, UNITS_OF_DISPLACEMENTS
-from tribo.model.parameters import PARTS, is_parameter, with_values
+from tribo.model.parameters import is_parameter, with_values
 from tribo.model.scene import Scene
 from tribo.validation import LARGEST_NUMBER, InputError, inside, is_list, short_repr
 
@@ -73,11 +73,10 @@ class Members(NamedTuple):
 
 def values_at_start(values: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Initial angles and their rates alone."""
-    parts = tuple(f".{part}" for part in PARTS)  # a reservoir has a temperature too
 
     def is_initial(key: str) -> bool:
         of, _, name = key.rpartition(".")
-        return name in UNITS and not of.endswith(parts)
+        return name in UNITS and "." not in of  # a reservoir has a temperature too
 
     return {key: v for key, v in values.items() if is_initial(key)}
 

@@ -100,7 +100,7 @@ def sum_names(scene: Scene) -> list[str]:
     names = []
     for surface in scene.surfaces:
         fields = any(surface.name in item.on for item in scene.fields)
-        kinds = WORKS + ("w_field",) * fields + ("w_T", "heat") * bool(surface.langevin)
+        kinds = WORKS + ("w_field",) * fields + ("w_T", "heat") * bool(surface.reservoirs)
         names += [f"{surface.name}.{kind}" for kind in kinds]
     return _kept(scene, names)
 

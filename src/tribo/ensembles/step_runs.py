@@ -85,6 +85,7 @@ class StepRuns:
         layout, step = self.simulation.layout, self.simulation.plan.setting
         if self.simulation.method.splits:
             assert isinstance(step, float)
-            rows = (OF_MEMBERS.index(name) for name in ("gamma", "swing_gamma", "temperature"))
+            names = ("gamma", "swing_gamma", "temperature", "swing_temperature")
+            rows = (OF_MEMBERS.index(name) for name in names)
             numbers = (own.of_surfaces[..., row] for row in rows)
             check_damped_step(longest_damped_step(layout, *numbers), step)

@@ -256,7 +256,7 @@ for _method in METHODS.values():
 
 def noisy(scene: Scene) -> bool:
     """Whether the scene has thermal noise."""
-    return any(s.langevin and s.langevin.temperature > 0.0 for s in scene.surfaces)
+    return any(each.temperature > 0.0 for s in scene.surfaces for each in s.reservoirs)
 
 
 def refusal(method: Method, scene: Scene) -> str | None:

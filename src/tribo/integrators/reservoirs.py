@@ -18,18 +18,22 @@ from tribo.compiler.lanes_memory import add_block, block, set_block
 from tribo.compiler.numbers_in_lanes import add_numbers
 from tribo.integrators.bar_pushes import push_bars
 from tribo.integrators.jumps import set_jump
+from tribo.integrators.two_reservoirs import damped_arc
 from tribo.kernels.blocks import column_of_constants, is_fixed, own_number
 from tribo.kernels.equations_of_motion import bar_angles, velocities_of_bars
-from tribo.kernels.langevin import damped_motion, fours_of_normals, pairs_of_normals
+from tribo.kernels.langevin import damped_motion, normals
 from tribo.kernels.powers import momentum, place_of
 from tribo.kernels.records import (
     FREQUENCY,
+    INERTIA,
     INVERSE_INERTIA,
     INVERSE_MASS,
     KAPPA,
     L2,
+    MASS,
     OWN_GAMMA,
     OWN_SWING_GAMMA,
+    OWN_SWING_TEMPERATURE,
     OWN_TEMPERATURE,
     PRESENT,
     TX,
@@ -57,8 +61,8 @@ def torsion_gains(model, s, i, t, tau, q):
 
 
 @inlined
-def damp_block(model, s, i, reservoirs, t, q, v, accounts, noise):
-    """Friction and noise on a block of bars, along their arcs and across."""
+def damp_block(model, swing_friction, s, i, reservoirs, t, q, v, accounts, noise):
+    """Friction and noise on a block of bars, along their arcs and across; on their swings too."""
     a, c, tau = model.constants, column_of_constants(s, i), reservoirs.tau
     tx = block(model.bobs[TX], i)
     ty = block(model.bobs[TY], i)
@@ -69,23 +73,70 @@ def damp_block(model, s, i, reservoirs, t, q, v, accounts, noise):
     y = vy - s.reservoir_y
     across = block(a[INVERSE_MASS], c)
     lever = block(a[L2], c)
-    arc = across + lever * lever * block(a[INVERSE_INERTIA], c)
-    first, second, third, fourth = fours_of_normals(noise, s.temperature, min(LANES, s.end - i))
+    count, omega = min(LANES, s.end - i), block(v, i)
+    warmest, each = max(s.temperature, s.swing_temperature), 6 if s.swing_gamma > 0.0 else 4
+    first, second, third, fourth, fifth, sixth = normals(noise, warmest, count, each)
     gamma = own_number(model.own, OWN_GAMMA, s.gamma, i)
     heat = own_number(model.own, OWN_TEMPERATURE, s.temperature, i)
-    gain = tx * gain_x + ty * gain_y - lever * torsion_gains(model, s, i, t, tau, q)
-    along, far = damped_motion(gamma, heat, arc, tx * x + ty * y, gain, tau, first, second)
-    omega = block(v, i)
+    present = block(model.each[PRESENT], i)
+    slip, gain = tx * x + ty * y, tx * gain_x + ty * gain_y
+    turn_gain = torsion_gains(model, s, i, t, tau, q)
+    turning = broadcast(0.0)
+    given = turning
+    if is_present(swing_friction, s):
+        # Of the centre of mass, and of the swing.
+        turn_gain = turn_gain + 2.0 * (omega - block(reservoirs.before, i))
+        gain = gain + 2.0 * lever * (omega - block(reservoirs.before, i))
+        along, turning, far, turn, given = damped_arc(
+            gamma * across,
+            own_number(model.own, OWN_SWING_GAMMA, s.swing_gamma, i) * block(a[INVERSE_INERTIA], c),
+            (heat, own_number(model.own, OWN_SWING_TEMPERATURE, s.swing_temperature, i)),
+            (block(a[MASS], c), block(a[INERTIA], c)),
+            lever,
+            (slip + lever * omega, omega),
+            (gain, turn_gain),
+            tau,
+            (first, second, fifth, sixth),
+        )
+    else:
+        arc = across + lever * lever * block(a[INVERSE_INERTIA], c)
+        gain = gain - lever * turn_gain
+        along, far = damped_motion(gamma, heat, arc, slip, gain, tau, first, second)
+        # A jump has the directions of the momentum that would cause it.
+        turn = 0.0 - lever * (far / arc) * block(a[INVERSE_INERTIA], c)
+        far = across * (far / arc)
     gain = tx * gain_y - ty * gain_x - tau * lever * omega * omega  # the arc is curved
     side, aside = damped_motion(gamma, heat, across, tx * y - ty * x, gain, tau, third, fourth)
-    present = block(model.each[PRESENT], i)
     px, py = present * (along * tx - side * ty), present * (along * ty + side * tx)
     push_bars(model, s, i, px, py, v, accounts, s.acc_thermal)
-    # A jump has the directions of the momentum that would cause it.
-    along, side = present * far / arc, present * aside / across
-    turn = 0.0 - lever * along * block(a[INVERSE_INERTIA], c)
-    x, y = across * (along * tx - side * ty), across * (along * ty + side * tx)
+    if is_present(swing_friction, s):
+        turn_swings(model, s, i, present * turning, present * given, v, accounts)
+    turn, far, aside = present * turn, present * far, present * aside
+    x, y = far * tx - aside * ty, far * ty + aside * tx
     set_jump(model, s, i, t, q, turn, x, y, reservoirs.jumps, accounts)
+
+
+@inlined
+def is_present(swing_friction, s):
+    """Whether a surface with a reservoir at its bars has one on its swings too."""
+    if swing_friction is None:
+        return False
+    return s.swing_gamma > 0.0
+
+
+@inlined
+def turn_swings(model, s, i, turning, given, v, accounts):
+    """Give angular momenta to a block of swings, bars at rest, and `given` heat to the reservoir.
+
+    What the angular momenta do in addition to this heat is the bars' reservoir's.
+    """
+    omega = block(v, i)
+    now = omega + turning * block(model.constants[INVERSE_INERTIA], column_of_constants(s, i))
+    set_block(v, i, now)
+    if s.acc_swing >= 0:
+        add_block(accounts, place_of(s, s.acc_swing, i), 0.0 - given)
+        rest = turning * (0.5 * (omega + now)) + given
+        add_block(accounts, place_of(s, s.acc_thermal + 2 * s.account_stride, i), rest)
 
 
 @kernel
@@ -98,7 +149,7 @@ def damp_bars(model, friction, reservoirs, t, q, v, accounts, noise):
                 continue
             before_x, before_y = momentum(model, s, v)
             for i in range(s.start, s.stop, LANES):
-                damp_block(model, s, i, reservoirs, t, q, v, accounts, noise)
+                damp_block(model, model.swing_friction, s, i, reservoirs, t, q, v, accounts, noise)
             after_x, after_y = momentum(model, s, v)
             px = after_x - before_x
             py = after_y - before_y
@@ -109,17 +160,18 @@ def damp_bars(model, friction, reservoirs, t, q, v, accounts, noise):
 
 @kernel
 def damp_swings(model, swing_friction, reservoirs, t, q, v, accounts, noise):
-    """Friction and noise on the swings of all surfaces that have a reservoir there."""
+    """Friction and noise on the swings of all surfaces that have no other reservoir."""
     if swing_friction is not None:
         a, tau, zero = model.constants, reservoirs.tau, broadcast(0.0)
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
-            if s.swing_gamma > 0.0:
+            if s.swing_gamma > 0.0 and s.gamma == 0.0:
                 for i in range(s.start, s.stop, LANES):
                     gamma = own_number(model.own, OWN_SWING_GAMMA, s.swing_gamma, i)
-                    heat = own_number(model.own, OWN_TEMPERATURE, s.temperature, i)
+                    heat = own_number(model.own, OWN_SWING_TEMPERATURE, s.swing_temperature, i)
                     mobility = block(a[INVERSE_INERTIA], column_of_constants(s, i))
-                    one, other = pairs_of_normals(noise, s.temperature, min(LANES, s.end - i))
+                    count = min(LANES, s.end - i)
+                    one, other, _, _, _, _ = normals(noise, s.swing_temperature, count, 2)
                     omega = block(v, i)
                     gain = 2.0 * (omega - block(reservoirs.before, i))
                     gain = gain + torsion_gains(model, s, i, t, tau, q)

@@ -24,7 +24,7 @@ from tribo.kernels.blocks import (
 )
 from tribo.kernels.contact import block_of, distance_of, first_candidate, row_of
 from tribo.kernels.neighbours import is_partner, partner_species
-from tribo.kernels.records import CHARGE, OWN_TEMPERATURE
+from tribo.kernels.records import CHARGE, OWN_SWING_TEMPERATURE, OWN_TEMPERATURE
 
 # With noise, an encounter can matter if at some distance up to the present one, of this many that
 # are evenly spaced, the potential energy exceeds this fraction of k_B T.  The first is a sixteenth:
@@ -46,10 +46,10 @@ class Encounter(NamedTuple):
 
 @inlined
 def temperature_of(own, s, i):
-    """That of a surface's reservoir, or where members differ in it, of the member of column i."""
+    """The largest of a surface's reservoirs, of the member of column i where members differ."""
     if own is None:
-        return s.temperature
-    return own[OWN_TEMPERATURE, i]
+        return max(s.temperature, s.swing_temperature)
+    return max(own[OWN_TEMPERATURE, i], own[OWN_SWING_TEMPERATURE, i])
 
 
 @kernel

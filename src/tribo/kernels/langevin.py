@@ -94,30 +94,25 @@ def damped_motion(gamma, temperature, mobility, velocity, gain, tau, one, other)
     return change / mobility, tau * (travel - velocity - 0.5 * change)
 
 
-def pairs_of_normals(noise, temperature, count):
-    """Two normal deviates for each of the first asperites of a block; 0 where none is needed.
+def normals(noise, temperature, count, each):
+    """Six normal deviates for each of the first `count` asperites of a block.
 
-    Those of one asperite come after those of another.
+    Only `each` of them are drawn, 2, 4 or 6; the others are 0, and all where no noise acts.  Those
+    of one asperite come after those of another.
     """
-    one, other = broadcast(0.0), broadcast(0.0)
+    first, second, third = broadcast(0.0), broadcast(0.0), broadcast(0.0)
+    fourth, fifth, sixth = broadcast(0.0), broadcast(0.0), broadcast(0.0)
     if temperature > 0.0:
         for i in range(count):
-            one = with_lane(one, i, noise.standard_normal())
-            other = with_lane(other, i, noise.standard_normal())
-    return one, other
-
-
-def fours_of_normals(noise, temperature, count):
-    """Four of them for each."""
-    one, other = broadcast(0.0), broadcast(0.0)
-    third, fourth = broadcast(0.0), broadcast(0.0)
-    if temperature > 0.0:
-        for i in range(count):
-            one = with_lane(one, i, noise.standard_normal())
-            other = with_lane(other, i, noise.standard_normal())
-            third = with_lane(third, i, noise.standard_normal())
-            fourth = with_lane(fourth, i, noise.standard_normal())
-    return one, other, third, fourth
+            first = with_lane(first, i, noise.standard_normal())
+            second = with_lane(second, i, noise.standard_normal())
+            if each > 2:
+                third = with_lane(third, i, noise.standard_normal())
+                fourth = with_lane(fourth, i, noise.standard_normal())
+            if each > 4:
+                fifth = with_lane(fifth, i, noise.standard_normal())
+                sixth = with_lane(sixth, i, noise.standard_normal())
+    return first, second, third, fourth, fifth, sixth
 
 
 @inlined
@@ -128,35 +123,22 @@ def next_row(noise):
     return block(noise.numbers[place], 0)
 
 
-def _pairs_of_normals_of_members(noise, temperature, count):
-    one, other = broadcast(0.0), broadcast(0.0)
+def _normals_of_members(noise, temperature, count, each):
+    first, second, third = broadcast(0.0), broadcast(0.0), broadcast(0.0)
+    fourth, fifth, sixth = broadcast(0.0), broadcast(0.0), broadcast(0.0)
     if temperature > 0.0:
-        one = next_row(noise)
-        other = next_row(noise)
-    return one, other
-
-
-def _fours_of_normals_of_members(noise, temperature, count):
-    one, other = broadcast(0.0), broadcast(0.0)
-    third, fourth = broadcast(0.0), broadcast(0.0)
-    if temperature > 0.0:
-        one = next_row(noise)
-        other = next_row(noise)
-        third = next_row(noise)
-        fourth = next_row(noise)
-    return one, other, third, fourth
+        first, second = next_row(noise), next_row(noise)
+        if each > 2:
+            third, fourth = next_row(noise), next_row(noise)
+        if each > 4:
+            fifth, sixth = next_row(noise), next_row(noise)
+    return first, second, third, fourth, fifth, sixth
 
 
 _options: dict[str, Any] = {"jit_options": KERNEL}
 
 
-def _find(function: Any, of_members: Any) -> None:
-    """Let kernels call a function with a generator, or `of_members` with Deviates."""
-
-    @overload(function, **_options)
-    def find(noise, temperature, count):
-        return of_members if isinstance(noise, types.BaseNamedTuple) else function
-
-
-_find(pairs_of_normals, _pairs_of_normals_of_members)
-_find(fours_of_normals, _fours_of_normals_of_members)
+@overload(normals, **_options)
+def _normals(noise, temperature, count, each):
+    """Let kernels call `normals` with a generator, or with Deviates."""
+    return _normals_of_members if isinstance(noise, types.BaseNamedTuple) else normals

@@ -127,7 +127,8 @@ SURFACE = np.dtype(
         ("first_torsional", "i8"),
         ("gamma", "f8"),  # Langevin damping of every bar, 0 if there is none
         ("swing_gamma", "f8"),  # the same of every swing
-        ("temperature", "f8"),  # of the Langevin reservoir
+        ("temperature", "f8"),  # of the Langevin reservoir at the bars
+        ("swing_temperature", "f8"),  # of that on the swings
         ("reservoir_x", "f8"),  # its velocity, relative to the surface's initial one
         ("reservoir_y", "f8"),
         ("dof_x", "i8"),  # slots of its first asperite, as in ASPERITE; -1 if absent
@@ -154,7 +155,17 @@ SURFACE = np.dtype(
 
 # Numbers of surfaces in which members of an ensemble may differ, and their rows of a table that has
 # a column for each asperite of each member.
-OF_MEMBERS = ("vx", "vy", "load", "stiffness", "speed", "gamma", "swing_gamma", "temperature")
+OF_MEMBERS = (
+    "vx",
+    "vy",
+    "load",
+    "stiffness",
+    "speed",
+    "gamma",
+    "swing_gamma",
+    "temperature",
+    "swing_temperature",
+)
 (
     OWN_VX,
     OWN_VY,
@@ -164,7 +175,8 @@ OF_MEMBERS = ("vx", "vy", "load", "stiffness", "speed", "gamma", "swing_gamma", 
     OWN_GAMMA,
     OWN_SWING_GAMMA,
     OWN_TEMPERATURE,
-) = range(8)
+    OWN_SWING_TEMPERATURE,
+) = range(len(OF_MEMBERS))
 
 # Rows of the table of bobs, one column a bob.  (TX, TY) is the unit vector along which a growing
 # theta moves the bob, and (FX, FY) the contact force f1.

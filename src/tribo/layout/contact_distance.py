@@ -63,5 +63,4 @@ def _torsion(surfaces: list[Surface]) -> float:
 
 def _temperature(surface: Surface) -> float:
     """The largest temperature of a surface's reservoirs and baths, times k_B."""
-    reservoirs = (surface.bar_reservoir, surface.swing_reservoir)
-    return max(surface.bath.temperature, *(r.temperature if r else 0.0 for r in reservoirs))
+    return max(surface.bath.temperature, *(each.temperature for each in surface.reservoirs), 0.0)

@@ -112,13 +112,13 @@ class Layout:
         return float(self.surfaces[index].total_mass)
 
     @cached_property
-    def effects(self) -> dict[str, tuple[int, bool, bool]]:
-        """Surface -> its index, whether a field acts on it, whether it has a reservoir."""
+    def effects(self) -> dict[str, tuple[int, bool, int]]:
+        """Surface -> its index, whether a field acts on it, how many reservoirs it has."""
         return {
             surface.name: (
                 index,
                 any(surface.name in item.on for item in self.scene.fields),
-                bool(surface.langevin),
+                len(surface.reservoirs),
             )
             for index, surface in enumerate(self.scene.surfaces)
         }

@@ -17,7 +17,7 @@ from tribo.layout.slots import slide
 from tribo.layout.span import Asperites, Span, span_of
 from tribo.model.asperite import Asperite
 from tribo.model.drives import Custom, DrivenBars, Pulled
-from tribo.model.parameters import INTERACTION, with_values
+from tribo.model.parameters import INTERACTION, reservoir_part, with_values
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.validation import inside
@@ -78,15 +78,16 @@ def _numbers_of_parts(layout: Layout, index: int) -> dict[str, str]:
 
     None has a meaning in the loop of a pair.
     """
-    surface, record = layout.scene.surfaces[index], layout.surfaces[index]
+    surface = layout.scene.surfaces[index]
     found: dict[str, str] = {}
     if isinstance(surface.drive, Pulled):
         found |= {"drive.stiffness": "stiffness", "drive.speed": "speed"}
     if surface.drive.load is not None and not isinstance(surface.drive, Custom):
         found["drive.load"] = "load"
-    if record.temperature > 0.0:  # so that there is noise
-        found["langevin.temperature"] = "temperature"
-        found["langevin.gamma"] = "gamma" if surface.bar_reservoir else "swing_gamma"
+    if any(each.temperature > 0.0 for each in surface.reservoirs):  # so that there is noise
+        for each in surface.reservoirs:
+            part, before = reservoir_part(surface, each.on), "swing_" * (each.on == "swing")
+            found |= {f"{part}.{name}": before + name for name in ("gamma", "temperature")}
     return found
 
 
@@ -100,8 +101,8 @@ def _is_plain(surface: Surface) -> bool:
 def _refers_to_velocity(layout: Layout) -> bool:
     """Whether a field, a plug-in or a reservoir is given in the laboratory."""
     model, surfaces = layout.model, layout.scene.surfaces
-    reservoirs = (s.langevin is not None and s.langevin.velocity is not None for s in surfaces)
-    return any((model.fields, model.drives, model.ends, *reservoirs))
+    moving = (each.velocity is not None for s in surfaces for each in s.reservoirs)
+    return any((model.fields, model.drives, model.ends, *moving))
 
 
 def _names_of_potential(layout: Layout) -> tuple[str, ...]:

@@ -92,9 +92,10 @@ def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
     if drive.load is not None:
         record["loaded"] = 1
         record["load"] = -drive.load * surface.facing_sign
-    if surface.langevin:
-        record["gamma" if surface.bar_reservoir else "swing_gamma"] = surface.langevin.gamma
-        record["temperature"] = surface.langevin.temperature
-        if surface.langevin.velocity is not None:
-            record["reservoir_x"] = surface.langevin.velocity[0] - surface.velocity[0]
-            record["reservoir_y"] = surface.langevin.velocity[1] - surface.velocity[1]
+    for reservoir in surface.reservoirs:
+        before = "swing_" if reservoir.on == "swing" else ""
+        record[f"{before}gamma"] = reservoir.gamma
+        record[f"{before}temperature"] = reservoir.temperature
+        if reservoir.velocity is not None:
+            record["reservoir_x"] = reservoir.velocity[0] - surface.velocity[0]
+            record["reservoir_y"] = reservoir.velocity[1] - surface.velocity[1]

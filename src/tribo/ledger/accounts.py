@@ -59,6 +59,11 @@ class Accounts(dict[str, Account]):
         account = self[name] = FORCES[name](self.span, self._s)
         return account
 
+    @property
+    def swing_work(self) -> Part:
+        """The work of the reservoir on the swing, a part of that of both."""
+        return _columns(self.span, "acc_swing", (0,), self._s)[0]
+
     def whole(self, part: Part) -> np.ndarray:
         """A part, or a sum of parts, of all asperites, (times, asperites)."""
         shape = len(self._s), self.span.held.size
@@ -140,7 +145,7 @@ def _right_end(span: Span, s: np.ndarray) -> Account:
 def _thermal(span: Span, s: np.ndarray) -> Account:
     """Langevin reservoirs: at the bar, and on the swing, whose torque has no pseudowork."""
     jx, jy, about, pseudo = _columns(span, "acc_thermal", range(4), s)
-    (swing,) = _columns(span, "acc_swing", (0,), s)
+    swing = Accounts(span, s).swing_work
     return Account(about + swing, jx, jy, pseudo)
 
 
@@ -170,8 +175,10 @@ APPLIED = ("w2", "wL", "wR", "w_T")
 
 
 def accounted(forces: Accounts, name: str) -> np.ndarray:
-    """What is linear in the accounts: "w1", "w1_ps", ..., "w", "w_ps" of all forces, or "heat"."""
+    """What is linear in the accounts: "w1", "w1_ps", ..., "w", "w_ps" of all forces, or a heat."""
     span = forces.span
+    if name == "heat_swing":
+        return forces.whole(-forces.swing_work)
     if name == "heat":
         (vx, vy), thermal = span.reservoir, forces["w_T"]
         return forces.whole(vx * thermal.jx + vy * thermal.jy - thermal.about - thermal.pseudo)

@@ -96,7 +96,7 @@ def _items(layout: Layout, group: AsperiteSeries) -> list[ReportedSeries]:
     found = reported(
         layout.scene.output.ledger,
         any(field for _, field, _ in effects),
-        any(reservoir for *_, reservoir in effects),
+        max(reservoirs for *_, reservoirs in effects),
     )
     of_each: list[tuple[Mapping[str, Quantity], Sequence[AsperiteSeries | SystemSeries], int]] = [
         (found.asperites, (group,), layout.scene.count),

@@ -273,7 +273,7 @@ class Assembled(Ledger):
         """Quantity of the system -> (times,)."""
         scene = self._layout.scene
         further = frozenset(system_names(scene))
-        found = reported(scene.output.ledger, False, False, further).system
+        found = reported(scene.output.ledger, False, 0, further).system
         return Series(found, partial(series_of, found, self._system))
 
     @cached_property
@@ -293,9 +293,9 @@ class Assembled(Ledger):
 
     def _reported(self, surface: str) -> Reported:
         """The quantities of a surface and of its asperites."""
-        _, field, reservoir = self._layout.effects[surface]
+        _, field, reservoirs = self._layout.effects[surface]
         ledger, further = self._layout.scene.output.ledger, self._layout.further[surface]
-        return reported(ledger, field, reservoir, further)
+        return reported(ledger, field, reservoirs, further)
 
     @cached_property
     def _system(self) -> SystemSeries:

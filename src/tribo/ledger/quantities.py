@@ -110,9 +110,15 @@ FIELD_QUANTITIES = {
 RESERVOIR_QUANTITIES = {
     "w_T": Quantity("energy", "work of the reservoir", _accounted("w_T")),
     "w_T_ps": Quantity("energy", "pseudowork of the reservoir", _accounted("w_T_ps")),
-    "heat": Quantity("energy", "heat given to the reservoir", _accounted("heat")),
+    "heat": Quantity("energy", "heat given to the reservoirs", _accounted("heat")),
 }
-OPTIONAL_QUANTITIES = FIELD_QUANTITIES | RESERVOIR_QUANTITIES
+# Of each asperite of a surface with reservoirs at its bars and on its swings.
+SECOND_RESERVOIR_QUANTITIES = {
+    "heat_swing": Quantity(
+        "energy", "part of the heat given to the reservoir on the swing", _accounted("heat_swing")
+    ),
+}
+OPTIONAL_QUANTITIES = FIELD_QUANTITIES | RESERVOIR_QUANTITIES | SECOND_RESERVOIR_QUANTITIES
 # Of each surface as a whole.
 BLOCK_QUANTITIES = {
     "W": Quantity("energy", "work of external forces on the surface", Linear(SurfaceSeries.work)),
@@ -249,7 +255,7 @@ class Reported:
 
 @cache
 def reported(
-    ledger: str, field: bool, reservoir: bool, further: frozenset[str] = frozenset()
+    ledger: str, field: bool, reservoirs: int, further: frozenset[str] = frozenset()
 ) -> Reported:
     """The quantities that are reported.
 
@@ -257,12 +263,14 @@ def reported(
     ----------
     ledger : str
         Of what works are kept: "asperites", "surfaces" or "none".
-    field, reservoir : bool
-        Whether a field acts on the surface, and whether it has a reservoir.
+    field : bool
+        Whether a field acts on the surface.
+    reservoirs : int
+        How many reservoirs it has.
     further : frozenset of str
         The names of those that are reported on request.
     """
-    usual = _usual(ledger, field, reservoir)
+    usual = _usual(ledger, field, reservoirs)
     asked = (
         {name: each for name, each in table.items() if name in further}
         for table in (FURTHER_OF_ASPERITES, FURTHER_OF_SURFACES, FURTHER_OF_SYSTEM)
@@ -271,10 +279,11 @@ def reported(
     return Reported(*({**table, **more} for table, more in tables))
 
 
-def _usual(ledger: str, field: bool, reservoir: bool) -> Reported:
+def _usual(ledger: str, field: bool, reservoirs: int) -> Reported:
     """The quantities that are reported without being asked for."""
     own = ASPERITE_QUANTITIES | (FIELD_QUANTITIES if field else {})
-    own |= RESERVOIR_QUANTITIES if reservoir else {}
+    own |= RESERVOIR_QUANTITIES if reservoirs else {}
+    own |= SECOND_RESERVOIR_QUANTITIES if reservoirs == 2 else {}
     if ledger == "asperites":
         return Reported(own, BLOCK_QUANTITIES, SYSTEM_QUANTITIES)
     motion, whole, system = (

@@ -82,6 +82,7 @@ def longest_damped_step(
     gamma: np.ndarray | None = None,
     swing_gamma: np.ndarray | None = None,
     temperature: np.ndarray | None = None,
+    swing_temperature: np.ndarray | None = None,
 ) -> float:
     """The longest step of a splitting method with which reservoirs leave swings their temperature.
 
@@ -89,7 +90,7 @@ def longest_damped_step(
     ----------
     layout : Layout
         The scene.
-    gamma, swing_gamma, temperature : ndarray, (..., surfaces), optional
+    gamma, swing_gamma, temperature, swing_temperature : ndarray, (..., surfaces), optional
         Of the reservoirs, in place of those of the surfaces.
 
     Returns
@@ -101,13 +102,15 @@ def longest_damped_step(
     gamma = s.gamma if gamma is None else gamma
     swing_gamma = s.swing_gamma if swing_gamma is None else swing_gamma
     temperature = s.temperature if temperature is None else temperature
+    other = s.swing_temperature if swing_temperature is None else swing_temperature
+    warmest = np.maximum(temperature, other)[..., a.surface]
     with np.errstate(divide="ignore", invalid="ignore"):
         on_bars = gamma[..., a.surface] / table[MASS] * np.isfinite(table[INERTIA])
-        rates = np.maximum(on_bars, swing_gamma[..., a.surface] / table[INERTIA])
+        rates = on_bars + swing_gamma[..., a.surface] / table[INERTIA]
         most = (16.0 * MOST_DAMPED_PHASE / (rates * table[FREQUENCY] ** 4)) ** 0.2
-        torsion = table[KAPPA] / temperature[..., a.surface]
+        torsion = table[KAPPA] / warmest
         curved = np.maximum(MOST_DAMPING, MOST_DAMPED_SWING * torsion) / on_bars
-        curved = np.where(temperature[..., a.surface] > 0.0, curved, np.inf)
+        curved = np.where(warmest > 0.0, curved, np.inf)
     return float(min(np.nanmin(most, initial=np.inf), np.nanmin(curved, initial=np.inf)))
 
 

@@ -104,7 +104,7 @@ def steps_in_all(times: np.ndarray, step: float) -> int:
 
 def deviates_of_substep(layout: Layout) -> int:
     """Normal deviates that a member takes for a substep of its reservoirs."""
-    noisy = [s for s in layout.surfaces if s["temperature"] > 0.0]
+    noisy = [s for s in layout.surfaces if max(s["temperature"], s["swing_temperature"]) > 0.0]
     return sum(
         int(s["end"] - s["start"]) * (4 * (s["gamma"] > 0.0) + 2 * (s["swing_gamma"] > 0.0))
         for s in noisy

@@ -2,9 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from tribo.validation import NOT_NEGATIVE, InputError, choice, known_keys, number, vector
+import numpy as np
+
+from tribo.validation import (
+    NOT_NEGATIVE,
+    POSITIVE,
+    InputError,
+    choice,
+    inside,
+    is_list,
+    known_keys,
+    number,
+    vector,
+)
 
 # Places where a reservoir acts, and the unit of its damping coefficient there.
 PLACES = {"bar": "mass / time", "swing": "torque time"}
@@ -60,8 +73,33 @@ class Langevin:
         return self.gamma > 0.0
 
 
-def as_langevin(value: object) -> Langevin | None:
-    """A reservoir from a table of a scene file, a Langevin unchanged, or None (no reservoir)."""
-    if value is None or isinstance(value, Langevin):
+def as_langevin(value: object) -> Langevin | tuple[Langevin, Langevin] | None:
+    """A reservoir, or those on the bars and on the swings; or None (no reservoir).
+
+    Each is a table of a scene file or a Langevin.
+    """
+    if is_list(value):
+        return _listed(value)
+    return None if value is None else _one(value)
+
+
+def _one(value: object) -> Langevin:
+    if isinstance(value, Langevin):
         return value
     return Langevin(**known_keys(value, Langevin.__dataclass_fields__, ["gamma"]))
+
+
+def _listed(values: Sequence[object] | np.ndarray) -> Langevin | tuple[Langevin, Langevin] | None:
+    """Those of a list, the one on the bars first."""
+    found: dict[str, Langevin] = {}
+    for i, value in enumerate(values):
+        with inside(f"[{i}]"):
+            item = _one(value)
+            if item.on in found:
+                raise InputError("on", f'cannot be "{item.on}" twice; one reservoir acts there')
+            if len(values) > 1:
+                number("gamma", item.gamma, POSITIVE, PLACES[item.on])
+            found[item.on] = item
+    if len(found) == 2:
+        return found["bar"], found["swing"]
+    return next(iter(found.values()), None)

@@ -5,6 +5,7 @@ The keys are those of scene files, with the name of a surface in place of its nu
     duration, seed
     SURFACE.theta (phi, omega, nu, swing), SURFACE.velocity
     SURFACE.asperite.KEY, and the same for drive, langevin, bath and springs
+    SURFACE.langevin.bar.KEY, SURFACE.langevin.swing.KEY    where a surface has both reservoirs
     interaction.KEY, field.KEY      where the scene has one interaction, or one field
 """
 
@@ -23,7 +24,7 @@ from tribo.model.drives import as_table as drive_table
 from tribo.model.fields import Field
 from tribo.model.initial import Initial
 from tribo.model.interaction import Interaction
-from tribo.model.langevin import as_langevin
+from tribo.model.langevin import PLACES, as_langevin
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.plugins.classes import instance
@@ -32,8 +33,6 @@ from tribo.potentials.registry import with_cutoff
 from tribo.potentials.tables import CUTOFF_KEYS
 from tribo.validation import POSITIVE, InputError, inside, is_list, known_keys, number
 
-# The parts of a surface whose values have keys.
-PARTS = ("asperite", "drive", "langevin", "bath", "springs")
 # The values of the scene itself that have keys.
 OF_SCENE = ("duration", "seed")
 # The values of a surface itself that have keys: its initial angles and rates, and its velocity.
@@ -51,9 +50,9 @@ def is_parameter(scene: Scene, key: str) -> bool:
         return _is_number(_values_of(scene.interactions[0].potential).get(parameter))
     if name == FIELD and len(scene.fields) == 1:
         return _is_number(_values_of(scene.fields[0].potential).get(parameter))
-    surface, _, part = name.rpartition(".")
+    surface, _, part = name.partition(".")
     found = next((s for s in scene.surfaces if s.name == surface), None)
-    if found is None or part not in PARTS:
+    if found is None or part not in parts_of(found):
         return False
     without_load = key.endswith(".drive.load") and found.drive.load is None
     return without_load or _is_number(_value_of_part(found, part, parameter))
@@ -95,11 +94,22 @@ def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
     return replace(scene, surfaces=surfaces, interactions=interactions, fields=fields, **own)
 
 
+def reservoir_part(surface: Surface, on: str) -> str:
+    """What stands in a key for a reservoir: its place is given where a surface has both."""
+    return f"langevin.{on}" if isinstance(surface.langevin, tuple) else "langevin"
+
+
+def parts_of(surface: Surface) -> tuple[str, ...]:
+    """The parts of a surface whose values have keys."""
+    reservoirs = dict.fromkeys(reservoir_part(surface, on) for on in PLACES)
+    return ("asperite", "drive", *reservoirs, "bath", "springs")
+
+
 def _parts_of(scene: Scene) -> list[str]:
     """What stands before the last point of a key."""
     parts = [""]
     for surface in scene.surfaces:
-        parts += [surface.name, *(f"{surface.name}.{part}" for part in PARTS)]
+        parts += [surface.name, *(f"{surface.name}.{part}" for part in parts_of(surface))]
     parts += [INTERACTION] * (len(scene.interactions) == 1)
     return parts + [FIELD] * (len(scene.fields) == 1)
 
@@ -133,7 +143,7 @@ def _values_of(potential: Any) -> dict[str, Any]:
 
 def _value_of_part(surface: Surface, part: str, name: str) -> object:
     """The present value of a part of a surface."""
-    present = getattr(surface, part)
+    present = _part(surface, part)
     if isinstance(present, Bath):
         return bath_table(present).get(name, getattr(present, name, None))
     if isinstance(present, Custom):
@@ -141,13 +151,25 @@ def _value_of_part(surface: Surface, part: str, name: str) -> object:
     return getattr(present, name, None)
 
 
+def _part(surface: Surface, part: str) -> Any:
+    """A part of a surface, by what stands in keys."""
+    name, _, on = part.partition(".")
+    present = getattr(surface, name)
+    return present[list(PLACES).index(on)] if on else present
+
+
 def _changed_surface(surface: Surface, of_parts: Mapping[str, dict[str, Any]]) -> Surface:
     changes: dict[str, Any] = {}
-    for part in PARTS:
+    for part in parts_of(surface):
         own = of_parts.get(f"{surface.name}.{part}")
         if own:
+            name, _, on = part.partition(".")
             with inside(f"{surface.name}.{part}"):
-                changes[part] = _changed_part(getattr(surface, part), part, own)
+                changed = _changed_part(_part(surface, part), name, own)
+            if on:
+                two = changes.get(name, surface.reservoirs)
+                changed = [changed if each.on == on else each for each in two]
+            changes[name] = changed
     with inside(surface.name):
         own = known_keys(of_parts.get(surface.name, {}), OF_SURFACE)
         if "velocity" in own:

@@ -42,7 +42,9 @@ def surface_table(surface: Surface) -> dict[str, Any]:
     table["bars"] = drives.bars_as_table(surface.bars)
     table["springs"] = table_of(surface.springs)
     table["bath"] = bath.as_table(surface.bath)
-    if surface.langevin is not None:
+    if isinstance(surface.langevin, tuple):
+        table["langevin"] = [table_of(each) for each in surface.langevin]
+    elif surface.langevin is not None:
         table["langevin"] = table_of(surface.langevin)
     if isinstance(surface.heights, Roughness):
         table["heights"] = table_of(surface.heights)

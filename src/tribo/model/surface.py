@@ -75,8 +75,8 @@ class Surface(ComparedByValue):
         Lattice springs between neighbouring bars.
     bath : Bath or dict, optional
         Oscillators on every bar.
-    langevin : Langevin or dict, optional
-        A thermal reservoir at every bar, or on every swing.
+    langevin : Langevin or dict or list of them, optional
+        A thermal reservoir at every bar, or on every swing; or a list of one each.
     species : str or tuple of str
         Species of the bobs, one for all or one each; interactions may tell species apart.
     asperite : Asperite
@@ -104,7 +104,7 @@ class Surface(ComparedByValue):
     bars: str | Ends = "clamped"
     springs: Springs = field(default_factory=Springs)
     bath: Bath = field(default_factory=Bath)
-    langevin: Langevin | None = None
+    langevin: Langevin | tuple[Langevin, Langevin] | None = None
     species: str | tuple[str, ...] = ""
     asperite: Asperite = field(default_factory=Asperite)
     initial: Initial = field(default_factory=Initial)
@@ -126,7 +126,7 @@ class Surface(ComparedByValue):
             bars: str | Ends | Settings = ...,
             springs: Springs | Settings = ...,
             bath: Bath | Settings = ...,
-            langevin: Langevin | Settings | None = ...,
+            langevin: Langevin | Settings | Sequence[Langevin | Settings] | None = ...,
             species: str | Sequence[str] = ...,
             asperite: Asperite = ...,
             initial: Initial = ...,
@@ -197,21 +197,26 @@ class Surface(ComparedByValue):
     @property
     def noisy_forces(self) -> tuple[str, ...]:
         """The forces on its asperites that have white noise."""
-        if not self.langevin or self.langevin.temperature == 0.0:
-            return ()
-        if self.swing_reservoir:
-            return ("f2",) if isinstance(self.drive, DrivenBars) else ()
-        return ("f_T", "fL", "fR") if self.asperite.is_rigid else ("f_T",)
+        if self.bar_reservoir and self.bar_reservoir.temperature > 0.0:
+            return ("f_T", "fL", "fR") if self.asperite.is_rigid else ("f_T",)
+        noisy = self.swing_reservoir and self.swing_reservoir.temperature > 0.0
+        return ("f2",) if noisy and isinstance(self.drive, DrivenBars) else ()
+
+    @property
+    def reservoirs(self) -> tuple[Langevin, ...]:
+        """The Langevin reservoirs that damp, that at the bars first."""
+        listed = self.langevin if isinstance(self.langevin, tuple) else (self.langevin,)
+        return tuple(each for each in listed if each)
 
     @property
     def bar_reservoir(self) -> Langevin | None:
         """The Langevin reservoir at the bars, if there is one."""
-        return self.langevin if self.langevin and self.langevin.on == "bar" else None
+        return next((each for each in self.reservoirs if each.on == "bar"), None)
 
     @property
     def swing_reservoir(self) -> Langevin | None:
         """The Langevin reservoir on the swing, if there is one."""
-        return self.langevin if self.langevin and self.langevin.on == "swing" else None
+        return next((each for each in self.reservoirs if each.on == "swing"), None)
 
     def _check_place(self) -> None:
         """Check the name, the lattice or the listed positions, and the velocity."""

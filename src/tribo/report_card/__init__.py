@@ -51,6 +51,8 @@ def check(
     InputError
         If it is not a potential between pairs of bobs, or does not compile, or the calculator
         fails.
+    KeyboardInterrupt
+        The check was interrupted.
     """
     if isinstance(potential, Live):
         name = as_table(potential)["calculator"]

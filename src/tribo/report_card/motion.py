@@ -13,6 +13,7 @@ import math
 import numpy as np
 
 from tribo.integrators.methods import METHODS
+from tribo.kernels.status import Status
 from tribo.model.asperite import Asperite
 from tribo.model.initial import Initial
 from tribo.model.interaction import Interaction
@@ -156,6 +157,8 @@ def _order(scan: PotentialScan, scene: Scene, method: str) -> Check:
 def _energy_error(scene: Scene, method: str, step: float) -> tuple[float, str]:
     """Largest |energy gained - work applied| of a run relative to its energies, and the status."""
     result = prepare(scene, method=method, step=step).compute()
+    if result.status == Status.INTERRUPTED:
+        raise KeyboardInterrupt
     system = result.system
     swing = 0.5 * float(scene.surfaces[0].asperite.kappa) * KICK**2
     gap = system["total_energy_change"] - system["applied_work"]

@@ -78,6 +78,5 @@ def _lever(surface: Surface) -> np.ndarray:
 
 def _is_warm(surface: Surface) -> bool:
     """Whether a reservoir, a bath or a start of a surface has a temperature."""
-    reservoirs = (surface.bar_reservoir, surface.swing_reservoir)
     own = (surface.bath.temperature, surface.initial.temperature)
-    return any((*own, *(reservoir and reservoir.temperature for reservoir in reservoirs)))
+    return any((*own, *(each.temperature for each in surface.reservoirs)))

@@ -163,12 +163,14 @@ def means_precision(
     Returns
     -------
     MeansPrecision
-        After an interrupt with the ensembles that ended before.
 
     Raises
     ------
     InputError
         The scene has no thermal noise, or a name cannot be used.
+    KeyboardInterrupt
+        The attribute ``result`` has the MeansPrecision of the ensembles that ended before, if any
+        did.
     """
     if not methods.noisy(scene):
         raise InputError("scene", "must have thermal noise; without it, measure single runs")
@@ -194,7 +196,8 @@ def means_precision(
         interrupts.answer()
         if not rows:
             raise
-        return MeansPrecision(tuple(rows), Status.INTERRUPTED)
+        part = MeansPrecision(tuple(rows), Status.INTERRUPTED)
+        raise interrupts.Interrupted(part) from None
     return MeansPrecision(tuple(rows))
 
 

@@ -84,12 +84,13 @@ def work_precision(
     Returns
     -------
     WorkPrecision
-        After an interrupt with the runs that ended before.
 
     Raises
     ------
     InputError
         The scene has thermal noise or stops early, or a name cannot be used.
+    KeyboardInterrupt
+        The attribute ``result`` has the WorkPrecision of the runs that ended before, if any did.
     """
     scene = replace(scene, output=Output(times=tuple(np.linspace(0.0, scene.duration, TIMES))))
     named = [methods.named(name) for name in names] if names else list(methods.METHODS.values())
@@ -119,9 +120,11 @@ def work_precision(
                 rows.append(row)  # each before an interrupt can end the next
     except KeyboardInterrupt:
         interrupts.answer()
-        found = replace(found, status=Status.INTERRUPTED)
         if not rows:
             raise
+        measured = tuple(with_front(rows, reference.error))
+        part = replace(found, rows=measured, status=Status.INTERRUPTED)
+        raise interrupts.Interrupted(part) from None
     return replace(found, rows=tuple(with_front(rows, reference.error)))
 
 
