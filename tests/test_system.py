@@ -118,9 +118,11 @@ def test_no_two_files_differ_in_case():
 
 
 def test_the_version_is_in_one_place():
-    """A checkout or an archive that is not installed knows it, and CITATION.cff has the same."""
-    text = (SOURCE.parents[1] / "CITATION.cff").read_text(encoding="utf-8")
-    assert re.search(r"^version: (.*)$", text, re.MULTILINE)[1] == tribo.__version__
+    """Files of other programs have the same."""
+    for name in ("CITATION.cff", "conda/recipe.yaml"):
+        text = (SOURCE.parents[1] / name).read_text(encoding="utf-8")
+        found = re.search(r"^ *version: \"?([\d.]+)\"?$", text, re.MULTILINE)
+        assert found and found[1] == tribo.__version__, name
     assert re.fullmatch(r"\d+\.\d+\.\d+", tribo.__version__)
 
 

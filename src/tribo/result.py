@@ -16,6 +16,7 @@ from tribo.kernels.status import Status
 from tribo.model.identity import opened
 from tribo.results import dataset, report
 from tribo.results.averages import Average
+from tribo.results.citations import citations
 from tribo.results.cost import Cost
 from tribo.results.force_averages import force_average, friction_force, time_without_contact
 from tribo.results.run_result import Known, RunResult
@@ -118,6 +119,25 @@ class Result(RunResult):
             than two samples.
         """
         return time_without_contact(self, surface, after)
+
+    def cite(self, style: str = "text") -> str:
+        """The papers to cite: the model's, and those of the method, potentials and effects.
+
+        Parameters
+        ----------
+        style : "text" or "bibtex"
+            A line for each, or entries of BibTeX.
+
+        Returns
+        -------
+        str
+
+        Raises
+        ------
+        InputError
+            The style is another one.
+        """
+        return citations(self.scene, self.method, style)
 
     @property
     def end(self) -> dict[str, Any]:

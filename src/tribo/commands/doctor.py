@@ -38,6 +38,15 @@ def _doctor(options: argparse.Namespace) -> int:
     return 0 if healthy else 1
 
 
+def machine_and_versions() -> dict[str, str]:
+    """The versions, the system and the processor, for a record."""
+    return _versions() | {"system": _system()}
+
+
+def _system() -> str:
+    return f"{platform.system()} {platform.machine()}"
+
+
 def _versions() -> dict[str, str]:
     """The versions of this package, of Python and of the libraries."""
     found = {}
@@ -59,7 +68,7 @@ def _machine() -> dict[str, str]:
         place = os.path.commonpath(folders)
         found = f"{len(code)} compiled functions, {size:.1f} MB, below {place}"
     return {
-        "system": f"{platform.system()} {platform.machine()}",
+        "system": _system(),
         "cores": str(available_cores()),
         "cache": found,
     }

@@ -9,6 +9,7 @@ import warnings
 from dataclasses import replace
 from pathlib import Path
 
+from tribo.commands.bundle import add_bundle
 from tribo.commands.doctor import add_doctor
 from tribo.commands.help import FIRST_STEPS, CommandParser, add_completion
 from tribo.commands.new import add_new
@@ -65,6 +66,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_view(command("view", "write a page that plays a run in a browser"))
     _add_plot(command("plot", "draw the file of a run in one figure"))
     _add_export_lammps(command("export-lammps", "write a scene as input files of LAMMPS"))
+    add_bundle(command("bundle", "pack scenes and results in one archive with checksums"))
     add_new(command("new", "print or write a commented scene file to start from"))
     add_doctor(command("doctor", "print versions, cores, cache and speed"))
     completion = command("completion", "print a script that completes commands")

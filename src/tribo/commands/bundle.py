@@ -1,0 +1,163 @@
+"""The command `tribo bundle`: scenes, plug-ins, results, versions and checksums in one archive.
+
+The archive is a ZIP file whose bits depend on its content alone.  `manifest.json` describes every
+file; `SHA256SUMS` is read by ``sha256sum --check`` and ``shasum --check``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import io
+import json
+import tomllib
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from tribo.commands.doctor import machine_and_versions
+from tribo.files import NETCDF, checked_target, replace_file, strict_json
+from tribo.interrupts import COMPLETED
+from tribo.validation import InputError
+
+MANIFEST, SUMS = "manifest.json", "SHA256SUMS"
+# Attributes of result files that the manifest repeats; those in JSON are decoded.
+ATTRIBUTES = ("version", "tribo_version", "status", "method", "seed", "created")
+ATTRIBUTES_IN_JSON = ("settings", "plugins", "accuracy", "met", "notes")
+# Date of all entries of the archive, the first that the format knows.
+NO_DATE = (1980, 1, 1, 0, 0, 0)
+
+
+def add_bundle(bundle: argparse.ArgumentParser) -> None:
+    """Add the arguments of `tribo bundle`."""
+    bundle.add_argument(
+        "files",
+        nargs="+",
+        type=Path,
+        metavar="FILE",
+        help="a scene file, whose plug-ins and data are added, a result, or any other file",
+    )
+    bundle.add_argument(
+        "-o", "--out", type=Path, required=True, metavar="ARCHIVE.zip", help="the archive to write"
+    )
+    bundle.set_defaults(command=_bundle)
+
+
+def _bundle(options: argparse.Namespace) -> int:
+    checked_target("--out", options.out)
+    if options.out.suffix.lower() != ".zip":
+        raise InputError("--out", f"must end on .zip, got {str(options.out)!r}")
+    contents: dict[str, bytes] = {}
+    described: dict[str, Any] = {}
+    for path in options.files:
+        for name, content in _with_companions(path):
+            if contents.setdefault(name, content) != content or name in (MANIFEST, SUMS):
+                raise InputError(str(path), f"would be a second {name} in the archive; rename it")
+            described[name] = _about(name, content)
+    _refuse_names_that_differ_in_case(contents)
+    manifest = {"made_with": machine_and_versions(), "files": described}
+    contents[MANIFEST] = (strict_json(manifest) + "\n").encode()
+    sums = [f"{_sha256(content)}  {name}\n" for name, content in contents.items()]
+    contents[SUMS] = "".join(sums).encode()
+    replace_file(options.out, _archive(contents))
+    print(options.out)
+    return COMPLETED
+
+
+def _with_companions(path: Path) -> Iterator[tuple[str, bytes]]:
+    """A file under its name in the archive, then the files that its scene names."""
+    content = _read(path)
+    yield path.name, content
+    text = _scene_in(path, content)
+    if text is None:
+        return
+    if path.suffix.lower() == NETCDF:
+        yield path.name + ".toml", text.encode()
+    try:
+        table = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(str(path), f"is no scene file ({error})") from None
+    for place in _strings(table):
+        file, _, _ = place.partition(".py:")
+        named = Path(file + ".py" if file != place else place)
+        found = path.parent / named
+        if named.suffix and found.is_file():
+            inside = not named.is_absolute() and ".." not in named.parts
+            yield named.as_posix() if inside else named.name, _read(found)
+
+
+def _scene_in(path: Path, content: bytes) -> str | None:
+    """The text of the scene in a scene file or a result; None if there is none."""
+    if path.suffix.lower() == ".toml":
+        return content.decode("utf-8")
+    scene = _attributes(path.name, content).get("scene")
+    return scene if isinstance(scene, str) else None
+
+
+def _attributes(name: str, content: bytes) -> dict[str, Any]:
+    """The attributes of a NetCDF file, {} of others."""
+    if not name.lower().endswith(NETCDF):
+        return {}
+    import h5py
+
+    try:
+        with h5py.File(io.BytesIO(content)) as file:
+            return dict(file.attrs)
+    except OSError as error:
+        raise InputError(name, f"is no NetCDF file that tribo has written ({error})") from None
+
+
+def _about(name: str, content: bytes) -> dict[str, Any]:
+    """The entry of a file in the manifest."""
+    attributes = _attributes(name, content)
+    about: dict[str, Any] = {"bytes": len(content), "sha256": _sha256(content)}
+    about |= {key: str(attributes[key]) for key in ATTRIBUTES if key in attributes}
+    about |= {key: json.loads(attributes[key]) for key in ATTRIBUTES_IN_JSON if key in attributes}
+    text = content.decode("utf-8") if name.endswith(".toml") else attributes.get("scene")
+    if isinstance(text, str):
+        about["seed"] = tomllib.loads(text).get("seed", 0)
+    return about
+
+
+def _strings(value: object) -> Iterator[str]:
+    """All texts in a table."""
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, dict):
+        for item in value.values():
+            yield from _strings(item)
+    elif isinstance(value, list):
+        for item in value:
+            yield from _strings(item)
+
+
+def _read(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise InputError(str(path), f"cannot be read ({error.strerror or error})") from None
+
+
+def _refuse_names_that_differ_in_case(names: dict[str, bytes]) -> None:
+    """Raise InputError: some file systems would unpack one file only."""
+    seen: dict[str, str] = {}
+    for name in names:
+        other = seen.setdefault(name.lower(), name)
+        if other != name:
+            raise InputError(name, f"differs from {other} in case alone; rename one of them")
+
+
+def _sha256(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()
+
+
+def _archive(contents: dict[str, bytes]) -> bytes:
+    """The bytes of a ZIP file."""
+    image = io.BytesIO()
+    with zipfile.ZipFile(image, "w") as archive:
+        for name, content in contents.items():
+            entry = zipfile.ZipInfo(name, NO_DATE)
+            entry.external_attr = 0o644 << 16
+            archive.writestr(entry, content, zipfile.ZIP_DEFLATED)
+    return image.getvalue()

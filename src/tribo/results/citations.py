@@ -1,0 +1,86 @@
+"""The papers behind a result: of the model, the method, the potentials, and the effects."""
+
+from __future__ import annotations
+
+import inspect
+import re
+
+from tribo.integrators.methods import METHODS
+from tribo.model.scene import Scene
+from tribo.validation import choice
+
+STYLES = ("text", "bibtex")
+# What every result rests on.
+ALWAYS = {
+    "tribo": "The tribo developers, tribo: sliding friction from the asperite up, "
+    "version {version}",
+    "model": "J. D. Brown, Work Done by Sliding Friction, Department of Physics and Astronomy, "
+    "North Carolina State University, Raleigh, NC 27695",
+}
+# By the name of an effect; see tribo.model.effects.
+OF_EFFECTS = {
+    "bath": "R. Zwanzig, J. Stat. Phys. 9 (1973) 215",
+    "torsional bath": "R. Zwanzig, J. Stat. Phys. 9 (1973) 215",
+    "langevin": "D. L. Ermak, H. Buckholz, J. Comput. Phys. 35 (1980) 169",
+    "swing langevin": "D. L. Ermak, H. Buckholz, J. Comput. Phys. 35 (1980) 169",
+    "pull": "L. Prandtl, Z. angew. Math. Mech. 8 (1928) 85",
+}
+# A paper: authors, journal, volume (year) page.
+PAPER = re.compile(
+    r"(?P<authors>.+), (?P<journal>[^,]+?) (?P<volume>\d+) \((?P<year>\d{4})\) (?P<page>\d+)"
+    r"(, (?P<note>.+))?"
+)
+
+
+def citations(scene: Scene, method: str, style: str) -> str:
+    """The references as text or BibTeX; see :meth:`tribo.Result.cite`."""
+    from tribo import __version__
+
+    choice("style", style, STYLES)
+    found = {key: text.format(version=__version__) for key, text in ALWAYS.items()}
+    if method in METHODS:
+        found[f"method {method}"] = METHODS[method].source
+    for interaction in scene.interactions:
+        found |= _of_potential(interaction.potential)
+    found |= {name: OF_EFFECTS[name] for name in map(str, scene.effects) if name in OF_EFFECTS}
+    write = _line if style == "text" else _bibtex
+    return "\n".join(write(key, text) for key, text in found.items())
+
+
+def _of_potential(potential: object) -> dict[str, str]:
+    """The papers that the docstrings of a potential and of its parts name."""
+    found: dict[str, str] = {}
+    doc = inspect.getdoc(type(potential)) or ""
+    source = re.search(r"^(\w\..* \d+ \(\d{4}\) \d+)\.$", doc, re.MULTILINE)
+    if source is not None:
+        found[f"potential {type(potential).__name__}"] = source[1]
+    for part in potential if isinstance(potential, tuple) else ():
+        found |= _of_potential(part) if isinstance(part, tuple) else {}
+    return found
+
+
+def _line(key: str, text: str) -> str:
+    return f"{key}: {text}."
+
+
+def _bibtex(key: str, text: str) -> str:
+    """One entry: an article for each paper, else the text as a note."""
+    name = key.replace(" ", "-")
+    papers = [PAPER.fullmatch(part) for part in text.split("; ")]
+    entries = []
+    for number, (part, paper) in enumerate(zip(text.split("; "), papers, strict=True)):
+        label = name + (f"-{number + 1}" if number else "")
+        if paper is None:
+            entries.append(f"@misc{{{label},\n  note = {{{part}}}\n}}")
+            continue
+        fields = {
+            "author": paper["authors"].replace(", ", " and "),
+            "journal": paper["journal"],
+            "volume": paper["volume"],
+            "year": paper["year"],
+            "pages": paper["page"],
+            "note": paper["note"],
+        }
+        body = ",\n".join(f"  {field} = {{{value}}}" for field, value in fields.items() if value)
+        entries.append(f"@article{{{label},\n{body}\n}}")
+    return "\n".join(entries)
