@@ -72,6 +72,7 @@ class _Handler(BaseHTTPRequestHandler):
     server: Server
     protocol_version = "HTTP/1.1"
     timeout = PATIENCE
+    disable_nagle_algorithm = True  # headers and content are sent one after the other
 
     def do_GET(self) -> None:
         """The page, to a browser that knows the token."""
