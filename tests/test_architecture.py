@@ -58,6 +58,7 @@ ORDER = [
     "sweeps",
     "work_precision",
     "ensembles",
+    "sliders",
     "simulation",
     "prepared",
     "result",

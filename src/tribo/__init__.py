@@ -80,6 +80,7 @@ if TYPE_CHECKING:  # "X as X" exports a name to type checkers
     from tribo.result import load_result as load_result
     from tribo.loops.state import State as State
     from tribo.simulation import prepare as prepare, simulate as simulate
+    from tribo.sliders import play as play
     from tribo.sweeps import sweep as sweep
     from tribo.validation import InputError as InputError, TriboWarning as TriboWarning
 
@@ -127,6 +128,7 @@ _HOME = {
     "Output": "tribo.model.settings",
     "Periodic": "tribo.model.interaction",
     "periodic_rows": "tribo.model.rows",
+    "play": "tribo.sliders",
     "Plummer": "tribo.potentials",
     "prepare": "tribo.simulation",
     "Pulled": "tribo.model.drives",

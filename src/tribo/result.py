@@ -311,6 +311,23 @@ class Result(RunResult):
 
         return write_page(self, path, bath)
 
+    def widget(self) -> Any:
+        """The page as a widget of a notebook; it needs ``tribo[notebook]``.
+
+        Returns
+        -------
+        anywidget.AnyWidget
+
+        Raises
+        ------
+        InputError
+            anywidget is not installed, or the places of asperites are not recorded.
+        """
+        from tribo.viewer.contents import contents
+        from tribo.viewer.widget import Player
+
+        return Player({"run": contents(self), "sliders": []})
+
 
 def load_result(path: str | Path) -> Result:
     """Read a result from the file that :meth:`tribo.Result.save` wrote.

@@ -9,6 +9,7 @@ import tribo
 from tribo import paper, plotting
 from tribo.paper import figures as paper_figures
 from tribo.plotting import scene_geometry
+from tribo.plotting.encounter import encounter_times
 from tribo.validation import InputError
 
 
@@ -133,3 +134,37 @@ def test_axes_show_labels():
     for ax in (plotting.axes(plotting.COLUMN), plotting.axes(plotting.COLUMN, 2.0)):
         ax.set_xlabel("time")
         assert ax.axison and ax.xaxis.label.get_visible()
+
+
+def test_times_of_an_encounter():
+    """Equal changes of the contact energy lie between them: near the bobs' closest approach."""
+    result = tribo.simulate(tribo.paper.scene("A"))
+    energy = result.system["contact_energy"]
+    closest = result.t[np.argmax(energy)]
+    first, middle, last = encounter_times(result, 3)
+    assert first < middle < last and abs(middle - closest) < 1.0 and last - first < 10.0
+    apart = replace(result.scene, interactions=())
+    assert encounter_times(tribo.simulate(apart), 3) == [0.0, 20.0, 40.0]
+    assert len(result.plot.sequence().texts) >= 3
+
+
+def test_figures_show_themselves():
+    """Axes of tribo's own figures give a picture to notebooks; those of others do not."""
+    import matplotlib.pyplot as plt
+
+    result = tribo.simulate(tribo.paper.scene("A"))
+    for drawn in (result.plot.work("upper"), result.plot.sequence(), plotting.overview(result)):
+        picture, size = drawn._repr_png_()
+        assert picture.startswith(b"\x89PNG") and 300 < size["width"] < 900
+    figure, ax = plt.subplots()
+    shown = result.plot.work("upper", ax=ax)
+    assert shown is ax and not hasattr(shown, "_repr_png_")
+    plt.close(figure)
+
+
+def test_works_in_words():
+    """The graph names the surface and the forces."""
+    ax = tribo.simulate(tribo.paper.scene("A")).plot.work("upper")
+    assert ax.get_ylabel() == "work on upper"
+    words = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert words[:2] == ["friction (contact)", "drive"] and words[-1] == "all forces"

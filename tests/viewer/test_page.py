@@ -1,24 +1,18 @@
 """The page that plays a run: what it holds, and what it does in a browser."""
 
-import base64
-import json
 import re
-import shutil
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import tribo
+from support.pages import ARGUMENTS, CHROMIUM, assert_same, held, numbers
 from tribo import Coulomb, InputError, Output, Scene, Surface
 from tribo.analysis.contact_probe import ContactProbe
 from tribo.commands.cli import main
 from tribo.viewer import contents
-
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-# No sandbox, as in containers; no request of the browser's own.
-ARGUMENTS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-sync"]
-
+from tribo.viewer.sentence import sentence
 
 NUMERICS = tribo.Numerics(method="verlet", step=0.01)
 
@@ -40,20 +34,9 @@ def page(result, tmp_path_factory):
     return result.to_html(tmp_path_factory.mktemp("page") / "a.html")
 
 
-def held(page):
-    """The data in a page."""
-    text = page.read_text(encoding="utf-8")
-    return json.loads(re.search(r'id="data">(.*?)</script>', text, re.DOTALL)[1])
-
-
-def numbers(text, dtype="<f8"):
-    """An array of a page."""
-    return np.frombuffer(base64.b64decode(text), dtype)
-
-
 def test_the_page_holds_the_run(result, page):
-    """Curves to the bit, places to single precision, forces as the kernels compute them."""
-    data = held(page)
+    """Curves to six digits, places to single precision, forces as the kernels compute them."""
+    data = held(page)["run"]
     assert data["title"] == result.scene.title
     assert np.array_equal(numbers(data["times"]), result.t)
     groups = {group["name"]: group["curves"] for group in data["groups"]}
@@ -61,19 +44,36 @@ def test_the_page_holds_the_run(result, page):
     for name, curves in groups.items():
         table = result.system if name == "system" else result[name]
         for curve in curves:
-            want = table[curve["name"]]
-            assert np.array_equal(numbers(curve["values"]), want.reshape(len(result.t), -1)[:, 0])
+            want = table[curve["name"]].reshape(len(result.t), -1)[:, 0]
+            for one, other in zip(numbers(curve["values"]), want, strict=True):
+                assert f"{one:.6g}" == f"{other:.6g}", (name, curve["name"])
+    drawn = [curve["name"] for curve in groups["upper"] if curve["drawn"]]
+    assert drawn == ["w1", "w1_ps", "w2", "w2_ps", "w", "w_ps"]
     for surface in data["surfaces"]:
-        places = numbers(surface["places"], "<f4").reshape(len(result.t), 1, 5)
-        for k, name in enumerate(contents.PLACES):
-            want = result[surface["name"]][name]
-            assert places[:, :, k] == pytest.approx(want, rel=1e-6, abs=1e-6)
-    forces = numbers(data["forces"], "<f4").reshape(len(result.t), 2, 2)
+        for name in contents.PLACES:
+            places = numbers(surface["places"][name]).reshape(len(result.t), 1)
+            assert places == pytest.approx(result[surface["name"]][name], rel=1e-6, abs=1e-6)
+        assert numbers(surface["centre"]) == pytest.approx([1.0 / 3.0])  # m1 = 1, m2 = 2
+    (x, y), (x2, y2) = (
+        [numbers(v).reshape(-1, 2) for v in data["forces"][f]] for f in ("f1", "f2")
+    )
     bobs = [[[result[s][x][20, 0] for x in ("x_bob", "y_bob")] for s in ("upper", "lower")]]
     distance = np.subtract(*bobs[0])
     want = 0.2 * distance / np.hypot(*distance) ** 3
-    assert forces[20, 0] == pytest.approx(want, rel=1e-5)
-    assert forces[20, 1] == pytest.approx(-want, rel=1e-5)
+    assert (x[20, 0], y[20, 0]) == pytest.approx(want, rel=1e-5)
+    assert (x[20, 1], y[20, 1]) == pytest.approx(-want, rel=1e-5)
+    assert (x2[20, 0], y2[20, 0]) == pytest.approx(-want, rel=1e-5)  # forced
+
+
+def test_the_sentence(result):
+    """It says which of work and pseudowork is larger, as the bob lags or runs ahead."""
+    w1, pseudowork = (result["upper"][name][-1, 0] for name in ("w1", "w1_ps"))
+    assert abs(w1) < abs(pseudowork)
+    assert 'bob of "upper" lags: friction\'s point of action moves less' in sentence(result)
+    assert f"({w1:.3g}) is smaller than its pseudowork ({pseudowork:.3g})" in sentence(result)
+    rigid = replace(result.scene.surfaces[0], asperite=tribo.Asperite(kappa=np.inf))
+    scene = replace(result.scene, surfaces=(rigid, result.scene.surfaces[1]))
+    assert "equals its pseudowork" in sentence(tribo.simulate(scene, accuracy=1e-8))
 
 
 def test_the_page_loads_nothing(page):
@@ -98,9 +98,9 @@ def bathed(result):
 def test_bath_oscillators_on_request(bathed, tmp_path):
     """Evenly chosen ones are dots below the bar, with displacements that are magnified alike."""
     page = bathed.to_html(tmp_path / "bath.html", bath=True)
-    upper, lower = held(page)["surfaces"]
+    upper, lower = held(page)["run"]["surfaces"]
     assert upper["dots"] is None and page.stat().st_size < 3e6
-    dots = numbers(lower["dots"], "<f4").reshape(41, 12, 2)
+    dots = numbers(lower["dots"]).reshape(41, 12, 2)
     bar = np.stack([bathed["lower"][f"{axis}_bar"] for axis in "xy"], axis=-1)
     rod = bathed.scene.surfaces[1].asperite.for_each(1)["length"][0]
     row = dots[0] - bar[0]
@@ -111,7 +111,7 @@ def test_bath_oscillators_on_request(bathed, tmp_path):
     assert dots - bar - row == pytest.approx(drawn, abs=1e-5)
     assert np.abs(drawn).max() > 0.1 * rod
     factor = 0.25 * rod / np.abs(true).max()
-    assert f"displaced {factor:.3g} times" in held(page)["notes"][-1]
+    assert f"displaced {factor:.3g} times" in held(page)["run"]["notes"][-1]
 
 
 def test_bath_in_other_pictures(result, bathed, tmp_path, capsys):
@@ -126,7 +126,7 @@ def test_bath_in_other_pictures(result, bathed, tmp_path, capsys):
     scene.save(tmp_path / "a.toml")
     arguments = ["view", str(tmp_path / "a.toml"), "-o", str(tmp_path / "a.html")]
     assert main([*arguments, "--bath"]) == 0
-    assert held(tmp_path / "a.html")["surfaces"][1]["dots"]
+    assert held(tmp_path / "a.html")["run"]["surfaces"][1]["dots"]
     tribo.simulate(scene).save(tmp_path / "a.nc")
     assert main(["view", str(tmp_path / "a.nc"), *arguments[2:], "--bath"]) == 2
     assert 'output.series: does not contain "oscillators"' in capsys.readouterr().err
@@ -136,8 +136,9 @@ def test_frames_are_thinned(result, monkeypatch):
     """Of many asperites, some samples are drawn, the first and the last among them."""
     monkeypatch.setattr(contents, "MOST_PLACES", 5 * 2 * 7)
     data = contents.contents(result)
-    assert len(data["frames"]) == 7 and data["frames"][0] == 0 and data["frames"][-1] == 40
-    assert len(numbers(data["surfaces"][0]["places"], "<f4")) == 7 * 5
+    frames = numbers(data["frames"])
+    assert len(frames) == 7 and frames[0] == 0 and frames[-1] == 40
+    assert len(numbers(data["surfaces"][0]["places"]["x_bob"])) == 7
 
 
 def test_no_arrows_where_forces_are_unknown(result, monkeypatch):
@@ -147,7 +148,7 @@ def test_no_arrows_where_forces_are_unknown(result, monkeypatch):
         raise InputError("potential", "is code that was not loaded")
 
     monkeypatch.setattr(ContactProbe, "__call__", refuse)
-    assert contents.contents(result)["forces"] is None
+    assert contents.contents(result)["forces"] == {}
 
 
 def test_command(result, tmp_path, capsys):
@@ -158,7 +159,7 @@ def test_command(result, tmp_path, capsys):
     for source in (scene, file):
         assert main(["view", str(source), "-o", str(out)]) == 0
         assert capsys.readouterr().out == f"{out}\n"
-        assert held(out)["title"] == result.scene.title
+        assert held(out)["run"]["title"] == result.scene.title
         out.unlink()
     assert main(["view", str(file), "-o", str(tmp_path / "none" / "a.html")]) == 2
     assert main(["view", str(tmp_path / "b.nc"), "-o", str(out)]) == 2
@@ -181,27 +182,33 @@ def test_in_a_browser(result, page):
             if key:
                 tab.keyboard.press(key)
             assert_shown(tab, result, sample)
-        tab.locator("#time").fill(str(result.t[20]))
+        tab.locator("[data-part=time]").fill(str(result.t[20] - 0.4))  # t[20] is the nearest
         assert_shown(tab, result, 20)
-        before = tab.locator("#scene").screenshot()
-        tab.locator("#play").click()
+        scene, play = tab.locator("[data-part=scene]"), tab.locator("[data-part=play]")
+        before = scene.screenshot()
+        play.click()
         tab.wait_for_timeout(500)
-        assert tab.locator("#play").inner_text() == "Pause"
-        assert float(tab.locator("#time").input_value()) > result.t[20]
-        tab.locator("#play").click()
-        assert tab.locator("#scene").screenshot() != before
+        assert play.inner_text() == "Pause"
+        assert float(tab.locator("[data-part=time]").input_value()) > result.t[20]
+        play.click()
+        assert scene.screenshot() != before
         browser.close()
     assert problems == []
-    assert requests == [page.as_uri()]
+    assert [url for url in requests if not url.startswith("data:")] == [page.as_uri()]
 
 
 def assert_shown(tab, result, sample):
-    """The table of each group has the values of a sample, to the digits shown."""
+    """The table of each group has the values of a sample, to the digits shown, and its time."""
     tab.wait_for_timeout(100)
     for name in ("upper", "lower", "system"):
-        tab.locator("#group").select_option(label=name)
+        tab.locator("[data-part=group]").select_option(label=name)
         tab.wait_for_timeout(100)
         table = result.system if name == "system" else result[name]
-        for cell in tab.locator("#values td[data-quantity]").all():
+        cells = tab.locator('td[data-column="shown"]').all()
+        assert len(cells) >= 3
+        for cell in cells:
             want = np.ravel(table[cell.get_attribute("data-quantity")][sample])[0]
-            assert float(cell.inner_text()) == pytest.approx(want, rel=5.1e-6, abs=0.0)
+            assert_same(cell.inner_text(), want)
+        assert_same(
+            tab.locator("[data-part=when]").inner_text().removeprefix("t = "), result.t[sample]
+        )

@@ -6,7 +6,6 @@ import argparse
 import json
 import sys
 import warnings
-from dataclasses import replace
 from pathlib import Path
 
 from tribo.commands.bundle import add_bundle
@@ -20,13 +19,13 @@ from tribo.commands.scene_options import (
     add_set,
     add_vary,
     check_figure,
-    load,
     load_with_values,
     parsed,
     split,
 )
+from tribo.commands.view import add_play, add_view
 from tribo.files import checked_target
-from tribo.interrupts import COMPLETED, STOPPED, also_in_part
+from tribo.interrupts import COMPLETED, STOPPED
 from tribo.validation import TriboWarning
 
 
@@ -63,7 +62,8 @@ def _parser() -> argparse.ArgumentParser:
     _add_accuracy(command("accuracy", "measure the error of each method against its time"))
     _add_check(command("check", "check a potential and print a report card"))
     _add_atlas(command("atlas", "run hard scenes and compare with references"))
-    _add_view(command("view", "write a page that plays a run in a browser"))
+    add_view(command("view", "write a page that plays runs in a browser"))
+    add_play(command("play", "change values of a scene in a browser and simulate it again"))
     _add_plot(command("plot", "draw the file of a run in one figure"))
     _add_export_lammps(command("export-lammps", "write a scene as input files of LAMMPS"))
     add_bundle(command("bundle", "pack scenes and results in one archive with checksums"))
@@ -252,27 +252,6 @@ def _add_atlas(atlas: argparse.ArgumentParser) -> None:
     atlas.set_defaults(command=_atlas)
 
 
-def _add_view(view: argparse.ArgumentParser) -> None:
-    view.add_argument(
-        "scene",
-        type=Path,
-        metavar="SCENE.toml|FILE.nc",
-        help="a scene file, to be run, or the file of a run",
-    )
-    view.add_argument(
-        "-o", "--out", type=Path, required=True, metavar="PAGE.html", help="the page to write"
-    )
-    view.add_argument(
-        "--bath",
-        action="store_true",
-        help='draw bath oscillators; the file of a run must have the series "oscillators"',
-    )
-    view.add_argument(
-        "--no-plugins", action="store_true", help="refuse a scene file that names code"
-    )
-    view.set_defaults(command=_view)
-
-
 def _add_export_lammps(export: argparse.ArgumentParser) -> None:
     add_scene(export)
     add_set(export)
@@ -321,23 +300,6 @@ def _explain(options: argparse.Namespace) -> int:
     explanation = explain(load_with_values(options))
     print(explanation.to_json() if options.json else explanation)
     return COMPLETED
-
-
-def _view(options: argparse.Namespace) -> int:
-    from tribo.result import load_result
-    from tribo.simulation import simulate
-
-    checked_target("--out", options.out)
-    if options.scene.suffix == ".toml":
-        scene = load(options)
-        if options.bath:
-            series = (*scene.output.series, "oscillators")
-            scene = replace(scene, output=replace(scene.output, series=series))
-        result = also_in_part(simulate, scene)
-    else:
-        result = load_result(options.scene)
-    print(result.to_html(options.out, options.bath))
-    return COMPLETED if result.status == "completed" else STOPPED
 
 
 def _plot(options: argparse.Namespace) -> int:

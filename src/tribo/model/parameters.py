@@ -2,11 +2,13 @@
 
 The keys are those of scene files, with the name of a surface in place of its number:
 
-    duration, seed
-    SURFACE.theta (phi, omega, nu, swing), SURFACE.velocity
+    duration, seed, title, output.KEY, numerics.KEY, periodic.KEY
+    SURFACE.theta (and the other initial values), SURFACE.velocity, SURFACE.bob, SURFACE.drive, ...
     SURFACE.asperite.KEY, and the same for drive, langevin, bath and springs
     SURFACE.langevin.bar.KEY, SURFACE.langevin.swing.KEY    where a surface has both reservoirs
     interaction.KEY, field.KEY      where the scene has one interaction, or one field
+
+A star in place of the name of a surface means all surfaces.
 """
 
 from __future__ import annotations
@@ -15,6 +17,7 @@ import difflib
 from collections.abc import Mapping
 from dataclasses import fields as fields_of
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 from tribo.model.bath import Bath, as_bath
@@ -26,17 +29,27 @@ from tribo.model.initial import Initial
 from tribo.model.interaction import Interaction
 from tribo.model.langevin import PLACES, as_langevin
 from tribo.model.scene import Scene
+from tribo.model.springs import as_springs
 from tribo.model.surface import Surface
 from tribo.plugins.classes import instance
 from tribo.potentials.cutoff import AT_CUTOFF
 from tribo.potentials.registry import with_cutoff
-from tribo.potentials.tables import CUTOFF_KEYS
+from tribo.potentials.tables import CUTOFF_KEYS, MADE, class_named, from_table
 from tribo.validation import POSITIVE, InputError, inside, is_list, known_keys, number
 
 # The values of the scene itself that have keys.
-OF_SCENE = ("duration", "seed")
-# The values of a surface itself that have keys: its initial angles and rates, and its velocity.
-OF_SURFACE = (*(each.name for each in fields_of(Initial)), "velocity")
+OF_SCENE = ("duration", "seed", "title")
+# The parts of the scene whose values have keys.
+PARTS_OF_SCENE = ("output", "numerics", "periodic")
+# The initial values of a surface, and the other values of its own that have keys.
+INITIAL = tuple(each.name for each in fields_of(Initial))
+OF_SURFACE = (
+    *INITIAL,
+    *("velocity", "facing", "bob", "shape", "spacing", "depth", "heights", "positions"),
+    *("drive", "bars", "species", "springs", "bath", "langevin"),
+)
+# In place of the name of a surface: all surfaces.
+EVERY = "*"
 # Before the keys of the only interaction and of the only field of a scene.
 INTERACTION, FIELD = "interaction", "field"
 # The values of a field beside those of its potential.
@@ -79,12 +92,15 @@ def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
     """
     of_parts: dict[str, dict[str, Any]] = {}
     known = _parts_of(scene)
-    for key, value in values.items():
-        part, _, name = str(key).rpartition(".")
+    for key, value in _of_each_surface(scene, values).items():
+        part, _, name = key.rpartition(".")
         if part not in known:
-            raise _unknown(scene, str(key))
+            raise _unknown(scene, key)
         of_parts.setdefault(part, {})[name] = value
-    own = known_keys(of_parts.pop("", {}), OF_SCENE)
+    own: dict[str, Any] = known_keys(of_parts.pop("", {}), OF_SCENE)
+    for part in PARTS_OF_SCENE:
+        if part in of_parts:
+            own[part] = _changed_settings(scene, part, of_parts[part])
     surfaces = tuple(_changed_surface(s, of_parts) for s in scene.surfaces)
     interactions, fields = scene.interactions, scene.fields
     if INTERACTION in of_parts:
@@ -105,9 +121,62 @@ def parts_of(surface: Surface) -> tuple[str, ...]:
     return ("asperite", "drive", *reservoirs, "bath", "springs")
 
 
+def value_of(scene: Scene, key: str) -> object:
+    """The value of a key in a scene: the number, word or list that its file has.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    key : str
+        As for :func:`with_values`, of one surface.
+
+    Returns
+    -------
+    float, str, list or None
+        The x component of a velocity, the kind of a drive; None where nothing is given.
+    """
+    part, _, name = key.rpartition(".")
+    table = scene.to_table()
+    if part in (INTERACTION, FIELD):
+        return table[part][0].get(name) if len(table[part]) == 1 else None
+    if part in ("", *PARTS_OF_SCENE):
+        return (table[part] if part else table).get(name)
+    surface, _, inner = part.partition(".")
+    own: dict[str, Any] = next(
+        (each for each in table["surface"] if each["name"] == (surface or part)), {}
+    )
+    value = (own.get(inner, {}) if inner else own["initial"] | own).get(name)
+    if name == "velocity" and isinstance(value, list):
+        return value[0]
+    return value.get("kind") if name == "drive" and isinstance(value, dict) else value
+
+
+def _of_each_surface(scene: Scene, values: Mapping[str, Any]) -> dict[str, Any]:
+    """The values with a key of each surface in place of keys of all surfaces."""
+    found: dict[str, Any] = {}
+    for key, value in values.items():
+        name, _, rest = str(key).partition(".")
+        rest = rest.removeprefix("initial.")
+        names = [s.name for s in scene.surfaces] if name == EVERY else [name]
+        found |= {f"{each}.{rest}" if rest else each: value for each in names}
+    return found
+
+
+def _changed_settings(scene: Scene, part: str, own: dict[str, Any]) -> Any:
+    """The output, numerics or periods with other values; what one excludes is replaced."""
+    present, own = getattr(scene, part), dict(own)
+    for one, other in (("accuracy", "step"), ("step", "accuracy"), ("samples", "times")):
+        if part != "periodic" and one in own:
+            own = {other: None} | own
+    own = {key: value for key, value in own.items() if value is not None or hasattr(present, key)}
+    with inside(part):
+        return replace(present, **known_keys(own, [each.name for each in fields_of(present)]))
+
+
 def _parts_of(scene: Scene) -> list[str]:
     """What stands before the last point of a key."""
-    parts = [""]
+    parts = ["", *PARTS_OF_SCENE]
     for surface in scene.surfaces:
         parts += [surface.name, *(f"{surface.name}.{part}" for part in parts_of(surface))]
     parts += [INTERACTION] * (len(scene.interactions) == 1)
@@ -159,29 +228,40 @@ def _part(surface: Surface, part: str) -> Any:
 
 
 def _changed_surface(surface: Surface, of_parts: Mapping[str, dict[str, Any]]) -> Surface:
-    changes: dict[str, Any] = {}
+    with inside(surface.name):
+        own = known_keys(of_parts.get(surface.name, {}), OF_SURFACE)
+        if "velocity" in own and not is_list(own["velocity"]):
+            velocity = number("velocity", own["velocity"], unit="length / time")
+            own["velocity"] = (velocity, surface.velocity[1])
+        initial = {name: own.pop(name) for name in INITIAL if name in own}
+        if "theta" in initial or "swing" in initial:  # one replaces the other
+            initial = {"theta": None, "swing": None, **initial}
+        changes: dict[str, Any] = own
+        if initial:
+            changes["initial"] = replace(surface.initial, **initial)
     for part in parts_of(surface):
-        own = of_parts.get(f"{surface.name}.{part}")
+        own = of_parts.get(f"{surface.name}.{part}", {})
         if own:
             name, _, on = part.partition(".")
             with inside(f"{surface.name}.{part}"):
-                changed = _changed_part(_part(surface, part), name, own)
-            if on:
-                two = changes.get(name, surface.reservoirs)
-                changed = [changed if each.on == on else each for each in two]
-            changes[name] = changed
+                whole = _made(name, changes.get(name, getattr(surface, name)))
+                changed = _changed_part(whole[list(PLACES).index(on)] if on else whole, name, own)
+            changes[name] = (
+                [changed if each.on == on else each for each in whole] if on else changed
+            )
     with inside(surface.name):
-        own = known_keys(of_parts.get(surface.name, {}), OF_SURFACE)
-        if "velocity" in own:
-            velocity = own.pop("velocity")
-            if not is_list(velocity):
-                velocity = (number("velocity", velocity, unit="length / time"), surface.velocity[1])
-            changes["velocity"] = velocity
-        if "theta" in own or "swing" in own:  # one replaces the other
-            own = {"theta": None, "swing": None, **own}
-        if own:
-            changes["initial"] = replace(surface.initial, **own)
         return replace(surface, **changes) if changes else surface
+
+
+def _made(part: str, value: Any) -> Any:
+    """A part of a surface, from its table or a word as in a scene file."""
+    made: dict[str, Any] = {
+        "drive": as_drive,
+        "bath": as_bath,
+        "langevin": as_langevin,
+        "springs": as_springs,
+    }
+    return made[part](value) if part in made else value
 
 
 def _changed_part(present: Any, part: str, own: dict[str, Any]) -> Any:
@@ -217,6 +297,11 @@ def _changed_potential(potential: Any, own: Mapping[str, Any]) -> Any:
 
     The distance from which a potential is reduced stays the same fraction of its cutoff.
     """
+    if "potential" in own:  # another kind, which keeps the parameters that both kinds have
+        kind = None if own["potential"] in (*MADE, "ase") else class_named(own["potential"], Path())
+        known = (*getattr(kind, "_fields", ()), *CUTOFF_KEYS) if kind else ()
+        kept = {key: value for key, value in _values_of(potential).items() if key in known}
+        return from_table(kept | dict(own), Path())
     if not hasattr(potential, "_asdict"):
         raise InputError(next(iter(own)), "is not a known key; a calculator has none")
     cutoff = {key: value for key, value in own.items() if key in CUTOFF_KEYS}

@@ -146,6 +146,13 @@ def _interpolated(times: np.ndarray, values: np.ndarray, rates: np.ndarray, t: f
     return np.asarray(CubicHermiteSpline(times, values[:2], rates[:2])(t))
 
 
+def joined_bars(surface: Surface) -> np.ndarray:
+    """(n, 2) indices of the bars that lattice springs join, but for springs around a period."""
+    ends, _ = surface.springs.bonds(surface.shape, surface.count, (False, False))
+    closes_ring = surface.springs.wrap & (ends[:, 0] > ends[:, 1])
+    return np.asarray(ends[~closes_ring])
+
+
 class Contacts:
     """Contact forces and distances of the bobs of a scene, as the kernels of runs compute them.
 

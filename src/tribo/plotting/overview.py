@@ -35,10 +35,10 @@ def overview(result: RunResult) -> Figure:
     InputError
         The run was too large to keep the places of single asperites.
     """
-    from matplotlib.figure import Figure
+    from tribo.plotting.shown import ShownFigure
 
     with style():
-        figure = Figure(figsize=SIZE, layout="constrained")
+        figure = ShownFigure(figsize=SIZE, layout="constrained")
         figure.suptitle(result.scene.title)
         first = result.scene.surfaces[0].name
         slides = has_mean_friction(result.scene) and "friction_force" in result[first]

@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tribo.model.surface import Surface
+from tribo.plotting.encounter import encounter_times
 from tribo.plotting.maps import surface_map
 from tribo.plotting.picture import Picture, pose
-from tribo.plotting.series import work_curves
+from tribo.plotting.series import MEANINGS, WORKS, work_curves
+from tribo.plotting.snapshots import sequence
 from tribo.plotting.style import (
     COLUMN,
     EDGE,
@@ -134,7 +136,18 @@ class Plots:
         -------
         matplotlib.axes.Axes
         """
-        return work_curves(self._result, self._surface(surface), asperite, ax=ax)
+        name = self._surface(surface)
+        is_new = ax is None
+        with drawing_on(ax, WIDE, ASPECT * WIDE) as ax:
+            work_curves(self._result, name, asperite, ax=ax)
+            of_one = "" if asperite is None else f", asperite {asperite}"
+            ax.set_ylabel(f"work on {name}{of_one}")
+            drawn = {str(line.get_label()): line for line in ax.lines}
+            words = {work: MEANINGS[work] for work in WORKS if work in drawn}
+            if is_new and words:
+                handles = [drawn[work] for work in words]
+                _legend(ax, handles, list(words.values()))
+        return ax
 
     def energy_budget(self, ax: Axes | None = None) -> Axes:
         """Draw the energies that the work put in over time became, one on top of the other.
@@ -260,7 +273,8 @@ class Plots:
         Parameters
         ----------
         times : sequence of float, optional
-            Each means the nearest sample [time].  Four from start to end without it.
+            Each means the nearest sample [time].  Without it four, between which the contact energy
+            changes by equal amounts; from start to end where there is no contact.
         ax : matplotlib.axes.Axes, optional
             The axes to draw on; by default a new figure.
         bath : bool
@@ -304,6 +318,39 @@ class Plots:
             ax.set_ylim(floor, EDGE * point)
             ax.set_aspect("equal")
         return ax
+
+    def sequence(
+        self,
+        times: Sequence[float] | None = None,
+        surface: str | None = None,
+        asperite: int = 0,
+        ax: Axes | None = None,
+    ) -> Axes:
+        """Draw snapshots of an encounter, and the displacements of one asperite between them.
+
+        Parameters
+        ----------
+        times : sequence of float, optional
+            Times of the snapshots [time].  Without it three: as asperites approach, when the energy
+            of contact is half spent, and as they recede.
+        surface : str, optional
+            The first without it.
+        asperite : int
+            The asperite whose displacements and contact force are shown.
+        ax : matplotlib.axes.Axes, optional
+            The axes to draw on; by default a new figure.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            A time is outside the run.
+        """
+        times = encounter_times(self._result, 3) if times is None else times
+        return sequence(self._result, times, self._surface(surface), asperite, ax=ax)
 
     def map(
         self,
@@ -371,11 +418,14 @@ def typical_swing(result: RunResult) -> float:
     return max(1e-9, float(np.nanpercentile(np.concatenate(swings), STRONGEST)))
 
 
-def _legend(ax: Axes) -> None:
-    """Names of all lines above the graph, clear of the curves, in rows of at most three."""
-    number = max(1, len(ax.get_legend_handles_labels()[1]))
+def _legend(ax: Axes, lines: Sequence[Any] = (), names: Sequence[str] = ()) -> None:
+    """Names of lines, or of all, above the graph, clear of the curves, at most three in a row."""
+    handles, labels = (lines, names) if lines else ax.get_legend_handles_labels()
+    number = max(1, len(labels))
     rows = math.ceil(number / 3)
     ax.legend(
+        handles,
+        labels,
         loc="lower center",
         bbox_to_anchor=(0.5, 1.0),
         ncols=math.ceil(number / rows),
@@ -387,7 +437,7 @@ def _legend(ax: Axes) -> None:
 
 
 def _times(result: RunResult, times: Sequence[float] | None) -> Sequence[float]:
-    return np.linspace(result.t[0], result.t[-1], 4).tolist() if times is None else times
+    return encounter_times(result, 4) if times is None else times
 
 
 def _swing(result: RunResult, surface: Surface) -> np.ndarray:

@@ -26,6 +26,18 @@ WORKS = {
     "w": ("", INK),
 }
 
+# What each work is of, in words.
+MEANINGS = {
+    "w1": "friction (contact)",
+    "w2": "drive",
+    "wL": "left end of the bar",
+    "wR": "right end of the bar",
+    "w_int": "inside the surface",
+    "w_field": "fields",
+    "w_T": "reservoir",
+    "w": "all forces",
+}
+
 # Distance between labels at the ends of lines [points].
 LABEL_GAP = 11.0
 

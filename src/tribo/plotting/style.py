@@ -88,11 +88,12 @@ def axes(width: float = COLUMN, height: float | None = None) -> Axes:
     -------
     matplotlib.axes.Axes
     """
-    from matplotlib.figure import Figure
+    from tribo.plotting.shown import ShownAxes, ShownFigure
 
     height = 0.62 * width if height is None else height
     with style():
-        return Figure(figsize=(width, height), layout="constrained").add_subplot()
+        figure = ShownFigure(figsize=(width, height), layout="constrained")
+        return figure.add_subplot(axes_class=ShownAxes)
 
 
 def drawing_axes(width: float = COLUMN) -> Axes:
@@ -107,10 +108,11 @@ def drawing_axes(width: float = COLUMN) -> Axes:
     -------
     matplotlib.axes.Axes
     """
-    from matplotlib.figure import Figure
+    from tribo.plotting.shown import ShownAxes, ShownFigure
 
     with style():
-        ax = Figure(figsize=(width, width)).add_axes((0.0, 0.0, 1.0, 1.0))
+        figure = ShownFigure(figsize=(width, width))
+        ax = figure.add_axes((0.0, 0.0, 1.0, 1.0), axes_class=ShownAxes)
     ax.set_axis_off()
     return ax
 

@@ -1,7 +1,6 @@
-"""What a page holds of a result: places to draw, contact forces, and curves.
+"""What a page holds of a run: places and forces to draw, and curves with their values.
 
-Places and forces are drawn only, and are kept in single precision at some of the samples.  Curves
-are shown as numbers, and are kept as they are at all samples.
+A curve is rounded to the digits that the page shows, which numbers of 32 bits keep.
 """
 
 from __future__ import annotations
@@ -13,23 +12,31 @@ import numpy as np
 
 from tribo.analysis.contact_probe import ContactProbe
 from tribo.ledger.quantities import EVERY_QUANTITY, Table
+from tribo.model.drives import Forced
 from tribo.model.surface import Surface
+from tribo.plotting.geometry import joined_bars
 from tribo.plotting.oscillators import MOST, magnification, oscillator_dots
+from tribo.plotting.series import works_of
 from tribo.results.run_result import RunResult
 from tribo.validation import InputError
+from tribo.viewer.sentence import sentence
 
 # Numbers that are drawn: places of each asperite, at each time that is drawn.
 PLACES = ("x_bar", "y_bar", "phi", "x_bob", "y_bob")
 # Most numbers of places in a page, which then has 16 MB of them.
 MOST_PLACES = 3_000_000
-# Most asperites whose contact forces are drawn: arrows of more hide one another.
+# Most asperites whose forces are drawn: arrows of more hide one another.
 MOST_ARROWS = 200
-# Works of single forces that are shown, summed over a surface.
-WORKS = ("w1", "w1_ps", "w2", "w2_ps", "wL", "wR")
+# Significant digits of a value in the page.
+DIGITS = 6
+# Magnitudes that numbers of 32 bits have with that many digits.
+SINGLE = (1e-36, 1e38)
+# The curves that a page opens with, where they are recorded.
+DRAWN = ("w1", "w1_ps", "w2", "w2_ps", "w", "w_ps", "heat", "heat_bath")
 
 
 def contents(result: RunResult, bath: bool = False) -> dict[str, Any]:
-    """Everything that the page shows, for JSON.
+    """Everything that the page shows of a run, for JSON.
 
     Parameters
     ----------
@@ -40,7 +47,7 @@ def contents(result: RunResult, bath: bool = False) -> dict[str, Any]:
     Returns
     -------
     dict
-        Arrays are in base64: float32 of the places and forces, float64 of times and curves.
+        Arrays are as of :func:`packed`.
 
     Raises
     ------
@@ -60,15 +67,16 @@ def contents(result: RunResult, bath: bool = False) -> dict[str, Any]:
         )
     for surface in surfaces:
         places = dots.get(surface["name"])
-        surface["dots"] = None if places is None else _singles(places)
+        surface["dots"] = None if places is None else packed(places)
     return {
         "title": scene.title or "A run of tribo",
         "status": str(result.status),
         "method": result.method,
         "accuracy": _accuracy(result),
+        "sentence": sentence(result),
         "notes": notes,
-        "times": _doubles(result.t),
-        "frames": frames.tolist(),
+        "times": packed(result.t, exact=True),
+        "frames": packed(frames),
         "surfaces": surfaces,
         "forces": _forces(result, frames),
         "groups": _groups(result),
@@ -107,31 +115,57 @@ def _drawn(result: RunResult, surface: Surface, frames: np.ndarray) -> dict[str,
             f"{result.scene.count} asperites only the first and the last are kept: give fewer",
         )
     values = surface.each
-    places = np.stack([table[name][frames] for name in PLACES], axis=-1)
     return {
         "name": surface.name,
         "facing": surface.facing,
         "count": surface.count,
-        "bar_length": _singles(values["bar_length"]),
-        "depth": _singles(surface.resting_bobs()[:, 2]),
-        "places": _singles(places),  # frame after frame, asperite after asperite, as PLACES
+        "barLength": packed(values["bar_length"]),
+        "depth": packed(surface.resting_bobs()[:, 2]),
+        # From the bar to the bob, in parts of the rod.
+        "centre": packed(values["m1"] / (values["m1"] + values["m2"])),
+        "twisted": bool(
+            np.any(np.asarray(values["kappa"]) > 0.0) and not surface.asperite.is_rigid
+        ),
+        "bonds": packed(joined_bars(surface)),
+        # Of each place frame after frame, asperite after asperite.
+        "places": {name: packed(table[name][frames]) for name in PLACES},
     }
 
 
-def _forces(result: RunResult, frames: np.ndarray) -> str | None:
-    """Contact forces on all bobs at each frame (x, y); None where they are not drawn.
+def _forces(result: RunResult, frames: np.ndarray) -> dict[str, list[dict[str, Any]]]:
+    """x and y of contact forces and drives at each frame, of all asperites, where they are known.
 
-    They are not where asperites are many, and where the code of a potential was not loaded.
+    They are known where the run recorded them.  Else contact is computed from the places of the
+    bobs, unless the code of its potential was not loaded, and the drive of forced surfaces is
+    opposite to it.
     """
     scene = result.scene
-    if scene.count > MOST_ARROWS or not scene.interactions:
-        return None
+    if scene.count > MOST_ARROWS:
+        return {}
+    names = [surface.name for surface in scene.surfaces]
+    found = {}
+    for force in ("f1", "f2"):
+        if all(f"{force}_x" in result[name] for name in names):
+            found[force] = [
+                np.concatenate([result[name][f"{force}_{axis}"][frames] for name in names], axis=1)
+                for axis in "xy"
+            ]
+    if not found and scene.interactions:
+        contact = _contact(result, frames)
+        found |= {} if contact is None else {"f1": contact}
+        if contact is not None and all(s.drive == Forced() for s in scene.surfaces):
+            found["f2"] = [-values for values in contact]
+    return {name: [packed(values) for values in both] for name, both in found.items()}
+
+
+def _contact(result: RunResult, frames: np.ndarray) -> list[np.ndarray] | None:
+    """x and y of the contact forces at each frame, of all asperites, computed from their places."""
     try:
-        probe = ContactProbe(scene)
+        probe = ContactProbe(result.scene)
         bobs = np.concatenate(
             [
                 np.stack([result[s.name][name][frames] for name in ("x_bob", "y_bob")], axis=-1)
-                for s in scene.surfaces
+                for s in result.scene.surfaces
             ],
             axis=1,
         )
@@ -141,39 +175,68 @@ def _forces(result: RunResult, frames: np.ndarray) -> str | None:
         _, forces = probe(np.concatenate([bobs, depths], axis=2), charges)
     except InputError:
         return None
-    return _singles(forces)
+    return [forces[:, :, axis] for axis in (0, 1)]
 
 
 def _groups(result: RunResult) -> list[dict[str, Any]]:
-    """The curves of each surface, the works of single forces summed over it, and the system."""
+    """The works on each surface and its other curves, and those of the system."""
     ledger = result.ledger
     groups = []
     for surface in result.scene.surfaces:
-        block, table = ledger.blocks[surface.name], result[surface.name]
-        series = {name: block[name] for name in block}
-        for name in WORKS:
-            if name in table:
-                values = table[name]
-                series[name] = values if values.ndim == 1 else values.sum(axis=1)
+        series = works_of(result, surface.name, None)
+        table = result[surface.name]
+        if "heat" in table:
+            series["heat"] = np.asarray(table["heat"]).reshape(len(result.t), -1).sum(axis=1)
+        block = ledger.blocks[surface.name]
+        series |= {name: block[name] for name in block if name not in series}
         groups.append({"name": surface.name, "curves": _curves(series)})
     return [*groups, {"name": "system", "curves": _curves(ledger.system)}]
 
 
-def _curves(table: Table) -> list[dict[str, str]]:
-    """Name, meaning and values of each series of a table."""
+def _curves(table: Table) -> list[dict[str, Any]]:
+    """Name, meaning and values of each series of a table, those that the page opens with first."""
+    names = [*(name for name in DRAWN if name in table), *(n for n in table if n not in DRAWN)]
+    first = [name for name in names if name in DRAWN] or names[:4]
     return [
-        {"name": name, "meaning": EVERY_QUANTITY[name].long_name, "values": _doubles(table[name])}
-        for name in table
+        {
+            "name": name,
+            "meaning": EVERY_QUANTITY[name].long_name,
+            "kind": EVERY_QUANTITY[name].kind,
+            "drawn": name in first,
+            "values": packed(_rounded(np.asarray(table[name]))),
+        }
+        for name in names
     ]
 
 
-def _singles(values: np.ndarray) -> str:
-    return _base64(values, "<f4")
+def _rounded(values: np.ndarray) -> np.ndarray:
+    """The values with as many digits as the page shows."""
+    values = np.asarray(values, float)
+    with np.errstate(all="ignore"):
+        size = np.where(values == 0.0, 1.0, np.abs(values))
+        unit = 10.0 ** (np.floor(np.log10(size)) - DIGITS + 1)
+        rounded = np.round(values / unit) * unit
+    return np.where(np.isfinite(rounded), rounded, values)
 
 
-def _doubles(values: np.ndarray) -> str:
-    return _base64(values, "<f8")
+def packed(values: np.ndarray, exact: bool = False) -> dict[str, Any]:
+    """An array for JSON: bytes in base64, or one number where all are equal.
 
+    Parameters
+    ----------
+    values : ndarray
+    exact : bool
+        Whether all digits of numbers of 64 bits are kept.
 
-def _base64(values: np.ndarray, dtype: str) -> str:
-    return base64.b64encode(np.ascontiguousarray(values, dtype).tobytes()).decode("ascii")
+    Returns
+    -------
+    dict
+        "f4" or "f8" with the bytes, or "same" with the number, and "size".
+    """
+    values = np.asarray(values, float).ravel()
+    if values.size and np.all(values == values[0]):
+        return {"same": float(values[0]), "size": values.size}
+    sizes = np.abs(values[np.isfinite(values) & (values != 0.0)])
+    single = not exact and (not sizes.size or (SINGLE[0] < sizes.min() and sizes.max() < SINGLE[1]))
+    kind = "f4" if single else "f8"
+    return {kind: base64.b64encode(values.astype(f"<{kind}").tobytes()).decode("ascii")}

@@ -1,19 +1,82 @@
-"""The file of a page: style, scripts and contents in one HTML document."""
+"""The page: one HTML document with its style, the module that shows runs, and their data."""
 
 from __future__ import annotations
 
-import re
 from html import escape
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 from tribo.files import replace_file, strict_json
 from tribo.results.run_result import RunResult
 from tribo.validation import as_path
 from tribo.viewer.contents import contents
 
-# The scripts, in the order in which they need one another.
-SCRIPTS = ("run.js", "drawing.js", "curves.js", "player.js")
+# The scripts of the module, in the order in which they need one another.
+SCRIPTS = (
+    *("symbols.js", "run.js", "drawing.js", "curves.js"),
+    *("sources.js", "sliders.js", "player.js"),
+)
+PAGE = """\
+<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta http-equiv="Content-Security-Policy" content="default-src 'none'; {policy}">
+<title>{title}</title>
+<link rel="icon" href="data:,">
+<style>
+{style}
+</style>
+</head>
+<body class="page">
+<main id="player"></main>
+<script type="application/json" id="data">{data}</script>
+<script type="module">
+{module}
+const data = JSON.parse(document.getElementById("data").textContent);
+mount(document.getElementById("player"), {{ ...{source}(data), isPage: true }});
+</script>
+</body>
+</html>
+"""
+# What the page may do, and the function of sources.js that reads its data.
+HELD = ("style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:", "heldRuns")
+SERVED = (f"{HELD[0]}; connect-src 'self'", "servedRuns")
+
+
+def part(name: str) -> str:
+    """The text of a file of the page."""
+    return files("tribo.viewer").joinpath("parts", name).read_text(encoding="utf-8")
+
+
+def module() -> str:
+    """The JavaScript module, whose default export is what anywidget asks for."""
+    exports = "export { mount };\nexport default { render };"
+    return "\n".join(['"use strict";', *map(part, SCRIPTS), exports])
+
+
+def document(source: dict[str, Any], kind: tuple[str, str] = HELD) -> str:
+    """The page that shows a source as text.
+
+    Parameters
+    ----------
+    source : dict
+        "run", "sliders" and, where the page holds all runs, "runs", as the module reads them.
+    kind : tuple of str
+        `HELD` or `SERVED`.
+    """
+    policy, reader = kind
+    return PAGE.format(
+        policy=policy,
+        title=escape(source["run"]["title"]),
+        style=part("style.css"),
+        # "<" would end the script that holds the data; JSON may write it as an escape.
+        data=strict_json(source, None).replace("<", "\\u003c"),
+        module=module(),
+        source=reader,
+    )
 
 
 def write_page(result: RunResult, path: str | Path, bath: bool = False) -> Path:
@@ -39,24 +102,5 @@ def write_page(result: RunResult, path: str | Path, bath: bool = False) -> Path:
         oscillators that are asked for.
     """
     path = as_path(path)
-    replace_file(path, document(result, bath).encode())
+    replace_file(path, document({"run": contents(result, bath), "sliders": []}).encode())
     return path
-
-
-def document(result: RunResult, bath: bool = False) -> str:
-    """The page as text."""
-    parts = files("tribo.viewer").joinpath("parts")
-
-    def part(name: str) -> str:
-        return parts.joinpath(name).read_text(encoding="utf-8")
-
-    held = contents(result, bath)
-    # "<" would end the script that holds the data; JSON may write it as an escape.
-    data = strict_json(held, None).replace("<", "\\u003c")
-    filled = {
-        "TITLE": escape(held["title"]),
-        "STYLE": part("style.css"),
-        "DATA": data,
-        "SCRIPT": "\n".join(part(name) for name in SCRIPTS),
-    }
-    return re.sub(r"\[\[(\w+)\]\]", lambda found: filled[found[1]], part("page.html"))

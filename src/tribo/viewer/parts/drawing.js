@@ -1,12 +1,18 @@
-// Draws the asperites of a frame on a canvas.
+// Draws the asperites of a run at a time on a canvas.
 
 const MOST_DETAILED = 3000; // more asperites are drawn as points
+const MOST_SPRINGS = 60; // torsion springs of more asperites hide one another
+const MOST_TRACES = 24;
+const MOST_NAMED = 4; // asperites whose forces have a letter
 const OBLIQUE = [0.35, 0.2]; // of the depth, to the right and upward
-const ARROW = 1.2; // length of the longest arrow, in rods
-const HEIGHTS = [160, 460]; // of the canvas, least and most
+const ARROW = 1.2; // length of the arrow of a large force, in rods
+const LEAST_ARROW = 34; // and in pixels, where asperites are small
+const LARGE = 0.97; // the part of all forces that are not larger
+const HEIGHTS = [190, 460]; // of the canvas, least and most
+const WINDINGS = 4; // of each half of a torsion spring
 
-function colour(name) {
-  return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+function colour(canvas, name) {
+  return getComputedStyle(canvas).getPropertyValue(`--${name}`).trim();
 }
 
 // A canvas in the pixels of the screen; returns its context in CSS pixels, and its size.
@@ -26,159 +32,295 @@ function prepared(canvas) {
 // What all frames cover: left, right, bottom, top.
 function extent(run) {
   const box = [Infinity, -Infinity, Infinity, -Infinity];
+  const cover = (x, y, half) => {
+    box[0] = Math.min(box[0], x - half);
+    box[1] = Math.max(box[1], x + half);
+    box[2] = Math.min(box[2], y);
+    box[3] = Math.max(box[3], y);
+  };
   for (const { places, count, depth, barLength, dots, dotsNow } of run.surfaces) {
-    for (let k = 0; k < places.length; k += PLACES) {
-      const asperite = (k / PLACES) % count;
-      const dx = OBLIQUE[0] * depth[asperite];
-      const dy = OBLIQUE[1] * depth[asperite];
-      const half = 0.5 * barLength[asperite];
-      box[0] = Math.min(box[0], places[k] + dx - half, places[k + 3] + dx);
-      box[1] = Math.max(box[1], places[k] + dx + half, places[k + 3] + dx);
-      box[2] = Math.min(box[2], places[k + 1] + dy, places[k + 4] + dy);
-      box[3] = Math.max(box[3], places[k + 1] + dy, places[k + 4] + dy);
+    const [xBar, yBar, , xBob, yBob] = places;
+    for (let k = 0; k < xBar.length; k += 1) {
+      const [dx, dy] = OBLIQUE.map((part) => part * depth[k % count]);
+      cover(xBar[k] + dx, yBar[k] + dy, 0.5 * barLength[k % count]);
+      cover(xBob[k] + dx, yBob[k] + dy, 0);
     }
     for (let k = 0; dots !== null && k < dots.length; k += 2) {
-      const asperite = Math.floor(((k % dotsNow.length) / dotsNow.length) * count);
-      const x = dots[k] + OBLIQUE[0] * depth[asperite];
-      const y = dots[k + 1] + OBLIQUE[1] * depth[asperite];
-      box[0] = Math.min(box[0], x);
-      box[1] = Math.max(box[1], x);
-      box[2] = Math.min(box[2], y);
-      box[3] = Math.max(box[3], y);
+      const z = depth[Math.floor(((k % dotsNow.length) / dotsNow.length) * count)];
+      cover(dots[k] + OBLIQUE[0] * z, dots[k + 1] + OBLIQUE[1] * z, 0);
     }
   }
   return box;
 }
 
 function rodLength(run) {
-  const { places } = run.surfaces[0];
-  return Math.hypot(places[3] - places[0], places[4] - places[1]) || 1;
+  const [xBar, yBar, , xBob, yBob] = run.surfaces[0].places;
+  return Math.hypot(xBob[0] - xBar[0], yBob[0] - yBar[0]) || 1;
 }
 
-function makeDrawing(run, canvas) {
-  const [left, right, bottom, top] = extent(run);
-  const rod = rodLength(run);
-  const force = new Float32Array(2 * run.count);
-  let strongest = 0;
-  for (let k = 0; run.forces !== null && k < run.forces.length; k += 2) {
-    strongest = Math.max(strongest, Math.hypot(run.forces[k], run.forces[k + 1]));
+// The size of a large force: arrows of all forces are in its units, so that rows show theirs.
+function largeForce(run) {
+  const sizes = [];
+  for (const { xy: [x, y] } of run.forces) {
+    for (let k = 0; k < x.length; k += 1) sizes.push(Math.hypot(x[k], y[k]));
+  }
+  const sorted = Float64Array.from(sizes.filter((size) => size > 0)).sort();
+  return sorted.length ? sorted[Math.floor(LARGE * (sorted.length - 1))] : 0;
+}
+
+function arrow(context, x, y, dx, dy) {
+  const size = Math.hypot(dx, dy);
+  if (size < 2) return;
+  const [ux, uy] = [dx / size, dy / size];
+  const head = Math.min(9, size);
+  context.beginPath();
+  context.moveTo(x, y);
+  context.lineTo(x + dx - head * ux, y + dy - head * uy);
+  context.stroke();
+  context.beginPath();
+  context.moveTo(x + dx, y + dy);
+  context.lineTo(x + dx - head * ux + 0.45 * head * uy, y + dy - head * uy - 0.45 * head * ux);
+  context.lineTo(x + dx - head * ux - 0.45 * head * uy, y + dy - head * uy + 0.45 * head * ux);
+  context.fill();
+}
+
+// A drawing on a canvas: a function of a run, a time, and what is shown.  `box` grows with each run,
+// so that the picture does not jump from run to run.
+function makeDrawing(canvas) {
+  const box = [Infinity, -Infinity, Infinity, -Infinity];
+  let known = null;
+  let rod = 1;
+  let large = 0;
+
+  function learn(run) {
+    known = run;
+    rod = rodLength(run);
+    large = largeForce(run);
+    extent(run).forEach((edge, k) => { box[k] = k % 2 ? Math.max(box[k], edge) : Math.min(box[k], edge); });
   }
 
-  function bars(context, view, surface) {
-    context.beginPath();
-    for (let i = 0; i < surface.count; i += 1) {
-      const k = PLACES * i;
-      const [x, y] = view(surface.now[k], surface.now[k + 1], surface.depth[i]);
-      const half = 0.5 * surface.barLength[i] * view.scale;
-      const cos = half * Math.cos(surface.now[k + 2]);
-      const sin = half * Math.sin(surface.now[k + 2]);
-      context.moveTo(x - cos, y + sin);
-      context.lineTo(x + cos, y - sin);
-    }
-    context.lineWidth = Math.max(2, 0.12 * rod * view.scale);
-    context.strokeStyle = colour(surface.facing);
-    context.stroke();
-  }
-
-  function rods(context, view, surface) {
-    context.beginPath();
-    for (let i = 0; i < surface.count; i += 1) {
-      const k = PLACES * i;
-      context.moveTo(...view(surface.now[k], surface.now[k + 1], surface.depth[i]));
-      context.lineTo(...view(surface.now[k + 3], surface.now[k + 4], surface.depth[i]));
-    }
-    context.lineWidth = Math.max(1, 0.04 * rod * view.scale);
-    context.strokeStyle = colour("rod");
-    context.stroke();
-  }
-
-  function bobs(context, view, surface) {
-    const radius = Math.max(2, 0.09 * rod * view.scale);
-    context.beginPath();
-    for (let i = 0; i < surface.count; i += 1) {
-      const [x, y] = view(surface.now[PLACES * i + 3], surface.now[PLACES * i + 4], surface.depth[i]);
-      context.moveTo(x + radius, y);
-      context.arc(x, y, radius, 0, 2 * Math.PI);
-    }
-    context.fillStyle = colour("bob");
-    context.fill();
-    context.lineWidth = 1;
-    context.strokeStyle = colour("ink");
-    context.stroke();
-  }
-
-  // Bath oscillators, behind the bars.
-  function bath(context, view, surface) {
-    const radius = Math.max(1.5, 0.03 * rod * view.scale);
-    const each = surface.dotsNow.length / surface.count;
-    context.beginPath();
-    for (let k = 0; k < surface.dotsNow.length; k += 2) {
-      const depth = surface.depth[Math.floor(k / each)];
-      const [x, y] = view(surface.dotsNow[k], surface.dotsNow[k + 1], depth);
-      context.moveTo(x + radius, y);
-      context.arc(x, y, radius, 0, 2 * Math.PI);
-    }
-    context.fillStyle = colour("c3");
-    context.fill();
-  }
-
-  function points(context, view, surface) {
-    context.fillStyle = colour(surface.facing);
-    const size = Math.max(1.5, 0.12 * rod * view.scale);
-    for (let i = 0; i < surface.count; i += 1) {
-      const [x, y] = view(surface.now[PLACES * i + 3], surface.now[PLACES * i + 4], surface.depth[i]);
-      context.fillRect(x - 0.5 * size, y - 0.5 * size, size, size);
-    }
-  }
-
-  function arrows(context, view, place) {
-    between(run.forces, 2 * run.count, place, force);
-    context.strokeStyle = context.fillStyle = colour("force");
-    context.lineWidth = 2;
-    let k = 0;
-    for (const surface of run.surfaces) {
-      for (let i = 0; i < surface.count; i += 1, k += 2) {
-        const length = (ARROW * rod * view.scale) / strongest;
-        const [dx, dy] = [force[k] * length, -force[k + 1] * length];
-        const size = Math.hypot(dx, dy);
-        if (size < 3) continue;
-        const [x, y] = view(surface.now[PLACES * i + 3], surface.now[PLACES * i + 4], surface.depth[i]);
-        const [ux, uy] = [dx / size, dy / size];
-        const head = Math.min(8, size);
+  const layers = {
+    bonds({ context, view, surface, paint }) {
+      const [x, y] = surface.now;
+      context.beginPath();
+      for (let k = 0; k < surface.bonds.length; k += 2) {
+        const [i, j] = [surface.bonds[k], surface.bonds[k + 1]];
+        const [x0, y0] = view(x[i], y[i], surface.depth[i]);
+        const [x1, y1] = view(x[j], y[j], surface.depth[j]);
+        const away = (surface.facing === "down" ? -1 : 1) * 0.12 * rod * view.scale;
+        const [dx, dy] = [(x1 - x0) / 16, (y1 - y0) / 16];
+        context.moveTo(x0, y0);
+        for (let n = 2; n < 15; n += 1) {
+          context.lineTo(x0 + n * dx, y0 + n * dy + (n % 2 ? away : 0.2 * away));
+        }
+        context.lineTo(x1, y1);
+      }
+      context.lineWidth = 1.2;
+      context.strokeStyle = paint("faint");
+      context.stroke();
+    },
+    bars({ context, view, surface, paint }) {
+      const [x, y, phi] = surface.now;
+      context.beginPath();
+      for (let i = 0; i < surface.count; i += 1) {
+        const [px, py] = view(x[i], y[i], surface.depth[i]);
+        const half = 0.5 * surface.barLength[i] * view.scale;
+        const [cos, sin] = [half * Math.cos(phi[i]), half * Math.sin(phi[i])];
+        context.moveTo(px - cos, py + sin);
+        context.lineTo(px + cos, py - sin);
+      }
+      context.lineWidth = Math.max(2, 0.12 * rod * view.scale);
+      context.strokeStyle = paint(surface.facing);
+      context.stroke();
+    },
+    // Torsion springs, from one half of the bar to the rod and on to the other half.
+    twists({ context, view, surface, paint }, run) {
+      if (!surface.twisted || run.count > MOST_SPRINGS) return;
+      const [x, y, phi, xBob, yBob] = surface.now;
+      const up = surface.facing === "down" ? 1 : -1;
+      context.beginPath();
+      for (let i = 0; i < surface.count; i += 1) {
+        const length = Math.hypot(xBob[i] - x[i], yBob[i] - y[i]);
+        const rest = phi[i] - 0.5 * Math.PI * up;
+        const swing = Math.atan2(yBob[i] - y[i], xBob[i] - x[i]) - rest;
+        const along = rest + Math.atan2(Math.sin(swing), Math.cos(swing));
+        for (const side of [-1, 1]) {
+          const start = rest + side * 1.35;
+          for (let n = 0; n <= 12 * WINDINGS; n += 1) {
+            const turn = (2 * Math.PI * n) / 12;
+            const angle = start + (along - start) * (n / (12 * WINDINGS));
+            const radius = length * (0.2 + 0.035 * Math.sin(turn));
+            const at = view(x[i] + radius * Math.cos(angle), y[i] + radius * Math.sin(angle), surface.depth[i]);
+            if (n) context.lineTo(...at);
+            else context.moveTo(...at);
+          }
+        }
+      }
+      context.lineWidth = 1;
+      context.strokeStyle = paint("ink");
+      context.stroke();
+    },
+    rods({ context, view, surface, paint }) {
+      const [x, y, , xBob, yBob] = surface.now;
+      context.beginPath();
+      for (let i = 0; i < surface.count; i += 1) {
+        context.moveTo(...view(x[i], y[i], surface.depth[i]));
+        context.lineTo(...view(xBob[i], yBob[i], surface.depth[i]));
+      }
+      context.lineWidth = Math.max(1, 0.04 * rod * view.scale);
+      context.strokeStyle = paint("rod");
+      context.stroke();
+    },
+    bobs({ context, view, surface, paint }) {
+      discs(context, view, surface, 2, Math.max(2, 0.09 * rod * view.scale));
+      context.fillStyle = paint("bob");
+      context.fill();
+      context.lineWidth = 1;
+      context.strokeStyle = paint("ink");
+      context.stroke();
+    },
+    centres({ context, view, surface, paint }) {
+      discs(context, view, surface, 1, Math.max(1.5, 0.045 * rod * view.scale));
+      context.fillStyle = paint("cm");
+      context.fill();
+    },
+    // Bath oscillators, behind the bars.
+    bath({ context, view, surface, paint }) {
+      const radius = Math.max(1.5, 0.03 * rod * view.scale);
+      const each = surface.dotsNow.length / surface.count;
+      context.beginPath();
+      for (let k = 0; k < surface.dotsNow.length; k += 2) {
+        const depth = surface.depth[Math.floor(k / each)];
+        const [x, y] = view(surface.dotsNow[k], surface.dotsNow[k + 1], depth);
+        context.moveTo(x + radius, y);
+        context.arc(x, y, radius, 0, 2 * Math.PI);
+      }
+      context.fillStyle = paint("wR");
+      context.fill();
+    },
+    points({ context, view, surface, paint }) {
+      const [, , , xBob, yBob] = surface.now;
+      context.fillStyle = paint(surface.facing);
+      const size = Math.max(1.5, 0.12 * rod * view.scale);
+      for (let i = 0; i < surface.count; i += 1) {
+        const [x, y] = view(xBob[i], yBob[i], surface.depth[i]);
+        context.fillRect(x - 0.5 * size, y - 0.5 * size, size, size);
+      }
+    },
+    // The name of the surface, on the far side of its bars.
+    name({ context, view, surface, paint, width }) {
+      const middle = Math.floor((surface.count - 1) / 2);
+      const [x, y] = view(surface.now[0][middle], surface.now[1][middle], surface.depth[middle]);
+      const away = (surface.facing === "down" ? -1 : 1) * (8 + 0.06 * rod * view.scale);
+      context.font = "13px system-ui, sans-serif";
+      const half = 0.5 * context.measureText(surface.name).width + 4;
+      context.textAlign = "center";
+      context.textBaseline = away < 0 ? "bottom" : "top";
+      context.fillStyle = paint("ink");
+      context.fillText(surface.name, Math.min(Math.max(x, half), width - half), y + away);
+    },
+    // The paths of bar, centre of mass and bob up to now.
+    traces({ context, view, surface, paint }, run, place) {
+      if (run.count > MOST_TRACES) return;
+      context.lineWidth = 1.2;
+      context.globalAlpha = 0.7;
+      [[0, surface.facing], [1, "cm"], [2, "rod"]].forEach(([point, name]) => {
+        context.strokeStyle = paint(name);
         context.beginPath();
-        context.moveTo(x, y);
-        context.lineTo(x + dx - head * ux, y + dy - head * uy);
+        for (let i = 0; i < surface.count; i += 1) {
+          for (let frame = 0; frame <= place.frame; frame += 1) {
+            const [, x, y] = pointsOf(surface, surface.places, frame * surface.count + i, i)[point];
+            if (frame) context.lineTo(...view(x, y, surface.depth[i]));
+            else context.moveTo(...view(x, y, surface.depth[i]));
+          }
+          const [, x, y] = pointsOf(surface, surface.now, i, i)[point];
+          context.lineTo(...view(x, y, surface.depth[i]));
+        }
         context.stroke();
+      });
+      context.globalAlpha = 1;
+    },
+    // How far the points of the first asperite have moved along x, each at its own height.
+    displacements({ context, view, surface, paint }) {
+      const begins = pointsOf(surface, surface.places, 0, 0);
+      const ends = pointsOf(surface, surface.now, 0, 0);
+      context.lineWidth = 1.5;
+      ends.forEach(([name, x, y], k) => {
+        const [x0, y0] = view(begins[k][1], y, surface.depth[0]);
+        const [x1] = view(x, y, surface.depth[0]);
+        if (Math.abs(x1 - x0) < 2) return;
+        context.strokeStyle = context.fillStyle = paint(name === "cm" ? "cm" : "ink");
         context.beginPath();
-        context.moveTo(x + dx, y + dy);
-        context.lineTo(x + dx - head * ux + 0.5 * head * uy, y + dy - head * uy - 0.5 * head * ux);
-        context.lineTo(x + dx - head * ux - 0.5 * head * uy, y + dy - head * uy + 0.5 * head * ux);
-        context.fill();
+        context.moveTo(x0, y0 - 5);
+        context.lineTo(x0, y0 + 5);
+        context.stroke();
+        arrow(context, x0, y0, x1 - x0, 0);
+        const letter = surface.facing === "down" ? "x" : "X";
+        drawSymbol(context, { before: "Δ", letter, below: name }, x0 + (0.25 + 0.25 * k) * (x1 - x0) - 14, y0 - 11);
+      });
+    },
+  };
+
+  function discs(context, view, surface, point, radius) {
+    context.beginPath();
+    for (let i = 0; i < surface.count; i += 1) {
+      const [, px, py] = pointsOf(surface, surface.now, i, i)[point];
+      const [x, y] = view(px, py, surface.depth[i]);
+      context.moveTo(x + radius, y);
+      context.arc(x, y, radius, 0, 2 * Math.PI);
+    }
+  }
+
+  // Contact forces at bobs and drives at bars.
+  function forces({ context, view, paint }, run, place) {
+    const [fx, fy] = [new Float64Array(run.count), new Float64Array(run.count)];
+    const unit = Math.max(ARROW * rod * view.scale, LEAST_ARROW);
+    for (const { name, xy } of run.forces) {
+      between(xy[0], place, fx);
+      between(xy[1], place, fy);
+      context.strokeStyle = context.fillStyle = paint(name === "f1" ? "w1" : "w2");
+      context.lineWidth = 2;
+      const [atX, atY] = name === "f1" ? [3, 4] : [0, 1];
+      let k = 0;
+      for (const surface of run.surfaces) {
+        for (let i = 0; i < surface.count; i += 1, k += 1) {
+          const size = Math.hypot(fx[k], fy[k]);
+          if (!(size > 0)) continue;
+          const length = (unit * Math.min(size, 1.6 * large)) / large;
+          const [x, y] = view(surface.now[atX][i], surface.now[atY][i], surface.depth[i]);
+          const [dx, dy] = [(fx[k] / size) * length, (-fy[k] / size) * length];
+          arrow(context, x, y, dx, dy);
+          if (run.count > MOST_NAMED || length < 14) continue;
+          const letter = surface.facing === "down" ? "f" : "F";
+          drawSymbol(context, { before: "", letter, below: name.slice(1) }, x + dx + (dx < 0 ? -18 : 5), y + dy);
+        }
       }
     }
   }
 
-  return function draw(t, withArrows) {
+  return function draw(run, t, shown) {
+    if (run !== known) learn(run);
+    const [left, right, bottom, top] = box;
     const margin = 0.35 * rod;
-    const [spanX, spanY] = [right - left + 2 * margin, top - bottom + 3 * margin];
-    const fitting = (canvas.clientWidth * spanY) / spanX;
+    const [spanX, spanY] = [right - left + 2 * margin, top - bottom + 2 * margin];
+    const names = 44; // pixels above and below for names of surfaces
+    const fitting = (canvas.clientWidth * spanY) / spanX + names;
     canvas.style.height = `${Math.min(Math.max(fitting, HEIGHTS[0]), HEIGHTS[1])}px`;
     const { context, width, height } = prepared(canvas);
-    const scale = Math.min(width / spanX, height / spanY);
+    const scale = Math.min(width / spanX, (height - names) / spanY);
     const view = (x, y, z) => [
       0.5 * width + (x + OBLIQUE[0] * z - 0.5 * (left + right)) * scale,
       0.5 * height - (y + OBLIQUE[1] * z - 0.5 * (bottom + top)) * scale,
     ];
     view.scale = scale;
-    const place = frameAt(run, t);
-    const layers = run.count > MOST_DETAILED ? [points] : [bars, rods, bobs];
+    const paint = (name) => colour(canvas, name);
+    const place = move(run, t);
+    const detailed = ["traces", "bonds", "bars", "twists", "rods", "bobs", "centres", "name", "displacements"];
+    const usual = (run.count > MOST_DETAILED ? ["points"] : detailed).filter((name) => shown[name] ?? true);
     for (const surface of run.surfaces) {
-      between(surface.places, surface.now.length, place, surface.now);
-      for (const layer of layers) layer(context, view, surface);
-      if (surface.dots === null) continue;
-      between(surface.dots, surface.dotsNow.length, place, surface.dotsNow);
-      bath(context, view, surface);
+      const on = { context, view, surface, paint, width };
+      for (const name of surface.dots === null ? usual : ["bath", ...usual]) layers[name](on, run, place);
     }
-    if (withArrows && run.forces !== null && strongest > 0) arrows(context, view, place);
+    if (shown.forces && large > 0) forces({ context, view, paint }, run, place);
   };
 }

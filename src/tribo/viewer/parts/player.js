@@ -1,31 +1,92 @@
-// The page: time, controls and what follows from them.
+// The player: an element with the motion, the curves and the values of a run, and its controls.
 
 const SECONDS = 12; // that a run takes at speed 1
+const BODY = `
+<header><h1 data-part="title"></h1><p data-part="summary"></p><p class="sentence" data-part="sentence"></p></header>
+<div class="sliders" role="group" aria-label="Values of the scene" data-part="sliders" hidden></div>
+<p class="error" role="alert" data-part="error" hidden></p>
+<section class="motion" aria-label="Motion">
+  <div class="scenes">
+    <figure><canvas role="img" data-part="scene"></canvas><figcaption data-part="caption" hidden></figcaption></figure>
+    <figure data-part="kept" hidden><canvas role="img" data-part="keptScene"></canvas><figcaption data-part="keptCaption"></figcaption></figure>
+  </div>
+  <div class="controls" role="group" aria-label="Playback">
+    <button type="button" aria-pressed="false" data-part="play">Play</button>
+    <input type="range" min="0" step="any" aria-label="Time" data-part="time">
+    <output data-part="clock"></output>
+    <label>Speed <select data-part="speed">
+      <option value="0.25">¼ ×</option><option value="0.5">½ ×</option><option value="1" selected>1 ×</option>
+      <option value="2">2 ×</option><option value="4">4 ×</option>
+    </select></label>
+    <label class="tick"><input type="checkbox" checked data-part="forces"> Forces</label>
+    <label class="tick"><input type="checkbox" data-part="traces"> Traces</label>
+    <label class="tick"><input type="checkbox" data-part="displacements"> Displacements</label>
+    <button type="button" aria-pressed="false" data-part="keep">Keep beside</button>
+  </div>
+</section>
+<section class="ledger" aria-label="Work and energy">
+  <label class="tabs">Works and energies of <select data-part="group"></select></label>
+  <canvas class="curves" role="img" data-part="curves"></canvas>
+  <div class="table"><table>
+    <thead><tr><th scope="col">Quantity</th><th scope="col">Meaning</th><th scope="col" data-part="when"></th><th scope="col" data-part="keptWhen" hidden></th></tr></thead>
+    <tbody data-part="values"></tbody>
+  </table></div>
+</section>
+<p class="hidden" aria-live="polite" data-part="spoken"></p>
+<footer>
+  <p>Space: play or pause. Left and right arrow: one sample back or on. Home, End: the start, the end.
+  Dashed curves are pseudoworks, which the motion of the centre of mass (red dot) determines.
+  Values are those of the nearest recorded sample, in the units of the scene.</p>
+  <ul data-part="notes"></ul>
+</footer>`;
 
-function startPage() {
-  const element = (name) => document.getElementById(name);
-  const run = readRun(JSON.parse(element("data").textContent));
-  const [first, last] = [run.times[0], run.times[run.times.length - 1]];
-  const drawScene = makeDrawing(run, element("scene"));
-  const curves = makeCurves(run, element("curves"));
-  let t = first;
+// Shows runs in an element.  `source` has `run` (the first), `sliders`, `ask` (see sources.js),
+// `beside` (a run to show beside it, if any) and `isPage` (whether the element is a page of its own).
+function mount(element, source) {
+  element.classList.add("tribo");
+  element.innerHTML = BODY;
+  const part = (name) => element.querySelector(`[data-part=${name}]`);
+  const values = Object.fromEntries(source.sliders.map(({ key, value }) => [key, value]));
+  const drawScene = makeDrawing(part("scene"));
+  const drawKept = makeDrawing(part("keptScene"));
+  const curves = makeCurves(part("curves"));
+  const drawn = new Map();
+  let run = null;
+  let answered = values; // the values of the run
+  let kept = null; // a run shown beside, and its values
+  let t = null;
   let pointed = null; // the time under the pointer
   let playing = false;
   let before = 0; // when the last picture was drawn
   let waiting = false;
-  let group = run.groups[0];
+  let groupName = null;
   let fill = null;
+
+  const groupIn = (one) => one.groups.find(({ name }) => name === groupName) ?? { curves: [] };
+  const named = (those) => Object.entries(those).map(([key, value]) => `${key} = ${shownValue(value)}`).join(", ");
 
   function show() {
     waiting = false;
-    drawScene(t, element("arrows").checked);
-    curves.draw(group.curves.filter((curve) => curve.drawn), t, pointed);
-    const sample = indexAt(run.times, pointed ?? t);
-    fill(sample);
-    element("when").textContent = `t = ${shown(run.times[sample])}`;
-    element("clock").textContent = `t = ${shown(t)}`;
-    element("time").value = t;
-    element("time").setAttribute("aria-valuetext", `t = ${shown(t)}`);
+    const shown = Object.fromEntries(["forces", "traces", "displacements"].map((name) => [name, part(name).checked]));
+    const now = Math.min(t, run.last);
+    drawScene(run, now, shown);
+    if (kept) drawKept(kept.run, Math.min(t, kept.run.last), shown);
+    const all = kept ? [run, kept.run] : [run];
+    const columns = all.map((one) => ({
+      run: one,
+      t: Math.min(t, one.last),
+      curves: groupIn(one).curves,
+      sample: nearestTo(one.times, Math.min(pointed ?? t, one.last)),
+    }));
+    curves.draw(columns.map((one) => ({ ...one, curves: one.curves.filter(({ name }) => drawn.get(name)) })), pointed);
+    fill(columns);
+    const when = (column) => `t = ${shownNumber(column.run.times[column.sample])}`;
+    part("when").textContent = when(columns[0]);
+    part("keptWhen").textContent = kept ? `beside: ${when(columns[1])}` : "";
+    part("clock").textContent = `t = ${shownNumber(now)}`;
+    part("time").value = now;
+    part("time").setAttribute("aria-valuetext", `t = ${shownNumber(now)}`);
+    element.dispatchEvent(new CustomEvent("tribo-shown", { detail: answered }));
   }
 
   function update() {
@@ -36,101 +97,158 @@ function startPage() {
   }
 
   function speak() {
-    const values = group.curves.filter((curve) => curve.drawn);
-    const sample = indexAt(run.times, t);
-    const said = values.map((curve) => `${curve.name} ${shown(curve.values[sample])}`).join(", ");
-    element("spoken").textContent = `t = ${shown(run.times[sample])}; ${group.name}: ${said}`;
+    const sample = nearestTo(run.times, t);
+    const said = groupIn(run).curves.filter(({ name }) => drawn.get(name))
+      .map(({ meaning, values: each }) => `${meaning} ${shownNumber(each[sample])}`).join(", ");
+    part("spoken").textContent = `t = ${shownNumber(run.times[sample])}; ${groupName}: ${said}`;
   }
 
+  const end = () => Math.max(run.last, kept ? kept.run.last : run.last);
+
   function setTime(value) {
-    t = Math.min(Math.max(value, first), last);
+    t = Math.min(Math.max(value, run.first), end());
     update();
   }
 
   function step(now) {
-    if (!playing) return;
-    const speed = Number(element("speed").value);
-    setTime(t + ((now - before) / 1000) * speed * ((last - first) / SECONDS));
+    if (!playing || !element.isConnected) return;
+    const speed = Number(part("speed").value);
+    setTime(t + ((now - before) / 1000) * speed * ((end() - run.first) / SECONDS));
     before = now;
-    if (t >= last) setPlaying(false);
+    if (t >= end()) setPlaying(false);
     else requestAnimationFrame(step);
   }
 
   function setPlaying(value) {
     playing = value;
-    element("play").textContent = playing ? "Pause" : "Play";
-    element("play").setAttribute("aria-pressed", String(playing));
+    part("play").textContent = playing ? "Pause" : "Play";
+    part("play").setAttribute("aria-pressed", String(playing));
     if (!playing) {
       speak();
       return;
     }
-    if (t >= last) t = first;
+    if (t >= end()) t = run.first;
     requestAnimationFrame((now) => {
       before = now;
       step(now);
     });
   }
 
-  function stepBy(samples) {
+  function goTo(value) {
     setPlaying(false);
-    const sample = indexAt(run.times, t) + samples;
-    setTime(run.times[Math.min(Math.max(sample, 0), run.times.length - 1)]);
+    setTime(value);
     speak();
   }
 
-  function choose(index) {
-    group = run.groups[index];
-    fill = makeTable(element("values"), group.curves, update);
+  function stepBy(samples) {
+    const sample = nearestTo(run.times, t) + samples;
+    goTo(run.times[Math.min(Math.max(sample, 0), run.times.length - 1)]);
+  }
+
+  function choose(name) {
+    groupName = name;
+    const { curves: own } = groupIn(run);
+    for (const curve of own) if (!drawn.has(curve.name)) drawn.set(curve.name, curve.drawn);
+    fill = makeTable(part("values"), own, drawn, update);
     update();
   }
+
+  // Shows another run, at the same time and with the same curves.
+  function setRun(data, those) {
+    const former = run;
+    run = readRun(data);
+    answered = those;
+    t = former === null ? run.first : Math.min(t, end());
+    part("time").min = run.first;
+    part("time").max = end();
+    part("title").textContent = run.title;
+    part("summary").textContent = `${run.status} at t = ${shownNumber(run.last)}, ${run.method}, ${run.accuracy}`;
+    part("sentence").textContent = run.sentence;
+    part("error").hidden = true;
+    part("caption").textContent = source.name ?? named(those);
+    part("forces").closest("label").hidden = run.forces.length === 0;
+    const names = run.surfaces.map(({ name, count }) => `${name} (${count})`).join(" and ");
+    part("scene").setAttribute("aria-label", `Asperites of ${names} in motion. ${run.sentence}`);
+    part("curves").setAttribute("aria-label", `Works and energies over time; the table has the values`);
+    part("notes").replaceChildren(...run.notes.map((note) => {
+      const item = document.createElement("li");
+      item.textContent = note;
+      return item;
+    }));
+    part("notes").hidden = run.notes.length === 0;
+    const groups = run.groups.map(({ name }) => name);
+    if (former === null || groups.join() !== former.groups.map(({ name }) => name).join()) {
+      part("group").replaceChildren(...groups.map((name) => new Option(name)));
+      choose(groups[0]);
+    } else {
+      choose(groupName);
+    }
+  }
+
+  function setKept(one) {
+    kept = one;
+    part("kept").hidden = kept === null;
+    part("values").closest("section").classList.toggle("two", kept !== null);
+    part("keptWhen").hidden = kept === null;
+    part("caption").hidden = kept === null;
+    part("keep").textContent = kept === null ? "Keep beside" : "Remove kept run";
+    part("keep").setAttribute("aria-pressed", String(kept !== null));
+    if (kept !== null) {
+      part("keptCaption").textContent = kept.name;
+      part("keptScene").setAttribute("aria-label", `The run beside: ${kept.name}`);
+    }
+    part("time").max = end();
+    update();
+  }
+
+  const request = oneAtATime(source.ask, setRun, (error) => {
+    part("error").textContent = error.message;
+    part("error").hidden = false;
+  });
 
   const keys = {
     " ": () => setPlaying(!playing),
     ArrowLeft: () => stepBy(-1),
     ArrowRight: () => stepBy(1),
-    Home: () => setTime(first),
-    End: () => setTime(last),
+    Home: () => goTo(run.first),
+    End: () => goTo(end()),
   };
-  document.addEventListener("keydown", (event) => {
-    const own = event.target.closest("button, select, input[type=checkbox]");
-    if (own || event.ctrlKey || event.altKey || event.metaKey || !(event.key in keys)) return;
+  (source.isPage ? document : element).addEventListener("keydown", (event) => {
+    const isEnd = event.key === "Home" || event.key === "End";
+    const own = isEnd ? "[data-key]" : "button, select, input[type=checkbox], [data-key]";
+    if (event.target.closest?.(own) || event.ctrlKey || event.altKey || event.metaKey || !(event.key in keys)) return;
     event.preventDefault();
+    event.stopPropagation();
     keys[event.key]();
   });
-  element("play").addEventListener("click", () => setPlaying(!playing));
-  element("time").addEventListener("input", (event) => {
+  part("play").addEventListener("click", () => setPlaying(!playing));
+  part("keep").addEventListener("click", () => setKept(kept === null ? { run, name: `kept: ${named(answered)}` } : null));
+  part("time").addEventListener("input", (event) => {
     setPlaying(false);
     setTime(Number(event.target.value));
   });
-  element("arrows").addEventListener("change", update);
-  element("group").addEventListener("change", (event) => choose(event.target.selectedIndex));
-  element("curves").addEventListener("pointermove", (event) => {
+  for (const name of ["forces", "traces", "displacements"]) part(name).addEventListener("change", update);
+  part("group").addEventListener("change", (event) => choose(event.target.value));
+  part("curves").addEventListener("pointermove", (event) => {
     pointed = curves.timeAt(event.offsetX);
     update();
   });
-  element("curves").addEventListener("pointerleave", () => {
+  part("curves").addEventListener("pointerleave", () => {
     pointed = null;
     update();
   });
-  element("curves").addEventListener("click", (event) => setTime(curves.timeAt(event.offsetX)));
-  window.addEventListener("resize", update);
+  part("curves").addEventListener("click", (event) => setTime(curves.timeAt(event.offsetX)));
+  new ResizeObserver(update).observe(element);
   window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", update);
 
-  element("time").min = first;
-  element("time").max = last;
-  element("summary").textContent = `${run.status} at t = ${shown(last)}, ${run.method}, ${run.accuracy}`;
-  element("scene").setAttribute(
-    "aria-label",
-    `Asperites of ${run.surfaces.map((s) => `${s.name} (${s.count})`).join(" and ")} in motion`,
-  );
-  element("arrows").closest("label").hidden = run.forces === null;
-  for (const { name } of run.groups) element("group").add(new Option(name));
-  for (const note of run.notes) {
-    const item = document.createElement("li");
-    item.textContent = note;
-    element("notes").append(item);
-  }
-  choose(0);
+  part("sliders").hidden = source.sliders.length === 0;
+  part("keep").hidden = source.sliders.length === 0;
+  part("sliders").append(...source.sliders.map((slider) => makeSlider(slider, (key, value) => {
+    values[key] = value;
+    request({ ...values });
+  })));
+  setRun(source.run, { ...values });
+  if (source.beside) setKept({ ...source.beside, run: readRun(source.beside.run) });
 }
 
-startPage();
+const render = ({ model, el }) => mount(el, modelRuns(model));

@@ -1,38 +1,50 @@
-// The run that the page holds: its samples, and the places between two of them.
+// A run: its samples, and the places between two of them.
 
-const PLACES = 5; // x_bar, y_bar, phi, x_bob, y_bob of an asperite
+const PLACES = ["x_bar", "y_bar", "phi", "x_bob", "y_bob"];
 
-function bytes(text) {
-  return Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer;
+// An array as Python packs it.
+function unpacked(packed) {
+  if ("same" in packed) return new Float64Array(packed.size).fill(packed.same ?? NaN);
+  const bytes = Uint8Array.from(atob(packed.f4 ?? packed.f8), (letter) => letter.charCodeAt(0));
+  return "f4" in packed ? new Float32Array(bytes.buffer) : new Float64Array(bytes.buffer);
 }
 
-const doubles = (text) => new Float64Array(bytes(text));
-const singles = (text) => new Float32Array(bytes(text));
-
 function readRun(data) {
-  const times = doubles(data.times);
+  const times = unpacked(data.times);
+  const frameTimes = Float64Array.from(unpacked(data.frames), (sample) => times[sample]);
   const surfaces = data.surfaces.map((surface) => ({
     ...surface,
-    barLength: singles(surface.bar_length),
-    depth: singles(surface.depth),
-    places: singles(surface.places),
-    now: new Float32Array(PLACES * surface.count),
-    dots: surface.dots === null ? null : singles(surface.dots),
+    barLength: unpacked(surface.barLength),
+    depth: unpacked(surface.depth),
+    centre: unpacked(surface.centre),
+    bonds: unpacked(surface.bonds),
+    places: PLACES.map((name) => unpacked(surface.places[name])),
+    now: PLACES.map(() => new Float64Array(surface.count)),
+    dots: surface.dots === null ? null : unpacked(surface.dots),
   }));
   for (const surface of surfaces) {
-    const size = surface.dots === null ? 0 : surface.dots.length / data.frames.length;
-    surface.dotsNow = new Float32Array(size);
+    const size = surface.dots === null ? 0 : surface.dots.length / frameTimes.length;
+    surface.dotsNow = new Float64Array(size);
   }
+  const forces = Object.entries(data.forces).map(([name, both]) => ({ name, xy: both.map(unpacked) }));
   return {
     ...data,
     times,
-    frameTimes: Float64Array.from(data.frames, (sample) => times[sample]),
+    frameTimes,
     surfaces,
+    forces,
+    first: times[0],
+    last: times[times.length - 1],
     count: surfaces.reduce((sum, surface) => sum + surface.count, 0),
-    forces: data.forces === null ? null : singles(data.forces),
-    groups: data.groups.map((group) => ({
-      name: group.name,
-      curves: group.curves.map((curve) => ({ ...curve, values: doubles(curve.values) })),
+    groups: data.groups.map(({ name, curves }) => ({
+      name,
+      curves: curves.map((curve, index) => ({
+        ...curve,
+        symbol: symbol(curve.name),
+        colour: colourName(curve.name, index),
+        dash: isPseudowork(curve.name) ? [7, 5] : [],
+        values: unpacked(curve.values),
+      })),
     })),
   };
 }
@@ -49,17 +61,46 @@ function indexAt(times, t) {
   return low;
 }
 
+// The index whose time is nearest to t.
+function nearestTo(times, t) {
+  const before = indexAt(times, t);
+  const after = Math.min(before + 1, times.length - 1);
+  return t - times[before] <= times[after] - t ? before : after;
+}
+
 // Frame and fraction of the way to the next one.
 function frameAt(run, t) {
   const frame = indexAt(run.frameTimes, t);
   const next = Math.min(frame + 1, run.frameTimes.length - 1);
   const step = run.frameTimes[next] - run.frameTimes[frame];
-  return { frame, next, part: step > 0 ? (t - run.frameTimes[frame]) / step : 0 };
+  const part = step > 0 ? Math.min(Math.max((t - run.frameTimes[frame]) / step, 0), 1) : 0;
+  return { frame, next, part };
 }
 
 // Values between two frames, on straight lines.
-function between(values, size, { frame, next, part }, into) {
-  const a = frame * size;
-  const b = next * size;
+function between(values, { frame, next, part }, into) {
+  const size = into.length;
+  const [a, b] = [frame * size, next * size];
   for (let k = 0; k < size; k += 1) into[k] = values[a + k] + part * (values[b + k] - values[a + k]);
+}
+
+// Sets the places of all asperites at a time.
+function move(run, t) {
+  const place = frameAt(run, t);
+  for (const surface of run.surfaces) {
+    surface.places.forEach((values, k) => between(values, place, surface.now[k]));
+    if (surface.dots !== null) between(surface.dots, place, surface.dotsNow);
+  }
+  return place;
+}
+
+// The points of an asperite at a time that `values` are of: [x, y] of bar, centre of mass and bob.
+function pointsOf(surface, values, index, asperite) {
+  const [xBar, yBar, , xBob, yBob] = values.map((each) => each[index]);
+  const part = surface.centre[asperite];
+  return [
+    ["bar", xBar, yBar],
+    ["cm", xBar + part * (xBob - xBar), yBar + part * (yBob - yBar)],
+    ["bob", xBob, yBob],
+  ];
 }

@@ -1,0 +1,152 @@
+"""The commands `tribo view` and `tribo play`: a page that plays runs, with or without sliders."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tribo.commands.scene_options import (
+    add_scene,
+    add_set,
+    as_number,
+    load_with_values,
+    parsed_list,
+    split,
+)
+from tribo.files import checked_target, replace_file
+from tribo.interrupts import COMPLETED, STOPPED, also_in_part
+from tribo.validation import InputError, must_be
+
+if TYPE_CHECKING:
+    from tribo.model.scene import Scene
+    from tribo.result import Result
+    from tribo.sliders import Slider
+
+
+def add_view(view: argparse.ArgumentParser) -> None:
+    """Add the arguments of `tribo view`."""
+    add_scene(view, "SCENE.toml|FILE.nc")
+    view.add_argument(
+        "beside", type=Path, nargs="?", metavar="OTHER", help="a second run, shown beside the first"
+    )
+    view.add_argument(
+        "-o", "--out", type=Path, metavar="PAGE.html", help="the page (default: SCENE.html)"
+    )
+    view.add_argument(
+        "--bath",
+        action="store_true",
+        help='draw bath oscillators; the file of a run must have the series "oscillators"',
+    )
+    add_set(view)
+    _add_slider(view, "the page has the runs of 41 values, or of all combinations of 11 or 5")
+    view.set_defaults(command=_view)
+
+
+def add_play(play: argparse.ArgumentParser) -> None:
+    """Add the arguments of `tribo play`."""
+    add_scene(play)
+    add_set(play)
+    _add_slider(play, "each move simulates the scene again")
+    play.add_argument(
+        "--no-browser", action="store_true", help="print the address, but open no browser"
+    )
+    play.set_defaults(command=_play)
+
+
+def _add_slider(command: argparse.ArgumentParser, meaning: str) -> None:
+    command.add_argument(
+        "--slider",
+        action="append",
+        default=[],
+        metavar="KEY=LOW:HIGH",
+        help="a value to change, as 'upper.velocity=0.1:2' or 'upper.drive=forced,free'; may be "
+        f"repeated; {meaning}",
+    )
+
+
+def _sliders(options: argparse.Namespace, scene: Scene) -> list[Slider]:
+    """The sliders that are given.  Raises InputError about --slider."""
+    from tribo.sliders import sliders_of
+
+    given: dict[str, Any] = {}
+    for text in options.slider:
+        key, values = split("--slider", text)
+        if key in given:
+            raise InputError(f"--slider {key}", "is given twice; give each key once")
+        low, sign, high = values.partition(":")
+        if sign:
+            given[key] = (as_number(f"--slider {key}", low), as_number(f"--slider {key}", high))
+        else:
+            given[key] = parsed_list(f"--slider {key}", values)
+    try:
+        return sliders_of(scene, given)
+    except InputError as error:
+        raise InputError(f"--slider {error.field}", error.problem) from None
+
+
+def _view(options: argparse.Namespace) -> int:
+    from tribo.viewer.contents import contents
+    from tribo.viewer.html import document
+
+    out = checked_target("--out", options.out or options.scene.with_suffix(".html"))
+    if options.slider:
+        if options.scene.suffix != ".toml" or options.beside is not None:
+            raise InputError("--slider", "needs one scene file")
+        from tribo.sliders import grid_page
+
+        scene = load_with_values(options)
+        page, complete = grid_page(scene, _sliders(options, scene), options.bath), True
+    else:
+        result = _result(options, options.scene)
+        source: dict[str, Any] = {"run": contents(result, options.bath), "sliders": []}
+        complete = result.status == "completed"
+        if options.beside is not None:
+            other = _result(options, options.beside)
+            complete = complete and other.status == "completed"
+            source["beside"] = {"run": contents(other, options.bath), "name": options.beside.name}
+            source["name"] = options.scene.name
+        page = document(source)
+    replace_file(out, page.encode())
+    print(options.out or options.scene.with_suffix(".html"))
+    return COMPLETED if complete else STOPPED
+
+
+def _result(options: argparse.Namespace, file: Path) -> Result:
+    """The result of a scene file, or in the file of a run."""
+    from tribo.result import load_result
+    from tribo.simulation import simulate
+    from tribo.sliders import shown
+
+    if file.suffix != ".toml":
+        if options.set:
+            raise InputError("--set", "cannot go with the file of a run; give a scene file")
+        return load_result(file)
+    scene = load_with_values(argparse.Namespace(**vars(options) | {"scene": file}))
+    return also_in_part(simulate, shown(scene, options.bath))
+
+
+def _play(options: argparse.Namespace) -> int:
+    import webbrowser
+
+    from tribo.sliders import Playing
+    from tribo.viewer.server import Server
+
+    scene = load_with_values(options)
+    sliders = _sliders(options, scene)
+    if not sliders:
+        raise must_be("--slider", "given, as --slider upper.velocity=0.1:2", "none")
+    playing = Playing(scene, sliders)
+    with Server(playing.source(), playing.run) as server:
+        print(f"{server.url}\nCtrl-C ends it", flush=True)
+        if not options.no_browser:
+            webbrowser.open(server.url)
+        try:
+            server.serve_forever(poll_interval=0.1)
+        except KeyboardInterrupt:
+            from tribo.interrupts import answer
+
+            answer()
+            print(file=sys.stderr)
+    return COMPLETED

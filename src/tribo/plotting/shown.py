@@ -1,0 +1,31 @@
+"""Figures that a notebook shows, whether matplotlib's backend for notebooks is on or not."""
+
+from __future__ import annotations
+
+import io
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+# Resolution of a picture in a notebook, and the one at which it is displayed [pixels / inch].
+DPI, DISPLAYED = 220.0, 110.0
+
+
+class ShownFigure(Figure):
+    """A figure that shows itself at the end of a cell."""
+
+    def _repr_png_(self) -> tuple[bytes, dict[str, int]]:
+        """The picture, and its width in a page."""
+        content = io.BytesIO()
+        self.savefig(content, format="png", dpi=DPI)
+        width = round(float(self.get_figwidth()) * DISPLAYED)
+        return content.getvalue(), {"width": width}
+
+
+class ShownAxes(Axes):
+    """Axes that show their figure at the end of a cell."""
+
+    def _repr_png_(self) -> tuple[bytes, dict[str, int]] | None:
+        """The picture of a figure of tribo's; others are shown by those who made them."""
+        figure = self.get_figure(root=True)
+        return figure._repr_png_() if isinstance(figure, ShownFigure) else None

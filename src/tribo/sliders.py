@@ -1,0 +1,245 @@
+"""Values of a scene that a reader of a page changes: their ranges, and the runs at them."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from tribo.model.parameters import value_of, with_values
+from tribo.model.scene import Scene
+from tribo.result import Result
+from tribo.simulation import simulate
+from tribo.validation import is_list, must_be, number
+from tribo.viewer.contents import MOST_ARROWS, contents
+from tribo.viewer.html import document
+
+if TYPE_CHECKING:
+    from tribo.viewer.widget import Player
+
+# Values of a slider in a page without Python, by the number of sliders; more than that are refused.
+POINTS = {1: 41, 2: 11, 3: 5}
+# Most runs of a page without Python.
+MOST_RUNS = 1000
+# Most force evaluations of a run that a page asks for, which end it within some seconds.
+MOST_EVALUATIONS = 2e6
+
+
+@dataclass(frozen=True)
+class Slider:
+    """A value of a scene that can be changed.
+
+    Attributes
+    ----------
+    key : str
+        As for :func:`tribo.model.parameters.with_values`.
+    value : float or str
+        The value at the beginning.
+    low, high : float
+        The range, where there is one.
+    values : tuple, optional
+        The values to choose from, where there is no range.
+    """
+
+    key: str
+    value: Any
+    low: float = 0.0
+    high: float = 0.0
+    values: tuple[Any, ...] | None = None
+
+    def as_json(self) -> dict[str, Any]:
+        """What the page needs to know."""
+        if self.values is not None:
+            return {"key": self.key, "value": self.value, "values": list(self.values)}
+        return {"key": self.key, "value": self.value, "low": self.low, "high": self.high}
+
+    def checked(self, value: object) -> Any:
+        """A value that was asked for.  Raises InputError outside of what can be chosen."""
+        if self.values is not None:
+            for each in self.values:
+                if type(each) is type(value) and each == value:
+                    return each
+            raise must_be(self.key, f"one of {', '.join(map(str, self.values))}", value)
+        found = number(self.key, value)
+        if not self.low <= found <= self.high:
+            raise must_be(self.key, f"from {self.low:g} to {self.high:g}", found)
+        return found
+
+    def on_a_grid(self, points: int) -> Slider:
+        """The same with a list of evenly spaced values in place of a range."""
+        if self.values is not None:
+            return self
+        step = (self.high - self.low) / (points - 1)
+        values = tuple(float(f"{self.low + k * step:.12g}") for k in range(points))
+        nearest = min(values, key=lambda each: abs(each - self.value))
+        return replace(self, values=values, value=nearest)
+
+
+def sliders_of(scene: Scene, given: Mapping[str, Any]) -> list[Slider]:
+    """The sliders of a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    given : mapping
+        Key -> (low, high), or a list of words or of other values.
+
+    Returns
+    -------
+    list of Slider
+
+    Raises
+    ------
+    InputError
+        A range is none, or the scene cannot have one of its ends or values.
+    """
+    return [_slider(scene, str(key), values) for key, values in given.items()]
+
+
+def _slider(scene: Scene, key: str, given: object) -> Slider:
+    if not is_list(given) or len(given) < 2:
+        raise must_be(key, "a range (low, high), or a list of values", given)
+    surface, _, rest = key.partition(".")
+    present = value_of(scene, f"{scene.surfaces[0].name}.{rest}" if surface == "*" else key)
+    for each in given:
+        with_values(scene, {key: each})
+    if len(given) == 2 and isinstance(given, tuple):
+        low, high = (number(key, each) for each in given)
+        if not low < high:
+            raise must_be(key, "a range whose first number is the lower one", given)
+        is_number = isinstance(present, (int, float)) and not isinstance(present, bool)
+        start = min(max(float(present), low), high) if is_number else low  # type: ignore[arg-type]
+        return Slider(key, start, low, high)
+    values = tuple(given)
+    return Slider(key, present if present in values else values[0], values=values)
+
+
+def shown(scene: Scene, bath: bool = False) -> Scene:
+    """The scene with the series that a page draws: forces of few asperites, heat of baths."""
+    series = list(scene.output.series)
+    if scene.output.keep is None:
+        series += ["forces"] * (scene.count <= MOST_ARROWS and "forces" not in series)
+        has_bath = any(s.bath.masses.size + s.bath.inertias.size for s in scene.surfaces)
+        series += ["energies"] * (has_bath and "energies" not in series)
+    series += ["oscillators"] * (bath and "oscillators" not in series)
+    return replace(scene, output=replace(scene.output, series=tuple(series)))
+
+
+class Playing:
+    """A scene whose runs a page asks for.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    sliders : list of Slider
+        The values that change.
+    """
+
+    def __init__(self, scene: Scene, sliders: Sequence[Slider]) -> None:
+        given = scene.numerics.max_evaluations or MOST_EVALUATIONS
+        numerics = replace(scene.numerics, max_evaluations=min(given, MOST_EVALUATIONS))
+        self._scene = replace(shown(scene), numerics=numerics)
+        self._sliders = {slider.key: slider for slider in sliders}
+
+    def run(self, values: object) -> dict[str, Any]:
+        """What the page shows of the run at some values.
+
+        Raises
+        ------
+        InputError
+            There is another key than the declared ones, or a value out of its range, or the scene
+            with these values cannot be run.
+        """
+        return contents(self.simulated(values))
+
+    def simulated(self, values: object) -> Result:
+        """The run at some values.  Raises InputError as `run`."""
+        if not isinstance(values, dict):
+            raise must_be("values", "a value for each key", values)
+        for key in values:
+            if key not in self._sliders:
+                raise must_be(str(key), f"one of {', '.join(self._sliders)}", key)
+        checked = {key: self._sliders[key].checked(value) for key, value in values.items()}
+        return simulate(with_values(self._scene, checked), progress=False)
+
+    def source(self) -> dict[str, Any]:
+        """What the page begins with: the sliders, and the run at their first values.
+
+        All words that can be chosen are run before, so that they are compiled.
+        """
+        first = {key: slider.value for key, slider in self._sliders.items()}
+        for slider in self._sliders.values():
+            for value in slider.values or ():
+                if isinstance(value, str) and value != slider.value:
+                    self.run(first | {slider.key: value})
+        sliders = [slider.as_json() for slider in self._sliders.values()]
+        return {"run": self.run(first), "sliders": sliders}
+
+
+def grid_page(scene: Scene, sliders: Sequence[Slider], bath: bool = False) -> str:
+    """The page with the runs of every combination of the values of sliders.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    sliders : list of Slider
+        Ranges become lists of 41 values, of 11 where there are two sliders, of 5 where there are
+        three.
+    bath : bool
+        Whether bath oscillators are drawn.
+
+    Returns
+    -------
+    str
+        The page, which needs no Python.
+
+    Raises
+    ------
+    InputError
+        There are more than three sliders or 1000 runs, or a run cannot be made.
+    """
+    if len(sliders) not in POINTS:
+        raise must_be("--slider", f"given at most {max(POINTS)} times", len(sliders))
+    grid = [slider.on_a_grid(POINTS[len(sliders)]) for slider in sliders]
+    combinations = list(itertools.product(*(slider.values or () for slider in grid)))
+    if len(combinations) > MOST_RUNS:
+        raise must_be("--slider", f"at most {MOST_RUNS} combinations", len(combinations))
+    recorded, runs, index = shown(scene, bath), [], 0
+    for k, chosen in enumerate(combinations):
+        values = dict(zip((slider.key for slider in grid), chosen, strict=True))
+        runs.append(contents(simulate(with_values(recorded, values), progress=False), bath))
+        if all(values[slider.key] == slider.value for slider in grid):
+            index = k
+    source = {"run": runs[index], "runs": runs, "sliders": [s.as_json() for s in grid]}
+    return document(source)
+
+
+def play(scene: Scene, sliders: Mapping[str, Any]) -> Player:
+    """Show a scene in a notebook with sliders that simulate it again.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    sliders : mapping
+        Key -> range (low, high), or a list of values: ``{"upper.velocity": (0.1, 2.0)}`` or
+        ``{"upper.drive": ["forced", "free"]}``.
+
+    Returns
+    -------
+    anywidget.AnyWidget
+        What a notebook shows.
+
+    Raises
+    ------
+    InputError
+        A key or a value does not suit the scene, or anywidget is not installed.
+    """
+    from tribo.viewer.widget import Player
+
+    playing = Playing(scene, sliders_of(scene, sliders))
+    return Player(playing.source(), playing.run)

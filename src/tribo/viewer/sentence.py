@@ -1,0 +1,50 @@
+"""One sentence that says what a run shows of work and pseudowork."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tribo.plotting.series import works_of
+from tribo.results.run_result import RunResult
+
+# Works that differ by less than this part of their size are called equal.
+EQUAL = 1e-6
+
+
+def sentence(result: RunResult) -> str:
+    """What the work of friction says about the motion of the bobs of the first moving surface.
+
+    Parameters
+    ----------
+    result : RunResult
+
+    Returns
+    -------
+    str
+        Empty where no works of the contact force are recorded.
+    """
+    surfaces = result.scene.surfaces
+    moving = next((s for s in surfaces if s.velocity[0] != 0.0), surfaces[0])
+    works = works_of(result, moving.name, None)
+    if "w1" not in works or "w1_ps" not in works:
+        return ""
+    work, pseudowork = (float(works[name][-1]) for name in ("w1", "w1_ps"))
+    size = max(abs(work), abs(pseudowork), *(float(np.max(np.abs(v))) for v in works.values()))
+    if abs(work - pseudowork) <= EQUAL * size:
+        return (
+            f'The work of friction on "{moving.name}" equals its pseudowork: friction\'s point of '
+            "action has moved as far as the block."
+        )
+    alone = moving.count == 1
+    bobs = f'The {"bob" if alone else "bobs"} of "{moving.name}"'
+    numbers = f"the work of friction ({work:.3g}) and its pseudowork ({pseudowork:.3g})"
+    if work * pseudowork < 0.0:
+        return f"{bobs} swing{'s' * alone} against the block: {numbers} have opposite signs."
+    lag = abs(work) < abs(pseudowork)
+    seen = f"lag{'s' * alone}" if lag else f"run{'s' * alone} ahead"
+    less = "less" if lag else "more"
+    return (
+        f"{bobs} {seen}: friction's point of action moves {less} than the block, so the work of "
+        f"friction ({work:.3g}) is {'smaller' if lag else 'larger'} than its pseudowork "
+        f"({pseudowork:.3g})."
+    )
