@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tribo.run import layout as layouts
 
 import tribo
 from support.continued import same_end
@@ -15,7 +16,6 @@ from tribo.layout import active, contacts
 from tribo.layout.layout import lay_out
 from tribo.loops import integrate
 from tribo.loops.general import GeneralLoop
-from tribo.run import layout as layouts
 
 VERLET = {"method": "verlet", "step": STEP}
 

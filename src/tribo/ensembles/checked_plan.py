@@ -28,9 +28,9 @@ from tribo.ensembles.checked_runs import (
     KEPT,
     ROUGHER,
     SAMPLE,
-    Begun,
     CheckedPlan,
     CheckedRuns,
+    MemberStarts,
 )
 from tribo.ensembles.engines import in_threads
 from tribo.ensembles.members import Variation
@@ -94,13 +94,13 @@ def _cheapest(
     fine = runs.run(runs.exact, levels[-1], scales, begun)
     known = fine.counts[:, CODE] == COMPLETED
     best, least = CheckedPlan(runs.exact, max(FLOOR, FINER * runs.strictest), -1, scales), np.inf
-    for method, way in runs.ways.items():
+    for method, stepper in runs.steppers.items():
         too_loose, good = -1, levels.size - 1
         while good - too_loose > 1:
             k = (good + too_loose) // 2
             found = runs.run(method, levels[k], scales, begun)
             if np.all(runs.excess(fine, found)[known] <= CHOSEN):
-                good, cost = k, way.cost * float(found.counts[:, EVALUATIONS].sum())
+                good, cost = k, stepper.cost * float(found.counts[:, EVALUATIONS].sum())
             else:
                 too_loose = k
         if good < levels.size - 1 and cost < least:
@@ -115,13 +115,13 @@ class Pilot:
     ----------
     runs : CheckedRuns
         Runs members.
-    begun : Begun
+    begun : MemberStarts
         The members.
     threads : int
         That run them.
     """
 
-    def __init__(self, runs: CheckedRuns, begun: Begun, threads: int) -> None:
+    def __init__(self, runs: CheckedRuns, begun: MemberStarts, threads: int) -> None:
         self._runs, self._begun, self._threads = runs, begun, threads
         self._piece = min(PIECE, runs.chunk)
 
@@ -153,15 +153,17 @@ class Pilot:
         """Differences from finer runs by a method, in units of the accuracy, (members,)."""
         level = self._runs.finer(plan.level)
 
-        def errors(some: Begun) -> np.ndarray:
+        def errors(some: MemberStarts) -> np.ndarray:
             fine = self._runs.run(method, level, plan.scales, some)
             return self._runs.excess(fine, self._run(plan, some))
 
         return np.concatenate([np.empty(0), *self._each(errors, self._begun.of_members(members))])
 
-    def _run(self, plan: CheckedPlan, some: Begun) -> MemberRuns:
+    def _run(self, plan: CheckedPlan, some: MemberStarts) -> MemberRuns:
         return self._runs.run(plan.method, plan.level, plan.scales, some)
 
-    def _each(self, task: Callable[[Begun], np.ndarray], begun: Begun) -> list[np.ndarray]:
+    def _each(
+        self, task: Callable[[MemberStarts], np.ndarray], begun: MemberStarts
+    ) -> list[np.ndarray]:
         """The results for pieces of some members, in threads."""
         return list(in_threads(task, begun.pieces(self._piece), self._threads))

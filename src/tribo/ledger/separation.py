@@ -10,6 +10,7 @@ from scipy.spatial import KDTree
 from tribo.layout.contact_distance import contact_distance
 from tribo.layout.layout import Layout
 from tribo.ledger.closest_bobs import bob_places, in_box
+from tribo.ledger.member_samples import MemberSamples
 from tribo.ledger.samples import Samples
 from tribo.model.scene import Scene
 
@@ -76,6 +77,20 @@ def separation_notes(layout: Layout, samples: Samples) -> tuple[str, ...]:
                 f"after t = {touching[-1]:.6g}; averages over time include the time from there on"
             )
     return tuple(notes)
+
+
+def parted(layout: Layout, samples: MemberSamples) -> np.ndarray:
+    """Whether two surfaces with a load part for good in each of several runs, (members,)."""
+    scene, members = layout.scene, samples.members
+    found = np.zeros(members, dtype=bool)
+    for pair, reach in _reaches(scene).items():
+        if all(scene.surfaces[k].drive.load is None for k in pair):
+            continue
+        touching = _in_contact(layout, bob_places(layout, samples), pair, reach)
+        t = samples.t[::members]
+        for member, each in enumerate(touching.reshape(-1, members).T):
+            found[member] |= _part(t, t[each])
+    return found
 
 
 def _part(t: np.ndarray, touching: np.ndarray) -> bool:
