@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import fields
 from typing import NamedTuple, Protocol, Self
 
 import numpy as np
@@ -33,8 +34,9 @@ from tribo.integrators.nystrom_tableaux import RKN8, RKN12
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import COMPLETED
 from tribo.layout.initial_state import InitialState
-from tribo.layout.member_numbers import MemberNumbers, member_numbers
-from tribo.ledger.member_samples import MemberRuns
+from tribo.layout.member_numbers import LayoutOfMembers, MemberNumbers, member_numbers
+from tribo.ledger.member_samples import MemberRuns, MemberSamples
+from tribo.ledger.samples import Samples
 from tribo.loops.batch_lanes import MembersInLanes, members_of
 from tribo.loops.batch_pair import PairMembers
 from tribo.loops.batch_pair_lanes import PairLanes, has_lanes
@@ -71,6 +73,8 @@ ROUGHER_NEAR = 1.5
 # Largest difference of a run from a rougher one, in units of the accuracy, with which it is not
 # checked: most of the difference is the error of the rougher one, some three times as large.
 AGREED = 0.5
+# Times at which members are compared, at most: comparisons at 401 took longer than the runs.
+MOST_COMPARED = 65
 # Times that a member is refined before it gets a run of its own.
 REFINEMENTS = 3
 
@@ -279,10 +283,10 @@ class CheckedRuns:
         return self._excess(self._fine_members(fine), fine, runs)
 
     def _fine_members(self, fine: MemberRuns) -> FineMembers:
-        return FineMembers(fine.layout, fine.samples, self._accuracy)
+        return FineMembers(fine.layout, compared(fine), self._accuracy)
 
     def _excess(self, exact: FineMembers, fine: MemberRuns, runs: MemberRuns) -> np.ndarray:
-        excess = exact.excess(runs.samples)
+        excess = exact.excess(compared(runs))
         complete = (runs.counts[:, CODE] == COMPLETED) & (fine.counts[:, CODE] == COMPLETED)
         return np.where(complete & np.isfinite(excess), excess, np.inf)
 
@@ -321,6 +325,18 @@ class CheckedRuns:
             found.level[now], found.steps[now] = level, coarse.counts[:, STEPS]
             found.evaluations[now] = coarse.counts[:, EVALUATIONS]
         found.status[now] = UNKNOWN
+
+
+def compared(runs: MemberRuns) -> MemberSamples:
+    """The samples by which members are compared, as single runs are where they have many."""
+    samples, members = runs.samples, runs.samples.members
+    times = samples.t.size // members
+    if times <= MOST_COMPARED or isinstance(runs.layout, LayoutOfMembers):
+        return samples
+    chosen = np.unique(np.linspace(0, times - 1, MOST_COMPARED).astype(int))
+    rows = np.arange(samples.t.size).reshape(times, members)[chosen].ravel()
+    columns = (getattr(samples, each.name)[rows] for each in fields(Samples))
+    return MemberSamples(members, *columns)
 
 
 def _steppers(simulation: Simulation, own_numbers: bool) -> dict[str, Stepper]:
