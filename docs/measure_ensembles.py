@@ -30,11 +30,11 @@ def encounters(points: int) -> xarray.Dataset:
     scene = replace(paper_scene("A"), numerics=tribo.Numerics(accuracy=1e-6))
     phases = np.linspace(0.0, 2.0 * np.pi, points, endpoint=False)
     energies = np.linspace(0.0, MOST_ENERGY, points)
-    grid = tribo.grid({"energy": energies, "phase": phases})
+    energy, phase = (each.ravel() for each in np.meshgrid(energies, phases, indexing="ij"))
     swing = scene.surfaces[0].asperite.for_each(1)
     vary = {
-        "upper.theta": np.sqrt(2.0 * grid["energy"] / swing["kappa"]) * np.cos(grid["phase"]),
-        "upper.omega": np.sqrt(2.0 * grid["energy"] / swing["inertia"]) * np.sin(grid["phase"]),
+        "upper.theta": np.sqrt(2.0 * energy / swing["kappa"]) * np.cos(phase),
+        "upper.omega": np.sqrt(2.0 * energy / swing["inertia"]) * np.sin(phase),
     }
     tribo.ensemble(scene, 2, {"upper.theta": [0.0, 0.1], "upper.omega": [0.0, 0.1]}, keep=NAMES)
     began = time.perf_counter()

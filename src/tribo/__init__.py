@@ -18,7 +18,6 @@ if TYPE_CHECKING:  # "X as X" exports a name to type checkers
     )
     from tribo.ensembles import ensemble as ensemble
     from tribo.ensembles.one_member import ensemble_member as ensemble_member
-    from tribo.ensembles.sampling import grid as grid
     from tribo.ensembles.swing_states import (
         Canonical as Canonical,
         EnergyBall as EnergyBall,
@@ -111,7 +110,6 @@ _HOME = {
     "Free": "tribo.model.drives",
     "Gaussian": "tribo.potentials",
     "Hertz": "tribo.potentials",
-    "grid": "tribo.ensembles.sampling",
     "incommensurate_rows": "tribo.model.rows",
     "Initial": "tribo.model.initial",
     "InputError": "tribo.validation",

@@ -9,7 +9,8 @@ import stat
 from pathlib import Path
 from typing import BinaryIO
 
-from tribo.system import lock, longest_name, replace
+from tribo import system
+from tribo.system import longest_name, replace
 from tribo.validation import InputError
 
 
@@ -92,21 +93,16 @@ def not_written(path: Path, error: OSError) -> InputError:
     return InputError(str(path), f"cannot be written ({error.strerror or error})")
 
 
-def locked(path: Path) -> BinaryIO:
-    """A file, opened for this process alone until it is closed or the process ends.
+def lock(file: BinaryIO, path: Path) -> None:
+    """Take an open file for this process alone, until it is closed or the process ends.
 
-    Raises InputError where another process has it.
+    Raises InputError, and closes it, where another process has it.
     """
     try:
-        file = open(path, "r+b")  # noqa: SIM115
-        lock(file)
-        if not os.path.samestat(os.fstat(file.fileno()), path.stat()):
-            raise BlockingIOError  # another process has replaced the file meanwhile
+        system.lock(file)
     except BlockingIOError:
+        file.close()
         raise InputError(str(path), "is being written by another process") from None
-    except OSError as error:
-        raise not_written(path, error) from None
-    return file
 
 
 def strict_json(value: object, indent: int | None = 1) -> str:

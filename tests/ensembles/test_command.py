@@ -8,9 +8,9 @@ import xarray
 from scipy import stats
 from scipy.stats import qmc
 
-from tribo import ensemble, grid, paper
+from tribo import ensemble, paper
 from tribo.commands.cli import main
-from tribo.ensembles import checked_runs
+from tribo.ensembles import batches
 from tribo.progress import ProgressBar
 
 
@@ -21,7 +21,7 @@ def test_the_file_has_the_members(tmp_path, capsys):
     path.write_text(scene.to_toml(), encoding="utf-8")
     vary = ["--vary", "upper.theta=normal(0,0.1)", "--vary", "lower.omega=uniform(-0.1, 0.1)"]
     keep = "upper.w1,contact_energy"
-    command = ["ensemble", str(path), *vary, "-n", "70", "--keep", keep, "--seed", "3"]
+    command = ["ensemble", str(path), *vary, "--members", "70", "--keep", keep, "--seed", "3"]
     assert main([*command, "--out", str(out)]) == 0
     assert "70 completed" in capsys.readouterr().out
     assert main([*command, "--json"]) == 0
@@ -49,7 +49,10 @@ def test_statistics_of_a_grid(tmp_path, capsys):
     assert main(command) == 0
     lines = capsys.readouterr().out.splitlines()
     assert lines[:2] == ["completed: 15 of 15 members", "15 completed"]
-    plane = grid({"upper.theta": np.linspace(0.0, 0.2, 5), "upper.omega": [-1.0, 0.0, 1.0]})
+    plane = {
+        "upper.theta": np.repeat(np.linspace(0.0, 0.2, 5), 3),
+        "upper.omega": np.tile([-1.0, 0.0, 1.0], 5),
+    }
     data = ensemble(paper.scene("A"), vary=plane, keep=["upper.w1"])
     (row,) = (line.split() for line in lines if line.startswith("upper.w1 "))
     assert float(row[1]) == pytest.approx(float(data["upper.w1"].mean()), rel=1e-5)
@@ -61,19 +64,19 @@ def test_statistics_of_a_grid(tmp_path, capsys):
     assert main([*command, *mixed]) == 2
     assert "cannot mix grid(...)" in capsys.readouterr().err
     assert main(["ensemble", str(path), *vary, "--resume"]) == 2
-    assert "--resume: needs --keep NAMES and --out FILE" in capsys.readouterr().err
+    assert "--resume: needs --out FILE" in capsys.readouterr().err
 
 
 def test_an_interrupt_keeps_the_file(tmp_path, capsys, monkeypatch):
     """Exit status 1, and the number of members that FILE.part has."""
-    monkeypatch.setattr(checked_runs, "CHUNK", 64)
+    monkeypatch.setattr(batches, "CHUNK", 64)
     path, out = tmp_path / "a.toml", tmp_path / "a.nc"
     path.write_text(paper.scene("A").to_toml(), encoding="utf-8")
 
     def stop(bar, done):
         raise KeyboardInterrupt
 
-    command = ["ensemble", str(path), "--vary", "upper.theta=normal(0,0.1)", "-n", "200"]
+    command = ["ensemble", str(path), "--vary", "upper.theta=normal(0,0.1)", "--members", "200"]
     command += ["--keep", "upper.w1", "--out", str(out), "--resume"]
     with monkeypatch.context() as context:
         context.setattr("tribo.progress._is_watched", lambda: True)
@@ -92,7 +95,7 @@ def test_an_interrupt_keeps_the_file(tmp_path, capsys, monkeypatch):
 @pytest.mark.parametrize("settings", [[], ["--statistics"]])
 def test_an_interrupt_without_a_file(tmp_path, capsys, monkeypatch, settings):
     """The means of the members that are finished are printed."""
-    monkeypatch.setattr(checked_runs, "CHUNK", 64)
+    monkeypatch.setattr(batches, "CHUNK", 64)
     path = tmp_path / "a.toml"
     path.write_text(paper.scene("A").to_toml(), encoding="utf-8")
 
@@ -100,7 +103,7 @@ def test_an_interrupt_without_a_file(tmp_path, capsys, monkeypatch, settings):
         if done == 128:
             raise KeyboardInterrupt
 
-    command = ["ensemble", str(path), "--vary", "upper.theta=normal(0,0.1)", "-n", "200"]
+    command = ["ensemble", str(path), "--vary", "upper.theta=normal(0,0.1)", "--members", "200"]
     command += ["--keep", "upper.w1", "--json"]
     with monkeypatch.context() as context:
         context.setattr("tribo.progress._is_watched", lambda: True)
@@ -118,7 +121,7 @@ def test_a_sampler(tmp_path, capsys):
     """The members are at the sampler's points; without distributions there are none."""
     path, out = tmp_path / "a.toml", tmp_path / "a.nc"
     path.write_text(paper.scene("A").to_toml(), encoding="utf-8")
-    command = ["ensemble", str(path), "-n", "16", "--keep", "upper.w1", "--seed", "5"]
+    command = ["ensemble", str(path), "--members", "16", "--keep", "upper.w1", "--seed", "5"]
     normal = ["--vary", "upper.theta=normal(0,0.1)", "--vary", "upper.velocity=uniform(0.4,0.6)"]
     for name, kind in (("sobol", qmc.Sobol), ("latin-hypercube", qmc.LatinHypercube)):
         assert main([*command, *normal, "--sampler", name, "--out", str(out)]) == 0
@@ -149,7 +152,7 @@ def test_means_over_time(tmp_path, capsys):
     scene = paper.scene("A")
     path, out = tmp_path / "a.toml", tmp_path / "a.nc"
     path.write_text(scene.to_toml(), encoding="utf-8")
-    arguments = ["ensemble", str(path), "--vary", "upper.theta=normal(0,0.1)", "-n", "4"]
+    arguments = ["ensemble", str(path), "--vary", "upper.theta=normal(0,0.1)", "--members", "4"]
     assert main([*arguments, "--out", str(out)]) == 0
     data = ensemble(scene, 4, {"upper.theta": stats.norm(0.0, 0.1)})
     with xarray.open_dataset(out) as file:
@@ -176,6 +179,6 @@ def test_refusals(text, tmp_path, capsys):
     """Exit status 2 and the form that is wanted."""
     path = tmp_path / "a.toml"
     path.write_text(paper.scene("A").to_toml(), encoding="utf-8")
-    arguments = ["ensemble", str(path), "--vary", text, "-n", "3", "--keep", "upper.w1"]
+    arguments = ["ensemble", str(path), "--vary", text, "--members", "3", "--keep", "upper.w1"]
     assert main(arguments) == 2
     assert "KEY=normal(MEAN,DEVIATION)" in capsys.readouterr().err

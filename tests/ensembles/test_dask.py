@@ -10,7 +10,7 @@ from scipy import stats
 
 import tribo
 from tribo import Output, ensemble, paper
-from tribo.ensembles import checked_runs
+from tribo.ensembles import batches
 
 distributed = pytest.importorskip("distributed")
 
@@ -18,7 +18,7 @@ distributed = pytest.importorskip("distributed")
 @pytest.mark.slow
 def test_a_cluster_gives_the_same_bits(monkeypatch):
     """Of pairs and of other scenes; a worker that is killed at work loses no member."""
-    monkeypatch.setattr(checked_runs, "CHUNK", 256)
+    monkeypatch.setattr(batches, "CHUNK", 256)
     scene = replace(paper.scene("A"), numerics=tribo.Numerics(accuracy=1e-6))
     vary, keep = {"upper.theta": stats.uniform(0.0, 0.2)}, ["upper.w1", "contact_energy"]
     warm = tribo.Surface("upper", shape=(3, 1), langevin=tribo.Langevin(0.6, 0.3))

@@ -13,7 +13,7 @@ import tribo
 from tribo import Initial, InputError, Output, ensemble, paper
 from tribo.accuracy.cheapest_setting import NEAR_ALONE
 from tribo.accuracy.tolerance_scales import ToleranceScales
-from tribo.ensembles import checked_runs
+from tribo.ensembles import batches, checked_runs
 from tribo.ensembles.members import Variation
 from tribo.integrators.nystrom_tableaux import RKN8, RKN12
 from tribo.kernels.status import PAUSED
@@ -188,7 +188,7 @@ def test_members_that_coincide_stop_by_name():
 
 def test_members_with_noise(monkeypatch):
     """Each is the run of the scene with its seed, whatever the threads and its company."""
-    monkeypatch.setattr(checked_runs, "CHUNK", 3)
+    monkeypatch.setattr(batches, "CHUNK", 3)
     scene = replace(noisy_scene(), output=Output(samples=5))
     keep = ["upper.w_T", "upper.delta_e_int", "upper.delta_E_int", "total_energy_change"]
     vary = {"upper.theta": stats.norm(0.0, 0.1)}
@@ -261,7 +261,7 @@ def test_other_scenes_and_engines():
 
 def test_members_of_rows_alone(monkeypatch):
     """The same bits in any company, and to round-off those of a single run with its setting."""
-    monkeypatch.setattr(checked_runs, "CHUNK", 16)
+    monkeypatch.setattr(batches, "CHUNK", 16)
     scene = rows_of_two()
     vary = ROW_STARTS
     keep = ["upper.w1", "lower.w2", "lower.delta_e_int", "upper.W", "contact_energy"]
@@ -322,8 +322,8 @@ def test_an_interrupt_keeps_the_members_that_are_complete(monkeypatch):
         ensemble(scene_of("A"), 20_000, STARTS, keep=["upper.w1"], progress=stop)
     data = caught.value.result
     assert data.attrs["status"] == "Interrupted"
-    assert data.sizes["member"] == checked_runs.CHUNK
-    monkeypatch.setattr(checked_runs, "CHUNK", 8)
+    assert data.sizes["member"] == batches.CHUNK
+    monkeypatch.setattr(batches, "CHUNK", 8)
     with pytest.raises(KeyboardInterrupt) as caught:
         ensemble(noisy_scene(), 20, step=0.05, keep=["upper.w_T"], progress=stop)
     data = caught.value.result

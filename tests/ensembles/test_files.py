@@ -9,7 +9,7 @@ from scipy import stats
 
 import tribo
 from tribo import InputError, Output, ensemble, ensemble_member, paper
-from tribo.ensembles import checked_runs, member_file, statistics, statistics_store
+from tribo.ensembles import batches, statistics, statistics_store, stores
 
 KEEP = ["upper.w1", "contact_energy"]
 VARY = {"upper.theta": stats.uniform(0.0, 0.2), "lower.omega": stats.norm(0.0, 0.01)}
@@ -19,9 +19,9 @@ SCENE = replace(paper.scene("A"), numerics=tribo.Numerics(accuracy=1e-6), output
 @pytest.fixture(autouse=True)
 def small_chunks(monkeypatch):
     """Chunks of 64 members, which are written at once."""
-    monkeypatch.setattr(checked_runs, "CHUNK", 64)
+    monkeypatch.setattr(batches, "CHUNK", 64)
     monkeypatch.setattr(statistics, "BLOCK", 100)
-    for module in (member_file, statistics_store):
+    for module in (stores, statistics_store):
         monkeypatch.setattr(module, "INTERVAL", 0.0)
 
 
@@ -87,7 +87,7 @@ def test_other_ensembles_are_refused(settings, tmp_path):
         ensemble(SCENE, 130, VARY, progress=stop_with(KeyboardInterrupt, 64), **arguments)
     others = {
         "settings.seed was 0, is 1": {"seed": 1},
-        "settings.n was 130, is 131": {"n": 131},
+        "settings.members was 130, is 131": {"members": 131},
         "settings.keep": {"keep": KEEP[:1]},
         "settings.vary.upper.theta": {"vary": {**VARY, "upper.theta": stats.uniform(0.0, 0.3)}},
         "scene.duration": {"scene": replace(SCENE, duration=39.0)},
@@ -96,7 +96,7 @@ def test_other_ensembles_are_refused(settings, tmp_path):
 
     def refuse_all():
         for words, other in others.items():
-            call = {"scene": SCENE, "n": 130, "vary": VARY} | arguments | other
+            call = {"scene": SCENE, "members": 130, "vary": VARY} | arguments | other
             with pytest.raises(InputError, match=words):
                 ensemble(**call)
 
@@ -111,7 +111,7 @@ def test_what_is_no_file_of_an_ensemble(tmp_path):
     arguments = {"keep": KEEP, "out": out}
     part.write_text("other")
     for settings in ({}, {"statistics": True}):
-        with pytest.raises(InputError, match="is not the file of"):
+        with pytest.raises(InputError, match="is no such file"):
             ensemble(SCENE, 70, VARY, resume=True, **arguments, **settings)
     ensemble(SCENE, 70, VARY, **arguments)
 
@@ -122,7 +122,7 @@ def test_what_is_no_file_of_an_ensemble(tmp_path):
     ensemble(SCENE, 70, VARY, progress=again, **arguments)
     with pytest.raises(InputError, match=r"^resume: needs out"):
         ensemble(SCENE, 70, VARY, keep=KEEP, resume=True)
-    for name, value in {"out": out, "at": "samples", "statistics": True, "resume": True}.items():
+    for name, value in {"at": "samples", "statistics": True}.items():
         with pytest.raises(InputError, match=f"^{name}: needs keep"):
             ensemble(SCENE, 70, VARY, **{name: value})
 

@@ -8,9 +8,9 @@ from scipy import stats
 
 import tribo
 from support.crossed import Push
-from tribo.ensembles.kept_runs import kept_runs
 from tribo.ensembles.kept_values import Kept
 from tribo.ensembles.members import Variation
+from tribo.ensembles.runner import policy_of
 from tribo.ensembles.single_runs import SingleRuns
 from tribo.integrators.methods import METHODS
 from tribo.integrators.step_control import Tolerance
@@ -171,7 +171,7 @@ def runs_of(scene, keys):
     """The kind of runs of members that differ in some numbers."""
     simulation = tribo.prepare(scene)
     simulation.compute_first()
-    return kept_runs(simulation, Kept.checked(simulation, ["upper.w1"], False), keys)
+    return policy_of(simulation, Kept.checked(simulation.layout, ["upper.w1"], False), keys)
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Distributions are drawn right; grids and quasi-random points are those of numpy and scipy."""
+"""Distributions are drawn right; quasi-random points are those of scipy."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from scipy.stats import qmc
 import tribo
 from tribo import InputError, ensemble, paper
 from tribo.ensembles.members import Variation
-from tribo.ensembles.sampling import grid, sampled
+from tribo.ensembles.sampling import sampled
 
 
 @pytest.mark.parametrize(
@@ -26,18 +26,6 @@ def test_draws_have_their_distribution(distribution):
         assert abs(np.corrcoef(ranks[1:], ranks[:-1])[0, 1]) < 0.03
     assert abs(stats.spearmanr(one, other).statistic) < 0.03
     assert stats.kstest(one, stats.norm(0.32, 0.1).cdf).pvalue < 1e-3
-
-
-def test_grids():
-    """The last quantity changes fastest."""
-    vary = grid({"upper.theta": [0.0, 0.1, 0.2], "upper.omega": np.array([-1.0, 1.0])})
-    np.testing.assert_array_equal(vary["upper.theta"], [0.0, 0.0, 0.1, 0.1, 0.2, 0.2])
-    np.testing.assert_array_equal(vary["upper.omega"], [-1.0, 1.0] * 3)
-    data = ensemble(paper.scene("A"), vary=vary, keep=["upper.w1"])
-    assert data.sizes["member"] == 6
-    for wrong in ({}, {"upper.theta": 1.0}, {"upper.theta": [[1.0]]}, {"upper.theta": ["a"]}):
-        with pytest.raises(InputError, match=r"^axes"):
-            grid(wrong)
 
 
 def test_samplers():
@@ -65,12 +53,12 @@ def test_samplers():
     [
         ({"sampler": 3}, "^sampler: must be one of scipy.stats.qmc, got 3"),
         ({"sampler": qmc.Sobol(3)}, "^sampler: has 3 dimensions, and members have 1 number"),
-        ({"sampler": qmc.Sobol(1), "n": None}, "^n: is missing"),
+        ({"sampler": qmc.Sobol(1), "members": None}, "^members: is missing"),
         ({"sampler": qmc.Sobol(1), "half_width": {"upper.W": 0.1}}, "^half_width: cannot go with"),
     ],
 )
 def test_refusals(settings, words):
     """By name."""
-    arguments = {"n": 8, "vary": {"upper.theta": stats.norm()}} | settings
+    arguments = {"members": 8, "vary": {"upper.theta": stats.norm()}} | settings
     with pytest.raises(InputError, match=words):
         ensemble(paper.scene("A"), **arguments)

@@ -220,7 +220,7 @@ def test_members_kept_at_the_end_take_the_same_path(step):
         "bar", asperite=RIGID, drive=Pushed(force=(FORCE, 0.0)), langevin=Langevin(3.0, TEMPERATURE)
     )
     scene = Scene([surface], [], 8.0, output=Output(samples=1601 if step is None else 81))
-    settings = {"n": 8, "keep": ["bar.x_cm"], "seed": 3, "step": step}
+    settings = {"members": 8, "keep": ["bar.x_cm"], "seed": 3, "step": step}
     ends = tribo.ensemble(scene, **settings)["bar.x_cm"].values
     paths = tribo.ensemble(scene, at="samples", **settings)["bar.x_cm"].values
     assert ends.ravel() == pytest.approx(paths[:, -1].ravel(), rel=1e-9)

@@ -81,7 +81,7 @@ def test_a_push():
 def test_a_push_in_an_ensemble():
     """The mean work of the push is its power times the time, but for its start and the noise."""
     scene = replace(held(1, push=2.0, drag=0.0, end=100.0), output=Output(samples=2))
-    means = tribo.ensemble(scene, n=60, step=0.1)
+    means = tribo.ensemble(scene, members=60, step=0.1)
     speed = 2.0 / GAMMA
     relaxed = Surface("one").asperite.for_each(1)["mass"][0] / GAMMA
     expected = 2.0 * speed * (100.0 - relaxed)

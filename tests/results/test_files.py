@@ -15,7 +15,7 @@ from support.continued import chain, pair, same_end
 from tribo import Coulomb, InputError, Output, Scene, Surface
 from tribo.commands.cli import main
 from tribo.layout import contacts
-from tribo.loops import integrate, journal
+from tribo.loops import frames, integrate, journal
 
 SLOWLY = 3  # steps of a chunk: small enough for many checkpoints
 
@@ -158,7 +158,7 @@ def test_damaged_journal(often, tmp_path):
 
 def test_journal_without_replaced_frames(often, monkeypatch, tmp_path):
     """A journal that has grown is written again, and resumes as before."""
-    monkeypatch.setattr(journal, "MOST_REPLACED", 0)
+    monkeypatch.setattr(frames, "MOST_REPLACED", 0)
     scene, how = HOW["noise"]
     out, part = tmp_path / "run.nc", tmp_path / "run.nc.part"
     with pytest.raises(Killed):
@@ -166,7 +166,7 @@ def test_journal_without_replaced_frames(often, monkeypatch, tmp_path):
     smaller = part.stat().st_size
     found = tribo.simulate(scene, **how, out=out, resume=True)
     assert same_end(tribo.simulate(scene, **how), found)
-    monkeypatch.setattr(journal, "MOST_REPLACED", 2**60)
+    monkeypatch.setattr(frames, "MOST_REPLACED", 2**60)
     with pytest.raises(Killed):
         tribo.simulate(scene, **how, out=out, progress=killer(40))
     assert smaller < 0.2 * part.stat().st_size
@@ -174,7 +174,7 @@ def test_journal_without_replaced_frames(often, monkeypatch, tmp_path):
 
 def test_full_disk_when_a_journal_is_written_again(often, monkeypatch, tmp_path):
     """One sentence; the journal stays as it was, nothing else is left, and the run resumes."""
-    monkeypatch.setattr(journal, "MOST_REPLACED", 0)
+    monkeypatch.setattr(frames, "MOST_REPLACED", 0)
     scene, how = HOW["noise"]
     out, part = tmp_path / "run.nc", tmp_path / "run.nc.part"
 

@@ -38,6 +38,10 @@ class FineMembers:
         self._columns = columns_of(layout, group, self._names)
         self._scales = _scales(layout, group, _largest(self._columns, fine.runs), fine.runs)
 
+    def scale_of(self, name: str) -> float | np.ndarray:
+        """What the errors of a quantity are relative to, (members,)."""
+        return self._scales[KINDS[name.rpartition(".")[2]]]
+
     def excess(self, other: Samples) -> np.ndarray:
         """The largest difference of each member in another run, in units of the accuracy.
 

@@ -6,20 +6,23 @@ import argparse
 import json
 import re
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tribo.commands.scene_options import load
+from tribo.commands.scene_options import as_number, load
+from tribo.ensembles.engines import Engine
 from tribo.ensembles.members import Distribution, Source
-from tribo.ensembles.sampling import Sampler, dimensions, grid
+from tribo.ensembles.sampling import Sampler, dimensions
 from tribo.ensembles.swing_states import Canonical, EnergyBall, Microcanonical, SwingStates
-from tribo.files import netcdf_target, replace_file, strict_json
+from tribo.files import netcdf_target, strict_json
 from tribo.interrupts import COMPLETED, STOPPED, also_in_part
 from tribo.kernels.status import Status
 from tribo.model.scene import Scene
-from tribo.validation import InputError, inside, must_be
+from tribo.validation import InputError, inside, integer, must_be
 
 if TYPE_CHECKING:
     import xarray
@@ -82,7 +85,10 @@ def varied(texts: Sequence[str]) -> dict[str, Source]:
     axes = {key: source for key, source in sources.items() if isinstance(source, np.ndarray)}
     if axes and len(axes) < len(sources):
         raise InputError("--vary", "cannot mix grid(...) with distributions")
-    return dict(grid(axes)) if axes else dict(sources)
+    if not axes:
+        return dict(sources)
+    tables = np.meshgrid(*axes.values(), indexing="ij")
+    return {key: table.ravel() for key, table in zip(axes, tables, strict=True)}
 
 
 def _varied(text: str) -> tuple[str, Distribution | SwingStates | np.ndarray]:
@@ -113,35 +119,42 @@ def sampler_named(name: str, scene: Scene, vary: Mapping[str, Source], seed: int
     return kinds[name](numbers, rng=np.random.default_rng(seed))
 
 
+def settings_of(options: argparse.Namespace, scene: Scene) -> dict[str, Any]:
+    """The arguments of ensembles and sweeps that the options give.  Raises InputError."""
+    if options.resume and options.out is None:
+        raise InputError("--resume", "needs --out FILE")
+    if options.out is not None:
+        netcdf_target("--out", options.out)
+    vary, sampler = varied(options.vary), None
+    if options.sampler is not None:
+        sampler = sampler_named(options.sampler, scene, vary, options.seed)
+    names = ("members", "at", "statistics", "out", "resume", "method", "threads", "seed")
+    accuracy, step = (as_number(f"--{n}", getattr(options, n)) for n in ("accuracy", "step"))
+    return {
+        **{name: getattr(options, name) for name in names},
+        "vary": vary,
+        "keep": options.keep and [name.strip() for name in options.keep.split(",")],
+        "sampler": sampler,
+        "accuracy": accuracy,
+        "step": step,
+    }
+
+
+def workers(options: argparse.Namespace) -> AbstractContextManager[Engine | None]:
+    """The processes of an option.  Raises InputError."""
+    number = integer("--processes", options.processes, 1)
+    return ProcessPoolExecutor(number) if number > 1 else nullcontext()
+
+
 def run_ensemble(options: argparse.Namespace) -> int:
     """Run the ensemble and print its summary; the exit status."""
     from tribo.ensembles import ensemble
 
-    if options.resume and (options.out is None or options.keep is None):
-        raise InputError("--resume", "needs --keep NAMES and --out FILE")
-    if options.out is not None:
-        netcdf_target("--out", options.out)
-    vary = varied(options.vary)
-    keep = None if options.keep is None else options.keep.split(",")
-    scene, sampler = load(options), None
-    if options.sampler is not None:
-        sampler = sampler_named(options.sampler, scene, vary, options.seed)
-    data = also_in_part(
-        ensemble,
-        scene,
-        options.n,
-        vary,
-        options.seed,
-        keep=keep,
-        at=options.at,
-        statistics=options.statistics,
-        out=None if keep is None else options.out,
-        resume=options.resume,
-        sampler=sampler,
-    )
-    if options.out is not None and keep is None:
-        replace_file(options.out, bytes(data.to_netcdf(engine="h5netcdf")))
-    found = summary(data, None if keep is None else options.out)
+    scene = load(options)
+    settings = settings_of(options, scene)
+    with workers(options) as engine:
+        data = also_in_part(ensemble, scene, engine=engine, **settings)
+    found = summary(data, options.out)
     print(as_json(found) if options.json else in_words(found))
     return COMPLETED if data.attrs["status"] == "completed" else STOPPED
 

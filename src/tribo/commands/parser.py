@@ -14,10 +14,9 @@ from tribo.commands.help import FIRST_STEPS, CommandParser, add_completion
 from tribo.commands.new import add_new
 from tribo.commands.run import add_run
 from tribo.commands.scene_options import (
-    add_numerics,
+    add_many_runs,
     add_scene,
     add_set,
-    add_vary,
     check_figure,
     load_with_values,
     parsed,
@@ -84,87 +83,19 @@ def _add_sweep(sweep: argparse.ArgumentParser) -> None:
         help="values separated by commas, as 'upper.drive.load=0.1,0.2,0.4'; if repeated, every "
         "combination is run",
     )
-    sweep.add_argument(
-        "--members", type=int, metavar="N", help="number of runs at each point (default: 1)"
-    )
-    add_vary(sweep)
-    sweep.add_argument(
-        "--keep",
-        metavar="NAMES",
-        help="quantities to keep at the end, with commas (default: those of whole surfaces)",
-    )
-    sweep.add_argument("--seed", type=int, default=0, help="seed of the members (default: 0)")
-    add_numerics(sweep)
-    sweep.add_argument(
-        "--processes",
-        type=int,
-        default=1,
-        metavar="N",
-        help="number of points run at a time (default: 1)",
-    )
-    sweep.add_argument(
-        "--out",
-        type=Path,
-        metavar="FILE",
-        help="write all points as NetCDF; during the sweep FILE.part keeps the finished ones",
-    )
-    sweep.add_argument(
-        "--resume", action="store_true", help="continue from the points in FILE.part"
-    )
+    add_many_runs(sweep, "number of runs at each point (default: one run of the scene itself)")
     sweep.add_argument(
         "--figure",
         type=Path,
         metavar="FILE",
         help="draw the first quantity against the first key of --set",
     )
-    sweep.add_argument("--json", action="store_true", help="print the points as JSON")
     sweep.set_defaults(command=_sweep)
 
 
 def _add_ensemble(ensemble: argparse.ArgumentParser) -> None:
     add_scene(ensemble)
-    add_vary(ensemble)
-    ensemble.add_argument(
-        "-n", type=int, help="number of members; with grids, the number of their points"
-    )
-    ensemble.add_argument(
-        "--keep",
-        metavar="NAMES",
-        help="quantities to keep, separated by commas, as upper.w1,contact_energy (default: time "
-        "averages of all)",
-    )
-    ensemble.add_argument(
-        "--at",
-        choices=["end", "samples"],
-        default="end",
-        help="keep them at the end, or at all times of the scene's output (default: end)",
-    )
-    ensemble.add_argument(
-        "--statistics",
-        action="store_true",
-        help="return means, covariances, quantiles and histograms of the kept quantities, not the "
-        "members",
-    )
-    ensemble.add_argument("--seed", type=int, default=0, help="seed of the ensemble (default: 0)")
-    ensemble.add_argument(
-        "--sampler",
-        choices=["sobol", "latin-hypercube"],
-        help="draw quasi-random instead of random numbers; for sobol, N should be a power of 2",
-    )
-    ensemble.add_argument(
-        "--out",
-        type=Path,
-        metavar="FILE",
-        help="write all members or statistics as NetCDF; with --keep, the finished members are in "
-        "FILE.part until all are",
-    )
-    ensemble.add_argument(
-        "--resume",
-        action="store_true",
-        help="continue from FILE.part, with the same bits as without a stop; print the result if "
-        "FILE is complete",
-    )
-    ensemble.add_argument("--json", action="store_true", help="print the summary as JSON")
+    add_many_runs(ensemble, "number of members; with grids, by default that of their points")
     ensemble.set_defaults(command=_ensemble)
 
 

@@ -52,8 +52,9 @@ def add_numerics(command: argparse.ArgumentParser) -> None:
     command.add_argument("--step", metavar="H", help="time step, instead of an accuracy")
 
 
-def add_vary(command: argparse.ArgumentParser) -> None:
-    """Add the values that differ between members of an ensemble."""
+def add_many_runs(command: argparse.ArgumentParser, members: str) -> None:
+    """Add the options of ensembles and sweeps; `members` says what their number is."""
+    command.add_argument("--members", type=int, metavar="N", help=members)
     command.add_argument(
         "--vary",
         action="append",
@@ -62,6 +63,54 @@ def add_vary(command: argparse.ArgumentParser) -> None:
         help="draw a value for each member, as 'upper.theta=normal(0,0.1)', "
         "'interaction.strength=uniform(0.1,0.2)' or 'upper.theta=grid(-1,1,1000)'; may be repeated",
     )
+    command.add_argument(
+        "--keep",
+        metavar="NAMES",
+        help="quantities to keep, separated by commas, as upper.w1,contact_energy (default: the "
+        "file's, or those of whole surfaces and of the system)",
+    )
+    command.add_argument(
+        "--at",
+        choices=["end", "samples"],
+        default="end",
+        help="keep them at the end, or at all times of the scene's output (default: end)",
+    )
+    command.add_argument(
+        "--statistics",
+        action="store_true",
+        help="return means, covariances, quantiles and histograms of the kept quantities, not the "
+        "members",
+    )
+    command.add_argument(
+        "--sampler",
+        choices=["sobol", "latin-hypercube"],
+        help="draw quasi-random instead of random numbers; for sobol, N should be a power of 2",
+    )
+    command.add_argument("--seed", type=int, default=0, help="seed of the members (default: 0)")
+    add_numerics(command)
+    command.add_argument(
+        "--threads", type=int, metavar="N", help="threads of this process (default: all cores)"
+    )
+    command.add_argument(
+        "--processes",
+        type=int,
+        default=1,
+        metavar="N",
+        help="processes that run members or points at the same time (default: 1)",
+    )
+    command.add_argument(
+        "--out",
+        type=Path,
+        metavar="FILE",
+        help="write the data set as NetCDF; FILE.part has the finished runs until all are",
+    )
+    command.add_argument(
+        "--resume",
+        action="store_true",
+        help="continue from FILE.part, with the same bits as without a stop; read FILE if that is "
+        "complete",
+    )
+    command.add_argument("--json", action="store_true", help="print a summary as JSON")
 
 
 def load(options: argparse.Namespace) -> Scene:

@@ -4,23 +4,16 @@ from __future__ import annotations
 
 import argparse
 import json
-from concurrent.futures import ProcessPoolExecutor
-from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tribo.commands.scene_options import (
-    as_number,
-    check_figure,
-    load,
-    parsed_list,
-    split,
-)
+from tribo.commands.scene_options import check_figure, load, parsed_list, split
 from tribo.files import strict_json
 from tribo.interrupts import COMPLETED, STOPPED, also_in_part
-from tribo.validation import InputError, integer
+from tribo.sweeps.grid import Keys
+from tribo.validation import InputError
 
 if TYPE_CHECKING:
     import xarray
@@ -36,49 +29,39 @@ def run_sweep(options: argparse.Namespace) -> int:
     if options.figure is not None:
         _draw(data, options.figure)
     print(as_json(data) if options.json else summary(data, options.out))
-    return COMPLETED if set(data["status"].values.flat) == {"completed"} else STOPPED
+    return COMPLETED if _all_completed(data) else STOPPED
 
 
-def values_of(texts: list[str]) -> dict[str, list[object]]:
-    """The values of each key, from texts as "upper.drive.load=0.1,0.2".  Raises InputError."""
-    values: dict[str, list[object]] = {}
+def _all_completed(data: xarray.Dataset) -> bool:
+    ends = data["status" if "status" in data else "point_status"].values
+    return set(ends.flat) == {"completed"}
+
+
+def values_of(texts: list[str]) -> dict[Keys, list[object]]:
+    """The values of each key, from texts as "upper.drive.load=0.1,0.2".  Raises InputError.
+
+    Keys with commas between them are swept together: "upper.velocity,duration=[0.5,40],[0.25,80]".
+    """
+    values: dict[Keys, list[object]] = {}
     for text in texts:
-        key, listed = split("--set", text)
+        name, listed = split("--set", text)
+        key: Keys = tuple(map(str.strip, name.split(","))) if "," in name else name
         if key in values:
-            raise InputError(f"--set {key}", "is given twice; give all values of a key at once")
+            raise InputError(f"--set {name}", "is given twice; give all values of a key at once")
         values[key] = parsed_list("--set", listed)
     return values
 
 
 def found_by(options: argparse.Namespace) -> xarray.Dataset:
     """The data set of the sweep that the options describe.  Raises InputError."""
-    from tribo.commands.ensemble import varied
+    from tribo.commands.ensemble import settings_of, workers
     from tribo.sweeps import sweep
 
-    values = values_of(options.set)
-    vary = varied(options.vary)
-    accuracy, step = (as_number(f"--{n}", getattr(options, n)) for n in ("accuracy", "step"))
-    processes = integer("--processes", options.processes, 1)
-    if options.resume and options.out is None:
-        raise InputError("--resume", "needs --out FILE")
-    pool = ProcessPoolExecutor(processes) if processes > 1 else nullcontext()
-    with pool as engine:
+    values, scene = values_of(options.set), load(options)
+    settings = settings_of(options, scene)
+    with workers(options) as engine:
         try:
-            return also_in_part(
-                sweep,
-                load(options),
-                values,
-                options.members,
-                None if options.keep is None else options.keep.split(","),
-                vary,
-                options.seed,
-                accuracy,
-                options.method,
-                step,
-                engine,
-                options.out,
-                options.resume,
-            )
+            return also_in_part(sweep, scene, values, engine=engine, **settings)
         except InputError as error:
             option, _, key = error.field.partition(".")
             raise InputError(
@@ -99,34 +82,54 @@ def _draw(data: xarray.Dataset, path: Path) -> None:
 
 def as_json(data: xarray.Dataset) -> str:
     """The points as one JSON object."""
-    keys = list(map(str, data["status"].dims))
-    scalars = [str(name) for name in data.data_vars if data[name].dims == tuple(keys)]
-    points = [
-        {
-            "values": {key: data[key].values[k].item() for key, k in zip(keys, at, strict=True)},
-            **{name: data[name].values[at].item() for name in scalars},
-        }
-        for at in np.ndindex(data["status"].shape)
-    ]
+    dimensions, keys, scalars = _layout(data)
+    points = []
+    for at in np.ndindex(tuple(data.sizes[name] for name in dimensions)):
+        places = dict(zip(dimensions, at, strict=True))
+        values = {key: data[key].isel(places, missing_dims="ignore").item() for key in keys}
+        points.append(
+            {"values": values, **{name: data[name].isel(places).item() for name in scalars}}
+            | ({} if "status" in scalars else {"members": _statuses(data, places)})
+        )
     whole = {"status": data.attrs["status"], "points": points}
     rest = {"notes": json.loads(data.attrs["notes"]), "seconds": data.attrs["seconds"]}
     return strict_json(whole | rest)
 
 
+def _layout(data: xarray.Dataset) -> tuple[list[str], list[str], list[str]]:
+    """The dimensions of the points, the keys, and the names with one value at each point."""
+    from tribo.sweeps.figure import keys_of
+
+    dimensions = keys_of(data)
+    scalars = [str(n) for n in data.data_vars if data[n].dims == tuple(dimensions)]
+    keys = [key for name in dimensions for key in name.split(",")]
+    return dimensions, keys, scalars
+
+
+def _statuses(data: xarray.Dataset, places: dict[str, int]) -> dict[str, int]:
+    """How many members of a point have each status."""
+    if "status" not in data:
+        return {}
+    names, counts = np.unique(data["status"].isel(places).values, return_counts=True)
+    return dict(zip(names.tolist(), counts.tolist(), strict=True))
+
+
 def summary(data: xarray.Dataset, out: Path | None) -> str:
-    """The statuses of the points, and some of their values."""
-    statuses, counts = np.unique(data["status"].values, return_counts=True)
+    """The statuses of the runs, and some values of the points."""
+    ends = data["status" if "status" in data else "point_status"]
+    statuses, counts = np.unique(ends.values, return_counts=True)
     lines = [", ".join(f"{n} {status}" for status, n in zip(statuses, counts, strict=True))]
-    keys = list(map(str, data["status"].dims))
-    names = [str(n) for n in data.data_vars if data[n].dims == tuple(keys) and _is_shown(str(n))]
+    dimensions, keys, scalars = _layout(data)
+    names = [name for name in scalars if _is_shown(name)]
     shown = names[:COLUMNS]
     lines.append("  ".join(f"{name:>18}" for name in [*keys, *shown]) + "  status")
-    points = list(np.ndindex(data["status"].shape))
+    points = list(np.ndindex(tuple(data.sizes[name] for name in dimensions)))
     for point in points[:LINES]:
-        at = dict(zip(keys, point, strict=True))
-        row = [f"{data[key].values[place]!s:>18}" for key, place in at.items()]
-        row += [f"{float(data[name][at]):>18.6g}" for name in shown]
-        lines.append("  ".join(row) + f"  {data['status'][at].item()}")
+        at = dict(zip(dimensions, point, strict=True))
+        row = [f"{data[key].isel(at, missing_dims='ignore').item()!s:>18}" for key in keys]
+        row += [f"{float(data[name].isel(at)):>18.6g}" for name in shown]
+        found = ", ".join(dict.fromkeys(map(str, np.atleast_1d(ends.isel(at).values))))
+        lines.append("  ".join(row) + f"  {found}")
     if len(points) > LINES:
         lines.append(f"... and {len(points) - LINES} more points")
     if len(names) > COLUMNS:
@@ -139,6 +142,5 @@ def summary(data: xarray.Dataset, out: Path | None) -> str:
 
 def _is_shown(name: str) -> bool:
     """Whether a variable is a quantity, not a count or an error."""
-    return name not in ("steps", "seconds", "force_evaluations", "status") and not name.endswith(
-        ("_error", "_half_width")
-    )
+    counts = ("steps", "force_evaluations", "level", "error", "status", "point_status")
+    return name not in counts and not name.endswith(("_error", "_half_width"))

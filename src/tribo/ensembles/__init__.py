@@ -9,47 +9,65 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from tribo.accuracy.comparison import Accuracy
+from tribo.ensembles.dataset import (
+    at_end,
+    attributes_of_members,
+    kept_dataset,
+    opened,
+    saved,
+    times_of,
+    write_members,
+)
 from tribo.ensembles.engines import Engine, check_engine
-from tribo.ensembles.kept_ensemble import Wanted, kept_ensemble
-from tribo.ensembles.means import checked_half_width, means
-from tribo.ensembles.members import Source, Variation
-from tribo.ensembles.runner import Runner
+from tribo.ensembles.means import MeanRuns, check_series, checked_half_width, means
+from tribo.ensembles.members import Source, Variation, check_members_differ
+from tribo.ensembles.request import END, Request, checked_names, checked_time
+from tribo.ensembles.runner import Execution, Policy, collect, planned, run_members
 from tribo.ensembles.sampling import Sampler, sampled
-from tribo.ensembles.single_runs import planned
+from tribo.ensembles.statistics_store import (
+    StatisticsStore,
+    statistics_coordinates,
+    statistics_variables,
+)
+from tribo.ensembles.stores import MemberStore, Target
 from tribo.interrupts import Interrupted
 from tribo.kernels.status import Status
 from tribo.model.scene import Scene
 from tribo.progress import Reported, Shown
-from tribo.validation import InputError, integer, short_repr
+from tribo.validation import InputError, boolean, integer, short_repr
 
 if TYPE_CHECKING:
     import xarray
 
-# Most members that a half-width may take where `n` is not given.
+# Most members that a half-width may take where their number is not given.
 MOST_MEMBERS = 10_000
 
 
 def ensemble(
     scene: Scene,
-    n: int | None = None,
+    members: int | None = None,
     vary: Mapping[str, Source] | None = None,
-    seed: int = 0,
-    engine: Engine | None = None,
-    half_width: Mapping[str, float] | None = None,
-    method: str | None = None,
-    step: float | None = None,
-    progress: Shown = None,
     keep: Sequence[str] | None = None,
-    threads: int | None = None,
-    at: str = "end",
+    at: str = END,
     statistics: bool = False,
+    half_width: Mapping[str, float] | None = None,
+    sampler: Sampler | None = None,
+    engine: Engine | None = None,
     out: str | Path | None = None,
     resume: bool = False,
-    sampler: Sampler | None = None,
+    accuracy: Accuracy | None = None,
+    method: str | None = None,
+    step: float | None = None,
+    threads: int | None = None,
+    progress: Shown = None,
+    allow_unresolved: bool = False,
+    seed: int = 0,
 ) -> xarray.Dataset:
     """Run a scene from many starts; keep quantities of each member, their statistics, or means.
 
@@ -58,63 +76,63 @@ def ensemble(
     scene : Scene
         The scene.  All members share its heights; each has a seed of its own for noise and thermal
         starts.
-    n : int, optional
-        Number of members, at least 2.  With `half_width`, the largest number.  By default that of
-        the arrays in `vary`.
+    members : int, optional
+        Their number, at least 2.  With `half_width`, the largest number.  By default that of the
+        arrays in `vary`.
     vary : mapping, optional
         Quantities that differ between members: "surface.theta" (or another initial value),
         "surface.velocity", or a number of the scene as "surface.asperite.kappa",
         "surface.langevin.temperature" (or of its drive or bath) or "interaction.strength" -> an
-        array of shape (n,), (n, asperites) or, for velocities, (n, 2); or a distribution with
-        ``rvs(size=, random_state=)``, as those of scipy.stats, from which each asperite of each
-        member draws.  :func:`tribo.grid` makes the arrays of a grid.
-    seed : int
-        The seed of the ensemble.  A member depends on it and on the member's number.
-    engine : executor, optional
-        Runs the members in other processes: it has ``submit`` or ``map`` as concurrent.futures
-        defines them, or is a client of dask.distributed.
-    half_width : mapping, optional
-        Quantity of a surface as a whole or of the system, as "upper.W" -> the largest half-width
-        of the 95 % interval of its mean, at any recorded time, in units of the largest work or
-        change of energy of a surface or of the system.  It determines the number of members.
-    method, step
-        As for :func:`prepare`.  Required where no accuracy of single runs can be kept.
-    progress : callable or bool, optional
-        Called with the number of members that have been run; or whether a bar is shown: by default
-        on a terminal and in a notebook, after a second.
+        array of shape (members,), (members, asperites) or, for velocities, (members, 2); or a
+        distribution with ``rvs(size=, random_state=)``, as those of scipy.stats, from which each
+        asperite of each member draws.
     keep : sequence of str, optional
         Quantities of each member that are kept, and nothing else: "upper.w1" or "contact_energy".
-        It makes the members of a scene of one asperite on one run thousands of times faster.
         Forces and energies as series need no ``output.series`` here.  At the end,
         "upper.friction_force" is the average over time of each member, and
         ``upper.friction_force_time_half_width`` that of its 95 % interval, as of
         :meth:`tribo.Result.friction_force`.  By default the scene's ``output.keep``; without that,
         means of all sums.
-    threads : int, optional
-        Threads that run such members; by default one for each core.  Values do not depend on it.
     at : {"end", "samples"}
         Whether quantities are kept at the end of each run or at all times of the scene's output.
     statistics : bool
         Return statistics of the kept quantities in place of the members, for more members than
         memory holds.
-    out : str or Path, optional
-        A NetCDF file for the data set, with `keep`.  Until it is complete, ``out`` with ``.part``
-        behind its name has the members so far, or with `statistics` their sums, also if the
-        ensemble is interrupted.  Values of the data set are then read from the file when used.
-    resume : bool
-        Continue ``out.part``, to the bits of an ensemble without a pause; begin if there is no such
-        file, and only read ``out`` if that is complete.
+    half_width : mapping, optional
+        Quantity of a surface as a whole or of the system, as "upper.W" -> the largest half-width
+        of the 95 % interval of its mean, at any recorded time, in units of the largest work or
+        change of energy of a surface or of the system.  It determines the number of members.
     sampler : scipy.stats.qmc.QMCEngine, optional
         Its points take the place of random numbers in all distributions of `vary`, which need
         ``ppf``; one dimension for each number that a member draws.
+    engine : executor, optional
+        Runs the members in other processes: it has ``submit`` or ``map`` as concurrent.futures
+        defines them, or is a client of dask.distributed.
+    out : str or Path, optional
+        A NetCDF file for the data set.  Until it is complete, ``out`` with ``.part`` behind its
+        name has the members so far, or with `statistics` their sums, also if the ensemble is
+        interrupted.  With `keep`, values of the data set are read from the file when used.
+    resume : bool
+        Continue ``out.part``, to the bits of an ensemble without a pause; begin if there is no such
+        file, and only read ``out`` if that is complete.
+    accuracy, method, step, allow_unresolved
+        As for :func:`prepare`.  A step is required where no accuracy of single runs can be kept.
+    threads : int, optional
+        Threads that run members in batches; by default one for each core.  Values do not depend on
+        it.
+    progress : callable or bool, optional
+        Called with the number of members that have been run; or whether a bar is shown: by default
+        on a terminal and in a notebook, after a second.
+    seed : int
+        The seed of the ensemble.  A member depends on it and on the member's number.
 
     Returns
     -------
     xarray.Dataset
         With `keep`, each quantity under its name (member, [time,] [asperite]), and for each
-        member its ``status``, ``steps``, ``level`` of the tolerances, and ``error`` where it was
-        measured.  Values of members that did not complete are NaN.  A quantity whose start is
-        varied is ``upper.theta_end``.
+        member its ``status``, ``steps``, ``force_evaluations``, ``level`` of the tolerances, and
+        ``error`` where it was measured.  Values of members that did not complete are NaN.  A
+        quantity whose start is varied is ``upper.theta_end``.
 
         With `statistics`, for each quantity ``upper.w1_mean`` ([time,] [asperite]),
         ``upper.w1_half_width`` of the 95 % interval of the mean, ``upper.w1_variance``,
@@ -142,31 +160,109 @@ def ensemble(
     scene = scene.with_heights()
     if keep is None and half_width is None:
         keep = scene.output.keep
-    if scene.output.keep is not None:
-        scene = replace(scene, output=replace(scene.output, keep=None))
-    wanted = None if half_width is None else checked_half_width(scene, half_width)
-    source = {} if vary is None else vary
     if sampler is not None:
         _check_alone("half_width", half_width, "sampler")
-        source = sampled(sampler, n, scene, source)
-    variation = Variation(scene, source, integer("seed", seed, 0))
-    most = _most_members(n, wanted, variation)
-    check_engine(engine)
-    threads = os.cpu_count() or 1 if threads is None else integer("threads", threads, 1)
+        vary = sampled(sampler, members, scene, vary or {})
     if keep is not None:
         _check_alone("half_width", half_width, "keep")
-        what = Wanted(keep, at, statistics, out, resume)
-        simulation = planned(what.scene(scene), method, what.step(scene, method, step))
-        with Reported(progress, most, "members") as report:
-            data = kept_ensemble(simulation, variation, most, what, engine, threads, report)
-    else:
-        Wanted.check_absent(at, statistics, out, resume)
-        simulation = planned(scene, method, step)
-        with Reported(progress, most, "members") as report:
-            data = means(Runner(simulation, variation, engine, report), wanted, most, began)
+        keep = checked_names(keep)
+    elif checked_time(at) != END or boolean("statistics", statistics):
+        raise InputError("at" if at != END else "statistics", 'needs keep, as keep=["upper.w1"]')
+    request = Request(keep, checked_time(at), False, accuracy, method, step, allow_unresolved)
+    wanted = None if half_width is None else checked_half_width(scene, half_width)
+    variation = Variation(scene, {} if vary is None else vary, integer("seed", seed, 0))
+    check_members_differ(scene, vary or {})
+    most = _most_members(members, wanted, variation)
+    check_engine(engine)
+    threads = os.cpu_count() or 1 if threads is None else integer("threads", threads, 1)
+    others = {
+        "members": most,
+        "statistics": statistics,
+        "half_width": wanted,
+    }
+    identity = request.identity(scene, variation, others)
+    with Target(out, resume, identity) as target, Reported(progress, most, "members") as report:
+        if target.complete:
+            assert target.path is not None
+            return opened(target.path, identity)
+        simulation = request.prepare(scene)
+        kept = request.kept(simulation.layout)
+        if wanted is not None:
+            check_series(kept, wanted)
+        policy = planned(simulation, kept, variation, most, threads)
+        how = Execution(engine, threads, report)
+        if statistics:
+            data = _statistics(policy, variation, most, target, how, began)
+        elif keep is not None:
+            data = _members(policy, variation, most, target, how, began)
+        else:
+            store = MemberStore(target.frames)
+            data = _means(MeanRuns(policy, variation, store, how), wanted, most, target, began)
     if data.attrs["status"] == Status.INTERRUPTED:
         raise Interrupted(data)
     return data
+
+
+def _members(
+    policy: Policy, variation: Variation, count: int, target: Target, how: Execution, began: float
+) -> xarray.Dataset:
+    """The data set of all members, or of those that are complete after an interrupt."""
+    store = MemberStore(target.frames)
+    chunks = run_members(policy, variation, range(store.done, count), how)
+    interrupted = collect(chunks, store, how.progress)
+    attributes = attributes_of_members(policy, variation, count)
+    tally = store.tally(float(attributes.get("level", "nan")))
+    attributes = at_end(attributes, tally, interrupted, time.perf_counter() - began)
+    if target.path is not None and target.frames is not None and not interrupted:
+        data = write_members(target.path, target.identity, policy, variation, store, attributes)
+        target.frames.remove()
+        return data
+    found = store.values()
+    members = variation.members(np.arange(found.status.size))
+    return kept_dataset(policy, members, found, attributes)
+
+
+def _statistics(
+    policy: Policy, variation: Variation, count: int, target: Target, how: Execution, began: float
+) -> xarray.Dataset:
+    """The statistics of all members so far.
+
+    Raises KeyboardInterrupt or InputError if no member is complete.
+    """
+    import xarray
+
+    attributes = attributes_of_members(policy, variation, count)
+    kept, level = policy.kept, float(attributes.get("level", "nan"))
+    store = StatisticsStore(kept, level, target.frames)
+    chunks = run_members(policy, variation, range(store.done, count), how)
+    interrupted = collect(chunks, store, how.progress)
+    whole = store.whole()
+    if whole.moments is None:
+        if interrupted:
+            raise KeyboardInterrupt
+        raise InputError("scene", "is completed by no member")
+    seconds = time.perf_counter() - began
+    data = xarray.Dataset(
+        statistics_variables(kept, whole.moments),
+        times_of(kept, policy.simulation.scene) | statistics_coordinates(kept),
+        at_end(attributes, whole.tally, interrupted, seconds),
+    )
+    return saved(data, target)
+
+
+def _means(
+    runs: MeanRuns,
+    half_width: Mapping[str, float] | None,
+    most: int,
+    target: Target,
+    began: float,
+) -> xarray.Dataset:
+    """The data set of means."""
+    import xarray
+
+    variables, coordinates, attributes = means(runs, half_width, most)
+    attributes["seconds"] = time.perf_counter() - began
+    return saved(xarray.Dataset(variables, coordinates, attributes), target)
 
 
 def _check_alone(field: str, value: object, other: str) -> None:
@@ -175,15 +271,15 @@ def _check_alone(field: str, value: object, other: str) -> None:
 
 
 def _most_members(
-    n: int | None, half_width: Mapping[str, float] | None, variation: Variation
+    members: int | None, half_width: Mapping[str, float] | None, variation: Variation
 ) -> int:
     """The largest number of members, for which arrays have values.  Raises InputError."""
     lengths = variation.lengths
-    if n is None and half_width is None and not lengths:
-        raise InputError("n", 'is missing; give it, or half_width={"surface.W": 1e-2}')
+    if members is None and half_width is None and not lengths:
+        raise InputError("members", 'is missing; give it, or half_width={"surface.W": 1e-2}')
     largest = [] if half_width is None else [MOST_MEMBERS]
-    most = min([*largest, *lengths.values()]) if n is None else integer("n", n, 2)
+    most = min([*largest, *lengths.values()]) if members is None else integer("members", members, 2)
     for key, length in lengths.items():
         if length != most:
             raise InputError(f"vary.{key}", f"must have values for {most} members, got {length}")
-    return integer("n", most, 2)
+    return integer("members", most, 2)

@@ -91,13 +91,13 @@ def _cheapest(
     levels = np.maximum(LEVELS * runs.strictest, runs.finest)
     fine = runs.run(runs.exact, levels[-1], scales, starts)
     best, least = CheckedPlan(runs.exact, max(FLOOR, FINER * runs.strictest), -1, scales), np.inf
-    for method, way in runs.ways.items():
+    for method, stepper in runs.steppers.items():
         too_loose, good = -1, levels.size - 1
         while good - too_loose > 1:
             k = (good + too_loose) // 2
             found = runs.run(method, levels[k], scales, starts)
             if np.all(runs.excess(fine, found)[fine.complete] <= CHOSEN):
-                good, cost = k, way.cost * float(found.counts[:, EVALUATIONS].sum())
+                good, cost = k, stepper.cost * float(found.counts[:, EVALUATIONS].sum())
             else:
                 too_loose = k
         if good < levels.size - 1 and cost < least:

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import fields
 from functools import partial
 from typing import NamedTuple, Self
 
@@ -24,33 +25,23 @@ from tribo.accuracy.cheapest_setting import NEAR_ALONE
 from tribo.accuracy.comparison import strictest
 from tribo.accuracy.levels import setting_at
 from tribo.accuracy.members import FineMembers
+from tribo.accuracy.scales import EPSILON
 from tribo.accuracy.tolerance_scales import FLOOR, ToleranceScales
-from tribo.ensembles.kept_values import STATUS_TYPE, UNKNOWN, Kept, KeptValues
+from tribo.ensembles.batches import chunk_of, chunk_of_pair, delivered, kept_series
+from tribo.ensembles.kept_values import UNKNOWN, Kept, KeptValues
 from tribo.ensembles.members import Members, values_at_start
 from tribo.ensembles.rough_runs import rough_differences
 from tribo.integrators.nystrom_tableaux import RKN8, RKN12
 from tribo.integrators.step_control import Tolerance
-from tribo.kernels.status import EVALUATIONS, STEPS, Status
+from tribo.kernels.status import EVALUATIONS, STEPS
 from tribo.layout.initial_state import InitialState
-from tribo.layout.member_numbers import member_numbers
-from tribo.ledger.ledger import assemble
-from tribo.ledger.passing import passed_through
-from tribo.loops.batch import Batch, MemberRuns, MemberStarts, padded
+from tribo.layout.member_numbers import LayoutOfMembers, member_numbers
+from tribo.ledger.samples import Samples
+from tribo.loops.batch import Batch, MemberRuns, MemberStarts
 from tribo.loops.batch_pair_lanes import PairLanes, has_lanes
 from tribo.loops.choose_batch import choose_batch
-from tribo.loops.lane_loop import fit_lanes
 from tribo.prepared import Simulation
 
-# Members that are run in one call, at most: of a pair some 30 ms, after which an interrupt is
-# answered.
-CHUNK = 8192
-# Work of a call for members of larger scenes [force evaluations x asperites], one by one and in
-# lanes: some 0.05 s, to which the ledgers of all its members add a few milliseconds.
-CHUNK_WORK, CHUNK_WORK_IN_LANES = 1e6, 4e6
-# Samples of all members of one call, at most: 20 MB.
-MOST_SAMPLES = 2**17
-# Numbers in the samples of all members of a call, at most: 16 MB.
-MOST_NUMBERS = 2**21
 # Members by which the setting is chosen, the first ones, which are all checked: their share of a
 # million is nothing.
 SAMPLE = 64
@@ -81,12 +72,14 @@ ROUGHER_NEAR = 1.5
 # Largest difference of a run from a rougher one, in units of the accuracy, with which it is not
 # checked: most of the difference is the error of the rougher one, some three times as large.
 AGREED = 0.5
+# Times at which members are compared, at most: comparisons at 401 took longer than the runs.
+MOST_COMPARED = 65
 # Times that a member is refined before it gets a run of its own.
 REFINEMENTS = 3
 
 
-class Way(NamedTuple):
-    """A way to run members.
+class Stepper(NamedTuple):
+    """A loop that runs members, and its cost.
 
     Attributes
     ----------
@@ -160,7 +153,7 @@ class CheckedRuns:
         How all members are run; it has to be set.
     own_numbers
         As given.
-    ways : dict
+    steppers : dict
         The ways to run members, by method; the first is that of single runs.
     exact : str
         The first of them.
@@ -180,7 +173,7 @@ class CheckedRuns:
         self._accuracy = asked if isinstance(asked, Mapping) else dict.fromkeys(kept.names, asked)
         self.exact = simulation.method.name
         self.own_numbers = own_numbers
-        self.ways = _ways(simulation, bool(own_numbers))
+        self.steppers = _steppers(simulation, bool(own_numbers))
         self._initial = InitialState(simulation.layout)
         self._pair = simulation.integrator.pair is not None
         self.pilot = PILOT if self._pair else PILOT_OF_LARGE
@@ -189,9 +182,8 @@ class CheckedRuns:
     @property
     def chunk(self) -> int:
         """Members that are run in one call."""
-        layout = self.simulation.layout
         if self._pair:
-            return max(1, min(CHUNK, MOST_SAMPLES // layout.times.size))
+            return chunk_of_pair(self.simulation)
         return chunk_of(self.simulation, self.simulation.finest.evaluations)
 
     @property
@@ -207,17 +199,11 @@ class CheckedRuns:
         plan = self.plan
         starts = self.begin(members)
         runs = self.run(plan.method, plan.level, plan.scales, starts)
-        passed = passed_through(runs.layout, runs.samples).reshape(-1, len(starts.y))
-        complete = runs.complete & ~passed.any(axis=0)
-        found = KeptValues(
-            kept_values(self.kept, runs),
-            np.where(complete, str(Status.COMPLETED), UNKNOWN).astype(STATUS_TYPE),
-            runs.counts[:, STEPS].copy(),
-            np.full(complete.size, plan.level),
-            np.full(complete.size, np.nan),
-        )
+        found = delivered(self.kept, runs, plan.level)
+        complete = found.status != UNKNOWN
         some = (members.numbers < SAMPLE) | (members.numbers % CHECKED == 0)
-        checked = complete & (self._doubtful(runs, starts) | some)
+        every = self.kept.with_errors
+        checked = complete & (every or self._doubtful(runs, starts) | some)
         if checked.any():
             self._refine(found, np.flatnonzero(checked), runs, starts)
         return found
@@ -235,7 +221,7 @@ class CheckedRuns:
         plan = self.plan
         if starts.numbers is None:
             return np.asarray(runs.counts[:, EVALUATIONS] > plan.most_evaluations)
-        near = ROUGHER_NEAR * self.ways[plan.method].near
+        near = ROUGHER_NEAR * self.steppers[plan.method].near
         rough = self.run(plan.method, ROUGHER * plan.level, plan.scales, starts, near)
         return rough_differences(runs, rough, starts.numbers, self._accuracy) > AGREED
 
@@ -248,19 +234,31 @@ class CheckedRuns:
         near: float | None = None,
     ) -> MemberRuns:
         """Run members by one way with tolerances of one level; `near` in place of the way's."""
-        way = self.ways[method]
-        near = way.near if near is None else near
+        stepper = self.steppers[method]
+        near = stepper.near if near is None else near
         tolerance = tolerance_at(self.simulation, ToleranceScales(*scales), level, near)
-        return way.batch.run(tolerance, starts)
+        return stepper.batch.run(tolerance, starts)
 
     def excess(self, fine: MemberRuns, runs: MemberRuns) -> np.ndarray:
         """The largest difference of each member from a finer run, in units of its accuracy.
 
         Infinite where either run did not complete.
         """
-        exact = FineMembers(fine.layout, fine.samples, self._accuracy)
-        excess = exact.excess(runs.samples)
+        return self._excess(self._fine_members(fine), fine, runs)
+
+    def _fine_members(self, fine: MemberRuns) -> FineMembers:
+        return FineMembers(fine.layout, compared(fine), self._accuracy)
+
+    def _excess(self, exact: FineMembers, fine: MemberRuns, runs: MemberRuns) -> np.ndarray:
+        excess = exact.excess(compared(runs))
         return np.where(runs.complete & fine.complete & np.isfinite(excess), excess, np.inf)
+
+    def _bounds(self, exact: FineMembers, name: str, excess: np.ndarray) -> np.ndarray:
+        """Bounds on the errors of a quantity in each member, as its worst quantity has them."""
+        asked = self.simulation.accuracy
+        relative = asked.get(name, np.nan) if isinstance(asked, Mapping) else asked
+        floor = EPSILON / self.strictest
+        return np.maximum(excess / KEPT, floor) * relative * exact.scale_of(name)
 
     def finer(self, level: float) -> float:
         """The level of runs that check those of another level."""
@@ -274,51 +272,46 @@ class CheckedRuns:
         for _ in range(REFINEMENTS + 1):
             level = self.finer(level)
             fine = self.run(self.exact, level, self.plan.scales, starts.of_members(now))
-            excess = self.excess(fine, coarse)
+            exact = self._fine_members(fine)
+            excess = self._excess(exact, fine, coarse)
             known = np.isfinite(excess)
+            for name, bounds in found.errors.items():
+                bounds[now] = self._bounds(exact, name, excess)
             found.error[now] = np.where(known, excess * self.strictest, np.nan)
             bad = ~(excess <= KEPT)
             now, coarse = now[bad], fine.of_members(bad)
             if not now.size:
                 return
-            refined = kept_values(self.kept, coarse)
+            refined = kept_series(self.kept, coarse)
             for name, values in refined.items():
                 found.values[name][now] = values
             found.level[now], found.steps[now] = level, coarse.counts[:, STEPS]
+            found.evaluations[now] = coarse.counts[:, EVALUATIONS]
         found.status[now] = UNKNOWN
 
 
-def _ways(simulation: Simulation, own_numbers: bool) -> dict[str, Way]:
+def compared(runs: MemberRuns) -> Samples:
+    """The samples by which members are compared, as single runs are where they have many."""
+    samples, members = runs.samples, runs.samples.runs
+    times = samples.t.size // members
+    if times <= MOST_COMPARED or isinstance(runs.layout, LayoutOfMembers):
+        return samples
+    chosen = np.unique(np.linspace(0, times - 1, MOST_COMPARED).astype(int))
+    rows = np.arange(samples.t.size).reshape(times, members)[chosen].ravel()
+    columns = (getattr(samples, each.name)[rows] for each in fields(Samples))
+    return Samples.of_runs(members, *columns)
+
+
+def _steppers(simulation: Simulation, own_numbers: bool) -> dict[str, Stepper]:
     """The ways to run members, by method."""
     pair, method, layout = simulation.integrator.pair, simulation.method, simulation.layout
     batch = choose_batch(layout, method, simulation.integrator.first_step, own_numbers, pair)
-    ways = {method.name: Way(batch, NEAR_ALONE, 1.0)}
+    steppers = {method.name: Stepper(batch, NEAR_ALONE, 1.0)}
     if pair is not None and has_lanes(pair) and layout.times.size == 2:
         for name, explicit in (("rkn8", RKN8), ("rkn12", RKN12)):
             lanes = Batch(partial(PairLanes, pair, explicit, own_numbers))
-            ways[name] = Way(lanes, NEAR_IN_LANES, COST_IN_LANES)
-    return ways
-
-
-def chunk_of(simulation: Simulation, evaluations: float) -> int:
-    """Members that are run in one call, if each takes so many evaluations of all forces."""
-    layout = simulation.layout
-    numbers = layout.times.size * (2 * layout.core + layout.accounts)
-    in_lanes = fit_lanes(layout, simulation.method)
-    work = CHUNK_WORK_IN_LANES if in_lanes else CHUNK_WORK
-    quick = work / (evaluations * layout.asperites.size)
-    members = max(1, int(min(CHUNK, quick, MOST_NUMBERS / numbers)))
-    return padded(members) if in_lanes else members
-
-
-def kept_values(kept: Kept, runs: MemberRuns) -> dict[str, np.ndarray]:
-    """The kept quantities, (members, [times,] [asperites])."""
-    ledger, found = assemble(runs.layout, runs.samples), {}
-    for name in kept.names:
-        series = ledger.series(name)[0]
-        each = series.reshape(-1, runs.samples.runs, *series.shape[1:])
-        found[name] = np.moveaxis(each, 0, 1) if kept.at_samples else each[-1]
-    return found
+            steppers[name] = Stepper(lanes, NEAR_IN_LANES, COST_IN_LANES)
+    return steppers
 
 
 def tolerance_at(

@@ -1,139 +1,73 @@
-"""Ensembles as labelled data sets: series, means, intervals, and how the members were run."""
+"""Ensembles as labelled data: variables of members, their coordinates, and what all share."""
 
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Mapping
-from dataclasses import dataclass
-from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING
 
+import h5py
 import numpy as np
 
-from tribo.ensembles.intervals import Interval, interval
-from tribo.ensembles.members import VELOCITY
-from tribo.ensembles.runner import Runner, SettingsCheck
+from tribo.ensembles.kept_values import STATUS_TYPE, Kept, KeptValues, Tally
+from tribo.ensembles.members import VELOCITY, Members, Variation
+from tribo.ensembles.runner import Policy
+from tribo.ensembles.stores import MemberStore, Target
+from tribo.files import NEW, not_written, replace_file
 from tribo.kernels.status import Status
-from tribo.ledger.quantities import ASPERITE_QUANTITIES, EVERY_QUANTITY, OPTIONAL_QUANTITIES, UNITS
-from tribo.ledger.separation import PART
+from tribo.ledger.quantities import EVERY_QUANTITY, UNITS
+from tribo.model.identity import Identity, refuse_other
 from tribo.model.initial import UNITS as UNITS_OF_START
+from tribo.model.scene import Scene
 from tribo.results.dataset import Variable
-from tribo.results.intervals import CONFIDENCE
+from tribo.validation import InputError
 
 if TYPE_CHECKING:
+    import h5netcdf
     import xarray
 
-# Quantities of asperites, whose sums over a surface are kept.
-SUMMED = ASPERITE_QUANTITIES | OPTIONAL_QUANTITIES
+# Attributes of a data set.
+Attributes = dict[str, str | float]
+# The attribute that says what a file is of.
+IDENTITY = "identity"
+# Of a status in a file: numpy's text as bytes.
+STATUS, LETTERS = "status", "status_letter"
+# Numbers that each run has beside its values.
+COUNTS = {
+    "steps": "steps of the run",
+    "force_evaluations": "evaluations of all forces in the run",
+    "level": "level of the tolerances; NaN where settings were searched for",
+    "error": "difference from a finer run, relative; NaN where not checked",
+}
 
 
-@dataclass(eq=False)
-class Collected:
-    """The results of an ensemble.
-
-    Attributes
-    ----------
-    runner
-        has run the members
-    check
-        second runs of some of them
-    half_width
-        that was asked for, by quantity
-    first_stage
-        complete members whose spread determined the number of all; None if that was given
-    needed
-        complete members that the half-width takes
-    """
-
-    runner: Runner
-    check: SettingsCheck
-    half_width: Mapping[str, float] | None
-    first_stage: int | None
-    needed: float
-
-    @cached_property
-    def values(self) -> np.ndarray:
-        """(members, names, times); NaN after a member stopped."""
-        return np.array([outcome.values for outcome in self.runner.outcomes])
-
-    @property
-    def means(self) -> Interval:
-        """Means over the complete members, and their intervals."""
-        return interval(self.runner.complete_values, self.first_stage)
-
-    @property
-    def bias(self) -> Interval | None:
-        """Means at the step less those at half of it, of the same members; None if not known."""
-        halved = self.check.at_half_step
-        if len(halved) < 2:
-            return None
-        return interval(np.array([self.values[k] - values for k, values in halved.items()]))
-
-    def error(self, name: str) -> float | None:
-        """The largest error estimate of a quantity in a single run, times the terms of a sum."""
-        surface, _, kind = name.rpartition(".")
-        terms = 1
-        if kind in SUMMED:
-            part = self.runner.simulation.layout.parts[surface]
-            terms = part.stop - part.start
-        errors = [outcome.errors.get(kind) for outcome in self.check.with_estimates]
-        return max((terms * error for error in errors if error is not None), default=None)
+def counts_of(found: KeptValues) -> dict[str, np.ndarray]:
+    """The numbers that each run has beside its values."""
+    return {name: getattr(found, name.removeprefix("force_")) for name in COUNTS}
 
 
-def dataset(collected: Collected, seconds: float) -> xarray.Dataset:
-    """The data set of an ensemble that took `seconds`."""
-    import xarray
-
+def variables_of(kept: Kept, members: Members, found: KeptValues) -> dict[str, Variable]:
+    """The variables that have a value for each member."""
     variables: dict[str, Variable] = {}
-    for k, name in enumerate(collected.runner.names):
-        variables |= _series(collected, k, name)
-    return xarray.Dataset(variables, _coordinates(collected), _attributes(collected, seconds))
-
-
-def _series(collected: Collected, k: int, name: str) -> dict[str, Variable]:
-    """The variables of the quantity with index `k` and name `name`."""
-    kind = name.rpartition(".")[2]
-    quantity = EVERY_QUANTITY[kind]
-    meaning = quantity.long_name + ", summed over asperites" * (kind in SUMMED)
-
-    def variable(values: np.ndarray | float, *dimensions: str, of: str = "") -> Variable:
-        return dimensions, values, {"units": quantity.units, "long_name": of + meaning}
-
-    variables = {name: variable(collected.values[:, k], "member", "time")}
-    means, bias, error = collected.means, collected.bias, collected.error(name)
-    half = "half-width of the 95 % interval of the "
-    variables[f"{name}_mean"] = variable(means.mean[k], "time", of="mean of: ")
-    variables[f"{name}_half_width"] = variable(means.half_width[k], "time", of=f"{half}mean of: ")
-    if bias is not None:
-        variables[f"{name}_bias"] = variable(bias.mean[k], "time", of="bias of the step in: ")
-        variables[f"{name}_bias_half_width"] = variable(
-            bias.half_width[k], "time", of=f"{half}bias of the step in: "
-        )
-    if error is not None:
-        variables[f"{name}_error"] = variable(error, of="bound on the error of a member's: ")
-    return variables
-
-
-def _coordinates(collected: Collected) -> dict[str, Variable]:
-    """The times; and the number, the seed, the status and the varied values of each member."""
-    runner = collected.runner
-    members = runner.members
-    columns = {
-        "member": ([member.number for member in members], "member"),
-        "seed": ([member.seed for member in members], "seed of the member"),
-        "status": ([str(outcome.status) for outcome in runner.outcomes], "end of its run"),
+    for name, values in found.values.items():
+        # The name of a start that is varied is taken.
+        own = f"{name}_end" if name in members.values else name
+        variables[own] = ("member", *kept.dimensions(name)), values, kept.about(name)
+    return variables | {
+        name: (("member",), values, {"long_name": COUNTS[name]})
+        for name, values in counts_of(found).items()
     }
-    coordinates: dict[str, Variable] = {
-        key: (("member",), np.array(values), {"long_name": meaning})
-        for key, (values, meaning) in columns.items()
-    }
-    times = runner.simulation.scene.times
-    coordinates["time"] = (("time",), times, {"units": "time", "long_name": "time"})
-    values = {
-        key: np.array([np.broadcast_to(m.values[key], (size,)) for m in members])
-        for key, size in runner.variation.sizes.items()
-    }
-    return coordinates | varied_coordinates(values)
+
+
+def coordinates_of(members: Members, found: KeptValues) -> dict[str, Variable]:
+    """The coordinates of each member: its number, seed, status and varied values."""
+    return {
+        "member": (("member",), members.numbers, {"long_name": "member"}),
+        "seed": (("member",), members.seeds, {"long_name": "seed of the member"}),
+        STATUS: (("member",), found.status, {"long_name": "end of its run"}),
+    } | varied_coordinates(members.values)
 
 
 def varied_coordinates(varied: Mapping[str, np.ndarray]) -> dict[str, Variable]:
@@ -154,66 +88,155 @@ def varied_coordinates(varied: Mapping[str, np.ndarray]) -> dict[str, Variable]:
     return coordinates
 
 
-def _attributes(collected: Collected, seconds: float) -> dict[str, str | float]:
+def times_of(kept: Kept, scene: Scene) -> dict[str, Variable]:
+    """The times at which quantities are kept."""
+    about = {"units": "time", "long_name": "time" if kept.at_samples else "time of the end"}
+    return {
+        "time": (("time",), scene.times, about) if kept.at_samples else ((), scene.duration, about)
+    }
+
+
+def kept_dataset(
+    runs: Policy, members: Members, found: KeptValues, attributes: Mapping[str, str | float]
+) -> xarray.Dataset:
+    """The data set of some members."""
+    import xarray
+
+    coordinates = coordinates_of(members, found) | times_of(runs.kept, runs.simulation.scene)
+    return xarray.Dataset(variables_of(runs.kept, members, found), coordinates, attributes)
+
+
+def attributes_of(runs: Policy, variation: Variation) -> Attributes:
     """Properties of the whole ensemble; text is JSON where it is no word."""
     from tribo import __version__
 
-    runner = collected.runner
-    plan = runner.simulation.settings
+    plan = runs.simulation.plan
     return {
         "tribo_version": __version__,
         "numpy_version": np.__version__,
-        "scene": runner.simulation.scene.to_toml(),
-        "status": str(Status.INTERRUPTED if runner.interrupted else Status.COMPLETED),
+        "scene": runs.simulation.scene.to_toml(),
         "method": plan.method,
+        "method_alone": plan.method,
         "step": json.dumps(plan.setting if plan.tuned is None else None),
         "accuracy": json.dumps(plan.accuracy),
-        "seed": str(runner.variation.seed),
-        "confidence": CONFIDENCE,
-        "half_width": json.dumps(collected.half_width),
-        "notes": json.dumps(_notes(collected)),
+        "seed": str(variation.seed),
+    }
+
+
+def attributes_of_members(runs: Policy, variation: Variation, count: int) -> Attributes:
+    """Properties of an ensemble of which named quantities are kept."""
+    own: Attributes = {
+        "n": count,
+        "keep": json.dumps(runs.kept.names),
+        "own_numbers": json.dumps(variation.own_numbers),
+    }
+    checked: Attributes = {} if runs.plan is None else runs.plan.attributes
+    return attributes_of(runs, variation) | own | checked
+
+
+def at_end(attributes: Attributes, tally: Tally, interrupted: bool, seconds: float) -> Attributes:
+    """All attributes, once the runs have ended."""
+    return {
+        **attributes,
+        "status": str(Status.INTERRUPTED if interrupted else Status.COMPLETED),
+        "members": json.dumps(tally.status),
+        "notes": json.dumps(tally.notes),
         "seconds": seconds,
     }
 
 
-def _notes(collected: Collected) -> list[str]:
-    """Limitations of the means."""
-    runner, first_stage = collected.runner, collected.first_stage
-    complete, total = runner.completed, len(runner.members)
-    notes = list(dict.fromkeys(runner.outcomes[0].notes))
-    if complete < total:
-        stopped = sorted({o.status for o in runner.outcomes} - {Status.COMPLETED})
-        notes.append(
-            f"{total - complete} of {total} members stopped early ({', '.join(stopped)}); means "
-            "are over the others"
-        )
-    parted = sum(any(PART in note for note in o.notes) for o in runner.outcomes if o.completed)
-    if parted:
-        notes.append(
-            f"in {parted} of {total} members surfaces {PART}; means include them, and the series "
-            "time_without_contact tells which they are"
-        )
-    if complete < collected.needed:
-        notes.append(
-            f"the half-width takes {collected.needed:.0f} complete members, got {complete}"
-        )
-    rule = "Student's rule"
-    if first_stage is not None:
-        rule = f"Stein's rule, from the spread of the first {first_stage}"
-    notes.append(f"half-widths are by {rule}, for {complete} members, at each time separately")
-    return notes + _notes_on_settings(collected.check)
+def write_members(
+    path: Path,
+    identity: Identity,
+    runs: Policy,
+    variation: Variation,
+    store: MemberStore,
+    attributes: Attributes,
+) -> xarray.Dataset:
+    """Write all members to a file, part by part, and open it.  Raises InputError."""
+    import h5netcdf
+
+    new, first = path.with_name(path.name + NEW), 0
+    try:
+        with h5netcdf.File(new, "w") as file:
+            for found in store.parts():
+                last = first + found.status.size
+                members = variation.members(np.arange(first, last))
+                coordinates = coordinates_of(members, found)
+                variables = variables_of(runs.kept, members, found) | coordinates
+                if first == 0:
+                    shared = times_of(runs.kept, runs.simulation.scene)
+                    for name, variable in (variables | shared).items():
+                        _create_variable(file, name, variable, store.done)
+                    names = [n for n in (*coordinates, *shared) if n not in ("member", "axis")]
+                    file.attrs.update(attributes)
+                    file.attrs.update(
+                        {IDENTITY: json.dumps(identity), "coordinates": " ".join(names)}
+                    )
+                for name, (dimensions, values, _) in variables.items():
+                    if dimensions[0] == "member":
+                        file[name][first:last] = (
+                            _letters(found.status) if name == STATUS else values
+                        )
+                first = last
+        with open(new, "rb") as written:
+            os.fsync(written.fileno())
+        os.replace(new, path)
+    except OSError as error:
+        new.unlink(missing_ok=True)
+        raise not_written(path, error) from None
+    return opened(path, identity)
 
 
-def _notes_on_settings(check: SettingsCheck) -> list[str]:
-    """The effect of the step or of the tolerances on the means."""
-    if check.with_estimates:
-        missed = sum(not outcome.met for outcome in check.with_estimates)
-        if not missed:
-            return []
-        return [f"{missed} of the first {len(check.with_estimates)} members miss their accuracy"]
-    if len(check.at_half_step) < 2:
-        return ["the effect of the step or of the tolerances on the means was not measured"]
-    return [
-        f"bias is the mean at the step less that at half of it, of {len(check.at_half_step)} "
-        "members; where it is below its half-width it may be chance"
-    ]
+def _create_variable(file: h5netcdf.File, name: str, variable: Variable, count: int) -> None:
+    """Add an array for `count` members, or one that all members share, with its values."""
+    dimensions, values, attributes = variable[0], np.asarray(variable[1]), variable[2]
+    dtype: object = values.dtype
+    if name == STATUS:
+        dimensions, values, dtype = ("member", LETTERS), _letters(values), "S1"
+        attributes = {**attributes, "_Encoding": "utf-8"}
+    elif values.dtype.kind == "U":
+        values, dtype = values.astype(object), h5py.string_dtype()
+    for dimension, size in zip(dimensions, values.shape, strict=True):
+        if dimension not in file.dimensions:
+            file.dimensions[dimension] = count if dimension == "member" else size
+    array = file.create_variable(name, dimensions, dtype)
+    if dimensions[:1] != ("member",):
+        array[...] = values
+    array.attrs.update(attributes)
+
+
+def _letters(status: np.ndarray) -> np.ndarray:
+    """Statuses as letters, (members, longest status)."""
+    size = np.dtype(STATUS_TYPE).itemsize // np.dtype("U1").itemsize
+    text = np.ascontiguousarray(np.asarray(status).astype(f"S{size}"))
+    return text.view("S1").reshape(text.size, size)
+
+
+def saved(data: xarray.Dataset, target: Target) -> xarray.Dataset:
+    """The data set; if it is complete it is in its file too, in place of the frames."""
+    if target.path is not None and data.attrs["status"] == Status.COMPLETED:
+        data.attrs[IDENTITY] = json.dumps(target.identity)
+        replace_file(target.path, bytes(data.to_netcdf(engine="h5netcdf")))
+        assert target.frames is not None
+        target.frames.remove()
+    return data
+
+
+def opened(path: Path, identity: Identity) -> xarray.Dataset:
+    """The data set in a file, whose values are read when they are used.
+
+    Raises InputError if the file is of something else.
+    """
+    import xarray
+
+    try:
+        with h5py.File(path) as file:
+            before: Identity = json.loads(file.attrs[IDENTITY])
+    except (OSError, KeyError, ValueError):
+        raise InputError(
+            str(path), "is no such file of this version; start again without resume"
+        ) from None
+    refuse_other(path, before, json.loads(json.dumps(identity)))
+    # A file object, since HDF5 would not let this process write to a file that it has open.
+    return xarray.open_dataset(open(path, "rb"), engine="h5netcdf")

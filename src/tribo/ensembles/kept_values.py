@@ -1,42 +1,54 @@
-"""Kept quantities of many members, as labelled data."""
+"""Kept quantities of many members: what they are, and their values."""
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
 import numpy as np
 
-from tribo.ensembles.dataset import varied_coordinates
-from tribo.ensembles.members import Members
 from tribo.kernels.status import Status
-from tribo.ledger.ledger import Ledger
-from tribo.ledger.quantities import AVERAGED, EVERY_QUANTITY
+from tribo.layout.further_series import further_series, system_names
+from tribo.layout.layout import Layout
+from tribo.ledger.ledger import Ledger, assemble
+from tribo.ledger.quantities import (
+    ASPERITE_QUANTITIES,
+    AVERAGED,
+    BLOCK_QUANTITIES,
+    EVERY_QUANTITY,
+    FURTHER_OF_SURFACES,
+    OPTIONAL_QUANTITIES,
+    SYSTEM_QUANTITIES,
+    needs_accounts,
+)
+from tribo.ledger.samples import Samples
 from tribo.ledger.sinks import exceeds_memory
+from tribo.loops.frames import Arrays
+from tribo.loops.state import below
 from tribo.model.scene import Scene
-from tribo.prepared import Simulation
+from tribo.model.surface import Surface
 from tribo.result import Result
-from tribo.results.dataset import Variable
 from tribo.results.force_averages import force_average
-from tribo.validation import InputError, short_repr
-
-if TYPE_CHECKING:
-    import xarray
+from tribo.validation import InputError
 
 # The status of a member whose accuracy is out of reach.
 MISSED = "AccuracyMissed"
-# The status of a member that still needs a run with a search for its own settings, and in a file of
-# one that has not been run.
+# The status of a member that still needs a run with a search for its own settings.
 UNKNOWN = ""
+# The status of a point of a sweep that cannot be run, and of one that an interrupt left out.
+REFUSED, NOT_RUN = "Refused", "not run"
+# Works of each asperite whose sums over a surface are kept.
+WORKS = ("w1", "w2", "wL", "wR", "w_int")
+# Quantities of asperites, whose sums over a surface are kept.
+SUMMED = ASPERITE_QUANTITIES | OPTIONAL_QUANTITIES
 # What is added to the name of an average over time for the half-width of its 95 % interval.
 INTERVAL = "_time_half_width"
 # The quantity beside which the share of time without contact is kept, where contact has a range.
 FRICTION, SHARE = "friction_force", "time_without_contact"
 # Of an array of names of statuses.
-STATUS_TYPE = f"U{max(map(len, [MISSED, *Status]))}"
+STATUS_TYPE = f"U{max(map(len, [MISSED, REFUSED, *Status]))}"
 
 
 @dataclass(eq=False)
@@ -46,32 +58,93 @@ class KeptValues:
     Attributes
     ----------
     values : dict
-        Name -> (members, [times,] [asperites]); NaN of members that did not complete.
+        Name -> (members, [times,] [asperites]); NaN of members that have none.
+    errors : dict
+        Name -> bounds on the errors of these values (members,), NaN where there is none; of all
+        quantities if `Kept.with_errors`.
     status : ndarray, (members,), of str
         How each run ended.
-    steps : ndarray, (members,)
-        Of each run.
+    steps, evaluations : ndarray, (members,)
+        Steps and evaluations of all forces of each run.
     level : ndarray, (members,)
         Of the tolerances of each run; NaN of members that had a run of their own, or a given step.
     error : ndarray, (members,)
         The largest difference of a member from a finer run, relative to its scales; NaN of members
         that were not checked.
+    note : ndarray, (members,), of str
+        Limitations of each run, a line each.
     """
 
     values: dict[str, np.ndarray]
+    errors: dict[str, np.ndarray]
     status: np.ndarray
     steps: np.ndarray
+    evaluations: np.ndarray
     level: np.ndarray
     error: np.ndarray
+    note: np.ndarray
+
+    @classmethod
+    def without_runs(cls, kept: Kept, members: int, status: str = UNKNOWN, note: str = "") -> Self:
+        """The values of members that have not been run."""
+        shapes = zip(kept.names, kept.shapes, strict=True)
+        return cls(
+            {name: np.full((members, *shape), np.nan) for name, shape in shapes},
+            {name: np.full(members, np.nan) for name in kept.names if kept.with_errors},
+            np.full(members, status, dtype=STATUS_TYPE),
+            np.zeros(members, np.int64),
+            np.zeros(members, np.int64),
+            np.full(members, np.nan),
+            np.full(members, np.nan),
+            np.full(members, note),
+        )
 
     @classmethod
     def joined(cls, parts: Sequence[Self]) -> Self:
         """Parts one after another."""
-        values = {
-            name: np.concatenate([part.values[name] for part in parts]) for name in parts[0].values
-        }
-        rest = [each.name for each in fields(cls) if each.name != "values"]
-        return cls(values, *(np.concatenate([getattr(p, name) for p in parts]) for name in rest))
+        tables = [part.arrays() for part in parts]
+        return cls.of_arrays(
+            {name: np.concatenate([t[name] for t in tables]) for name in tables[0]}
+        )
+
+    def arrays(self) -> Arrays:
+        """All of it, by name."""
+        rest = [each.name for each in fields(self) if each.name not in ("values", "errors")]
+        return (
+            {f"value_{name}": values for name, values in self.values.items()}
+            | {f"bound_{name}": values for name, values in self.errors.items()}
+            | {name: getattr(self, name) for name in rest}
+        )
+
+    @classmethod
+    def of_arrays(cls, arrays: Mapping[str, np.ndarray]) -> Self:
+        """As :meth:`arrays` returned it."""
+        rest = [each.name for each in fields(cls) if each.name not in ("values", "errors")]
+        values, errors = (below(prefix, dict(arrays)) for prefix in ("value_", "bound_"))
+        return cls(values, errors, *(arrays[name] for name in rest))
+
+    def set_alone(self, index: int, result: Result, kept: Kept) -> None:
+        """Fill in one member.  Raises KeyboardInterrupt if its run was interrupted."""
+        if result.status == Status.INTERRUPTED:
+            raise KeyboardInterrupt
+        completed = result.status == Status.COMPLETED
+        missed = completed and result.met is False
+        self.status[index] = MISSED if missed else str(result.status)
+        self.steps[index] = result.cost.steps
+        self.evaluations[index] = result.cost.force_evaluations
+        note = "\n".join(filter(None, [result.shortcoming, *result.notes]))
+        if result.shortcoming and kept.with_errors:
+            note = result.shortcoming
+        self.note = self.note.astype(np.result_type(self.note, np.array(note)))
+        self.note[index] = note
+        known = completed and (kept.with_errors or not missed)
+        values = kept.values_of(result) if known else {}
+        bounds = result.error_estimate if known and kept.with_errors else {}
+        for name in kept.names:
+            self.values[name][index] = values.get(name, np.nan)
+            if name in self.errors:
+                bound = bounds.get(name, bounds.get(name.rpartition(".")[2]))
+                self.errors[name][index] = np.nan if bound is None else bound * kept.terms(name)
 
 
 @dataclass(frozen=True)
@@ -86,28 +159,42 @@ class Kept:
         Whether they are kept at all times of the scene, or at the end alone.
     shapes : tuple of tuples
         Of each quantity in one member.
+    with_errors : bool
+        Whether each value has an error estimate; then values that miss the accuracy are kept too.
+    counts : dict
+        The asperites of each surface, if quantities are sums over these; else empty.
     """
 
     names: tuple[str, ...]
     at_samples: bool
     shapes: tuple[tuple[int, ...], ...] = field(repr=False)
+    with_errors: bool = False
+    counts: Mapping[str, int] = field(default_factory=dict)
 
     @classmethod
-    def checked(cls, simulation: Simulation, keep: Sequence[str], at_samples: bool) -> Self:
+    def sums(cls, layout: Layout) -> Self:
+        """The series of all surfaces as wholes and of the system, and sums over asperites."""
+        scene, times = layout.scene, layout.times.size
+        names = total_names(scene)
+        if not exceeds_memory(layout, times):
+            names += sum_names(scene)
+        counts = {surface.name: surface.count for surface in scene.surfaces}
+        return cls(tuple(names), True, ((times,),) * len(names), counts=counts)
+
+    @classmethod
+    def checked(
+        cls, layout: Layout, keep: Sequence[str], at_samples: bool, with_errors: bool = False
+    ) -> Self:
         """The names, each once, of quantities of a scene.  Raises InputError."""
-        if isinstance(keep, str) or not isinstance(keep, Sequence) or not keep:
-            raise InputError(
-                "keep", f'must list quantities, as ["upper.w1"], got {short_repr(keep)}'
-            )
-        ledger, times = simulation.empty_ledger, simulation.scene.times.size
-        surfaces = simulation.layout.parts
-        if at_samples and exceeds_memory(simulation.layout, times):
+        ledger, times = assemble(layout, Samples.at_zero(layout)), layout.times.size
+        scene, surfaces = layout.scene, layout.parts
+        if at_samples and exceeds_memory(layout, times):
             raise InputError(
                 "at", f'"samples" would keep series that are too long: {times} times; give fewer'
             )
         names: list[str] = []
         for name in map(str, keep):
-            shape = _shape(name, ledger, simulation.scene)
+            shape = _shape(name, ledger, scene)
             if shape is None and (at_samples or not is_interval(name)):
                 raise InputError(
                     f"keep.{name}",
@@ -116,16 +203,16 @@ class Kept:
                 )
             names.append(name)
             if name.rpartition(".")[2] in AVERAGED and not at_samples:
-                _check_averaged(simulation.scene)
+                _check_averaged(scene)
                 names.append(f"{name}{INTERVAL}")
                 surface, _, kind = name.rpartition(".")
                 beside = f"{surface}.{SHARE}"
-                if kind == FRICTION and _shape(beside, ledger, simulation.scene) is not None:
+                if kind == FRICTION and _shape(beside, ledger, scene) is not None:
                     names.append(beside)
         unique = tuple(dict.fromkeys(names))
         leading = (times,) if at_samples else ()
-        own = (_shape(name, ledger, simulation.scene) or () for name in unique)
-        return cls(unique, at_samples, tuple((*leading, *shape) for shape in own))
+        own = (_shape(name, ledger, scene) or () for name in unique)
+        return cls(unique, at_samples, tuple((*leading, *shape) for shape in own), with_errors)
 
     @property
     def times(self) -> int:
@@ -147,13 +234,23 @@ class Kept:
         """The units and the meaning of a quantity."""
         return about_kept(name, not self.at_samples)
 
-    def values_of(self, result: Result, at_end: Ledger) -> dict[str, np.ndarray | float]:
-        """The kept values of a complete result, whose ledger at its end is `at_end`."""
+    def terms(self, name: str) -> int:
+        """The number of values of asperites that a kept value is the sum of."""
+        surface, _, kind = name.rpartition(".")
+        return self.counts.get(surface, 1) if kind in SUMMED else 1
+
+    def of_asperites(self, series: np.ndarray) -> np.ndarray:
+        """A series as it is kept: (times,) or (times, asperites)."""
+        return np.sum(series, axis=1) if self.counts and series.ndim == 2 else series
+
+    def values_of(self, result: Result) -> dict[str, np.ndarray | float]:
+        """The kept values of a complete result."""
         found: dict[str, np.ndarray | float] = {}
+        ledger = result.ledger if self.at_samples else result.ledger.at_end()
         for name in self.names:
             averaged = name.removesuffix(INTERVAL)
             if self.at_samples:
-                found[name] = result.ledger.series(name)[0]
+                found[name] = self.of_asperites(ledger.series(name)[0])
             elif name in found:  # with its average
                 continue
             elif averaged.rpartition(".")[2] in AVERAGED:
@@ -162,8 +259,40 @@ class Kept:
             elif name.endswith(f".{SHARE}"):
                 found[name] = result.time_without_contact(name.rpartition(".")[0])
             else:
-                found[name] = at_end.series(name)[0][-1]
+                found[name] = ledger.series(name)[0][-1]
         return {name: found[name] for name in self.names}
+
+
+def total_names(scene: Scene) -> list[str]:
+    """Names of the series of the surfaces as wholes and of the system."""
+    blocks = [
+        f"{surface.name}.{name}"
+        for surface in scene.surfaces
+        for name in (*BLOCK_QUANTITIES, *_further(scene, surface))
+    ]
+    return _without_accounts(scene, [*blocks, *SYSTEM_QUANTITIES, *system_names(scene)])
+
+
+def sum_names(scene: Scene) -> list[str]:
+    """Names of the works and heats of asperites that are summed over their surface."""
+    names = []
+    for surface in scene.surfaces:
+        fields = any(surface.name in item.on for item in scene.fields)
+        kinds = WORKS + ("w_field",) * fields + ("w_T", "heat") * bool(surface.reservoirs)
+        names += [f"{surface.name}.{kind}" for kind in kinds]
+    return _without_accounts(scene, names)
+
+
+def _further(scene: Scene, surface: Surface) -> list[str]:
+    """Names of the series of a surface as a whole that the scene's output asks for."""
+    asked = further_series(scene, surface)
+    return [name for name in FURTHER_OF_SURFACES if name in asked]
+
+
+def _without_accounts(scene: Scene, names: list[str]) -> list[str]:
+    """The names that do not need a ledger which the scene does without."""
+    none = scene.output.ledger == "none"
+    return [name for name in names if not (none and needs_accounts(name.rpartition(".")[2]))]
 
 
 def is_interval(name: str) -> bool:
@@ -201,72 +330,6 @@ def _check_averaged(scene: Scene) -> None:
             "output.samples",
             f"must be at least {least}{later} for averages of forces over time, got {times}",
         )
-
-
-def of_members(kept: Kept, members: Members, found: KeptValues) -> dict[str, Variable]:
-    """The variables that have a value for each member."""
-    variables: dict[str, Variable] = {}
-    for name, values in found.values.items():
-        # The name of a start that is varied is taken.
-        own = f"{name}_end" if name in members.values else name
-        variables[own] = ("member", *kept.dimensions(name)), values, kept.about(name)
-    return variables | {
-        name: (("member",), values, {"long_name": meaning})
-        for name, values, meaning in (
-            ("steps", found.steps, "steps of the run"),
-            ("level", found.level, "level of the tolerances; NaN where settings were searched for"),
-            ("error", found.error, "difference from a finer run, relative; NaN where not checked"),
-        )
-    }
-
-
-def coordinates_of(members: Members, found: KeptValues) -> dict[str, Variable]:
-    """The coordinates of each member: its number, seed, status and varied values."""
-    return {
-        "member": (("member",), members.numbers, {"long_name": "member"}),
-        "seed": (("member",), members.seeds, {"long_name": "seed of the member"}),
-        "status": (("member",), found.status, {"long_name": "end of its run"}),
-    } | varied_coordinates(members.values)
-
-
-def times_of(kept: Kept, simulation: Simulation) -> dict[str, Variable]:
-    """The times at which quantities are kept."""
-    scene = simulation.scene
-    about = {"units": "time", "long_name": "time" if kept.at_samples else "time of the end"}
-    return {
-        "time": (("time",), scene.times, about) if kept.at_samples else ((), scene.duration, about)
-    }
-
-
-def kept_dataset(
-    kept: Kept,
-    simulation: Simulation,
-    members: Members,
-    found: KeptValues,
-    attributes: Mapping[str, str | float],
-) -> xarray.Dataset:
-    """The data set of some members."""
-    import xarray
-
-    coordinates = coordinates_of(members, found) | times_of(kept, simulation)
-    return xarray.Dataset(of_members(kept, members, found), coordinates, attributes)
-
-
-def attributes_of(simulation: Simulation, seed: int) -> dict[str, str | float]:
-    """Properties of the whole ensemble; text is JSON where it is no word."""
-    from tribo import __version__
-
-    plan = simulation.plan
-    return {
-        "tribo_version": __version__,
-        "numpy_version": np.__version__,
-        "scene": simulation.scene.to_toml(),
-        "method": plan.method,
-        "method_alone": plan.method,
-        "step": json.dumps(plan.setting if plan.tuned is None else None),
-        "accuracy": json.dumps(plan.accuracy),
-        "seed": str(seed),
-    }
 
 
 @dataclass

@@ -147,6 +147,8 @@ class Variation:
         each member, or a distribution; "surface.swing_state" -> one of swings and rates together
     seed
         of the ensemble
+    seeds
+        of the members' scenes, (members,); by default they are drawn
 
     Attributes
     ----------
@@ -160,13 +162,20 @@ class Variation:
     Raises
     ------
     InputError
-        if a name, an array or a distribution cannot be used, or if all members are the same
+        if a name, an array or a distribution cannot be used
     """
 
-    def __init__(self, scene: Scene, vary: Mapping[str, Source], seed: int) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        vary: Mapping[str, Source],
+        seed: int,
+        seeds: np.ndarray | None = None,
+    ) -> None:
         if not isinstance(vary, Mapping):
             raise InputError("vary", f"must map names to values, got {short_repr(vary)}")
         self.seed = seed
+        self._seeds = seeds
         self._velocity_y = {f"{s.name}.{VELOCITY}": s.velocity[1] for s in scene.surfaces}
         self._arrays: dict[str, np.ndarray] = {}
         self._distributions: dict[str, Distribution] = {}
@@ -183,13 +192,6 @@ class Variation:
                     self._distributions[key] = source
                 else:
                     self._arrays[key] = _rows(key, source, size)
-        if not (is_random(scene) or vary):
-            raise InputError(
-                "vary",
-                "is empty, and nothing in the scene is drawn: all members would be the same; vary "
-                'an initial value, as "surface.theta", or give a reservoir, a bath or a start a '
-                "temperature; random heights follow the scene's seed, which a sweep can vary",
-            )
         self._last_seeds: tuple[int, np.ndarray] = (-1, np.empty(0))
         self._last_draws: dict[str, tuple[int, np.ndarray]] = {}
         of_start = [f"{s.name}.{name}" for s in scene.surfaces for name in UNITS]
@@ -231,6 +233,8 @@ class Variation:
 
     def seeds(self, numbers: np.ndarray) -> np.ndarray:
         """The seeds of the scenes of some members, (members,)."""
+        if self._seeds is not None:
+            return self._seeds[numbers]
         return _of_blocks(numbers, BLOCK, self._seeds_of)
 
     def rows(self, key: str, numbers: np.ndarray) -> np.ndarray:
@@ -282,6 +286,17 @@ class Variation:
         """The values of one of the quantities that are drawn together, in a block of members."""
         joint = self._joint[key]
         return joint.draw(block, np.random.default_rng(self._sequence(block, joint.name)))[key]
+
+
+def check_members_differ(scene: Scene, vary: Mapping[str, Source]) -> None:
+    """Refuse members that would all be the same.  Raises InputError."""
+    if not (is_random(scene) or vary):
+        raise InputError(
+            "vary",
+            "is empty, and nothing in the scene is drawn: all members would be the same; vary "
+            'an initial value, as "surface.theta", or give a reservoir, a bath or a start a '
+            "temperature; random heights follow the scene's seed, which a sweep can vary",
+        )
 
 
 def is_random(scene: Scene) -> bool:

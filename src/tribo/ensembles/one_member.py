@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tribo.ensembles.checked_runs import CheckedPlan
-from tribo.ensembles.kept_runs import complete, kept_runs
-from tribo.ensembles.kept_values import Kept, kept_dataset
+from tribo.ensembles.dataset import kept_dataset
+from tribo.ensembles.kept_values import Kept
 from tribo.ensembles.members import Members
-from tribo.ensembles.single_runs import planned
+from tribo.ensembles.runner import complete, policy_of
 from tribo.model.scene_file import scene_from
+from tribo.simulation import prepare
 from tribo.validation import InputError, integer, short_repr
 
 if TYPE_CHECKING:
@@ -51,8 +52,9 @@ def ensemble_member(data: xarray.Dataset, number: int) -> xarray.Dataset:
     plan = CheckedPlan.from_attributes(attributes) if "scales" in attributes else None
     scene = scene_from(tomllib.loads(attributes["scene"]))
     # The method of a pair's lanes takes the place of `method`, which found the scales.
-    simulation = planned(scene, attributes["method_alone"], json.loads(attributes["step"]))
-    kept = Kept.checked(simulation, keep, "time" in data.dims)
+    step = json.loads(attributes["step"])
+    simulation = prepare(scene, method=attributes["method_alone"], step=step, threads=1)
+    kept = Kept.checked(simulation.layout, keep, "time" in data.dims)
     one = data.isel(member=found)
     names = [str(name) for name in one.coords if "." in str(name)]
     members = Members(
@@ -60,5 +62,5 @@ def ensemble_member(data: xarray.Dataset, number: int) -> xarray.Dataset:
         one["seed"].values,
         {name: one[name].values.reshape(1, -1) for name in names},
     )
-    runs = kept_runs(simulation, kept, json.loads(attributes["own_numbers"]), plan)
-    return kept_dataset(kept, simulation, members, complete(runs, members), attributes)
+    runs = policy_of(simulation, kept, json.loads(attributes["own_numbers"]), plan)
+    return kept_dataset(runs, members, complete(runs, members), attributes)

@@ -1,275 +1,219 @@
-"""Running the members of an ensemble, in this process or in those of an executor."""
+"""Runs of the members of an ensemble: by one policy, in threads of this process or by an engine.
+
+A policy says how members of a scene are run and checked: all with the step of the plan
+(:class:`StepRuns`), with one setting in batches and finer ones where they are needed
+(:class:`CheckedRuns`), or each as a run of its own (:class:`SingleRuns`).
+"""
 
 from __future__ import annotations
 
+import pickle
 import tomllib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
 from tribo import interrupts
+from tribo.accuracy.levels import work
 from tribo.accuracy.plan import Plan
-from tribo.accuracy.scales import reported_scales
-from tribo.ensembles.engines import Engine, run_jobs
-from tribo.ensembles.members import Member, Variation
-from tribo.kernels.status import MEANINGS, Status
-from tribo.layout.further_series import further_series, system_names
-from tribo.ledger.quantities import (
-    BLOCK_QUANTITIES,
-    FURTHER_OF_SURFACES,
-    SYSTEM_QUANTITIES,
-    needs_accounts,
-)
+from tribo.ensembles.checked_plan import checked_plan
+from tribo.ensembles.checked_runs import CheckedPlan, CheckedRuns
+from tribo.ensembles.engines import Engine, in_threads, run_jobs
+from tribo.ensembles.kept_values import Kept, KeptValues
+from tribo.ensembles.members import Members, Variation, is_random
+from tribo.ensembles.single_runs import SingleRuns, run_alone
+from tribo.ensembles.step_runs import StepRuns
+from tribo.ensembles.stores import Store
+from tribo.layout.member_numbers import can_differ
 from tribo.ledger.sinks import exceeds_memory
-from tribo.model.scene import Scene
+from tribo.loops.batch_general import has_batches
+from tribo.loops.lane_loop import fit_lanes
 from tribo.model.scene_file import scene_from
-from tribo.model.surface import Surface
 from tribo.prepared import Simulation
-from tribo.result import Result
 from tribo.simulation import from_settings
-from tribo.validation import InputError
 
-# Members whose spread determines the number of all, and which are run again to check the settings:
-# at 15 degrees of freedom the quantile of Student's distribution is 9 % above that of the normal.
-FIRST_STAGE = 16
-# Jobs that members are divided into for an executor.
-JOBS = 32
-# Works of each asperite whose sums over a surface are kept.
-WORKS = ("w1", "w2", "wL", "wR", "w_int")
+Policy = CheckedRuns | StepRuns | SingleRuns
 
-
-class Outcome(NamedTuple):
-    """The part of a member's result that is kept."""
-
-    status: Status
-    values: np.ndarray  # (names, times); NaN after it stopped
-    scale: float  # of totals, by tribo.accuracy.scales.reported_scales
-    errors: dict[str, float | None]  # as a result's error_estimate
-    met: bool | None
-    notes: tuple[str, ...]
-
-    @property
-    def completed(self) -> bool:
-        """Whether it reached its end."""
-        return self.status == Status.COMPLETED
+# Work of a member in batches with an accuracy, at most [force evaluations x asperites]: 4 ms, which
+# a result takes too.  Of longer runs, those by which the setting is chosen would take longer than
+# what batches save.
+MOST_WORK = 3e4
+# Ensembles that a process of an engine has ready at the same time.
+MOST_READY = 4
 
 
-class SettingsCheck(NamedTuple):
-    """Second runs of some members, by which the settings are checked; empty if interrupted."""
-
-    at_half_step: Mapping[int, np.ndarray] = {}  # values (names, times) by the members' numbers
-    with_estimates: Sequence[Outcome] = ()  # with error estimates of single runs
-
-
-class Job(NamedTuple):
-    """Some members and how they are run; it can be pickled."""
-
-    scene: str  # as text
-    plan: Plan
-    names: list[str]
-    members: list[Member]
-    own_scenes: bool
-    estimate: bool
-
-
-def total_names(scene: Scene) -> list[str]:
-    """Names of the series of the surfaces as wholes and of the system."""
-    blocks = [
-        f"{surface.name}.{name}"
-        for surface in scene.surfaces
-        for name in (*BLOCK_QUANTITIES, *_further(scene, surface))
-    ]
-    return _kept(scene, [*blocks, *SYSTEM_QUANTITIES, *system_names(scene)])
-
-
-def _further(scene: Scene, surface: Surface) -> list[str]:
-    """Names of the series of a surface as a whole that the scene's output asks for."""
-    asked = further_series(scene, surface)
-    return [name for name in FURTHER_OF_SURFACES if name in asked]
-
-
-def _kept(scene: Scene, names: list[str]) -> list[str]:
-    """The names that do not need a ledger which the scene does without."""
-    none = scene.output.ledger == "none"
-    return [name for name in names if not (none and needs_accounts(name.rpartition(".")[2]))]
-
-
-def sum_names(scene: Scene) -> list[str]:
-    """Names of the works and heats of asperites that are summed over their surface."""
-    names = []
-    for surface in scene.surfaces:
-        fields = any(surface.name in item.on for item in scene.fields)
-        kinds = WORKS + ("w_field",) * fields + ("w_T", "heat") * bool(surface.reservoirs)
-        names += [f"{surface.name}.{kind}" for kind in kinds]
-    return _kept(scene, names)
-
-
-class Runner:
-    """Runs members and keeps their outcomes.
-
-    Parameters
-    ----------
-    simulation
-        of the ensemble's scene; all members are run by its plan
-    variation
-        the differences between members
-    engine
-        runs the members; None for this process
-    progress
-        called with the number of members that have been run
+class Execution(NamedTuple):
+    """What runs the members, and what is told.
 
     Attributes
     ----------
-    names
-        of the series that are kept
-    members, outcomes
-        those that have been run, in order
-    interrupted
-        whether an interrupt ended the runs
+    engine : executor, optional
+        Runs them in other processes.
+    threads : int
+        Of this process, which run them without an engine.
+    progress : callable, optional
+        Called with the number of members that have been run.
     """
 
-    def __init__(
-        self,
-        simulation: Simulation,
-        variation: Variation,
-        engine: Engine | None,
-        progress: Callable[[int], None] | None,
-    ) -> None:
-        self.simulation = simulation
-        self.variation = variation
-        self.names = total_names(simulation.scene)
-        if not exceeds_memory(simulation.layout, simulation.scene.times.size):
-            self.names += sum_names(simulation.scene)
-        self.members: list[Member] = []
-        self.outcomes: list[Outcome] = []
-        self.interrupted = False
-        self._engine = engine
-        self._progress = progress
-
-    @property
-    def completed(self) -> int:
-        """The number of members that reached their end."""
-        return sum(outcome.completed for outcome in self.outcomes)
-
-    @property
-    def complete_values(self) -> np.ndarray:
-        """(complete members, names, times) values."""
-        return np.array([o.values for o in self.outcomes if o.completed])
-
-    def add(self, count: int) -> None:
-        """Run `count` more members.  After an interrupt those that are complete are kept.
-
-        Raises InputError if fewer than two members reach their end.
-        """
-        start = len(self.members)
-        members = [self.variation.member(k) for k in range(start, start + count)]
-        runs = self._run(members, self.simulation.settings, False)
-        try:
-            for member in members:
-                outcome = next(runs)
-                if outcome.status == Status.INTERRUPTED:
-                    raise KeyboardInterrupt
-                self.members.append(member)
-                self.outcomes.append(outcome)
-                if self._progress is not None:
-                    self._progress(len(self.members))
-        except KeyboardInterrupt:
-            interrupts.answer()
-            self.interrupted = True
-            if self.completed < 2:
-                raise
-        if self.completed < 2:
-            statuses = sorted({o.status for o in self.outcomes} - {Status.COMPLETED})
-            raise InputError(
-                "scene",
-                f"is completed by {self.completed} of {len(self.outcomes)} members, and a mean "
-                "takes at least two; "
-                + "; ".join(f"{status}: {MEANINGS[status]}" for status in statuses),
-            )
-
-    def check_settings(self) -> SettingsCheck:
-        """Run the first members again, with half the step or with error estimates."""
-        complete = [m for m, o in zip(self.members, self.outcomes, strict=True) if o.completed]
-        first = complete[:FIRST_STAGE]
-        plan = self.simulation.settings
-        estimate = plan.tuned is not None
-        try:
-            again = list(self._run(first, plan if estimate else plan.at_half_step(), estimate))
-            if any(o.status == Status.INTERRUPTED for o in again):
-                raise KeyboardInterrupt
-        except KeyboardInterrupt:
-            interrupts.answer()
-            self.interrupted = True
-            return SettingsCheck()
-        if estimate:
-            return SettingsCheck(with_estimates=again)
-        numbered = zip(first, again, strict=True)
-        return SettingsCheck(at_half_step={m.number: o.values for m, o in numbered if o.completed})
-
-    def _run(self, members: list[Member], plan: Plan, estimate: bool) -> Iterator[Outcome]:
-        """Outcomes in the members' order."""
-        own_scenes = self.variation.own_scenes
-        if self._engine is not None:
-            size = -(-len(members) // JOBS)
-            text = self.simulation.scene.to_toml()  # from which plug-ins are loaded there
-            jobs = [
-                Job(text, plan, self.names, members[k : k + size], own_scenes, estimate)
-                for k in range(0, len(members), size)
-            ]
-            for outcomes in run_jobs(self._engine, run_job, jobs):
-                yield from outcomes
-            return
-        simulation = from_settings(self.simulation.scene, plan)
-        for member in members:
-            yield run_member(simulation, self.names, member, own_scenes, estimate)
+    engine: Engine | None = None
+    threads: int = 1
+    progress: Callable[[int], None] | None = None
 
 
-def run_job(job: Job) -> list[Outcome]:
-    """Run the members of a job, in a process that may not have the scene yet."""
-    simulation = from_settings(scene_from(tomllib.loads(job.scene)), job.plan)
-    return [
-        run_member(simulation, job.names, member, job.own_scenes, job.estimate)
-        for member in job.members
-    ]
+class Setup(NamedTuple):
+    """All that a process of an engine needs to run members; it can be pickled."""
+
+    scene: str  # as text, from which plug-ins are loaded there
+    plan: Plan
+    kept: Kept
+    own_numbers: Sequence[str]
+    checked: CheckedPlan | None
+    alone: bool
 
 
-def run_member(
-    simulation: Simulation, names: list[str], member: Member, own_scene: bool, estimate: bool
-) -> Outcome:
-    """Run one member.
+def policy_of(
+    simulation: Simulation,
+    kept: Kept,
+    own_numbers: Sequence[str],
+    plan: CheckedPlan | None = None,
+) -> Policy:
+    """The fastest way to run members of a scene, with the plan of all if that is known.
+
+    They differ in starts and seeds, and in numbers with the keys `own_numbers`.
+    """
+    if plan is None and not in_batches(simulation, own_numbers):
+        return alone(simulation, kept, own_numbers)
+    if simulation.accuracy is None:
+        return StepRuns(simulation, kept, own_numbers)
+    runs = CheckedRuns(simulation, kept, own_numbers)
+    if plan is not None:
+        runs.plan = plan
+    return runs
+
+
+def alone(simulation: Simulation, kept: Kept, own_numbers: Sequence[str]) -> SingleRuns:
+    """Runs of members one by one."""
+    return SingleRuns(simulation, kept, bool(own_numbers) or is_random(simulation.scene))
+
+
+def in_batches(simulation: Simulation, own_numbers: Sequence[str]) -> bool:
+    """Whether members are run in batches: in lanes, also those with some numbers of their own."""
+    layout, pair = simulation.layout, simulation.integrator.pair
+    if layout.scene.output.series or exceeds_memory(layout, layout.times.size):
+        return False  # forces and energies as series, and their averages, are of single runs
+    if own_numbers and not can_differ(layout, own_numbers, pair is not None):
+        return False
+    if pair is not None or not has_batches(layout):
+        return pair is not None
+    if own_numbers and not fit_lanes(layout, simulation.method):
+        return False
+    tuned = simulation.plan.tuned
+    if tuned is None:
+        return True
+    # Without adaptive steps, their number does not tell which members to check.
+    found = simulation.method.adaptive and bool(tuned.runs)
+    return found and work(layout, simulation.finest) <= MOST_WORK
+
+
+def planned(
+    simulation: Simulation, kept: Kept, variation: Variation, count: int, threads: int
+) -> Policy:
+    """The policy of an ensemble of `count` members."""
+    runs = policy_of(simulation, kept, variation.own_numbers)
+    if isinstance(runs, CheckedRuns):
+        runs.plan = checked_plan(runs, variation, count, threads)
+    return runs
+
+
+def run_members(
+    runs: Policy,
+    variation: Variation,
+    numbers: range | np.ndarray,
+    how: Execution,
+) -> Iterator[KeptValues]:
+    """What is kept of members with some numbers, in order, chunk by chunk.
 
     Parameters
     ----------
-    simulation
-        of the ensemble's scene
-    names
-        of the series that are kept
-    member
-        its initial values, velocities and seed
-    own_scene
-        whether members differ in more than initial angles and rates
-    estimate
-        whether to estimate the run's errors
+    runs : CheckedRuns, StepRuns or SingleRuns
+        Runs them.
+    variation : Variation
+        The differences between members.
+    numbers : range or ndarray
+        Of the members, ascending.
+    how : Execution
+        The engine or the threads.
     """
-    if own_scene:
-        simulation = from_settings(member.scene(simulation.scene), simulation.settings)
-    result = simulation.compute(member.start, estimate=estimate)
-    return Outcome(
-        result.status,
-        _values(result, names),
-        reported_scales(simulation.layout, result.ledger).total,
-        result.error_estimate,
-        result.met,
-        result.notes,
-    )
+    firsts = range(0, len(numbers), runs.chunk)
+    # Values are drawn in this thread: distributions need not be safe in others.
+    chunks = (variation.members(np.asarray(numbers[k : k + runs.chunk])) for k in firsts)
+    if how.engine is not None:
+        setup = pickle.dumps(
+            Setup(
+                runs.simulation.scene.to_toml(),
+                runs.simulation.settings,
+                runs.kept,
+                variation.own_numbers,
+                runs.plan,
+                isinstance(runs, SingleRuns),
+            )
+        )
+        yield from run_jobs(how.engine, _run_job, ((setup, some) for some in chunks))
+        return
+    threads = 1 if isinstance(runs, SingleRuns) else how.threads  # Python runs between these
+
+    def compute(some: Members) -> tuple[Members, KeptValues]:
+        return some, runs.compute(some)
+
+    for some, found in in_threads(compute, chunks, threads):
+        run_alone(runs.simulation, runs.kept, some, found)
+        yield found
 
 
-def _values(result: Result, names: list[str]) -> np.ndarray:
-    """(names, times) series of a result at the times of its scene, summed over asperites."""
-    times = result.scene.times
-    found = [result.ledger.series(name)[0] for name in names]
-    series = [item if item.ndim == 1 else np.sum(item, axis=1) for item in found]
-    values = np.full((len(series), times.size), np.nan)
-    values[:, np.isin(times, result.t)] = np.array(series)[:, np.isin(result.t, times)]
-    return values
+def collect(
+    chunks: Iterable[KeptValues], store: Store, progress: Callable[[int], None] | None
+) -> bool:
+    """Take in chunks of members; whether an interrupt ended that.
+
+    Parameters
+    ----------
+    chunks : iterable of KeptValues
+        The next members, in order.
+    store : Store
+        Takes them.  After an interrupt it has those that are complete.
+    progress : callable, optional
+        Called with the number of members that the store has.
+    """
+    try:
+        for found in chunks:
+            store.add(found)
+            if progress is not None:
+                progress(store.done)
+    except KeyboardInterrupt:
+        interrupts.answer()
+        return True
+    return False
+
+
+def _run_job(job: tuple[bytes, Members]) -> KeptValues:
+    """Run some members, in a process that may not have the scene yet."""
+    setup, members = job
+    return complete(_ready(setup), members)
+
+
+def complete(runs: Policy, members: Members) -> KeptValues:
+    """Run some members in this thread, also those that need settings of their own."""
+    found = runs.compute(members)
+    run_alone(runs.simulation, runs.kept, members, found)
+    return found
+
+
+@lru_cache(MOST_READY)
+def _ready(setup: bytes) -> Policy:
+    scene, plan, kept, own_numbers, checked, is_alone = pickle.loads(setup)
+    simulation = from_settings(scene_from(tomllib.loads(scene)), plan)
+    if is_alone:
+        return alone(simulation, kept, own_numbers)
+    return policy_of(simulation, kept, own_numbers, checked)

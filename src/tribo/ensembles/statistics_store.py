@@ -3,33 +3,27 @@
 from __future__ import annotations
 
 import copy
-import io
 import json
 import time
 from dataclasses import asdict
-from typing import TYPE_CHECKING
-from zipfile import BadZipFile
 
 import numpy as np
 
-from tribo.ensembles.kept_values import Kept, KeptValues, Tally, times_of
-from tribo.ensembles.members import Members
+from tribo.ensembles.kept_values import Kept, KeptValues, Tally
 from tribo.ensembles.statistics import COARSE, PROBABILITIES, Moments, Statistics
-from tribo.ensembles.stores import About, Target
-from tribo.files import replace_file
 from tribo.kernels.status import Status
-from tribo.loops.journal import INTERVAL, RELATIVE_INTERVAL
-from tribo.model.identity import refuse_other
+from tribo.loops.frames import INTERVAL, RELATIVE_INTERVAL, Frames, as_bytes
 from tribo.results.dataset import Variable
 from tribo.results.intervals import student
 from tribo.validation import InputError
 
-if TYPE_CHECKING:
-    import xarray
-
 # Bytes of all covariances, above which statistics are refused: their sums and those of a block are
 # in memory together.
 MOST_BYTES = 2**29
+
+
+# The frame of all sums.
+SUMS = "sums"
 
 
 class StatisticsStore:
@@ -37,106 +31,82 @@ class StatisticsStore:
 
     Parameters
     ----------
-    about : About
-        What is known of the ensemble.
-    target : Target, optional
-        Files, of which one keeps the sums once a second, or less often where that takes long.
-    resume : bool
-        Whether to continue from the sums in that file, if there is one.
+    kept : Kept
+        What is kept of each member.
+    common_level : float
+        The level of most members; NaN where each has its own settings.
+    frames : Frames or None
+        Take the sums once a second, or less often where that takes long, and have those of an
+        earlier call.
+
+    Attributes
+    ----------
+    done : int
+        Members that it has, from 0 on.
 
     Raises
     ------
     InputError
-        The file is of another ensemble or cannot be read; or covariances are too many.
+        Covariances are too many.
     """
 
-    def __init__(self, about: About, target: Target | None, resume: bool) -> None:
-        self._about = about
-        self._target = target
-        self._statistics = Statistics(about.kept)
+    def __init__(self, kept: Kept, common_level: float, frames: Frames | None) -> None:
+        self._level = common_level
+        self._frames = frames
+        self._statistics = Statistics(kept)
         self._written = time.perf_counter()
         self._took = 0.0  # to write all sums, which may be hundreds of megabytes
         self.done = 0
-        columns = sum(map(about.kept.columns, about.kept.names))
-        if 8 * about.kept.times * columns**2 > MOST_BYTES:
+        columns = sum(map(kept.columns, kept.names))
+        if 8 * kept.times * columns**2 > MOST_BYTES:
             raise InputError(
                 "statistics",
-                f"would keep covariances of {columns} values at {about.kept.times} times, more "
+                f"would keep covariances of {columns} values at {kept.times} times, more "
                 "than memory holds; keep fewer quantities or times",
             )
-        if target is not None and resume and target.part.exists():
-            self._restore(target)
+        for arrays in () if frames is None else frames.read():
+            assert frames is not None
+            frames.name_last(SUMS)
+            known = json.loads(arrays.pop("known").tobytes())
+            self.done = known["done"]
+            self._statistics.tally = Tally(**known["tally"])
+            self._statistics.restore(arrays)
 
-    def add(self, members: Members, found: KeptValues) -> None:
+    def add(self, found: KeptValues) -> None:
         """Take in the next members."""
         self._statistics.add(found.values, found.status == Status.COMPLETED)
-        level = self._about.common_level
-        self._statistics.tally.add(found.status, found.level, found.error, level)
-        self.done += members.numbers.size
+        self._statistics.tally.add(found.status, found.level, found.error, self._level)
+        self.done += found.status.size
         waited = time.perf_counter() - self._written
         if waited > max(INTERVAL, RELATIVE_INTERVAL * self._took):
-            self._save()
+            self.flush()
 
-    def dataset(self, interrupted: bool, seconds: float) -> xarray.Dataset:
-        """The statistics of all members so far.
-
-        Raises KeyboardInterrupt or InputError if no member is complete.
-        """
-        import xarray
-
-        self._save()
-        whole = copy.copy(self._statistics)
-        whole.waiting = list(whole.waiting)
-        whole.merge()
-        about, moments = self._about, whole.moments
-        if moments is None:
-            if interrupted:
-                raise KeyboardInterrupt
-            raise InputError("scene", "is completed by no member")
-        variables = _variables(about.kept, moments)
-        coordinates = times_of(about.kept, about.simulation) | {
-            "probability": (("probability",), PROBABILITIES, {"long_name": "probability"}),
-            "value": (("value",), np.array(_labels(about.kept)), {"long_name": "kept value"}),
-        }
-        attributes = about.attributes_at_end(whole.tally, interrupted, seconds)
-        data = xarray.Dataset(variables, coordinates, attributes)
-        if self._target is not None and not interrupted:
-            data.attrs["identity"] = json.dumps(self._target.identity)
-            replace_file(self._target.path, bytes(data.to_netcdf(engine="h5netcdf")))
-            self._target.part.unlink(missing_ok=True)
-        return data
-
-    def _save(self) -> None:
+    def flush(self) -> None:
         """Write all sums, if there is a file."""
-        if self._target is None:
+        if self._frames is None:
             return
         began = time.perf_counter()
-        known = {
-            "identity": self._target.identity,
-            "done": self.done,
-            "tally": asdict(self._statistics.tally),
-        }
-        content = io.BytesIO()
-        arrays = {"known": np.array(json.dumps(known)), **self._statistics.arrays()}
-        np.savez(content, **arrays)  # type: ignore[arg-type]
-        replace_file(self._target.part, content.getvalue())
+        known = {"done": self.done, "tally": asdict(self._statistics.tally)}
+        arrays = {"known": as_bytes(json.dumps(known)), **self._statistics.arrays()}
+        self._frames.append(SUMS, arrays)
         self._written = time.perf_counter()
         self._took = self._written - began
 
-    def _restore(self, target: Target) -> None:
-        """Continue from the sums in the file.  Raises InputError."""
-        try:
-            with np.load(target.part, allow_pickle=False) as file:
-                arrays = dict(file)
-            known = json.loads(str(arrays.pop("known")))
-        except (OSError, ValueError, KeyError, BadZipFile):
-            raise InputError(
-                str(target.part), "is not the file of statistics; start again without resume"
-            ) from None
-        refuse_other(target.part, known["identity"], json.loads(json.dumps(target.identity)))
-        self.done = known["done"]
-        self._statistics.tally = Tally(**known["tally"])
-        self._statistics.restore(arrays)
+    def whole(self) -> Statistics:
+        """The statistics of all members so far."""
+        self.flush()
+        whole = copy.copy(self._statistics)
+        whole.waiting = list(whole.waiting)
+        whole.merge()
+        return whole
+
+
+def statistics_coordinates(kept: Kept) -> dict[str, Variable]:
+    """The probabilities of quantiles, and the names of values in covariances."""
+    return {
+        "probability": (("probability",), PROBABILITIES, {"long_name": "probability"}),
+        "value": (("value",), np.array(_labels(kept)), {"long_name": "kept value"}),
+    }
 
 
 def _labels(kept: Kept) -> list[str]:
@@ -148,7 +118,7 @@ def _labels(kept: Kept) -> list[str]:
     return labels
 
 
-def _variables(kept: Kept, moments: Moments) -> dict[str, Variable]:
+def statistics_variables(kept: Kept, moments: Moments) -> dict[str, Variable]:
     """The statistics of every quantity."""
     times = ("time",) * kept.at_samples
     covariance = moments.covariance if kept.at_samples else moments.covariance[0]

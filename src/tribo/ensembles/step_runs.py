@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
-import numpy as np
-
 from tribo.accuracy.choose_method import check_damped_step
-from tribo.ensembles.checked_runs import chunk_of, kept_values
-from tribo.ensembles.kept_values import STATUS_TYPE, UNKNOWN, Kept, KeptValues
+from tribo.ensembles.batches import chunk_of, delivered
+from tribo.ensembles.kept_values import Kept, KeptValues
 from tribo.ensembles.members import Members, values_at_start
 from tribo.kernels.records import OF_MEMBERS
-from tribo.kernels.status import STEPS, Status
 from tribo.layout.initial_state import InitialState
 from tribo.layout.member_numbers import MemberNumbers, member_numbers
-from tribo.ledger.passing import passed_through
-from tribo.ledger.runaway import grows
 from tribo.loops.batch import MemberStarts
 from tribo.loops.choose_batch import choose_batch
 from tribo.loops.resolution import longest_damped_step
@@ -68,17 +64,7 @@ class StepRuns:
             self._check_step(own)
         starts = MemberStarts(y, members.seeds, own)
         runs = self._batch.run(self.simulation.plan.setting, starts)
-        grown = grows(runs.layout, runs.samples).reshape(-1, len(y)).any(axis=0)
-        passed = passed_through(runs.layout, runs.samples).reshape(-1, len(y)).any(axis=0)
-        complete = runs.complete & ~grown & ~passed
-        unknown = np.full(complete.size, np.nan)
-        return KeptValues(
-            kept_values(self.kept, runs),
-            np.where(complete, str(Status.COMPLETED), UNKNOWN).astype(STATUS_TYPE),
-            runs.counts[:, STEPS].copy(),
-            unknown,
-            unknown.copy(),
-        )
+        return delivered(self.kept, runs, math.nan, guarded=True)
 
     def _check_step(self, own: MemberNumbers) -> None:
         """Refuse a step that is too long for the reservoirs of some member.  Raises InputError."""

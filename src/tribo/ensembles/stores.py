@@ -1,79 +1,78 @@
-"""Where the members of an ensemble go while they are computed."""
+"""Where the members of an ensemble go while they are computed: memory, and a file of frames."""
 
 from __future__ import annotations
 
-import json
-from dataclasses import dataclass
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from types import TracebackType
+from typing import Protocol, Self
 
-from tribo.ensembles.kept_values import Kept, KeptValues, Tally, kept_dataset
-from tribo.ensembles.members import Members
-from tribo.kernels.status import Status
+from tribo.ensembles.kept_values import KeptValues, Tally
+from tribo.files import netcdf_target
+from tribo.loops.frames import INTERVAL, PART, Frames
 from tribo.model.identity import Identity
-from tribo.prepared import Simulation
+from tribo.validation import InputError, as_path, boolean
 
-if TYPE_CHECKING:
-    import xarray
-
-# Attributes of a data set.
-Attributes = dict[str, str | float]
+# Members of those that a file has which are in memory at a time.
+CHUNK = "members"
 
 
-@dataclass(frozen=True)
-class About:
-    """What is known of an ensemble before its members are run.
+class Target:
+    """The file of many runs, and the frames beside it while they go on; a context manager.
 
-    Attributes
+    Parameters
     ----------
-    simulation : Simulation
-        Of its scene.
-    kept : Kept
-        What is kept of each member.
-    count : int
-        Of members.
-    attributes : dict
-        Of the data set.
-    """
-
-    simulation: Simulation
-    kept: Kept
-    count: int
-    attributes: Attributes
-
-    @property
-    def common_level(self) -> float:
-        """The level of most members; NaN where each has its own settings."""
-        return float(self.attributes.get("level", "nan"))
-
-    def attributes_at_end(self, tally: Tally, interrupted: bool, seconds: float) -> Attributes:
-        """All attributes, once the runs have ended."""
-        status = Status.INTERRUPTED if interrupted else Status.COMPLETED
-        return {
-            **self.attributes,
-            "status": str(status),
-            "members": json.dumps(tally.status),
-            "notes": json.dumps(tally.notes),
-            "seconds": seconds,
-        }
-
-
-class Target(NamedTuple):
-    """The files of an ensemble that is written.
-
-    Attributes
-    ----------
-    path : Path
-        The file once it is complete.
-    part : Path
-        The file until then.
+    out : str, Path or None
+        The file.
+    resume : bool
+        Whether to continue.
     identity : dict
-        What tells the ensemble from others.
+        What is computed.
+
+    Attributes
+    ----------
+    path : Path or None
+        The file.
+    identity : dict
+        As given.
+    complete : bool
+        Whether the file is there, and only has to be read.
+    frames : Frames or None
+        What has been computed; None without a file.
+
+    Raises
+    ------
+    InputError
+        An argument cannot be used, the frames are of other runs, or another process writes them.
     """
 
-    path: Path
-    part: Path
-    identity: Identity
+    def __init__(self, out: str | Path | None, resume: bool, identity: Identity) -> None:
+        resume = boolean("resume", resume)
+        if out is None and resume:
+            raise InputError("resume", "needs out, the file to continue")
+        self.path = None if out is None else netcdf_target("out", as_path(out))
+        self.identity = identity
+        self.frames: Frames | None = None
+        self.complete = False
+        self._open = ExitStack()
+        if self.path is not None:
+            part = self.path.with_name(self.path.name + PART)
+            self.complete = resume and self.path.exists() and not part.exists()
+            if not self.complete:
+                self.frames = self._open.enter_context(Frames(part, identity, resume))
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self._open.close()
 
 
 class Store(Protocol):
@@ -87,33 +86,68 @@ class Store(Protocol):
 
     done: int
 
-    def add(self, members: Members, found: KeptValues) -> None:
+    def add(self, found: KeptValues) -> None:
         """Take in the next members."""
 
-    def dataset(self, interrupted: bool, seconds: float) -> xarray.Dataset:
-        """The data set of all members so far.  Raises KeyboardInterrupt if there are none."""
 
+class MemberStore:
+    """A store of all members.
 
-class InMemory:
-    """A store in memory; see :class:`Store`."""
+    Parameters
+    ----------
+    frames : Frames or None
+        Take the members once a second, and have those of an earlier call; without them members are
+        in memory.
 
-    def __init__(self, about: About) -> None:
-        self._about = about
-        self._parts: list[tuple[Members, KeptValues]] = []
+    Attributes
+    ----------
+    done : int
+        Members that it has, from 0 on.
+    """
+
+    def __init__(self, frames: Frames | None) -> None:
+        self._frames = frames
+        self._waiting: list[KeptValues] = []
+        self._written = time.perf_counter()
         self.done = 0
+        for arrays in () if frames is None else frames.read():
+            assert frames is not None
+            frames.name_last((CHUNK, self.done))
+            self.done += arrays["status"].size
 
-    def add(self, members: Members, found: KeptValues) -> None:
-        """Take in the next members."""
-        self._parts.append((members, found))
-        self.done += members.numbers.size
+    def add(self, found: KeptValues) -> None:
+        """Take in the next members; they are on disk a second later."""
+        self._waiting.append(found)
+        self.done += found.status.size
+        if self._frames is not None and time.perf_counter() - self._written > INTERVAL:
+            self.flush()
 
-    def dataset(self, interrupted: bool, seconds: float) -> xarray.Dataset:
-        """The data set of all members so far.  Raises KeyboardInterrupt if there are none."""
-        if not self._parts:
+    def flush(self) -> None:
+        """Write the members that wait, if there is a file."""
+        if self._frames is None or not self._waiting:
+            return
+        found = KeptValues.joined(self._waiting)
+        self._frames.append((CHUNK, self.done - found.status.size), found.arrays())
+        self._waiting.clear()
+        self._written = time.perf_counter()
+
+    def parts(self) -> Iterator[KeptValues]:
+        """All members so far, in order."""
+        if self._frames is not None:
+            self.flush()
+            for name in self._frames.names:
+                yield KeptValues.of_arrays(self._frames.again(name))
+        yield from self._waiting
+
+    def values(self) -> KeptValues:
+        """All members so far.  Raises KeyboardInterrupt if there are none."""
+        if self.done == 0:
             raise KeyboardInterrupt
-        about, tally = self._about, Tally()
-        members = Members.joined([members for members, _ in self._parts])
-        found = KeptValues.joined([found for _, found in self._parts])
-        tally.add(found.status, found.level, found.error, about.common_level)
-        attributes = about.attributes_at_end(tally, interrupted, seconds)
-        return kept_dataset(about.kept, about.simulation, members, found, attributes)
+        return KeptValues.joined(list(self.parts()))
+
+    def tally(self, common_level: float) -> Tally:
+        """Counts of all members so far."""
+        tally = Tally()
+        for found in self.parts():
+            tally.add(found.status, found.level, found.error, common_level)
+        return tally

@@ -78,6 +78,20 @@ def separation_notes(layout: Layout, samples: Samples) -> tuple[str, ...]:
     return tuple(notes)
 
 
+def parted(layout: Layout, samples: Samples) -> np.ndarray:
+    """Whether two surfaces with a load part for good in each of several runs, (members,)."""
+    scene, members = layout.scene, samples.runs
+    found = np.zeros(members, dtype=bool)
+    for pair, reach in _reaches(scene).items():
+        if all(scene.surfaces[k].drive.load is None for k in pair):
+            continue
+        touching = _in_contact(layout, bob_places(layout, samples), pair, reach)
+        t = samples.t[::members]
+        for member, each in enumerate(touching.reshape(-1, members).T):
+            found[member] |= _part(t, t[each])
+    return found
+
+
 def _part(t: np.ndarray, touching: np.ndarray) -> bool:
     """Whether the time after the last contact is long, by the times of recorded contacts."""
     if touching.size == 0:

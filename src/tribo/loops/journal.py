@@ -1,53 +1,36 @@
 """Journals: what the integrations of a run reached, on disk while the run goes on.
 
-A journal is a file of frames.  Each is the length of its content, a checksum of both, and arrays in
-the format of numpy.savez.  The first frame says what is run.  A run is the same sequence of
-integrations each time; each has frames of samples and of its time loop's memory.  A run that
-resumes takes completed integrations from the journal and continues the last one.
+A journal is a file of :mod:`tribo.loops.frames`.  A run is the same sequence of integrations each
+time; each has frames of samples and of its time loop's memory.  A run that resumes takes completed
+integrations from the journal and continues the last one.
 """
 
 from __future__ import annotations
 
 import hashlib
-import io
-import json
-import os
-import struct
 import time
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from types import TracebackType
-from typing import BinaryIO, Self
+from typing import Self
 
 import numpy as np
 
-from tribo.files import NEW, checked_target, not_written
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import Status
 from tribo.ledger.samples import Samples
 from tribo.ledger.sinks import StreamedLedger
+from tribo.loops.frames import INTERVAL, PART, RELATIVE_INTERVAL, Arrays, Frames, as_bytes
 from tribo.loops.integrate import Columns, Memory, Setting, TimeLoop
 from tribo.loops.state import below
-from tribo.model.identity import Identity, refuse_other
-from tribo.system import OPEN_FILES_CAN_BE_REPLACED, lock, replace
+from tribo.model.identity import Identity
 from tribo.validation import InputError
 
-Arrays = dict[str, np.ndarray]
-
-# What follows the name of a file in the name of its journal.
-PART = ".part"
-# Length of the content, and checksum of both.
-HEADER = struct.Struct("<Q16s")
-# Seconds between two frames with the memory of a time loop: what a kill may cost.
-INTERVAL = 1.0
-# The same, in units of the time that the last such frame took.
-RELATIVE_INTERVAL = 20.0
-# Bytes of frames that later ones have replaced, after which the file is written again without.
-MOST_REPLACED = 2**26
+__all__ = ["PART", "Journal", "key_of"]
 
 
 @dataclass
-class Kept:
+class KeptIntegration:
     """What a journal has of one integration."""
 
     key: bytes
@@ -78,17 +61,14 @@ class Journal:
     """
 
     def __init__(self, path: Path, identity: Identity, resume: bool) -> None:
-        self.path = checked_target(str(path), path)
-        self._identity = identity
-        self._kept: list[Kept] = []
+        self._kept: list[KeptIntegration] = []
         self._number = 0  # of integrations that were begun or repeated
-        self._file: BinaryIO | None = None
-        self._end = 0  # of the frames
-        # Offset and size of the frames that are needed; the key of one that a later one replaces.
-        self._frames: dict[object, tuple[int, int]] = {}
-        if resume and self.path.exists():
-            self._open()
-            self._read()
+        self._frames = Frames(path, identity, resume)
+        for arrays in self._frames.read():
+            number = int(arrays["number"])
+            if "key" in arrays:
+                self._kept.append(KeptIntegration(arrays["key"].tobytes()))
+            self._frames.name_last((_take_in(self._kept[number], arrays), number))
 
     def __enter__(self) -> Self:
         return self
@@ -99,17 +79,11 @@ class Journal:
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        self.close()
-
-    def close(self) -> None:
-        """Let other processes write the file."""
-        if self._file is not None:
-            self._file.close()
+        self._frames.__exit__(kind, error, traceback)
 
     def remove(self) -> None:
         """Remove the file, as the result is complete."""
-        self.close()  # an open file cannot be removed on Windows
-        self.path.unlink(missing_ok=True)
+        self._frames.remove()
 
     def integration(self, key: bytes) -> Entry:
         """The next integration of the run; `key` identifies its settings.
@@ -119,16 +93,13 @@ class Journal:
         """
         number = self._number
         self._number += 1
-        if self._file is None:
-            self._open()
-        if self._end == 0:
-            self._append("identity", {"identity": _bytes(json.dumps(self._identity))})
         if number == len(self._kept):
-            self._kept.append(Kept(key))
-            self._append(("key", number), {"number": np.array(number), "key": _bytes(key)})
+            self._kept.append(KeptIntegration(key))
+            self.write(number, "key", {"key": as_bytes(key)})
         elif self._kept[number].key != key:
             raise InputError(
-                str(self.path), "is of a run with other settings; start again without --resume"
+                str(self._frames.path),
+                "is of a run with other settings; start again without --resume",
             )
         return Entry(self, number, self._kept[number])
 
@@ -137,105 +108,13 @@ class Journal:
 
         Raises InputError.
         """
-        self._append((name, number), {"number": np.array(number)} | arrays)
-        needed = sum(size for _, size in self._frames.values())
-        if self._end - needed > max(MOST_REPLACED, needed):
-            self._compact()
-
-    def _open(self) -> None:
-        """Open the file, for this process alone."""
-        try:
-            self.path.touch()
-            self._file = open(self.path, "r+b", buffering=0)  # noqa: SIM115
-            lock(self._file)
-        except BlockingIOError:
-            raise InputError(str(self.path), "is being written by another process") from None
-        except OSError as error:
-            raise not_written(self.path, error) from None
-
-    def _append(self, name: object, arrays: Arrays) -> None:
-        """Write a frame behind the others, over the rest of one that was not completed."""
-        assert self._file is not None
-        content = io.BytesIO()
-        np.savez(content, **arrays)  # type: ignore[arg-type]
-        frame = memoryview(_header(content.getvalue()) + content.getvalue())
-        try:
-            self._file.seek(self._end)
-            written = 0
-            while written < len(frame):
-                written += self._file.write(frame[written:])
-            self._file.truncate()
-            os.fsync(self._file.fileno())
-        except OSError as error:
-            raise not_written(self.path, error) from None
-        self._frames[name] = (self._end, len(frame))
-        self._end += len(frame)
-
-    def _read(self) -> None:
-        """Take in all frames up to one that was not completed."""
-        assert self._file is not None
-        identity = self._next_frame()
-        if identity is None or "identity" not in identity:
-            return  # stopped before its first frame was complete
-        before = json.loads(identity["identity"].tobytes())
-        refuse_other(self.path, before, json.loads(json.dumps(self._identity)))
-        self._frames["identity"] = (0, self._end)
-        start = self._end
-        while (arrays := self._next_frame()) is not None:
-            number = int(arrays["number"])
-            if "key" in arrays:
-                self._kept.append(Kept(arrays["key"].tobytes()))
-            name = _take_in(self._kept[number], arrays)
-            self._frames[name, number] = (start, self._end - start)
-            start = self._end
-
-    def _next_frame(self) -> Arrays | None:
-        """The content of the next frame; None at the end, or where one is not complete."""
-        assert self._file is not None
-        self._file.seek(self._end)
-        header = self._file.read(HEADER.size)
-        if len(header) < HEADER.size:
-            return None
-        size = HEADER.unpack(header)[0]
-        if size > os.fstat(self._file.fileno()).st_size:
-            return None
-        content = self._file.read(size)
-        if _header(content) != header:
-            return None
-        self._end += HEADER.size + size
-        with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
-            return dict(arrays)
-
-    def _compact(self) -> None:
-        """Write the file again, without the frames that others have replaced."""
-        assert self._file is not None
-        old, frames = self._file, self._frames
-        new = self.path.with_name(self.path.name + NEW)
-        places, end = {}, 0
-        try:
-            with open(new, "wb") as file:
-                for name, (offset, size) in frames.items():
-                    old.seek(offset)
-                    file.write(old.read(size))
-                    places[name] = (end, size)
-                    end += size
-                file.flush()
-                os.fsync(file.fileno())
-            if not OPEN_FILES_CAN_BE_REPLACED:
-                old.close()
-            replace(new, self.path)
-        except OSError as error:
-            new.unlink(missing_ok=True)
-            raise not_written(self.path, error) from None
-        self._open()
-        old.close()
-        self._frames, self._end = places, end
+        self._frames.append((name, number), {"number": np.array(number)} | arrays)
 
 
 class Entry:
     """One integration in a journal; :class:`tribo.loops.integrate.Checkpoints`."""
 
-    def __init__(self, journal: Journal, number: int, kept: Kept) -> None:
+    def __init__(self, journal: Journal, number: int, kept: KeptIntegration) -> None:
         self._journal = journal
         self._number = number
         self._kept = kept
@@ -270,7 +149,7 @@ class Entry:
             self._journal.write(self._number, ("samples", self._done), rows)
             self._done = done
         memory = {f"memory_{name}": array for name, array in loop.memory().items()}
-        memory["status"] = _bytes(str(status or ""))
+        memory["status"] = as_bytes(str(status or ""))
         self._journal.write(self._number, "memory", memory)
         self._last = time.perf_counter()
         self._took = self._last - began
@@ -305,13 +184,13 @@ class Entry:
         self._done = number
         memory = {f"memory_loop_{name}": array for name, array in loop.memory().items()}
         memory |= {f"memory_held_{each.name}": getattr(held, each.name) for each in fields(held)}
-        memory |= {"memory_portions": np.array(number), "status": _bytes("")}
+        memory |= {"memory_portions": np.array(number), "status": as_bytes("")}
         self._journal.write(self._number, "memory", memory)
         self._last = time.perf_counter()
         self._took = self._last - began
 
 
-def _take_in(kept: Kept, arrays: Arrays) -> object:
+def _take_in(kept: KeptIntegration, arrays: Arrays) -> object:
     """Add a frame to what is kept of its integration; returns the frame's name."""
     if "key" in arrays:
         return "key"
@@ -328,16 +207,6 @@ def _take_in(kept: Kept, arrays: Arrays) -> object:
     name = ("samples", sum(len(part[0]) for part in kept.samples))
     kept.samples.append(tuple(columns[str(k)] for k in range(len(columns))))
     return name
-
-
-def _header(content: bytes) -> bytes:
-    """The header of a frame with that content."""
-    size = struct.pack("<Q", len(content))
-    return HEADER.pack(len(content), hashlib.blake2b(size + content, digest_size=16).digest())
-
-
-def _bytes(text: str | bytes) -> np.ndarray:
-    return np.frombuffer(text.encode() if isinstance(text, str) else text, np.uint8)
 
 
 def key_of(setting: Setting, times: np.ndarray, start: np.ndarray) -> bytes:

@@ -2,25 +2,35 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tribo import interrupts
+import numpy as np
+
+from tribo.accuracy.comparison import Accuracy
+from tribo.ensembles import ensemble
+from tribo.ensembles.dataset import opened, saved
 from tribo.ensembles.engines import Engine, check_engine
-from tribo.ensembles.members import Source
-from tribo.files import netcdf_target, replace_file
+from tribo.ensembles.kept_values import NOT_RUN, REFUSED, total_names
+from tribo.ensembles.members import Source, Variation
+from tribo.ensembles.request import END, Request, checked_names, checked_time
+from tribo.ensembles.runner import Execution, collect
+from tribo.ensembles.sampling import Sampler, sampled
+from tribo.ensembles.stores import MemberStore, Target
+from tribo.interrupts import Interrupted, answer
 from tribo.kernels.status import Status
+from tribo.layout.layout import lay_out
+from tribo.loops.frames import as_bytes
+from tribo.model.parameters import with_values
 from tribo.model.scene import Scene
-from tribo.model.settings import Numerics
 from tribo.progress import Reported, Shown
-from tribo.sweeps.dataset import dataset, opened
-from tribo.sweeps.grid import Grid
-from tribo.sweeps.points import Found, Members, found_at, kept_names
-from tribo.sweeps.record import Record, identity_of
-from tribo.validation import InputError, as_path, inside, integer, short_repr
+from tribo.sweeps.dataset import Table, attributes_of, coordinates_of, key_coordinates, side_by_side
+from tribo.sweeps.grid import Grid, Keys
+from tribo.sweeps.point_sets import Members, point_sets, runs_of
+from tribo.validation import InputError, boolean, inside, integer, short_repr
 
 if TYPE_CHECKING:
     import xarray
@@ -28,20 +38,26 @@ if TYPE_CHECKING:
 
 def sweep(
     scene: Scene,
-    values: Mapping[str, Sequence[object]],
+    values: Mapping[Keys, Sequence[object]],
     members: int | None = None,
-    keep: Sequence[str] | None = None,
     vary: Mapping[str, Source] | None = None,
-    seed: int = 0,
-    accuracy: float | None = None,
-    method: str | None = None,
-    step: float | None = None,
+    keep: Sequence[str] | None = None,
+    at: str = END,
+    statistics: bool = False,
+    half_width: Mapping[str, float] | None = None,
+    sampler: Sampler | None = None,
     engine: Engine | None = None,
     out: str | Path | None = None,
     resume: bool = False,
+    accuracy: Accuracy | None = None,
+    method: str | None = None,
+    step: float | None = None,
+    threads: int | None = None,
     progress: Shown = None,
+    allow_unresolved: bool = False,
+    seed: int = 0,
 ) -> xarray.Dataset:
-    """Run a scene with every combination of some values.
+    """Run a scene with every combination of some values: a grid of ensembles.
 
     Parameters
     ----------
@@ -50,117 +66,226 @@ def sweep(
     values : mapping
         Key -> values, as ``{"upper.drive.load": [0.1, 0.2], "upper.velocity": [0.5]}``: numbers or
         words.  The keys are those of :func:`ensemble`, and "duration" and "seed".  A number for a
-        velocity is its x component.
+        velocity is its x component.  A tuple of keys sweeps them together:
+        ``{("upper.velocity", "duration"): [(0.5, 40.0), (0.25, 80.0)]}``.
     members : int, optional
         Number of runs at each point, at least 2, with starts that differ by `vary` and thermal
-        noise; by default one run.
+        noise; by default one run.  With `half_width`, the largest number.
+    vary : mapping, optional
+        Quantities that differ between the members of a point, as for :func:`ensemble`.  All points
+        have the same members.
     keep : sequence of str, optional
-        Quantities whose values at the end are kept, as "upper.w1" or "contact_energy"; by default
-        the scene's ``output.keep``, or else those of surfaces as wholes and of the system.
+        Quantities that are kept, as "upper.w1" or "contact_energy"; by default the scene's
+        ``output.keep``, or else those of surfaces as wholes and of the system.
         "upper.friction_force" is its average over time, with the half-width of the 95 % interval
         as ``upper.friction_force_time_half_width``.
-    vary : mapping, optional
-        Quantities that differ between the members of a point, as for :func:`ensemble`.
-    seed : int
-        The seed of the members, the same at each point.
-    accuracy, method, step
-        As for :func:`simulate`.
-    engine : executor, optional
-        Runs the points in parallel, as for :func:`ensemble`; without it they are run in this
-        process, one by one.
+    at : {"end", "samples"}
+        Whether quantities are kept at the end of each run or at all times of the scene's output.
+    statistics, half_width
+        As for :func:`ensemble`, at each point.  The points are then run one after another.
+    sampler, engine, accuracy, method, step, threads, allow_unresolved
+        As for :func:`ensemble`.
     out : str or Path, optional
         A NetCDF file for the data set.  During the sweep, ``out`` with ``.part`` appended to its
-        name has the finished points.
+        name has the finished runs.
     resume : bool
-        Take the finished points from ``out.part``; read ``out`` if that is complete.
+        Take the finished runs from ``out.part``; read ``out`` if that is complete.
     progress : callable or bool, optional
         A function that is called with the number of finished points.  By default a bar appears on
         a terminal or in a notebook after a second; True shows it elsewhere too, False never.
+    seed : int
+        The seed of the members, the same at each point.
 
     Returns
     -------
     xarray.Dataset
-        A dimension for each key.  Each quantity is at the end of the run, with its units, and its
-        error estimate as ``upper.W_error``; ``status``, ``steps``, ``force_evaluations`` and
-        ``seconds`` are those of each point.  Values of points that did not complete are NaN; a
-        point that missed its accuracy has its values and the status "AccuracyMissed".
+        That of an ensemble, with a dimension for each key; that of several keys is named as these,
+        with commas.  ``status``, ``steps``, ``force_evaluations``, ``level`` and ``error`` are
+        those of each run.  Values of runs that did not complete are NaN.
 
-        With members, each quantity has the dimension ``member`` too, and its mean and the
-        half-width of the 95 % interval of that are ``upper.W_mean`` and ``upper.W_half_width``.
+        Without members, the error of each quantity is ``upper.W_error``, if there is an accuracy;
+        a point that missed it has its values and the status "AccuracyMissed".
+
+        With members, the means of each quantity and the half-width of their 95 % interval are
+        ``upper.W_mean`` and ``upper.W_half_width``.
 
     Raises
     ------
     InputError
         An argument cannot be used, no point can be run, or another sweep writes ``out.part``.
     KeyboardInterrupt
-        The sweep was interrupted, as by Ctrl-C.  If any point was finished, the attribute
+        The sweep was interrupted, as by Ctrl-C.  If any run was finished, the attribute
         ``result`` of the exception has the data set, in which the others are "not run".
     """
     began = time.perf_counter()
     if not isinstance(scene, Scene):
         raise InputError("scene", f"must be a tribo.Scene, got {short_repr(scene)}")
-    if accuracy is not None or method is not None or step is not None:
-        scene = replace(scene, numerics=_numerics(scene.numerics, accuracy, method, step))
-    grid = Grid(scene, values)
-    group = None
-    if members is not None:
-        group = Members(integer("members", members, 2), dict(vary or {}), integer("seed", seed, 0))
-    elif vary:
-        raise InputError("members", "is missing; vary is what differs between members")
-    names = kept_names(scene, keep)
     check_engine(engine)
-    identity = identity_of(grid, names, group)
-    path = None if out is None else netcdf_target("out", as_path(out))
-    if resume and path is None:
-        raise InputError("resume", "needs out, the file of the sweep")
-    if path is not None and resume and path.exists():
-        return opened(path, identity)
-    with Record(path, identity, resume) as record:
-        with Reported(progress, grid.size, "points") as report:
-            _run_points(grid, names, group, engine, record, report)
-        data = dataset(grid, record.found, group is not None, identity, time.perf_counter() - began)
-        if path is not None and len(record.found) == grid.size:
-            replace_file(path, bytes(data.to_netcdf(engine="h5netcdf")))
-            record.remove()
+    grid = Grid(scene, values)
+    each = _members(grid, members, vary, seed, sampler, half_width)
+    keep = scene.output.keep if keep is None else keep
+    names = tuple(total_names(scene)) if keep is None else checked_names(keep)
+    alone = each.number is None
+    request = Request(names, checked_time(at), alone, accuracy, method, step, allow_unresolved)
+    request.check()
+    if request.at != END and "duration" in grid.keys:
+        raise InputError("at", 'must be "end", as "duration" is swept and times differ')
+    threads = os.cpu_count() or 1 if threads is None else integer("threads", threads, 1)
+    per_point = boolean("statistics", statistics) or half_width is not None
+    others = {
+        "values": grid.identity(),
+        "members": each.number,
+        "statistics": statistics,
+        "half_width": half_width,
+    }
+    variation = Variation(scene, each.vary, each.seed)
+    identity = request.identity(scene, variation, others)
+    with Target(out, resume, identity) as target, Reported(progress, grid.size, "points") as report:
+        if target.complete:
+            assert target.path is not None
+            return opened(target.path, identity).load()
+        if per_point:
+            settings = {
+                "keep": None if half_width is not None else names,
+                "at": at,
+                "statistics": statistics,
+                "half_width": half_width,
+                "engine": engine,
+                "threads": threads,
+                "accuracy": accuracy,
+                "method": method,
+                "step": step,
+                "allow_unresolved": allow_unresolved,
+            }
+            data = _point_by_point(grid, each, settings, target, report, began)
+        else:
+            how = Execution(engine, threads, report)
+            data = _together(grid, request, each, target, how, began)
+        data = saved(data, target)
     if data.attrs["status"] == Status.INTERRUPTED:
-        raise interrupts.Interrupted(data)
+        raise Interrupted(data)
     return data
 
 
-def _numerics(
-    given: Numerics, accuracy: float | None, method: str | None, step: float | None
-) -> Numerics:
-    """The numerics of all points; an accuracy and a step replace each other."""
-    if accuracy is None and step is None:
-        return replace(given, method=method)
-    return replace(given, accuracy=accuracy, step=step, method=method or given.method)
-
-
-def _run_points(
+def _members(
     grid: Grid,
-    names: Sequence[str],
-    group: Members | None,
-    engine: Engine | None,
-    record: Record,
-    report: Callable[[float], None] | None,
-) -> None:
-    """Run the points that are not finished.  An interrupt leaves those that are.
+    members: int | None,
+    vary: Mapping[str, Source] | None,
+    seed: int,
+    sampler: Sampler | None,
+    half_width: Mapping[str, float] | None,
+) -> Members:
+    """The members of each point.  Raises InputError."""
+    vary = {} if vary is None else vary
+    if members is None and (vary or sampler is not None) and half_width is None:
+        raise InputError("members", "is missing; vary is what differs between members")
+    number = None if members is None else integer("members", members, 2)
+    if sampler is not None:
+        vary = sampled(sampler, members, grid.scene, vary)
+    for key, length in Variation(grid.scene, vary, integer("seed", seed, 0)).lengths.items():
+        if number is not None and length != number:
+            raise InputError(f"vary.{key}", f"must have values for {number} members, got {length}")
+    for key in grid.keys:
+        if key in vary:
+            raise InputError(f"vary.{key}", "is swept too; give it once")
+    return Members(number, dict(vary), seed)
 
-    Raises InputError if no point can be run, and KeyboardInterrupt if none is finished.
+
+def _together(
+    grid: Grid, request: Request, each: Members, target: Target, how: Execution, began: float
+) -> xarray.Dataset:
+    """All points by one engine, those that one plan serves side by side.
+
+    Raises KeyboardInterrupt if no run is complete.
     """
-    left = [index for index in range(grid.size) if index not in record.found]
-    runs = found_at([grid.scene(index) for index in left], names, group, engine)
+    import xarray
+
+    kept = request.kept(lay_out(request.recorded(grid.scene.with_heights())))
+    sets, order, simulation = point_sets(grid, request, each)
+    store, report = MemberStore(target.frames), how.progress
+
+    def finished(done: int) -> None:
+        if report is not None:
+            report(done // each.each)
+
+    chunks = runs_of(sets, store.done, how, simulation)
+    interrupted = collect(chunks, store, finished)
+    table = Table(grid, order, kept, store.values(), each)
+    table.check_any_ran()
+    status = str(Status.INTERRUPTED if interrupted else Status.COMPLETED)
+    seconds = time.perf_counter() - began
+    return xarray.Dataset(
+        table.variables(),
+        coordinates_of(grid, kept, grid.scene, None if each.number is None else sets[0]),
+        attributes_of(grid.scene, kept.names, status, table.notes(), seconds),
+    )
+
+
+def _point_by_point(
+    grid: Grid,
+    each: Members,
+    settings: Mapping[str, object],
+    target: Target,
+    report: Callable[[int], None] | None,
+    began: float,
+) -> xarray.Dataset:
+    """An ensemble at each point, side by side.  Raises KeyboardInterrupt if none is complete."""
+    import xarray
+
+    found: dict[int, xarray.Dataset] = {}
+    notes: dict[int, str] = {}
+    for arrays in () if target.frames is None else target.frames.read():
+        assert target.frames is not None
+        index = int(arrays["point"])
+        target.frames.name_last(index)
+        if "note" in arrays:
+            notes[index] = arrays["note"].tobytes().decode()
+        else:
+            content = arrays["data"].tobytes()
+            found[index] = xarray.load_dataset(content, engine="h5netcdf")
+    interrupted = False
     try:
-        for index, found in zip(left, runs, strict=True):
-            if found.status == Found.INTERRUPTED:
-                raise KeyboardInterrupt
-            record.add(index, found)
+        for index in range(len(found) + len(notes), grid.size):
+            scene = with_values(grid.scene, grid.point(index))
+            arrays = {"point": np.array(index)}
+            try:
+                call = {"vary": each.vary, "seed": each.seed, "progress": False, **settings}
+                data = ensemble(scene, each.number, **call)  # type: ignore[arg-type]
+                found[index] = data
+                arrays["data"] = as_bytes(bytes(data.to_netcdf(engine="h5netcdf")))
+            except InputError as error:
+                notes[index] = str(error)
+                arrays["note"] = as_bytes(str(error))
+            if target.frames is not None:
+                target.frames.append(index, arrays)
             if report is not None:
-                report(len(record.found))
+                report(len(found) + len(notes))
     except KeyboardInterrupt:
-        interrupts.answer()
-        if not record.found:
+        answer()
+        interrupted = True
+        if not found:
             raise
-    if all(found.status == Found.REFUSED for found in record.found.values()):
-        with inside(grid.label(min(record.found))):
-            raise InputError("", next(iter(record.found.values())).note)
+    if not found:
+        with inside(grid.label(0)):
+            raise InputError("", notes[0])
+    variables, coordinates = side_by_side(grid, found)
+    first = found[min(found)]
+    points = [
+        REFUSED if k in notes else found[k].attrs["status"] if k in found else NOT_RUN
+        for k in range(grid.size)
+    ]
+    about = {"long_name": "end of the ensemble"}
+    variables["point_status"] = tuple(grid.names), np.array(points).reshape(grid.shape), about
+    keys = key_coordinates(grid)
+    lines = [f"{grid.label(k)}: {note}" for k, note in sorted(notes.items())]
+    return xarray.Dataset(
+        variables,
+        coordinates | keys,
+        attributes_of(
+            grid.scene,
+            [str(name) for name in first.data_vars],
+            str(Status.INTERRUPTED if interrupted else Status.COMPLETED),
+            lines,
+            time.perf_counter() - began,
+        ),
+    )

@@ -1,122 +1,207 @@
-"""A sweep as a labelled data set."""
+"""A sweep as a labelled data set: that of an ensemble, with a dimension for each key."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
-from pathlib import Path
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
-from tribo.ensembles.kept_values import about_kept
+from tribo.ensembles.dataset import COUNTS, Attributes, counts_of, times_of, varied_coordinates
+from tribo.ensembles.intervals import interval
+from tribo.ensembles.kept_values import NOT_RUN, REFUSED, Kept, KeptValues
 from tribo.kernels.status import Status
 from tribo.ledger.quantities import SUMMED_QUANTITIES
+from tribo.model.scene import Scene
 from tribo.results.dataset import Variable
-from tribo.sweeps.grid import Grid
-from tribo.sweeps.points import Found, mean_and_half_width
-from tribo.validation import InputError
-
-if TYPE_CHECKING:
-    import xarray
-
-# The status of a point that an interrupt left out.
-NOT_RUN = "not run"
-# Meanings of the counts of each point.
-COUNTS = {
-    "steps": "steps of the run, or of all members",
-    "force_evaluations": "evaluations of all forces, with those that estimate the error",
-    "seconds": "time of the runs",
-}
+from tribo.sweeps.grid import Axis, Grid
+from tribo.sweeps.point_sets import Members, PointSet
+from tribo.validation import InputError, inside
 
 
-def dataset(
-    grid: Grid, found: Mapping[int, Found], members: bool, identity: str, seconds: float
-) -> xarray.Dataset:
-    """The data set of a sweep that took `seconds`, of points with members or without."""
-    import xarray
+class Table:
+    """The runs of a sweep, in the order of its grid.
 
+    Parameters
+    ----------
+    grid : Grid
+        The points.
+    order : list of Axis
+        The axes in whose order points were run.
+    kept : Kept
+        What is kept.
+    found : KeptValues
+        Of the runs so far.
+    each : Members
+        Of each point.
+    """
+
+    def __init__(
+        self, grid: Grid, order: list[Axis], kept: Kept, found: KeptValues, each: Members
+    ) -> None:
+        members = each.number
+        missing = grid.size * (members or 1) - found.status.size
+        if missing:
+            rest = KeptValues.without_runs(kept, missing, NOT_RUN)
+            found = KeptValues.joined([found, rest])
+        self._grid, self._kept, self._found = grid, kept, found
+        self._ran = tuple(len(axis.rows) for axis in order)
+        self._to_grid = [order.index(axis) for axis in grid.axes]
+        self._taken = {*grid.keys, *each.vary}  # names of coordinates
+        self._members = () if members is None else (members,)
+        self.dimensions = (*grid.names, *("member",) * len(self._members))
+        self.status = self.placed(found.status)
+        self.note = self.placed(found.note)
+
+    def placed(self, rows: np.ndarray) -> np.ndarray:
+        """Values of all runs, (keys..., [members], ...)."""
+        table = rows.reshape(*self._ran, *self._members, *rows.shape[1:])
+        rest = range(len(self._ran), table.ndim)
+        return table.transpose(*self._to_grid, *rest)
+
+    def variables(self) -> dict[str, Variable]:
+        """All quantities, with means over members or error estimates, and counts of the runs."""
+        about = {"long_name": "end of the run"}
+        variables: dict[str, Variable] = {"status": (self.dimensions, self.status, about)}
+        for name in self._kept.names:
+            variables |= self._quantity(name)
+        for name, values in counts_of(self._found).items():
+            meaning = {"long_name": COUNTS[name]}
+            variables[name] = self.dimensions, self.placed(values.astype(float)), meaning
+        return variables
+
+    def _quantity(self, name: str) -> dict[str, Variable]:
+        kept, values = self._kept, self.placed(self._found.values[name])
+        own, about = kept.dimensions(name), kept.about(name)
+        kind = name.rpartition(".")[2]
+        if kind in SUMMED_QUANTITIES and not (own or kept.at_samples):
+            about["long_name"] = f"{SUMMED_QUANTITIES[kind].long_name}, at the end"
+        label = f"{name}_end" if name in self._taken else name
+        variables: dict[str, Variable] = {label: ((*self.dimensions, *own), values, about)}
+        if self._members:
+            rest = values.shape[len(self.dimensions) :]
+            points = zip(
+                values.reshape(self._grid.size, *self._members, *rest),
+                self.status.reshape(self._grid.size, *self._members),
+                strict=True,
+            )
+            pairs = [_mean_and_half_width(*each) for each in points]
+            for k, word in enumerate(("mean", "half_width")):
+                table = np.array([pair[k] for pair in pairs]).reshape(*self._grid.shape, *rest)
+                what = about | {"long_name": f"{word.replace('_', '-')} of: {about['long_name']}"}
+                variables[f"{name}_{word}"] = (*self._grid.names, *own), table, what
+        bounds = self._found.errors.get(name)
+        if bounds is not None and np.isfinite(bounds).any():
+            what = about | {"long_name": f"bound on the error of: {about['long_name']}"}
+            variables[f"{name}_error"] = self.dimensions, self.placed(bounds), what
+        return variables
+
+    def notes(self) -> list[str]:
+        """What to know of single points."""
+        notes = []
+        per_point = zip(
+            self.status.reshape(self._grid.size, -1),
+            self.note.reshape(self._grid.size, -1),
+            strict=True,
+        )
+        for index, (statuses, own) in enumerate(per_point):
+            without = np.count_nonzero((statuses != str(Status.COMPLETED)) & (statuses != NOT_RUN))
+            note = str(own[0]).replace("\n", "; ")
+            if self._members and without:
+                note = f"{without} of {statuses.size} members have no values"
+            elif self._members:
+                continue
+            if note:
+                notes.append(f"{self._grid.label(index)}: {note}")
+        return notes
+
+    def check_any_ran(self) -> None:
+        """Raise InputError if no point can be run."""
+        if np.all(self.status == REFUSED):
+            with inside(self._grid.label(0)):
+                raise InputError("", str(self.note.flat[0]))
+
+
+def key_coordinates(grid: Grid) -> dict[str, Variable]:
+    """The values of the keys."""
+    return {
+        key: ((axis.name,), np.array([row[k] for row in axis.rows]), {"long_name": key})
+        for axis in grid.axes
+        for k, key in enumerate(axis.keys)
+    }
+
+
+def coordinates_of(
+    grid: Grid, kept: Kept, scene: Scene, members: PointSet | None
+) -> dict[str, Variable]:
+    """The values of the keys, the times, and of members their seeds and varied values."""
+    coordinates = key_coordinates(grid)
+    if kept.at_samples:
+        coordinates |= times_of(kept, scene)
+    if members is not None:
+        each = members.seeds.size
+        coordinates["member"] = ("member",), np.arange(each), {"long_name": "member"}
+        name = "member_seed" if "seed" in grid.keys else "seed"
+        coordinates[name] = ("member",), members.seeds, {"long_name": "seed of the member"}
+        coordinates |= varied_coordinates(members.vary)
+    return coordinates
+
+
+def attributes_of(
+    scene: Scene, names: Sequence[str], status: str, notes: list[str], seconds: float
+) -> Attributes:
+    """Properties of the whole sweep; text is JSON where it is no word."""
     from tribo import __version__
 
-    keys = tuple(grid.values)
-    complete = {index: item for index, item in found.items() if item.values}
-    variables: dict[str, Variable] = {}
-    for name in next((item.values for item in complete.values()), {}):
-        variables |= _quantity(grid, name, complete, members)
-    for name, meaning in COUNTS.items():
-        given = {i: np.array(f.counts[name], float) for i, f in found.items() if name in f.counts}
-        if given:
-            about = {"long_name": meaning} | ({"units": "s"} if name == "seconds" else {})
-            variables[name] = keys, _filled(grid, given), about
-    statuses = [found[i].status if i in found else NOT_RUN for i in range(grid.size)]
-    about = {"long_name": "end of the run"}
-    variables["status"] = keys, np.array(statuses).reshape(grid.shape), about
-    coordinates = {key: ((key,), np.array(v), {"long_name": key}) for key, v in grid.values.items()}
-    notes = [f"{grid.label(i)}: {item.note}" for i, item in sorted(found.items()) if item.note]
-    whole = len(found) == grid.size
-    attributes = {
+    return {
         "tribo_version": __version__,
-        "scene": grid.scene_before.to_toml(),
-        "status": str(Status.COMPLETED if whole else Status.INTERRUPTED),
+        "numpy_version": np.__version__,
+        "scene": scene.to_toml(),
+        "keep": json.dumps(list(names)),
+        "status": status,
         "notes": json.dumps(notes),
         "seconds": seconds,
-        "sweep": identity,
     }
-    return xarray.Dataset(variables, coordinates, attributes)
 
 
-def _quantity(
-    grid: Grid, name: str, complete: Mapping[int, Found], members: bool
-) -> dict[str, Variable]:
-    """The variables of one quantity: its values, and errors or means with their intervals."""
-    keys = tuple(grid.values)
-    surface, _, kind = name.rpartition(".")
-    values = _filled(grid, {i: np.array(item.values[name]) for i, item in complete.items()})
-    rest = values.shape[len(keys) :]
-    own = ("member",) * members + (f"{surface}_asperite",)
-    dimensions = (*keys, *own[: len(rest)])
-    whole = len(rest) == int(members) and kind in SUMMED_QUANTITIES
-    about = about_kept(name, at_end=True)
-    if whole:
-        about["long_name"] = f"{SUMMED_QUANTITIES[kind].long_name}, at the end"
-    variables: dict[str, Variable] = {name: (dimensions, values, about)}
-    if members:
-        per_point = values.reshape(grid.size, *rest)
-        pairs = [mean_and_half_width(each) for each in per_point]
-        of_all = (*keys, *own[1 : len(rest)])
-        for k, word in enumerate(("mean", "half_width")):
-            table = np.array([pair[k] for pair in pairs]).reshape(*grid.shape, *rest[1:])
-            what = about | {"long_name": f"{word.replace('_', '-')} of: {about['long_name']}"}
-            variables[f"{name}_{word}"] = of_all, table, what
-    bounds = {i: np.array(f.errors[name]) for i, f in complete.items() if name in f.errors}
-    if bounds:
-        what = about | {"long_name": f"bound on the error of: {about['long_name']}"}
-        variables[f"{name}_error"] = keys, _filled(grid, bounds), what
-    return variables
+def _mean_and_half_width(values: np.ndarray, status: np.ndarray) -> tuple[Any, Any]:
+    """Mean over the members that completed, and the half-width of its interval; else NaN."""
+    complete = values[status == str(Status.COMPLETED)]
+    if len(complete) < 2:
+        nothing = np.full(values.shape[1:], np.nan)
+        return nothing, nothing
+    return interval(complete)
 
 
-def _filled(grid: Grid, given: Mapping[int, np.ndarray]) -> np.ndarray:
-    """An array over the grid, NaN at points without a value."""
-    shape = next(iter(given.values())).shape
-    table = np.full((grid.size, *shape), np.nan)
-    for index, value in given.items():
-        table[index] = value
-    return table.reshape(*grid.shape, *shape)
+def side_by_side(
+    grid: Grid, found: Mapping[int, Any]
+) -> tuple[dict[str, Variable], dict[str, Variable]]:
+    """Variables and coordinates of data sets of points, whose sizes may differ.
 
-
-def opened(path: Path, identity: str) -> xarray.Dataset:
-    """The data set in the file of a complete sweep.
-
-    Raises InputError if the file is of another sweep.
+    What a point does not have is NaN, or zero members of a histogram's bin.
     """
-    import xarray
-
-    try:
-        data = xarray.load_dataset(path, engine="h5netcdf")
-    except (OSError, ValueError) as error:
-        raise InputError(str(path), f"cannot be read ({error})") from None
-    if data.attrs.get("sweep") != identity:
-        raise InputError(
-            str(path), "is of another sweep, or of another version of tribo; give another file"
-        )
-    return data
+    first = next(iter(found.values()))
+    variables: dict[str, Variable] = {}
+    for name in map(str, [*first.data_vars, "status" if "status" in first.coords else ""]):
+        if not name:
+            continue
+        arrays = {index: data[name].values for index, data in found.items()}
+        shape = np.max([each.shape for each in arrays.values()], axis=0)
+        kind = first[name].dtype.kind
+        empty: Any = {"U": NOT_RUN, "i": 0}.get(kind, np.nan)
+        dtype = np.result_type(*arrays.values(), np.array(NOT_RUN)) if kind == "U" else None
+        table = np.full((grid.size, *map(int, shape)), empty, dtype)
+        for index, values in arrays.items():
+            places: tuple[Any, ...] = (index, *map(slice, values.shape))
+            table[places] = values
+        dimensions = (*grid.names, *map(str, first[name].dims))
+        table = table.reshape(*grid.shape, *table.shape[1:])
+        variables[name] = dimensions, table, dict(first[name].attrs)
+    largest = max(found.values(), key=lambda data: data.sizes.get("member", 0))
+    coordinates: dict[str, Variable] = {
+        str(name): (each.dims, each.values, dict(each.attrs))
+        for name, each in largest.coords.items()
+        if name != "status" and name not in grid.keys
+    }
+    return variables, coordinates

@@ -59,7 +59,7 @@ def sweep_lines(
     InputError
         If the data set does not have the quantity or the key, or there are too many lines.
     """
-    keys = [str(key) for key in data["status"].dims]
+    keys = keys_of(data)
     known = quantities(data)
     if name not in known:
         raise must_be("name", f"one of {', '.join(known)}", name)
@@ -97,9 +97,15 @@ def _points(
     return (drawn, None, "") if ending is None else (drawn, data[f"{name}{ending}"], BARS[ending])
 
 
+def keys_of(data: xarray.Dataset) -> list[str]:
+    """The dimensions of the points."""
+    of_runs = data["status" if "status" in data else "point_status"].dims
+    return [str(key) for key in of_runs if key != "member"]
+
+
 def quantities(data: xarray.Dataset) -> list[str]:
     """The quantities that have one value at each point, or a mean over its members."""
-    keys = data["status"].dims
+    keys = tuple(keys_of(data))
     means = [str(name)[:-5] for name in data.data_vars if str(name).endswith("_mean")]
     of_points = [
         str(name)

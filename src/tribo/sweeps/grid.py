@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,6 +14,30 @@ from tribo.validation import LARGEST_COUNT, InputError, inside, is_list, must_be
 
 # A value of a key.
 Value = float | int | str | bool
+# One key, or several that are swept together.
+Keys = str | tuple[str, ...]
+
+
+class Axis(NamedTuple):
+    """The values of one key, or of several that are swept together.
+
+    Attributes
+    ----------
+    name : str
+        Of the dimension: the key, or the keys with commas between them.
+    keys : tuple of str
+        The keys.
+    rows : list of tuples
+        A value of each key, at each place.
+    """
+
+    name: str
+    keys: tuple[str, ...]
+    rows: list[tuple[Value, ...]]
+
+    def at(self, place: int) -> dict[str, Value]:
+        """The values at a place by their keys."""
+        return dict(zip(self.keys, self.rows[place], strict=True))
 
 
 class Grid:
@@ -23,64 +48,98 @@ class Grid:
     scene : Scene
         The scene whose values are replaced.
     values : mapping
-        Key -> its values.
+        Key, or a tuple of keys that are swept together -> its values.
 
     Attributes
     ----------
-    scene_before : Scene
+    scene : Scene
         As given.
-    values : dict
-        Key -> its values, as numbers and words of Python.
-    shape : tuple of int
-        The number of values of each key.
+    axes : list of Axis
+        The dimensions.
 
     Raises
     ------
     InputError
-        A key or a value cannot be used, alone or together with others.
+        A key or a value cannot be used, alone or beside the first value of every other key.
     """
 
-    def __init__(self, scene: Scene, values: Mapping[str, Sequence[object]]) -> None:
+    def __init__(self, scene: Scene, values: Mapping[Keys, Sequence[object]]) -> None:
         if not isinstance(values, Mapping) or not values:
             wanted = 'must map keys to values, as {"upper.drive.load": [0.1, 0.2]}'
             raise InputError("values", f"{wanted}, got {short_repr(values)}")
-        self.scene_before = scene
-        self.values = {str(key): _checked(str(key), items) for key, items in values.items()}
-        self.shape = tuple(map(len, self.values.values()))
-        if self.size > LARGEST_COUNT:
-            raise must_be("values", f"of at most {LARGEST_COUNT} points", self.size)
+        self.scene = scene
         with inside("values"):
-            self._scenes = [with_values(scene, self.point(index)) for index in range(self.size)]
+            self.axes = [_axis(key, items) for key, items in values.items()]
+            keys = [key for axis in self.axes for key in axis.keys]
+            for key in keys:
+                if keys.count(key) > 1:
+                    raise InputError(key, "is swept twice; give each key once")
+            if self.size > LARGEST_COUNT:
+                raise must_be("", f"of at most {LARGEST_COUNT} points", self.size)
+            first = self.point(0)
+            for axis in self.axes:
+                for place in range(len(axis.rows)):
+                    with_values(scene, first | axis.at(place))
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The number of values of each dimension."""
+        return tuple(len(axis.rows) for axis in self.axes)
 
     @property
     def size(self) -> int:
         """The number of points."""
         return math.prod(self.shape)
 
+    @property
+    def keys(self) -> list[str]:
+        """All keys."""
+        return [key for axis in self.axes for key in axis.keys]
+
+    @property
+    def names(self) -> list[str]:
+        """Of the dimensions."""
+        return [axis.name for axis in self.axes]
+
     def point(self, index: int) -> dict[str, Value]:
         """The values of a point by their keys."""
-        places = np.unravel_index(index, self.shape)
-        items = zip(self.values.items(), places, strict=True)
-        return {key: values[place] for (key, values), place in items}
-
-    def scene(self, index: int) -> Scene:
-        """The scene of a point."""
-        return self._scenes[index]
+        found: dict[str, Value] = {}
+        for axis, place in zip(self.axes, np.unravel_index(index, self.shape), strict=True):
+            found |= axis.at(int(place))
+        return found
 
     def label(self, index: int) -> str:
         """The values of a point, as a message writes them."""
         return ", ".join(f"{key} = {value}" for key, value in self.point(index).items())
 
+    def identity(self) -> dict[str, list[list[Value]]]:
+        """All values, as JSON."""
+        return {axis.name: [list(row) for row in axis.rows] for axis in self.axes}
 
-def _checked(key: str, values: object) -> list[Value]:
-    """The values of a key.  Raises InputError."""
-    with inside("values"):
-        if not is_list(values) or len(values) == 0:
-            raise must_be(key, "a list of numbers or words", values)
-        items = [item.item() if isinstance(item, np.generic) else item for item in values]
-        for item in items:
-            if not isinstance(item, (float, int, str)):
-                raise must_be(key, "a list of numbers or words", item)
-        if len(set(items)) < len(items):
-            raise InputError(key, "has a value twice; give each value once")
-    return items
+
+def _axis(key: object, values: object) -> Axis:
+    """The values of one key, or of a tuple of keys.  Raises InputError."""
+    keys = tuple(map(str, key)) if isinstance(key, tuple) else (str(key),)
+    name = ",".join(keys)
+    if not is_list(values) or len(values) == 0:
+        raise must_be(name, "a list of numbers or words", values)
+    rows = [_row(name, keys, item, isinstance(key, tuple)) for item in values]
+    if len(set(rows)) < len(rows):
+        raise InputError(name, "has a value twice; give each value once")
+    return Axis(name, keys, rows)
+
+
+def _row(name: str, keys: tuple[str, ...], item: object, together: bool) -> tuple[Value, ...]:
+    """A value of each key.  Raises InputError."""
+    if together and not (is_list(item) and len(item) == len(keys)):
+        raise must_be(name, f"a list of {len(keys)} values each, one for each key", item)
+    items: list[Value] = []
+    given = [
+        each.item() if isinstance(each, np.generic) else each
+        for each in (item if together and is_list(item) else [item])
+    ]
+    for each in given:
+        if not isinstance(each, (float, int, str)):
+            raise must_be(name, "a list of numbers or words", each)
+        items.append(each)
+    return tuple(items)

@@ -1,0 +1,159 @@
+"""What is asked of each member: the quantities that are kept, and how its scene is run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from tribo.accuracy.choose_method import choose
+from tribo.accuracy.comparison import Accuracy
+from tribo.ensembles.kept_values import Kept
+from tribo.ensembles.members import Variation
+from tribo.integrators.methods import noisy
+from tribo.integrators.step_control import count_of_steps
+from tribo.kernels.status import Status
+from tribo.layout.layout import Layout, lay_out
+from tribo.ledger.quantities import FURTHER, needs_accounts
+from tribo.model.identity import Identity, identity_of, settings_of, version
+from tribo.model.scene import Scene
+from tribo.model.settings import Numerics, Output
+from tribo.prepared import Simulation
+from tribo.simulation import prepare
+from tribo.validation import POSITIVE, InputError, choice, inside, is_list, number, short_repr
+
+# When quantities are kept.
+END, SAMPLES = "end", "samples"
+
+
+class Request(NamedTuple):
+    """What is asked of each member; it can be pickled.
+
+    Attributes
+    ----------
+    keep : tuple of str, or None
+        Names of quantities; without them, the series of all sums over asperites.
+    at : str
+        When they are kept.
+    with_errors : bool
+        Whether each value has an error estimate.
+    accuracy, method, step, allow_unresolved
+        As of :func:`tribo.prepare`.
+    """
+
+    keep: tuple[str, ...] | None
+    at: str
+    with_errors: bool
+    accuracy: Accuracy | None
+    method: str | None
+    step: float | None
+    allow_unresolved: bool
+
+    def check(self) -> None:
+        """Refuse settings that no run can have.  Raises InputError."""
+        Numerics(_plain(self.accuracy), self.method, self.step, self.allow_unresolved)
+
+    def recorded(self, scene: Scene) -> Scene:
+        """The scene with its numerics, and with the times and series that the quantities need."""
+        given, unresolved = scene.numerics, self.allow_unresolved or scene.numerics.allow_unresolved
+        accuracy, step = self.accuracy, self.step
+        if accuracy is None and step is None:
+            accuracy, step = given.accuracy, given.step
+        numerics = replace(
+            given,
+            accuracy=_plain(accuracy),
+            method=self.method or given.method,
+            step=step,
+            allow_unresolved=unresolved,
+        )
+        output = replace(scene.output, keep=None)
+        if self.keep is not None:
+            kinds = [name.rpartition(".")[2] for name in self.keep]
+            series = tuple(
+                word for word, names in FURTHER.items() if any(n in names for n in kinds)
+            )
+            output = replace(output, series=series)
+            if self.at == END and "forces" not in series:  # forces are averages over times
+                without = output.ledger == "none" and not any(map(needs_accounts, kinds))
+                output = Output(samples=2, series=series, ledger="none" if without else "asperites")
+        return replace(scene, numerics=numerics, output=output)
+
+    def prepare(self, scene: Scene) -> Simulation:
+        """The scene with the method and settings of all members.  Raises InputError.
+
+        Where each value has an error estimate, these may exceed the accuracy.
+        """
+        simulation = prepare(
+            self.recorded(scene), self.accuracy, self.method, self._step(scene), threads=1
+        )
+        if simulation.accuracy is None or self.with_errors:
+            return simulation
+        result = simulation.compute_first()
+        if result.status == Status.INTERRUPTED:
+            raise KeyboardInterrupt
+        if not result.met:
+            completed = result.status == Status.COMPLETED
+            why = result.notes[-1] if completed else f"the run ends by {result.status}"
+            raise InputError(
+                "step",
+                f"is missing, and accuracy does not find one: {why}; give a method and a step, or "
+                "an accuracy that can be kept in the scene's numerics",
+            )
+        return simulation
+
+    def kept(self, layout: Layout) -> Kept:
+        """What is kept, of a scene that records it.  Raises InputError."""
+        if self.keep is None:
+            return Kept.sums(layout)
+        return Kept.checked(layout, self.keep, self.at == SAMPLES, self.with_errors)
+
+    def identity(
+        self, scene: Scene, variation: Variation, others: Mapping[str, object]
+    ) -> Identity:
+        """What tells many runs of a scene from others."""
+        settings: Identity = {
+            "seed": variation.seed,
+            **others,
+            "keep": self.keep and list(self.keep),
+            "at": self.at,
+            "vary": variation.identity(),
+            **settings_of(str(self.method), self.accuracy, self.step, None),
+        }
+        return identity_of(self.recorded(scene), settings, version())
+
+    def _step(self, scene: Scene) -> float | None:
+        """The step of members with noise: as in a run that records all times of the scene.
+
+        Equal steps end at the sample times, and a member's path depends on its steps.
+        """
+        intervals, given = np.diff(scene.times), scene.numerics
+        equal = np.ptp(intervals) <= 1e-9 * intervals[0]
+        if self.keep is None or self.at != END or not (noisy(scene) and equal):
+            return self.step
+        step = self.step
+        if step is None:
+            with inside("numerics"):
+                method = self.method or given.method
+                step = choose(lay_out(scene), given.accuracy, method, given.step).step
+        else:
+            step = number("step", step, POSITIVE)
+        assert step is not None  # there is one wherever there is noise
+        return float(intervals[0] / count_of_steps(intervals[0], step))
+
+
+def _plain(accuracy: Accuracy | None) -> float | dict[str, float] | None:
+    return dict(accuracy) if isinstance(accuracy, Mapping) else accuracy
+
+
+def checked_names(keep: object) -> tuple[str, ...]:
+    """The names of kept quantities, each once.  Raises InputError."""
+    if not is_list(keep) or len(keep) == 0:
+        raise InputError("keep", f'must list quantities, as ["upper.w1"], got {short_repr(keep)}')
+    return tuple(dict.fromkeys(map(str, keep)))
+
+
+def checked_time(at: object) -> str:
+    """When quantities are kept.  Raises InputError."""
+    return choice("at", at, (END, SAMPLES))

@@ -1,0 +1,233 @@
+"""Append-only files of frames: what runs, ensembles and sweeps have computed, while they go on.
+
+A frame is the length of its content, a checksum of both, and arrays in the format of numpy.savez.
+They follow the word `MAGIC`, and the first says what is computed.  A frame that was not completed,
+or is damaged, ends the file: what follows is computed again.  A frame may replace an earlier one of
+the same name; the file is written again without those, once they take more room than the others.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import os
+import struct
+from collections.abc import Iterator
+from pathlib import Path
+from types import TracebackType
+from typing import BinaryIO, Self
+
+import numpy as np
+
+from tribo.files import NEW, checked_target, lock, not_written
+from tribo.model.identity import Identity, refuse_other
+from tribo.system import OPEN_FILES_CAN_BE_REPLACED, replace
+from tribo.validation import InputError
+
+Arrays = dict[str, np.ndarray]
+
+# What follows the name of a file in the name of its frames.
+PART = ".part"
+# The first bytes of a file.
+MAGIC = b"tribo\r\n\x1a"
+# Length of the content, and checksum of both.
+HEADER = struct.Struct("<Q16s")
+# Seconds between two writes: what a kill may cost.
+INTERVAL = 1.0
+# The same, in units of the time that the last write took.
+RELATIVE_INTERVAL = 20.0
+# Bytes of frames that later ones have replaced, after which the file is written again without.
+MOST_REPLACED = 2**26
+# Of the first frame.
+IDENTITY = "identity"
+
+
+class Frames:
+    """A file of frames, of this process alone; a context manager.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    identity : dict
+        What is computed; see :func:`tribo.model.identity.identity_of`.
+    resume : bool
+        Whether to keep what the file has, if there is one; else the first frame replaces it.
+
+    Raises
+    ------
+    InputError
+        The file is of another computation, or cannot be read, or another process writes it.
+    """
+
+    def __init__(self, path: Path, identity: Identity, resume: bool) -> None:
+        self.path = checked_target(str(path), path)
+        self._identity: Identity = json.loads(json.dumps(identity))
+        self._end = len(MAGIC)  # of the frames
+        # Offset and size of the frames that are needed, by their names.
+        self._places: dict[object, tuple[int, int]] = {}
+        self._last = (0, 0)  # the frame that was read last
+        self._file = self._open()
+        if resume:
+            try:
+                self._check_identity()
+            except BaseException:
+                self._file.close()
+                raise
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        """Close the file, and remove one without any content."""
+        if os.fstat(self._file.fileno()).st_size == 0:
+            self.remove()
+        self._file.close()
+
+    def remove(self) -> None:
+        """Remove the file, as the result is complete."""
+        if not OPEN_FILES_CAN_BE_REPLACED:
+            self._file.close()
+        self.path.unlink(missing_ok=True)
+
+    def read(self) -> Iterator[Arrays]:
+        """The frames behind the first up to one that is not complete.
+
+        Each has to be given a name, by :meth:`name_last`, before the next one is read.
+        """
+        while IDENTITY in self._places and (arrays := self._next_frame()) is not None:
+            yield arrays
+
+    def name_last(self, name: object) -> None:
+        """Say which frame was read last; it replaces one of the same name."""
+        self._places[name] = self._last
+
+    def again(self, name: object) -> Arrays:
+        """The content of a frame that was read or written before.  Raises InputError."""
+        offset, size = self._places[name]
+        arrays = self._frame_at(offset)
+        if arrays is None:
+            raise InputError(str(self.path), f"is damaged within {size} bytes from byte {offset}")
+        return arrays
+
+    @property
+    def names(self) -> list[object]:
+        """Of all frames but the first, in their order."""
+        return [name for name in self._places if name != IDENTITY]
+
+    def append(self, name: object, arrays: Arrays) -> None:
+        """Write a frame, which replaces the last one of the same name.  Raises InputError."""
+        if IDENTITY not in self._places:
+            self._write(IDENTITY, {IDENTITY: as_bytes(json.dumps(self._identity))})
+        self._write(name, arrays)
+        needed = sum(size for _, size in self._places.values())
+        replaced = self._end - needed
+        if OPEN_FILES_CAN_BE_REPLACED and replaced > max(MOST_REPLACED, needed):
+            self._compact()
+
+    def _open(self) -> BinaryIO:
+        """Open the file, for this process alone; it is created if there is none."""
+        while True:
+            try:
+                flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0)
+                file = os.fdopen(os.open(self.path, flags, 0o666), "r+b", buffering=0)
+            except OSError as error:
+                raise not_written(self.path, error) from None
+            lock(file, self.path)
+            if self.path.exists() and os.path.samestat(os.fstat(file.fileno()), self.path.stat()):
+                return file
+            file.close()  # another process has removed it before this one had the lock
+
+    def _check_identity(self) -> None:
+        """Read the first frame.  Raises InputError about a file of something else."""
+        self._file.seek(0)
+        if not MAGIC.startswith(self._file.read(len(MAGIC))):
+            raise InputError(str(self.path), "is no such file; start again without resume")
+        identity = self._next_frame()
+        if identity is None or IDENTITY not in identity:
+            self._end = len(MAGIC)
+            return  # stopped before its first frame was complete
+        refuse_other(self.path, json.loads(identity[IDENTITY].tobytes()), self._identity)
+        self.name_last(IDENTITY)
+
+    def _write(self, name: object, arrays: Arrays) -> None:
+        """Write a frame behind the others, over the rest of one that was not completed."""
+        content = io.BytesIO()
+        np.savez(content, **arrays)  # type: ignore[arg-type]
+        header = _header(content.getvalue())
+        frame = memoryview(MAGIC * (not self._places) + header + content.getvalue())
+        begin = self._end - len(MAGIC) * (not self._places)
+        try:
+            self._file.seek(begin)
+            written = 0
+            while written < len(frame):
+                written += self._file.write(frame[written:])
+            self._file.truncate()
+            os.fsync(self._file.fileno())
+        except OSError as error:
+            raise not_written(self.path, error) from None
+        self._places.pop(name, None)  # the order is that of the file
+        self._places[name] = (self._end, begin + len(frame) - self._end)
+        self._end = begin + len(frame)
+
+    def _next_frame(self) -> Arrays | None:
+        """The content of the next frame; None at the end, or where one is not complete."""
+        arrays = self._frame_at(self._end)
+        if arrays is not None:
+            self._last = (self._end, self._file.tell() - self._end)
+            self._end = self._file.tell()
+        return arrays
+
+    def _frame_at(self, offset: int) -> Arrays | None:
+        self._file.seek(offset)
+        header = self._file.read(HEADER.size)
+        if len(header) < HEADER.size:
+            return None
+        size = HEADER.unpack(header)[0]
+        if size > os.fstat(self._file.fileno()).st_size:
+            return None
+        content = self._file.read(size)
+        if _header(content) != header:
+            return None
+        with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
+            return dict(arrays)
+
+    def _compact(self) -> None:
+        """Write the file again, without the frames that others have replaced."""
+        new, places = self.path.with_name(self.path.name + NEW), {}
+        end = len(MAGIC)
+        try:
+            file = open(new, "w+b", buffering=0)  # noqa: SIM115
+            lock(file, new)  # before it has the name that others look for
+            file.write(MAGIC)
+            for name, (offset, size) in self._places.items():
+                self._file.seek(offset)
+                content = memoryview(self._file.read(size))
+                while content:
+                    content = content[file.write(content) :]
+                places[name] = (end, size)
+                end += size
+            os.fsync(file.fileno())
+            replace(new, self.path)
+        except OSError as error:
+            new.unlink(missing_ok=True)
+            raise not_written(self.path, error) from None
+        self._file.close()
+        self._file, self._places, self._end = file, places, end
+
+
+def _header(content: bytes) -> bytes:
+    """The header of a frame with that content."""
+    size = struct.pack("<Q", len(content))
+    return HEADER.pack(len(content), hashlib.blake2b(size + content, digest_size=16).digest())
+
+
+def as_bytes(text: str | bytes) -> np.ndarray:
+    """A text, as an array that a frame can have."""
+    return np.frombuffer(text.encode() if isinstance(text, str) else text, np.uint8)

@@ -1,0 +1,259 @@
+"""Points of a sweep that one plan serves, since their scenes differ in numbers of members alone.
+
+Numbers in which members of one layout may differ are swept by one ensemble, side by side in lanes.
+All else, as words, durations, or an automatic step's stiffness, takes a scene and a plan for each
+value, and these are run one after another, or by an engine at the same time.
+"""
+
+from __future__ import annotations
+
+import pickle
+import tomllib
+from collections.abc import Iterator, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from tribo.ensembles.engines import run_jobs
+from tribo.ensembles.kept_values import REFUSED, KeptValues
+from tribo.ensembles.members import VELOCITY, Source, Variation, size_of
+from tribo.ensembles.request import Request
+from tribo.ensembles.runner import Execution, in_batches, planned, run_members
+from tribo.layout.layout import lay_out
+from tribo.layout.member_numbers import can_differ
+from tribo.model.initial import UNITS
+from tribo.model.parameters import with_values
+from tribo.model.scene import Scene
+from tribo.model.scene_file import scene_from
+from tribo.prepared import Simulation
+from tribo.sweeps.grid import Axis, Grid
+from tribo.validation import InputError
+
+
+class Members(NamedTuple):
+    """The members of each point.
+
+    Attributes
+    ----------
+    number : int or None
+        How many there are; None for one run of the scene itself.
+    vary : dict
+        What differs between them.
+    seed : int
+        From which they are drawn.
+    """
+
+    number: int | None
+    vary: Mapping[str, Source]
+    seed: int
+
+    @property
+    def each(self) -> int:
+        """Runs of a point."""
+        return self.number or 1
+
+
+class PointSet(NamedTuple):
+    """Points of a sweep that one plan serves, and their members; it can be pickled.
+
+    Attributes
+    ----------
+    scene : Scene
+        With the values that all of them share.
+    request : Request
+        What is kept.
+    swept : dict
+        Keys in which they differ -> values (points,).
+    points : int
+        How many there are.
+    vary : dict
+        What differs between the members of a point -> (members, size).
+    seeds : ndarray, (members,)
+        Of the members' scenes.
+    seed : int
+        From which the members are drawn.
+    """
+
+    scene: Scene
+    request: Request
+    swept: dict[str, np.ndarray]
+    points: int
+    vary: dict[str, np.ndarray]
+    seeds: np.ndarray
+    seed: int
+
+    @property
+    def runs(self) -> int:
+        """The number of runs."""
+        return self.points * self.seeds.size
+
+    @property
+    def variation(self) -> Variation:
+        """The differences between all members of all points, point by point."""
+        each = self.seeds.size
+        swept = {key: np.repeat(values, each) for key, values in self.swept.items()}
+        vary = {key: np.tile(rows, (self.points, 1)) for key, rows in self.vary.items()}
+        return Variation(self.scene, swept | vary, self.seed, np.tile(self.seeds, self.points))
+
+    def scene_at(self, point: int) -> Scene:
+        """The scene of a point."""
+        own = {key: float(values[point]) for key, values in self.swept.items()}
+        return with_values(self.scene, own) if own else self.scene
+
+    def split(self) -> Iterator[PointSet]:
+        """Each point as a set of its own."""
+        for point in range(self.points):
+            yield self._replace(scene=self.scene_at(point), swept={}, points=1)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle the scene as text, from which plug-ins are loaded."""
+        return _unpickled, (self.scene.to_toml(), *self[1:])
+
+
+def _unpickled(scene: str, *rest: Any) -> PointSet:
+    return PointSet(scene_from(tomllib.loads(scene)), *rest)
+
+
+def point_sets(
+    grid: Grid, request: Request, members: Members
+) -> tuple[list[PointSet], list[Axis], Simulation | None]:
+    """The sets of a grid, and the axes in whose order their points are, the last fastest.
+
+    Also returns the first set as it is prepared, if it was, to see which axes one plan serves.
+
+    Raises InputError if members cannot be drawn, or values do not go together.
+    """
+    inner, simulation = _served_by_one_plan(grid, request, members)
+    outer = [axis for axis in grid.axes if axis not in inner]
+    sets = []
+    for places in np.ndindex(*(len(axis.rows) for axis in outer)):
+        own: dict[str, Any] = {}
+        for axis, place in zip(outer, places, strict=True):
+            own |= axis.at(place)
+        scene = grid.scene
+        if own or inner:
+            for axis in inner:  # together with the first values of the others
+                own = axis.at(0) | own
+            scene = with_values(scene, own)
+        scene = scene.with_heights()
+        sets.append(_set_of(scene, request, inner, members))
+    return sets, outer + inner, simulation
+
+
+def _set_of(scene: Scene, request: Request, inner: list[Axis], members: Members) -> PointSet:
+    """The points of a scene whose other values are those of some axes."""
+    places = np.array(list(np.ndindex(*(len(axis.rows) for axis in inner)))).T
+    swept = {
+        key: np.array([axis.rows[place][k] for place in own], float)
+        for axis, own in zip(inner, places, strict=True)
+        for k, key in enumerate(axis.keys)
+    }
+    variation = Variation(scene, members.vary, members.seed)
+    numbers = np.arange(members.each)
+    drawn = variation.members(numbers)
+    seeds = np.array([scene.seed]) if members.number is None else drawn.seeds
+    return PointSet(scene, request, swept, places.shape[1], drawn.values, seeds, members.seed)
+
+
+def _served_by_one_plan(
+    grid: Grid, request: Request, members: Members
+) -> tuple[list[Axis], Simulation | None]:
+    """The axes whose values can be those of members, and the simulation that shows it."""
+    candidates = [axis for axis in grid.axes if len(axis.rows) > 1 and _has_numbers(grid, axis)]
+    if not candidates:
+        return [], None
+    places = {axis.name: (len(axis.rows) // 2 if axis in candidates else 0) for axis in grid.axes}
+    own: dict[str, Any] = {}
+    for axis in grid.axes:
+        own |= axis.at(places[axis.name])
+    scene = with_values(grid.scene, own).with_heights()
+    if request.recorded(scene).output.series:
+        return [], None
+    try:
+        simulation = request.prepare(scene)
+    except InputError:
+        return [], None
+    plan, pair = simulation.plan, simulation.integrator.pair is not None
+    if plan.tuned is not None and not plan.tuned.met:
+        return [], None
+
+    def differs(key: str) -> bool:
+        if _is_start(scene, key):
+            return True
+        return not plan.automatic and can_differ(simulation.layout, [key], pair)
+
+    inner = [axis for axis in candidates if all(map(differs, axis.keys))]
+    varied = Variation(scene, members.vary, members.seed).own_numbers
+    keys = [key for axis in inner for key in axis.keys if not _is_start(scene, key)]
+    if not inner or not in_batches(simulation, [*varied, *keys]):
+        return [], None
+    return inner, simulation if len(inner) == len(grid.axes) else None
+
+
+def _has_numbers(grid: Grid, axis: Axis) -> bool:
+    """Whether all values are numbers in which members may differ."""
+    for row in axis.rows:
+        if any(isinstance(each, (str, bool)) for each in row):
+            return False
+    try:
+        for key in axis.keys:
+            size_of(grid.scene, key)
+    except InputError:
+        return False
+    return True
+
+
+def _is_start(scene: Scene, key: str) -> bool:
+    """Whether a key is of an initial angle or rate."""
+    surface, _, name = key.rpartition(".")
+    return name in UNITS and name != VELOCITY and surface in [s.name for s in scene.surfaces]
+
+
+def runs_of(
+    sets: list[PointSet], done: int, how: Execution, simulation: Simulation | None
+) -> Iterator[KeptValues]:
+    """What is kept of all runs of some sets but the first `done`, in order.
+
+    Points that cannot be run have the status "Refused".
+    """
+    left = []
+    for each in sets:
+        if done < each.runs:
+            left.append((each, max(0, done)))
+        done -= each.runs
+    if how.engine is not None and len(sets) > 1:
+        jobs = ((pickle.dumps(each), first) for each, first in left)
+        yield from run_jobs(how.engine, _run_job, jobs)
+        return
+    for each, first in left:
+        yield from _runs_of_set(each, first, how, simulation)
+
+
+def _run_job(job: tuple[bytes, int]) -> KeptValues:
+    """Run a set in a process that does not have it yet."""
+    content, first = job
+    return KeptValues.joined(list(_runs_of_set(pickle.loads(content), first, Execution(), None)))
+
+
+def _runs_of_set(
+    points: PointSet, done: int, how: Execution, simulation: Simulation | None
+) -> Iterator[KeptValues]:
+    """The runs of one set, or of its points one by one where one plan does not serve them."""
+    request = points.request
+    try:
+        if simulation is None:
+            simulation = request.prepare(points.scene_at(points.points // 2))
+        kept, variation = request.kept(simulation.layout), points.variation
+        runs = planned(simulation, kept, variation, points.runs, how.threads)
+        for found in run_members(runs, variation, range(done, points.runs), how):
+            done += found.status.size
+            yield found
+    except InputError as error:
+        if points.points == 1:
+            kept = request.kept(lay_out(request.recorded(points.scene)))
+            yield KeptValues.without_runs(kept, points.runs - done, REFUSED, str(error))
+            return
+        for point in points.split():
+            if done < point.runs:
+                yield from _runs_of_set(point, max(0, done), how, None)
+            done -= point.runs
