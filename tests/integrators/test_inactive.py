@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tribo.run import layout as layouts
 
 import tribo
 from support.continued import same_end

@@ -152,8 +152,6 @@ def closing_speeds() -> str:
 
 def listed_pairs() -> str:
     """A list has exactly the pairs within its reach, sorted, whether cells are many or one."""
-    from tribo.run import layout as layouts
-
     from tribo.kernels.neighbours import refresh
     from tribo.kernels.records import X, Y
     from tribo.layout import layout as layouts
