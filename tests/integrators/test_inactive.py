@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tribo.run import layout as layouts
 
 import tribo
 from support.continued import same_end
@@ -16,6 +15,7 @@ from tribo.layout import active, contacts
 from tribo.layout.layout import lay_out
 from tribo.loops import integrate
 from tribo.loops.general import GeneralLoop
+from tribo.run import layout as layouts
 
 VERLET = {"method": "verlet", "step": STEP}
 

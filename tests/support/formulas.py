@@ -152,11 +152,10 @@ def closing_speeds() -> str:
 
 def listed_pairs() -> str:
     """A list has exactly the pairs within its reach, sorted, whether cells are many or one."""
-    from tribo.run import layout as layouts
-
     from tribo.kernels.neighbours import refresh
     from tribo.kernels.records import X, Y
     from tribo.model.scene_file import scene_from
+    from tribo.run import layout as layouts
 
     rng = np.random.default_rng(3)
     for count, extent, box in (
