@@ -50,11 +50,11 @@ def same(one, other):
     return True
 
 
-@pytest.mark.parametrize("settings", [{}, {"statistics": True}, {"at": "samples"}])
+@pytest.mark.parametrize("settings", [{}, {"statistics": True}, {"at": "samples"}, {"keep": None}])
 def test_an_ensemble_that_stops_is_continued(settings, tmp_path):
     """After Ctrl-C, and after an end without warning, to the bits of one that does not stop."""
     out, part = tmp_path / "a.nc", tmp_path / "a.nc.part"
-    whole = ensemble(SCENE, 300, VARY, keep=KEEP, threads=1, **settings)
+    whole = ensemble(SCENE, 300, VARY, threads=1, **{"keep": KEEP, **settings})
     arguments = {"keep": KEEP, "out": out, "resume": True, **settings}
     with pytest.raises(KeyboardInterrupt) as caught:
         ensemble(SCENE, 300, VARY, progress=stop_with(KeyboardInterrupt, 128), **arguments)
@@ -120,6 +120,8 @@ def test_what_is_no_file_of_an_ensemble(tmp_path):
             ensemble(SCENE, 70, VARY, resume=True, **arguments)
 
     ensemble(SCENE, 70, VARY, progress=again, **arguments)
+    for settings in ({"statistics": True}, {"keep": None}):
+        ensemble(SCENE, 70, VARY, progress=again, **{**arguments, **settings})
     with pytest.raises(InputError, match=r"^resume: needs out"):
         ensemble(SCENE, 70, VARY, keep=KEEP, resume=True)
     for name, value in {"at": "samples", "statistics": True}.items():

@@ -15,7 +15,7 @@ from tribo.loops.frames import INTERVAL, PART, Frames
 from tribo.model.identity import Identity
 from tribo.validation import InputError, as_path, boolean
 
-# Members of those that a file has which are in memory at a time.
+# A frame of members, by the number of the first.
 CHUNK = "members"
 
 
