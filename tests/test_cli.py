@@ -24,9 +24,9 @@ SURFACE = {
     *("theta", "phi", "omega", "nu", "x_cm", "y_cm", "vx_cm", "vy_cm"),
     *("x_bob", "y_bob", "x_bar", "y_bar"),
     *("w1", "w2", "wL", "wR", "w_int", "w", "w1_ps", "w2_ps", "w_int_ps", "w_ps"),
-    *("delta_k_trans", "delta_e_int"),
+    *("delta_k_trans", "delta_e_int", "swing_energy"),
 }
-BLOCK = {"W", "W_ps", "delta_K", "delta_E_int"}
+BLOCK = {"W", "W_ps", "delta_K", "delta_E_int", "friction_work"}
 SYSTEM = {"contact_energy", "total_energy_change", "applied_work"}
 
 SCENE = """

@@ -19,6 +19,11 @@ if TYPE_CHECKING:  # "X as X" exports a name to type checkers
     from tribo.ensembles import ensemble as ensemble
     from tribo.ensembles.one_member import ensemble_member as ensemble_member
     from tribo.ensembles.sampling import grid as grid
+    from tribo.ensembles.swing_states import (
+        Canonical as Canonical,
+        EnergyBall as EnergyBall,
+        Microcanonical as Microcanonical,
+    )
     from tribo.explanation import Explanation as Explanation, explain as explain
     from tribo.model.asperite import Asperite as Asperite
     from tribo.model.bath import Bath as Bath
@@ -66,6 +71,10 @@ if TYPE_CHECKING:  # "X as X" exports a name to type checkers
     from tribo.prepared import Simulation as Simulation
     from tribo.report_card import check as check
     from tribo.results.averages import Average as Average, time_average as time_average
+    from tribo.results.exponential_average import (
+        ExponentialAverage as ExponentialAverage,
+        exponential_average as exponential_average,
+    )
     from tribo.analysis.relax import NoEquilibriumError as NoEquilibriumError, relax as relax
     from tribo.result import Result as Result
     from tribo.result import load_result as load_result
@@ -81,6 +90,7 @@ _HOME = {
     "Bath": "tribo.model.bath",
     "BornMayer": "tribo.potentials",
     "Buckingham": "tribo.potentials",
+    "Canonical": "tribo.ensembles.swing_states",
     "check": "tribo.report_card",
     "commensurate_rows": "tribo.model.rows",
     "Corrugation": "tribo.model.fields",
@@ -88,10 +98,13 @@ _HOME = {
     "Custom": "tribo.model.drives",
     "Ends": "tribo.model.drives",
     "DrivenBars": "tribo.model.drives",
+    "EnergyBall": "tribo.ensembles.swing_states",
     "ensemble": "tribo.ensembles",
     "ensemble_member": "tribo.ensembles.one_member",
     "explain": "tribo.explanation",
     "Explanation": "tribo.explanation",
+    "ExponentialAverage": "tribo.results.exponential_average",
+    "exponential_average": "tribo.results.exponential_average",
     "Field": "tribo.model.fields",
     "Forced": "tribo.model.drives",
     "Free": "tribo.model.drives",
@@ -107,6 +120,7 @@ _HOME = {
     "load_result": "tribo.result",
     "load_scene": "tribo.model.scene_file",
     "Mie": "tribo.potentials",
+    "Microcanonical": "tribo.ensembles.swing_states",
     "Morse": "tribo.potentials",
     "Numerics": "tribo.model.settings",
     "NoEquilibriumError": "tribo.analysis.relax",

@@ -77,8 +77,15 @@ def pair(potential, drives, **others):
     return tribo.Scene((upper, lower), potential, 6.0, output=output, **others)
 
 
-FORCED, FREE = tribo.Forced(), tribo.Free()
-DRIVES = [(FORCED, FORCED), (FREE, FORCED), (FORCED, FREE), (FREE, FREE)]
+FORCED, FREE, BARS = tribo.Forced(), tribo.Free(), tribo.DrivenBars()
+DRIVES = [
+    (FORCED, FORCED),
+    (FREE, FORCED),
+    (FORCED, FREE),
+    (FREE, FREE),
+    (BARS, BARS),
+    (BARS, FREE),
+]
 POTENTIALS = {
     "a formula of arithmetic": tribo.Coulomb(0.3),
     "one with functions": tribo.Morse(0.3, 1.5, 0.6),
@@ -123,7 +130,7 @@ def test_facing_and_order(monkeypatch):
 @st.composite
 def pairs(draw):
     """Random scenes that the pair's loop serves."""
-    drive = st.sampled_from((FORCED, FREE))
+    drive = st.sampled_from((FORCED, FREE, BARS))
     surfaces = [
         tribo.Surface(
             name,

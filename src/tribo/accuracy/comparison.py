@@ -35,7 +35,7 @@ PERTURBATION = 1e-11
 # any angle and rate; their own rounding is known.
 ENERGIES = {
     *("contact_energy", "total_energy_change", "delta_E_int", "delta_K"),
-    *("delta_e_int", "delta_k_trans"),
+    *("delta_e_int", "delta_k_trans", "swing_energy"),
 }
 # Statuses of runs that were ended from outside, which other settings would not change.
 FROM_OUTSIDE = (Status.INTERRUPTED, Status.CALCULATOR_FAILED)

@@ -45,6 +45,7 @@ def _sums() -> tuple[tuple[str, ...], np.ndarray]:
     members |= {f"{name}_ps": _members((name,), 1) for name in FORCES}
     members |= {"w": _members(every, 0), "w_ps": _members(every, 1)}
     members |= {"heat": [about, pseudo, TERMS - 2, TERMS - 1]}
+    members |= {"friction_work": _members(("w1",), 2)}
     members |= {"external": _members(EXTERNAL, 0), "applied": _members(APPLIED, 0)}
     table = np.zeros((TERMS, len(members)))
     for column, terms in enumerate(members.values()):
@@ -77,8 +78,9 @@ def rounding_of_terms(layout: Layout, motion: Motion, steps: int) -> dict[str, f
     else:
         parts = list(layout.parts.values())
     terms = dict(zip(SUMS, sums.max(axis=(0, 1)).tolist(), strict=True))
-    external, agents = sums[:, :, -2], sums[:, :, -1]
-    terms["W"] = max(largest(external[:, part].sum(axis=1)) for part in parts)
+    friction, external, agents = np.moveaxis(sums[:, :, -3:], 2, 0)
+    for name, each in (("W", external), ("friction_work", friction)):
+        terms[name] = max(largest(each[:, part].sum(axis=1)) for part in parts)
     terms["W_ps"] = terms["W"]
     applied = agents.sum(axis=1)
     for field in layout.model.fields or ():
@@ -162,6 +164,7 @@ def _of_energies(layout: Layout, motion: Motion) -> dict[str, float]:
     }
     return places | {
         "delta_e_int": largest(internal),
+        "swing_energy": largest(motion.swinging),
         "delta_k_trans": largest(moving + boost),
         "delta_E_int": within,
         "delta_K": bulk,

@@ -26,15 +26,17 @@ EPSILON = float(np.finfo(float).eps)
 # of the system have one of their own.
 KINDS = {name: quantity.kind for name, quantity in QUANTITIES.items()}
 KINDS |= dict.fromkeys(BLOCK_QUANTITIES | SYSTEM_QUANTITIES, "total")
+# Energies by which no others are measured: that of contacts has an arbitrary origin, those of
+# swings are no changes, and the work against friction is a part of other works.
+NOT_MEASURED = ("contact_energy", "swing_energy", "friction_work")
 # The quantities of asperites by which rates and energies are measured.
 ENERGIES = tuple(
     name
     for name, quantity in (ASPERITE_QUANTITIES | OPTIONAL_QUANTITIES).items()
-    if quantity.kind == "energy"
+    if quantity.kind == "energy" and name not in NOT_MEASURED
 )
-# The quantities of surfaces and of the system by which their energies are measured.  The energy of
-# contacts is none: it has an arbitrary origin.
-TOTALS = tuple(name for name, kind in KINDS.items() if kind == "total" and name != "contact_energy")
+# The quantities of surfaces and of the system by which their energies are measured.
+TOTALS = tuple(n for n, kind in KINDS.items() if kind == "total" and n not in NOT_MEASURED)
 # Energies of a position, with which those of the motion are compared.
 POTENTIALS = ("contact_energy", "field_energy")
 MEASURED = ("omega", "nu", *ENERGIES, *TOTALS, *POTENTIALS)

@@ -14,6 +14,7 @@ import numpy as np
 from tribo.commands.scene_options import load
 from tribo.ensembles.members import Distribution, Source
 from tribo.ensembles.sampling import Sampler, dimensions, grid
+from tribo.ensembles.swing_states import Canonical, EnergyBall, Microcanonical, SwingStates
 from tribo.files import netcdf_target, replace_file, strict_json
 from tribo.interrupts import COMPLETED, STOPPED, also_in_part
 from tribo.kernels.status import Status
@@ -32,7 +33,8 @@ VARIED = re.compile(r"\s*(?P<key>[^=\s]+)\s*=\s*(?P<name>\w+)\((?P<numbers>[^()]
 # The same in words.
 FORM = (
     "KEY=normal(MEAN,DEVIATION), KEY=uniform(LOW,HIGH) or KEY=grid(FIRST,LAST,POINTS), with "
-    "DEVIATION > 0, LOW < HIGH and POINTS >= 1"
+    "DEVIATION > 0, LOW < HIGH and POINTS >= 1, or SURFACE.swing_state=canonical(TEMPERATURE), "
+    "microcanonical(ENERGY) or energy_ball(ENERGY)"
 )
 
 
@@ -61,10 +63,13 @@ def _check(right: bool) -> None:
 
 
 # What can be given for a key, by name.
-SOURCES: dict[str, Callable[..., Distribution | np.ndarray]] = {
+SOURCES: dict[str, Callable[..., Distribution | SwingStates | np.ndarray]] = {
     "normal": _normal,
     "uniform": _uniform,
     "grid": _grid,
+    "canonical": Canonical,
+    "microcanonical": Microcanonical,
+    "energy_ball": EnergyBall,
 }
 
 
@@ -80,7 +85,7 @@ def varied(texts: Sequence[str]) -> dict[str, Source]:
     return dict(grid(axes)) if axes else dict(sources)
 
 
-def _varied(text: str) -> tuple[str, Distribution | np.ndarray]:
+def _varied(text: str) -> tuple[str, Distribution | SwingStates | np.ndarray]:
     found = VARIED.fullmatch(text)
     try:
         assert found is not None

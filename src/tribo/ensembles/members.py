@@ -16,6 +16,7 @@ from typing import Any, NamedTuple, Protocol, Self, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tribo.ensembles.swing_states import JointStart, SwingStates, joint_starts
 from tribo.integrators.methods import noisy
 from tribo.model.initial import UNITS, UNITS_OF_DISPLACEMENTS
 from tribo.model.parameters import PARTS, is_parameter, with_values
@@ -36,7 +37,7 @@ class Distribution(Protocol):
 
 
 # The values of a quantity: an array with a row for each member, or a distribution.
-Source = Distribution | ArrayLike
+Source = Distribution | SwingStates | ArrayLike
 
 
 class Members(NamedTuple):
@@ -144,7 +145,7 @@ class Variation:
         of the ensemble
     vary
         "surface.theta" (or another initial value) or "surface.velocity" -> an array with a row for
-        each member, or a distribution
+        each member, or a distribution; "surface.swing_state" -> one of swings and rates together
     seed
         of the ensemble
 
@@ -172,8 +173,13 @@ class Variation:
         self._distributions: dict[str, Distribution] = {}
         self.sizes: dict[str, int] = {}
         with inside("vary"):
-            for key, source in vary.items():
+            self._joint = joint_starts(scene, vary)
+            for key, source in [*vary.items(), *self._joint.items()]:
+                if isinstance(source, SwingStates):
+                    continue
                 size = self.sizes[key] = size_of(scene, key)
+                if isinstance(source, JointStart):
+                    continue
                 if isinstance(source, Distribution):
                     self._distributions[key] = source
                 else:
@@ -188,7 +194,7 @@ class Variation:
         self._last_seeds: tuple[int, np.ndarray] = (-1, np.empty(0))
         self._last_draws: dict[str, tuple[int, np.ndarray]] = {}
         of_start = [f"{s.name}.{name}" for s in scene.surfaces for name in UNITS]
-        self.own_numbers = tuple(key for key in vary if key not in of_start)
+        self.own_numbers = tuple(key for key in self.sizes if key not in of_start)
         self.own_scenes = bool(self.own_numbers) or is_random(scene)
 
     @property
@@ -232,6 +238,9 @@ class Variation:
         """The values of one quantity in some members, (members, 1) or (members, size)."""
         if key in self._arrays:
             rows = self._arrays[key][numbers]
+        elif key in self._joint:
+            each = self._joint[key].block
+            rows = _of_blocks(numbers, each, lambda block: self._draw_joint(key, block))
         else:
             each = self._members_in_block(key)
             rows = _of_blocks(numbers, each, lambda block: self._draw(key, block))
@@ -269,6 +278,11 @@ class Variation:
         rows = value.reshape(members, -1)
         self._last_draws[key] = block, rows
         return rows
+
+    def _draw_joint(self, key: str, block: int) -> np.ndarray:
+        """The values of one of the quantities that are drawn together, in a block of members."""
+        joint = self._joint[key]
+        return joint.draw(block, np.random.default_rng(self._sequence(block, joint.name)))[key]
 
 
 def is_random(scene: Scene) -> bool:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tribo.ensembles.members import VELOCITY, Distribution, Source, size_of
+from tribo.ensembles.swing_states import joint_starts
 from tribo.model.scene import Scene
 from tribo.validation import InputError, inside, short_repr, vector
 
@@ -72,9 +73,10 @@ def sampled(
         raise InputError("n", "is missing; a sampler needs the number of members")
     found = dict(vary)
     with inside("vary"):
+        joint = {each.name: each for each in joint_starts(scene, vary).values()}
         drawn = dimensions(scene, vary)
         for key in drawn:
-            if not hasattr(vary[key], "ppf"):
+            if key not in joint and not hasattr(vary[key], "ppf"):
                 raise InputError(key, "must have ppf, as a distribution of scipy.stats has")
     if sampler.d != sum(drawn.values()):
         raise InputError(
@@ -83,7 +85,12 @@ def sampled(
         )
     points, first = copy.deepcopy(sampler).random(n), 0
     for key, size in drawn.items():
-        found[key] = vary[key].ppf(points[:, first : first + size])  # type: ignore[union-attr]
+        own = points[:, first : first + size]
+        if key in joint:
+            del found[key]
+            found |= joint[key].values(own)
+        else:
+            found[key] = vary[key].ppf(own)  # type: ignore[union-attr]
         first += size
     return found
 
@@ -93,8 +100,13 @@ def dimensions(scene: Scene, vary: Mapping[str, Source]) -> dict[str, int]:
 
     Raises InputError if a key names no quantity of the scene.
     """
+    joint = {each.name: each.dimensions for each in joint_starts(scene, vary).values()}
     return {
-        key: 1 if key.endswith(f".{VELOCITY}") else size_of(scene, key)
+        key: joint[key] if key in joint else _size(scene, key)
         for key, source in vary.items()
-        if isinstance(source, Distribution)
+        if key in joint or isinstance(source, Distribution)
     }
+
+
+def _size(scene: Scene, key: str) -> int:
+    return 1 if key.endswith(f".{VELOCITY}") else size_of(scene, key)

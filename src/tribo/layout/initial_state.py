@@ -95,7 +95,7 @@ class InitialState:
         InputError
             A name cannot be used.
         """
-        if any(key.endswith((".phi", ".swing")) for key in values):
+        if any(key.endswith(".phi") for key in values) or _twice(values):
             return np.array([self._of_member(values, m, int(s)) for m, s in enumerate(seeds)])
         y = np.tile(self._layout.start, (seeds.size, 1))
         if self._is_drawn:
@@ -130,6 +130,11 @@ class InitialState:
         if not given and surface.initial_swing is None:
             swing, phi = (_slots(self._layout, f"{name}.{key}")[0] for key in ("swing", "phi"))
             y[swing] = y[phi]
+
+
+def _twice(values: Mapping[str, np.ndarray]) -> bool:
+    """Whether some surface has both a theta and a swing."""
+    return any(f"{key.removesuffix('.swing')}.theta" in values for key in values)
 
 
 def _slots(layout: Layout, key: str) -> Slots:

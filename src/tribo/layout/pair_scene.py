@@ -52,11 +52,14 @@ class Factors:
     linear : dict
         Those of linear functions of s by their keys, (columns, ...); without the arcs where these
         have no part.
+    driven : Layout or None
+        The scene's layout, if its bars are driven: the reactions on them are not linear.
     """
 
     state: np.ndarray
     accounts: np.ndarray
     linear: dict[Hashable, np.ndarray]
+    driven: Layout | None
 
     @cached_property
     def columns(self) -> np.ndarray:
@@ -100,6 +103,7 @@ def factors_of(
             to_accounts[..., slots.acc_ends, arc] = -a["l2"] * a["facing"] * end
             to_accounts[..., slots.acc_ends + 1, arc] = a["l2"] * a["facing"] * end
             to_accounts[..., slots.acc_ends + 3, first + twist] = end
+            to_accounts[..., slots.acc_ends + 4, arc] = a["pivot"] * a["facing"] * end
     return to_state, to_accounts
 
 
@@ -112,7 +116,7 @@ def mobility_of(layout: Layout, asperites: np.ndarray) -> np.ndarray:
 def record_of(
     asperites: np.ndarray, depths: np.ndarray, charges: np.ndarray, mobility: np.ndarray
 ) -> np.ndarray:
-    """Scenes as the loop reads them.
+    """Scenes as the loop reads them; driven bars take the place of centres of mass.
 
     Parameters
     ----------
@@ -131,15 +135,18 @@ def record_of(
     record = np.zeros(a.shape[:-1], PAIR)
     for name, of in (("gap_x", "x"), ("gap_y", "y"), ("velocity_x", "vx"), ("velocity_y", "vy")):
         record[name] = a[of][..., 0] - a[of][..., 1]
+    raised = a["facing"] * a["pivot"]
+    record["gap_y"] += raised[..., 0] - raised[..., 1]
     record["z_squared"] = (depths[0] - depths[1]) ** 2
     record["mobility"] = mobility[..., 0] - mobility[..., 1]
     for i, sign in enumerate((1.0, -1.0)):
         one, free = a[..., i], mobility[..., i] != 0.0
-        lever = sign * one["facing"] / one["inertia"]
+        inertia = one["inertia"] + one["mass"] * one["pivot"] ** 2
+        lever = sign * one["facing"] / inertia
         across = one["l1"] + one["l2"]
         record[f"charge{i + 1}"] = charges[..., i]
-        record[f"arm{i + 1}"] = one["facing"] * one["l1"]
+        record[f"arm{i + 1}"] = one["facing"] * (one["l1"] + one["pivot"])
         record[f"lever_x{i + 1}"] = lever * np.where(free, one["l1"], across)
         record[f"lever_y{i + 1}"] = lever * across
-        record[f"omega_squared{i + 1}"] = one["kappa"] / one["inertia"]
+        record[f"omega_squared{i + 1}"] = one["kappa"] / inertia
     return record

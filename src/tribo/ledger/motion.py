@@ -152,6 +152,12 @@ class Motion:
         swing, bar, spring = self.energies
         return swing + bar + spring
 
+    @property
+    def swinging(self) -> np.ndarray:
+        """The energy that belongs to the drive: the internal one, on driven bars about the bar."""
+        a = self.span.asperites
+        return np.asarray(self.energy + 0.5 * a.mass * (a.pivot * self.omega) ** 2)
+
     @cached_property
     def internal(self) -> np.ndarray:
         """Change of the internal energy."""

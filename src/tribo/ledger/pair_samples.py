@@ -11,6 +11,7 @@ import numpy as np
 
 from tribo.kernels.samples import STORED
 from tribo.layout.pair_scene import Factors
+from tribo.ledger.reactions import add_reactions
 from tribo.ledger.samples import Samples
 from tribo.pair.loop import COLUMNS, ENERGY
 from tribo.pair.step_rows import Q1, Q2
@@ -52,7 +53,13 @@ class PairSamples(Samples):
     @cached_property
     def s(self) -> np.ndarray:  # type: ignore[override]
         """Accounts, (times, accounts)."""
-        return self._columns @ self._factors.accounts.T
+        s = self._columns @ self._factors.accounts.T
+        if self._factors.driven is not None:
+            start = self._first[:, self._factors.columns] * self._factors.multiples
+            add_reactions(
+                self._factors.driven, self.y, s, np.tile(start, (self.t.size // self.runs, 1))
+            )
+        return s
 
     @property
     def contact(self) -> np.ndarray:  # type: ignore[override]
@@ -76,6 +83,8 @@ class PairSamples(Samples):
 
     def linear(self, key: Hashable, function: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
         """The value of a linear function of `s`, from the record's columns that it depends on."""
+        if self._factors.driven is not None:
+            return function(self.s)
         factors = self._factors.linear.get(key)
         if factors is None:
             factors = function(self._factors.accounts.T)

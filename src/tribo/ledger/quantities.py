@@ -97,6 +97,9 @@ ASPERITE_QUANTITIES = {
         "energy", "change of translational kinetic energy", _each(lambda e: e.kinetic)
     ),
     "delta_e_int": Quantity("energy", "change of internal energy", _each(lambda e: e.internal)),
+    "swing_energy": Quantity(
+        "energy", "energy of the pendulum in the frame of its bar", _each(lambda e: e.swinging)
+    ),
 }
 # Of each asperite of a surface with a field.
 FIELD_QUANTITIES = {
@@ -123,6 +126,11 @@ BLOCK_QUANTITIES = {
     ),
     "delta_E_int": Quantity(
         "energy", "change of the surface's internal energy", lambda whole: whole.change_of_internal
+    ),
+    "friction_work": Quantity(
+        "energy",
+        "work against the contact force at the surface's velocity",
+        Linear(SurfaceSeries.friction),
     ),
 }
 # Of the whole system.

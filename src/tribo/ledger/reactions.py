@@ -9,11 +9,10 @@ from tribo.layout.layout import Layout
 from tribo.layout.span import Span
 from tribo.ledger.accounts import FORCES, Accounts
 from tribo.ledger.motion import about_pivots
-from tribo.ledger.samples import Samples
 
 
-def add_reactions(layout: Layout, samples: Samples, start: np.ndarray) -> None:
-    """Set the accounts of f2 on driven bars in `samples`.
+def add_reactions(layout: Layout, y: np.ndarray, s: np.ndarray, start: np.ndarray) -> None:
+    """Set the accounts of f2 on driven bars in `s`, whose rows are of the coordinates in `y`.
 
     The impulse is M (v_cm - v_cm(0)) less all other impulses, the pseudowork the change of kinetic
     energy less all other pseudoworks.  In the frame of the bars f2 does no work.  `start` is y at
@@ -21,19 +20,19 @@ def add_reactions(layout: Layout, samples: Samples, start: np.ndarray) -> None:
     """
     for index in range(len(layout.parts)):
         if layout.surfaces[index].drive == BARS and layout.surfaces[index].acc_drive >= 0:
-            changes = [_changes(layout, span, samples, start) for span in layout.spans[index]]
+            changes = [_changes(layout, span, y, start) for span in layout.spans[index]]
             if layout.model.sums is not None:
                 changes = [_in_first_lane(changes, layout.surfaces[index].account_stride)]
             for span, change in zip(layout.accounted_spans[index], changes, strict=True):
-                _add(Accounts(span, samples.s), samples.s, change)
+                _add(Accounts(span, s), s, change)
 
 
-def _changes(layout: Layout, span: Span, samples: Samples, start: np.ndarray) -> np.ndarray:
+def _changes(layout: Layout, span: Span, y: np.ndarray, start: np.ndarray) -> np.ndarray:
     """Changes of momentum along x and y and of kinetic energy, (3, times, asperites)."""
     a = span.asperites
     (vx0, vy0), (vx, vy) = (
-        about_pivots(a, y[:, span.place], y[:, layout.core :][:, span.place])[2:]
-        for y in (start, samples.y)
+        about_pivots(a, each[:, span.place], each[:, layout.core :][:, span.place])[2:]
+        for each in (start, y)
     )
     kinetic = 0.5 * a.mass * (vx**2 + vy**2 - vx0**2 - vy0**2)
     return np.stack([a.mass * (vx - vx0), a.mass * (vy - vy0), kinetic])

@@ -122,6 +122,10 @@ class SurfaceSeries(AsperiteSeries):
         # Surfaces keep their momentum, or a constraint provides its change.
         return boost + self.samples.change(self._bulk) if self._record.drive == BARS else boost
 
+    def friction(self, integrals: Integrals) -> np.ndarray:
+        """Minus the work of the contact's impulse at the initial velocity of the surface."""
+        return 0.0 - self._sum_over(integrals, ("w1",), Account.boost)
+
     def applied(self, integrals: Integrals) -> np.ndarray:
         """The work of outside agents."""
         return self._sum_over(integrals, APPLIED, Account.work)

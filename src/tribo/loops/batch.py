@@ -69,6 +69,13 @@ class MemberRuns(NamedTuple):
         """Which members reached the end, (members,)."""
         return np.asarray(self.counts[:, CODE] == COMPLETED)
 
+    @classmethod
+    def of(cls, layout: Layout, samples: Samples, counts: np.ndarray) -> MemberRuns:
+        """The runs with these samples, to which the reactions on driven bars are added."""
+        if layout.model.pivots is not None:
+            add_reactions(layout, samples.y, samples.s, samples.at_start(samples.y))
+        return cls(layout, samples, counts)
+
     def of_members(self, selected: np.ndarray) -> MemberRuns:
         """The runs of some members, by their indices or a mask."""
         layout = self.layout
@@ -100,7 +107,7 @@ class RecordingLoop(ABC):
         """Run members, fill in their samples (members, times, ...), and return their counts."""
 
     def run(self, setting: Setting, starts: MemberStarts) -> MemberRuns:
-        """Run members with a step or tolerances, and add the reactions on driven bars."""
+        """Run members with a step or tolerances, and return their samples."""
         layout, times, members = self.layout, self.layout.times, len(starts.y)
         columns = sample_columns(layout, padded(members), times.size)
         counts = self.fill(setting, starts, columns)
@@ -111,9 +118,7 @@ class RecordingLoop(ABC):
         samples = Samples.of_runs(members, np.repeat(times, members), *each_time)
         if starts.numbers is not None:
             layout = LayoutOfMembers.of(layout, starts.numbers)
-        if layout.model.pivots is not None:
-            add_reactions(layout, samples, samples.at_start(samples.y))
-        return MemberRuns(layout, samples, counts)
+        return MemberRuns.of(layout, samples, counts)
 
 
 def padded(members: int) -> int:

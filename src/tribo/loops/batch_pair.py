@@ -115,7 +115,7 @@ def pair_runs(
         return MemberRuns(layout, found, counts)
     mobility = mobility_of(layout, numbers.asperites)
     own = found.with_factors(*factors_of(layout, numbers.asperites, mobility))
-    return MemberRuns(LayoutOfMembers.of(layout, numbers), own, counts)
+    return MemberRuns.of(LayoutOfMembers.of(layout, numbers), own, counts)
 
 
 def records_of(layout: Layout, numbers: MemberNumbers) -> np.ndarray:

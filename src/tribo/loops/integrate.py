@@ -227,7 +227,9 @@ def integrate(
         new = _recorded(loop, portion, columns, status)
         if before is not None and first == 0:
             new = before.then(new)
-        add_reactions(loop.layout, new, (new if held is None else held).y[:1])
+        if loop.layout.model.pivots is not None:
+            start = (new if held is None else held).y[:1]
+            add_reactions(loop.layout, new.y, new.s, start)
         # No other name holds on to samples, whose memory large scenes need for the next ones.
         earlier = 0 if held is None else held.t.size
         held = new if held is None else held.then(new)

@@ -12,7 +12,7 @@ from tribo.compiler.lanes import LANES
 from tribo.integrators.collocation import Collocation
 from tribo.integrators.methods import Method
 from tribo.integrators.step_control import Tolerance
-from tribo.kernels.records import CHARGE, CLOCK, FORCED, FREE, Z
+from tribo.kernels.records import BARS, CHARGE, CLOCK, FORCED, FREE, Z
 from tribo.kernels.status import COMPLETED, PAUSED, Status
 from tribo.layout.layout import Layout
 from tribo.layout.pair_scene import FIRST_ACCOUNT, Factors, factors_of, mobility_of, record_of
@@ -49,6 +49,7 @@ from tribo.plugins.sources import source_stamp
 
 # Effects of scenes that the loop of a pair knows.
 KNOWN = {Effect.CONTACT, Effect.SWING, Effect.SLIDING, Effect.CLAMPED_ENDS, Effect.CUTOFF}
+KNOWN |= {Effect.DRIVEN_BARS}
 
 # First step in units of the one that is usual: the loop's method is of order 15, and a first step
 # that is too long costs one rejection only.
@@ -66,7 +67,7 @@ def has_pair_loop(layout: Layout, method: Method) -> bool:
 
 
 def is_pair(layout: Layout) -> bool:
-    """Whether a scene is one asperite on one, forced or free, with bars clamped at rest.
+    """Whether a scene is one asperite on one, with bars clamped at rest, forced, free or driven.
 
     Centres of mass start where they rest, with their surface's velocity: the loop has one number
     for the impulse of the contact and for their rates.
@@ -82,7 +83,7 @@ def is_pair(layout: Layout) -> bool:
         and model.species is None
         and layout.rows == 0
         and len(model.contacts[0].pairs) == 1
-        and bool(np.all(np.isin(surfaces.drive, (FORCED, FREE)) & (surfaces.loaded == 0)))
+        and bool(np.all(np.isin(surfaces.drive, (FORCED, FREE, BARS)) & (surfaces.loaded == 0)))
         and bool(np.all((a.dof_phi < 0) & (a.phi == 0.0) & (a.nu == 0.0) & (a.dof_y < 0)))
     )
 
@@ -124,7 +125,8 @@ class Pair:
         depths, charges = layout.model.each[[Z, CHARGE]][:, layout.places.columns]
         record = record_of(asperites[None], depths, charges, mobility)
         self.scene_arguments = record, layout.model.contacts[0].potential
-        self.factors = Factors(*factors_of(layout, asperites, mobility), {})
+        driven = layout if layout.model.pivots is not None else None
+        self.factors = Factors(*factors_of(layout, asperites, mobility), {}, driven)
         self._first_step, self._order = FIRST_STEP_FACTOR * first_step, method.order
         assert isinstance(method.coefficients, Collocation)
         self._coefficients = method.coefficients

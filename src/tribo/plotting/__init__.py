@@ -16,6 +16,7 @@ Lengths in drawings are in the scene's units.  Sizes of letters, gaps and margin
 from tribo.plotting.animation import animate
 from tribo.plotting.comparison import compare
 from tribo.plotting.geometry import AsperiteGeometry, SceneGeometry, scene_geometry, shifted
+from tribo.plotting.histogram import reflected_histogram
 from tribo.plotting.overview import overview
 from tribo.plotting.plots import Plots
 from tribo.plotting.series import WORKS, angle_curve, spread, work_curves
@@ -65,6 +66,7 @@ __all__ = [
     "frame",
     "note",
     "overview",
+    "reflected_histogram",
     "save",
     "scene_geometry",
     "sequence",

@@ -1,0 +1,254 @@
+"""Starts of pendulums from the ensembles of statistical mechanics, in the energy of the drive.
+
+Without contact a pendulum keeps e = 1/2 J omega^2 + 1/2 kappa (theta - phi - rest)^2.  J is
+m1 l1^2 + m2 l2^2, or m1 length^2 on driven bars: with it, angles and rates move as an
+incompressible fluid, which theorems on mean energies need.  In these variables a start of N
+pendulums has N energies and N phases.  The phases are uniform; the energies are drawn by the
+ensemble, from numbers that are uniform between 0 and 1.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from tribo.model.drives import DrivenBars
+from tribo.model.scene import Scene
+from tribo.model.surface import Surface
+from tribo.validation import NOT_NEGATIVE, POSITIVE, InputError, number, short_repr
+
+SWING_STATE = "swing_state"
+EVERY = "*"
+# Keys of a surface that cannot differ between members whose starts are drawn in these energies.
+FIXED = ("swing", "theta", "phi", "omega", "temperature")
+FIXED_OF_ASPERITE = ("kappa", "m1", "m2", "length")
+# Uniform numbers that are drawn at once, at least those of one member.
+BLOCK = 16_384
+
+
+class SwingStates(ABC):
+    """A distribution of the energies of pendulums."""
+
+    @abstractmethod
+    def uniforms(self, count: int) -> int:
+        """The uniform numbers from which the energies of `count` pendulums are drawn."""
+
+    @abstractmethod
+    def energies(self, uniforms: np.ndarray, count: int) -> np.ndarray:
+        """Energies (members, count), from numbers (members, uniforms)."""
+
+
+@dataclass(frozen=True)
+class Canonical(SwingStates):
+    """Pendulums in thermal equilibrium: swings and rates are independent normal deviates.
+
+    Attributes
+    ----------
+    temperature : float
+        Temperature [energy], with k_B = 1.
+
+    Raises
+    ------
+    InputError
+        It is negative.
+    """
+
+    temperature: float
+
+    def __post_init__(self) -> None:
+        given = number("temperature", self.temperature, NOT_NEGATIVE, "energy")
+        object.__setattr__(self, "temperature", given)
+
+    def uniforms(self, count: int) -> int:
+        """One for each energy."""
+        return count
+
+    def energies(self, uniforms: np.ndarray, count: int) -> np.ndarray:
+        """Exponential deviates."""
+        return -self.temperature * np.log1p(-uniforms)
+
+
+@dataclass(frozen=True)
+class Microcanonical(SwingStates):
+    """Pendulums whose energies have one sum, and are uniform among all such energies.
+
+    Attributes
+    ----------
+    energy : float
+        The sum, or the energy of a single pendulum [energy].
+
+    Raises
+    ------
+    InputError
+        It is not positive.
+    """
+
+    energy: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "energy", number("energy", self.energy, POSITIVE, "energy"))
+
+    def uniforms(self, count: int) -> int:
+        """The last energy is what the others leave."""
+        return count - 1
+
+    def energies(self, uniforms: np.ndarray, count: int) -> np.ndarray:
+        """Shares of the energy."""
+        return self.energy * _shares(uniforms)
+
+
+@dataclass(frozen=True)
+class EnergyBall(SwingStates):
+    """Pendulums whose energies have at most some sum, uniform in the space of angles and rates.
+
+    The probability of a sum of at most e is (e / energy)^N, for N pendulums.
+
+    Attributes
+    ----------
+    energy : float
+        The largest sum [energy].
+
+    Raises
+    ------
+    InputError
+        It is not positive.
+    """
+
+    energy: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "energy", number("energy", self.energy, POSITIVE, "energy"))
+
+    def uniforms(self, count: int) -> int:
+        """The sum and the shares of it."""
+        return count
+
+    def energies(self, uniforms: np.ndarray, count: int) -> np.ndarray:
+        """Shares of a sum."""
+        return self.energy * uniforms[:, :1] ** (1.0 / count) * _shares(uniforms[:, 1:])
+
+
+def _shares(uniforms: np.ndarray) -> np.ndarray:
+    """Uniform shares of 1, (members, n + 1), each cut off what those before it have left."""
+    parts = uniforms.shape[1]
+    left = (1.0 - uniforms) ** (1.0 / np.arange(parts, 0, -1))
+    after = np.cumprod(np.pad(left, ((0, 0), (1, 0)), constant_values=1.0), axis=1)
+    return after * np.pad(1.0 - left, ((0, 0), (0, 1)), constant_values=1.0)
+
+
+class JointStart:
+    """The starts of all pendulums of some surfaces, drawn together.
+
+    Parameters
+    ----------
+    name : str
+        Their key, "surface.swing_state" or "*.swing_state".
+    states : SwingStates
+        The distribution of their energies.
+    surfaces : list of Surface
+        The surfaces.
+
+    Attributes
+    ----------
+    name
+        As given.
+    keys : tuple of str
+        "surface.swing" and "surface.omega" of each.
+    dimensions : int
+        The numbers that a member draws.
+    block : int
+        Members that are drawn at once.
+    """
+
+    def __init__(self, name: str, states: SwingStates, surfaces: list[Surface]) -> None:
+        self.name = name
+        self._states = states
+        self._stops = np.cumsum([surface.count for surface in surfaces])
+        self._stiffness = np.concatenate([surface.each["kappa"] for surface in surfaces])
+        self._inertia = np.concatenate([swing_inertia(surface) for surface in surfaces])
+        self._phi = np.concatenate([_bar_angles(surface) for surface in surfaces])
+        self.keys = tuple(f"{s.name}.{part}" for s in surfaces for part in ("swing", "omega"))
+        self.dimensions = states.uniforms(self._phi.size) + self._phi.size
+        self.block = max(1, BLOCK // self.dimensions)
+        self._last: tuple[int, dict[str, np.ndarray]] = -1, {}
+
+    def draw(self, block: int, rng: np.random.Generator) -> dict[str, np.ndarray]:
+        """Key -> (block, asperites) of a block of members, which `rng` is for."""
+        if self._last[0] != block:
+            self._last = block, self.values(rng.random((self.block, self.dimensions)))
+        return self._last[1]
+
+    def values(self, points: np.ndarray) -> dict[str, np.ndarray]:
+        """Key -> (members, asperites), from points in the unit cube (members, dimensions)."""
+        count = self._phi.size
+        first = self.dimensions - count
+        energies = self._states.energies(points[:, :first], count)
+        phases = 2.0 * np.pi * points[:, first:]
+        swing = self._phi + np.sqrt(2.0 * energies / self._stiffness) * np.cos(phases)
+        omega = np.sqrt(2.0 * energies / self._inertia) * np.sin(phases)
+        columns = [np.split(each, self._stops[:-1], axis=1) for each in (swing, omega)]
+        both = (each for pair in zip(*columns, strict=True) for each in pair)
+        return dict(zip(self.keys, both, strict=True))
+
+
+def _bar_angles(surface: Surface) -> np.ndarray:
+    phi = surface.initial.for_each(surface.count)["phi"]
+    return np.zeros(surface.count) if phi is None else phi
+
+
+def swing_inertia(surface: Surface) -> np.ndarray:
+    """The inertia J in the energy that belongs to the drive, of each asperite."""
+    each = surface.each
+    if isinstance(surface.drive, DrivenBars):
+        return np.asarray(each["m1"] * each["length"] ** 2)
+    return each["inertia"]
+
+
+def joint_starts(scene: Scene, vary: Mapping[str, Any]) -> dict[str, JointStart]:
+    """The starts that are drawn together, by the keys of all that they draw.
+
+    Raises
+    ------
+    InputError
+        A key or its value cannot be used, or a pendulum has no such energy.
+    """
+    found: dict[str, JointStart] = {}
+    for name, source in vary.items():
+        if (name.rpartition(".")[2] == SWING_STATE) != isinstance(source, SwingStates):
+            raise InputError(
+                name,
+                "must be tribo.Canonical, Microcanonical or EnergyBall for the keys "
+                f'"surface.{SWING_STATE}" and "*.{SWING_STATE}", and for these alone, got '
+                f"{short_repr(source)}",
+            )
+        if isinstance(source, SwingStates):
+            joint = JointStart(name, source, _swinging(scene, name, vary))
+            for key in joint.keys:
+                if key in found:
+                    raise InputError(name, f"cannot go with {found[key].name}, which draws {key}")
+            found |= dict.fromkeys(joint.keys, joint)
+    return found
+
+
+def _swinging(scene: Scene, key: str, vary: Mapping[str, Any]) -> list[Surface]:
+    """The surfaces that a key names, whose pendulums have an energy that they keep."""
+    name = key.rpartition(".")[0]
+    surfaces = [each for each in scene.surfaces if name in (each.name, EVERY)]
+    if not surfaces:
+        raise InputError(key, f"must name a surface of the scene, got {name!r}")
+    for surface in surfaces:
+        kappa = surface.each["kappa"]
+        if not np.all((kappa > 0.0) & np.isfinite(kappa)):
+            raise InputError(key, f"needs a finite {surface.name}.asperite.kappa > 0")
+        if surface.initial.temperature:
+            raise InputError(key, f"cannot go with {surface.name}.initial.temperature")
+        others = [f"{surface.name}.{own}" for own in FIXED]
+        others += [f"{surface.name}.asperite.{own}" for own in FIXED_OF_ASPERITE]
+        for other in others:
+            if other in vary:
+                raise InputError(key, f"cannot go with {other} in vary")
+    return surfaces

@@ -1,0 +1,103 @@
+"""The mean of exp(-w / T), with an interval, and whether that interval can be trusted.
+
+The mean may be carried by values that are rarely drawn: a gain w of -5 T counts 150 times as much
+as one of zero.  If exp(-w / T) exceeds z with a probability that falls as z^-a, its variance is
+finite for a > 2 only, and the usual interval is too short otherwise.  The index a is estimated from
+the largest values (B. M. Hill, Annals of Statistics 3, 1163 (1975)).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tribo.validation import POSITIVE, InputError, number, vector
+
+# Of a normal deviate: 95 % are below it in magnitude.
+NORMAL = 1.959964
+# Fewest values that can carry half of the mean of an interval that is trusted: with so many, sums
+# are nearly normal.
+FEWEST_CARRIERS = 100
+# Tail index above which the variance is finite.
+FINITE_VARIANCE = 2.0
+# Fewest values that can be judged.
+FEWEST = 100
+
+
+@dataclass(frozen=True)
+class ExponentialAverage:
+    """The mean of exp(-w / T).
+
+    Attributes
+    ----------
+    mean : float
+        Over all values.
+    half_width : float
+        Of its 95 % interval, by the central limit theorem.
+    tail_index : float
+        Index a of the largest values: the probability to exceed z falls as z^-a.
+    carriers : int
+        How many of the largest values make half of the sum.
+    trusted : bool
+        Whether the interval can be trusted: the index is above 2 by two standard errors, and there
+        are at least 100 carriers.  Values that are rarer than one in all drawn remain unknown.
+    """
+
+    mean: float
+    half_width: float
+    tail_index: float
+    carriers: int
+    trusted: bool
+
+    def __str__(self) -> str:
+        text = f"{self.mean:.6g} +- {self.half_width:.2g}"
+        if self.trusted:
+            return text
+        return (
+            f"{text} (not to be trusted: half of it is carried by {self.carriers} values, whose "
+            f"tail index is {self.tail_index:.2g})"
+        )
+
+
+def exponential_average(work: ArrayLike, temperature: float) -> ExponentialAverage:
+    """Estimate the mean of exp(-w / T), as in the equalities of Bochkov, Kuzovlev and Jarzynski.
+
+    Parameters
+    ----------
+    work : array_like, (members,)
+        Works w, or gains of energy [energy]; at least 100.
+    temperature : float
+        Temperature T [energy], with k_B = 1.  For surfaces at different temperatures, take the sum
+        of their gains over their temperatures as `work`, and 1 here.
+
+    Returns
+    -------
+    ExponentialAverage
+
+    Raises
+    ------
+    InputError
+        The works are no list of at least 100 finite numbers, or the temperature is not positive.
+    """
+    works = np.sort(vector("work", work))
+    if works.size < FEWEST:
+        raise InputError("work", f"must have at least {FEWEST} values, got {works.size}")
+    exponents = -works / number("temperature", temperature, POSITIVE, "energy")
+    top = exponents[0]
+    weights = np.exp(exponents - top)  # relative to the largest, descending
+    carriers = int(np.searchsorted(np.cumsum(weights), 0.5 * weights.sum())) + 1
+    tail = int(np.sqrt(works.size))
+    excess = float(np.mean(exponents[:tail] - exponents[tail]))
+    index = np.inf if excess == 0.0 else 1.0 / excess
+    finite = index * (1.0 - 2.0 / np.sqrt(tail)) > FINITE_VARIANCE
+    half = NORMAL * np.std(weights, ddof=1) / np.sqrt(works.size)
+    scale = np.exp(top)
+    return ExponentialAverage(
+        float(scale * weights.mean()),
+        float(scale * half),
+        float(index),
+        carriers,
+        bool(finite and carriers >= FEWEST_CARRIERS),
+    )

@@ -1,0 +1,29 @@
+"""Histograms with their mirror images."""
+
+import numpy as np
+import pytest
+
+from tribo import InputError, plotting
+
+
+def test_densities():
+    """Both integrate to one, and the weighted mirror image of Gaussian works is their density."""
+    mean = 0.3
+    works = np.random.default_rng(1).normal(mean, np.sqrt(2.0 * mean), 200_000)
+    ax = plotting.reflected_histogram(works, temperature=1.0, bins=40)
+    _, own, mirrored = (patch.get_data() for patch in ax.patches)
+    for values, edges, _ in (own, mirrored):
+        assert abs(np.sum(values * np.diff(edges)) - 1.0) < 1e-12
+    np.testing.assert_array_equal(own.values, mirrored.values[::-1])
+    x, weighted = ax.lines[0].get_data()
+    exact = np.exp(-((x - mean) ** 2) / (4.0 * mean)) / np.sqrt(4.0 * np.pi * mean)
+    well = exact * np.exp(-x) > 0.01
+    assert well.sum() > 15
+    np.testing.assert_allclose(weighted[well], exact[well], rtol=0.15)
+
+
+@pytest.mark.parametrize("wrong", [{"work": [0.0]}, {"bins": 3}, {"temperature": 0.0}])
+def test_refusals(wrong):
+    """One sentence says what would do."""
+    with pytest.raises(InputError):
+        plotting.reflected_histogram(**({"work": [1.0, -2.0]} | wrong))
