@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -224,74 +224,45 @@ class Simulation:
     @cached_property
     def _single(self) -> tuple[Setting, np.ndarray]:
         """Setting and times of runs without an error estimate."""
-        if self._single_setting is None:
+        if self._streams or self._single_setting is None:
             return self.plan.setting, self.plan.times
         return self._single_setting, self.layout.times
 
     def _single_run(self, y: np.ndarray) -> Result:
-        """A run without an error estimate."""
-        if self._streams:
-            return self._streamed_run(y)
+        """A run without an error estimate; where steps were chosen, they pass no encounter."""
         layout, seconds, ratio = self.layout, self.compile_seconds, self._digit_ratio
         setting, times = self._single
-        run, setting, notes = self._resolved(setting, lambda step: self.integrator(step, times, y))
-        run = up_to_passing(layout, run)
+        run, ledger = self._deliver(setting, times, y)
+        notes: tuple[str, ...] = ()
+        if self.plan.automatic:
+            for _ in range(MOST_HALVINGS):
+                if run.status != Status.ENCOUNTER_JUMPED:
+                    break
+                assert isinstance(setting, float)
+                notes = halving_notes(layout, run, setting, 0.5 * setting)
+                setting = 0.5 * setting
+                run, ledger = self._deliver(setting, times, y)
         notes += passage_notes(layout, run)
-        if self.plan.tuned is None:
+        if self._streams:
+            notes += drive_notes(layout, assemble(layout, run.samples.ends()))
+            notes += (*passing_notes(layout, run.samples), *_left_out(ledger()))
+        elif self.plan.tuned is None:
             notes += self._sliding_notes(run)
         # The ledger and the cost are left for later: a run of a pair takes ten microseconds.
-        return self._result(
-            run.status,
-            None,
-            notes,
-            {},
-            lambda: _reported(layout, run),
-            lambda: cost_of([run], seconds, ratio),
-            run,
-            setting,
-        )
+        cost = partial(cost_of, [run], seconds, ratio)
+        return self._result(run.status, None, notes, {}, ledger, cost, run, setting)
 
-    def _resolved(
-        self, setting: Setting, run_with: Callable[[Setting], Integration]
-    ) -> tuple[Integration, Setting, tuple[str, ...]]:
-        """A run whose step was halved until it passes no encounter, if the step was chosen.
-
-        Returns the run, its setting, and a note on the halving.
-        """
-        run, halvings = run_with(setting), 0
-        notes: tuple[str, ...] = ()
-        while self.plan.automatic and run.status == Status.ENCOUNTER_JUMPED:
-            if halvings == MOST_HALVINGS:
-                break
-            assert isinstance(setting, float)
-            notes = halving_notes(self.layout, run, setting, 0.5 * setting)
-            setting, halvings = 0.5 * setting, halvings + 1
-            run = run_with(setting)
-        return run, setting, notes
-
-    def _streamed_run(self, y: np.ndarray) -> Result:
-        """A run without an error estimate, of which not all samples are kept."""
-        ledgers: list[Ledger] = []
-
-        def run_with(setting: Setting) -> Integration:
-            run, ledger = self._stream(y, setting)
-            ledgers.append(ledger)
-            return run
-
-        run, setting, notes = self._resolved(self.plan.setting, run_with)
-        ledger = ledgers[-1]
-        ends = assemble(self.layout, run.samples.ends())
-        notes += (*passage_notes(self.layout, run), *drive_notes(self.layout, ends))
-        notes += passing_notes(self.layout, run.samples)
-        cost = cost_of([run], self.compile_seconds, self._digit_ratio)
-        notes += _left_out(ledger)
-        return self._result(run.status, None, notes, {}, Known(ledger), Known(cost), run, setting)
-
-    def _stream(self, y: np.ndarray, setting: Setting) -> tuple[Integration, Ledger]:
-        """A run at the scene's times whose samples are taken in as they come."""
-        streamed = StreamedLedger(self.layout, guarded=not self.method.adaptive)
-        run = self.integrator(setting, self.layout.times, y, streamed)
-        return run, streamed.whole(run.samples)
+    def _deliver(
+        self, setting: Setting, times: np.ndarray, y: np.ndarray
+    ) -> tuple[Integration, Callable[[], Ledger]]:
+        """A run and its ledger; samples that memory does not hold are taken in as they come."""
+        layout = self.layout
+        if not self._streams:
+            run = up_to_passing(layout, self.integrator(setting, times, y))
+            return run, lambda: _reported(layout, run)
+        streamed = StreamedLedger(layout, guarded=not self.method.adaptive)
+        run = self.integrator(setting, layout.times, y, streamed)
+        return run, Known(streamed.whole(run.samples))
 
     def _estimated_result(
         self, runs: Sequence[Integration], y: np.ndarray, search: FoundSettings | None = None
@@ -315,20 +286,15 @@ class Simulation:
         known = met if len(runs) > 1 or fine.status != Status.COMPLETED else None
         layout, seconds, ratio = self.layout, self.compile_seconds, self._digit_ratio
         if self._streams and fine.status == Status.COMPLETED:
-            run, ledger = self._stream(y, self.plan.setting)
-            notes += (f"errors are estimated at {self.plan.times.size} times", *_left_out(ledger))
-            cost = cost_of(runs, seconds, ratio, search, run)
+            run, ledger = self._deliver(self.plan.setting, layout.times, y)
+            notes += (f"errors are estimated at {self.plan.times.size} times",)
+            notes += _left_out(ledger())
             known = known if run.status == Status.COMPLETED else False
-            return self._result(run.status, known, notes, bounds, Known(ledger), Known(cost), run)
-        return self._result(
-            fine.status,
-            known,
-            notes,
-            bounds,
-            lambda: _reported(layout, fine),
-            lambda: cost_of(runs, seconds, ratio, search),
-            fine,
-        )
+            cost = partial(cost_of, runs, seconds, ratio, search, run)
+            return self._result(run.status, known, notes, bounds, ledger, cost, run)
+        cost = partial(cost_of, runs, seconds, ratio, search)
+        reported = partial(_reported, layout, fine)
+        return self._result(fine.status, known, notes, bounds, reported, cost, fine)
 
     def _sliding_notes(self, run: Integration) -> tuple[str, ...]:
         """Notes on drives, and on surfaces that pass through each other, part, or never meet."""

@@ -285,7 +285,7 @@ def test_in_pieces_as_in_one(samples):
     layout, own = integrator.layout, integrator.pair
     whole = integrator(pilot(integrator.layout), scene.times)
     loop = time_loop(pair_collocation, source_stamp(layout.plugins))
-    paused = own.free_loop()
+    paused = own.loops.take()
     paused._evaluations[0] = 0
     record = np.empty((scene.times.size + 1, COLUMNS))
     code, calls = PAUSED, 0

@@ -26,10 +26,10 @@ from tribo import (
     TriboWarning,
 )
 from tribo.kernels.status import MEANINGS, Status
-from tribo.ledger.columns import columns_of
 from tribo.ledger.ledger import assemble
 from tribo.ledger.motion import Motion
 from tribo.ledger.quantities import QUANTITIES
+from tribo.ledger.series_table import series_table
 from tribo.ledger.totals import AsperiteSeries
 from tribo.loops.journal import Journal
 from tribo.simulation import from_settings
@@ -142,7 +142,7 @@ def test_columns_are_the_series(result):
     simulation = tribo.prepare(scene(), method="midpoint", step=0.01)
     samples, layout = simulation.compute().ledger._samples, simulation.layout
     group = AsperiteSeries(layout, samples, (layout.together,))
-    columns = columns_of(layout, group, ["upper.W", "lower.w1"])
+    columns = series_table(layout, group, ["upper.W", "lower.w1"])
     ledger, stops = assemble(layout, samples), [*columns.starts[1:], columns.values.shape[1]]
     assert set(columns.names) == {*ledger.names, "upper.W", "lower.w1"}
     for name, start, stop in zip(columns.names, columns.starts, stops, strict=True):

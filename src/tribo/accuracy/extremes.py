@@ -13,8 +13,8 @@ import numpy as np
 from tribo.accuracy.roundoff import rounding_of_terms
 from tribo.accuracy.scales import largest, mean_velocity
 from tribo.layout.layout import Layout
-from tribo.ledger.columns import columns_of
 from tribo.ledger.samples import Samples
+from tribo.ledger.series_table import series_table
 from tribo.ledger.totals import AsperiteSeries
 from tribo.loops.integrate import Integration
 
@@ -108,7 +108,7 @@ def _extremes(
     """Those of one portion."""
     count, samples = fine.t.size, fine.then(*shared)
     group = AsperiteSeries(layout, samples, (layout.together,))
-    columns, (motion,) = columns_of(layout, group, names), group.motions
+    columns, (motion,) = series_table(layout, group, names), group.motions
     run, coarse = columns.rows(slice(count)), columns.rows(slice(count, None))
     at_shared = run.rows(np.searchsorted(fine.t, samples.t[count:]))
     speed = largest(motion.bob_speed(mean_velocity(layout))[:count])

@@ -9,8 +9,8 @@ import numpy as np
 from tribo.accuracy.comparison import Accuracy, observables
 from tribo.accuracy.scales import KINDS, mean_velocity, motion_scales
 from tribo.layout.layout import Layout
-from tribo.ledger.columns import Columns, columns_of
 from tribo.ledger.samples import Samples
+from tribo.ledger.series_table import SeriesTable, series_table
 from tribo.ledger.totals import AsperiteSeries
 
 
@@ -35,7 +35,7 @@ class FineMembers:
         self._names = observables(accuracy)
         self._members = fine.runs
         group = AsperiteSeries(layout, fine, (layout.together,))
-        self._columns = columns_of(layout, group, self._names)
+        self._columns = series_table(layout, group, self._names)
         self._scales = _scales(layout, group, _largest(self._columns, fine.runs), fine.runs)
 
     def scale_of(self, name: str) -> float | np.ndarray:
@@ -59,7 +59,7 @@ class FineMembers:
             self._accuracy,
             AsperiteSeries(self._layout, other, (self._layout.together,)),
         )
-        theirs = columns_of(self._layout, group, self._names)
+        theirs = series_table(self._layout, group, self._names)
         gaps = _largest(self._columns.minus(theirs), self._members)
         worst = np.zeros(self._members)
         for name in self._names or self._columns.names:
@@ -70,7 +70,7 @@ class FineMembers:
         return worst
 
 
-def _largest(columns: Columns, members: int) -> dict[str, np.ndarray]:
+def _largest(columns: SeriesTable, members: int) -> dict[str, np.ndarray]:
     """The largest magnitude of each quantity in each member, over times and asperites."""
     each = np.maximum.reduceat(np.abs(columns.values), columns.starts, axis=1)
     tops = each.reshape(-1, members, each.shape[1]).max(axis=0)

@@ -113,6 +113,8 @@ class Pair:
         The scene and its potential, the loop's first arguments.
     factors : Factors
         From the loop's record to the layout.
+    loops : Pool of PairLoop
+        One for each thread that runs the scene.
     compile_seconds : float
         Time taken to compile the loop, or to load it from disk.
     """
@@ -130,8 +132,8 @@ class Pair:
         self._first_step, self._order = FIRST_STEP_FACTOR * first_step, method.order
         assert isinstance(method.coefficients, Collocation)
         self._coefficients = method.coefficients
-        self._loops = Pool(lambda: PairLoop(self))
-        self._loops.give_back(self._loops.take())
+        self.loops = Pool(lambda: PairLoop(self))
+        self.loops.give_back(self.loops.take())
         self.compile_seconds = time.perf_counter() - began
 
     def integrate(
@@ -147,13 +149,13 @@ class Pair:
 
         With `most` force evaluations, or those of the scene without it.
         """
-        loop = self._loops.take()
+        loop = self.loops.take()
         loop.begin(tolerance, start)
         if progress is not None or checkpoints is not None:
             run = integrate(loop, times, progress, None, checkpoints, most=most)
         else:
             run = loop.undisturbed(times, most)
-        self._loops.give_back(loop)
+        self.loops.give_back(loop)
         return run
 
     def rows(self) -> np.ndarray:

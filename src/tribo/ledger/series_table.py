@@ -13,7 +13,7 @@ from tribo.ledger.quantities import BLOCK_QUANTITIES, Quantity, needs_accounts, 
 from tribo.ledger.totals import AsperiteSeries, Linear, SurfaceSeries, SystemSeries
 
 
-class Columns(NamedTuple):
+class SeriesTable(NamedTuple):
     """All series of a run side by side.
 
     Attributes
@@ -30,7 +30,7 @@ class Columns(NamedTuple):
     starts: np.ndarray
     values: np.ndarray
 
-    def rows(self, selected: slice | np.ndarray) -> Columns:
+    def rows(self, selected: slice | np.ndarray) -> SeriesTable:
         """The same series at some of the times."""
         return self._replace(values=self.values[selected])
 
@@ -38,13 +38,13 @@ class Columns(NamedTuple):
         """The largest magnitude of each quantity, (names,)."""
         return np.maximum.reduceat(np.abs(self.values).max(axis=0, initial=0.0), self.starts)
 
-    def minus(self, other: Columns) -> Columns:
+    def minus(self, other: SeriesTable) -> SeriesTable:
         """The differences of the series from those of another run at the same times."""
         with np.errstate(invalid="ignore"):  # of two infinite energies
             return self._replace(values=self.values - other.values)
 
 
-def columns_of(layout: Layout, group: AsperiteSeries, names: Iterable[str] = ()) -> Columns:
+def series_table(layout: Layout, group: AsperiteSeries, names: Iterable[str] = ()) -> SeriesTable:
     """All series of a run, and further ones by `names`, as "upper.W".
 
     Those that are linear in the integrals of the kernels are computed together; their last bits may
@@ -74,7 +74,7 @@ def columns_of(layout: Layout, group: AsperiteSeries, names: Iterable[str] = ())
     values += [each.reshape(len(values[0]), -1) for each in series]
     ordered = [*(item for item, _ in linear), *rest]
     starts = np.cumsum([0, *(item.width for item in ordered[:-1])])
-    columns = Columns(tuple(i.name for i in ordered), starts, np.concatenate(values, axis=1))
+    columns = SeriesTable(tuple(i.name for i in ordered), starts, np.concatenate(values, axis=1))
     return _with(layout, columns, names)
 
 
@@ -110,7 +110,7 @@ def _items(layout: Layout, group: AsperiteSeries) -> list[ReportedSeries]:
     ]
 
 
-def _with(layout: Layout, columns: Columns, names: Iterable[str]) -> Columns:
+def _with(layout: Layout, columns: SeriesTable, names: Iterable[str]) -> SeriesTable:
     """The columns with further ones, copies of those of single surfaces."""
     for full in names:
         surface, _, name = full.rpartition(".")
@@ -121,7 +121,7 @@ def _with(layout: Layout, columns: Columns, names: Iterable[str]) -> Columns:
             whole = name in BLOCK_QUANTITIES or sums
             part = slice(index, index + 1) if whole else layout.parts[surface]
             own = columns.values[:, start + part.start : start + part.stop]
-            columns = Columns(
+            columns = SeriesTable(
                 (*columns.names, full),
                 np.append(columns.starts, columns.values.shape[1]),
                 np.concatenate([columns.values, own], axis=1),

@@ -1,0 +1,53 @@
+"""Steps and lanes: how many equal steps there are, how a step grows, which member takes a lane."""
+
+import math
+
+import numpy as np
+import pytest
+
+from tribo.integrators.lane_queue import leave_member, next_member, queue_of
+from tribo.integrators.methods import METHODS
+from tribo.integrators.step_control import MIN_GROWTH, SAFETY, count_of_steps, growth_factor
+
+
+@pytest.mark.parametrize("step", [0.1, 0.3, 1.0, 7.0])
+def test_as_few_equal_steps_as_the_longest_allows(step):
+    """By trial: one fewer would be longer than allowed; round-off adds none."""
+    for time in (*np.arange(1.0, 40.0), *(step * np.arange(1, 40))):
+        fewest = next(n for n in range(1, 1000) if time / n <= step * (1.0 + 1e-8))
+        assert count_of_steps(time, step) == fewest
+    assert np.array_equal(count_of_steps(step * np.arange(1.0, 9.0), step), np.arange(1, 9))
+
+
+@pytest.mark.parametrize("name", [name for name, method in METHODS.items() if method.adaptive])
+def test_growth_of_a_step(name):
+    """An error that grows as h^order is SAFETY^order after the next step; bounds hold."""
+    method = METHODS[name].coefficients
+    order, most = method.order, method.most_growth
+    growth = growth_factor.py_func
+    for error in (0.01, 0.3, 1.0, 3.0):
+        factor = growth(error, order, most)
+        assert factor == most or error * factor**order == pytest.approx(SAFETY**order)
+    assert growth(0.0, order, most) == most == growth(1e-300, order, most)
+    assert growth(1e300, order, most) == MIN_GROWTH == growth(math.nan, order, most)
+    assert growth(math.inf, order, most) == 0.5
+
+
+def test_lanes_take_members_in_order():
+    """Each member has one lane, for as long as it runs, and none is left."""
+    queue, lanes, rng = queue_of(20, 3), 3, np.random.default_rng(1)
+    left = rng.integers(1, 9, 20)
+    length, begun = left.copy(), []
+    while queue.waiting[0] < 20 or np.any(queue.held >= 0):
+        for lane in range(lanes):
+            if queue.held[lane] < 0:
+                member = next_member.py_func(queue, lane)
+                assert member == queue.held[lane] or member == -1
+                begun += [int(member)] if member >= 0 else []
+        for lane, member in enumerate(queue.held):
+            if member >= 0:
+                left[member] -= 1
+                if left[member] == 0:
+                    leave_member.py_func(queue, lane, 1, length[member], 9 * length[member])
+    assert begun == list(range(20)) and not left.any()
+    assert np.array_equal(queue.counts, np.column_stack([np.ones(20), length, 9 * length]))
