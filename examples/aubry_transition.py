@@ -6,9 +6,9 @@ the golden mean g (Frenkel-Kontorova model).  Up to the critical strength
     K = 4 pi^2 A / (k a^2) = 0.971635
 
 the chain slides without static friction; above it, the substrate pins the chain.  The golden mean
-is approached by fractions p/q: rings of q atoms on p periods.  With the matrix H of the second
-derivatives of a ring's energy at rest, in units of k, the residue det(H) / 4 vanishes for growing q
-below the transition, and diverges above it.  The curves of two rings cross at the transition.
+g = (sqrt(5) - 1) / 2 is approached by p/q: rings of q atoms on p periods.  With the matrix H of the
+second derivatives of a ring's energy at its minimum, in units of k, Greene's residue is -det(H)/4.
+With q its magnitude vanishes below the transition and diverges above; curves of two q cross there.
 
 M. Peyrard, S. Aubry, J. Phys. C 16 (1983) 1593; J. M. Greene, J. Math. Phys. 20 (1979) 1183.
 """

@@ -6,7 +6,8 @@ is therefore
 
     F = N tan(alpha) ,
 
-although the contact itself has no friction.
+although the contact itself has no friction.  This interlocking is a check of the program; it is no
+mechanism of the friction of surfaces that do not fit.
 
 C. A. Coulomb, Theorie des machines simples (Paris 1821).
 """

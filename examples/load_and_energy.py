@@ -1,8 +1,8 @@
-"""Friction of a rough surface of 16 x 16 asperites grows in proportion to the load.
+"""Friction of a rough surface of 16 x 16 asperites grows with the load.
 
 Springs pull bars that have a load and a Drude bath each; the bars below are held, and their swings
-are damped.  Left: friction per asperite with 95 % intervals, and a power law.  Right: the work of
-the springs under the largest load becomes heat in bath and swings.
+are damped.  Left: friction per asperite of one pair of surfaces with 95 % intervals, and a power
+law for loads from 0.05 to 0.4 alone.  Right: the work under the largest load becomes heat.
 
 B. N. J. Persson, J. Chem. Phys. 115 (2001) 3840.
 """

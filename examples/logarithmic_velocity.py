@@ -1,8 +1,8 @@
-"""Friction of a warm tip grows about as the logarithm of its speed.
+"""Friction of a warm tip grows with its speed, and faster than the logarithm.
 
 At a temperature T noise takes a pulled tip over a barrier before the barrier vanishes; a slower
 pull leaves the noise more time.  The mean heat of a slip follows from Kramers' rate of escape at
-each position of the stage: it grows by 0.09, 0.11 and 0.13 (in 2 pi A / a) from decade to decade.
+each position of the stage: it grows by 0.095, 0.109 and 0.128 (2 pi A / a) in successive decades.
 
 E. Gnecco et al., Phys. Rev. Lett. 84 (2000) 1172; H. A. Kramers, Physica 7 (1940) 284.
 """

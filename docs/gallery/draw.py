@@ -65,8 +65,11 @@ def _section(name, numbers):
     title, _, about = module(name).__doc__.strip().partition("\n\n")
     title = " ".join(title.split()).removesuffix(".")
     rows = "\n".join(f"| {key} | {value:.6g} |" for key, value in numbers.items())
+    first, value = next(iter(numbers.items()))
+    caption = f"{title}: {first} = {value:.4g}."
     return (
-        f"\n## {title}\n\n```{{image}} {name}.png\n:width: 70%\n:alt: {title}\n```\n\n{about}\n\n"
+        f"\n## {title}\n\n```{{figure}} {name}.png\n:width: 70%\n:alt: {title}\n\n{caption}\n"
+        f"```\n\n{about}\n\n"
         f"| `examples/{name}.py` | |\n| --- | --- |\n{rows}\n"
     )
 
