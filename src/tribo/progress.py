@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import sys
+import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from tribo.validation import must_be
@@ -116,6 +118,21 @@ class Reported:
     def __exit__(self, *error: object) -> None:
         if self._bar is not None:
             self._bar.close()
+
+
+@contextmanager
+def announced(text: str) -> Iterator[None]:
+    """Print a text on a terminal where the block takes longer than a second."""
+    if not (sys.stderr and sys.stderr.isatty()):
+        yield
+        return
+    timer = threading.Timer(DELAY, print, [text], {"file": sys.stderr, "flush": True})
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
 
 
 def _is_watched() -> bool:

@@ -217,7 +217,7 @@ class Result(RunResult):
         path : str or Path
             The file, which is replaced if it exists; its name ends on .gif or .mp4.
         **settings
-            ``frames``, ``rate``, ``surface``, ``dpi`` and ``bath`` of
+            ``frames``, ``rate``, ``surface``, ``width`` and ``bath`` of
             :func:`tribo.plotting.animate`.
 
         Returns

@@ -16,7 +16,6 @@ from tribo.layout import layout as layouts
 from tribo.layout.layout import lay_out
 from tribo.loops import integrate
 from tribo.loops.general import GeneralLoop
-from tribo.run import layout as layouts
 
 VERLET = {"method": "verlet", "step": STEP}
 

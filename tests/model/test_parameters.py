@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import tribo
-from tribo.model.parameters import is_parameter, with_values
+from tribo.model.parameters import is_parameter, value_of, with_values
 from tribo.model.scene_file import scene_from
 from tribo.validation import InputError
 
@@ -63,6 +63,15 @@ def changed(path, value):
         ("upper.bath.n", 7, ["surface", 0, "bath", "n"]),
         ("upper.bath.temperature", 0.1, ["surface", 0, "bath", "temperature"]),
         ("upper.springs.stiffness", 0.6, ["surface", 0, "springs", "stiffness"]),
+        ("upper.bob", [-2.0, 0.5], ["surface", 0, "bob"]),
+        ("upper.shape", [3, 1], ["surface", 0, "shape"]),
+        ("upper.initial.theta", 0.4, ["surface", 0, "initial", "theta"]),
+        ("upper.drive", "free", ["surface", 0, "drive"]),
+        ("lower.bars", "free", ["surface", 1, "bars"]),
+        ("output.samples", 11, ["output", "samples"]),
+        ("numerics.accuracy", 1e-6, ["numerics", "accuracy"]),
+        ("periodic.x", 40.0, ["periodic", "x"]),
+        ("title", "other", ["title"]),
     ],
 )
 def test_value_of_a_file(key, value, path):
@@ -72,6 +81,25 @@ def test_value_of_a_file(key, value, path):
     assert found == changed(path, value).to_table()
     unchanged = key == "interaction.at_cutoff"
     assert (found == scene.to_table()) == unchanged
+
+
+def test_all_surfaces_and_other_potentials():
+    """A star means all surfaces; another potential keeps the parameters that both have."""
+    scene = scene_from(BASE)
+    found = with_values(scene, {"*.asperite.m1": 2.0, "lower.asperite.m1": 3.0})
+    assert [surface.asperite.m1 for surface in found.surfaces] == [2.0, 3.0]
+    values = {"interaction.potential": "yukawa", "interaction.screening": 0.5}
+    found = with_values(scene, values).interactions[0].potential
+    assert found == tribo.with_cutoff(tribo.Yukawa(0.2, 0.5), 4.0)
+    with pytest.raises(InputError, match=r"interaction\.D: is missing"):
+        with_values(scene, {"interaction.potential": "morse"})
+    values = {"upper.drive": "free", "upper.drive.load": 0.3}
+    assert with_values(scene, values).surfaces[0].drive == tribo.Free(load=0.3)
+    assert value_of(scene, "upper.drive") == "pulled"
+    assert (
+        value_of(scene, "interaction.strength") == 0.2 and value_of(scene, "upper.velocity") == 0.5
+    )
+    assert value_of(scene, "upper.theta") == 0.2 and value_of(scene, "duration") == 4.0
 
 
 def test_several_values():

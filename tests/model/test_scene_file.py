@@ -267,3 +267,16 @@ def test_file_is_replaced_or_left_alone(tmp_path):
     with pytest.raises(tribo.InputError, match="must be in a folder"):
         scene.save(tmp_path / "nowhere" / "scene.toml")
     assert [p.name for p in tmp_path.iterdir()] == ["scene.toml"]
+
+
+def test_short_text_and_file(tmp_path):
+    """Defaults are written on request alone; what is printed of a scene fits on a line."""
+    scene = tribo.paper.scene("D")
+    for defaults in (False, True):
+        path = tmp_path / f"{defaults}.toml"
+        scene.save(path, defaults=defaults)
+        assert tribo.load_scene(path) == scene
+        assert ("accuracy" in path.read_text() or "samples" in path.read_text()) == defaults
+    assert len(repr(scene)) < 120 and "upper (1), lower (1), Coulomb" in repr(scene)
+    assert repr(scene.surfaces[0]).startswith("<Surface 'upper': 1 asperite facing down, free")
+    assert len(repr(tribo.explain(scene))) < 200

@@ -101,15 +101,29 @@ def test_film(result, tmp_path):
     """It has the pictures asked for, and each shows the ledger up to its time."""
     from PIL import Image
 
-    path = result.animate(tmp_path / "a.gif", frames=3, rate=10, dpi=40)
+    path = result.animate(tmp_path / "a.gif", frames=3, rate=10, width=240)
     with Image.open(path) as moving:
         assert moving.n_frames == 3
         assert moving.size[0] == 240
-    film = animation.Film(result, "upper")
+    film = animation.Film(result, "upper", 400)
     film.show(23)
     assert np.array_equal(film.lines["w1"].get_ydata(), result["upper"].w1[:24, 0])
     texts = [text.get_text() for text in film.figure.texts]
-    assert f"$w_{{1}}$ = {result['upper'].w1[23, 0]: .4f}" in texts
+    assert f"{result['upper'].w1[23, 0]: .4f}" in texts and "$w_{1}$ friction" in texts
+    assert result.scene.title in texts
+    assert np.array_equal(film.pixels(23), film.pixels(23)) and film.pixels(23).shape[1] == 400
+    assert not np.array_equal(film.pixels(23), film.pixels(3))
+
+
+def test_springs_between_bars():
+    """Each lattice spring is a line from bar to bar, but for one around a ring."""
+    springs = tribo.Springs(stiffness=1.0, wrap=True)
+    row = tribo.Surface("row", shape=(3, 1), spacing=(2.0, 0.0), drive="free", springs=springs)
+    result = tribo.simulate(tribo.Scene([row], [], 1.0), method="verlet", step=0.1)
+    ax = result.plot.snapshots([0.0])
+    (lines,) = [c for c in ax.collections if len(c.get_paths()) == 2]
+    ends = [path.vertices[[0, -1], 0] for path in lines.get_paths()]
+    assert np.ptp(ends, axis=1) == pytest.approx([2.0, 2.0])
 
 
 def test_film_that_cannot_be_written(result, tmp_path, monkeypatch):

@@ -38,6 +38,16 @@ def test_the_first_scene_is_the_papers(tmp_path, capsys):
     assert result["upper"].w[-1, 0] == pytest.approx(doctor.KNOWN_WORK, abs=1e-6)
 
 
+@pytest.mark.parametrize("case", "ABCDE")
+def test_a_case_of_the_paper(case, tmp_path, capsys):
+    """Its file is that of the case, without the values that a file need not give."""
+    path = tmp_path / "case.toml"
+    assert main(["new", case, "-o", str(path)]) == 0
+    assert capsys.readouterr().out.startswith(f"{path}: case {case} of the paper")
+    assert tribo.load_scene(path) == tribo.paper.scene(case)
+    assert not {"samples", "seed", "bar_length"} & set(path.read_text().split())
+
+
 def test_doctor(capsys, monkeypatch):
     assert main(["doctor"]) == 0
     said = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())

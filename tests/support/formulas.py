@@ -156,7 +156,6 @@ def listed_pairs() -> str:
     from tribo.kernels.records import X, Y
     from tribo.layout import layout as layouts
     from tribo.model.scene_file import scene_from
-    from tribo.run import layout as layouts
 
     rng = np.random.default_rng(3)
     for count, extent, box in (

@@ -119,7 +119,7 @@ def test_bath_in_other_pictures(result, bathed, tmp_path, capsys):
     for bath, number in ((False, 0), (True, 12)):
         marks = bathed.plot.snapshots([40.0], bath=bath).collections
         assert sum(len(each.get_offsets()) == 12 for each in marks) == number // 12
-    assert bathed.animate(tmp_path / "a.gif", frames=2, dpi=30, bath=True).stat().st_size > 0
+    assert bathed.animate(tmp_path / "a.gif", frames=2, width=180, bath=True).stat().st_size > 0
     with pytest.raises(InputError, match="bath: no surface has bath oscillators"):
         result.to_html(tmp_path / "a.html", bath=True)
     scene = replace(bathed.scene, output=Output(samples=3), numerics=NUMERICS)

@@ -22,6 +22,7 @@ from numba import config, njit, typeof
 from tribo.compiler.jit_options import INLINED, KERNEL, LOOP, NUMPY_ERRORS, OWNING_KERNEL, UNCOUNTED
 from tribo.compiler.numba_private import NATIVE
 from tribo.interrupts import held
+from tribo.progress import announced
 
 if NATIVE:
     from tribo.compiler.cache import KernelCache
@@ -162,7 +163,7 @@ def undisturbed() -> Iterator[None]:
     enabled = gc.isenabled()
     gc.disable()
     try:
-        with held():
+        with held(), announced("compiling ..."):
             yield
     finally:
         if enabled:

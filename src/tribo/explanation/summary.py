@@ -180,6 +180,14 @@ class Explanation:
         }
         return json.dumps(table, indent=1, allow_nan=False)
 
+    def __repr__(self) -> str:
+        cost = self.predicted
+        return (
+            f"<Explanation: {len(self.effects)} effects, {self.degrees_of_freedom} degrees of "
+            f"freedom, {self.method}, about {_rounded(cost.force_evaluations)} force evaluations, "
+            f"{_time(cost.seconds)}; print it for the reasons>"
+        )
+
     def __str__(self) -> str:
         scene = self.scene
         title = f"{scene.title}: " if scene.title else ""

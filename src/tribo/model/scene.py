@@ -19,7 +19,7 @@ from tribo.model.effects import Effect
 from tribo.model.fields import Field
 from tribo.model.initial import UNITS, UNITS_OF_DISPLACEMENTS
 from tribo.model.interaction import Interaction, Periodic, as_periodic
-from tribo.model.scene_writer import output_table, surface_table, table_of, toml
+from tribo.model.scene_writer import output_table, surface_table, table_of, toml, without_defaults
 from tribo.model.settings import Numerics, Output
 from tribo.model.surface import Surface
 from tribo.model.topography import Topography
@@ -354,13 +354,22 @@ class Scene(ComparedByValue):
             return np.linspace(0.0, self.duration, self.output.samples)
         return np.union1d(np.array(self.output.times), [0.0, self.duration])
 
-    def save(self, path: object) -> None:
+    def __repr__(self) -> str:
+        surfaces = ", ".join(f"{s.name} ({s.count})" for s in self.surfaces)
+        kinds = [type(i.potential).__name__ for i in self.interactions]
+        parts = [surfaces, *kinds, *(type(f.potential).__name__ for f in self.fields)]
+        title = f"{self.title!r}: " if self.title else ""
+        return f"<Scene {title}{', '.join(parts)}, duration {self.duration:g}>"
+
+    def save(self, path: object, defaults: bool = False) -> None:
         """Write the scene file that :func:`tribo.load_scene` reads.
 
         Parameters
         ----------
         path : str or path
             The file; one that is there is replaced.
+        defaults : bool
+            Whether values that a file need not give are written too.
 
         Raises
         ------
@@ -369,7 +378,7 @@ class Scene(ComparedByValue):
             defined in a notebook.
         """
         path = as_path(path)
-        table = self.to_table()
+        table = self.to_table() if defaults else without_defaults(self.to_table())
         for item, surface in zip(table["surface"], self.surfaces, strict=True):
             if isinstance(surface.heights, Topography):
                 item["heights"] = topography.as_table(surface.heights, path.parent)

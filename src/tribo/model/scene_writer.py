@@ -9,7 +9,7 @@ import numpy as np
 
 from tribo.model import bath, drives
 from tribo.model.roughness import Roughness
-from tribo.model.settings import Output
+from tribo.model.settings import Numerics, Output
 from tribo.model.surface import Surface
 from tribo.model.topography import Topography
 
@@ -56,6 +56,31 @@ def surface_table(surface: Surface) -> dict[str, Any]:
         for key in ("bob", "shape", "spacing", "depth"):
             del table[key]
     return table
+
+
+def without_defaults(table: dict[str, Any]) -> dict[str, Any]:
+    """The table of a scene without the values that a file need not give."""
+    usual = {"seed": 0, "output": output_table(Output()), "numerics": table_of(Numerics())}
+    short = _others(table, usual | {"periodic": {}, "field": []})
+    short["surface"] = [
+        {"name": each["name"]} | _others(each, surface_table(Surface(each["name"])))
+        for each in table["surface"]
+    ]
+    if len(table["interaction"]) == 1:
+        short["interaction"] = table["interaction"][0]
+    return short
+
+
+def _others(table: dict[str, Any], usual: dict[str, Any]) -> dict[str, Any]:
+    """The entries that differ; of a table with a kind, all of them."""
+    found: dict[str, Any] = {}
+    for key, value in table.items():
+        default = usual.get(key)
+        if key in usual and value == default:
+            continue
+        is_part = isinstance(value, dict) and isinstance(default, dict) and "kind" not in value
+        found[key] = _others(value, default) if is_part and default else value
+    return found
 
 
 def table_of(item: Any) -> dict[str, Any]:

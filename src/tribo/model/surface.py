@@ -162,6 +162,13 @@ class Surface(ComparedByValue):
         self._check_rigid()
         self._check_heat()
 
+    def __repr__(self) -> str:
+        size = f"{self.count} asperite{'s' * (self.count > 1)}"
+        drive = type(self.drive).__name__.lower()
+        at = f"first bob at ({self.first_bob[0]:g}, {self.first_bob[1]:g})"
+        moves = f"velocity ({self.velocity[0]:g}, {self.velocity[1]:g})"
+        return f"<Surface {self.name!r}: {size} facing {self.facing}, {drive}, {at}, {moves}>"
+
     def _check_driven_bars(self) -> None:
         """Refuse forces on bars that driven bars have no use for."""
         if not isinstance(self.drive, DrivenBars):

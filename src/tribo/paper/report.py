@@ -12,9 +12,15 @@ from tribo.paper.published_values import place
 
 # Longest line [characters].
 WIDTH = 100
+TITLE = (
+    'Numbers printed in J. David Brown, "Work Done by Sliding Friction", and those that tribo '
+    "computes"
+)
+NEXT = """\
+Next:  tribo new A -o a.toml     the paper's case A as a scene file; likewise B to E
+       tribo run a.toml          simulates it
+       tribo play a.toml --slider upper.velocity=0.1:2     change a value and see what follows"""
 HEAD = """\
-Numbers printed in J. David Brown, "Work Done by Sliding Friction", and those that tribo computes
-
   t             time as printed; two times for a change between them
   agrees        within half a unit of the last digit printed, at the time printed
   agrees at T   it agrees at T, which rounds to the time printed, to either of two
@@ -39,9 +45,9 @@ def report(tables: Mapping[str, Sequence[Row]]) -> str:
     Returns
     -------
     str
-        Lines of at most 100 characters, and a closing paragraph on the numbers that differ.
+        Lines of at most 100 characters; first a paragraph on the numbers that differ.
     """
-    lines = [HEAD]
+    lines = [TITLE, "", textwrap.fill(summary(tables), WIDTH), "", NEXT, "", HEAD]
     for case, rows in tables.items():
         agreeing = sum(row.agrees for row in rows)
         lines += [f"{case}  {CASES[case]}: {agreeing} of {len(rows)} printed numbers agree", ""]
@@ -50,7 +56,7 @@ def report(tables: Mapping[str, Sequence[Row]]) -> str:
             lines += _lines(row)
         ends = next((row.note for row in rows if row.t == "end" and "end time" in row.note), "")
         lines += [f"  {ends}", ""] if ends else [""]
-    return "\n".join([*lines, textwrap.fill(summary(tables), WIDTH)])
+    return "\n".join(lines).rstrip()
 
 
 def _lines(row: Row) -> Iterator[str]:

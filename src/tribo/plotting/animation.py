@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,11 +28,18 @@ WRITERS = {".gif": "pillow", ".mp4": "ffmpeg"}
 # Width of the picture, and height of the curves below it [inch].
 WIDTH, CURVES = 6.0, 1.9
 
+# Height of the title [inch].
+TITLE = 0.3
+
 # Least and largest height of the part where asperites move [inch].
 MOTION = (1.0, 3.4)
 
+# Colours of a GIF.
+COLOURS = 128
+
 # Works that are drawn, each with its pseudowork: those of the forces and their sum.
-DRAWN = ("w1", "w2", "w")
+DRAWN = ("w1", "w2", "w_int", "w")
+SHORT = {"w1": "friction", "w2": "drive", "w_int": "inside", "w": "all"}
 
 
 def animate(
@@ -40,7 +48,7 @@ def animate(
     frames: int = 120,
     rate: int = 20,
     surface: str | None = None,
-    dpi: int = 100,
+    width: int = 1000,
     bath: bool = False,
 ) -> Path:
     """Write a moving picture of the run: GIF, or MP4 where ffmpeg is installed.
@@ -56,8 +64,8 @@ def animate(
         Pictures a second.
     surface : str, optional
         The surface whose works are shown, summed over its asperites; the first without it.
-    dpi : int
-        Pixels an inch; the picture is 6 inches wide.
+    width : int
+        Width of the picture [pixels].
     bath : bool
         Whether bath oscillators are drawn; the scene's output must ask for the series
         "oscillators".
@@ -84,24 +92,43 @@ def animate(
         raise InputError("path", f"{kind} needs {WRITERS[kind]}, which is not installed; use .gif")
     integer("frames", frames, 2, 100_000)
     integer("rate", rate, 1, 1000)
+    integer("width", width, 100, 10_000)
     checked_target("path", path)
     samples = np.unique(np.linspace(0, len(result.t) - 1, frames).round().astype(int))
     with style(), tempfile.TemporaryDirectory() as folder:
-        film = Film(result, surface or result.scene.surfaces[0].name, bath)
+        film = Film(result, surface or result.scene.surfaces[0].name, width, bath)
         written = Path(folder) / f"film{kind}"
-        _write(film, samples, writers[WRITERS[kind]](fps=rate), written, dpi)
+        if kind == ".gif":
+            _write_gif(film, samples, written, rate)
+        else:
+            writer = writers[WRITERS[kind]](fps=rate)
+            with writer.saving(film.figure, os.fspath(written), film.figure.dpi):
+                for sample in _counted(samples):
+                    film.show(sample)
+                    writer.grab_frame()
         replace_file(path, written.read_bytes())
     return path
 
 
-def _write(film: Film, samples: np.ndarray, writer: Any, path: Path, dpi: int) -> None:
-    """Write the pictures one after the other, with a progress bar on a terminal."""
+def _counted(samples: np.ndarray) -> Iterator[int]:
+    """The samples, with a progress bar on a terminal."""
     from tqdm.auto import tqdm
 
-    with writer.saving(film.figure, os.fspath(path), dpi):
-        for sample in tqdm(samples, disable=None, leave=False, unit="picture"):
-            film.show(int(sample))
-            writer.grab_frame()
+    yield from tqdm(samples.tolist(), disable=None, leave=False, unit="picture")
+
+
+def _write_gif(film: Film, samples: np.ndarray, path: Path, rate: int) -> None:
+    """Write the pictures in the colours of the middle one: to choose colours takes long."""
+    from PIL import Image
+
+    middle = film.pixels(int(samples[len(samples) // 2]))
+    colours = Image.fromarray(middle).quantize(COLOURS, dither=Image.Dither.NONE)
+    plain = Image.Dither.NONE
+    pictures = [
+        Image.fromarray(film.pixels(k)).quantize(palette=colours, dither=plain)
+        for k in _counted(samples)
+    ]
+    pictures[0].save(path, save_all=True, append_images=pictures[1:], duration=1000 // rate, loop=0)
 
 
 class Film:
@@ -112,6 +139,8 @@ class Film:
     result : RunResult
     surface : str
         The surface whose works are shown.
+    width : int
+        Width of the picture [pixels].
     bath : bool
         Whether bath oscillators are drawn.
 
@@ -122,7 +151,7 @@ class Film:
         The work of each name, up to the sample shown.
     """
 
-    def __init__(self, result: RunResult, surface: str, bath: bool = False) -> None:
+    def __init__(self, result: RunResult, surface: str, width: int, bath: bool = False) -> None:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
 
@@ -132,9 +161,14 @@ class Film:
         box = (float(lows[0]), float(highs[1]), float(lows[2]), float(highs[3]))
         ideal = WIDTH * (box[3] - box[2]) / (box[1] - box[0]) + 0.3
         height = float(np.clip(ideal, *MOTION))
-        self.figure: Figure = Figure(figsize=(WIDTH, height + CURVES))
-        FigureCanvasAgg(self.figure)
-        total = height + CURVES
+        total = height + CURVES + TITLE
+        # A whole number of pixels, which is even, as films need.
+        even = 2 * round(total * width / WIDTH / 2)
+        self.figure: Figure = Figure(figsize=(WIDTH, even * WIDTH / width), dpi=width / WIDTH)
+        self._canvas: Any = FigureCanvasAgg(self.figure)
+        self._still: Any = None
+        title = result.scene.title
+        self.figure.text(0.5, 1.0 - 0.3 * TITLE / total, title, ha="center", va="center")
         above = self.figure.add_axes((0.0, CURVES / total, 1.0, height / total))
         above.set_axis_off()
         frame(above, box, bottom=2 * EDGE, top=2 * EDGE, left=3 * EDGE, right=3 * EDGE)
@@ -146,13 +180,32 @@ class Film:
         self.lines = _curves(below, result, self._works)
         (self._now,) = below.plot([], [], color=INK, linewidth=0.6)
         below.set_ylabel(f"work on {surface}" if self._works else "")
-        self._values = {
-            name: self.figure.text(
-                0.74, (CURVES - 0.24 - 0.22 * row) / total, "", color=self.lines[name].get_color()
-            )
-            for row, name in enumerate(self._works)
-        }
+        self._values = {}
+        for row, name in enumerate(self._works):
+            y, colour = (CURVES - 0.24 - 0.2 * row) / total, self.lines[name].get_color()
+            self.figure.text(0.74, y, _named(name), color=colour)
+            self._values[name] = self.figure.text(0.99, y, "", color=colour, ha="right")
         self._limits = below.get_ylim()
+        self._moving = [
+            *self._picture.artists,
+            *self.lines.values(),
+            self._now,
+            self._clock,
+            *self._values.values(),
+        ]
+
+    def pixels(self, sample: int) -> np.ndarray:
+        """The picture at a sample, (height, width, 3); what does not move is drawn once."""
+        if self._still is None:
+            for artist in self._moving:
+                artist.set_animated(True)
+            self._canvas.draw()
+            self._still = self._canvas.copy_from_bbox(self.figure.bbox)
+        self._canvas.restore_region(self._still)
+        self.show(sample)
+        for artist in self._moving:
+            self.figure.draw_artist(artist)
+        return np.asarray(self._canvas.buffer_rgba())[:, :, :3].copy()
 
     def show(self, sample: int) -> None:
         """Show the run at a sample."""
@@ -162,7 +215,7 @@ class Film:
         self._now.set_data([t[sample]] * 2, self._limits)
         for name, values in self._works.items():
             self.lines[name].set_data(t[: sample + 1], values[: sample + 1])
-            self._values[name].set_text(f"{_symbol(name)} = {values[sample]: .4f}")
+            self._values[name].set_text(f"{values[sample]: .4f}")
 
 
 def _some(samples: int) -> np.ndarray:
@@ -173,7 +226,8 @@ def _some(samples: int) -> np.ndarray:
 def _named_works(result: RunResult, surface: str) -> dict[str, np.ndarray]:
     """The works that are drawn, by name, of a surface; none where they are not kept."""
     works = works_of(result, surface, None)
-    return {name: works[name] for work in DRAWN for name in (work, f"{work}_ps") if name in works}
+    names = [name for work in DRAWN for name in (work, f"{work}_ps") if name in works]
+    return {name: works[name] for name in names if "int" not in name or np.any(works[name])}
 
 
 def _curves(ax: Axes, result: RunResult, works: dict[str, np.ndarray]) -> dict[str, Any]:
@@ -189,7 +243,10 @@ def _curves(ax: Axes, result: RunResult, works: dict[str, np.ndarray]) -> dict[s
     return lines
 
 
-def _symbol(name: str) -> str:
-    subscript = WORKS[name.removesuffix("_ps")][0]
-    parts = [part for part in (subscript, r"{\rm ps}" if name.endswith("_ps") else "") if part]
-    return f"$w_{{{','.join(parts)}}}$" if parts else "$w$"
+def _named(name: str) -> str:
+    """The symbol of a work, and its force in words."""
+    work = name.removesuffix("_ps")
+    subscript, is_pseudo = WORKS[work][0], name.endswith("_ps")
+    parts = ",".join([subscript] * bool(subscript) + [r"{\rm ps}"] * is_pseudo)
+    word = "pseudowork" if is_pseudo else SHORT[work]
+    return (f"$w_{{{parts}}}$" if parts else "$w$") + f" {word}"

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from tribo.model.surface import Surface
+from tribo.plotting.geometry import joined_bars
 from tribo.plotting.oscillators import oscillator_dots
 from tribo.plotting.style import INK
 from tribo.results.run_result import RunResult
@@ -31,6 +32,9 @@ SWING_COLOURS = "coolwarm"
 
 # Diameters of a bob and of a bath oscillator, widths of a bar and of a rod [rod length].
 BOB, DOT, BAR, ROD = 0.2, 0.06, 0.1, 0.05
+
+# Windings of a lattice spring, and half its width [distance of the bars].
+WINDINGS, SPRING = 8, 0.03
 
 
 class Pose(NamedTuple):
@@ -113,6 +117,14 @@ def _pose(result: RunResult, surface: Surface, sample: int) -> tuple[np.ndarray,
     return bars, bobs, ends, series["theta"][sample] - surface.rest - phi
 
 
+def _zigzag(start: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """(n, 2) the line of a lattice spring between two bars."""
+    along = np.linspace(0.0, 1.0, 2 * WINDINGS + 2)[:, None]
+    aside = np.array([start[1] - end[1], end[0] - start[0]]) * SPRING
+    signs = np.array([0.0, *([1.0, -1.0] * WINDINGS), 0.0])[:, None]
+    return np.asarray(start + along * (end - start) + signs * aside)
+
+
 class Picture:
     """A drawing of all asperites of a result, which can be moved from sample to sample.
 
@@ -139,6 +151,9 @@ class Picture:
         surfaces = result.scene.surfaces
         facing = np.concatenate([[s.facing] * s.count for s in surfaces])
         rods = np.concatenate([s.each["length"] for s in surfaces])
+        starts = np.cumsum([0, *(s.count for s in surfaces)])
+        parts = [joined_bars(s) + start for s, start in zip(surfaces, starts, strict=False)]
+        self._joined = np.concatenate(parts)
         self._is_detailed = facing.size <= MOST_DETAILED
         size = float(np.median(rods)) * scale
         marks: dict[str, Any] = {"linewidth": 0.5, "edgecolors": INK, "color": BOB_COLOUR}
@@ -147,7 +162,9 @@ class Picture:
             self._rods = LineCollection(empty, linewidths=max(0.6, ROD * size), colors=ROD_COLOUR)
             colours = [COLOURS[each] for each in facing]
             self._bars = LineCollection(empty, linewidths=max(1.0, BAR * size), colors=colours)
-            for lines, order in ((self._rods, 2.1), (self._bars, 2.2)):
+            self._springs = LineCollection(empty, linewidths=0.7, colors=INK)
+            ordered = ((self._springs, 1.9), (self._rods, 2.1), (self._bars, 2.2))
+            for lines, order in ordered:
                 ax.add_collection(lines, autolim=False)
                 lines.set_zorder(order)
         else:
@@ -170,6 +187,12 @@ class Picture:
         """What a colour bar of the swing needs; None where bobs have no colours."""
         return None if self._is_detailed else self._bobs
 
+    @property
+    def artists(self) -> list[Any]:
+        """What `show` moves, from the back to the front."""
+        detail = [self._springs, self._rods, self._bars] if self._is_detailed else []
+        return [self._dots, *detail, self._bobs]
+
     def show(self, sample: int, shift: tuple[float, float] = (0.0, 0.0)) -> None:
         """Move all asperites to their places at a sample, displaced by `shift` [length]."""
         now = pose(self._result, sample, self._bath)
@@ -177,6 +200,7 @@ class Picture:
         self._dots.set_offsets(now.dots + shift)
         if self._is_detailed:
             self._bars.set_segments(list(now.ends + shift))
+            self._springs.set_segments([_zigzag(*now.bars[pair]) + shift for pair in self._joined])
             self._rods.set_segments(list(np.stack([now.bars, now.bobs], axis=1) + shift))
         else:
             self._bobs.set_array(now.swing)
