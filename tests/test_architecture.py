@@ -123,8 +123,8 @@ COMPILED = [name for name in FILES if name.startswith(("kernels", "compiler"))]
 def test_kernels_see_no_scene(name):
     """Compiled code imports compiled code, numpy and numba: floats and arrays, nothing above.
 
-    Compilation holds interrupts, says that it goes on, refuses settings, and asks what the operating
-    system can do; those modules import nothing above them.
+    Compilation holds interrupts, says that it goes on, refuses settings, and asks what the system
+    can do; those modules import nothing above them.
     """
     own = ("kernels", "compiler")
     inner = {other for other in of_this_package(name) if not other.startswith(own)}
