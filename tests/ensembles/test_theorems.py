@@ -118,7 +118,7 @@ def test_jarzynski_of_dragged_tips():
     The work is that of the stage, the pull's force times its speed.  The work of the pull at the
     bar, w2, leaves out the energy of the spring and fails.
     """
-    period, height, stiffness, speed, temperature, count = 1.0, 0.4, 2.0, 2.0, 2.0, 10_000
+    period, height, stiffness, speed, temperature, count = 1.0, 0.4, 2.0, 2.0, 2.0, 20_000
     x = np.linspace(-12.0, 12.0, 8001)
     energy = 0.5 * stiffness * x**2 - height * np.cos(2.0 * np.pi * x / period)
     weights = np.exp(-energy / temperature)
