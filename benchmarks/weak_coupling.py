@@ -22,7 +22,7 @@ from tribo import plotting
 LENGTH = 1e4
 WIDTH = 1.0
 # Pendulums turn exactly between the kicks of this method, so that weak kicks have small errors.
-STEPS = {"method": "kahan-li-8", "step": 0.05}
+STEPS = {"method": "kahan-li-8", "step": 0.1}
 
 
 def coulomb(k, b=1.0):
@@ -167,7 +167,7 @@ def engine_terms(ratio, speed, frequencies, hot, most=12):
     return [0.5 * np.sum(n * w * drive * power) for n, w in ((n1, first), (n2, second))]
 
 
-def engine_runs(ratio, speed, frequencies, hot, strength, scramble, count=1024):
+def engine_runs(ratio, speed, frequencies, hot, strength, scramble, count=512):
     """Mean work against friction and gains of both pendulums over s^2, by quasi-random starts."""
     vary = {
         "upper.swing_state": tribo.Canonical(hot),

@@ -71,8 +71,8 @@ STEPS = {"method": "verlet", "step": 0.02}
         pytest.param(FORCED, STEPS, id="verlet"),
         pytest.param(DRIVEN, STEPS, id="verlet, driven bars"),
         *(
-            pytest.param(FORCED, {"method": name, "step": 0.1}, id=name, marks=pytest.mark.slow)
-            for name in ("midpoint", "rk4", "gauss-8", "kahan-li-6", "kahan-li-8", "blanes-moan-6")
+            pytest.param(FORCED, {"method": name, "step": 0.02}, id=name, marks=pytest.mark.slow)
+            for name in ("rk4", "kahan-li-6")
         ),
     ],
 )
@@ -96,7 +96,7 @@ def test_a_drag_breaks_the_theorem():
     for gamma, broken in ((0.0, False), (0.3, True)):
         drive = tribo.Custom(force=Dragged(gamma))
         surfaces = tuple(replace(s, drive=drive) for s in scene.surfaces)
-        w = gain(replace(scene, surfaces=surfaces), 2048, method="rk4", step=0.05)
+        w = gain(replace(scene, surfaces=surfaces), 2048, method="rk4", step=0.02)
         assert (abs(deviation(np.exp(-w / TEMPERATURE))) > 2.0 * MOST) == broken
 
 
@@ -118,7 +118,7 @@ def test_jarzynski_of_dragged_tips():
     The work is that of the stage, the pull's force times its speed.  The work of the pull at the
     bar, w2, leaves out the energy of the spring and fails.
     """
-    period, height, stiffness, speed, temperature, count = 1.0, 0.4, 2.0, 2.0, 2.0, 10_000
+    period, height, stiffness, speed, temperature, count = 1.0, 0.4, 2.0, 2.0, 2.0, 20_000
     x = np.linspace(-12.0, 12.0, 8001)
     energy = 0.5 * stiffness * x**2 - height * np.cos(2.0 * np.pi * x / period)
     weights = np.exp(-energy / temperature)

@@ -1,7 +1,7 @@
 """The time loop for one asperite on one, by collocation.
 
 The method is that of :func:`tribo.integrators.collocation.Collocation`, for the most common
-scene: one asperite on one, forced or free, with bars clamped at rest.  This loop is separate
+scene: one asperite on one, forced, free or on driven bars, clamped at rest.  This loop is separate
 because it is more than ten times faster: the eight nodes of a step are computed side by side in
 vector registers, and neither arrays nor records of asperites are read on the way.
 """
