@@ -33,8 +33,7 @@ from tribo.report_card import check
 
 HERE = Path(__file__).resolve().parent
 PUBLIC_PARTS = (paper, plotting, potentials, units)
-PAGES_AS_NOTEBOOKS = [HERE / "tutorials" / f"{n}.md" for n in ("from_the_paper", "friction_law")]
-PAGES_WITH_PICTURES = [*PAGES_AS_NOTEBOOKS, HERE / "how-to" / "ensembles.md"]
+PAGES_WITH_PICTURES = [*notebooks.PAGES, HERE / "how-to" / "ensembles.md"]
 
 
 def everything(folder: Path) -> None:
@@ -51,7 +50,7 @@ def everything(folder: Path) -> None:
     documented_names(HERE / "reference" / "api.md")
     for page in PAGES_WITH_PICTURES:
         page_code.run(page, folder)
-    for page in PAGES_AS_NOTEBOOKS:
+    for page in notebooks.PAGES:
         notebooks.write(page, folder)
     report_cards(folder)
     paper_figures.draw(folder, paper.CASES)

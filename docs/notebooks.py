@@ -1,41 +1,107 @@
 """Tutorials as Jupyter notebooks, made from their pages when the documents are built.
 
 Python blocks become cells with the output that the page shows, scene files are written by
-``%%writefile``, and ``tribo`` commands run in a shell.  Pictures of the page are left out.
+``%%writefile``, and ``tribo`` commands run in a shell.  Pictures are part of the notebook, and
+answers are folded.
+
+    python docs/notebooks.py        writes them beside their pages, where they can be opened
 """
 
+import base64
 import json
 import re
+import tempfile
 from pathlib import Path
 from typing import Any
 
 import page_code
 
+HERE = Path(__file__).parent
+PAGES = [HERE / "tutorials" / f"{name}.md" for name in ("from_the_paper", "friction_law")]
 DIRECTIVE = re.compile(r"^```\{.*?^```$\n?", re.MULTILINE | re.DOTALL)
+IMAGE = re.compile(
+    r"^```\{image\} \S*?([\w.-]+)\n.*?:alt: ([^\n]*)\n.*?^```$", re.MULTILINE | re.DOTALL
+)
+UNNAMED = re.compile(r"\[\]\(([\w./-]+\.md)(?:#[\w-]+)?\)")  # shown with the title of its page
+FOLD = re.compile(r"<details>\s*<summary>(.*?)</summary>|</details>", re.DOTALL)
 DOWNLOAD = re.compile(r"[^.]*\{download\}`[^`]*`\.")  # the sentence that offers the notebook
 TARGET = re.compile(r"\]\((?:\.\./)*[\w/-]+\.md(#[\w-]+)?\)")  # of links to other pages
 
 
-def notebook(page: Path) -> dict[str, Any]:
-    """The notebook of a page, in format 4.5."""
+class Notebook:
+    """The cells of a notebook, to which text and code are added in order.
+
+    `page` is the page, and `folder` has its pictures.
+    """
+
+    def __init__(self, page: Path, folder: Path) -> None:
+        self.cells: list[dict[str, Any]] = []
+        self._page = page
+        self._folder = folder
+        self._summary = ""  # of the answers that are folded
+
+    def add_code(self, source: str) -> None:
+        """Add a cell of code, which is hidden among answers."""
+        hidden = {"jupyter": {"source_hidden": True, "outputs_hidden": True}}
+        metadata = hidden if self._summary else {}
+        empty: dict[str, Any] = {"metadata": metadata, "outputs": [], "execution_count": None}
+        self.cells.append({"cell_type": "code", "source": source, **empty})
+
+    def add_text(self, text: str) -> None:
+        """Add cells of text, each folded among answers."""
+        end = 0
+        for found in FOLD.finditer(text):
+            self._add_prose(text[end : found.start()])
+            end, self._summary = found.end(), found[1] or ""
+        self._add_prose(text[end:])
+
+    def _add_prose(self, text: str) -> None:
+        """Add a cell without directives and without links to pages that are not there."""
+        text = DOWNLOAD.sub("", DIRECTIVE.sub("", IMAGE.sub(self._picture, text)))
+        prose = TARGET.sub("]", UNNAMED.sub(self._title, text)).strip()
+        prose = re.sub(r"(?<!!)\[([^\]\[]+)\](?!\()", r"\1", prose)
+        if not prose:
+            return
+        if self._summary:
+            prose = f"<details><summary>{self._summary}</summary>\n\n{prose}\n\n</details>"
+        self.cells.append({"cell_type": "markdown", "metadata": {}, "source": prose})
+
+    def _picture(self, found: re.Match[str]) -> str:
+        """A picture as text; nothing where it was not drawn."""
+        file = self._folder / found[1]
+        if not file.exists():
+            return ""
+        data = base64.b64encode(file.read_bytes()).decode("ascii")
+        return f"![{found[2]}](data:image/png;base64,{data})"
+
+    def _title(self, found: re.Match[str]) -> str:
+        """The title of another page, in quotation marks."""
+        text = (self._page.parent / found[1]).read_text(encoding="utf-8")
+        return f"“{re.search(r'^# (.*)$', text, re.MULTILINE)[1]}”"  # type: ignore[index]
+
+
+def notebook(page: Path, folder: Path) -> dict[str, Any]:
+    """The notebook of a page, in format 4.5, with the pictures that are in a folder."""
     text = page.read_text(encoding="utf-8")
     fences = [found for found in page_code.FENCE.finditer(text) if not found[1].startswith("{")]
-    cells: list[dict[str, Any]] = []
+    book = Notebook(page, folder)
     end = 0
     for found, block in zip(fences, page_code.blocks(page), strict=True):
-        _add_prose(cells, text[end : found.start()])
+        book.add_text(text[end : found.start()])
         end = found.end()
-        if block.language == "text" and block.follows and cells[-1]["cell_type"] == "code":
-            cells[-1]["outputs"] = [{"output_type": "stream", "name": "stdout", "text": block.text}]
+        follows = block.language == "text" and block.follows
+        if follows and book.cells[-1]["cell_type"] == "code":
+            output = {"output_type": "stream", "name": "stdout", "text": block.text}
+            book.cells[-1]["outputs"] = [output]
         elif block.language in page_code.RUN:
-            cells.append(_code(_source(block)))
+            book.add_code(_source(block))
         else:
-            _add_prose(cells, found[0])
-    _add_prose(cells, text[end:])
-    for number, cell in enumerate(cells):
+            book.add_text(found[0])
+    book.add_text(text[end:])
+    for number, cell in enumerate(book.cells):
         cell["id"] = f"cell-{number}"
     return {
-        "cells": cells,
+        "cells": book.cells,
         "metadata": {"kernelspec": {"display_name": "Python 3", "name": "python3"}},
         "nbformat": 4,
         "nbformat_minor": 5,
@@ -43,9 +109,9 @@ def notebook(page: Path) -> dict[str, Any]:
 
 
 def write(page: Path, folder: Path) -> Path:
-    """Write the notebook of a page into a folder."""
+    """Write the notebook of a page into a folder that has its pictures."""
     path = folder / f"{page.stem}.ipynb"
-    path.write_text(json.dumps(notebook(page), indent=1), encoding="utf-8")
+    path.write_text(json.dumps(notebook(page, folder), indent=1), encoding="utf-8")
     return path
 
 
@@ -59,14 +125,9 @@ def _source(block: page_code.Block) -> str:
     return block.text.rstrip()
 
 
-def _code(source: str) -> dict[str, Any]:
-    empty: dict[str, Any] = {"metadata": {}, "outputs": [], "execution_count": None}
-    return {"cell_type": "code", "source": source, **empty}
-
-
-def _add_prose(cells: list[dict[str, Any]], text: str) -> None:
-    """Add a cell of text, without directives and without links to pages that are not there."""
-    prose = TARGET.sub("]", DOWNLOAD.sub("", DIRECTIVE.sub("", text))).strip()
-    prose = re.sub(r"(?<!!)\[([^\]\[]+)\](?!\()", r"\1", prose)
-    if prose:
-        cells.append({"cell_type": "markdown", "metadata": {}, "source": prose})
+if __name__ == "__main__":
+    for page in PAGES:
+        with tempfile.TemporaryDirectory() as folder:
+            page_code.run(page, Path(folder))
+            written = write(page, Path(folder)).read_bytes()
+        page.with_suffix(".ipynb").write_bytes(written)

@@ -43,6 +43,10 @@ def test_notebook(name, tmp_path, monkeypatch):
     """A notebook has the code of its page in order, and what the page shows as its output."""
     monkeypatch.syspath_prepend(ROOT / "docs")
     page = ROOT / "docs" / "tutorials" / f"{name}.md"
+    text = page.read_text(encoding="utf-8")
+    pictures = re.findall(r"^```\{image\} /_generated/(\S+)", text, re.MULTILINE)
+    for picture in pictures:
+        (tmp_path / picture).write_bytes(b"a picture")
     path = module_of_docs("notebooks").write(page, tmp_path)
     cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
     code = [cell for cell in cells if cell["cell_type"] == "code"]
@@ -52,6 +56,15 @@ def test_notebook(name, tmp_path, monkeypatch):
     shown = [block.text for block in blocks if block.language == "text"]
     assert [cell["outputs"][0]["text"] for cell in code if cell["outputs"]] == shown
     assert not any(mark in cell["source"] for cell in cells for mark in ("```python", ".md)"))
+    prose = "".join(cell["source"] for cell in cells if cell["cell_type"] == "markdown")
+    assert "[]" not in prose
+    kept = json.loads(page.with_suffix(".ipynb").read_text(encoding="utf-8"))["cells"]
+    without = [re.sub(r"base64,[^)]*", "", json.dumps(each)) for each in (cells, kept)]
+    assert without[0] == without[1], "python docs/notebooks.py writes the notebooks again"
+    assert pictures and prose.count("](data:image/png;base64,YSBwaWN0dXJl)") == len(pictures)
+    assert prose.count("<details>") == prose.count("</details>")
+    answers = [cell for cell in code if cell["metadata"]]
+    assert bool(answers) == ("<details>" in text)
 
 
 def architecture():

@@ -164,7 +164,8 @@ def tab(browser):
 
 
 # Moves a slider 20 times within one task, and waits for the picture at the last value.
-MOVES = """([key, last]) => new Promise((resolve) => {
+MOVES = """([key, last]) => new Promise((resolve, reject) => {
+  setTimeout(() => reject(new Error("no picture of the last value")), 20000);
   const slider = document.querySelector(`[data-key="${key}"]`);
   const player = document.querySelector(".tribo");
   const began = performance.now();

@@ -133,7 +133,7 @@ function makeCurves(canvas) {
       context.moveTo(width - PAD.right + 1, ends[k]);
       context.lineTo(width - PAD.right + 12, y);
       context.stroke();
-      if (curves[k].symbol.letter) drawSymbol(context, curves[k].symbol, width - PAD.right + 15, y);
+      if (curves[k].symbol.letter || curves[k].symbol.before.length < 8) drawSymbol(context, curves[k].symbol, width - PAD.right + 15, y);
     });
     for (const [time, name] of [[t, "ink"], [pointed, "accent"]]) {
       if (time === null) continue;
