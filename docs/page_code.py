@@ -4,13 +4,16 @@
     text      right after a python or shell block: the output of that block; elsewhere not run
     shell     ``tribo`` commands, one a line, run in the same folder
     toml      a scene file, which must load; with a first line ``# NAME.toml`` it gets that name
+    py        Python that is not run, since it takes long; its names and arguments of tribo must exist
     console   commands that are not run, since they take long or install something
 
 Two outputs are the same if they differ in the last digit of their numbers, or in numbers below
 ``ROUND_OFF``.
 """
 
+import ast
 import contextlib
+import inspect
 import io
 import os
 import re
@@ -19,13 +22,14 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
-from typing import NamedTuple
+from typing import NamedTuple, TypeGuard
 
+import tribo
 from tribo import load_scene
 from tribo.commands import cli
 
 RUN = ("python", "shell", "toml")
-LANGUAGES = (*RUN, "text", "console")
+LANGUAGES = (*RUN, "py", "text", "console")
 ROUND_OFF = 1e-9  # numbers below, in magnitude, may differ from machine to machine
 FENCE = re.compile(r"^```(.*)\n((?:.*\n)*?)^```$", re.MULTILINE)
 NUMBER = re.compile(r"(-?\d+(?:\.\d+)?(?:e[-+]\d+)?)")
@@ -112,6 +116,8 @@ def _run(block: Block, module: ModuleType) -> None:
     if block.language == "python":
         code = compile("\n" * block.line + block.text, str(module.__file__), "exec")
         exec(code, vars(module))
+    elif block.language == "py":
+        _check_calls(ast.parse(block.text))
     elif block.language == "shell":
         for command in block.text.splitlines():
             program, *arguments = shlex.split(command, comments=True)
@@ -122,6 +128,20 @@ def _run(block: Block, module: ModuleType) -> None:
         file = Path(named[1] if named else "scene.toml")
         file.write_text(block.text, encoding="utf-8")
         load_scene(file)
+
+
+def _check_calls(tree: ast.AST) -> None:
+    """Complain about names of tribo, and arguments of its functions, that do not exist."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call) and _is_of_tribo(node.func):
+            given = {keyword.arg: None for keyword in node.keywords}
+            inspect.signature(getattr(tribo, node.func.attr)).bind(*node.args, **given)
+        elif _is_of_tribo(node):
+            getattr(tribo, node.attr)
+
+
+def _is_of_tribo(node: ast.AST) -> TypeGuard[ast.Attribute]:
+    return isinstance(node, ast.Attribute) and ast.unparse(node.value) == "tribo"
 
 
 def same(one: str, other: str) -> bool:
