@@ -4,7 +4,7 @@
     text      right after a python or shell block: the output of that block; elsewhere not run
     shell     ``tribo`` commands, one a line, run in the same folder
     toml      a scene file, which must load; with a first line ``# NAME.toml`` it gets that name
-    py        Python that is not run, since it takes long; its names and arguments of tribo must exist
+    py        Python that is not run; its names and arguments of tribo must exist
     console   commands that are not run, since they take long or install something
 
 Two outputs are the same if they differ in the last digit of their numbers, or in numbers below
