@@ -99,10 +99,15 @@ def verdict(table: dict, truth: Solution | str, seconds: float = 15.0) -> dict[s
     return found | compared(result, truth)
 
 
+# Quantities that the reference does not compute: tests/ledger compares them with others.
+UNKNOWN = ("swing_energy", "friction_work")
+
+
 def compared(result: tribo.Result, truth: Solution) -> dict[str, Any]:
     """Whether every error is within its bar, and the bars within the request where it is met."""
     found: dict[str, Any] = {"outcome": "right", "ratio": 0.0}
-    for name, bar in result.error_estimate.items():
+    bars = {name: bar for name, bar in result.error_estimate.items() if name not in UNKNOWN}
+    for name, bar in bars.items():
         error = excess(result, truth, name)
         if bar is None:
             return found | {"outcome": "silent", "quantity": name, "error": error, "bar": None}
@@ -113,7 +118,7 @@ def compared(result: tribo.Result, truth: Solution) -> dict[str, Any]:
             if not ratio <= 1.0:
                 found["outcome"] = "silent"
     if found["outcome"] == "right" and result.met:
-        for name, bar in result.error_estimate.items():
+        for name, bar in bars.items():
             scale = truth.scales[kind_of(name)]
             allowed = result.accuracy * scale * (1.0 + SCALE_ERROR)
             worked = kind_of(name) not in ("energy", "total") or truth.has_work
