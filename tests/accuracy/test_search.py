@@ -14,7 +14,7 @@ from tribo.accuracy import cheapest_setting, choose_method, levels, search
 from tribo.accuracy.comparison import PERTURBATION, error_bounds, measure_amplification
 from tribo.accuracy.stop_times import MOST_STOPS, PARTS, StopTimes
 from tribo.integrators.methods import METHODS
-from tribo.kernels.status import Status
+from tribo.kernels.status import COUNTS, EVALUATIONS, STEPS, Status
 from tribo.layout.layout import lay_out
 from tribo.loops.integrate import Integration
 from tribo.potentials.cutoff import AT_CUTOFF
@@ -292,7 +292,9 @@ def test_a_long_run_gets_no_cheaper_setting(monkeypatch):
 def test_work_of_calculators():
     """A call of a calculator counts as much as many asperites."""
     layout = lay_out(case("A"))
-    run = Integration(lambda: None, Status.COMPLETED, np.array([3, 7]), 1.0, {})
+    counts = np.zeros(COUNTS, int)
+    counts[[STEPS, EVALUATIONS]] = 3, 7
+    run = Integration(lambda: None, Status.COMPLETED, counts, 1.0, {})
     assert levels.work(layout, run) == 7 * 2
     assert levels.work(replace(layout, calculator_calls=(None,)), run) == 7 * (2 + levels.CALL)
 

@@ -32,7 +32,7 @@ from support.package import SOURCE
 from support.registers import registers_as_arrays
 
 ALL = SCENES | PAIRS
-IDENTITIES_ALONE = ("held", "open", "swinging", "twisting", "waves", "damped")
+IDENTITIES_ALONE = ("held", "open", "swinging", "damped twice", "twisting", "waves", "damped")
 NO_REFERENCE = {"surfaces": {}, "blocks": {}, "system": {}, "scales": {"energy": 0.5}}
 WEAK = COULOMB | {"strength": 1e-15}
 SOLVED = 1e-10  # relative error of a step of the independent solver: the checks allow 1e-7
@@ -581,7 +581,7 @@ for _scene in ("slid", "pulled", "slid, slowly"):
 CHECKS["verlet, open"] = Steps("open", "verlet", 0.05, 2, 1e-5)  # its identities are exact
 CHECKS["kahan-li-6, loaded"] = Steps("loaded", "kahan-li-6", 0.25, 6, 1e-5)
 CHECKS["verlet and midpoint, damped"] = Agrees("damped", "verlet", "midpoint", 0.05, 1e-3)
-for _scene in ("held", "swinging"):
+for _scene in ("held", "swinging", "damped twice"):
     CHECKS[f"verlet and midpoint, {_scene}"] = Agrees(_scene, "verlet", "midpoint", 0.05, 1e-3)
 CHECKS["rk4, slid"] = Steps("slid", "rk4", 0.1, 4, 1e-4)
 CHECKS["rk4, slid, streamed"] = Limited(

@@ -161,6 +161,10 @@ SCENES = {
     "swinging": scene(
         {"drive": "free", "langevin": {"gamma": 0.4, "on": "swing"}}, {"bars": "free"}
     ),
+    "damped twice": scene(
+        {"drive": "free", "langevin": [{"gamma": 0.3}, {"gamma": 0.4, "on": "swing"}]},
+        {"bars": "free"},
+    ),
     "twisting": scene(
         {"bars": "free", "bath": bath((0.3, 1.5), torsional=[{"inertia": 0.4, "frequency": 1.1}])},
         {
