@@ -69,7 +69,7 @@ def test_tables(result):
     assert np.array_equal(table["system", "all", "applied_work"], result.system["applied_work"])
     assert np.array_equal(table.index, result.t)
     assert end.loc[("lower", 0), "theta"] == result["lower"].theta[-1, 0]
-    assert end.shape == (2, 24)
+    assert end.shape == (2, 25)
 
 
 @pytest.mark.slow
