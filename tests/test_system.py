@@ -12,7 +12,7 @@ import pytest
 
 import tribo
 from tribo import system
-from tribo.files import locked, replace_file
+from tribo.files import lock, replace_file
 from tribo.validation import InputError
 
 SOURCE = Path(tribo.__file__).parent
@@ -29,6 +29,13 @@ OF_ONE_SYSTEM = re.compile(
     r"\b(fcntl|msvcrt|termios|resource|fork|getpgid|setsid|sched_\w+|pathconf|set_blocking|O_BINARY"
     r"|SIGKILL|SIGALRM|mkfifo|/proc|os\.name|sys\.platform)\b"
 )
+
+
+def locked(path):
+    """A file that this process alone may write."""
+    file = path.open("r+b")
+    lock(file, path)
+    return file
 
 
 def test_systems_differ_in_one_module():

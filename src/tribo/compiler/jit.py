@@ -66,7 +66,7 @@ def stamp_of(places: tuple[str, ...]) -> str:
     kinds = ("*.py", "*.json")
     paths = {path for place in places for kind in kinds for path in (root / place).rglob(kind)}
     paths |= {root / place for place in places if place.endswith(".py")}
-    for path in sorted(paths):
+    for path in sorted(path for path in paths if path.parent.name != "__pycache__"):
         digest.update(path.relative_to(root).as_posix().encode())
         digest.update(path.read_bytes())
     return digest.hexdigest()

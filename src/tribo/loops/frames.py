@@ -135,8 +135,8 @@ class Frames:
         """Open the file, for this process alone; it is created if there is none."""
         while True:
             try:
-                flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0)
-                file = os.fdopen(os.open(self.path, flags, 0o666), "r+b", buffering=0)
+                self.path.touch()
+                file = open(self.path, "r+b", buffering=0)  # noqa: SIM115
             except OSError as error:
                 raise not_written(self.path, error) from None
             lock(file, self.path)

@@ -35,7 +35,7 @@ ADVICE = {
     "closed loop": "let energy() and force() depend on r and the parameters only",
     "arrays": "compute each value from its own r: np.maximum instead of np.max",
     "compiled": "avoid what Python and numba compute differently, as globals that change; "
-    "try again after tribo cache --clear",
+    "tribo doctor names the folder of compiled code, which can be removed",
     "ase": "compare the parameters and their units, eV and Angstrom, or the calculator's cutoff",
 }
 # The same for checks by a run, which have the names of methods.
