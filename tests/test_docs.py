@@ -161,7 +161,7 @@ def written(tmp_path):
         (SCENE.replace("name", "nmae"), InputError, "nmae"),
         (SCENE + "```shell\ntribo run large.toml\n```\n", AssertionError, "fails"),
         (SCENE + "```shell\nls small.toml\n```\n", AssertionError, "use console"),
-        ("```py\ntribo.sweep(scene, {}, valeus=1)\n```\n", TypeError, "valeus"),
+        ("```py\ntribo.sweep(scene, {}, measures=1)\n```\n", TypeError, "measures"),
         ("```py\ntribo.grid\n```\n", AttributeError, "grid"),
         ("```none\ntribo paper\n```\n", AssertionError, "'none' is not known"),
         ("So\n\n    x = 1\n\nis it.\n", AssertionError, "fence 'x = 1'"),
