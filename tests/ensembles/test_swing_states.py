@@ -113,7 +113,7 @@ def test_an_ensemble_and_one_member_of_it():
     [
         ({"upper.theta": tribo.Canonical(0.1)}, "upper.theta: must be tribo.Canonical"),
         ({"upper.swing_state": stats.norm(0.0, 0.1)}, "swing_state: must be tribo.Canonical"),
-        ({"nobody.swing_state": tribo.Canonical(0.1)}, "must name a surface"),
+        ({"middle.swing_state": tribo.Canonical(0.1)}, "must name a surface"),
         (
             {"*.swing_state": tribo.Canonical(0.1), "upper.swing_state": tribo.Canonical(0.2)},
             "cannot go with",
