@@ -2,7 +2,8 @@
 
 A server imports the package and forks for every program that it is told to run.  A program finds
 no plug-in and no compiled code of earlier ones, but what is on disk.
-Where processes cannot fork, as on Windows, every program has a process of its own, which imports the package.
+Where processes cannot fork, as on Windows, every program imports the package in a
+process of its own.
 """
 
 import io
