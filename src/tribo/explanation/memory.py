@@ -20,7 +20,7 @@ from tribo.ledger.quantities import (
     FURTHER_OF_ASPERITES,
     OPTIONAL_QUANTITIES,
 )
-from tribo.ledger.separation import MOST_LOOKS
+from tribo.ledger.watched import MOST_LOOKS
 from tribo.ledger.sinks import PORTION_BYTES, is_streamed
 
 # Bytes of a number.
