@@ -244,10 +244,10 @@ class Simulation:
                 setting = 0.5 * setting
                 run, ledger, watched = self._deliver(setting, times, y)
         notes += passage_notes(layout, run)
-        if self._streams:
-            notes += _left_out(ledger())
         if self._streams or self.plan.tuned is None:
             notes += self._sliding_notes(run, watched)
+        if self._streams:
+            notes += _left_out(ledger())
         # The ledger and the cost are left for later: a run of a pair takes ten microseconds.
         cost = partial(cost_of, [run], seconds, ratio)
         return self._result(run.status, None, notes, {}, ledger, cost, run, setting)
