@@ -30,6 +30,7 @@ from tribo.ledger.passing import passing_notes
 from tribo.ledger.samples import Samples
 from tribo.ledger.separation import separation_notes
 from tribo.ledger.sinks import StreamedLedger, is_streamed
+from tribo.ledger.watched import Watched
 from tribo.loops.cuts import up_to_passing
 from tribo.loops.integrate import Integration, Setting
 from tribo.loops.select import Integrator
@@ -232,7 +233,7 @@ class Simulation:
         """A run without an error estimate; where steps were chosen, they pass no encounter."""
         layout, seconds, ratio = self.layout, self.compile_seconds, self._digit_ratio
         setting, times = self._single
-        run, ledger = self._deliver(setting, times, y)
+        run, ledger, watched = self._deliver(setting, times, y)
         notes: tuple[str, ...] = ()
         if self.plan.automatic:
             for _ in range(MOST_HALVINGS):
@@ -241,28 +242,27 @@ class Simulation:
                 assert isinstance(setting, float)
                 notes = halving_notes(layout, run, setting, 0.5 * setting)
                 setting = 0.5 * setting
-                run, ledger = self._deliver(setting, times, y)
+                run, ledger, watched = self._deliver(setting, times, y)
         notes += passage_notes(layout, run)
+        if self._streams or self.plan.tuned is None:
+            notes += self._sliding_notes(run, watched)
         if self._streams:
-            notes += drive_notes(layout, assemble(layout, run.samples.ends()))
-            notes += (*passing_notes(layout, run.samples), *_left_out(ledger()))
-        elif self.plan.tuned is None:
-            notes += self._sliding_notes(run)
+            notes += _left_out(ledger())
         # The ledger and the cost are left for later: a run of a pair takes ten microseconds.
         cost = partial(cost_of, [run], seconds, ratio)
         return self._result(run.status, None, notes, {}, ledger, cost, run, setting)
 
     def _deliver(
         self, setting: Setting, times: np.ndarray, y: np.ndarray
-    ) -> tuple[Integration, Callable[[], Ledger]]:
-        """A run and its ledger; samples that memory does not hold are taken in as they come."""
+    ) -> tuple[Integration, Callable[[], Ledger], Watched | None]:
+        """A run, its ledger, and what notes need of samples that memory does not hold."""
         layout = self.layout
         if not self._streams:
             run = up_to_passing(layout, self.integrator(setting, times, y))
-            return run, lambda: _reported(layout, run)
+            return run, lambda: _reported(layout, run), None
         streamed = StreamedLedger(layout, guarded=not self.method.adaptive)
         run = self.integrator(setting, layout.times, y, streamed)
-        return run, Known(streamed.whole(run.samples))
+        return run, Known(streamed.whole(run.samples)), streamed.watched
 
     def _estimated_result(
         self, runs: Sequence[Integration], y: np.ndarray, search: FoundSettings | None = None
@@ -286,7 +286,7 @@ class Simulation:
         known = met if len(runs) > 1 or fine.status != Status.COMPLETED else None
         layout, seconds, ratio = self.layout, self.compile_seconds, self._digit_ratio
         if self._streams and fine.status == Status.COMPLETED:
-            run, ledger = self._deliver(self.plan.setting, layout.times, y)
+            run, ledger, _ = self._deliver(self.plan.setting, layout.times, y)
             notes += (f"errors are estimated at {self.plan.times.size} times",)
             notes += _left_out(ledger())
             known = known if run.status == Status.COMPLETED else False
@@ -296,12 +296,16 @@ class Simulation:
         reported = partial(_reported, layout, fine)
         return self._result(fine.status, known, notes, bounds, reported, cost, fine)
 
-    def _sliding_notes(self, run: Integration) -> tuple[str, ...]:
+    def _sliding_notes(self, run: Integration, watched: Watched | None = None) -> tuple[str, ...]:
         """Notes on drives, and on surfaces that pass through each other, part, or never meet."""
         layout, samples = self.layout, run.samples
-        drives = drive_notes(layout, assemble(layout, samples.ends()))
-        found = (passing_notes, separation_notes, pumping_notes)
-        return (*drives, *(note for notes in found for note in notes(layout, samples)))
+        watched = Watched.of(layout, samples) if watched is None else watched
+        return (
+            *drive_notes(layout, assemble(layout, samples.ends())),
+            *passing_notes(layout, samples),
+            *separation_notes(layout.scene, watched.looks, watched.touching),
+            *pumping_notes(layout, watched),
+        )
 
     def _errors(self, runs: Sequence[Integration]) -> tuple[dict[str, float], float]:
         """Bounds on the last run's errors, and the largest in units of the request."""

@@ -137,6 +137,22 @@ def test_members_with_a_given_step(kind):
     check(scene, vary, 11, 1e-11, step=0.02)
 
 
+@pytest.mark.parametrize("key", ["asperite.m1", "theta", "velocity"])
+def test_keys_of_all_surfaces(key):
+    """Those of every surface: alike in arrays, and drawn by each surface for itself."""
+    scene, names = scene_of(), ("upper", "lower")
+    source = stats.uniform(0.9, 0.2)
+    data = tribo.ensemble(scene, 3, {f"*.{key}": source}, keep=["upper.w1"])
+    own = tribo.ensemble(scene, 3, {f"{n}.{key}": source for n in names}, keep=["upper.w1"])
+    np.testing.assert_array_equal(data["upper.w1"], own["upper.w1"])
+    upper, lower = (data[f"{n}.{key}"].values.reshape(3, -1)[:, 0] for n in names)
+    assert not np.any(upper == lower)
+    data = tribo.ensemble(scene, 2, {f"*.{key}": [0.9, 1.1]}, keep=["upper.w1"])
+    for name in names:
+        given = data[f"{name}.{key}"].values.reshape(2, -1)[:, 0]
+        np.testing.assert_array_equal(given, [0.9, 1.1])
+
+
 def test_members_do_not_depend_on_their_company():
     """The same bits in any lane, and alone again from the data set."""
     scene = scene_of()

@@ -15,6 +15,10 @@ RIGID = Asperite(kappa=np.inf)
 SOFT = tribo.with_cutoff(tribo.Gaussian(0.02, WIDTH), CUTOFF)
 
 
+class Killed(BaseException):
+    """The process ends here."""
+
+
 def fall(place=-5.0, load=LOAD, output=None, potential=SOFT):
     """A bar that its load presses down beside or onto a held one."""
     upper = Surface("upper", bob=(place, HEIGHT), drive=Free(load=load))
@@ -137,6 +141,29 @@ def test_parting_and_not_meeting_are_noted():
     assert result.notes == ()
     chord = 2.0 * np.sqrt(CUTOFF**2 - 0.25)
     assert result.time_without_contact("upper") == pytest.approx(1.0 - chord / 8.0, abs=0.02)
+
+
+@pytest.mark.parametrize("gap", [0.5, CUTOFF + 0.01])
+def test_streamed_runs_are_noted_alike(gap, monkeypatch, tmp_path):
+    """From portions of a few samples, also where a run that was stopped goes on."""
+    monkeypatch.setattr("tribo.ledger.sinks.PORTION_BYTES", 20_000)
+    held, streamed = pass_over(gap), pass_over(gap, keep=["upper.W", "upper.friction_force"])
+    assert len(held.notes) == 1 and streamed.notes == held.notes
+    monkeypatch.setattr("tribo.loops.journal.INTERVAL", -1.0)
+    monkeypatch.setattr("tribo.loops.journal.RELATIVE_INTERVAL", 0.0)
+    calls = []
+
+    def stop(*arguments):
+        calls.append(arguments)
+        if len(calls) > 12:
+            raise Killed
+
+    how = {"method": "verlet", "step": DURATION / 4000, "out": tmp_path / "a.nc"}
+    with pytest.raises(Killed):
+        tribo.simulate(streamed.scene, **how, progress=stop)
+    told = []
+    resumed = tribo.simulate(streamed.scene, **how, resume=True, progress=lambda *a: told.append(a))
+    assert told and resumed.notes == held.notes
 
 
 def test_potentials_without_a_range_have_no_time_of_contact():

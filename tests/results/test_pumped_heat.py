@@ -10,7 +10,7 @@ LIGHT, HEAVY = 0.2, 5.0  # masses of bars, of bobs of mass 1
 SPEED = 0.05
 
 
-def run(bars, temperature, drive="forced"):
+def run(bars, temperature, drive="forced", keep=None):
     """One asperite slides over another and its images, slowly; reservoirs are on the swings."""
     upper, lower = (
         tribo.Surface(
@@ -27,7 +27,7 @@ def run(bars, temperature, drive="forced"):
         )
     )
     contact = tribo.with_cutoff(tribo.Gaussian(0.5, 0.3), 1.5)
-    output = tribo.Output(samples=1001)
+    output = tribo.Output(samples=1001, keep=keep)
     scene = tribo.Scene((upper, lower), contact, 1000.0, periodic={"x": 3.0}, output=output)
     return tribo.simulate(scene, method="verlet", step=0.02)
 
@@ -63,6 +63,13 @@ def test_pumped_heat_is_noted(bars):
     assert excess == pytest.approx(work - friction / min(parts), rel=1e-2)
     assert 0.0 < half_width < excess
     assert min(received) < 0.0 < max(received)  # one surface gives heat
+
+
+def test_streamed_runs_are_noted_alike(monkeypatch):
+    """The works are those of all samples, from portions of a few."""
+    held = pumped(run((LIGHT, HEAVY), 1.0))
+    monkeypatch.setattr("tribo.ledger.sinks.PORTION_BYTES", 20_000)
+    assert pumped(run((LIGHT, HEAVY), 1.0, keep=["upper.W"])) == held
 
 
 @pytest.mark.parametrize(

@@ -173,6 +173,18 @@ def test_estimates(result):
     assert all(bound >= 0.0 for bound in result.error_estimate.values())
 
 
+def test_estimates_of_full_names(result):
+    """The bound on a quantity of all surfaces, or the own one that an accuracy asks for."""
+    bounds = result.error_estimate
+    assert bounds["upper.w1"] == bounds["w1"] and bounds["lower.W"] == bounds["W"]
+    assert pickle.loads(pickle.dumps(result)).error_estimate["upper.W"] == bounds["W"]
+    for name in ("above.w1", "upper.pressure", "upper"):
+        with pytest.raises(KeyError, match=name):
+            bounds[name]
+    own = tribo.simulate(result.scene, accuracy={"upper.W": 1e-3}).error_estimate
+    assert own["upper.W"] <= 1e-3 and "upper.W" in own and "upper.w1" not in own
+
+
 def test_round_trip(result, tmp_path):
     """Everything that is known of a run comes back from disk."""
     path = tmp_path / "run.nc"

@@ -4,7 +4,6 @@ import json
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -143,23 +142,6 @@ def test_a_second_sweep_is_refused(whole, tmp_path, small):
     xarray.testing.assert_identical(numbers(data), numbers(whole))
 
 
-def test_damage(whole, tmp_path, small):
-    """What follows a byte that changed is run again, to the same bits."""
-    out, part = tmp_path / "sweep.nc", tmp_path / "sweep.nc.part"
-    with suppress(KeyboardInterrupt):
-        sweep(SCENE, VALUES, out=out, progress=interrupt_after(4))
-    content = bytearray(part.read_bytes())
-    for place, first in ((-100, 4), (len(content) // 2, 2)):
-        damaged = content.copy()
-        damaged[place] ^= 1
-        part.write_bytes(damaged)
-        told = []
-        data = sweep(SCENE, VALUES, out=out, resume=True, progress=told.append)
-        assert told[0] <= first and told[-1] == 6
-        xarray.testing.assert_identical(numbers(data), numbers(whole))
-        out.unlink()
-
-
 def test_keys_together_and_words():
     """A tuple of keys is one dimension; words and durations take scenes of their own."""
     pairs = [(0.5, 40.0), (0.25, 80.0)]
@@ -203,6 +185,37 @@ def test_statistics_and_half_widths_at_each_point(tmp_path):
     for name in ("upper.W_mean", "upper.W_quantile", "covariance"):
         np.testing.assert_array_equal(data[name][1], own[name])
     assert data["upper.W_count"][1].sum() == 70 and not out.with_name("a.nc.part").exists()
+
+
+def test_a_half_width_at_each_point():
+    """Its number of members is that of the ensemble there; others have no values."""
+    wanted, values = {"upper.W": 0.02}, {"upper.velocity": [0.4, 0.8]}
+    data = sweep(SCENE, values, vary=THETA, half_width=wanted)
+    counts = []
+    for k, speed in enumerate(values["upper.velocity"]):
+        own = ensemble(
+            with_values(SCENE, {"upper.velocity": speed}), None, THETA, half_width=wanted
+        )
+        count = own.sizes["member"]
+        np.testing.assert_array_equal(data["upper.W"][k, :count], own["upper.W"])
+        np.testing.assert_array_equal(data["upper.W_half_width"][k], own["upper.W_half_width"])
+        assert np.isnan(data["upper.W"][k, count:]).all()
+        counts.append(count)
+    assert counts[0] != counts[1] and data.sizes["member"] == max(counts)
+    assert set(data["point_status"].values) == {"completed"}
+
+
+@pytest.mark.parametrize("members", [None, 3])
+def test_keys_of_all_surfaces(members):
+    """One value for every surface, in lanes as in a scene of its own."""
+    key, vary = "*.asperite.kappa", None if members is None else THETA
+    data = sweep(SCENE, {key: [0.8, 1.3]}, members, vary, keep=["upper.W"])
+    both = {f"{name}.asperite.kappa": 1.3 for name in ("upper", "lower")}
+    one = sweep(with_values(SCENE, both), {"duration": [40.0]}, members, vary, keep=["upper.W"])
+    np.testing.assert_allclose(data["upper.W"][1], one["upper.W"][0], atol=1e-8)
+    assert abs(data["upper.W"][1] - data["upper.W"][0]).min() > 1e-3
+    with pytest.raises(InputError, match=r"upper\.asperite\.kappa: is swept too"):
+        sweep(SCENE, {key: [1.0]}, 3, {"upper.asperite.kappa": [1.0, 1.1, 1.2]})
 
 
 def test_members(tmp_path):

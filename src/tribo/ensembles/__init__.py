@@ -6,9 +6,8 @@ quantities of each member, or their statistics, serve maps and distributions.
 
 from __future__ import annotations
 
-import os
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,17 +17,17 @@ from tribo.accuracy.comparison import Accuracy
 from tribo.ensembles.dataset import (
     at_end,
     attributes_of_members,
+    in_file,
     kept_dataset,
-    opened,
     saved,
     times_of,
     write_members,
 )
-from tribo.ensembles.engines import Engine, check_engine
+from tribo.ensembles.engines import Engine
 from tribo.ensembles.means import MeanRuns, check_series, checked_half_width, means
-from tribo.ensembles.members import Source, Variation, check_members_differ
-from tribo.ensembles.request import END, Request, checked_names, checked_time
-from tribo.ensembles.runner import Execution, Policy, collect, planned, run_members
+from tribo.ensembles.members import Source, Variation, check_members_differ, of_surfaces
+from tribo.ensembles.request import END, Request, checked_names, checked_scene, checked_time
+from tribo.ensembles.runner import Execution, Policy, collect, execution, planned, run_members
 from tribo.ensembles.sampling import Sampler, sampled
 from tribo.ensembles.statistics_store import (
     StatisticsStore,
@@ -36,11 +35,9 @@ from tribo.ensembles.statistics_store import (
     statistics_variables,
 )
 from tribo.ensembles.stores import MemberStore, Target
-from tribo.interrupts import Interrupted
-from tribo.kernels.status import Status
 from tribo.model.scene import Scene
-from tribo.progress import Reported, Shown
-from tribo.validation import InputError, boolean, integer, short_repr
+from tribo.progress import Shown
+from tribo.validation import InputError, boolean, integer
 
 if TYPE_CHECKING:
     import xarray
@@ -85,7 +82,8 @@ def ensemble(
         "surface.langevin.temperature" (or of its drive or bath) or "interaction.strength" -> an
         array of shape (members,), (members, asperites) or, for velocities, (members, 2); or a
         distribution with ``rvs(size=, random_state=)``, as those of scipy.stats, from which each
-        asperite of each member draws.
+        asperite of each member draws.  "*.theta" stands for that key of every surface: arrays give
+        all the same values, and each surface draws its own from a distribution.
     keep : sequence of str, optional
         Quantities of each member that are kept, and nothing else: "upper.w1" or "contact_energy".
         Forces and energies as series need no ``output.series`` here.  At the end,
@@ -155,14 +153,13 @@ def ensemble(
         ``result`` of the exception has their data set, whose attribute ``status`` is "Interrupted".
     """
     began = time.perf_counter()
-    if not isinstance(scene, Scene):
-        raise InputError("scene", f"must be a tribo.Scene, got {short_repr(scene)}")
-    scene = scene.with_heights()
+    scene = checked_scene(scene).with_heights()
+    vary = of_surfaces(scene, vary)
     if keep is None and half_width is None:
         keep = scene.output.keep
     if sampler is not None:
         _check_alone("half_width", half_width, "sampler")
-        vary = sampled(sampler, members, scene, vary or {})
+        vary = sampled(sampler, members, scene, vary)
     if keep is not None:
         _check_alone("half_width", half_width, "keep")
         keep = checked_names(keep)
@@ -170,37 +167,27 @@ def ensemble(
         raise InputError("at" if at != END else "statistics", 'needs keep, as keep=["upper.w1"]')
     request = Request(keep, checked_time(at), False, accuracy, method, step, allow_unresolved)
     wanted = None if half_width is None else checked_half_width(scene, half_width)
-    variation = Variation(scene, {} if vary is None else vary, integer("seed", seed, 0))
-    check_members_differ(scene, vary or {})
+    variation = Variation(scene, vary, integer("seed", seed, 0))
+    check_members_differ(scene, vary)
     most = _most_members(members, wanted, variation)
-    check_engine(engine)
-    threads = os.cpu_count() or 1 if threads is None else integer("threads", threads, 1)
-    others = {
-        "members": most,
-        "statistics": statistics,
-        "half_width": wanted,
-    }
-    identity = request.identity(scene, variation, others)
-    with Target(out, resume, identity) as target, Reported(progress, most, "members") as report:
-        if target.complete:
-            assert target.path is not None
-            return opened(target.path, identity)
+    how = execution(engine, threads)
+    others = {"members": most, "statistics": statistics, "half_width": wanted}
+
+    def compute(target: Target, progress: Callable[[float], None] | None) -> xarray.Dataset:
         simulation = request.prepare(scene)
         kept = request.kept(simulation.layout)
         if wanted is not None:
             check_series(kept, wanted)
-        policy = planned(simulation, kept, variation, most, threads)
-        how = Execution(engine, threads, report)
+        policy, own = planned(simulation, kept, variation, most, how.threads), how.told(progress)
         if statistics:
-            data = _statistics(policy, variation, most, target, how, began)
-        elif keep is not None:
-            data = _members(policy, variation, most, target, how, began)
-        else:
-            store = MemberStore(target.frames)
-            data = _means(MeanRuns(policy, variation, store, how), wanted, most, target, began)
-    if data.attrs["status"] == Status.INTERRUPTED:
-        raise Interrupted(data)
-    return data
+            return _statistics(policy, variation, most, target, own, began)
+        if keep is not None:
+            return _members(policy, variation, most, target, own, began)
+        runs = MeanRuns(policy, variation, MemberStore(target.frames), own)
+        return _means(runs, wanted, most, target, began)
+
+    identity = request.identity(scene, variation, others)
+    return in_file(out, resume, identity, progress, most, "members", compute)
 
 
 def _members(

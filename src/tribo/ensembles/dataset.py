@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,11 +16,13 @@ from tribo.ensembles.members import VELOCITY, Members, Variation
 from tribo.ensembles.runner import Policy
 from tribo.ensembles.stores import MemberStore, Target
 from tribo.files import NEW, not_written, replace_file
+from tribo.interrupts import Interrupted
 from tribo.kernels.status import Status
 from tribo.ledger.quantities import EVERY_QUANTITY, UNITS
 from tribo.model.identity import Identity, refuse_other
 from tribo.model.initial import UNITS as UNITS_OF_START
 from tribo.model.scene import Scene
+from tribo.progress import Reported, Shown
 from tribo.results.dataset import Variable
 from tribo.validation import InputError
 
@@ -211,6 +213,29 @@ def _letters(status: np.ndarray) -> np.ndarray:
     size = np.dtype(STATUS_TYPE).itemsize // np.dtype("U1").itemsize
     text = np.ascontiguousarray(np.asarray(status).astype(f"S{size}"))
     return text.view("S1").reshape(text.size, size)
+
+
+def in_file(
+    out: str | Path | None,
+    resume: bool,
+    identity: Identity,
+    progress: Shown,
+    total: int,
+    unit: str,
+    compute: Callable[[Target, Callable[[float], None] | None], xarray.Dataset],
+) -> xarray.Dataset:
+    """The data set of many runs from their file, if that is complete; else it is computed.
+
+    Raises KeyboardInterrupt, with the data set so far, if that was interrupted.
+    """
+    with Target(out, resume, identity) as target, Reported(progress, total, unit) as report:
+        if target.complete:
+            assert target.path is not None
+            return opened(target.path, identity)
+        data = compute(target, report)
+    if data.attrs["status"] == Status.INTERRUPTED:
+        raise Interrupted(data)
+    return data
 
 
 def saved(data: xarray.Dataset, target: Target) -> xarray.Dataset:

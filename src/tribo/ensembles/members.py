@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from tribo.ensembles.swing_states import JointStart, SwingStates, joint_starts
 from tribo.integrators.methods import noisy
 from tribo.model.initial import UNITS, UNITS_OF_DISPLACEMENTS
-from tribo.model.parameters import is_parameter, with_values
+from tribo.model.parameters import is_parameter, of_each_surface, with_values
 from tribo.model.scene import Scene
 from tribo.validation import LARGEST_NUMBER, InputError, inside, is_list, short_repr
 
@@ -172,8 +172,6 @@ class Variation:
         seed: int,
         seeds: np.ndarray | None = None,
     ) -> None:
-        if not isinstance(vary, Mapping):
-            raise InputError("vary", f"must map names to values, got {short_repr(vary)}")
         self.seed = seed
         self._seeds = seeds
         self._velocity_y = {f"{s.name}.{VELOCITY}": s.velocity[1] for s in scene.surfaces}
@@ -286,6 +284,22 @@ class Variation:
         """The values of one of the quantities that are drawn together, in a block of members."""
         joint = self._joint[key]
         return joint.draw(block, np.random.default_rng(self._sequence(block, joint.name)))[key]
+
+
+def of_surfaces(scene: Scene, vary: object) -> dict[str, Source]:
+    """What members differ in, with a key of each surface in place of "*".  Raises InputError.
+
+    States of swings keep their "*": they are drawn for all surfaces together.
+    """
+    if vary is None:
+        return {}
+    if not isinstance(vary, Mapping):
+        raise InputError("vary", f"must map names to values, got {short_repr(vary)}")
+    found: dict[str, Source] = {}
+    for key, source in vary.items():
+        joint = isinstance(source, SwingStates)
+        found |= {key: source} if joint else of_each_surface(scene, {key: source})
+    return found
 
 
 def check_members_differ(scene: Scene, vary: Mapping[str, Source]) -> None:

@@ -147,6 +147,13 @@ def _plain(accuracy: Accuracy | None) -> float | dict[str, float] | None:
     return dict(accuracy) if isinstance(accuracy, Mapping) else accuracy
 
 
+def checked_scene(scene: object) -> Scene:
+    """The scene of many runs.  Raises InputError."""
+    if not isinstance(scene, Scene):
+        raise InputError("scene", f"must be a tribo.Scene, got {short_repr(scene)}")
+    return scene
+
+
 def checked_names(keep: object) -> tuple[str, ...]:
     """The names of kept quantities, each once.  Raises InputError."""
     if not is_list(keep) or len(keep) == 0:

@@ -7,6 +7,7 @@ A policy says how members of a scene are run and checked: all with the step of t
 
 from __future__ import annotations
 
+import os
 import pickle
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -20,7 +21,7 @@ from tribo.accuracy.levels import work
 from tribo.accuracy.plan import Plan
 from tribo.ensembles.checked_plan import checked_plan
 from tribo.ensembles.checked_runs import CheckedPlan, CheckedRuns
-from tribo.ensembles.engines import Engine, in_threads, run_jobs
+from tribo.ensembles.engines import Engine, check_engine, in_threads, run_jobs
 from tribo.ensembles.kept_values import Kept, KeptValues
 from tribo.ensembles.members import Members, Variation, is_random
 from tribo.ensembles.single_runs import SingleRuns, run_alone
@@ -33,6 +34,7 @@ from tribo.loops.lane_loop import fit_lanes
 from tribo.model.scene_file import scene_from
 from tribo.prepared import Simulation
 from tribo.simulation import from_settings
+from tribo.validation import integer
 
 Policy = CheckedRuns | StepRuns | SingleRuns
 
@@ -60,6 +62,18 @@ class Execution(NamedTuple):
     engine: Engine | None = None
     threads: int = 1
     progress: Callable[[int], None] | None = None
+
+    def told(self, progress: Callable[[int], None] | None) -> Execution:
+        """The same, which calls `progress`."""
+        return self._replace(progress=progress)
+
+
+def execution(engine: Engine | None, threads: int | None) -> Execution:
+    """What runs members, with a thread for each core by default.  Raises InputError."""
+    check_engine(engine)
+    return Execution(
+        engine, os.cpu_count() or 1 if threads is None else integer("threads", threads, 1)
+    )
 
 
 class Setup(NamedTuple):
@@ -133,19 +147,7 @@ def run_members(
     numbers: range | np.ndarray,
     how: Execution,
 ) -> Iterator[KeptValues]:
-    """What is kept of members with some numbers, in order, chunk by chunk.
-
-    Parameters
-    ----------
-    runs : CheckedRuns, StepRuns or SingleRuns
-        Runs them.
-    variation : Variation
-        The differences between members.
-    numbers : range or ndarray
-        Of the members, ascending.
-    how : Execution
-        The engine or the threads.
-    """
+    """What is kept of members with some numbers, which ascend, in order, chunk by chunk."""
     firsts = range(0, len(numbers), runs.chunk)
     # Values are drawn in this thread: distributions need not be safe in others.
     chunks = (variation.members(np.asarray(numbers[k : k + runs.chunk])) for k in firsts)
@@ -175,16 +177,9 @@ def run_members(
 def collect(
     chunks: Iterable[KeptValues], store: Store, progress: Callable[[int], None] | None
 ) -> bool:
-    """Take in chunks of members; whether an interrupt ended that.
+    """Take in the next members, in order, and tell how many the store has.
 
-    Parameters
-    ----------
-    chunks : iterable of KeptValues
-        The next members, in order.
-    store : Store
-        Takes them.  After an interrupt it has those that are complete.
-    progress : callable, optional
-        Called with the number of members that the store has.
+    Returns whether an interrupt ended that; the store then has the members that are complete.
     """
     try:
         for found in chunks:

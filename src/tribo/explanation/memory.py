@@ -20,8 +20,8 @@ from tribo.ledger.quantities import (
     FURTHER_OF_ASPERITES,
     OPTIONAL_QUANTITIES,
 )
-from tribo.ledger.separation import MOST_LOOKS
 from tribo.ledger.sinks import PORTION_BYTES, is_streamed
+from tribo.ledger.watched import MOST_LOOKS
 
 # Bytes of a number.
 NUMBER = 8
@@ -100,9 +100,7 @@ def _raw_sample(layout: Layout) -> int:
 
 def _for_notes(layout: Layout, samples: int) -> float:
     """Bytes that are held while contacts are looked for, in some of many samples."""
-    if samples <= MOST_LOOKS:
-        return _places(layout, samples)
-    return _places(layout, MOST_LOOKS) + MOST_LOOKS * _raw_sample(layout)
+    return _places(layout, min(samples, MOST_LOOKS))
 
 
 def _for_forces(layout: Layout, samples: int) -> float:

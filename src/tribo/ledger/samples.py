@@ -51,8 +51,8 @@ class Samples:
         return self if found.all() else self._rows(found)
 
     def rows(self, selected: slice) -> Samples:
-        """The samples at some places."""
-        return self._rows(np.arange(self.t.size)[selected])
+        """The samples at some places: views of these."""
+        return self._rows(selected)
 
     def first(self) -> Samples:
         """The first sample alone."""
@@ -100,7 +100,7 @@ class Samples:
         """A series of these samples less its value at the start of the run."""
         return np.asarray(series - self.at_start(series))
 
-    def _rows(self, selected: np.ndarray) -> Samples:
+    def _rows(self, selected: np.ndarray | slice) -> Samples:
         return Samples(*(getattr(self, f.name)[selected] for f in fields(Samples)))
 
 

@@ -19,8 +19,6 @@ from tribo.model.scene import Scene
 LEAST_PART, LONGER = 0.1, 2.0
 # What notes on such surfaces say.
 PART = "part for good"
-# Recorded times at which notes look for contact, at most.
-MOST_LOOKS = 256
 # Pairs of bobs up to which all distances take less time than a tree: 60 us for a tree of few.
 MOST_PAIRS = 400
 
@@ -47,33 +45,39 @@ def without_contact(layout: Layout, samples: Samples, index: int) -> np.ndarray:
     """Whether no bob of a surface is in contact with one of another surface, (times,)."""
     places = bob_places(layout, samples)
     pairs = {pair: each for pair, each in _reaches(layout.scene).items() if index in pair}
-    touching = [_in_contact(layout, places, pair, each) for pair, each in pairs.items()]
-    return ~np.any(touching, axis=0)
+    touches = [_in_contact(layout, places, pair, each) for pair, each in pairs.items()]
+    return ~np.any(touches, axis=0)
 
 
-def separation_notes(layout: Layout, samples: Samples) -> tuple[str, ...]:
-    """Notes on surfaces that never come within the range of their contact, or part for good."""
-    notes, scene = [], layout.scene
-    reaches = _reaches(scene)
-    if not reaches:
-        return ()
-    looked_at = np.linspace(0, samples.t.size - 1, min(samples.t.size, MOST_LOOKS)).astype(int)
-    t = samples.t[looked_at]
-    places = bob_places(layout, samples.at(t))
-    for pair, reach in reaches.items():
+def touching(layout: Layout, samples: Samples) -> np.ndarray:
+    """Whether any bobs of each two surfaces whose contact has a range touch, (times, pairs)."""
+    pairs = _reaches(layout.scene)
+    if not pairs:
+        return np.empty((samples.t.size, 0), bool)
+    places = bob_places(layout, samples)
+    return np.column_stack([_in_contact(layout, places, *each) for each in pairs.items()])
+
+
+def separation_notes(scene: Scene, t: np.ndarray, contact: np.ndarray) -> tuple[str, ...]:
+    """Notes on surfaces that never come within the range of their contact, or part for good.
+
+    `contact` is that of :func:`touching` at some times of a run.
+    """
+    notes = []
+    for (pair, reach), touches in zip(_reaches(scene).items(), contact.T, strict=True):
         one, other = (scene.surfaces[k] for k in pair)
-        touching = t[_in_contact(layout, places, pair, reach)]
+        met = t[touches]
         loaded = any(surface.drive.load is not None for surface in (one, other))
-        if touching.size == 0 and all(each.ends for each in reach):
+        if met.size == 0 and all(each.ends for each in reach):
             notes.append(
                 f'at no recorded time was a bob of "{one.name}" within the range of contact, '
                 f'{max(each.distance for each in reach):.4g}, of a bob of "{other.name}"; start '
                 "them closer to one another, or run for longer"
             )
-        elif (loaded or "forces" in scene.output.series) and _part(t, touching):
+        elif (loaded or "forces" in scene.output.series) and _part(t, met):
             notes.append(
                 f'"{one.name}" and "{other.name}" {PART}: none of their bobs was in contact '
-                f"after t = {touching[-1]:.6g}; averages over time include the time from there on"
+                f"after t = {met[-1]:.6g}; averages over time include the time from there on"
             )
     return tuple(notes)
 
@@ -85,19 +89,19 @@ def parted(layout: Layout, samples: Samples) -> np.ndarray:
     for pair, reach in _reaches(scene).items():
         if all(scene.surfaces[k].drive.load is None for k in pair):
             continue
-        touching = _in_contact(layout, bob_places(layout, samples), pair, reach)
+        touches = _in_contact(layout, bob_places(layout, samples), pair, reach)
         t = samples.t[::members]
-        for member, each in enumerate(touching.reshape(-1, members).T):
+        for member, each in enumerate(touches.reshape(-1, members).T):
             found[member] |= _part(t, t[each])
     return found
 
 
-def _part(t: np.ndarray, touching: np.ndarray) -> bool:
+def _part(t: np.ndarray, met: np.ndarray) -> bool:
     """Whether the time after the last contact is long, by the times of recorded contacts."""
-    if touching.size == 0:
+    if met.size == 0:
         return False
-    before = float(np.max(np.diff(touching), initial=0.0))
-    return bool(t[-1] - touching[-1] > max(LEAST_PART * (t[-1] - t[0]), LONGER * before))
+    before = float(np.max(np.diff(met), initial=0.0))
+    return bool(t[-1] - met[-1] > max(LEAST_PART * (t[-1] - t[0]), LONGER * before))
 
 
 def _reaches(scene: Scene) -> dict[tuple[int, int], list[Reach]]:

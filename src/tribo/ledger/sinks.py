@@ -15,6 +15,7 @@ from tribo.ledger.passing import passed_through
 from tribo.ledger.quantities import ASPERITE_QUANTITIES, OPTIONAL_QUANTITIES, Table
 from tribo.ledger.runaway import first_lost
 from tribo.ledger.samples import Samples
+from tribo.ledger.watched import Watched, look_interval
 
 # Bytes of all samples of a run. Above it, only the first and the last sample of each asperite are
 # kept: a gigabyte fits into the memory of any computer of today.
@@ -22,6 +23,8 @@ SERIES_BYTES = 2**30
 # Bytes of the samples of one portion: 1/8 of the above, so that a portion needs little memory
 # beside the state of the run.
 PORTION_BYTES = 2**27
+# Begins the names of the arrays of `Watched` in files.
+WATCHED = "watched "
 
 
 class StreamedLedger:
@@ -43,6 +46,7 @@ class StreamedLedger:
         self._guarded = guarded and layout.model.ledger is not None
         self._known = 0.0  # see `first_lost`
         self._portions: list[Ledger] = []
+        self._watched: list[Watched] = []
         self._written = 0  # portions that `new_arrays` has returned
 
     def add(self, samples: Samples, earlier: int) -> tuple[int, Status] | None:
@@ -60,8 +64,21 @@ class StreamedLedger:
         passed = np.flatnonzero(passed_through(self._layout, samples))
         ends += [(int(k), Status.PASSED_THROUGH) for k in passed[:1]]
         end = min(ends, default=None)
-        self._keep(ledger.rows(slice(earlier, None if end is None else end[0] + 1)))
+        kept = slice(earlier, None if end is None else end[0] + 1)
+        self._watch(samples.rows(kept))
+        self._keep(ledger.rows(kept))
         return end
+
+    def _watch(self, samples: Samples) -> None:
+        """Keep what notes need of new samples."""
+        done = sum(portion.t.size for portion in self._portions)
+        every = look_interval(self._layout.times.size)
+        self._watched.append(Watched.of(self._layout, samples, -done % every, every))
+
+    @property
+    def watched(self) -> Watched:
+        """What notes need of all samples so far."""
+        return Watched.joined(self._watched)
 
     def _keep(self, ledger: Ledger) -> None:
         """Keep what the scene asks for."""
@@ -75,7 +92,8 @@ class StreamedLedger:
 
     def new_arrays(self) -> dict[str, np.ndarray]:
         """The portions since the last call, and what the next one needs, as arrays for a file."""
-        new, self._written = self._portions[self._written :], len(self._portions)
+        new, watched = self._portions[self._written :], self._watched[self._written :]
+        self._written = len(self._portions)
         series = {
             (part, name, quantity): [getattr(ledger, part)[name][quantity] for ledger in new]
             for part in ("surfaces", "blocks")
@@ -87,7 +105,7 @@ class StreamedLedger:
         arrays["t"] = np.concatenate([ledger.t for ledger in new])
         arrays["names"] = np.frombuffer(json.dumps(list(series)).encode(), np.uint8)
         arrays["known"] = np.array(self._known)
-        return arrays
+        return arrays | {WATCHED + k: v for k, v in Watched.joined(watched)._asdict().items()}
 
     def take_back(self, arrays: dict[str, np.ndarray]) -> None:
         """Take in portions from the arrays of a file."""
@@ -102,6 +120,7 @@ class StreamedLedger:
             parts[part][name][quantity] = arrays[str(k)]
         surfaces, blocks, system = parts["surfaces"], parts["blocks"], parts["system"][""]
         self._portions.append(Ledger(arrays["t"], surfaces, blocks, system, kept))
+        self._watched.append(Watched(*(arrays[WATCHED + name] for name in Watched._fields)))
         self._written, self._known = len(self._portions), float(arrays["known"])
 
     def whole(self, samples: Samples) -> Ledger:

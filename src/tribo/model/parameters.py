@@ -92,7 +92,7 @@ def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
     """
     of_parts: dict[str, dict[str, Any]] = {}
     known = _parts_of(scene)
-    for key, value in _of_each_surface(scene, values).items():
+    for key, value in of_each_surface(scene, values).items():
         part, _, name = key.rpartition(".")
         if part not in known:
             raise _unknown(scene, key)
@@ -152,8 +152,8 @@ def value_of(scene: Scene, key: str) -> object:
     return value.get("kind") if name == "drive" and isinstance(value, dict) else value
 
 
-def _of_each_surface(scene: Scene, values: Mapping[str, Any]) -> dict[str, Any]:
-    """The values with a key of each surface in place of keys of all surfaces."""
+def of_each_surface(scene: Scene, values: Mapping[str, Any]) -> dict[str, Any]:
+    """The values with a key of each surface in place of keys of all surfaces, as "*.theta"."""
     found: dict[str, Any] = {}
     for key, value in values.items():
         name, _, rest = str(key).partition(".")

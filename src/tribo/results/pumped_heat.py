@@ -16,32 +16,21 @@ from __future__ import annotations
 import numpy as np
 
 from tribo.layout.layout import Layout
-from tribo.ledger.accounts import Account, Integrals
-from tribo.ledger.samples import Samples
-from tribo.model.drives import DrivenBars, Forced
-from tribo.model.surface import Surface
+from tribo.ledger.watched import Watched, levers
 from tribo.results.intervals import student
 
 # Blocks of equal length whose rates give the interval: with fewer, Student's interval is wide.
 BLOCKS = 10
-# Relative difference up to which values of lambda are alike: round-off of their masses.
-ALIKE = 1e-9
 
 
-def pumping_notes(layout: Layout, samples: Samples) -> tuple[str, ...]:
+def pumping_notes(layout: Layout, watched: Watched) -> tuple[str, ...]:
     """A note where drives do more work than surfaces that all receive heat could take up."""
-    scene = layout.scene
-    parts = np.concatenate([_lever(surface) for surface in scene.surfaces])
-    held = all(isinstance(surface.drive, Forced | DrivenBars) for surface in scene.surfaces)
-    alike = np.ptp(parts) <= ALIKE * np.max(parts)
-    warm = any(map(_is_warm, scene.surfaces))
-    later = samples.t >= max(scene.output.run_in, samples.t[0])
-    if alike or not (held and warm) or layout.model.ledger is None:
-        return ()
+    scene, t = layout.scene, watched.t
+    later = t >= scene.output.run_in
     if np.count_nonzero(later) <= 2 * BLOCKS:
         return ()
-    t, (work, friction) = samples.t[later], (each[later] for each in _works(layout, samples))
-    smallest = float(np.min(parts))
+    t, (work, friction) = t[later], watched.works[later].T
+    smallest = float(np.min(levers(scene)))
     edges = np.linspace(t[0], t[-1], BLOCKS + 1)
     excess = np.diff(np.interp(edges, t, work - friction / smallest))
     half_width = student(BLOCKS - 1) * np.std(excess, ddof=1) / np.sqrt(BLOCKS)
@@ -54,29 +43,3 @@ def pumping_notes(layout: Layout, samples: Samples) -> tuple[str, ...]:
         "heat out of a surface where m2 / (m1 + m2) differs between asperites; "
         'drive = "bars" does not',
     )
-
-
-def _works(layout: Layout, samples: Samples) -> tuple[np.ndarray, np.ndarray]:
-    """The work of all drives, and friction times distance, minus the sum of V . J1; (times,)."""
-    work, friction = np.zeros(samples.t.size), np.zeros(samples.t.size)
-    integrals = Integrals(samples.s)
-    for span in (span for spans in layout.accounted_spans for span in spans):
-        accounts = integrals.of(span)
-        work += np.sum(accounts.whole(Account.work(accounts["w2"], span.velocity)), axis=1)
-        along = accounts.whole(Account.boost(accounts["w1"], span.velocity))
-        friction -= np.sum(along, axis=1)
-    return work, friction
-
-
-def _lever(surface: Surface) -> np.ndarray:
-    """The part of its energy that an asperite receives at the bob; all of it on driven bars."""
-    each = surface.each
-    if isinstance(surface.drive, DrivenBars):
-        return np.ones(surface.count)
-    return np.asarray(each["m2"] / (each["m1"] + each["m2"]))
-
-
-def _is_warm(surface: Surface) -> bool:
-    """Whether a reservoir, a bath or a start of a surface has a temperature."""
-    own = (surface.bath.temperature, surface.initial.temperature)
-    return any((*own, *(each.temperature for each in surface.reservoirs)))

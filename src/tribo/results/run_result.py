@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Generic, TypeVar
@@ -19,6 +19,23 @@ from tribo.results.cost import Cost
 from tribo.validation import InputError
 
 T = TypeVar("T")
+
+
+class _ErrorEstimates(dict[str, float | None]):
+    """Bounds on errors by quantity, which also take the full name of a surface's quantity."""
+
+    def __init__(self, bounds: Mapping[str, float | None], surfaces: Sequence[str]) -> None:
+        super().__init__(bounds)
+        self._surfaces = surfaces
+
+    def __missing__(self, name: str) -> float | None:
+        surface, _, quantity = name.rpartition(".")
+        if surface not in self._surfaces or quantity not in self:
+            raise KeyError(name)
+        return self[quantity]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (dict(self), self._surfaces)
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +84,8 @@ class RunResult:
     notes : tuple of str
         Anything else that a reader of the result should know.
     error_estimate : dict
-        Quantity -> bound on its error over all surfaces, asperites and times; None if unknown.
+        Quantity -> bound on its error over all surfaces, asperites and times; None if unknown.  It
+        takes full names too, as "upper.w1".
     settings : dict
         Method, accuracy, step, and the hash of the state where the run began, if it did.
     version : str
@@ -114,9 +132,14 @@ class RunResult:
 
     @cached_property
     def error_estimate(self) -> dict[str, float | None]:
-        """Quantity -> bound on its error over all surfaces, asperites and times, or None."""
+        """Quantity -> bound on its error over all surfaces, asperites and times, or None.
+
+        "upper.w1" has a bound of its own where the accuracy asks for one, else that of "w1".
+        """
         asked = self.accuracy if isinstance(self.accuracy, Mapping) else ()
-        return dict.fromkeys([*self.ledger.names, *asked]) | dict(self.bounds)
+        names = [surface.name for surface in self.scene.surfaces]
+        bounds = dict.fromkeys([*self.ledger.names, *asked]) | dict(self.bounds)
+        return _ErrorEstimates(bounds, names)
 
     def __getitem__(self, surface: str) -> Series:
         ledger = self.ledger

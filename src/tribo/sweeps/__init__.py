@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,25 +12,25 @@ import numpy as np
 
 from tribo.accuracy.comparison import Accuracy
 from tribo.ensembles import ensemble
-from tribo.ensembles.dataset import opened, saved
-from tribo.ensembles.engines import Engine, check_engine
+from tribo.ensembles.dataset import in_file, saved
+from tribo.ensembles.engines import Engine
 from tribo.ensembles.kept_values import NOT_RUN, REFUSED, total_names
-from tribo.ensembles.members import Source, Variation
-from tribo.ensembles.request import END, Request, checked_names, checked_time
-from tribo.ensembles.runner import Execution, collect
+from tribo.ensembles.members import Source, Variation, of_surfaces
+from tribo.ensembles.request import END, Request, checked_names, checked_scene, checked_time
+from tribo.ensembles.runner import Execution, collect, execution
 from tribo.ensembles.sampling import Sampler, sampled
 from tribo.ensembles.stores import MemberStore, Target
-from tribo.interrupts import Interrupted, answer
+from tribo.interrupts import answer
 from tribo.kernels.status import Status
 from tribo.layout.layout import lay_out
 from tribo.loops.frames import as_bytes
-from tribo.model.parameters import with_values
+from tribo.model.parameters import of_each_surface, with_values
 from tribo.model.scene import Scene
-from tribo.progress import Reported, Shown
+from tribo.progress import Shown
 from tribo.sweeps.dataset import Table, attributes_of, coordinates_of, key_coordinates, side_by_side
 from tribo.sweeps.grid import Grid, Keys
 from tribo.sweeps.point_sets import Members, point_sets, runs_of
-from tribo.validation import InputError, boolean, inside, integer, short_repr
+from tribo.validation import InputError, boolean, inside, integer
 
 if TYPE_CHECKING:
     import xarray
@@ -118,11 +118,8 @@ def sweep(
         ``result`` of the exception has the data set, in which the others are "not run".
     """
     began = time.perf_counter()
-    if not isinstance(scene, Scene):
-        raise InputError("scene", f"must be a tribo.Scene, got {short_repr(scene)}")
-    check_engine(engine)
-    grid = Grid(scene, values)
-    each = _members(grid, members, vary, seed, sampler, half_width)
+    grid = Grid(checked_scene(scene), values)
+    each = _members(grid, members, of_surfaces(scene, vary), seed, sampler, half_width)
     keep = scene.output.keep if keep is None else keep
     names = tuple(total_names(scene)) if keep is None else checked_names(keep)
     alone = each.number is None
@@ -130,53 +127,52 @@ def sweep(
     request.check()
     if request.at != END and "duration" in grid.keys:
         raise InputError("at", 'must be "end", as "duration" is swept and times differ')
-    threads = os.cpu_count() or 1 if threads is None else integer("threads", threads, 1)
+    how = execution(engine, threads)
     per_point = boolean("statistics", statistics) or half_width is not None
+    ensemble_at = partial(
+        ensemble,
+        members=each.number,
+        vary=each.vary,
+        keep=None if half_width is not None else names,
+        at=at,
+        statistics=statistics,
+        half_width=half_width,
+        engine=engine,
+        accuracy=accuracy,
+        method=method,
+        step=step,
+        threads=how.threads,
+        progress=False,
+        allow_unresolved=allow_unresolved,
+        seed=each.seed,
+    )
+
+    def compute(target: Target, progress: Callable[[float], None] | None) -> xarray.Dataset:
+        if per_point:
+            data = _point_by_point(grid, ensemble_at, target, progress, began)
+        else:
+            data = _together(grid, request, each, target, how.told(progress), began)
+        return saved(data, target)
+
     others = {
         "values": grid.identity(),
         "members": each.number,
         "statistics": statistics,
         "half_width": half_width,
     }
-    variation = Variation(scene, each.vary, each.seed)
-    identity = request.identity(scene, variation, others)
-    with Target(out, resume, identity) as target, Reported(progress, grid.size, "points") as report:
-        if target.complete:
-            assert target.path is not None
-            return opened(target.path, identity).load()
-        if per_point:
-            settings = {
-                "keep": None if half_width is not None else names,
-                "at": at,
-                "statistics": statistics,
-                "half_width": half_width,
-                "engine": engine,
-                "threads": threads,
-                "accuracy": accuracy,
-                "method": method,
-                "step": step,
-                "allow_unresolved": allow_unresolved,
-            }
-            data = _point_by_point(grid, each, settings, target, report, began)
-        else:
-            how = Execution(engine, threads, report)
-            data = _together(grid, request, each, target, how, began)
-        data = saved(data, target)
-    if data.attrs["status"] == Status.INTERRUPTED:
-        raise Interrupted(data)
-    return data
+    identity = request.identity(scene, Variation(scene, each.vary, each.seed), others)
+    return in_file(out, resume, identity, progress, grid.size, "points", compute).load()
 
 
 def _members(
     grid: Grid,
     members: int | None,
-    vary: Mapping[str, Source] | None,
+    vary: Mapping[str, Source],
     seed: int,
     sampler: Sampler | None,
     half_width: Mapping[str, float] | None,
 ) -> Members:
     """The members of each point.  Raises InputError."""
-    vary = {} if vary is None else vary
     if members is None and (vary or sampler is not None) and half_width is None:
         raise InputError("members", "is missing; vary is what differs between members")
     number = None if members is None else integer("members", members, 2)
@@ -185,10 +181,10 @@ def _members(
     for key, length in Variation(grid.scene, vary, integer("seed", seed, 0)).lengths.items():
         if number is not None and length != number:
             raise InputError(f"vary.{key}", f"must have values for {number} members, got {length}")
-    for key in grid.keys:
+    for key in of_each_surface(grid.scene, dict.fromkeys(grid.keys)):
         if key in vary:
             raise InputError(f"vary.{key}", "is swept too; give it once")
-    return Members(number, dict(vary), seed)
+    return Members(number, vary, seed)
 
 
 def _together(
@@ -223,8 +219,7 @@ def _together(
 
 def _point_by_point(
     grid: Grid,
-    each: Members,
-    settings: Mapping[str, object],
+    ensemble_at: Callable[[Scene], xarray.Dataset],
     target: Target,
     report: Callable[[int], None] | None,
     began: float,
@@ -249,10 +244,9 @@ def _point_by_point(
             scene = with_values(grid.scene, grid.point(index))
             arrays = {"point": np.array(index)}
             try:
-                call = {"vary": each.vary, "seed": each.seed, "progress": False, **settings}
-                data = ensemble(scene, each.number, **call)  # type: ignore[arg-type]
-                found[index] = data
-                arrays["data"] = as_bytes(bytes(data.to_netcdf(engine="h5netcdf")))
+                found[index] = ensemble_at(scene)
+                content = bytes(found[index].to_netcdf(engine="h5netcdf"))
+                arrays["data"] = as_bytes(content)
             except InputError as error:
                 notes[index] = str(error)
                 arrays["note"] = as_bytes(str(error))

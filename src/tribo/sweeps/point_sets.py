@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import pickle
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,7 +22,7 @@ from tribo.ensembles.runner import Execution, in_batches, planned, run_members
 from tribo.layout.layout import lay_out
 from tribo.layout.member_numbers import can_differ
 from tribo.model.initial import UNITS
-from tribo.model.parameters import with_values
+from tribo.model.parameters import of_each_surface, with_values
 from tribo.model.scene import Scene
 from tribo.model.scene_file import scene_from
 from tribo.prepared import Simulation
@@ -146,7 +146,8 @@ def _set_of(scene: Scene, request: Request, inner: list[Axis], members: Members)
     swept = {
         key: np.array([axis.rows[place][k] for place in own], float)
         for axis, own in zip(inner, places, strict=True)
-        for k, key in enumerate(axis.keys)
+        for k, name in enumerate(axis.keys)
+        for key in _of_surfaces(scene, [name])
     }
     variation = Variation(scene, members.vary, members.seed)
     numbers = np.arange(members.each)
@@ -177,14 +178,14 @@ def _served_by_one_plan(
     if plan.tuned is not None and not plan.tuned.met:
         return [], None
 
-    def differs(key: str) -> bool:
-        if _is_start(scene, key):
-            return True
-        return not plan.automatic and can_differ(simulation.layout, [key], pair)
+    def differ(axis: Axis) -> bool:
+        numbers = [k for k in _of_surfaces(scene, axis.keys) if not _is_start(scene, k)]
+        return not numbers or (not plan.automatic and can_differ(simulation.layout, numbers, pair))
 
-    inner = [axis for axis in candidates if all(map(differs, axis.keys))]
+    inner = [axis for axis in candidates if differ(axis)]
     varied = Variation(scene, members.vary, members.seed).own_numbers
-    keys = [key for axis in inner for key in axis.keys if not _is_start(scene, key)]
+    keys = _of_surfaces(scene, [key for axis in inner for key in axis.keys])
+    keys = [key for key in keys if not _is_start(scene, key)]
     if not inner or not in_batches(simulation, [*varied, *keys]):
         return [], None
     return inner, simulation if len(inner) == len(grid.axes) else None
@@ -196,11 +197,16 @@ def _has_numbers(grid: Grid, axis: Axis) -> bool:
         if any(isinstance(each, (str, bool)) for each in row):
             return False
     try:
-        for key in axis.keys:
+        for key in _of_surfaces(grid.scene, axis.keys):
             size_of(grid.scene, key)
     except InputError:
         return False
     return True
+
+
+def _of_surfaces(scene: Scene, keys: Iterable[str]) -> list[str]:
+    """Some keys, with one for each surface in place of "*"."""
+    return list(of_each_surface(scene, dict.fromkeys(keys)))
 
 
 def _is_start(scene: Scene, key: str) -> bool:

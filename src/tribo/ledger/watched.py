@@ -1,0 +1,98 @@
+"""What notes need of all samples of a run: a streamed run collects it from its portions."""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Self
+
+import numpy as np
+
+from tribo.layout.layout import Layout
+from tribo.ledger.accounts import Account, Integrals
+from tribo.ledger.samples import Samples
+from tribo.ledger.separation import touching
+from tribo.model.drives import DrivenBars, Forced
+from tribo.model.scene import Scene
+from tribo.model.surface import Surface
+
+# Recorded times at which notes look for contact, at most.
+MOST_LOOKS = 256
+# Relative difference up to which values of m2 / (m1 + m2) are alike: round-off of their masses.
+ALIKE = 1e-9
+
+
+class Watched(NamedTuple):
+    """What notes need of all samples.
+
+    Attributes
+    ----------
+    looks : ndarray, (looks,)
+        Times at which contact was looked for.
+    touching : ndarray, (looks, pairs)
+        Whether any bobs were in contact then, of each pair of `tribo.ledger.separation.reaches`.
+    t : ndarray, (times,)
+        Times of the works; none where forced drives cannot pump heat.
+    works : ndarray, (times, 2)
+        The work of all drives, and friction times distance.
+    """
+
+    looks: np.ndarray
+    touching: np.ndarray
+    t: np.ndarray
+    works: np.ndarray
+
+    @classmethod
+    def of(cls, layout: Layout, samples: Samples, first: int = 0, every: int | None = None) -> Self:
+        """That of the samples from the place `first` on, with looks at each `every`-th of them."""
+        some = samples.rows(slice(first, None, every or look_interval(samples.t.size)))
+        if not may_pump(layout):
+            return cls(some.t.copy(), touching(layout, some), np.empty(0), np.empty((0, 2)))
+        return cls(some.t.copy(), touching(layout, some), samples.t.copy(), _works(layout, samples))
+
+    @classmethod
+    def joined(cls, parts: list[Self]) -> Self:
+        """That of portions one after another."""
+        return cls(*map(np.concatenate, zip(*parts, strict=True)))
+
+
+def look_interval(times: int) -> int:
+    """The number of samples from one look for contact to the next."""
+    return -(-times // MOST_LOOKS)
+
+
+def levers(scene: Scene) -> np.ndarray:
+    """The part of its energy that each asperite receives at the bob; all of it on driven bars."""
+    return np.concatenate([_lever(surface) for surface in scene.surfaces])
+
+
+def may_pump(layout: Layout) -> bool:
+    """Whether drives may pump heat: they are forced, at a temperature, and levers are unlike."""
+    scene = layout.scene
+    parts = levers(scene)
+    held = all(isinstance(surface.drive, Forced | DrivenBars) for surface in scene.surfaces)
+    alike = np.ptp(parts) <= ALIKE * np.max(parts)
+    return bool(held and not alike and any(map(_is_warm, scene.surfaces)) and layout.model.ledger)
+
+
+def _works(layout: Layout, samples: Samples) -> np.ndarray:
+    """The work of all drives, and friction times distance, minus the sum of V . J1; (times, 2)."""
+    work, friction = np.zeros(samples.t.size), np.zeros(samples.t.size)
+    integrals = Integrals(samples.s)
+    for span in (span for spans in layout.accounted_spans for span in spans):
+        accounts = integrals.of(span)
+        work += np.sum(accounts.whole(Account.work(accounts["w2"], span.velocity)), axis=1)
+        along = accounts.whole(Account.boost(accounts["w1"], span.velocity))
+        friction -= np.sum(along, axis=1)
+    return np.column_stack([work, friction])
+
+
+def _lever(surface: Surface) -> np.ndarray:
+    each = surface.each
+    if isinstance(surface.drive, DrivenBars):
+        return np.ones(surface.count)
+    return np.asarray(each["m2"] / (each["m1"] + each["m2"]))
+
+
+def _is_warm(surface: Surface) -> bool:
+    """Whether a reservoir, a bath or a start of a surface has a temperature."""
+    own = (surface.bath.temperature, surface.initial.temperature)
+    return any((*own, *(each.temperature for each in surface.reservoirs)))
