@@ -49,7 +49,8 @@ class ExponentialAverage:
         How many of the largest values make half of the sum.
     trusted : bool
         Whether the interval can be trusted: the index is above 2.5 by two standard errors, and
-        there are at least 100 carriers.  Values that are rarer than one in all drawn remain unknown.
+        there are at least 100 carriers.  Values that are rarer than one in all drawn remain
+        unknown.
     """
 
     mean: float
