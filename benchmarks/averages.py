@@ -2,6 +2,7 @@
 
     python benchmarks/averages.py                     # 2,000 series of each kind, some minutes
     python benchmarks/averages.py --series 200 --samples 500 --after auto
+    python benchmarks/averages.py --compare --series 500      # with other estimators
 
 Exponential correlation has its correlation time in units of the series, stick-slip its number of
 slips.  Regular ones are noiseless, of an incommensurate length; thermal ones have independent
@@ -19,10 +20,14 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.signal import lfilter
+from scipy.special import stdtrit
 
 from tribo import time_average
 
 Made = Callable[[np.random.Generator, int], np.ndarray]
+# Mean and half-width of a series at some times.
+Estimator = Callable[[np.ndarray, np.ndarray], tuple[float, float]]
+BATCHES = 20
 
 
 class Coverage(NamedTuple):
@@ -101,12 +106,70 @@ def kinds() -> dict[str, Made]:
     return found
 
 
+def tribo_average(
+    t: np.ndarray, values: np.ndarray, after: float | str = 0.0
+) -> tuple[float, float]:
+    """That of `tribo.time_average`."""
+    return time_average(t, values, after)[:2]
+
+
+def autocorrelation(values: np.ndarray) -> np.ndarray:
+    """The autocorrelation of a series, from 1 at zero on, by a transform without wrapping."""
+    rest = values - values.mean()
+    found = np.fft.irfft(np.abs(np.fft.rfft(rest, 2 * rest.size)) ** 2)[: rest.size]
+    return found / found[0]
+
+
+def of_time(values: np.ndarray, tau: float) -> tuple[float, float]:
+    """The interval for an integrated time tau = 1 + 2 sum of the autocorrelation, in samples."""
+    error = values.std() * np.sqrt(max(tau, 0.0) / values.size)
+    return float(values.mean()), float(1.96 * error)
+
+
+def sokal(t: np.ndarray, values: np.ndarray, window: float = 5.0) -> tuple[float, float]:
+    """A window of 5 times the integrated time (A. D. Sokal, 1989), as in emcee.
+
+    Where the series is shorter than 50 of these times, emcee refuses: no interval.
+    """
+    times = 2.0 * np.cumsum(autocorrelation(values)) - 1.0
+    enough = np.arange(times.size) >= window * times
+    tau = float(times[np.argmax(enough)] if enough.any() else times[-1])
+    mean, half_width = of_time(values, tau)
+    return mean, half_width if values.size >= 50.0 * tau else np.nan
+
+
+def geyer(t: np.ndarray, values: np.ndarray) -> tuple[float, float]:
+    """The initial monotone sequence of sums of two neighbours (C. J. Geyer, 1992)."""
+    rho = autocorrelation(values)
+    pairs = rho[: rho.size // 2 * 2].reshape(-1, 2).sum(axis=1)
+    negative = pairs <= 0.0
+    pairs = pairs[: int(np.argmax(negative)) if negative.any() else pairs.size]
+    return of_time(values, 2.0 * float(np.sum(np.minimum.accumulate(pairs))) - 1.0)
+
+
+def batch_means(t: np.ndarray, values: np.ndarray) -> tuple[float, float]:
+    """Means of 20 batches, as if they were independent."""
+    means = values[: values.size // BATCHES * BATCHES].reshape(BATCHES, -1).mean(axis=1)
+    error = means.std(ddof=1) / np.sqrt(BATCHES)
+    return float(values.mean()), float(stdtrit(BATCHES - 1, 0.975) * error)
+
+
+ESTIMATORS: dict[str, Estimator] = {
+    "tribo": tribo_average,
+    "Sokal": sokal,
+    "Geyer": geyer,
+    "batches": batch_means,
+}
+COMPARED = ("white noise", "exponential, 1/1000", "exponential, 1/100", "exponential, 1/20")
+COMPARED += ("exponential, 1/5", "sawtooth, 10", "sawtooth, 30", "sawtooth, 100", "thermal 0.1, 30")
+
+
 def coverage(
-    made: Made, series: int, samples: int, after: float | str = 0.0, seed: int = 1
+    made: Made, series: int, samples: int, estimator: Estimator = tribo_average, seed: int = 1
 ) -> Coverage:
     """The coverage over so many series of a kind."""
     rng, t = np.random.default_rng(seed), np.linspace(0.0, 1.0, samples)
-    found = [time_average(t, made(rng, samples), after)[:2] for _ in range(series)]
+    found = [estimator(t, made(rng, samples)) for _ in range(series)]
     mean, half_width = np.array(found).T
     given = np.isfinite(half_width)
     if not given.any():
@@ -117,17 +180,35 @@ def coverage(
     return Coverage(float(np.mean(given)), float(covered), float(np.median(half_width) / error))
 
 
+def compare(series: int, samples: int) -> None:
+    """Print coverage, part with an interval and width of each estimator, as a table of Markdown."""
+    every = kinds()
+    print("| series | " + " | ".join(ESTIMATORS) + " |")
+    print("| --- |" + " --- |" * len(ESTIMATORS))
+    for name in COMPARED:
+        cells = []
+        for estimator in ESTIMATORS.values():
+            found = coverage(every[name], series, samples, estimator)
+            cell = f"{found.covered:.1%}, {found.width:.2f}" if found.given else "no interval"
+            cells.append(cell + f" ({found.given:.0%} given)" * (0.0 < found.given < 1.0))
+        print(f"| {name} | " + " | ".join(cells) + " |", flush=True)
+
+
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--series", type=int, default=2000)
     parser.add_argument("--samples", type=int, default=2000)
     parser.add_argument("--after", default="0.0", help='a time, or "auto"')
+    parser.add_argument("--compare", action="store_true", help="with other estimators")
     options = parser.parse_args()
+    if options.compare:
+        compare(options.series, options.samples)
+        return
     after = options.after if options.after == "auto" else float(options.after)
     print(f"{'':22}{'given':>8}{'covered':>9}{'width':>7}")
     for name, made in kinds().items():
-        found = coverage(made, options.series, options.samples, after)
+        found = coverage(made, options.series, options.samples, partial(tribo_average, after=after))
         print(f"{name:22}{found.given:8.1%}{found.covered:9.1%}{found.width:7.2f}", flush=True)
 
 

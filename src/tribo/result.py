@@ -18,7 +18,13 @@ from tribo.results import dataset, report
 from tribo.results.averages import Average
 from tribo.results.citations import citations
 from tribo.results.cost import Cost
-from tribo.results.force_averages import force_average, friction_force, time_without_contact
+from tribo.results.depinning import Depinning, depinning
+from tribo.results.force_averages import (
+    force_average,
+    friction_coefficient,
+    friction_force,
+    time_without_contact,
+)
 from tribo.results.run_result import Known, RunResult
 from tribo.validation import as_path
 
@@ -92,6 +98,55 @@ class Result(RunResult):
             The forces were not recorded, or there are fewer than two samples.
         """
         return force_average(self, f"{surface}.pull_force", after)
+
+    def friction_coefficient(self, surface: str, after: float | str | None = None) -> Average:
+        """The time average of the friction force on a surface over the load on it.
+
+        Parameters
+        ----------
+        surface : str
+            Name of the surface, whose drive has a load.
+        after : float or "auto", optional
+            As of :meth:`friction_force`.
+
+        Returns
+        -------
+        Average
+            As of :func:`tribo.time_average`, relative to the load; the mean is not negative.
+
+        Raises
+        ------
+        InputError
+            The surface has no load, or as of :meth:`friction_force`.
+        """
+        return friction_coefficient(self, surface, after)
+
+    def depinning(self, surface: str, distance: float | None = None) -> Depinning:
+        """The drive's force at which a pulled or pushed surface starts to slide, along x.
+
+        It is the largest force on each asperite until its bar has moved by `distance`: the static
+        friction, if the pull is slow and samples are close in time.  A rate of the force adds the
+        rate times the time that the bar takes for the distance.
+
+        Parameters
+        ----------
+        surface : str
+            Name of the surface, whose drive pulls or pushes.
+        distance : float, optional
+            By default half of the period of the corrugation on the surface, or of the spacing of
+            the other surface: beyond the top of a barrier [length].
+
+        Returns
+        -------
+        Depinning
+            The force on an asperite, with its interval over the asperites.
+
+        Raises
+        ------
+        InputError
+            Another drive holds the surface, no bar moves so far, or the distance is missing.
+        """
+        return depinning(self, surface, distance)
 
     def time_without_contact(self, surface: str, after: float | None = None) -> float:
         """The share of time in which no bob of a surface is in contact with another surface.

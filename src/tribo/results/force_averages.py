@@ -29,6 +29,18 @@ def friction_force(
     return force_average(result, f"{surface}.{name}", after)
 
 
+def friction_coefficient(
+    result: RunResult, surface: str, after: float | str | None = None
+) -> Average:
+    """The average of the friction force on a surface over the load on it."""
+    found = friction_force(result, surface, after)
+    load = load_of(next(each for each in result.scene.surfaces if each.name == surface))
+    if load == 0.0:
+        raise InputError(f"{surface}.drive.load", "is missing; name the surface that has the load")
+    mean, half_width, spread = abs(found.mean), found.half_width, found.spread
+    return found._replace(mean=mean / load, half_width=half_width / load, spread=spread / load)
+
+
 def _friction_series(scene: Scene, surface: str, part: str | None) -> str:
     """The name of the series of the friction force or of a part of it.  Raises InputError."""
     if part is None:

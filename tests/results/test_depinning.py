@@ -1,0 +1,94 @@
+"""The force at which pulled and pushed surfaces start to slide, against exact static friction."""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+import tribo
+
+AMPLITUDE, PERIOD, GAMMA = 0.3, 1.0, 1.0
+# Of a tip on a corrugation, reached a quarter of a period from its minimum.
+STATIC = 2.0 * np.pi * AMPLITUDE / PERIOD
+HOW = {"method": "verlet", "step": 0.02}
+
+
+def run(drive, duration, count=1, spacing=1.1, springs=None):
+    """Rigid asperites on a corrugation, with damping of the bars."""
+    surface = tribo.Surface(
+        "tip",
+        shape=(count, 1),
+        spacing=(spacing, 0.0),
+        asperite=tribo.Asperite(kappa=np.inf),
+        drive=drive,
+        langevin=tribo.Langevin(gamma=GAMMA),
+        springs=springs or {},
+    )
+    field = tribo.Field(tribo.Corrugation(AMPLITUDE, PERIOD), on=["tip"])
+    output = tribo.Output(samples=4001)
+    return tribo.simulate(
+        tribo.Scene([surface], [], duration, fields=[field], output=output), **HOW
+    )
+
+
+def test_a_tip_that_is_pulled_slowly():
+    """Four independent ones from four places; the drag at the tip's speed is 0.2 % of the force."""
+    found = run(tribo.Pulled(stiffness=5.0, speed=0.005), 250.0, count=4).depinning("tip")
+    np.testing.assert_allclose(found.each, STATIC, rtol=5e-3)
+    assert found.mean == np.mean(found.each)
+    half_width = stats.t.ppf(0.975, 3) * np.std(found.each, ddof=1) / 2.0
+    assert found.half_width == pytest.approx(half_width)
+    # The spring has the force at x = period / 4.
+    expected = (PERIOD / 4.0 + STATIC / 5.0) / 0.005
+    assert found.times[0] == pytest.approx(expected, rel=0.02)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_growing_push(sign):
+    """The delay is that of a saddle-node bifurcation, and the excess grows as the rate^(2/3)."""
+    excess = []
+    for rate in (0.008, 0.001):
+        push = tribo.Pushed(rate=(sign * rate, 0.0))
+        found = run(push, 2.2 / rate).depinning("tip")
+        assert np.isnan(found.half_width)
+        excess.append(sign * found.mean / STATIC - 1.0)
+    assert 0.0 < excess[1] < 0.03
+    assert excess[0] / excess[1] == pytest.approx(4.0, rel=0.2)
+
+
+def test_bars_that_springs_couple_start_together():
+    """Half a period apart, the corrugation's forces on them cancel."""
+    pull = tribo.Pulled(stiffness=0.5, speed=0.005)
+    stiff = {"stiffness": 200.0}
+    found = run(pull, 250.0, count=2, spacing=0.5, springs=stiff).depinning("tip")
+    assert found.each.shape == (1,) and abs(found.mean) < 0.05 * STATIC
+    found = run(pull, 1000.0, count=2, spacing=1.0, springs=stiff).depinning("tip")
+    assert found.mean == pytest.approx(STATIC, rel=0.01)
+
+
+def test_what_does_not_start():
+    """Without a slide, a period, or a drive that pulls."""
+    with pytest.raises(tribo.InputError, match=r'that "tip" moves, got 0.5, .* move by 0\.0'):
+        run(tribo.Pushed(force=(0.3, 0.0)), 20.0).depinning("tip")
+    result = run(tribo.Free(), 1.0)
+    with pytest.raises(tribo.InputError, match="must be one that pulls or pushes"):
+        result.depinning("tip")
+
+
+def test_the_coefficient_of_friction():
+    """The force on all asperites over the load on all of them; a surface without load has none."""
+    rigid = tribo.Asperite(kappa=np.inf)
+    pull = tribo.Pulled(load=0.2, stiffness=1.0, speed=0.2)
+    row = {"shape": (2, 1), "spacing": (1.5, 0.0), "asperite": rigid}
+    langevin = tribo.Langevin(gamma=1.0)
+    upper = tribo.Surface("upper", bob=(0.0, 0.8), drive=pull, langevin=langevin, **row)
+    lower = tribo.Surface("lower", facing="up", drive="bars", **row)
+    output = tribo.Output(samples=401, series=["forces"])
+    potential = tribo.with_cutoff(tribo.Gaussian(0.5, 0.5), 1.5)
+    scene = tribo.Scene([upper, lower], potential, 100.0, periodic={"x": 3.0}, output=output)
+    result = tribo.simulate(scene, **HOW)
+    found, force = result.friction_coefficient("upper"), result.friction_force("upper")
+    assert found.mean == pytest.approx(-force.mean / 0.4) and found.mean > 0.0
+    assert found.half_width == pytest.approx(force.half_width / 0.4, nan_ok=True)
+    assert f"{found.mean:.4g} of the load" in str(result)
+    with pytest.raises(tribo.InputError, match=r"lower\.drive\.load: is missing"):
+        result.friction_coefficient("lower")
