@@ -138,24 +138,6 @@ def test_damaged_result(tmp_path):
     assert tribo.load_result(path).status == "completed"
 
 
-def test_damaged_journal(often, tmp_path):
-    """What follows the damage is computed again, to the same bits."""
-    scene, how = HOW["pair"]
-    out, part = tmp_path / "run.nc", tmp_path / "run.nc.part"
-    whole = tribo.simulate(scene, **how)
-    with pytest.raises(Killed):
-        tribo.simulate(scene, **how, out=out, progress=killer(9))
-    content = part.read_bytes()
-    rng = random.Random(2)
-    for _ in range(6):
-        damaged = bytearray(content)
-        damaged[rng.randrange(len(content))] ^= 1 << rng.randrange(8)
-        part.write_bytes(damaged[: rng.randrange(len(content) // 2, len(content))])
-        found = tribo.simulate(scene, **how, out=out, resume=True)
-        assert same_end(whole, found) and found.error_estimate == whole.error_estimate
-        out.unlink()
-
-
 def test_journal_without_replaced_frames(often, monkeypatch, tmp_path):
     """A journal that has grown is written again, and resumes as before."""
     monkeypatch.setattr(frames, "MOST_REPLACED", 0)

@@ -4,7 +4,6 @@ import json
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -141,23 +140,6 @@ def test_a_second_sweep_is_refused(whole, tmp_path, small):
     data = sweep(SCENE, VALUES, out=out, resume=True, progress=told.append)
     assert told[0] == 4
     xarray.testing.assert_identical(numbers(data), numbers(whole))
-
-
-def test_damage(whole, tmp_path, small):
-    """What follows a byte that changed is run again, to the same bits."""
-    out, part = tmp_path / "sweep.nc", tmp_path / "sweep.nc.part"
-    with suppress(KeyboardInterrupt):
-        sweep(SCENE, VALUES, out=out, progress=interrupt_after(4))
-    content = bytearray(part.read_bytes())
-    for place, first in ((-100, 4), (len(content) // 2, 2)):
-        damaged = content.copy()
-        damaged[place] ^= 1
-        part.write_bytes(damaged)
-        told = []
-        data = sweep(SCENE, VALUES, out=out, resume=True, progress=told.append)
-        assert told[0] <= first and told[-1] == 6
-        xarray.testing.assert_identical(numbers(data), numbers(whole))
-        out.unlink()
 
 
 def test_keys_together_and_words():

@@ -147,19 +147,7 @@ def run_members(
     numbers: range | np.ndarray,
     how: Execution,
 ) -> Iterator[KeptValues]:
-    """What is kept of members with some numbers, in order, chunk by chunk.
-
-    Parameters
-    ----------
-    runs : CheckedRuns, StepRuns or SingleRuns
-        Runs them.
-    variation : Variation
-        The differences between members.
-    numbers : range or ndarray
-        Of the members, ascending.
-    how : Execution
-        The engine or the threads.
-    """
+    """What is kept of members with some numbers, which ascend, in order, chunk by chunk."""
     firsts = range(0, len(numbers), runs.chunk)
     # Values are drawn in this thread: distributions need not be safe in others.
     chunks = (variation.members(np.asarray(numbers[k : k + runs.chunk])) for k in firsts)
@@ -189,16 +177,9 @@ def run_members(
 def collect(
     chunks: Iterable[KeptValues], store: Store, progress: Callable[[int], None] | None
 ) -> bool:
-    """Take in chunks of members; whether an interrupt ended that.
+    """Take in the next members, in order, and tell how many the store has.
 
-    Parameters
-    ----------
-    chunks : iterable of KeptValues
-        The next members, in order.
-    store : Store
-        Takes them.  After an interrupt it has those that are complete.
-    progress : callable, optional
-        Called with the number of members that the store has.
+    Returns whether an interrupt ended that; the store then has the members that are complete.
     """
     try:
         for found in chunks:

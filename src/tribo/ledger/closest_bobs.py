@@ -32,19 +32,9 @@ class Closest(NamedTuple):
 
 
 def closest_bobs(layout: Layout, sample: Samples) -> Closest | None:
-    """The closest of all bobs that interact.
+    """The closest of all bobs that interact, in one sample of a run.
 
-    Parameters
-    ----------
-    layout : Layout
-        The scene.
-    sample : Samples
-        One sample of a run.
-
-    Returns
-    -------
-    Closest or None
-        None where no bobs interact, or where a position is not finite.
+    None where no bobs interact, or where a position is not finite.
     """
     return min((found for found, _ in closest_of_contacts(layout, sample)), default=None)
 

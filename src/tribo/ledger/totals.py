@@ -30,22 +30,7 @@ _with_infinities = np.errstate(over="ignore", invalid="ignore")
 
 
 class AsperiteSeries:
-    """Some asperites.
-
-    Parameters
-    ----------
-    layout : Layout
-        The scene.
-    samples : Samples
-        The raw samples of a run, the first of which is the start of the run.
-    spans : tuple of Span
-        The asperites.
-
-    Attributes
-    ----------
-    samples, spans
-        As given.
-    """
+    """Some asperites, by their spans, from the samples of a run that begin with its start."""
 
     def __init__(self, layout: Layout, samples: Samples, spans: tuple[Span, ...]) -> None:
         self._layout = layout
@@ -70,18 +55,8 @@ class AsperiteSeries:
 class SurfaceSeries(AsperiteSeries):
     """A surface: its asperites, and sums over them; V is the velocity of its centre of all masses.
 
-    Parameters
-    ----------
-    layout : Layout
-        The scene.
-    samples : Samples
-        The raw samples of a run, the first of which is the start of the run.
-    index : int
-        Of the surface.
-    among : Motion, optional
-        The motion of all asperites, if it is known.
-    forces : Forces, optional
-        The forces on all asperites, where they are reported.
+    `among` is the motion of all asperites, if it is known, and `forces` has the forces on them,
+    where they are reported.
     """
 
     def __init__(
@@ -261,24 +236,7 @@ class SurfaceSeries(AsperiteSeries):
 
 
 class SystemSeries:
-    """The whole system.
-
-    Parameters
-    ----------
-    layout : Layout
-        The scene.
-    samples : Samples
-        The raw samples of a run, the first of which is the start of the run.
-    wholes : tuple of SurfaceSeries
-        Its surfaces.
-
-    Attributes
-    ----------
-    samples
-        As given.
-    spans : tuple
-        Empty: the system is no span of asperites.
-    """
+    """The whole system, which is no span of asperites, from the samples of a run."""
 
     def __init__(self, layout: Layout, samples: Samples, wholes: tuple[SurfaceSeries, ...]) -> None:
         self._layout = layout
@@ -311,10 +269,7 @@ class SystemSeries:
 class Linear:
     """A quantity that is linear in the integrals of the kernels.
 
-    Parameters
-    ----------
-    value : callable
-        Its series, from its surface or the system, and the integrals.
+    `value` gives its series, from its surface or the system, and the integrals.
     """
 
     def __init__(self, value: Callable[..., np.ndarray]) -> None:

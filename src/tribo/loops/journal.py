@@ -11,7 +11,6 @@ import hashlib
 import time
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 import numpy as np
@@ -73,13 +72,8 @@ class Journal:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self._frames.__exit__(kind, error, traceback)
+    def __exit__(self, *error: object) -> None:
+        self._frames.__exit__(*error)
 
     def remove(self) -> None:
         """Remove the file, as the result is complete."""

@@ -21,21 +21,7 @@ from tribo.validation import InputError, inside
 
 
 class Table:
-    """The runs of a sweep, in the order of its grid.
-
-    Parameters
-    ----------
-    grid : Grid
-        The points.
-    order : list of Axis
-        The axes in whose order points were run.
-    kept : Kept
-        What is kept.
-    found : KeptValues
-        Of the runs so far.
-    each : Members
-        Of each point.
-    """
+    """The runs of a sweep in the order of its grid, from those so far in the order of some axes."""
 
     def __init__(
         self, grid: Grid, order: list[Axis], kept: Kept, found: KeptValues, each: Members
