@@ -69,7 +69,7 @@ def test_notebook(name, tmp_path, monkeypatch):
 
 def architecture():
     """The text of the page on architecture."""
-    return (ROOT / "docs" / "explanation" / "architecture.md").read_text(encoding="utf-8")
+    return (ROOT / "docs" / "developers" / "architecture.md").read_text(encoding="utf-8")
 
 
 def test_drawing_of_the_layout():

@@ -57,19 +57,7 @@ LOWERED = 0.1
 
 
 def checked_plan(runs: CheckedRuns, variation: Variation, count: int, threads: int) -> CheckedPlan:
-    """The plan of an ensemble of `count` members.
-
-    Parameters
-    ----------
-    runs : CheckedRuns
-        Runs members; its own plan is not used.
-    variation : Variation
-        The differences between members.
-    count : int
-        Of members.
-    threads : int
-        That run members of the pilot.
-    """
+    """The plan of an ensemble of `count` members; the own plan of `runs` is not used."""
     simulation = runs.simulation
     scales = tolerance_scales(simulation.layout, simulation.finest.samples)
     chosen = _cheapest(runs, variation, count, tuple(vars(scales).values()))
@@ -106,17 +94,7 @@ def _cheapest(
 
 
 class Pilot:
-    """Members by which it is found whom to check.
-
-    Parameters
-    ----------
-    runs : CheckedRuns
-        Runs members.
-    starts : MemberStarts
-        The members.
-    threads : int
-        That run them.
-    """
+    """Members by which it is found whom to check."""
 
     def __init__(self, runs: CheckedRuns, starts: MemberStarts, threads: int) -> None:
         self._runs, self._starts, self._threads = runs, starts, threads

@@ -30,19 +30,10 @@ class Interval(NamedTuple):
 
 
 def interval(values: np.ndarray, first_stage: int | None = None) -> Interval:
-    """The mean over members and its interval.
+    """The mean over independent members, from (members, ...), and its interval.
 
-    Parameters
-    ----------
-    values : ndarray, (members, ...)
-        Of independent members.
-    first_stage : int, optional
-        Members whose spread determined the number of all, for Stein's interval; without it the
-        interval is Student's.
-
-    Returns
-    -------
-    Interval
+    With `first_stage`, the members whose spread determined the number of all, the interval is
+    Stein's; without it, Student's.
     """
     sample = values[:first_stage]
     degrees = len(sample) - 1

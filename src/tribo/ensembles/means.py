@@ -115,14 +115,7 @@ def means(
 ) -> tuple[dict[str, Variable], dict[str, Variable], Attributes]:
     """Variables, coordinates and attributes of means.
 
-    Parameters
-    ----------
-    runs : MeanRuns
-        Runs the members.
-    half_width : mapping, optional
-        That is wanted, by quantity.
-    most : int
-        Members at most, and without `half_width` the number of members.
+    Without a half-width that is wanted, `most` is the number of members.
     """
     first_stage, needed = None, 0.0
     if half_width is None:

@@ -27,27 +27,11 @@ SUMS = "sums"
 
 
 class StatisticsStore:
-    """A store of statistics; see :class:`tribo.ensembles.stores.Store`.
+    """A store of statistics of `done` members; see :class:`tribo.ensembles.stores.Store`.
 
-    Parameters
-    ----------
-    kept : Kept
-        What is kept of each member.
-    common_level : float
-        The level of most members; NaN where each has its own settings.
-    frames : Frames or None
-        Take the sums once a second, or less often where that takes long, and have those of an
-        earlier call.
-
-    Attributes
-    ----------
-    done : int
-        Members that it has, from 0 on.
-
-    Raises
-    ------
-    InputError
-        Covariances are too many.
+    `common_level` is the level of most members; NaN where each has its own settings.  Frames take
+    the sums once a second, or less often where that takes long, and have those of an earlier call.
+    Raises InputError if covariances are too many.
     """
 
     def __init__(self, kept: Kept, common_level: float, frames: Frames | None) -> None:

@@ -19,21 +19,10 @@ from tribo.prepared import Simulation
 
 
 class StepRuns:
-    """Runs members of an ensemble in batches, with the step of the simulation.
+    """Runs members of an ensemble in batches, with the given step of the simulation.
 
-    Parameters
-    ----------
-    simulation : Simulation
-        Of the ensemble's scene, with a given step.
-    kept : Kept
-        What is kept.
-    own_numbers : sequence of str
-        Keys of what members differ in beside their starts.
-
-    Attributes
-    ----------
-    plan : None
-        There is none beside that of the simulation.
+    `own_numbers` are keys of what members differ in beside their starts.  There is no plan beside
+    that of the simulation.
     """
 
     plan = None

@@ -85,18 +85,10 @@ class Store(Protocol):
 
 
 class MemberStore:
-    """A store of all members.
+    """A store of all members: `done` of them, from 0 on.
 
-    Parameters
-    ----------
-    frames : Frames or None
-        Take the members once a second, and have those of an earlier call; without them members are
-        in memory.
-
-    Attributes
-    ----------
-    done : int
-        Members that it has, from 0 on.
+    Frames take the members once a second, and have those of an earlier call; without frames members
+    are in memory.
     """
 
     def __init__(self, frames: Frames | None) -> None:

@@ -40,14 +40,9 @@ class Account:
 
 
 class Accounts(dict[str, Account]):
-    """The accounts of the forces on a span, by the names of their works, each made when needed.
+    """The accounts of the forces on a span of one surface, by the names of their works.
 
-    Parameters
-    ----------
-    span : Span
-        Some asperites of one surface.
-    s : ndarray, (times, accounts)
-        The integrals that the kernels record.
+    Each is made when it is needed, from the integrals that the kernels record, (times, accounts).
     """
 
     def __init__(self, span: Span, s: np.ndarray) -> None:
