@@ -116,6 +116,15 @@ def test_reasons_of_constraints():
     assert Effect.SLIDING not in scene.effects and Effect.LANGEVIN not in scene.effects
 
 
+def test_reservoirs_of_a_list_are_named_by_their_place_in_it():
+    """The reason for each of two reservoirs names its own table; scenes keep the bars' first."""
+    tables = [{"gamma": 0.3, "on": "swing"}, {"gamma": 0.1, "on": "bar"}]
+    scene = two_rows({"langevin": tables})
+    swing, bar = Effect.SWING_LANGEVIN, Effect.LANGEVIN
+    assert reasons.why_present(scene, swing) == "surface[0].langevin[1].gamma = 0.3"
+    assert reasons.why_present(scene, bar) == "surface[0].langevin[0].gamma = 0.1"
+
+
 def full_scene(tmp_path):
     """A scene that calls for every effect but a calculator."""
     path = tmp_path / "push.py"

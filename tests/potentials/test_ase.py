@@ -132,7 +132,7 @@ def test_emt_as_a_table_drives_a_scene(tmp_path):
         symbols = ["Cu", "Cu"]
         low = 1.4
         high = 4.5
-        accuracy = 1e-5
+        tolerance = 1e-5
         many_body = true
         [[surface]]
         name = "upper"

@@ -330,14 +330,14 @@ def test_smoothness_is_as_declared(name):
 # --- tables --------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("accuracy", [1e-3, 1e-6, 1e-9])
-def test_a_table_of_a_function_is_within_its_stated_error(accuracy):
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-9])
+def test_a_table_of_a_function_is_within_its_stated_error(tolerance):
     """Between its points the error is below the tolerance and close to the stated error."""
     jones = LennardJones(0.3, 1.0)
-    table = tabulated(jones.energy, 0.8, 4.0, accuracy)
+    table = tabulated(jones.energy, 0.8, 4.0, tolerance)
     r = np.linspace(0.8, 4.0, 200_000)[:-1]
     worst = np.max(np.abs(table.energy(r) - jones.energy(r)))
-    assert worst <= table.error <= accuracy
+    assert worst <= table.error <= tolerance
     assert worst > 0.02 * table.error
     assert table.domain() == (0.8, 4.0)
 

@@ -69,7 +69,7 @@ PARAMETERS = {
             "symbols": ["Ar", "Ar"],
             "low": 0.85,
             "high": 3.0,
-            "accuracy": 1e-6,
+            "tolerance": 1e-6,
         }
     ],
     "table": [{"r": PLACES.tolist(), "energy": LennardJones(1.0, 1.0).energy(PLACES).tolist()}],

@@ -14,12 +14,22 @@ def gaussian(rng, mean, n):
 
 @pytest.mark.parametrize("mean", [0.02, 0.1, 0.3])
 def test_trusted_intervals_contain_the_mean(mean):
-    """In 95 % of samples, as counts of 400 samples allow."""
+    """In 95 % of samples or somewhat more, as counts of 400 samples allow."""
     rng = np.random.default_rng(2)
     found = [exponential_average(gaussian(rng, mean, 10_000), 1.0) for _ in range(400)]
     assert np.mean([each.trusted for each in found]) > 0.9
     inside = [abs(each.mean - 1.0) <= each.half_width for each in found if each.trusted]
-    assert 0.92 < np.mean(inside) < 0.98
+    assert 0.93 < np.mean(inside) < 0.99
+
+
+@pytest.mark.parametrize("index", [2.1, 2.4])
+def test_few_trusted_intervals_of_heavy_tails_miss_the_mean(index):
+    """Samples that happen to lack their tail are neither trusted often nor off."""
+    rng = np.random.default_rng(6)
+    works = -rng.exponential(1.0 / index, (1000, 3000)) - np.log1p(-1.0 / index)
+    found = [exponential_average(each, 1.0) for each in works]
+    missed = [each.trusted and abs(each.mean - 1.0) > each.half_width for each in found]
+    assert np.mean(missed) < 0.01
 
 
 @pytest.mark.parametrize("index", [1.05, 1.5, 2.0])
@@ -35,7 +45,7 @@ def test_heavy_tails_are_not_trusted(index):
 def test_a_mean_that_is_not_seen_is_not_trusted():
     """Works of 20 T on average: the mean of 1 is carried by works of -20 T, which none shows."""
     found = exponential_average(gaussian(np.random.default_rng(4), 20.0, 1000), 1.0)
-    assert not found.trusted and found.carriers < 10 and found.mean + found.half_width < 0.5
+    assert not found.trusted and found.carriers < 10 and found.mean < 0.5 < found.half_width
 
 
 def test_units_and_refusals():

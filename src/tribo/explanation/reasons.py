@@ -74,6 +74,19 @@ def _surfaces(key: str, value: Callable[[Surface], object | None]) -> Callable[[
     return find
 
 
+def _reservoirs(on: str) -> Callable[[Scene], Named]:
+    """Finds the reservoirs on "bar" or "swing"; of two, by its place, which is 0 for the bars."""
+
+    def find(scene: Scene) -> Named:
+        for i, surface in enumerate(scene.surfaces):
+            for j, reservoir in enumerate(surface.reservoirs):
+                if reservoir.on == on:
+                    place = f"[{j}]" if len(surface.reservoirs) == 2 else ""
+                    yield f"surface[{i}].langevin{place}.gamma = {reservoir.gamma}"
+
+    return find
+
+
 def _interactions(wanted: Callable[[Scene, Interaction], bool]) -> Callable[[Scene], Named]:
     """Finds the interactions that are wanted."""
 
@@ -184,12 +197,8 @@ PRESENT: dict[Effect, Callable[[Scene], Named]] = {
     Effect.DRIVEN_BARS: _surfaces(
         "drive", lambda s: '"bars"' if isinstance(s.drive, DrivenBars) else None
     ),
-    Effect.LANGEVIN: _surfaces(
-        "langevin.gamma", lambda s: s.bar_reservoir.gamma if s.bar_reservoir else None
-    ),
-    Effect.SWING_LANGEVIN: _surfaces(
-        "langevin.gamma", lambda s: s.swing_reservoir.gamma if s.swing_reservoir else None
-    ),
+    Effect.LANGEVIN: _reservoirs("bar"),
+    Effect.SWING_LANGEVIN: _reservoirs("swing"),
     Effect.FIELD: _fields,
     Effect.CALCULATOR: _interactions(lambda scene, item: isinstance(item.potential, Live)),
     Effect.CONTACT_WITHIN: _interactions(

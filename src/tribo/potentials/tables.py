@@ -148,13 +148,8 @@ def _table(parameters: dict[str, Any], folder: Path) -> Table:
 
 
 def _dimer(parameters: dict[str, Any], folder: Path) -> Table:
-    required = ["calculator", "symbols", "low", "high", "accuracy"]
-    parameters = known_keys(parameters, [*required, "arguments", "many_body"], required)
-    try:
-        return from_dimer(tolerance=parameters.pop("accuracy"), **parameters)
-    except InputError as error:  # the key of scene files has another name
-        field = "accuracy" if error.field == "tolerance" else error.field
-        raise InputError(field, error.problem) from None
+    required = ["calculator", "symbols", "low", "high", "tolerance"]
+    return from_dimer(**known_keys(parameters, [*required, "arguments", "many_body"], required))
 
 
 # Potentials whose tables do not list the fields of a class.

@@ -60,7 +60,7 @@ def check(
             "potential",
             'must be a potential of pairs, and "ase" is a calculator of all bobs together; check '
             f"its energy of two atoms, as in: tribo check ase-dimer calculator={name} "
-            """symbols='["Cu", "Cu"]' low=2 high=5 accuracy=1e-3 many_body=true""",
+            """symbols='["Cu", "Cu"]' low=2 high=5 tolerance=1e-3 many_body=true""",
         )
     scan = PotentialScan(as_potential(potential))
     found = curves(scan)

@@ -3,7 +3,12 @@
 The mean may be carried by values that are rarely drawn: a gain w of -5 T counts 150 times as much
 as one of zero.  If exp(-w / T) exceeds z with a probability that falls as z^-a, its variance is
 finite for a > 2 only, and the usual interval is too short otherwise.  The index a is estimated from
-the largest values (B. M. Hill, Annals of Statistics 3, 1163 (1975)).
+the largest values (B. M. Hill, Annals of Statistics 3, 1163 (1975)).  The interval includes the
+mean's part from values above the largest drawn, max / (n (1 - 1 / a)) for such a tail.
+
+Over 400 to 4000 samples of 300 to 30,000 values with a = 2.1 to 4, or of Gaussian works, trusted
+intervals contained the mean in 0.91 to 0.99 of all.  Without that part, and with an index above 2,
+samples that lack their tail were trusted: 0.2 to 0.8 for a = 2.1 and 2.4.
 """
 
 from __future__ import annotations
@@ -20,8 +25,9 @@ NORMAL = 1.959964
 # Fewest values that can carry half of the mean of an interval that is trusted: with so many, sums
 # are nearly normal.
 FEWEST_CARRIERS = 100
-# Tail index above which the variance is finite.
-FINITE_VARIANCE = 2.0
+# Smallest tail index of an interval that is trusted.  The variance is finite above 2; nearer to it,
+# samples that happen to lack their tail look as if it were finite.
+SMALLEST_INDEX = 2.5
 # Fewest values that can be judged.
 FEWEST = 100
 
@@ -35,14 +41,16 @@ class ExponentialAverage:
     mean : float
         Over all values.
     half_width : float
-        Of its 95 % interval, by the central limit theorem.
+        Of its 95 % interval: by the central limit theorem, and the part of larger values than any
+        drawn.  Infinite where the tail index is at most 1.
     tail_index : float
         Index a of the largest values: the probability to exceed z falls as z^-a.
     carriers : int
         How many of the largest values make half of the sum.
     trusted : bool
-        Whether the interval can be trusted: the index is above 2 by two standard errors, and there
-        are at least 100 carriers.  Values that are rarer than one in all drawn remain unknown.
+        Whether the interval can be trusted: the index is above 2.5 by two standard errors, and
+        there are at least 100 carriers.  Values that are rarer than one in all drawn remain
+        unknown.
     """
 
     mean: float
@@ -91,13 +99,14 @@ def exponential_average(work: ArrayLike, temperature: float) -> ExponentialAvera
     tail = int(np.sqrt(works.size))
     excess = float(np.mean(exponents[:tail] - exponents[tail]))
     index = np.inf if excess == 0.0 else 1.0 / excess
-    finite = index * (1.0 - 2.0 / np.sqrt(tail)) > FINITE_VARIANCE
-    half = NORMAL * np.std(weights, ddof=1) / np.sqrt(works.size)
+    enough = index * (1.0 - 2.0 / np.sqrt(tail)) > SMALLEST_INDEX
+    unseen = 1.0 / (works.size * (1.0 - excess)) if excess < 1.0 else np.inf
+    half = NORMAL * np.std(weights, ddof=1) / np.sqrt(works.size) + unseen
     scale = np.exp(top)
     return ExponentialAverage(
         float(scale * weights.mean()),
         float(scale * half),
         float(index),
         carriers,
-        bool(finite and carriers >= FEWEST_CARRIERS),
+        bool(enough and carriers >= FEWEST_CARRIERS),
     )
