@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 import tribo
+from tribo.commands.cli import main
 from tribo.compiler.jit import undisturbed
 from tribo.interrupts import Interrupted
 
@@ -99,7 +100,7 @@ class Incomplete:
     def __del__(self):
         raise AttributeError(sys.argv[1])
 
-watch()
+watch(json=False)
 if sys.argv[1] == "interrupted":
     try:
         os.kill(os.getpid(), signal.SIGINT)
@@ -171,3 +172,19 @@ def test_little_is_imported_before_the_program_can_be_interrupted():
     ).stdout.split()
     assert "tribo.interrupts" in found
     assert not {"typing", "re", "argparse", "numpy"} & set(found)
+
+
+def test_an_interrupted_command_answers_in_the_form_of_its_own_arguments(monkeypatch, capfd):
+    """Not of the program's that calls it."""
+
+    def interrupted(arguments):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("tribo.interrupts._report", [])
+    monkeypatch.setattr("tribo.commands.cli._run", interrupted)
+    monkeypatch.setattr("sys.argv", ["lecture.py", "--json"])
+    main(["run", "scene.toml"])
+    assert capfd.readouterr().out == ""
+    monkeypatch.setattr("sys.argv", ["lecture.py"])
+    main(["run", "scene.toml", "--json"])
+    assert capfd.readouterr().out == '{"status": "Interrupted"}\n'

@@ -75,13 +75,13 @@ def also_in_part(function: Callable[P, R], *args: P.args, **kwargs: P.kwargs) ->
         return result
 
 
-def watch() -> None:
-    """Make sure that each interrupt of this program is answered."""
+def watch(json: bool) -> None:
+    """Make sure that each interrupt of this program, of which `json` may be asked, is answered."""
     reader, writer = pipe_of_signals()
     signal.signal(signal.SIGINT, signal.default_int_handler)
     sys.unraisablehook = _report_lost
     signal.set_wakeup_fd(writer, warn_on_full_buffer=False)
-    threading.Thread(target=_end_unanswered, args=(reader,), daemon=True).start()
+    threading.Thread(target=_end_unanswered, args=(reader, json), daemon=True).start()
 
 
 @contextmanager
@@ -110,12 +110,12 @@ def report_by(function: Callable[[], None]) -> None:
     _report[:] = [function]
 
 
-def report() -> None:
+def report(json: bool) -> None:
     """Print what a command that is ended has reached; its status, if it has no result yet."""
     if _report:
         _report[0]()
         return
-    if "--json" in sys.argv:
+    if json:
         os.write(1, b'{"status": "Interrupted"}\n')
     os.write(2, b"tribo: Interrupted: the command was interrupted before it had a result\n")
 
@@ -129,11 +129,11 @@ def _report_lost(lost: sys.UnraisableHookArgs) -> None:
         sys.__unraisablehook__(lost)
 
 
-def _end_unanswered(reader: int) -> None:
+def _end_unanswered(reader: int, json: bool) -> None:
     """End the program after an interrupt that nothing answers."""
     while os.read(reader, 1) != signal.SIGINT.to_bytes():
         pass
     _arrived.set()
     if not _answered.wait(PATIENCE):
-        report()
+        report(json)
         os._exit(STOPPED)

@@ -172,7 +172,7 @@ def test_an_interrupt_that_ends_the_program_prints_the_rows(capsys, monkeypatch,
     def ended(entry):
         if entry.name == "coulomb-coincide":
             return row(entry)
-        interrupts.report()
+        interrupts.report(json=False)
         raise SystemExit
 
     monkeypatch.setattr(atlas, "row", ended)

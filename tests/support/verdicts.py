@@ -100,13 +100,15 @@ def verdict(table: dict, truth: Solution | str, seconds: float = 15.0) -> dict[s
 
 
 # Quantities that the reference does not compute: tests/ledger compares them with others.
-UNKNOWN = ("swing_energy", "friction_work")
+WITHOUT_REFERENCE = ("swing_energy", "friction_work")
 
 
 def compared(result: tribo.Result, truth: Solution) -> dict[str, Any]:
     """Whether every error is within its bar, and the bars within the request where it is met."""
     found: dict[str, Any] = {"outcome": "right", "ratio": 0.0}
-    bars = {name: bar for name, bar in result.error_estimate.items() if name not in UNKNOWN}
+    bars = {
+        name: bar for name, bar in result.error_estimate.items() if name not in WITHOUT_REFERENCE
+    }
     for name, bar in bars.items():
         error = excess(result, truth, name)
         if bar is None:

@@ -20,17 +20,18 @@ def main(arguments: list[str] | None = None) -> int:
     arguments : list of str, optional
         By default those of the program, which Ctrl-C then ends within half a second.
     """
+    json = "--json" in (sys.argv[1:] if arguments is None else arguments)
     try:
         from tribo import interrupts
 
         if arguments is None:
-            interrupts.watch()
+            interrupts.watch(json)
         status = _run(arguments)
     except KeyboardInterrupt:
         from tribo import interrupts
 
         interrupts.answer()
-        interrupts.report()
+        interrupts.report(json)
         status = interrupts.STOPPED
     return status
 

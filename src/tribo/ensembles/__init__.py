@@ -82,8 +82,8 @@ def ensemble(
         "surface.langevin.temperature" (or of its drive or bath) or "interaction.strength" -> an
         array of shape (members,), (members, asperites) or, for velocities, (members, 2); or a
         distribution with ``rvs(size=, random_state=)``, as those of scipy.stats, from which each
-        asperite of each member draws.  ``"*.theta"`` stands for that key of every surface: arrays give
-        all the same values, and each surface draws its own from a distribution.
+        asperite of each member draws. ``"*.theta"`` stands for that key of every surface: arrays
+        give all the same values, and each surface draws its own from a distribution.
     keep : sequence of str, optional
         Quantities of each member that are kept, and nothing else: "upper.w1" or "contact_energy".
         Forces and energies as series need no ``output.series`` here.  At the end,
