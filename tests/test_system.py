@@ -16,6 +16,8 @@ from tribo.files import lock, replace_file
 from tribo.validation import InputError
 
 SOURCE = Path(tribo.__file__).parent
+# The checkout; the package may be installed elsewhere.
+PROJECT = Path(__file__).parents[1]
 LOCK_ELSEWHERE = """
 import sys
 from tribo.system import lock
@@ -118,7 +120,7 @@ def test_names_and_pipes_of_windows(windows, tmp_path):
 
 def test_no_two_files_differ_in_case():
     """A file system that takes them as one would lose one."""
-    root = SOURCE.parents[1]
+    root = PROJECT
     for folder in ("src", "tests", "docs", "examples", "benchmarks"):
         names = Counter(str(p).lower() for p in (root / folder).rglob("*") if ".git" not in p.parts)
         assert not [name for name, count in names.items() if count > 1]
@@ -127,7 +129,7 @@ def test_no_two_files_differ_in_case():
 def test_the_version_is_in_one_place():
     """Files of other programs have the same."""
     for name in ("CITATION.cff", "conda/recipe.yaml"):
-        text = (SOURCE.parents[1] / name).read_text(encoding="utf-8")
+        text = (PROJECT / name).read_text(encoding="utf-8")
         found = re.search(r"^ *version: \"?([\d.]+)\"?$", text, re.MULTILINE)
         assert found and found[1] == tribo.__version__, name
     assert re.fullmatch(r"\d+\.\d+\.\d+", tribo.__version__)

@@ -21,7 +21,7 @@ from support.random_scenes import (
     rich_scene,
     rigid,
 )
-from support.verdicts import UNKNOWN
+from support.verdicts import WITHOUT_REFERENCE
 from tribo.accuracy.scales import KINDS
 from tribo.integrators.methods import METHODS
 from tribo.layout.layout import lay_out
@@ -42,7 +42,7 @@ def assert_agrees(scene: dict, method: str | None = None, accuracy: float = ACCU
     for part in ("surfaces", "blocks"):
         assert end[part].keys() == truth[part].keys()
         for name, table in truth[part].items():
-            assert end[part][name].keys() - set(UNKNOWN) == table.keys()
+            assert end[part][name].keys() - set(WITHOUT_REFERENCE) == table.keys()
             for quantity, values in table.items():
                 compare(quantity, end[part][name][quantity], values, truth["scales"], accuracy)
     for quantity, value in truth["system"].items():
