@@ -76,7 +76,7 @@ def also_in_part(function: Callable[P, R], *args: P.args, **kwargs: P.kwargs) ->
 
 
 def watch(json: bool) -> None:
-    """Make sure that each interrupt of this program, of which `json` may be asked, is answered."""
+    """Answer each interrupt of this program; `json` tells whether its command was given --json."""
     reader, writer = pipe_of_signals()
     signal.signal(signal.SIGINT, signal.default_int_handler)
     sys.unraisablehook = _report_lost
@@ -111,7 +111,10 @@ def report_by(function: Callable[[], None]) -> None:
 
 
 def report(json: bool) -> None:
-    """Print what a command that is ended has reached; its status, if it has no result yet."""
+    """Print what a command that is ended has reached; its status, if it has no result yet.
+
+    With `json`, the status is printed as JSON too.
+    """
     if _report:
         _report[0]()
         return
