@@ -1,5 +1,7 @@
 """Members that are run side by side in lanes agree with those that are run one by one."""
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -135,8 +137,20 @@ def check_agreement(one, other, within):
             assert np.max(np.abs(mine - theirs) / scale) < within, name
 
 
-@pytest.mark.parametrize("potential", POTENTIALS)
-@pytest.mark.parametrize("kinds", KINDS)
+# In the default set each kind and each potential; the slow set has the other combinations.
+PAIRED = {
+    ("drives", "coulomb"),
+    ("bars", "morse"),
+    ("stores", "lennard-jones"),
+    ("noise", "morse"),
+}
+COMBINATIONS = [
+    pytest.param(*each, marks=() if each in PAIRED else pytest.mark.slow)
+    for each in itertools.product(KINDS, POTENTIALS)
+]
+
+
+@pytest.mark.parametrize(("kinds", "potential"), COMBINATIONS)
 def test_lanes_agree_with_single_runs(kinds, potential):
     """Every drive, bar, store and reservoir, with moving fields and contact within a surface."""
     layout, method = lay_out(scene_of(KINDS[kinds], POTENTIALS[potential])), METHODS["verlet"]
