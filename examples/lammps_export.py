@@ -28,7 +28,7 @@ def flake_on_sheet():
         tribo.Surface("flake", asperite=RIGID, drive=pulled, **flake),
         tribo.Surface("sheet", asperite=RIGID, **sheet),
     )
-    contact = tribo.potentials.with_cutoff(LENNARD_JONES, 2.5, "truncate")
+    contact = LENNARD_JONES.with_cutoff(2.5, "truncate")
     return tribo.Scene(surfaces, contact, 1.0, output=tribo.Output(samples=2))
 
 

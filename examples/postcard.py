@@ -1,19 +1,17 @@
 """A user's own potential, from its definition to a result and a report card.
 
 A class with parameters and an energy is all that is needed.  Here 64 bobs slide over 64 others with
-this potential, and the report card checks its force, its smoothness, its limits, and the energy
-balance of a run.
+this potential, and the report card checks its force, its smoothness and its limits.
 """
 
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
 import tribo
 
 
-class Gauss(NamedTuple):
+class Gauss(tribo.Potential):
     """U = h exp(-(r/w)^2/2)."""
 
     height: float  # [energy]

@@ -62,10 +62,10 @@ if TYPE_CHECKING:  # "X as X" exports a name to type checkers
         Mie as Mie,
         Morse as Morse,
         Plummer as Plummer,
+        Potential as Potential,
         SoftSphere as SoftSphere,
         WeeksChandlerAndersen as WeeksChandlerAndersen,
         Yukawa as Yukawa,
-        with_cutoff as with_cutoff,
     )
     from tribo.prepared import Simulation as Simulation
     from tribo.report_card import check as check
@@ -128,6 +128,7 @@ _HOME = {
     "periodic_rows": "tribo.model.rows",
     "play": "tribo.sliders",
     "Plummer": "tribo.potentials",
+    "Potential": "tribo.potentials",
     "prepare": "tribo.simulation",
     "Pulled": "tribo.model.drives",
     "Pushed": "tribo.model.drives",
@@ -147,7 +148,6 @@ _HOME = {
     "time_average": "tribo.results.averages",
     "TriboWarning": "tribo.validation",
     "WeeksChandlerAndersen": "tribo.potentials",
-    "with_cutoff": "tribo.potentials",
     "Yukawa": "tribo.potentials",
 }
 

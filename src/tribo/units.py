@@ -62,7 +62,7 @@ class Units(NamedTuple):
         """Unit of force per velocity [kg / s]."""
         return self.mass / self.time
 
-    def kT(self, kelvin: float) -> float:  # noqa: N802  (as it is written in equations)
+    def kT(self, kelvin: float) -> float:
         """Boltzmann's constant times a temperature [energy of these units].
 
         Parameters

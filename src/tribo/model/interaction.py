@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from tribo.potentials.from_ase import Live
-from tribo.potentials.registry import as_potential
+from tribo.potentials.potential import as_potential
 from tribo.validation import POSITIVE, InputError, inside, is_list, known_keys, must_be, number
 
 
@@ -48,7 +48,7 @@ class Interaction:
 
     Attributes
     ----------
-    potential : NamedTuple
+    potential : Potential or NamedTuple
         A potential of :mod:`tribo.potentials`, or a user's own.
     between : (str, str), optional
         Names of the two surfaces; None for every two.  The same name twice stands for contact among

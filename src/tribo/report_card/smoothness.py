@@ -25,8 +25,8 @@ from tribo.report_card.scan import PotentialScan
 # Number of halvings: a cell of one percent of r ends at 1e-12 of r.
 LEVELS = 32
 
-# Largest acceptable jump, kink and bend, relative to the scale of the potential.
-JUMP, KINK, BEND = 1e-9, 1e-3, 1e-2
+# Largest acceptable jump and kink, relative to the scale of the potential.
+JUMP, KINK = 1e-9, 1e-3
 
 # Unit of distance of kinks and bends [cells]: about r, or less where cells are finer.
 LENGTH = 60.0
@@ -74,16 +74,6 @@ def check_smoothness(scan: PotentialScan) -> list[Check]:
             )
         )
     return lines
-
-
-def smooth_stretch(scan: PotentialScan) -> tuple[float, float]:
-    """Ends of the interval around the typical distance in which the force is smooth."""
-    force = strengths(scan, lambda r: scan.compiled(r)[1], 0)
-    rough = (force[0] > JUMP) | (force[1] > KINK) | (force[2] > BEND)
-    nearer = scan.edges[2:][rough & (scan.edges[2:] <= scan.length)]
-    farther = scan.edges[:-2][rough & (scan.edges[2:] > scan.length)]
-    low = max(nearer, default=scan.low)
-    return float(low), float(min(farther, default=scan.high))
 
 
 def strengths(scan: PotentialScan, function: Function, power: int) -> np.ndarray:
