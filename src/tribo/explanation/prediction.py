@@ -81,14 +81,8 @@ class Prediction:
 class Search(Integrator):
     """Runs a scene in search for settings, until all runs together have taken the budget.
 
-    Attributes
-    ----------
-    finished : list of Taken
-        The runs from the scene's own start.
-    reached : float
-        Part of the duration that the last of these reached.
-    evaluations, seconds : float
-        Of all runs.
+    Attributes are the runs from the scene's own start, the part of the duration that the last of
+    these reached, and the evaluations and seconds of all runs.
     """
 
     def __init__(self, layout: Layout, method: Method, threads: int = 1) -> None:

@@ -77,21 +77,10 @@ def check_smoothness(scan: PotentialScan) -> list[Check]:
 
 
 def strengths(scan: PotentialScan, function: Function, power: int) -> np.ndarray:
-    """Jump, kink and bend of a function in every cell.
+    """Jump, kink and bend of a function in every cell, (3, cells).
 
-    Parameters
-    ----------
-    scan : PotentialScan
-    function : callable
-        Takes distances of any shape and returns values of that shape.
-    power : int
-        Values are relative to the scale of the force times r^power.
-
-    Returns
-    -------
-    ndarray, (3, cells)
-        Distances are in units of LENGTH cells.  Cells overlap by half, so that every distance is in
-        the interior of one.
+    Values are relative to the scale of the force times r^power, and distances are in units of
+    LENGTH cells.  Cells overlap by half, so that every distance is in the interior of one.
     """
     begin, end = scan.edges[:-2], scan.edges[2:]
     middle = scan.edges[1:-1]
