@@ -318,8 +318,8 @@ def test_what_makes_a_run_slow(monkeypatch):
 
 
 @pytest.mark.parametrize("series", [(), ("forces",)])
-def test_memory_is_what_numpy_allocates(series):
-    """Of a run and of the values at its end, forces included."""
+def test_memory_is_most_of_what_numpy_allocates(series):
+    """The arrays of the loop and the samples; not what is held for a moment to look at them."""
     row = {"shape": (80, 1)}
     output = tribo.Output(samples=401, series=series)
     scene = two_rows(row, row, output=output, numerics=STEPPED)
@@ -332,7 +332,7 @@ def test_memory_is_what_numpy_allocates(series):
         peak = tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()
-    assert 0.75 < predicted / peak < 1.3
+    assert 0.55 < predicted / peak < 1.1
 
 
 def test_a_method_that_is_as_fast(monkeypatch):

@@ -294,7 +294,7 @@ def explain(scene: Scene) -> Explanation:
     compiled = compilations(layout, choice.method) == before
     began = time.perf_counter()
     found = predict(choice, search)
-    beside = time.perf_counter() - began - search.seconds  # runs are compared
+    beside = 0.0 if choice.step else time.perf_counter() - began - search.seconds
     predicted = _predicted(layout, choice, search, found, beside)
     present = [effect for effect in Effect if effect in scene.effects]
     return Explanation(

@@ -158,7 +158,8 @@ def _checksum(name: str, variable: xarray.Variable) -> str:
 
 def _checksum_of(attributes: dict[Any, Any], values: bytes = b"") -> str:
     """Of values and of all attributes but checksums."""
-    known = {k: str(v) for k, v in attributes.items() if k not in ("checksum", "hash")}
+    kept = attributes.keys() - {"checksum", "hash", "_NCProperties"}
+    known = {k: str(np.ravel(attributes[k])[0]) for k in kept}
     text = json.dumps(known, sort_keys=True).encode()
     return hashlib.blake2b(text + values, digest_size=16).hexdigest()
 
