@@ -62,27 +62,9 @@ class Simulation:
     Several threads can run it at the same time.  It can be copied, and pickled without its function
     for progress; copies and pickles give the same bits.
 
-    Parameters
-    ----------
-    plan : Plan
-        The method and all settings.
-    integrator : Integrator
-        Runs the scene by that method.
-
-    Attributes
-    ----------
-    scene : Scene
-        The scene to run.
-    method : Method
-        How time advances.
-    accuracy : float, mapping or None
-        The relative error of everything, or of each observable named; None with a given step.
-    why : str
-        The reason for the method; empty if it was given.
-    compile_seconds : float
-        Time to compile the time loop, or to load it from disk [s].
-    integrator : Integrator
-        As given.
+    `scene`, `method`, `accuracy` (None with a given step), `why` (the reason for the method; empty
+    if it was given) and `compile_seconds` (to compile the time loop, or to load it from disk) say
+    what it runs.
     """
 
     def __init__(self, plan: Plan, integrator: Integrator) -> None:
@@ -147,19 +129,7 @@ class Simulation:
     def first_result(self) -> Result:
         """The result of the runs that found the settings, or of a run if none were needed.
 
-        Returns
-        -------
-        Result
-
-        Raises
-        ------
-        KeyboardInterrupt
-            The run was interrupted; the attribute ``result`` has the Result up to there.
-
-        Warns
-        -----
-        TriboWarning
-            The run stops early, or its error estimates exceed the accuracy.
+        Raises and warns as :meth:`run`.
         """
         return with_warning(self.compute_first())
 
@@ -203,10 +173,7 @@ class Simulation:
     def finest(self) -> Integration:
         """The run that found the settings.
 
-        Raises
-        ------
-        InputError
-            There was no search, as the step was given.
+        Raises InputError if there was none, as the step was given.
         """
         if self.plan.tuned is None or not self.plan.tuned.runs:
             raise InputError("accuracy", "is missing; with a given step, no run finds the settings")

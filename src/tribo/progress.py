@@ -23,15 +23,7 @@ Shown = Callable[[float], None] | bool | None
 
 
 class ProgressBar:
-    """A bar that appears on stderr after a second, and disappears at the end.
-
-    Parameters
-    ----------
-    total : float
-        The value at the end.
-    unit : str
-        Its unit.
-    """
+    """A bar that appears on stderr after a second, and disappears at the end."""
 
     def __init__(self, total: float, unit: str) -> None:
         self._total = total
@@ -60,14 +52,9 @@ class ProgressBar:
         self._bar.refresh()
 
     def announce(self, number: int, runs: int, seconds: float | None) -> None:
-        """Begin a run.
+        """Begin a run, which is `number` of `runs`.
 
-        Parameters
-        ----------
-        number, runs : int
-            Which run it is, and how many there will be.
-        seconds : float or None
-            The predicted time of it and of those that follow, which is printed from DELAY on.
+        The predicted `seconds` of it and of those that follow are printed from DELAY on.
         """
         self._runs = f"run {number} of {runs}"
         if self._bar is not None:
@@ -85,22 +72,7 @@ class ProgressBar:
 
 
 class Reported:
-    """A context that gives the function to call with what is reached, or None.
-
-    Parameters
-    ----------
-    progress : callable, bool or None
-        See :data:`Shown`.
-    total : float
-        The value at the end.
-    unit : str
-        Its unit.
-
-    Raises
-    ------
-    InputError
-        `progress` is none of these.
-    """
+    """A context that gives the function to call with what is reached, if any; see :data:`Shown`."""
 
     def __init__(self, progress: Shown, total: float, unit: str) -> None:
         self._bar: ProgressBar | None = None

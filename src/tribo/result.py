@@ -81,21 +81,13 @@ class Result(RunResult):
 
         Parameters
         ----------
-        surface : str
-            Name of the surface.
-        after : float or "auto", optional
-            When the average begins, as in :func:`tribo.time_average`; by default at the scene's
-            ``output.run_in`` [time].
+        surface, after
+            As for :meth:`friction_force`.
 
         Returns
         -------
         Average
-            As of :func:`tribo.time_average` [force].  Its note says where a run stopped.
-
-        Raises
-        ------
-        InputError
-            The forces were not recorded, or there are fewer than two samples.
+            As of :meth:`friction_force`.
         """
         return force_average(self, f"{surface}.pull_force", after)
 
@@ -104,20 +96,13 @@ class Result(RunResult):
 
         Parameters
         ----------
-        surface : str
-            Name of the surface, whose drive has a load.
-        after : float or "auto", optional
-            As of :meth:`friction_force`.
+        surface, after
+            As for :meth:`friction_force`; the surface's drive has a load.
 
         Returns
         -------
         Average
-            As of :func:`tribo.time_average`, relative to the load; the mean is not negative.
-
-        Raises
-        ------
-        InputError
-            The surface has no load, or as of :meth:`friction_force`.
+            As of :meth:`friction_force`, relative to the load; the mean is not negative.
         """
         return friction_coefficient(self, surface, after)
 
@@ -200,13 +185,7 @@ class Result(RunResult):
         return report.end(self)
 
     def to_json(self) -> str:
-        """The property `end` as strict JSON, as ``tribo run --json`` prints it.
-
-        Returns
-        -------
-        str
-            One JSON object; numbers that are not finite are null.
-        """
+        """The property `end` as one object of strict JSON; numbers that are not finite are null."""
         return strict_json(self.end)
 
     def __repr__(self) -> str:
@@ -293,23 +272,28 @@ class Result(RunResult):
         """The run as a list of ``ase.Atoms``, one for each sample: bobs, then bars.
 
         ``ase.io.write("run.traj", result.to_ase())`` and ``"run.extxyz"`` make files that ASE and
-        other programs open.
+        other programs open.  The scene's unit of length is read as Angstrom, its unit of energy as
+        eV, its unit of mass as u; ASE's unit of time, A sqrt(u/eV), is then the scene's.
 
         Parameters
         ----------
         symbols : dict of str to str, optional
-            Elements of the bobs by surface, as ``{"upper": "Si"}``; without it their species.
+            Elements of the bobs by surface, as ``{"upper": "Si"}``; without it their species, and
+            "X" where these are no elements, as for bars.
 
         Returns
         -------
         list of ase.Atoms
-            With masses, velocities, charges, contact energy and contact forces: see
-            :func:`tribo.export.ase_atoms.to_ase`.  Numbers are in the scene's units.
+            With masses, velocities, charges, contact energy and contact forces f1 (none act on
+            bars).  Tags number the surfaces; the array "is_bar" tells bars from bobs; "theta" and
+            "phi" are the angles of the asperite [rad]; a .traj file drops these three.  `info` has
+            the time and the series of the system.
 
         Raises
         ------
         InputError
-            If a symbol is no element, or a surface does not exist.
+            A symbol is no element, a surface does not exist, a calculator of the scene fails, or
+            the places of single asperites were not kept.
         """
         from tribo.export.ase_atoms import to_ase
 
@@ -329,13 +313,7 @@ class Result(RunResult):
         return ledger_table(self)
 
     def end_to_pandas(self) -> pandas.DataFrame:
-        """The end state as a table of pandas: a row for each asperite, a column a quantity.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Indexed by (surface, asperite).
-        """
+        """The end state as a table of pandas: a row for each (surface, asperite)."""
         from tribo.export.pandas_tables import end_table
 
         return end_table(self)

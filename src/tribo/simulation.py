@@ -146,16 +146,7 @@ def _integrator(
 def from_settings(scene: Scene, settings: Plan) -> Simulation:
     """A simulation of a scene by the settings of another of its kind, without a search.
 
-    Parameters
-    ----------
-    scene : Scene
-        Differs from the other in numbers, not in the effects that it calls for.
-    settings : Plan
-        :attr:`Simulation.settings` of the other.
-
-    Returns
-    -------
-    Simulation
+    The scene differs from the other in numbers, not in the effects that it calls for.
     """
     layout = lay_out(scene)
     return Simulation(settings, integrator_for(layout, methods.METHODS[settings.method]))
@@ -179,19 +170,19 @@ def simulate(
     ----------
     scene, accuracy, method, step, allow_unresolved, threads
         As for :func:`prepare`.
-    start : State, optional
-        The state ``result.state()`` of another run, from which this one continues.  With the same
-        method, step and recorded times it has the bits of a run without the pause.
     progress : callable or bool, optional
         A function that is called with the time reached, a few times a second.  By default a bar
         appears on a terminal or in a notebook after a second; True shows it elsewhere too, False
         never.
+    start : State, optional
+        The state ``result.state()`` of another run, from which this one continues.  With the same
+        method, step and recorded times it has the bits of a run without the pause.
     out : str or Path, optional
-        A NetCDF file for the result.  During the run and after an interruption, ``out`` with
-        ``.part`` appended to its name has the samples so far.
+        A NetCDF file for the result.  Until that is complete, ``out`` with ``.part`` appended to
+        its name has what is done.
     resume : bool
-        Continue from ``out.part``, with the same bits as a run without a pause.  Without such a
-        file the run starts from the beginning, or ``out`` is read if it is complete.
+        Continue from ``out.part``, with the same bits as without a pause.  Without such a file the
+        run starts from the beginning, or ``out`` is read if it is complete.
 
     Returns
     -------
@@ -202,8 +193,8 @@ def simulate(
     InputError
         As for :func:`prepare`.
     KeyboardInterrupt
-        The run was interrupted, as by Ctrl-C.  If a part of it had been computed, the attribute
-        ``result`` of the exception has the Result up to there.
+        The run was interrupted, as by Ctrl-C.  The attribute ``result`` of the exception has the
+        Result up to there, if a part of it had been computed.
 
     Warns
     -----

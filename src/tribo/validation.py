@@ -23,12 +23,8 @@ Condition = tuple[str, Callable[[float], bool]]
 class InputError(ValueError):
     """A value that cannot be used: ``field: what is wrong, and which values are valid``.
 
-    Attributes
-    ----------
-    field : str
-        The field as a scene file writes it, such as ``surface[0].asperite.m1``.
-    problem : str
-        What is wrong with its value.
+    Attributes: `field` as a scene file writes it, such as ``surface[0].asperite.m1``, and
+    `problem`.
     """
 
     def __init__(self, field: str, problem: str) -> None:

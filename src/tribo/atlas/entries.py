@@ -19,32 +19,15 @@ STOP_TIME = "t"
 
 @dataclass(frozen=True)
 class Entry:
-    """A hard scene, how its run should end, and what its end should be.
+    """A hard scene, how its run should end, and what its end should be."""
 
-    Attributes
-    ----------
-    name : str
-        Of the scene file, without its folder and suffix.
-    declared : str
-        The outcome: "completed", "completed, accuracy not met", or the status that stops the run.
-    bound : float
-        Largest acceptable error, relative to the scale of each kind of quantity; of the time of
-        a stop, relative to the duration.
-    reference : dict
-        "surface.quantity" -> the digits at the end of the run, one number for each asperite;
-        "t" -> the digits of the time at which a run stops.
-    source : str
-        Where the reference comes from.
-    failure : str
-        How a simple integrator fails on the scene.
-    """
-
-    name: str
-    declared: str
-    bound: float
+    name: str  # of the scene file, without its folder and suffix
+    declared: str  # "completed", "completed, accuracy not met", or the status that stops the run
+    bound: float  # largest error, in scales of the quantities; of a stop's time, in durations
+    # "surface.quantity" -> digits at the end for each asperite, or "t" -> of a stop's time
     reference: Mapping[str, tuple[str, ...]]
-    source: str
-    failure: str
+    source: str  # where the reference comes from
+    failure: str  # how a simple integrator fails on the scene
 
     @property
     def path(self) -> Path:
@@ -76,22 +59,7 @@ def _entry(name: str, table: dict[str, object]) -> Entry:
 
 
 def chosen(names: Sequence[str] = ()) -> list[Entry]:
-    """Entries by their names; all of them without names.
-
-    Parameters
-    ----------
-    names : sequence of str
-        Names of entries.
-
-    Returns
-    -------
-    list of Entry
-
-    Raises
-    ------
-    InputError
-        There is no entry of a name.
-    """
+    """Entries by their names; all of them without names. Raises InputError for an unknown name."""
     entries = all_entries()
     for name in names:
         if name not in entries:

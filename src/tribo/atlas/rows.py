@@ -22,34 +22,16 @@ NOT_HONEST = "completed, error above its estimate"
 
 @dataclass(frozen=True)
 class Row:
-    """One line of the table.
-
-    Attributes
-    ----------
-    name : str
-        Of the entry.
-    declared : str
-        The outcome that the entry declares.
-    outcome : str
-        The outcome of the run.
-    as_declared : bool
-        Whether they are equal and the error is within the entry's bound.
-    error : float or None
-        The largest error of the reference's quantities at the end, relative to the scale of each;
-        None where the run did not reach what the reference describes.
-    estimate : float or None
-        The largest error estimate of these quantities, in the same units; None without estimates.
-    seconds : float
-        Time of all runs, compilation included [s].
-    """
+    """One line of the table."""
 
     name: str
     declared: str
     outcome: str
-    as_declared: bool
+    as_declared: bool  # also the error is within the entry's bound
+    # largest at the end, in scales; None where the run did not end as the reference
     error: float | None
-    estimate: float | None
-    seconds: float
+    estimate: float | None  # the largest estimate of these errors; None without estimates
+    seconds: float  # of all runs, compilation included
 
     def __str__(self) -> str:
         verdict = "as declared" if self.as_declared else f"NOT AS DECLARED ({self.declared})"
@@ -79,21 +61,7 @@ class Deviation:
 
 
 def row(entry: Entry) -> Row:
-    """Run one scene, and compare its end with the reference.
-
-    Parameters
-    ----------
-    entry : Entry
-
-    Returns
-    -------
-    Row
-
-    Raises
-    ------
-    KeyboardInterrupt
-        The run was interrupted.
-    """
+    """Run one scene, and compare its end with the reference. Raises KeyboardInterrupt."""
     began = time.perf_counter()
     result = prepare(entry.scene()).compute_first()
     if result.status == Status.INTERRUPTED:
@@ -102,20 +70,7 @@ def row(entry: Entry) -> Row:
 
 
 def judge(entry: Entry, result: Result, seconds: float) -> Row:
-    """Compare a result with the reference of an entry.
-
-    Parameters
-    ----------
-    entry : Entry
-    result : Result
-        Of the entry's scene, by any method.
-    seconds : float
-        Time that it took [s].
-
-    Returns
-    -------
-    Row
-    """
+    """Compare a result of an entry's scene, by any method, with the reference."""
     stops = STOP_TIME in entry.reference
     if stops == (result.status == Status.COMPLETED):  # the reference is of another end
         return Row(entry.name, entry.declared, _outcome(result), False, None, None, seconds)
@@ -170,14 +125,5 @@ def _relative(difference: float, name: str, scales: Scales) -> float:
 
 
 def table(rows: Iterable[Row]) -> dict[str, list[dict[str, object]]]:
-    """The rows as ``tribo atlas --json`` prints them.
-
-    Parameters
-    ----------
-    rows : iterable of Row
-
-    Returns
-    -------
-    dict
-    """
+    """The rows as ``tribo atlas --json`` prints them."""
     return {"rows": [asdict(row) for row in rows]}

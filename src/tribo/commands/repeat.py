@@ -17,18 +17,10 @@ from tribo.validation import InputError
 
 
 class Difference(NamedTuple):
-    """A series of two runs that is not the same bit for bit.
+    """A series of two runs that is not the same bit for bit."""
 
-    Attributes
-    ----------
-    name : str
-        The series, as "upper.w1"; "status", if the runs ended differently.
-    size : float
-        The largest difference of its values, in the unit of the series; inf if the series have
-        different times, and nan where values are nan.
-    """
-
-    name: str
+    name: str  # as "upper.w1"; "status" if the runs ended differently
+    # largest difference in the unit of the series; inf where times differ, nan where values are
     size: float
 
 
@@ -40,28 +32,10 @@ def repeat(
     resume: bool = False,
     threads: int | None = None,
 ) -> Result:
-    """Run the scene of a result again with its settings.
+    """Run the scene of a result again with its settings; without `plugins` it may name no code.
 
-    Code that the scene names is loaded from where the scene says, beside the file of the result,
-    and must be what it was.
-
-    Parameters
-    ----------
-    result : Result
-        As :func:`tribo.load_result` returns it.
-    plugins : bool
-        Whether the scene may name code.
-    progress, out, resume, threads
-        As for :func:`tribo.simulate`.
-
-    Returns
-    -------
-    Result
-
-    Raises
-    ------
-    InputError
-        The code has changed or is refused, or the run began from the state of another run.
+    Code that the scene names is loaded from where the scene says, beside the file of the result.
+    Raises InputError if the code has changed, or if the run began from the state of another run.
     """
     settings = result.settings
     if settings["start"] is not None:
@@ -87,17 +61,7 @@ def repeat(
 
 
 def differences(before: Result, after: Result) -> list[Difference]:
-    """The series and error estimates that differ in any bit, the largest difference first.
-
-    Parameters
-    ----------
-    before, after : Result
-
-    Returns
-    -------
-    list of Difference
-        Empty if all bits are the same.
-    """
+    """The series and error estimates that differ in any bit, the largest difference first."""
     if before.status != after.status:
         return [Difference("status", np.inf)]
     one, other, none = _series(before), _series(after), np.empty(0)

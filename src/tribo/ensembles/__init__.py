@@ -106,21 +106,15 @@ def ensemble(
     engine : executor, optional
         Runs the members in other processes: it has ``submit`` or ``map`` as concurrent.futures
         defines them, or is a client of dask.distributed.
-    out : str or Path, optional
-        A NetCDF file for the data set.  Until it is complete, ``out`` with ``.part`` behind its
-        name has the members so far, or with `statistics` their sums, also if the ensemble is
-        interrupted.  With `keep`, values of the data set are read from the file when used.
-    resume : bool
-        Continue ``out.part``, to the bits of an ensemble without a pause; begin if there is no such
-        file, and only read ``out`` if that is complete.
+    out, resume
+        As for :func:`simulate`.  With `keep`, values are read from ``out`` when used.
     accuracy, method, step, allow_unresolved
         As for :func:`prepare`.  A step is required where no accuracy of single runs can be kept.
     threads : int, optional
         Threads that run members in batches; by default one for each core.  Values do not depend on
         it.
     progress : callable or bool, optional
-        Called with the number of members that have been run; or whether a bar is shown: by default
-        on a terminal and in a notebook, after a second.
+        As for :func:`simulate`, with the number of members that have been run.
     seed : int
         The seed of the ensemble.  A member depends on it and on the member's number.
 
@@ -149,8 +143,8 @@ def ensemble(
         An argument cannot be used, the half-width takes too many members, fewer than two members
         reach the end, or the file is of another ensemble.
     KeyboardInterrupt
-        The ensemble was interrupted, as by Ctrl-C.  If enough members were complete, the attribute
-        ``result`` of the exception has their data set, whose attribute ``status`` is "Interrupted".
+        The ensemble was interrupted, as by Ctrl-C.  The attribute ``result`` of the exception has
+        the data set of the complete members, if enough were, with the status "Interrupted".
     """
     began = time.perf_counter()
     scene = checked_scene(scene).with_heights()

@@ -79,43 +79,21 @@ REFINEMENTS = 3
 
 
 class Stepper(NamedTuple):
-    """A loop that runs members, and its cost.
-
-    Attributes
-    ----------
-    batch : Batch
-        Runs them.
-    near : float
-        The longest step, as a fraction of the time to the next encounter.
-    cost : float
-        Time of an evaluation, relative to that of the collocation.
-    """
+    """A loop that runs members, and its cost."""
 
     batch: Batch
-    near: float
-    cost: float
+    near: float  # longest step, as a fraction of the time to the next encounter
+    cost: float  # time of an evaluation, relative to that of the collocation
 
 
 class CheckedPlan(NamedTuple):
-    """How all members are run.
-
-    Attributes
-    ----------
-    method : str
-        The way to run them.
-    level : float
-        Of their tolerances.
-    most_evaluations : int
-        Members that take more are checked; -1 where they have numbers of their own, and are all
-        compared with rougher runs.
-    scales : tuple of float
-        Of the tolerances: fields of :class:`tribo.accuracy.tolerance_scales.ToleranceScales`.
-    """
+    """How all members are run: by which method and tolerances, and which members are checked."""
 
     method: str
     level: float
+    # members that take more are checked; -1 where members have numbers of their own
     most_evaluations: int
-    scales: tuple[float, ...]
+    scales: tuple[float, ...]  # fields of tribo.accuracy.tolerance_scales.ToleranceScales
 
     @property
     def attributes(self) -> dict[str, str | float]:
@@ -136,31 +114,12 @@ class CheckedPlan(NamedTuple):
 
 
 class CheckedRuns:
-    """Runs members of an ensemble in batches.
+    """Runs members of an ensemble in batches, by a `plan` that has to be set.
 
-    Parameters
-    ----------
-    simulation : Simulation
-        Of the ensemble's scene, with an adaptive method and an accuracy.
-    kept : Kept
-        What is kept.
-    own_numbers : sequence of str
-        Keys of what members differ in beside their starts.
-
-    Attributes
-    ----------
-    plan : CheckedPlan
-        How all members are run; it has to be set.
-    own_numbers
-        As given.
-    steppers : dict
-        The ways to run members, by method; the first is that of single runs.
-    exact : str
-        The first of them.
-    pilot : int
-        Members by which it is found whom to check.
-    finest : float
-        The finest level by which the setting is chosen.
+    The simulation has an adaptive method and an accuracy.  Members differ in their starts, and in
+    numbers with the keys `own_numbers`.  The first of the `steppers`, `exact`, is that of single
+    runs.  `pilot` is the number of members by which it is found whom to check, `finest` the finest
+    level that is tried.
     """
 
     plan: CheckedPlan

@@ -53,36 +53,17 @@ STATUS_TYPE = f"U{max(map(len, [MISSED, REFUSED, *Status]))}"
 
 @dataclass(eq=False)
 class KeptValues:
-    """Kept quantities of some members, and how their runs went.
+    """Kept quantities of some members, and how their runs went; all but `values` are (members,)."""
 
-    Attributes
-    ----------
-    values : dict
-        Name -> (members, [times,] [asperites]); NaN of members that have none.
-    errors : dict
-        Name -> bounds on the errors of these values (members,), NaN where there is none; of all
-        quantities if `Kept.with_errors`.
-    status : ndarray, (members,), of str
-        How each run ended.
-    steps, evaluations : ndarray, (members,)
-        Steps and evaluations of all forces of each run.
-    level : ndarray, (members,)
-        Of the tolerances of each run; NaN of members that had a run of their own, or a given step.
-    error : ndarray, (members,)
-        The largest difference of a member from a finer run, relative to its scales; NaN of members
-        that were not checked.
-    note : ndarray, (members,), of str
-        Limitations of each run, a line each.
-    """
-
-    values: dict[str, np.ndarray]
+    values: dict[str, np.ndarray]  # name -> (members, [times,] [asperites]); NaN of members without
+    # name -> bounds on errors, NaN where unknown; of all quantities if Kept.with_errors
     errors: dict[str, np.ndarray]
     status: np.ndarray
     steps: np.ndarray
     evaluations: np.ndarray
-    level: np.ndarray
-    error: np.ndarray
-    note: np.ndarray
+    level: np.ndarray  # of the tolerances; NaN of members with a run of their own, or a given step
+    error: np.ndarray  # largest difference from a finer run, in scales; NaN of members not checked
+    note: np.ndarray  # limitations of each run, a line each
 
     @classmethod
     def without_runs(cls, kept: Kept, members: int, status: str = UNKNOWN, note: str = "") -> Self:
@@ -149,26 +130,14 @@ class KeptValues:
 
 @dataclass(frozen=True)
 class Kept:
-    """What is kept of each member.
+    """What is kept of each member."""
 
-    Attributes
-    ----------
-    names : tuple of str
-        Of the quantities, "upper.w1".
-    at_samples : bool
-        Whether they are kept at all times of the scene, or at the end alone.
-    shapes : tuple of tuples
-        Of each quantity in one member.
-    with_errors : bool
-        Whether each value has an error estimate; then values that miss the accuracy are kept too.
-    counts : dict
-        The asperites of each surface, if quantities are sums over these; else empty.
-    """
-
-    names: tuple[str, ...]
-    at_samples: bool
-    shapes: tuple[tuple[int, ...], ...] = field(repr=False)
+    names: tuple[str, ...]  # "upper.w1"
+    at_samples: bool  # at all times of the scene, or at the end alone
+    shapes: tuple[tuple[int, ...], ...] = field(repr=False)  # of each quantity in one member
+    # each value has an error estimate; values that miss the accuracy are kept too
     with_errors: bool = False
+    # asperites of each surface, over which quantities are summed; else empty
     counts: Mapping[str, int] = field(default_factory=dict)
 
     @classmethod
@@ -334,21 +303,11 @@ def _check_averaged(scene: Scene) -> None:
 
 @dataclass
 class Tally:
-    """Counts of members, for the notes of an ensemble.
-
-    Attributes
-    ----------
-    status : dict
-        Members by status.
-    checked : int
-        Members that were run again with finer settings.
-    refined : int
-        Members that needed finer settings.
-    """
+    """Counts of members, for the notes of an ensemble."""
 
     status: dict[str, int] = field(default_factory=dict)
-    checked: int = 0
-    refined: int = 0
+    checked: int = 0  # run again with finer settings
+    refined: int = 0  # needed these
 
     def add(
         self, status: np.ndarray, level: np.ndarray, error: np.ndarray, common_level: float

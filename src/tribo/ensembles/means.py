@@ -46,19 +46,7 @@ HalfWidths = Mapping[str, float]
 
 @dataclass
 class MeanRuns:
-    """Runs of the members whose means are computed.
-
-    Attributes
-    ----------
-    runs : Policy
-        Runs them.
-    variation : Variation
-        The differences between them.
-    store : MemberStore
-        Takes them.
-    how : Execution
-        What runs them.
-    """
+    """Runs of the members whose means are computed."""
 
     runs: Policy
     variation: Variation

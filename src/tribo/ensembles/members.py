@@ -41,21 +41,11 @@ Source = Distribution | SwingStates | ArrayLike
 
 
 class Members(NamedTuple):
-    """Some members; it can be pickled.
+    """Some members; it can be pickled."""
 
-    Attributes
-    ----------
-    numbers : ndarray, (members,)
-        From 0 on.
-    seeds : ndarray, (members,)
-        Of their scenes.
-    values : dict
-        "surface.theta" -> (members, asperites); "surface.velocity" -> (members, 2); a number of
-        the scene -> (members, 1).
-    """
-
-    numbers: np.ndarray
-    seeds: np.ndarray
+    numbers: np.ndarray  # (members,), from 0 on
+    seeds: np.ndarray  # of their scenes, (members,)
+    # "surface.theta" -> (members, asperites); velocities (members, 2), numbers (members, 1)
     values: dict[str, np.ndarray]
 
     def member(self, index: int) -> Member:
@@ -83,17 +73,7 @@ def values_at_start(values: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
 
 @dataclass(frozen=True, eq=False)
 class Member:
-    """One member.
-
-    Attributes
-    ----------
-    number
-        from 0 on
-    seed
-        of its scene, for thermal starts and noise
-    values
-        "surface.theta" -> (1,) or (asperites,); "surface.velocity" -> (2,)
-    """
+    """One member; its values are rows of those of :class:`Members`."""
 
     number: int
     seed: int
@@ -138,31 +118,12 @@ class Member:
 class Variation:
     """The differences between the members of an ensemble.
 
-    Parameters
-    ----------
-    scene
-        of the ensemble
-    vary
-        "surface.theta" (or another initial value) or "surface.velocity" -> an array with a row for
-        each member, or a distribution; "surface.swing_state" -> one of swings and rates together
-    seed
-        of the ensemble
-    seeds
-        of the members' scenes, (members,); by default they are drawn
-
-    Attributes
-    ----------
-    sizes
-        quantity -> the length of its rows
-    own_numbers
-        keys of what members differ in beside initial angles and rates, and seeds
-    own_scenes
-        whether they differ in more than initial angles and rates
-
-    Raises
-    ------
-    InputError
-        if a name, an array or a distribution cannot be used
+    `vary` maps "surface.theta" (or another initial value), "surface.velocity" or a number of the
+    scene to an array with a row for each member, or to a distribution; "surface.swing_state" to one
+    of swings and rates together.  The seeds of the members' scenes, (members,), are drawn if they
+    are not given.  `sizes` has the length of each quantity's rows, `own_numbers` the keys of what
+    members differ in beside initial angles and rates, and seeds.  Raises InputError if a name, an
+    array or a distribution cannot be used.
     """
 
     def __init__(

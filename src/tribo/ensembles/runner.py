@@ -47,20 +47,11 @@ MOST_READY = 4
 
 
 class Execution(NamedTuple):
-    """What runs the members, and what is told.
+    """What runs the members, and what is told."""
 
-    Attributes
-    ----------
-    engine : executor, optional
-        Runs them in other processes.
-    threads : int
-        Of this process, which run them without an engine.
-    progress : callable, optional
-        Called with the number of members that have been run.
-    """
-
-    engine: Engine | None = None
-    threads: int = 1
+    engine: Engine | None = None  # runs them in other processes
+    threads: int = 1  # of this process, without an engine
+    # called with the number of members that have been run
     progress: Callable[[int], None] | None = None
 
     def told(self, progress: Callable[[int], None] | None) -> Execution:

@@ -15,23 +15,10 @@ from tribo.validation import InputError
 
 
 class SingleRuns:
-    """Runs members of an ensemble one by one.
+    """Runs members of an ensemble one by one, first by the settings of its simulation.
 
-    Parameters
-    ----------
-    simulation : Simulation
-        Of the ensemble's scene; its settings are tried first for every member.
-    kept : Kept
-        What is kept.
-    own_scenes : bool
-        Whether members differ in more than initial angles and rates.
-
-    Attributes
-    ----------
-    chunk : int
-        Members that are run in one call.
-    plan : None
-        There is none beside that of the simulation.
+    `own_scenes` tells whether members differ in more than initial angles and rates.  There is no
+    plan beside that of the simulation.
     """
 
     chunk = 1

@@ -39,21 +39,11 @@ PROBABILITIES = np.array([0.0, 1e-3, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 0.
 class Moments:
     """Sums over the complete members, of columns at each time.
 
-    A column is a quantity of the system, of a surface, or of one asperite.
-
-    Attributes
-    ----------
-    count : ndarray, ()
-        Of members.
-    mean, lowest, highest : ndarray, (times, columns)
-        Of the members.
-    products : ndarray, (times, columns, columns)
-        Sums of products of deviations from the means.
-    centre, unit : ndarray, (times, columns)
-        Of the bins.
-    keys, counts : ndarray, (bins,)
-        The occupied bins, ascending, and the members in each; the key is the index of the time and
-        column times `BINS`, plus that of the bin, which begins at -BINS / 2.
+    A column is a quantity of the system, of a surface, or of one asperite.  Arrays are (times,
+    columns); `products` are sums of products of deviations from the means, (times, columns,
+    columns).  `keys` and `counts` are the occupied bins, ascending, and the members in each: the
+    key is the index of the time and column times `BINS`, plus that of the bin, which begins at
+    -BINS / 2.
     """
 
     count: np.ndarray

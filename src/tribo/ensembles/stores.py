@@ -21,30 +21,8 @@ CHUNK = "members"
 class Target:
     """The file of many runs, and the frames beside it while they go on; a context manager.
 
-    Parameters
-    ----------
-    out : str, Path or None
-        The file.
-    resume : bool
-        Whether to continue.
-    identity : dict
-        What is computed.
-
-    Attributes
-    ----------
-    path : Path or None
-        The file.
-    identity : dict
-        As given.
-    complete : bool
-        Whether the file is there, and only has to be read.
-    frames : Frames or None
-        What has been computed; None without a file.
-
-    Raises
-    ------
-    InputError
-        An argument cannot be used, the frames are of other runs, or another process writes them.
+    `complete` tells that the file only has to be read.  Raises InputError if an argument cannot be
+    used, the frames are of other runs, or another process writes them.
     """
 
     def __init__(self, out: str | Path | None, resume: bool, identity: Identity) -> None:

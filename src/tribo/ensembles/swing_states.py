@@ -143,25 +143,9 @@ def _shares(uniforms: np.ndarray) -> np.ndarray:
 class JointStart:
     """The starts of all pendulums of some surfaces, drawn together.
 
-    Parameters
-    ----------
-    name : str
-        Their key, "surface.swing_state" or "*.swing_state".
-    states : SwingStates
-        The distribution of their energies.
-    surfaces : list of Surface
-        The surfaces.
-
-    Attributes
-    ----------
-    name
-        As given.
-    keys : tuple of str
-        "surface.swing" and "surface.omega" of each.
-    dimensions : int
-        The numbers that a member draws.
-    block : int
-        Members that are drawn at once.
+    `name` is their key, "surface.swing_state" or "*.swing_state", `keys` are "surface.swing" and
+    "surface.omega" of each.  A member draws `dimensions` numbers, and `block` members are drawn at
+    once.
     """
 
     def __init__(self, name: str, states: SwingStates, surfaces: list[Surface]) -> None:
@@ -209,13 +193,7 @@ def swing_inertia(surface: Surface) -> np.ndarray:
 
 
 def joint_starts(scene: Scene, vary: Mapping[str, Any]) -> dict[str, JointStart]:
-    """The starts that are drawn together, by the keys of all that they draw.
-
-    Raises
-    ------
-    InputError
-        A key or its value cannot be used, or a pendulum has no such energy.
-    """
+    """The starts that are drawn together, by the keys of all that they draw. Raises InputError."""
     found: dict[str, JointStart] = {}
     for name, source in vary.items():
         if (name.rpartition(".")[2] == SWING_STATE) != isinstance(source, SwingStates):

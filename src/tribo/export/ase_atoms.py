@@ -25,34 +25,7 @@ POINTS = {"bob": "m1", "bar": "m2"}
 
 
 def to_ase(result: RunResult, symbols: Mapping[str, str] | None = None) -> list[Atoms]:
-    """A run as one Atoms for each sample: the bobs of all surfaces, then the bars.
-
-    Numbers are those of the scene: its unit of length is read as Angstrom, its unit of energy as
-    eV, its unit of mass as u.  ASE's unit of time, A sqrt(u/eV), follows from these and is then the
-    scene's.
-
-    Parameters
-    ----------
-    result : RunResult
-    symbols : mapping of str to str, optional
-        Elements of the bobs by surface.  Without it a bob's species, if that is an element, else
-        "X", as for bars.
-
-    Returns
-    -------
-    list of ase.Atoms
-        Each has positions, masses, velocities, charges (`get_initial_charges`), the contact energy
-        (`get_potential_energy`) and contact forces f1 (`get_forces`; none act on bars).  Tags
-        number the surfaces; the array "is_bar" tells bars from bobs; "theta" and "phi" are the
-        angles of the asperite [rad]; a .traj file drops these
-        three.  `info` has the time and the series of the system.
-
-    Raises
-    ------
-    InputError
-        If a symbol is no element, a surface does not exist, a calculator of the scene fails, or the
-        run was too large to keep the places of single asperites.
-    """
+    """The Atoms of each sample; see :meth:`tribo.Result.to_ase`."""
     surfaces = result.scene.surfaces
     elements = _elements(surfaces, dict(symbols or {}))
     parts = {point: [_motion(result, s, point) for s in surfaces] for point in POINTS}

@@ -26,32 +26,16 @@ CONSTANT_FORCES = "ConstantForces"
 
 @dataclass(frozen=True)
 class Atoms:
-    """All atoms, surface after surface, and the bonds between them.
+    """All n atoms, surface after surface, and the m bonds between them."""
 
-    Attributes
-    ----------
-    kinds : tuple of Kind
-        The types of atoms, those of a surface side by side.
-    kind_of_each : (n,) array of int
-        Index of each atom's type.
-    positions, velocities : (n, 3) arrays
-    charges : (n,) array
-    bonds : (m, 2) array of int
-        Indices of the two atoms of each bond.
-    stiffness : (m,) array
-        Stiffness of each bond [force / length].
-    constant_forces : (n, 2) array
-        Forces that do not change, along x and y.
-    """
-
-    kinds: tuple[Kind, ...]
-    kind_of_each: np.ndarray
-    positions: np.ndarray
+    kinds: tuple[Kind, ...]  # those of a surface side by side
+    kind_of_each: np.ndarray  # (n,)
+    positions: np.ndarray  # (n, 3)
     velocities: np.ndarray
     charges: np.ndarray
-    bonds: np.ndarray
-    stiffness: np.ndarray
-    constant_forces: np.ndarray
+    bonds: np.ndarray  # (m, 2) indices of atoms
+    stiffness: np.ndarray  # (m,) [force / length]
+    constant_forces: np.ndarray  # (n, 2) along x and y
 
     def types_of(self, surface: int) -> list[int]:
         """The numbers of a surface's types, from 1."""

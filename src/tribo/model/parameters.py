@@ -72,23 +72,9 @@ def is_parameter(scene: Scene, key: str) -> bool:
 
 
 def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
-    """The scene with other values.
+    """The scene with other values, by keys, as in a scene file. Raises InputError.
 
-    Parameters
-    ----------
-    scene : Scene
-        The scene to change.
-    values : mapping
-        Key -> value, as in a scene file.  A number for a velocity is its x component.
-
-    Returns
-    -------
-    Scene
-
-    Raises
-    ------
-    InputError
-        A key is unknown, or a value cannot be used.
+    A number for a velocity is its x component.
     """
     of_parts: dict[str, dict[str, Any]] = {}
     known = _parts_of(scene)
@@ -122,19 +108,9 @@ def parts_of(surface: Surface) -> tuple[str, ...]:
 
 
 def value_of(scene: Scene, key: str) -> object:
-    """The value of a key in a scene: the number, word or list that its file has.
+    """The value of a key in a scene: the number, word or list that its file has; None without one.
 
-    Parameters
-    ----------
-    scene : Scene
-        The scene.
-    key : str
-        As for :func:`with_values`, of one surface.
-
-    Returns
-    -------
-    float, str, list or None
-        The x component of a velocity, the kind of a drive; None where nothing is given.
+    That of a velocity is its x component, that of a drive its kind.
     """
     part, _, name = key.rpartition(".")
     table = scene.to_table()

@@ -82,17 +82,7 @@ def normal_modes(
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Velocity v = Re sum velocity exp(rates t) and w0 x = Re sum stretch exp(rates t).
-
-    Attributes
-    ----------
-    rates : (k,) complex array
-        Rates of the k exponentials [1 / time].
-    velocity : (k,) complex array
-        Their coefficients in v.
-    stretch : (k,) complex array
-        Their coefficients in w0 x [velocity].
-    """
+    """Velocity v = Re sum velocity exp(rates t) and w0 x = Re sum stretch exp(rates t)."""
 
     rates: np.ndarray
     velocity: np.ndarray

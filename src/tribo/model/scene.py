@@ -387,24 +387,12 @@ class Scene(ComparedByValue):
     def to_toml(self) -> str:
         """The text of a scene file that needs no files of topographies: heights are numbers.
 
-        Returns
-        -------
-        str
-
-        Raises
-        ------
-        InputError
-            The scene has no text, as with a class that is defined in a notebook.
+        Raises InputError if the scene has no text, as with a class that is defined in a notebook.
         """
         return toml(self.to_table()).decode("utf-8")
 
     def to_table(self) -> dict[str, Any]:
-        """The nested table of that file.
-
-        Returns
-        -------
-        dict
-        """
+        """The nested table of that file."""
         table: dict[str, Any] = {"title": self.title} if self.title else {}
         interactions = [
             potentials.as_table(i.potential)

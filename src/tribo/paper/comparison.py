@@ -231,17 +231,7 @@ def _sign_row(run: Run, row: dict[str, str]) -> Row:
 
 
 def boost_error(moving: Run, still: Run) -> float:
-    """Largest difference of any quantity of case E from case C or D in a moving frame.
-
-    Parameters
-    ----------
-    moving, still : Run
-        Case E, and case C or D.
-
-    Returns
-    -------
-    float
-    """
+    """Largest difference of any quantity of case E from case C or D in a moving frame."""
     u = moving.result.scene.surfaces[0].velocity[0] - still.result.scene.surfaces[0].velocity[0]
     largest = 0.0
     mass = still.result.scene.surfaces[0].asperite.for_each(1)["mass"][0]

@@ -42,20 +42,10 @@ SUFFIXES = (".pdf", ".png")
 
 @dataclass(frozen=True)
 class Figure:
-    """One figure of the paper.
+    """One figure of the paper."""
 
-    Attributes
-    ----------
-    name : str
-        Name of the file, without suffix; "fig03" is figure 3 of the paper.
-    case : str
-        "A" to "E"; empty for the drawing of the model.
-    draw : callable
-        Draws the figure and returns its Axes.
-    """
-
-    name: str
-    case: str
+    name: str  # of the file, without suffix; "fig03" is figure 3 of the paper
+    case: str  # "A" to "E"; empty for the drawing of the model
     draw: Callable[[], Axes]
 
 

@@ -189,12 +189,7 @@ class RunResult:
         return found[surface]
 
     def state(self) -> State:
-        """The full state at the end, from which :func:`tribo.simulate` continues.
-
-        Returns
-        -------
-        State
-        """
+        """The full state at the end, from which :func:`tribo.simulate` continues."""
         return self.take_state()
 
     @property

@@ -19,21 +19,11 @@ Keys = str | tuple[str, ...]
 
 
 class Axis(NamedTuple):
-    """The values of one key, or of several that are swept together.
+    """The values of one key, or of several that are swept together."""
 
-    Attributes
-    ----------
-    name : str
-        Of the dimension: the key, or the keys with commas between them.
-    keys : tuple of str
-        The keys.
-    rows : list of tuples
-        A value of each key, at each place.
-    """
-
-    name: str
+    name: str  # of the dimension: the key, or the keys with commas between them
     keys: tuple[str, ...]
-    rows: list[tuple[Value, ...]]
+    rows: list[tuple[Value, ...]]  # a value of each key, at each place
 
     def at(self, place: int) -> dict[str, Value]:
         """The values at a place by their keys."""
@@ -43,24 +33,8 @@ class Axis(NamedTuple):
 class Grid:
     """The points of a sweep, numbered from 0; the last key varies fastest.
 
-    Parameters
-    ----------
-    scene : Scene
-        The scene whose values are replaced.
-    values : mapping
-        Key, or a tuple of keys that are swept together -> its values.
-
-    Attributes
-    ----------
-    scene : Scene
-        As given.
-    axes : list of Axis
-        The dimensions.
-
-    Raises
-    ------
-    InputError
-        A key or a value cannot be used, alone or beside the first value of every other key.
+    Raises InputError if a key or a value cannot be used, alone or beside the first value of every
+    other key.
     """
 
     def __init__(self, scene: Scene, values: Mapping[Keys, Sequence[object]]) -> None:

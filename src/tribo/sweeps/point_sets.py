@@ -31,21 +31,11 @@ from tribo.validation import InputError
 
 
 class Members(NamedTuple):
-    """The members of each point.
+    """The members of each point."""
 
-    Attributes
-    ----------
-    number : int or None
-        How many there are; None for one run of the scene itself.
-    vary : dict
-        What differs between them.
-    seed : int
-        From which they are drawn.
-    """
-
-    number: int | None
-    vary: Mapping[str, Source]
-    seed: int
+    number: int | None  # None for one run of the scene itself
+    vary: Mapping[str, Source]  # what differs between them
+    seed: int  # from which they are drawn
 
     @property
     def each(self) -> int:
@@ -54,33 +44,15 @@ class Members(NamedTuple):
 
 
 class PointSet(NamedTuple):
-    """Points of a sweep that one plan serves, and their members; it can be pickled.
+    """Points of a sweep that one plan serves, and their members; it can be pickled."""
 
-    Attributes
-    ----------
-    scene : Scene
-        With the values that all of them share.
-    request : Request
-        What is kept.
-    swept : dict
-        Keys in which they differ -> values (points,).
-    points : int
-        How many there are.
-    vary : dict
-        What differs between the members of a point -> (members, size).
-    seeds : ndarray, (members,)
-        Of the members' scenes.
-    seed : int
-        From which the members are drawn.
-    """
-
-    scene: Scene
+    scene: Scene  # with the values that all of them share
     request: Request
-    swept: dict[str, np.ndarray]
+    swept: dict[str, np.ndarray]  # keys in which they differ -> (points,)
     points: int
-    vary: dict[str, np.ndarray]
-    seeds: np.ndarray
-    seed: int
+    vary: dict[str, np.ndarray]  # what differs between the members of a point -> (members, size)
+    seeds: np.ndarray  # of the members' scenes, (members,)
+    seed: int  # from which the members are drawn
 
     @property
     def runs(self) -> int:

@@ -46,13 +46,7 @@ class WorkPrecision:
     status: Status = Status.COMPLETED
 
     def to_json(self) -> str:
-        """All runs as JSON, as ``tribo accuracy --json`` prints them.
-
-        Returns
-        -------
-        str
-            One JSON object.
-        """
+        """All runs as one JSON object, as ``tribo accuracy --json`` prints them."""
         table = {
             "rows": [asdict(row) for row in self.rows],
             "reference": asdict(self.reference),

@@ -97,13 +97,7 @@ class MeansPrecision:
         return [self.rows[-1].scaled_to(goal) for goal in GOALS] if self.rows else []
 
     def to_json(self) -> str:
-        """All runs as JSON, as ``tribo accuracy --json`` prints them for a scene with noise.
-
-        Returns
-        -------
-        str
-            One JSON object.
-        """
+        """All runs as one JSON object, as ``tribo accuracy --json`` prints them with noise."""
         table = {
             "rows": [asdict(row) for row in self.rows],
             "reference": None,
