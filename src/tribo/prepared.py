@@ -9,12 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from tribo.accuracy.comparison import (
-    ABORTED,
-    error_bounds,
-    out_of_reach,
-    strictest,
-)
+from tribo.accuracy.comparison import ABORTED, error_bounds, out_of_reach, strictest
 from tribo.accuracy.estimate import excess_of_request
 from tribo.accuracy.found_settings import FoundSettings, cost_of
 from tribo.accuracy.levels import fine_level
@@ -27,7 +22,6 @@ from tribo.layout.initial_state import InitialState, Start
 from tribo.layout.layout import Layout
 from tribo.ledger.ledger import Ledger, assemble
 from tribo.ledger.passing import passing_notes
-from tribo.ledger.samples import Samples
 from tribo.ledger.separation import separation_notes
 from tribo.ledger.sinks import StreamedLedger, is_streamed
 from tribo.ledger.watched import Watched
@@ -37,7 +31,6 @@ from tribo.loops.select import Integrator
 from tribo.loops.state import digest_of, state_of
 from tribo.model.identity import settings_of, version
 from tribo.result import Result
-from tribo.results.cost import Cost
 from tribo.results.notes import (
     approach_notes,
     budget_notes,
@@ -49,7 +42,7 @@ from tribo.results.notes import (
     stop_notes,
 )
 from tribo.results.pumped_heat import pumping_notes
-from tribo.results.run_result import Known
+from tribo.results.run_result import Constant, Cost
 from tribo.validation import InputError, TriboWarning
 
 # A step that was chosen is halved so often at most: a thousandth of it resolves no other scenes.
@@ -94,7 +87,6 @@ class Simulation:
         return other
 
     def __deepcopy__(self, memo: object) -> Simulation:
-        """As a copy."""
         return self.__copy__()
 
     def run(self, start: Start | None = None, estimate: bool = True) -> Result:
@@ -158,11 +150,6 @@ class Simulation:
         if not runs:
             return self.compute()
         return self._estimated_result(runs, self._initial_state({}), self.plan.tuned)
-
-    @property
-    def empty_ledger(self) -> Ledger:
-        """The ledger of one sample of zeros, which has all names."""
-        return assemble(self.layout, Samples.at_zero(self.layout))
 
     @property
     def settings(self) -> Plan:
@@ -229,7 +216,7 @@ class Simulation:
             return run, lambda: _reported(layout, run), None
         streamed = StreamedLedger(layout, guarded=not self.method.adaptive)
         run = self.integrator(setting, layout.times, y, streamed)
-        return run, Known(streamed.whole(run.samples)), streamed.watched
+        return run, Constant(streamed.whole(run.samples)), streamed.watched
 
     def _estimated_result(
         self, runs: Sequence[Integration], y: np.ndarray, search: FoundSettings | None = None
@@ -320,8 +307,9 @@ class Simulation:
         keep = self.scene.output.keep
         if keep is not None:  # the result does not refer to samples
             ledger, cost = assemble_ledger().only(keep), add_up_cost()
-            assemble_ledger, add_up_cost = Known(ledger), Known(cost)
-            bounds = _bounds_of(ledger, bounds)
+            assemble_ledger, add_up_cost = Constant(ledger), Constant(cost)
+            names = {*ledger.names, *ledger.kept}  # and observables, as "upper.W"
+            bounds = {name: b for name, b in bounds.items() if name in names or "." in name}
         settings = self._settings
         if self.plan.automatic and setting is not None:
             settings = {**settings, "step": setting}
@@ -376,12 +364,6 @@ def _left_out(ledger: Ledger) -> tuple[str, ...]:
     if ledger.kept:
         return ()
     return ("of the asperites' series only the first and the last sample are kept",)
-
-
-def _bounds_of(ledger: Ledger, bounds: Mapping[str, float]) -> dict[str, float]:
-    """The bounds on the errors of quantities in a ledger, and of observables, as "upper.W"."""
-    names = {*ledger.names, *ledger.kept}
-    return {name: bound for name, bound in bounds.items() if name in names or "." in name}
 
 
 def with_warning(result: Result) -> Result:

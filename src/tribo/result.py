@@ -17,7 +17,6 @@ from tribo.model.identity import opened
 from tribo.results import dataset, report
 from tribo.results.averages import Average
 from tribo.results.citations import citations
-from tribo.results.cost import Cost
 from tribo.results.depinning import Depinning, depinning
 from tribo.results.force_averages import (
     force_average,
@@ -25,7 +24,7 @@ from tribo.results.force_averages import (
     friction_force,
     time_without_contact,
 )
-from tribo.results.run_result import Known, RunResult
+from tribo.results.run_result import Constant, Cost, RunResult
 from tribo.validation import as_path
 
 if TYPE_CHECKING:
@@ -393,9 +392,9 @@ def load_result(path: str | Path) -> Result:
         met=json.loads(data.attrs["met"]),
         notes=tuple(json.loads(data.attrs["notes"])),
         bounds={name: bound for name, bound in bounds.items() if bound is not None},
-        assemble=Known(dataset.ledger_of(data, scene)),
-        add_up=Known(Cost(**json.loads(data.attrs["cost"]))),
-        take_state=Known(dataset.state_in(data, scene)),
+        assemble=Constant(dataset.ledger_of(data, scene)),
+        add_up=Constant(Cost(**json.loads(data.attrs["cost"]))),
+        take_state=Constant(dataset.state_in(data, scene)),
         settings=settings,
         version=data.attrs["version"],
     )

@@ -8,9 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from tribo.accuracy.choose_method import Choice, choose
-from tribo.accuracy.comparison import (
-    Accuracy,
-)
+from tribo.accuracy.comparison import Accuracy
 from tribo.accuracy.estimate import check_observables
 from tribo.accuracy.plan import Plan, integrator_for, make_plan
 from tribo.analysis.deep_core import core_notes

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tribo.ensembles.intervals import Interval, interval
 from tribo.plotting import INK, WIDE, drawing_on
+from tribo.results.intervals import Interval, interval
 from tribo.validation import InputError
 
 if TYPE_CHECKING:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,7 +18,6 @@ from tribo.ensembles.dataset import (
     counts_of,
     times_of,
 )
-from tribo.ensembles.intervals import Interval, interval, members_needed
 from tribo.ensembles.kept_values import MISSED, Kept, KeptValues, sum_names, total_names
 from tribo.ensembles.members import Variation
 from tribo.ensembles.runner import Execution, Policy, alone, collect, policy_of, run_members
@@ -29,13 +27,10 @@ from tribo.ledger.quantities import EVERY_QUANTITY
 from tribo.ledger.separation import PART
 from tribo.model.scene import Scene
 from tribo.results.dataset import Variable
-from tribo.results.intervals import CONFIDENCE
+from tribo.results.intervals import CONFIDENCE, Interval, interval, members_needed
 from tribo.results.notes import run_notes
 from tribo.simulation import from_settings
 from tribo.validation import POSITIVE, InputError, inside, number, short_repr
-
-if TYPE_CHECKING:
-    pass
 
 # Members whose spread determines the number of all, and which are run again to check the settings:
 # at 15 degrees of freedom the quantile of Student's distribution is 9 % above that of the normal.

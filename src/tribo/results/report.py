@@ -16,14 +16,13 @@ from tribo.kernels.status import MEANINGS, Status
 from tribo.model.drives import Pulled
 from tribo.model.surface import Surface
 from tribo.results.averages import Average
-from tribo.results.cost import Cost
 from tribo.results.force_averages import (
     has_mean_friction,
     load_of,
     recorded_averages,
     shares_without_contact,
 )
-from tribo.results.run_result import RunResult
+from tribo.results.run_result import Cost, RunResult
 
 # Quantities of surfaces in the summary, their words and their formats.
 WORKS = (

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from tribo.ensembles.dataset import COUNTS, Attributes, counts_of, times_of, varied_coordinates
-from tribo.ensembles.intervals import interval
 from tribo.ensembles.kept_values import NOT_RUN, REFUSED, Kept, KeptValues
 from tribo.kernels.status import Status
 from tribo.ledger.quantities import SUMMED_QUANTITIES
 from tribo.model.scene import Scene
 from tribo.results.dataset import Variable
+from tribo.results.intervals import interval
 from tribo.sweeps.grid import Axis, Grid
 from tribo.sweeps.point_sets import Members, PointSet
 from tribo.validation import InputError, inside
