@@ -52,7 +52,7 @@ def versions() -> dict[str, str]:
 
 def _machine() -> dict[str, str]:
     """Cores that this process may use, and compiled code on disk or beside the sources."""
-    root = Path(os.environ.get("NUMBA_CACHE_DIR") or Path(__file__).parent)
+    root = Path(os.environ.get("NUMBA_CACHE_DIR") or Path(__file__).parents[1])
     folders = sorted({file.parent for file in root.rglob("*.nbc")})
     code = [file for folder in folders for file in folder.glob("*.nbc")]
     found = "no compiled functions yet"

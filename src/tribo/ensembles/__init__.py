@@ -151,11 +151,12 @@ def ensemble(
     vary = of_surfaces(scene, vary)
     if keep is None and half_width is None:
         keep = scene.output.keep
+    for name, other in (("sampler", sampler), ("keep", keep)):
+        if other is not None and half_width is not None:
+            raise InputError("half_width", f"cannot go with {name}; give one or the other")
     if sampler is not None:
-        _check_alone("half_width", half_width, "sampler")
         vary = sampled(sampler, members, scene, vary)
     if keep is not None:
-        _check_alone("half_width", half_width, "keep")
         keep = checked_names(keep)
     elif checked_time(at) != END or boolean("statistics", statistics):
         raise InputError("at" if at != END else "statistics", 'needs keep, as keep=["upper.w1"]')
@@ -172,7 +173,10 @@ def ensemble(
         kept = request.kept(simulation.layout)
         if wanted is not None:
             check_series(kept, wanted)
-        policy, own = planned(simulation, kept, variation, most, how.threads), how.told(progress)
+        policy, own = (
+            planned(simulation, kept, variation, most, how.threads),
+            how._replace(progress=progress),
+        )
         if statistics:
             return _statistics(policy, variation, most, target, own, began)
         if keep is not None:
@@ -217,16 +221,17 @@ def _statistics(
     store = StatisticsStore(kept, level, target.frames)
     chunks = run_members(policy, variation, range(store.done, count), how)
     interrupted = collect(chunks, store, how.progress)
-    whole = store.whole()
-    if whole.moments is None:
+    store.flush()
+    moments = store.moments()
+    if moments is None:
         if interrupted:
             raise KeyboardInterrupt
         raise InputError("scene", "is completed by no member")
     seconds = time.perf_counter() - began
     data = xarray.Dataset(
-        statistics_variables(kept, whole.moments),
+        statistics_variables(kept, moments),
         times_of(kept, policy.simulation.scene) | statistics_coordinates(kept),
-        at_end(attributes, whole.tally, interrupted, seconds),
+        at_end(attributes, store.tally, interrupted, seconds),
     )
     return saved(data, target)
 
@@ -244,11 +249,6 @@ def _means(
     variables, coordinates, attributes = means(runs, half_width, most)
     attributes["seconds"] = time.perf_counter() - began
     return saved(xarray.Dataset(variables, coordinates, attributes), target)
-
-
-def _check_alone(field: str, value: object, other: str) -> None:
-    if value is not None:
-        raise InputError(field, f"cannot go with {other}; give one or the other")
 
 
 def _most_members(

@@ -20,7 +20,8 @@ from tribo.ensembles.dataset import (
 )
 from tribo.ensembles.kept_values import MISSED, Kept, KeptValues, sum_names, total_names
 from tribo.ensembles.members import Variation
-from tribo.ensembles.runner import Execution, Policy, alone, collect, policy_of, run_members
+from tribo.ensembles.runner import Execution, Policy, collect, policy_of, run_members
+from tribo.ensembles.single_runs import SingleRuns
 from tribo.ensembles.stores import MemberStore
 from tribo.kernels.status import MEANINGS, Status
 from tribo.ledger.quantities import EVERY_QUANTITY
@@ -84,7 +85,7 @@ class MeanRuns:
                 half = from_settings(simulation.scene, simulation.settings.at_half_step())
                 runs = policy_of(half, kept, own)
             else:
-                runs = alone(simulation, replace(kept, with_errors=True), own)
+                runs = SingleRuns(simulation, replace(kept, with_errors=True), own)
             chunks = run_members(runs, self.variation, numbers, self.how)
             return numbers, KeptValues.joined(list(chunks))
         except KeyboardInterrupt:

@@ -9,9 +9,9 @@ The children are those of numpy.random.SeedSequence, after M. E. O'Neill's seed_
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, Protocol, Self, runtime_checkable
+from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -52,13 +52,6 @@ class Members(NamedTuple):
         """One of them, by its place among these."""
         values = {key: rows[index] for key, rows in self.values.items()}
         return Member(int(self.numbers[index]), int(self.seeds[index]), values)
-
-    @classmethod
-    def joined(cls, parts: Sequence[Self]) -> Self:
-        """Members one after another."""
-        numbers, seeds, values = zip(*parts, strict=True)
-        both = {key: np.concatenate([each[key] for each in values]) for key in values[0]}
-        return cls(np.concatenate(numbers), np.concatenate(seeds), both)
 
 
 def values_at_start(values: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:

@@ -23,10 +23,11 @@ from tribo.ensembles.checked_plan import checked_plan
 from tribo.ensembles.checked_runs import CheckedPlan, CheckedRuns
 from tribo.ensembles.engines import Engine, check_engine, in_threads, run_jobs
 from tribo.ensembles.kept_values import Kept, KeptValues
-from tribo.ensembles.members import Members, Variation, is_random
+from tribo.ensembles.members import Members, Variation
 from tribo.ensembles.single_runs import SingleRuns, run_alone
+from tribo.ensembles.statistics_store import StatisticsStore
 from tribo.ensembles.step_runs import StepRuns
-from tribo.ensembles.stores import Store
+from tribo.ensembles.stores import MemberStore
 from tribo.layout.member_numbers import can_differ
 from tribo.ledger.sinks import exceeds_memory
 from tribo.loops.batch_general import has_batches
@@ -53,10 +54,6 @@ class Execution(NamedTuple):
     threads: int = 1  # of this process, without an engine
     # called with the number of members that have been run
     progress: Callable[[int], None] | None = None
-
-    def told(self, progress: Callable[[int], None] | None) -> Execution:
-        """The same, which calls `progress`."""
-        return self._replace(progress=progress)
 
 
 def execution(engine: Engine | None, threads: int | None) -> Execution:
@@ -89,18 +86,13 @@ def policy_of(
     They differ in starts and seeds, and in numbers with the keys `own_numbers`.
     """
     if plan is None and not in_batches(simulation, own_numbers):
-        return alone(simulation, kept, own_numbers)
+        return SingleRuns(simulation, kept, own_numbers)
     if simulation.accuracy is None:
         return StepRuns(simulation, kept, own_numbers)
     runs = CheckedRuns(simulation, kept, own_numbers)
     if plan is not None:
         runs.plan = plan
     return runs
-
-
-def alone(simulation: Simulation, kept: Kept, own_numbers: Sequence[str]) -> SingleRuns:
-    """Runs of members one by one."""
-    return SingleRuns(simulation, kept, bool(own_numbers) or is_random(simulation.scene))
 
 
 def in_batches(simulation: Simulation, own_numbers: Sequence[str]) -> bool:
@@ -166,7 +158,9 @@ def run_members(
 
 
 def collect(
-    chunks: Iterable[KeptValues], store: Store, progress: Callable[[int], None] | None
+    chunks: Iterable[KeptValues],
+    store: MemberStore | StatisticsStore,
+    progress: Callable[[int], None] | None,
 ) -> bool:
     """Take in the next members, in order, and tell how many the store has.
 
@@ -185,8 +179,7 @@ def collect(
 
 def _run_job(job: tuple[bytes, Members]) -> KeptValues:
     """Run some members, in a process that may not have the scene yet."""
-    setup, members = job
-    return complete(_ready(setup), members)
+    return complete(_ready(job[0]), job[1])
 
 
 def complete(runs: Policy, members: Members) -> KeptValues:
@@ -201,5 +194,5 @@ def _ready(setup: bytes) -> Policy:
     scene, plan, kept, own_numbers, checked, is_alone = pickle.loads(setup)
     simulation = from_settings(scene_from(tomllib.loads(scene)), plan)
     if is_alone:
-        return alone(simulation, kept, own_numbers)
+        return SingleRuns(simulation, kept, own_numbers)
     return policy_of(simulation, kept, own_numbers, checked)

@@ -6,7 +6,7 @@ import time
 from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Protocol, Self
+from typing import Self
 
 from tribo.ensembles.kept_values import KeptValues, Tally
 from tribo.files import netcdf_target
@@ -45,21 +45,6 @@ class Target:
 
     def __exit__(self, *error: object) -> None:
         self._open.close()
-
-
-class Store(Protocol):
-    """Takes members in the order of their numbers.
-
-    Attributes
-    ----------
-    done : int
-        Members that it has, from 0 on.
-    """
-
-    done: int
-
-    def add(self, found: KeptValues) -> None:
-        """Take in the next members."""
 
 
 class MemberStore:

@@ -133,7 +133,7 @@ def sweep(
         if per_point:
             data = _point_by_point(grid, ensemble_at, target, progress, began)
         else:
-            data = _together(grid, request, each, target, how.told(progress), began)
+            data = _together(grid, request, each, target, how._replace(progress=progress), began)
         return saved(data, target)
 
     others = {
