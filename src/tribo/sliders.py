@@ -11,7 +11,7 @@ from tribo.model.parameters import value_of, with_values
 from tribo.model.scene import Scene
 from tribo.result import Result
 from tribo.simulation import simulate
-from tribo.validation import is_list, must_be, number
+from tribo.validation import is_list, must_be, must_be_one_of, number
 from tribo.viewer.contents import MOST_ARROWS, contents
 from tribo.viewer.html import document
 
@@ -48,7 +48,7 @@ class Slider:
             for each in self.values:
                 if type(each) is type(value) and each == value:
                     return each
-            raise must_be(self.key, f"one of {', '.join(map(str, self.values))}", value)
+            raise must_be_one_of(self.key, self.values, value)
         found = number(self.key, value)
         if not self.low <= found <= self.high:
             raise must_be(self.key, f"from {self.low:g} to {self.high:g}", found)
@@ -124,7 +124,7 @@ class Playing:
             raise must_be("values", "a value for each key", values)
         for key in values:
             if key not in self._sliders:
-                raise must_be(str(key), f"one of {', '.join(self._sliders)}", key)
+                raise must_be_one_of(str(key), self._sliders, key)
         checked = {key: self._sliders[key].checked(value) for key, value in values.items()}
         return simulate(with_values(self._scene, checked), progress=False)
 

@@ -151,6 +151,10 @@ def paths(value, path=""):
         yield from paths(item, where)
 
 
+# The most characters of a message, but for the name of a folder.
+TWO_LINES = 200
+
+
 def message(folder, capsys, source, *options):
     """The message of ``tribo run`` for an invalid scene file; checks that no file is written."""
     file = folder / "scene.toml"
@@ -162,6 +166,7 @@ def message(folder, capsys, source, *options):
     assert printed.out == ""
     assert {path: path.read_bytes() for path in folder.iterdir() if path.is_file()} == before
     assert printed.err.startswith("tribo: ") and printed.err.count("\n") == 1, printed.err
+    assert len(printed.err.replace(str(folder), "")) <= TWO_LINES, printed.err
     return printed.err.removeprefix("tribo: ").rstrip("\n")
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from tribo.model.scene import Scene
 from tribo.model.scene_file import load_scene
-from tribo.validation import must_be
+from tribo.validation import must_be_one_of
 
 FOLDER = Path(__file__).parent
 # The key of a reference for the time at which a run stops; other keys are as "upper.theta".
@@ -63,5 +63,5 @@ def chosen(names: Sequence[str] = ()) -> list[Entry]:
     entries = all_entries()
     for name in names:
         if name not in entries:
-            raise must_be("name", f"one of {', '.join(entries)}", name)
+            raise must_be_one_of("name", entries, name)
     return [entries[name] for name in names or entries]

@@ -8,7 +8,7 @@ import numpy as np
 
 from tribo.plotting import INK, WIDE, drawing_on
 from tribo.results.intervals import Interval, interval
-from tribo.validation import InputError
+from tribo.validation import InputError, must_be_one_of
 
 if TYPE_CHECKING:
     import xarray
@@ -47,7 +47,7 @@ def mean_band(data: xarray.Dataset, name: str, ax: Axes | None = None) -> Axes:
     """
     known = [str(key) for key in data.data_vars if data[key].dims == ("member", "time")]
     if name not in known:
-        raise InputError("name", f"must be one of {', '.join(known)}, got {name!r}")
+        raise must_be_one_of("name", known, name)
     time = data["time"].values
     complete = data[name].values[data["status"].values == "completed"]
     shown = complete[:MOST_MEMBERS]

@@ -31,7 +31,7 @@ from tribo.results.dataset import Variable
 from tribo.results.intervals import CONFIDENCE, Interval, interval, members_needed
 from tribo.results.notes import run_notes
 from tribo.simulation import from_settings
-from tribo.validation import POSITIVE, InputError, inside, number, short_repr
+from tribo.validation import POSITIVE, InputError, inside, must_be_one_of, number, short_repr
 
 # Members whose spread determines the number of all, and which are run again to check the settings:
 # at 15 degrees of freedom the quantile of Student's distribution is 9 % above that of the normal.
@@ -138,7 +138,7 @@ def checked_half_width(scene: Scene, half_width: HalfWidths) -> dict[str, float]
     known = total_names(scene) + sum_names(scene)
     for name in half_width:
         if name not in known:
-            raise InputError(f"half_width.{name}", f"must be one of {', '.join(known)}")
+            raise must_be_one_of("half_width", known, name)
     with inside("half_width"):
         return {name: number(name, value, POSITIVE) for name, value in half_width.items()}
 

@@ -15,7 +15,7 @@ from ase.data import atomic_numbers
 from tribo.analysis.contact_probe import ContactProbe
 from tribo.model.surface import Surface
 from tribo.results.run_result import RunResult
-from tribo.validation import InputError, must_be
+from tribo.validation import InputError, must_be, must_be_one_of
 
 # The element of bars, and of bobs whose species is no element: ASE's placeholder.
 PLACEHOLDER = "X"
@@ -66,7 +66,7 @@ def _elements(surfaces: tuple[Surface, ...], symbols: dict[str, str]) -> list[st
     names = [surface.name for surface in surfaces]
     for name, symbol in symbols.items():
         if name not in names:
-            raise must_be("symbols", f"of the surfaces {', '.join(names)}", name)
+            raise must_be_one_of("symbols", names, name)
         if symbol not in atomic_numbers:
             raise must_be(f"symbols[{name!r}]", "the symbol of an element", symbol)
     bobs = [

@@ -13,8 +13,7 @@ T. D. B. Jacobs, T. Junge, L. Pastewka, Surf. Topogr.: Metrol. Prop. 5 (2017) 01
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -24,7 +23,6 @@ from tribo.validation import (
     Condition,
     InputError,
     integer,
-    known_keys,
     must_be,
     number,
 )
@@ -150,16 +148,3 @@ def _amplitudes(
     amplitudes[wave_number * shortest > ROUNDING] = 0.0
     amplitudes[0, 0] = 0.0
     return amplitudes
-
-
-def as_roughness(value: object) -> Roughness:
-    """A roughness from its table in a scene file, or a Roughness unchanged."""
-    if isinstance(value, Roughness):
-        return value
-    return Roughness(**known_keys(value, [f.name for f in fields(Roughness)], ["rms"]))
-
-
-def as_table(roughness: Roughness) -> dict[str, Any]:
-    """The roughness's table in a scene file."""
-    settings = {f.name: getattr(roughness, f.name) for f in fields(Roughness)}
-    return {key: value for key, value in settings.items() if value is not None}

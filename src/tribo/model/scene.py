@@ -19,9 +19,10 @@ from tribo.model.effects import Effect
 from tribo.model.fields import Field
 from tribo.model.initial import UNITS, UNITS_OF_DISPLACEMENTS
 from tribo.model.interaction import Interaction, Periodic, as_periodic
-from tribo.model.scene_writer import output_table, surface_table, table_of, toml, without_defaults
+from tribo.model.scene_writer import output_table, surface_table, toml, without_defaults
 from tribo.model.settings import Numerics, Output
 from tribo.model.surface import Surface
+from tribo.model.tables import table_of
 from tribo.model.topography import Topography
 from tribo.potentials import tables as potentials
 from tribo.potentials.from_ase import Live
@@ -278,51 +279,42 @@ class Scene(ComparedByValue):
     @cached_property
     def effects(self) -> frozenset[Effect]:
         """The effects that the scene calls for; no other is simulated."""
-        present = set()
         pairs = [pair for i in self.interactions for pair in self.pairs(i)]
-        if any(one != other for one, other in pairs):
-            present.add(Effect.CONTACT)
-        if any(one == other for one, other in pairs):
-            present.add(Effect.CONTACT_WITHIN)
-        if any(isinstance(i.potential, Live) for i in self.interactions):
-            present.add(Effect.CALCULATOR)
-        for s in self.surfaces:
-            present.add(Effect.RIGID if s.asperite.is_rigid else Effect.SWING)
-            if isinstance(s.drive, DrivenBars):
-                present.add(Effect.DRIVEN_BARS)
-            if self.slides_along_x(s) or self.slides_along_y(s):
-                present.add(Effect.SLIDING)
-            if isinstance(s.drive, Pulled):
-                present.add(Effect.PULL)
-            if isinstance(s.drive, Pushed):
-                present.add(Effect.PUSH)
-            if s.drive.load is not None:
-                present.add(Effect.LOAD)
-            if isinstance(s.drive, Custom):
-                present.add(Effect.OWN_DRIVE)
-            if isinstance(s.bars, Ends):
-                present.add(Effect.OWN_ENDS)
-            if s.springs:
-                present.add(Effect.SPRINGS)
-            if s.bath.masses.size:
-                present.add(Effect.BATH)
-            if s.bath.inertias.size:
-                present.add(Effect.TORSIONAL_BATH)
-            if s.bar_reservoir:
-                present.add(Effect.LANGEVIN)
-            if s.swing_reservoir:
-                present.add(Effect.SWING_LANGEVIN)
-            if s.bars != "clamped":
-                present.add(Effect.TURNING_BARS)
-            elif np.any(np.asarray(s.asperite.kappa) > 0.0):
-                present.add(Effect.CLAMPED_ENDS)
-        if self.fields:
-            present.add(Effect.FIELD)
-        if self.periodic:
-            present.add(Effect.PERIODIC)
-        if any(np.isfinite(i.potential.range()) for i in self.interactions):
-            present.add(Effect.CUTOFF)
-        return frozenset(present)
+        present = {
+            Effect.CONTACT: any(one != other for one, other in pairs),
+            Effect.CONTACT_WITHIN: any(one == other for one, other in pairs),
+            Effect.CALCULATOR: any(isinstance(i.potential, Live) for i in self.interactions),
+            Effect.FIELD: bool(self.fields),
+            Effect.PERIODIC: bool(self.periodic),
+            Effect.CUTOFF: any(np.isfinite(i.potential.range()) for i in self.interactions),
+        }
+        found = {effect for effect, here in present.items() if here}
+        for surface in self.surfaces:
+            found |= self._effects_of(surface)
+        return frozenset(found)
+
+    def _effects_of(self, s: Surface) -> set[Effect]:
+        """The effects on the asperites of a surface."""
+        turning = s.bars != "clamped"
+        present = {
+            Effect.RIGID: s.asperite.is_rigid,
+            Effect.SWING: not s.asperite.is_rigid,
+            Effect.DRIVEN_BARS: isinstance(s.drive, DrivenBars),
+            Effect.SLIDING: self.slides_along_x(s) or self.slides_along_y(s),
+            Effect.PULL: isinstance(s.drive, Pulled),
+            Effect.PUSH: isinstance(s.drive, Pushed),
+            Effect.LOAD: s.drive.load is not None,
+            Effect.OWN_DRIVE: isinstance(s.drive, Custom),
+            Effect.OWN_ENDS: isinstance(s.bars, Ends),
+            Effect.SPRINGS: bool(s.springs),
+            Effect.BATH: s.bath.masses.size > 0,
+            Effect.TORSIONAL_BATH: s.bath.inertias.size > 0,
+            Effect.LANGEVIN: bool(s.bar_reservoir),
+            Effect.SWING_LANGEVIN: bool(s.swing_reservoir),
+            Effect.TURNING_BARS: turning,
+            Effect.CLAMPED_ENDS: not turning and np.any(np.asarray(s.asperite.kappa) > 0.0),
+        }
+        return {effect for effect, here in present.items() if here}
 
     def has_uncancelled_forces(self, surface: Surface) -> bool:
         """Whether forces that the drive does not cancel act on the surface's asperites."""
@@ -396,11 +388,7 @@ class Scene(ComparedByValue):
         table: dict[str, Any] = {"title": self.title} if self.title else {}
         interactions = [
             potentials.as_table(i.potential)
-            | {
-                key: list(names)
-                for key, names in (("between", i.between), ("species", i.species))
-                if names
-            }
+            | {key: list(names) for key in ("between", "species") if (names := getattr(i, key))}
             for i in self.interactions
         ]
         return table | {

@@ -19,7 +19,7 @@ from tribo.kernels.status import Status
 from tribo.model.scene import Scene
 from tribo.prepared import Simulation
 from tribo.simulation import prepare
-from tribo.validation import POSITIVE, InputError, must_be, number
+from tribo.validation import POSITIVE, InputError, must_be_one_of, number
 
 if TYPE_CHECKING:
     import xarray
@@ -202,7 +202,7 @@ def _checked(data: xarray.Dataset, observables: Iterable[str]) -> list[str]:
     known = [name for name in known if not name.endswith("_bias")]
     for name in observables:
         if name not in known:
-            raise must_be("observables", f"one of {', '.join(known)}", name)
+            raise must_be_one_of("observables", known, name)
     return list(observables) or known
 
 
