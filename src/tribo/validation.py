@@ -54,7 +54,11 @@ def must_be_one_of(field: str, options: Iterable[object], value: object) -> Inpu
 def shortened(names: Iterable[object]) -> str:
     """Names with commas between them, as many as a message quotes."""
     words = list(map(str, names))
-    shown = [word for word, end in zip(words, accumulate(len(w) + 2 for w in words)) if end <= 100]
+    shown = [
+        word
+        for word, end in zip(words, accumulate(len(w) + 2 for w in words), strict=True)
+        if end <= 100
+    ]
     return ", ".join(shown) + f", ... ({len(words)} in all)" * (len(shown) < len(words))
 
 

@@ -261,9 +261,8 @@ def check_members_differ(scene: Scene, vary: Mapping[str, Source]) -> None:
     if not (is_random(scene) or vary):
         raise InputError(
             "vary",
-            "is empty, and nothing in the scene is drawn: all members would be the same; vary "
-            'an initial value, as "surface.theta", or give a reservoir, a bath or a start a '
-            "temperature; random heights follow the scene's seed, which a sweep can vary",
+            "is empty, and the scene draws nothing: all members would be the same; vary a start, give "
+            "a reservoir, bath or start a temperature, or sweep the seed of random heights",
         )
 
 

@@ -106,10 +106,8 @@ def _try(plugin: NamedTuple, field: str, method: str) -> None:
         except InputError as error:
             raise InputError(
                 field,
-                f"{error.problem}; without a {derived}(self, ...) it is called with complex "
-                "numbers, which numpy's functions take; it is differentiated instead where it has "
-                "assignments, if and return only, with arithmetic, functions of numpy or math, "
-                "np.where, np.maximum, np.minimum, min and max",
+                f"{error.problem}; without a {derived}(self, ...) it is called with complex numbers, "
+                "unless it has assignments, if and return alone",
             ) from None
 
 
