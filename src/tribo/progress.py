@@ -41,11 +41,7 @@ class ProgressBar:
 
             # The rate is that from now on: what was done before may have been read from a file.
             self._bar = tqdm(
-                total=self._total,
-                initial=reached,
-                leave=False,
-                unit=self._unit,
-                bar_format=FORMAT,
+                total=self._total, initial=reached, leave=False, unit=self._unit, bar_format=FORMAT
             )
             self._bar.set_description(self._runs, refresh=False)
         self._bar.n = reached

@@ -121,11 +121,7 @@ def number_or_array(
 
 
 def vector(
-    field: str,
-    value: object,
-    condition: Condition = ANY,
-    size: int | None = None,
-    unit: str = "",
+    field: str, value: object, condition: Condition = ANY, size: int | None = None, unit: str = ""
 ) -> np.ndarray:
     """A read-only array of finite numbers, of the given size if there is one."""
     wanted = "a list of numbers" if size is None else "1 number" if size == 1 else f"{size} numbers"

@@ -237,11 +237,7 @@ def _statistics(
 
 
 def _means(
-    runs: MeanRuns,
-    half_width: Mapping[str, float] | None,
-    most: int,
-    target: Target,
-    began: float,
+    runs: MeanRuns, half_width: Mapping[str, float] | None, most: int, target: Target, began: float
 ) -> xarray.Dataset:
     """The data set of means."""
     import xarray

@@ -120,11 +120,7 @@ class Variation:
     """
 
     def __init__(
-        self,
-        scene: Scene,
-        vary: Mapping[str, Source],
-        seed: int,
-        seeds: np.ndarray | None = None,
+        self, scene: Scene, vary: Mapping[str, Source], seed: int, seeds: np.ndarray | None = None
     ) -> None:
         self.seed = seed
         self._seeds = seeds
@@ -261,8 +257,8 @@ def check_members_differ(scene: Scene, vary: Mapping[str, Source]) -> None:
     if not (is_random(scene) or vary):
         raise InputError(
             "vary",
-            "is empty, and the scene draws nothing: all members would be the same; vary a start, give "
-            "a reservoir, bath or start a temperature, or sweep the seed of random heights",
+            "is empty, and the scene draws nothing: all members would be the same; vary a start, "
+            "give a reservoir, bath or start a temperature, or sweep the seed of random heights",
         )
 
 

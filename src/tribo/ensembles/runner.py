@@ -76,10 +76,7 @@ class Setup(NamedTuple):
 
 
 def policy_of(
-    simulation: Simulation,
-    kept: Kept,
-    own_numbers: Sequence[str],
-    plan: CheckedPlan | None = None,
+    simulation: Simulation, kept: Kept, own_numbers: Sequence[str], plan: CheckedPlan | None = None
 ) -> Policy:
     """The fastest way to run members of a scene, with the plan of all if that is known.
 
@@ -125,10 +122,7 @@ def planned(
 
 
 def run_members(
-    runs: Policy,
-    variation: Variation,
-    numbers: range | np.ndarray,
-    how: Execution,
+    runs: Policy, variation: Variation, numbers: range | np.ndarray, how: Execution
 ) -> Iterator[KeptValues]:
     """What is kept of members with some numbers, which ascend, in order, chunk by chunk."""
     firsts = range(0, len(numbers), runs.chunk)

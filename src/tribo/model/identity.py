@@ -20,10 +20,7 @@ Identity = dict[str, object]  # as JSON
 
 
 def settings_of(
-    method: str,
-    accuracy: float | Mapping[str, float] | None,
-    step: float | None,
-    start: str | None,
+    method: str, accuracy: float | Mapping[str, float] | None, step: float | None, start: str | None
 ) -> Identity:
     """The settings of a run; `start` is the digest of the state where it begins."""
     accuracy = dict(accuracy) if isinstance(accuracy, Mapping) else accuracy

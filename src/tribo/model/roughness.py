@@ -17,15 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tribo.validation import (
-    NOT_NEGATIVE,
-    POSITIVE,
-    Condition,
-    InputError,
-    integer,
-    must_be,
-    number,
-)
+from tribo.validation import NOT_NEGATIVE, POSITIVE, Condition, InputError, integer, must_be, number
 
 FRACTION: Condition = ("must be between 0 and 1, both excluded", lambda x: 0.0 < x < 1.0)
 # Ratio up to which two wavelengths are the same, in spite of rounding.

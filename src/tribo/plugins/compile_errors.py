@@ -106,8 +106,8 @@ def _try(plugin: NamedTuple, field: str, method: str) -> None:
         except InputError as error:
             raise InputError(
                 field,
-                f"{error.problem}; without a {derived}(self, ...) it is called with complex numbers, "
-                "unless it has assignments, if and return alone",
+                f"{error.problem}; without a {derived}(self, ...) it is called with complex "
+                "numbers, unless it has assignments, if and return alone",
             ) from None
 
 
