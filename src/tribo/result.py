@@ -170,11 +170,6 @@ class Result(RunResult):
         Returns
         -------
         str
-
-        Raises
-        ------
-        InputError
-            The style is another one.
         """
         return citations(self.scene, self.method, style)
 
@@ -257,11 +252,6 @@ class Result(RunResult):
         -------
         Path
             The file.
-
-        Raises
-        ------
-        InputError
-            If the name ends otherwise, ffmpeg is missing, or the file cannot be written.
         """
         from tribo.plotting import animate
 
@@ -344,17 +334,7 @@ class Result(RunResult):
         return write_page(self, path, bath)
 
     def widget(self) -> Any:
-        """The page as a widget of a notebook; it needs ``tribo[notebook]``.
-
-        Returns
-        -------
-        anywidget.AnyWidget
-
-        Raises
-        ------
-        InputError
-            anywidget is not installed, or the places of asperites are not recorded.
-        """
+        """The page as an ``anywidget.AnyWidget`` of a notebook; it needs ``tribo[notebook]``."""
         from tribo.viewer.contents import contents
         from tribo.viewer.widget import Player
 
@@ -363,15 +343,6 @@ class Result(RunResult):
 
 def load_result(path: str | Path) -> Result:
     """Read a result from the file that :meth:`tribo.Result.save` wrote.
-
-    Parameters
-    ----------
-    path : str or Path
-        The file.
-
-    Returns
-    -------
-    Result
 
     Raises
     ------

@@ -18,7 +18,7 @@ STOP_TIME = "t"
 
 
 @dataclass(frozen=True)
-class Entry:
+class HardScene:
     """A hard scene, how its run should end, and what its end should be."""
 
     name: str  # of the scene file, without its folder and suffix
@@ -40,13 +40,13 @@ class Entry:
 
 
 @cache
-def all_entries() -> dict[str, Entry]:
+def all_entries() -> dict[str, HardScene]:
     """Every entry by its name, in the order of the file."""
     tables = tomllib.loads((FOLDER / "entries.toml").read_text(encoding="utf-8"))
     return {name: _entry(name, table) for name, table in tables.items()}
 
 
-def _entry(name: str, table: dict[str, object]) -> Entry:
+def _entry(name: str, table: dict[str, object]) -> HardScene:
     given = table.pop("reference")
     assert isinstance(given, dict)
     reference = {}
@@ -55,10 +55,10 @@ def _entry(name: str, table: dict[str, object]) -> Entry:
         for quantity, digits in quantities.items():
             several = tuple(digits) if isinstance(digits, list) else (digits,)
             reference[f"{key}.{quantity}" if quantity else key] = several
-    return Entry(name=name, reference=reference, **table)  # type: ignore[arg-type]
+    return HardScene(name=name, reference=reference, **table)  # type: ignore[arg-type]
 
 
-def chosen(names: Sequence[str] = ()) -> list[Entry]:
+def chosen(names: Sequence[str] = ()) -> list[HardScene]:
     """Entries by their names; all of them without names. Raises InputError for an unknown name."""
     entries = all_entries()
     for name in names:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Iterator
-from dataclasses import asdict, dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
 from tribo.accuracy.scales import EPSILON, KINDS, Scales, reported_scales
-from tribo.atlas.entries import STOP_TIME, Entry
+from tribo.atlas.entries import STOP_TIME, HardScene
 from tribo.kernels.status import Status
 from tribo.layout.layout import lay_out
 from tribo.result import Result
@@ -60,7 +60,7 @@ class Deviation:
         return self.estimate is None or self.error <= self.estimate + self.rounding
 
 
-def row(entry: Entry) -> Row:
+def row(entry: HardScene) -> Row:
     """Run one scene, and compare its end with the reference. Raises KeyboardInterrupt."""
     began = time.perf_counter()
     result = prepare(entry.scene()).compute_first()
@@ -69,7 +69,7 @@ def row(entry: Entry) -> Row:
     return judge(entry, result, time.perf_counter() - began)
 
 
-def judge(entry: Entry, result: Result, seconds: float) -> Row:
+def judge(entry: HardScene, result: Result, seconds: float) -> Row:
     """Compare a result of an entry's scene, by any method, with the reference."""
     stops = STOP_TIME in entry.reference
     if stops == (result.status == Status.COMPLETED):  # the reference is of another end
@@ -95,13 +95,13 @@ def _outcome(result: Result) -> str:
     return NOT_MET if completed and result.met is False else str(result.status)
 
 
-def _stop(entry: Entry, result: Result) -> Deviation:
+def _stop(entry: HardScene, result: Result) -> Deviation:
     """The difference of the time of a stop, in units of the duration."""
     (digits,) = entry.reference[STOP_TIME]
     return Deviation(abs(float(result.t[-1]) - float(digits)) / result.scene.duration, None, 0.0)
 
 
-def _deviations(entry: Entry, result: Result) -> Iterator[Deviation]:
+def _deviations(entry: HardScene, result: Result) -> Iterator[Deviation]:
     """The difference of each quantity of the reference, asperite by asperite."""
     scales = reported_scales(lay_out(result.scene), result.ledger)
     for key, digits in entry.reference.items():
@@ -122,8 +122,3 @@ def _relative(difference: float, name: str, scales: Scales) -> float:
     if difference == 0.0:
         return 0.0
     return difference / scale if scale > 0.0 else np.inf
-
-
-def table(rows: Iterable[Row]) -> dict[str, list[dict[str, object]]]:
-    """The rows as ``tribo atlas --json`` prints them."""
-    return {"rows": [asdict(row) for row in rows]}

@@ -108,15 +108,18 @@ def kept_dataset(
     return xarray.Dataset(variables_of(runs.kept, members, found), coordinates, attributes)
 
 
-def attributes_of(runs: Policy, variation: Variation) -> Attributes:
-    """Properties of the whole ensemble; text is JSON where it is no word."""
+def common_attributes(scene: Scene) -> Attributes:
+    """Attributes of ensembles and sweeps."""
     from tribo import __version__
 
+    versions: Attributes = {"tribo_version": __version__, "numpy_version": np.__version__}
+    return versions | {"scene": scene.to_toml()}
+
+
+def attributes_of(runs: Policy, variation: Variation) -> Attributes:
+    """Properties of the whole ensemble; text is JSON where it is no word."""
     plan = runs.simulation.plan
-    return {
-        "tribo_version": __version__,
-        "numpy_version": np.__version__,
-        "scene": runs.simulation.scene.to_toml(),
+    return common_attributes(runs.simulation.scene) | {
         "method": plan.method,
         "method_alone": plan.method,
         "step": json.dumps(plan.setting if plan.tuned is None else None),

@@ -39,11 +39,6 @@ def mean_band(data: xarray.Dataset, name: str, ax: Axes | None = None) -> Axes:
     Returns
     -------
     matplotlib.axes.Axes
-
-    Raises
-    ------
-    InputError
-        If the quantity is not of the members over time, or fewer than two completed.
     """
     known = [str(key) for key in data.data_vars if data[key].dims == ("member", "time")]
     if name not in known:

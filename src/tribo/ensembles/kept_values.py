@@ -28,7 +28,6 @@ from tribo.ledger.sinks import exceeds_memory
 from tribo.loops.frames import Arrays
 from tribo.loops.state import below
 from tribo.model.scene import Scene
-from tribo.model.surface import Surface
 from tribo.result import Result
 from tribo.results.force_averages import force_average
 from tribo.validation import InputError
@@ -201,7 +200,12 @@ class Kept:
 
     def about(self, name: str) -> dict[str, str]:
         """The units and the meaning of a quantity."""
-        return about_kept(name, not self.at_samples)
+        kind = name.rpartition(".")[2].removesuffix(INTERVAL)
+        quantity = EVERY_QUANTITY[kind]
+        when = ", averaged over time" if kind in (*AVERAGED, SHARE) else ", at the end"
+        meaning = quantity.long_name + when * (not self.at_samples)
+        before = "half-width of the 95 % interval of: " * is_interval(name)
+        return {"units": quantity.units, "long_name": before + meaning}
 
     def terms(self, name: str) -> int:
         """The number of values of asperites that a kept value is the sum of."""
@@ -237,7 +241,8 @@ def total_names(scene: Scene) -> list[str]:
     blocks = [
         f"{surface.name}.{name}"
         for surface in scene.surfaces
-        for name in (*BLOCK_QUANTITIES, *_further(scene, surface))
+        for name in (*BLOCK_QUANTITIES, *FURTHER_OF_SURFACES)
+        if name in BLOCK_QUANTITIES or name in further_series(scene, surface)
     ]
     return _without_accounts(scene, [*blocks, *SYSTEM_QUANTITIES, *system_names(scene)])
 
@@ -252,12 +257,6 @@ def sum_names(scene: Scene) -> list[str]:
     return _without_accounts(scene, names)
 
 
-def _further(scene: Scene, surface: Surface) -> list[str]:
-    """Names of the series of a surface as a whole that the scene's output asks for."""
-    asked = further_series(scene, surface)
-    return [name for name in FURTHER_OF_SURFACES if name in asked]
-
-
 def _without_accounts(scene: Scene, names: list[str]) -> list[str]:
     """The names that do not need a ledger which the scene does without."""
     none = scene.output.ledger == "none"
@@ -267,15 +266,6 @@ def _without_accounts(scene: Scene, names: list[str]) -> list[str]:
 def is_interval(name: str) -> bool:
     """Whether a name, as "upper.friction_force_time_half_width", is that of an interval."""
     return name.endswith(INTERVAL) and name.removesuffix(INTERVAL).rpartition(".")[2] in AVERAGED
-
-
-def about_kept(name: str, at_end: bool) -> dict[str, str]:
-    """The units and the meaning of a kept quantity of single runs."""
-    kind = name.rpartition(".")[2].removesuffix(INTERVAL)
-    quantity = EVERY_QUANTITY[kind]
-    when = ", averaged over time" if kind in (*AVERAGED, SHARE) else ", at the end"
-    before = "half-width of the 95 % interval of: " * is_interval(name)
-    return {"units": quantity.units, "long_name": f"{before}{quantity.long_name}{when * at_end}"}
 
 
 def _shape(name: str, ledger: Ledger, scene: Scene) -> tuple[int, ...] | None:

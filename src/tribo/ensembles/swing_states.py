@@ -154,7 +154,9 @@ class JointStart:
         self._stops = np.cumsum([surface.count for surface in surfaces])
         self._stiffness = np.concatenate([surface.each["kappa"] for surface in surfaces])
         self._inertia = np.concatenate([swing_inertia(surface) for surface in surfaces])
-        self._phi = np.concatenate([_bar_angles(surface) for surface in surfaces])
+        phi = [surface.initial.for_each(surface.count)["phi"] for surface in surfaces]
+        zero = [np.zeros(surface.count) for surface in surfaces]
+        self._phi = np.concatenate([z if p is None else p for p, z in zip(phi, zero, strict=True)])
         self.keys = tuple(f"{s.name}.{part}" for s in surfaces for part in ("swing", "omega"))
         self.dimensions = states.uniforms(self._phi.size) + self._phi.size
         self.block = max(1, BLOCK // self.dimensions)
@@ -177,11 +179,6 @@ class JointStart:
         columns = [np.split(each, self._stops[:-1], axis=1) for each in (swing, omega)]
         both = (each for pair in zip(*columns, strict=True) for each in pair)
         return dict(zip(self.keys, both, strict=True))
-
-
-def _bar_angles(surface: Surface) -> np.ndarray:
-    phi = surface.initial.for_each(surface.count)["phi"]
-    return np.zeros(surface.count) if phi is None else phi
 
 
 def swing_inertia(surface: Surface) -> np.ndarray:

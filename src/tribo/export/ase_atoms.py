@@ -49,7 +49,7 @@ def to_ase(result: RunResult, symbols: Mapping[str, str] | None = None) -> list[
             charges=np.concatenate([charges, np.zeros(len(tags))]),
             tags=np.tile(tags, 2),
             cell=_cell(result),
-            pbc=_periodic(result),
+            pbc=np.array(_cell(result)) > 0.0,
             info={"time": float(t)} | {name: float(v[k]) for name, v in result.system.items()},
         )
         atoms.set_array("is_bar", np.repeat([False, True], len(tags)))
@@ -110,8 +110,3 @@ def _cell(result: RunResult) -> tuple[float, float, float]:
     """Lengths of the cell: the periods of the scene, and zero where there is none."""
     periodic = result.scene.periodic
     return (periodic.x or 0.0, 0.0, periodic.z or 0.0) if periodic else (0.0, 0.0, 0.0)
-
-
-def _periodic(result: RunResult) -> tuple[bool, bool, bool]:
-    x, y, z = _cell(result)
-    return (x > 0.0, y > 0.0, z > 0.0)

@@ -86,7 +86,7 @@ def _kinds(surface: Surface, index: int, masses: np.ndarray) -> tuple[np.ndarray
 def _start(scene: Scene, index: int) -> tuple[np.ndarray, np.ndarray]:
     """(n, 3) bobs at t = 0, and (n, 2) displacements of the bars from rest [length]."""
     surface = scene.surfaces[index]
-    each, bobs = surface.each, _resting(scene, index)
+    each, bobs = surface.each, surface.resting_bobs(seed=[scene.seed, index, 0])
     phi, swing = surface.initial.for_each(surface.count)["phi"], surface.initial_swing
     if swing is None:
         swing = np.zeros(surface.count) if phi is None else phi
@@ -104,10 +104,6 @@ def _given(surface: Surface, *names: str) -> np.ndarray:
     return np.column_stack(
         [np.zeros(surface.count) if (v := each[name]) is None else v for name in names]
     )
-
-
-def _resting(scene: Scene, index: int) -> np.ndarray:
-    return scene.surfaces[index].resting_bobs(seed=[scene.seed, index, 0])
 
 
 def _springs(scene: Scene, surface: Surface) -> tuple[np.ndarray, np.ndarray]:

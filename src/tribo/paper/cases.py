@@ -48,7 +48,7 @@ SPACING = 0.05
 
 
 def scene(case: str, attractive: bool = False) -> Scene:
-    """A case of the paper.
+    """A case of the paper, up to its end.
 
     Parameters
     ----------
@@ -60,7 +60,6 @@ def scene(case: str, attractive: bool = False) -> Scene:
     Returns
     -------
     Scene
-        Its duration is the end of the case.
     """
     forced = case in "AB"
     pulls = case in "BD" or (case == "E" and attractive)

@@ -41,9 +41,8 @@ class Row:
         Figure, table or section of the paper.
     t : str
         Time as printed: a time, two times with ".." between them, "end", or empty.
-    quantity : str
-    printed : str
-        The number as printed.
+    quantity, printed : str
+        What the number is of, and the number, as printed.
     computed : float or str or None
         The computed number, or the sign as "+" or "-".
     error : float or None

@@ -50,7 +50,7 @@ class Figure:
 
 
 def draw(folder: str | Path, cases: Iterable[str]) -> list[Path]:
-    """Draw the model and the figures of the given cases.
+    """Draw the model and the figures of some cases, each as PDF and as PNG.
 
     Parameters
     ----------
@@ -62,12 +62,7 @@ def draw(folder: str | Path, cases: Iterable[str]) -> list[Path]:
     Returns
     -------
     list of Path
-        The files: each figure as PDF and as PNG.
-
-    Raises
-    ------
-    InputError
-        If nothing can be written to the folder.
+        The files.
     """
     folder = as_path(folder)
     wanted = {"", *cases}

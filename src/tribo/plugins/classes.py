@@ -134,17 +134,14 @@ def returned_numbers(plugin: object, field: str, method: str, *arguments: object
     value = call_method(plugin, field, method, *arguments)
     count = RETURN_COUNTS.get(method, 1)
     # np.where of numbers is an array without dimensions.
-    items = [x[()] if isinstance(x, np.ndarray) else x for x in _as_tuple(value)]
+    several = value if isinstance(value, tuple) else (value,)
+    items = [x[()] if isinstance(x, np.ndarray) else x for x in several]
     kinds = (int, float, np.integer, np.floating)
     if len(items) != count or not all(isinstance(item, kinds) for item in items):
         expected = "a number is" if count == 1 else f"{count} numbers are"
         reason = f"gives {short_repr(value)} where {expected} wanted"
         raise InputError(field, located(plugin, method, None, reason))
     return value
-
-
-def _as_tuple(value: object) -> tuple[object, ...]:
-    return value if isinstance(value, tuple) else (value,)
 
 
 def failure(plugin: object, method: str, error: Exception) -> str:

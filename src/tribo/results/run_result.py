@@ -189,11 +189,6 @@ class RunResult:
         The scene's output must ask for the series "oscillators".  Torsional oscillators are not
         among them.
 
-        Parameters
-        ----------
-        surface : str
-            Name of the surface.
-
         Returns
         -------
         ndarray, (times, asperites, oscillators, 2)

@@ -29,7 +29,7 @@ from tribo.model.scene import Scene
 from tribo.progress import Shown
 from tribo.sweeps.dataset import Table, attributes_of, coordinates_of, key_coordinates, side_by_side
 from tribo.sweeps.grid import Grid, Keys
-from tribo.sweeps.point_sets import Members, point_sets, runs_of
+from tribo.sweeps.point_sets import PointMembers, point_sets, runs_of
 from tribo.validation import InputError, boolean, inside, integer
 
 if TYPE_CHECKING:
@@ -153,7 +153,7 @@ def _members(
     seed: int,
     sampler: Sampler | None,
     half_width: Mapping[str, float] | None,
-) -> Members:
+) -> PointMembers:
     """The members of each point.  Raises InputError."""
     if members is None and (vary or sampler is not None) and half_width is None:
         raise InputError("members", "is missing; vary is what differs between members")
@@ -166,11 +166,11 @@ def _members(
     for key in of_each_surface(grid.scene, dict.fromkeys(grid.keys)):
         if key in vary:
             raise InputError(f"vary.{key}", "is swept too; give it once")
-    return Members(number, vary, seed)
+    return PointMembers(number, vary, seed)
 
 
 def _together(
-    grid: Grid, request: Request, each: Members, target: Target, how: Execution, began: float
+    grid: Grid, request: Request, each: PointMembers, target: Target, how: Execution, began: float
 ) -> xarray.Dataset:
     """All points by one engine, those that one plan serves side by side.
 

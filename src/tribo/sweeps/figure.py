@@ -53,11 +53,6 @@ def sweep_lines(
     Returns
     -------
     matplotlib.axes.Axes
-
-    Raises
-    ------
-    InputError
-        If the data set does not have the quantity or the key, or there are too many lines.
     """
     keys = keys_of(data)
     known = quantities(data)

@@ -30,7 +30,7 @@ from tribo.sweeps.grid import Axis, Grid
 from tribo.validation import InputError
 
 
-class Members(NamedTuple):
+class PointMembers(NamedTuple):
     """The members of each point."""
 
     number: int | None  # None for one run of the scene itself
@@ -87,7 +87,7 @@ def _unpickled(scene: str, *rest: Any) -> PointSet:
 
 
 def point_sets(
-    grid: Grid, request: Request, members: Members
+    grid: Grid, request: Request, members: PointMembers
 ) -> tuple[list[PointSet], list[Axis], Simulation | None]:
     """The sets of a grid, and the axes in whose order their points are, the last fastest.
 
@@ -112,7 +112,7 @@ def point_sets(
     return sets, outer + inner, simulation
 
 
-def _set_of(scene: Scene, request: Request, inner: list[Axis], members: Members) -> PointSet:
+def _set_of(scene: Scene, request: Request, inner: list[Axis], members: PointMembers) -> PointSet:
     """The points of a scene whose other values are those of some axes."""
     places = np.array(list(np.ndindex(*(len(axis.rows) for axis in inner)))).T
     swept = {
@@ -129,7 +129,7 @@ def _set_of(scene: Scene, request: Request, inner: list[Axis], members: Members)
 
 
 def _served_by_one_plan(
-    grid: Grid, request: Request, members: Members
+    grid: Grid, request: Request, members: PointMembers
 ) -> tuple[list[Axis], Simulation | None]:
     """The axes whose values can be those of members, and the simulation that shows it."""
     candidates = [axis for axis in grid.axes if len(axis.rows) > 1 and _has_numbers(grid, axis)]

@@ -112,7 +112,11 @@ class MeansPrecision:
             f"{'method':>15} {'step':>9} {'members':>9} {'half-width':>11} {'bias':>9} "
             f"{'evaluations':>12} {'seconds':>10}",
         ]
-        lines += [_line(row) for row in self.rows]
+        lines += [
+            f"{row.method:>15} {row.setting:9.2e} {row.members:9d} {row.half_width:11.1e} "
+            f"{row.bias:9.1e} {row.force_evaluations:12d} {row.seconds:10.2e}"
+            for row in self.rows
+        ]
         for row in self.cheapest:
             lines.append(
                 f"half-width {row.half_width:g}: {row.members} members by {row.method} at step "
@@ -126,13 +130,6 @@ class MeansPrecision:
         if self.status != Status.COMPLETED:
             lines.append(f"{self.status}: the ensembles up to there")
         return "\n".join(lines)
-
-
-def _line(row: MeanRow) -> str:
-    return (
-        f"{row.method:>15} {row.setting:9.2e} {row.members:9d} {row.half_width:11.1e} "
-        f"{row.bias:9.1e} {row.force_evaluations:12d} {row.seconds:10.2e}"
-    )
 
 
 def means_precision(
