@@ -11,7 +11,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, Protocol, runtime_checkable
+from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -72,40 +72,22 @@ class Member:
     seed: int
     values: dict[str, np.ndarray]
 
-    def scene(self, scene: Scene) -> Scene:
-        """The scene with the member's seed, velocities and numbers, but its own start."""
-        surfaces = [
-            replace(s, velocity=tuple(self.values.get(f"{s.name}.{VELOCITY}", s.velocity)))
-            for s in scene.surfaces
-        ]
-        own: dict[str, float | np.ndarray] = {}
-        for key, v in self.values.items():
-            if is_parameter(scene, key):
-                own[key] = float(v[0])
-            elif _is_of_scene(scene, key):
-                own[key] = v if v.size > 1 else float(v[0])
-        moved = replace(scene, surfaces=tuple(surfaces), seed=self.seed)
-        return with_values(moved, own) if own else moved
-
-    def scene_with_start(self, scene: Scene) -> Scene:
-        """The scene with all values of the member."""
-        moved, surfaces = self.scene(scene), []
-        for surface in moved.surfaces:
-            own: dict[str, Any] = {
-                name: self.values[key]
-                for name in UNITS
-                if (key := f"{surface.name}.{name}") in self.values
-            }
-            if "theta" in own or "swing" in own:  # one replaces the other
-                own = {"theta": None, "swing": None, **own}
-            surfaces.append(replace(surface, initial=replace(surface.initial, **own)))
-        return replace(moved, surfaces=tuple(surfaces))
+    def scene(self, scene: Scene, with_start: bool = False) -> Scene:
+        """The scene with the member's seed and values, with or without initial angles and rates."""
+        own = self.values
+        if not with_start:
+            own = {key: v for key, v in own.items() if key not in values_at_start(own)}
+        moved = replace(scene, seed=self.seed)
+        return with_values(moved, _plain(own)) if own else moved
 
     @property
     def start(self) -> dict[str, float | np.ndarray]:
         """Initial angles and rates, as ``Simulation.run`` takes them."""
-        initial = values_at_start(self.values)
-        return {key: v if v.size > 1 else float(v[0]) for key, v in initial.items()}
+        return _plain(values_at_start(self.values))
+
+
+def _plain(values: Mapping[str, np.ndarray]) -> dict[str, float | np.ndarray]:
+    return {key: v if v.size > 1 else float(v[0]) for key, v in values.items()}
 
 
 class Variation:
@@ -144,7 +126,6 @@ class Variation:
         self._last_draws: dict[str, tuple[int, np.ndarray]] = {}
         of_start = [f"{s.name}.{name}" for s in scene.surfaces for name in UNITS]
         self.own_numbers = tuple(key for key in self.sizes if key not in of_start)
-        self.own_scenes = bool(self.own_numbers) or is_random(scene)
 
     @property
     def lengths(self) -> dict[str, int]:

@@ -21,7 +21,7 @@ from tribo.accuracy.levels import work
 from tribo.accuracy.plan import Plan
 from tribo.ensembles.checked_plan import checked_plan
 from tribo.ensembles.checked_runs import CheckedPlan, CheckedRuns
-from tribo.ensembles.engines import Engine, check_engine, in_threads, run_jobs
+from tribo.ensembles.engines import Engine, in_threads, run_jobs
 from tribo.ensembles.kept_values import Kept, KeptValues
 from tribo.ensembles.members import Members, Variation
 from tribo.ensembles.single_runs import SingleRuns, run_alone
@@ -35,7 +35,7 @@ from tribo.loops.lane_loop import fit_lanes
 from tribo.model.scene_file import scene_from
 from tribo.prepared import Simulation
 from tribo.simulation import from_settings
-from tribo.validation import integer
+from tribo.validation import integer, must_be
 
 Policy = CheckedRuns | StepRuns | SingleRuns
 
@@ -58,7 +58,8 @@ class Execution(NamedTuple):
 
 def execution(engine: Engine | None, threads: int | None) -> Execution:
     """What runs members, with a thread for each core by default.  Raises InputError."""
-    check_engine(engine)
+    if engine is not None and not (hasattr(engine, "submit") or hasattr(engine, "map")):
+        raise must_be("engine", "an executor, with submit or map", engine)
     return Execution(
         engine, os.cpu_count() or 1 if threads is None else integer("threads", threads, 1)
     )

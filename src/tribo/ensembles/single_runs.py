@@ -62,7 +62,7 @@ def run_alone(simulation: Simulation, kept: Kept, members: Members, found: KeptV
     """
     asked = simulation.accuracy
     for index in np.flatnonzero(found.status == UNKNOWN):
-        scene = members.member(int(index)).scene_with_start(simulation.scene)
+        scene = members.member(int(index)).scene(simulation.scene, with_start=True)
         found.level[index] = found.error[index] = np.nan
         try:
             if asked is None:

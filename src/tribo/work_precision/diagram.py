@@ -74,7 +74,7 @@ class WorkPrecision:
         return [row for row in dict.fromkeys(rows) if row is not None]
 
     def best(self, error: float, method: str | None = None) -> Row | None:
-        """The fastest run with at most that error [scales], by one method if it is named; None if none."""
+        """The fastest run with at most that error [scales], by one method if named; else None."""
         good = [row for row in self.rows if row.error <= error and method in (None, row.method)]
         return min(good, key=lambda row: row.seconds, default=None)
 
