@@ -10,7 +10,6 @@ import numpy as np
 from tribo.model.identity import plain_table
 from tribo.model.scene_file import scene_from
 from tribo.plugins.unloaded import Code, code
-from tribo.progress import Shown
 from tribo.result import Result
 from tribo.simulation import simulate
 from tribo.validation import InputError
@@ -27,7 +26,6 @@ class Difference(NamedTuple):
 def repeat(
     result: Result,
     plugins: bool = True,
-    progress: Shown = None,
     out: str | Path | None = None,
     resume: bool = False,
     threads: int | None = None,
@@ -53,7 +51,6 @@ def repeat(
         accuracy=result.accuracy,
         method=result.method,
         step=step if isinstance(step, float) else None,
-        progress=progress,
         out=out,
         resume=resume,
         threads=threads,

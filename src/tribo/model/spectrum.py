@@ -128,7 +128,7 @@ class Spectrum:
         return self.gamma / (self.cutoff * self.n) * share / w**2, self.cutoff * w
 
     def kernel(self, t: np.ndarray | float) -> np.ndarray:
-        """The memory kernel Gamma(t) of the continuum [mass / time^2], in the shape of `t` [time]."""
+        """The memory kernel Gamma(t) of the continuum [mass / time^2], as an array like `t`."""
         wt = self.cutoff * np.abs(np.asarray(t, dtype=float))
         strength = self.gamma * self.cutoff
         if self.kind == "drude":

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tribo.plugins import sources
-from tribo.plugins.unloaded import Unloaded, refuse_code
+from tribo.plugins.unloaded import Unloaded, left, refuse_code
 from tribo.validation import InputError, known_keys, number, short_repr
 
 # How many numbers a method returns; 1 if it is not listed.
@@ -102,6 +102,19 @@ def class_named(field: str, name: str, folder: Path) -> type:
     if not hasattr(module, class_name):
         raise InputError(field, f"{place} defines no {class_name}")
     return getattr(module, class_name)
+
+
+def from_file(field: str, name: str, parameters: dict[str, Any], folder: Path, method: str) -> Any:
+    """The plug-in that a table of a scene file names, which has `method`, or an Unloaded for it.
+
+    Raises InputError about `field`.
+    """
+    stand_in = left(name, parameters)
+    if stand_in is not None:
+        return stand_in
+    cls = class_named(field, name, folder)
+    check_class(cls, field, method)
+    return instance(cls, parameters)
 
 
 def name_of(plugin: NamedTuple | Unloaded, built_in: dict[str, type]) -> str:
