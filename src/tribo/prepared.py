@@ -89,12 +89,12 @@ class Simulation:
     def __deepcopy__(self, memo: object) -> Simulation:
         return self.__copy__()
 
-    def run(self, start: Start | None = None, estimate: bool = True) -> Result:
+    def run(self, initial: Start | None = None, estimate: bool = True) -> Result:
         """Run from the scene's start, or with some initial values changed.
 
         Parameters
         ----------
-        start : mapping, optional
+        initial : mapping, optional
             "surface.theta" (or swing, phi, omega, nu) -> a number, or one for each asperite
             [rad, rad/time].
         estimate : bool
@@ -107,7 +107,7 @@ class Simulation:
         Raises
         ------
         InputError
-            A name or a value in `start` cannot be used.
+            A name or a value in `initial` cannot be used.
         KeyboardInterrupt
             The run was interrupted; the attribute ``result`` has the Result up to there.
 
@@ -116,7 +116,7 @@ class Simulation:
         TriboWarning
             The run stops early, or its error estimates exceed the accuracy.
         """
-        return with_warning(self.compute(start, estimate))
+        return with_warning(self.compute(initial, estimate))
 
     def first_result(self) -> Result:
         """The result of the runs that found the settings, or of a run if none were needed.
@@ -125,12 +125,12 @@ class Simulation:
         """
         return with_warning(self.compute_first())
 
-    def compute(self, start: Start | None = None, estimate: bool = True) -> Result:
+    def compute(self, initial: Start | None = None, estimate: bool = True) -> Result:
         """As :meth:`run`, without warnings: for callers that report what falls short.
 
         An interrupted run is returned with its status.
         """
-        y = self._initial_state({} if start is None else start)
+        y = self._initial_state({} if initial is None else initial)
         tuned = self.plan.tuned
         if not estimate or tuned is None:
             return self._single_run(y)

@@ -171,10 +171,10 @@ def test_a_half_width_determines_the_members(tmp_path, capsys):
     scene = paper.scene("A")
     path, out = tmp_path / "a.toml", tmp_path / "a.nc"
     path.write_text(scene.to_toml(), encoding="utf-8")
-    settings = ["--vary", "upper.theta=normal(0,0.1)", "--half-width", "upper.W=0.05"]
+    settings = ["--vary", "upper.theta=normal(0,0.1)", "--half-width", "upper.W=0.01"]
     settings += ["--method", "verlet", "--step", "0.1"]
     assert main(["ensemble", str(path), *settings, "--out", str(out)]) == 0
-    how = {"half_width": {"upper.W": 0.05}, "method": "verlet", "step": 0.1}
+    how = {"half_width": {"upper.W": 0.01}, "method": "verlet", "step": 0.1}
     data = ensemble(scene, vary={"upper.theta": stats.norm(0.0, 0.1)}, **how)
     with xarray.open_dataset(out) as file:
         assert file.sizes["member"] == data.sizes["member"] > 16

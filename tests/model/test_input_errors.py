@@ -35,6 +35,7 @@ from tribo import (
 from tribo.commands.cli import main
 from tribo.layout.layout import lay_out
 from tribo.model.scene_file import scene_from
+from tribo.validation import must_be_one_of
 
 REMOVED = object()
 HUGE = 10**400  # TOML has such numbers, floats have not
@@ -168,6 +169,13 @@ def message(folder, capsys, source, *options):
     assert printed.err.startswith("tribo: ") and printed.err.count("\n") == 1, printed.err
     assert len(printed.err.replace(str(folder), "")) <= TWO_LINES, printed.err
     return printed.err.removeprefix("tribo: ").rstrip("\n")
+
+
+def test_a_message_quotes_some_of_many_names():
+    """As many as fit in a line, and how many there are."""
+    error = must_be_one_of("name", [f"surface{k}.friction_force" for k in range(1000)], "x")
+    assert len(str(error)) <= TWO_LINES and "... (1000 in all), got 'x'" in str(error)
+    assert str(must_be_one_of("name", ("a", "b"), "x")) == "name: must be one of a, b, got 'x'"
 
 
 # The path of a key, an invalid value, and the beginning of the message; then the field of the
