@@ -24,12 +24,8 @@ ACCURACY = 1e-8
 TOLERANCE = 1e-6
 
 
-def add_doctor(doctor: argparse.ArgumentParser) -> None:
-    """Add the arguments of `tribo doctor`: none."""
-    doctor.set_defaults(command=_doctor)
-
-
-def _doctor(options: argparse.Namespace) -> int:
+def run_doctor(options: argparse.Namespace) -> int:
+    """Print versions, the machine and a known run; the exit status."""
     del options
     for name, value in (*versions().items(), *_machine().items()):
         print(f"{name:<12} {value}")

@@ -8,7 +8,7 @@ import warnings
 from pathlib import Path
 
 from tribo.commands.bundle import add_bundle
-from tribo.commands.doctor import add_doctor
+from tribo.commands.doctor import run_doctor
 from tribo.commands.help import FIRST_STEPS, CommandParser, add_completion
 from tribo.commands.new import add_new
 from tribo.commands.run import add_run
@@ -68,7 +68,8 @@ def _parser() -> argparse.ArgumentParser:
     _add_export_lammps(command("export-lammps", "write a scene as input files of LAMMPS"))
     add_bundle(command("bundle", "pack scenes and results in one archive with checksums"))
     add_new(command("new", "print or write a commented scene file to start from"))
-    add_doctor(command("doctor", "print versions, cores, cache and speed"))
+    doctor = command("doctor", "print versions, cores, cache and speed")
+    doctor.set_defaults(command=run_doctor)
     completion = command("completion", "print a script that completes commands")
     add_completion(completion, parser, commands.choices.values())
     return parser

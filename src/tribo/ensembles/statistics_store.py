@@ -97,19 +97,14 @@ class StatisticsStore:
 
 def statistics_coordinates(kept: Kept) -> dict[str, Variable]:
     """The probabilities of quantiles, and the names of values in covariances."""
-    return {
-        "probability": (("probability",), PROBABILITIES, {"long_name": "probability"}),
-        "value": (("value",), np.array(_labels(kept)), {"long_name": "kept value"}),
-    }
-
-
-def _labels(kept: Kept) -> list[str]:
-    """The name of each column, "upper.w1[0]" for one asperite."""
     labels = []
-    for name in kept.names:
+    for name in kept.names:  # "upper.w1[0]" for one asperite
         one_each = f"{name.rpartition('.')[0]}_asperite" in kept.dimensions(name)
         labels += [f"{name}[{k}]" if one_each else name for k in range(kept.columns(name))]
-    return labels
+    return {
+        "probability": (("probability",), PROBABILITIES, {"long_name": "probability"}),
+        "value": (("value",), np.array(labels), {"long_name": "kept value"}),
+    }
 
 
 def statistics_variables(kept: Kept, moments: Moments) -> dict[str, Variable]:
