@@ -67,25 +67,19 @@ class ProgressBar:
             self._bar.close()
 
 
-class Reported:
-    """A context that gives the function to call with what is reached, if any; see :data:`Shown`."""
-
-    def __init__(self, progress: Shown, total: float, unit: str) -> None:
-        self._bar: ProgressBar | None = None
-        self._function: Callable[[float], None] | None = None
-        if progress is True or (progress is None and _is_watched()):
-            self._bar = ProgressBar(total, unit)
-        elif callable(progress):
-            self._function = progress
-        elif progress not in (None, False):
-            raise must_be("progress", "a function, True, False or None", progress)
-
-    def __enter__(self) -> Callable[[float], None] | None:
-        return self._bar or self._function
-
-    def __exit__(self, *error: object) -> None:
-        if self._bar is not None:
-            self._bar.close()
+@contextmanager
+def reported(progress: Shown, total: float, unit: str) -> Iterator[Callable[[float], None] | None]:
+    """The function to call with what is reached, if any; see :data:`Shown`.  Raises InputError."""
+    if progress is True or (progress is None and _is_watched()):
+        bar = ProgressBar(total, unit)
+        try:
+            yield bar
+        finally:
+            bar.close()
+    elif callable(progress) or progress in (None, False):
+        yield progress or None
+    else:
+        raise must_be("progress", "a function, True, False or None", progress)
 
 
 @contextmanager

@@ -25,7 +25,7 @@ from tribo.loops.state import Origin, State, continued, digest_of
 from tribo.model.identity import identity_of, refuse_other, settings_of, version
 from tribo.model.scene import Scene
 from tribo.prepared import Simulation, with_warning
-from tribo.progress import ProgressBar, Reported, Shown
+from tribo.progress import ProgressBar, Shown, reported
 from tribo.result import Result, load_result
 from tribo.validation import InputError, TriboWarning, as_path, boolean, inside, must_be
 
@@ -200,7 +200,7 @@ def simulate(
         The run stops early, its error estimates exceed the accuracy, or bobs start deep in a core.
     """
     layout, choice, origin = _chosen(scene, accuracy, method, step, start, allow_unresolved)
-    with Reported(progress, layout.scene.duration, "t") as report:
+    with reported(progress, layout.scene.duration, "t") as report:
         if out is None:
             integrator = _integrator(layout, choice, report, origin, threads)
             result = _first_result(choice, integrator, report)

@@ -23,17 +23,9 @@ class ContactProbe:
 
     def __init__(self, scene: Scene) -> None:
         self.layout = lay_out(scene)
+        self.charges = self.layout.model.each[CHARGE, self.layout.places.columns]  # (n,)
+        self.depths = self.layout.depths  # (n,) z of the bobs, from the first bob [length]
         self._stamp = sources.source_stamp(self.layout.plugins)
-
-    @property
-    def charges(self) -> np.ndarray:
-        """(n,) charges of the bobs in the scene."""
-        return self.layout.model.each[CHARGE, self.layout.places.columns]
-
-    @property
-    def depths(self) -> np.ndarray:
-        """(n,) z of the bobs in the scene, from the first bob [length]."""
-        return self.layout.depths
 
     def __call__(self, positions: np.ndarray, charges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Energies (k,) and contact forces f1 on the bobs (k, n, 2) of k arrangements.

@@ -24,7 +24,7 @@ from tribo.loops.frames import PART, Frames
 from tribo.model.identity import Identity, refuse_other
 from tribo.model.initial import UNITS as UNITS_OF_START
 from tribo.model.scene import Scene
-from tribo.progress import Reported, Shown
+from tribo.progress import Shown, reported
 from tribo.results.dataset import Variable
 from tribo.validation import InputError, as_path, boolean
 
@@ -237,7 +237,7 @@ def in_file(
     path = None if out is None else netcdf_target("out", as_path(out))
     if boolean("resume", resume) and path is None:
         raise InputError("resume", "needs out, the file to continue")
-    with ExitStack() as stack, Reported(progress, total, unit) as report:
+    with ExitStack() as stack, reported(progress, total, unit) as report:
         frames = None
         if path is not None:
             part = path.with_name(path.name + PART)

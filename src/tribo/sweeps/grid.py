@@ -44,9 +44,12 @@ class Grid:
         self.scene = scene
         with inside("values"):
             self.axes = [_axis(key, items) for key, items in values.items()]
-            keys = [key for axis in self.axes for key in axis.keys]
-            for key in keys:
-                if keys.count(key) > 1:
+            self.names = [axis.name for axis in self.axes]
+            self.keys = [key for axis in self.axes for key in axis.keys]
+            self.shape = tuple(len(axis.rows) for axis in self.axes)
+            self.size = math.prod(self.shape)
+            for key in self.keys:
+                if self.keys.count(key) > 1:
                     raise InputError(key, "is swept twice; give each key once")
             if self.size > LARGEST_COUNT:
                 raise must_be("", f"of at most {LARGEST_COUNT} points", self.size)
@@ -54,26 +57,6 @@ class Grid:
             for axis in self.axes:
                 for place in range(len(axis.rows)):
                     with_values(scene, first | axis.at(place))
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """The number of values of each dimension."""
-        return tuple(len(axis.rows) for axis in self.axes)
-
-    @property
-    def size(self) -> int:
-        """The number of points."""
-        return math.prod(self.shape)
-
-    @property
-    def keys(self) -> list[str]:
-        """All keys."""
-        return [key for axis in self.axes for key in axis.keys]
-
-    @property
-    def names(self) -> list[str]:
-        """Of the dimensions."""
-        return [axis.name for axis in self.axes]
 
     def point(self, index: int) -> dict[str, Value]:
         """The values of a point by their keys."""
