@@ -11,6 +11,7 @@ import numpy as np
 
 from tribo.commands.scene_options import check_figure, load, parsed_list, split
 from tribo.ensembles.dataset import COUNTS
+from tribo.ensembles.kept_values import NOT_RUN
 from tribo.files import strict_json
 from tribo.interrupts import COMPLETED, STOPPED, also_in_part
 from tribo.sweeps.grid import Keys
@@ -108,11 +109,12 @@ def _layout(data: xarray.Dataset) -> tuple[list[str], list[str], list[str]]:
 
 
 def _statuses(data: xarray.Dataset, places: dict[str, int]) -> dict[str, int]:
-    """How many members of a point have each status."""
+    """How many members of a point have each status; points may have different numbers of them."""
     if "status" not in data:
         return {}
     names, counts = np.unique(data["status"].isel(places).values, return_counts=True)
-    return dict(zip(names.tolist(), counts.tolist(), strict=True))
+    found = dict(zip(names.tolist(), counts.tolist(), strict=True))
+    return {name: n for name, n in found.items() if name != NOT_RUN or "point_status" not in data}
 
 
 def summary(data: xarray.Dataset, out: Path | None) -> str:
