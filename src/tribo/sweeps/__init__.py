@@ -136,7 +136,7 @@ def sweep(
             data = _together(grid, request, each, target, how._replace(progress=progress), began)
         return saved(data, target)
 
-    others = {"values": grid.identity(), "members": each.number}
+    others: dict[str, object] = {"values": grid.identity(), "members": each.number}
     others |= {"statistics": statistics, "half_width": half_width}
     identity = request.identity(scene, Variation(scene, each.vary, each.seed), others)
     return in_file(out, resume, identity, progress, grid.size, "points", compute).load()
