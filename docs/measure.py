@@ -64,9 +64,7 @@ def hard_scenes() -> dict[str, tribo.Scene]:
         "two rows of five, Lennard-Jones with a switch, soft": tribo.Scene(
             (upper, lower), jones, 12.0, output=FEW
         ),
-        "the same, one a free block, one with springs": tribo.Scene(
-            rows, jones, 12.0, output=FEW
-        ),
+        "the same, one a free block, one with springs": tribo.Scene(rows, jones, 12.0, output=FEW),
         "a short Morse bond, bars that rotate freely": tribo.Scene(
             (left, right), tribo.Morse(0.5, 5.0, 0.5), 16.0, output=FEW
         ),
