@@ -138,9 +138,9 @@ class DrivenBars(Drive):
     """The centres of the bars move uniformly with the surface's initial velocity, or stand.
 
     f2 is the reaction of the constraint.  Its work is the integral of f2 . V, with V that velocity:
-    zero on a surface that stands.  Each asperite is a pendulum about its bar's centre.  A bar begins
-    a rod's length from the surface's `bob`, for any initial angle of its pendulum, so that m2 does
-    not influence the motion.
+    zero on a surface that stands.  Each asperite is a pendulum about its bar's centre.  A bar
+    begins a rod's length from the surface's `bob`, for any initial angle of its pendulum, so that
+    m2 does not influence the motion.
 
     Attributes
     ----------
