@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tribo.plotting import INK, WIDE, drawing_on
+from tribo.plotting.style import INK, WIDE, drawing_on
 from tribo.results.intervals import Interval, interval
 from tribo.validation import InputError, must_be_one_of
 

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tribo.ledger.quantities import AVERAGED
-from tribo.plotting import WIDE, drawing_on
 from tribo.plotting.comparison import DASHES
 from tribo.results.intervals import interval
 from tribo.validation import InputError, must_be_one_of
