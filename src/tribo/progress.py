@@ -77,7 +77,7 @@ def reported(progress: Shown, total: float, unit: str) -> Iterator[Callable[[flo
         finally:
             bar.close()
     elif callable(progress) or progress in (None, False):
-        yield progress or None
+        yield progress if callable(progress) else None
     else:
         raise must_be("progress", "a function, True, False or None", progress)
 
