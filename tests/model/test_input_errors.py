@@ -281,7 +281,7 @@ WRONG = [
     ("field[0].on", "upper", "must be a list of names of surfaces, got 'upper'"),
     ("field[0].on", ["upper", "upper"], "must be each surface once; a field acts once on each"),
     ("field[0].on", [], "must be a list of names of surfaces, got []"),
-    ("field[0].on", [5], "must be one of the surfaces ['upper', 'lower', 'rough'], got 5"),
+    ("field[0].on", [5], "must be one of the surfaces upper, lower, rough, got 5"),
     ("output", 5, "must be a table, got 5"),
     ("numerics", 5, "must be a table, got 5"),
     ("periodic", 5, "must be a table, got 5"),
@@ -379,12 +379,12 @@ WRONG = [
     (
         "interaction[0].between",
         ["upper", "middle"],
-        "must be one of the surfaces ['upper', 'lower', 'rough'], got",
+        "must be one of the surfaces upper, lower, rough, got",
     ),
     ("interaction[0].between", ["upper"], "must be the names of two surfaces, got ['upper']"),
     ("interaction[0].between", "upper", "must be the names of two surfaces, got 'upper'"),
     ("interaction[0].between", [], "must be the names of two surfaces, got []"),
-    ("field[0].on", ["middle"], "must be one of the surfaces ['upper', 'lower', 'rough'], got"),
+    ("field[0].on", ["middle"], "must be one of the surfaces upper, lower, rough, got"),
     ("field[0].kind", "corugation", 'must be "corrugation"'),
     # one or the other
     ("surface[0].initial.swing", 0.1, "cannot go with theta; give one or the other"),

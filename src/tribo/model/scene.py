@@ -36,6 +36,7 @@ from tribo.validation import (
     integer,
     must_be,
     number,
+    shortened,
 )
 
 
@@ -150,10 +151,12 @@ class Scene(ComparedByValue):
             with inside(f"interaction[{i}]"):
                 for name in interaction.between or ():
                     if name not in names:
-                        raise must_be("between", f"one of the surfaces {names}", name)
+                        raise must_be("between", f"one of the surfaces {shortened(names)}", name)
                 for name in interaction.species or ():
                     if name not in self.species:
-                        raise must_be("species", f"one of the species {self.species}", name)
+                        raise must_be(
+                            "species", f"one of the species {shortened(self.species)}", name
+                        )
         self._refuse_two_for_one_pair(interactions)
         return interactions
 
@@ -167,7 +170,7 @@ class Scene(ComparedByValue):
                 raise must_be(f"field[{i}]", "a tribo.Field", item)
             for name in item.on:
                 if name not in names:
-                    raise must_be(f"field[{i}].on", f"one of the surfaces {names}", name)
+                    raise must_be(f"field[{i}].on", f"one of the surfaces {shortened(names)}", name)
         return tuple(value)
 
     def _check_period(self) -> None:
