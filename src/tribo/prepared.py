@@ -135,7 +135,7 @@ class Simulation:
         InputError
             If a name or a value in `start` cannot be used.
         KeyboardInterrupt
-            The run was interrupted; the attribute ``result`` has the Result up to there.
+            The run was interrupted; the attribute ``result`` contains it so far.
 
         Warns
         -----
@@ -154,7 +154,7 @@ class Simulation:
         Raises
         ------
         KeyboardInterrupt
-            The run was interrupted; the attribute ``result`` has the Result up to there.
+            The run was interrupted; the attribute ``result`` contains it so far.
 
         Warns
         -----
