@@ -109,7 +109,7 @@ class Simulation:
         InputError
             If a name or a value in `initial` cannot be used.
         KeyboardInterrupt
-            The run was interrupted; the attribute ``result`` has the Result up to there.
+            The run was interrupted; the attribute ``result`` contains it so far.
 
         Warns
         -----

@@ -29,9 +29,9 @@ def mean_band(data: xarray.Dataset, name: str, ax: Axes | None = None) -> Axes:
     Parameters
     ----------
     data : xarray.Dataset
-        As :func:`tribo.ensemble` returns it.
+        The data set that :func:`tribo.ensemble` returns.
     name : str
-        A quantity that has a mean, as "upper.W", or one that was kept at all times, with
+        A quantity with a mean, as "upper.W", or one that was kept at all times, with
         ``at="samples"``, as "upper.friction_force".
     ax : matplotlib.axes.Axes, optional
         The axes to draw on; by default a new figure.

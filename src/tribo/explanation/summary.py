@@ -39,7 +39,7 @@ RESOLVED = 0.1
 
 @dataclass(frozen=True)
 class Predicted:
-    """What a run will take.
+    """Predicted cost of a run.
 
     Attributes
     ----------
@@ -50,8 +50,8 @@ class Predicted:
     memory_bytes : int
         Bytes of the arrays that are held at once.
     basis : str
-        How the evaluations are known: "counted" from a given step, "searched" by the runs that find
-        the settings, or "extrapolated" from the first of these.
+        Source of the number of evaluations: "counted" from a given step, "searched" by the runs
+        that find the settings, or "extrapolated" from the first of these.
     met : bool or None
         Whether the run will meet its accuracy, as far as the search shows; None where it was not
         completed, or with a given step.

@@ -83,9 +83,9 @@ def sweep(
     Returns
     -------
     xarray.Dataset
-        That of an ensemble, with a dimension for each key; that of several keys is named as these,
-        with commas.  ``status``, ``steps``, ``force_evaluations``, ``level`` and ``error`` are
-        those of each run.  Values of runs that did not complete are NaN.
+        A data set as for an ensemble, with a dimension for each key; the dimension of several keys
+        is named by these, with commas.  ``status``, ``steps``, ``force_evaluations``, ``level`` and
+        ``error`` are those of each run.  Values of runs that did not complete are NaN.
 
         Without members, the error of each quantity is ``upper.W_error``, if there is an accuracy;
         a point that missed it has its values and the status "AccuracyMissed".  With members, their
