@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tribo.explanation.speeds import inactive_at_start
+from tribo.explanation.measured import inactive_at_start
 
 import tribo
 from support.continued import same_end
