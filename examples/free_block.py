@@ -57,7 +57,7 @@ def main(folder="."):
     ax.set(xlabel="$t$", ylabel="speed of the block")
     tribo.plotting.save(ax, f"{folder}/free_block.png")
     late = t > 0.9 * t[-1]
-    lost = [SPEED - each for each in (mean[middle > t[late][0]].mean(), expected[late].mean())]
+    lost = [SPEED - each[late].mean() for each in (speed, expected)]
     return {"speed lost": lost[0], "speed lost by the closed form": lost[1]}
 
 

@@ -2,8 +2,8 @@
 
 A continuum of oscillators with Drude's damping kernel gamma w_c exp(-w_c t) acts on a bar by a
 force p with p' = -w_c p - gamma w_c v_bar, so that small swings have an exact solution.  A finite
-bath follows it for a while, and then gives its energy back to the swing.  tribo estimates until when
-(dotted lines) the bath acts as a continuum.
+bath follows it for a while, and then gives its energy back to the swing.  tribo estimates until
+when (dotted lines) the bath acts as a continuum.
 
 R. Zwanzig, J. Stat. Phys. 9 (1973) 215.
 """

@@ -27,7 +27,7 @@ class Gauss(NamedTuple):
 def draw(potential, t, work, change, path):
     """Energy and force of the potential, and both sides of the energy balance."""
     r = np.linspace(0.0, 1.0, 200)
-    force = -np.gradient(potential.energy(r), r)
+    force = -np.gradient(potential.energy(r), r, edge_order=2)
     with tribo.plotting.style():
         figure = Figure(figsize=(tribo.plotting.PAGE, 2.4), layout="constrained")
         law, balance = figure.subplots(1, 2)
@@ -36,9 +36,9 @@ def draw(potential, t, work, change, path):
         law.set(xlabel="distance $r$")
         balance.plot(t, work, color=tribo.plotting.INK, label="work of the drives")
         balance.plot(t, change, "--", color="#d55e00", label="change of energy")
-        balance.set(xlabel="$t$", ylabel="energy", ylim=(-0.2, None))
-        for ax in (law, balance):
-            ax.legend(frameon=False)
+        balance.set(xlabel="$t$", ylabel="energy")
+        law.legend(frameon=False)
+        balance.legend(frameon=False, loc="lower center")
     tribo.plotting.save(figure, path)
 
 

@@ -21,12 +21,8 @@ import tribo
 # Asperites a side, their spacing and diameter [length], and the energy of Hertz's potential.
 SIDE, SPACING, DIAMETER, A = 64, 1.5, 1.0, 10.0
 RMS, SPEED = 0.1, 0.01
-GRID = {
-    "shape": (SIDE, SIDE),
-    "spacing": (SPACING, SPACING),
-    "asperite": tribo.Asperite(kappa=np.inf),
-    "drive": tribo.DrivenBars(),
-}
+RIGID, HELD = tribo.Asperite(kappa=np.inf), tribo.DrivenBars()
+GRID = {"shape": (SIDE, SIDE), "spacing": (SPACING, SPACING), "asperite": RIGID, "drive": HELD}
 
 
 def pressed():
@@ -43,11 +39,9 @@ def pressed():
 def theory(d):
     """Load and share in contact per asperite by Greenwood and Williamson."""
     phi, unit = stats.norm(0.0, RMS), 2.5 * A / DIAMETER
-    loads = [
-        integrate.quad(lambda z, e=e: unit * ((z - e) / DIAMETER) ** 1.5 * phi.pdf(z), e, 1.0)[0]
-        for e in d
-    ]
-    return np.array(loads), phi.sf(d)
+    z = np.linspace(0.0, 8.0 * RMS, 2001)  # above d
+    force = unit * (z / DIAMETER) ** 1.5 * phi.pdf(z + np.reshape(d, (-1, 1)))
+    return integrate.simpson(force, x=z), phi.sf(d)
 
 
 def main(folder="."):
@@ -57,16 +51,17 @@ def main(folder="."):
     load, share = repulsion.mean(axis=1), (repulsion > 0.0).mean(axis=1)
     loads, shares = theory(np.linspace(4.0 * RMS, 0.0, 81))
     k = int(np.argmin(np.abs(share - 0.1)))
-    places = result["rough"].x_bob[0], np.repeat(np.arange(SIDE) * SPACING, SIDE)
-    touching = repulsion[k] > 0.0
+    z, x = SPACING * np.argwhere(repulsion[k].reshape(SIDE, SIDE) > 0.0).T
     with tribo.plotting.style():
         figure = Figure(figsize=(tribo.plotting.PAGE, 2.6), layout="constrained")
         above, law = figure.subplots(1, 2)
         result.plot.map("height", "rough", ax=above)
-        above.plot(*(each[touching] for each in places), "s", ms=1.5, color="#d55e00")
+        above.plot(x, z, "s", ms=1.5, color="#d55e00")
         law.plot(loads, shares, color="#d55e00")
         law.plot(load, share, "o", ms=3, color=tribo.plotting.INK)
-        law.set(xlabel="load per asperite", ylabel="share in contact", xlim=(0, None), ylim=(0, None))
+        law.set(
+            xlabel="load per asperite", ylabel="share in contact", xlim=(0, None), ylim=(0, None)
+        )
     tribo.plotting.save(figure, f"{folder}/rough_grid.png")
     doubled = np.interp([load[k], 2.0 * load[k]], load, share)
     return {

@@ -44,7 +44,7 @@ STRENGTHS, RATE = Q * LIQUID.depth * np.exp(-GAPS / LIQUID.decay), 1e-3
 def pressed():
     """Loads that grow at a small rate, and the gap under each."""
     drive, damping = tribo.Pushed(rate=(0.0, -RATE)), tribo.Langevin(gamma=6.0)
-    upper = tribo.Surface("upper", bob=(0.0, 5.5), asperite=POINT, drive=drive, langevin=damping)
+    upper = tribo.Surface("upper", bob=(0.0, 4.45), asperite=POINT, drive=drive, langevin=damping)
     lower = tribo.Surface("lower", facing="up", asperite=POINT, drive=tribo.DrivenBars())
     scene = tribo.Scene([upper, lower], LIQUID, 1700.0, output=tribo.Output(samples=3401))
     result = tribo.simulate(scene, method="verlet", step=0.05)
@@ -55,7 +55,7 @@ def main(folder="."):
     """The loads at which layers break, relative to the closed form."""
     load, gap = pressed()
     broken = np.array([load[np.argmax(gap < each)] for each in GAPS])
-    r = np.linspace(0.8, 6.0, 500)
+    r = np.linspace(0.8, 5.0, 500)
     with tribo.plotting.style():
         figure = Figure(figsize=(tribo.plotting.PAGE, 2.5), layout="constrained")
         energy, steps = figure.subplots(1, 2)
