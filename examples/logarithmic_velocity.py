@@ -1,9 +1,10 @@
-"""Friction of a warm tip grows with its speed, and faster than the logarithm.
+"""Friction of a warm tip grows with its speed as Kramers' rate of escape says.
 
 At a temperature T noise takes a pulled tip over a barrier before the barrier vanishes; a slower
 pull leaves the noise more time.  The mean loss in a slip follows from Kramers' rate of escape at
 each position of the stage: it grows by 0.095, 0.109 and 0.128 (2 pi A / a) a decade between
-successive speeds.  The reservoir moves with the stage and adds no drag.
+successive speeds, faster than the logarithm.  The intervals of the simulation are too wide to show
+this.  The reservoir moves with the stage and adds no drag.
 
 E. Gnecco et al., Phys. Rev. Lett. 84 (2000) 1172; H. A. Kramers, Physica 7 (1940) 284.
 """

@@ -59,10 +59,9 @@ CAPTIONS = {
     ),
     "logarithmic_velocity": (
         "friction",
-        "Friction of a warm tip against its speed. Points are means of 40 tips with 95 "
-        "% intervals; the line follows from Kramers' rate of escape and is curved: "
-        "friction grows faster than the logarithm of the speed. At the lowest speed, "
-        "simulation / theory = {0:.2f}.",
+        "Friction of a warm tip against its speed. Points are means of 40 tips with "
+        "95 % intervals; the line follows from Kramers' rate of escape. At the lowest "
+        "speed, simulation / theory = {0:.2f}.",
     ),
     "structural_lubricity": (
         "static_friction",
