@@ -1,4 +1,4 @@
-"""A rough grid carries its load on a few asperites, and twice the load on nearly twice as many.
+"""A rough grid carries its load on a few asperites, as Greenwood and Williamson predict.
 
 A flat grid of 64 x 64 asperites comes down on a rough one, each asperite over one of the other.
 Where they meet they repel as spheres of diameter D do (Hertz).  With heights of the normal

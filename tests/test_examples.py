@@ -76,7 +76,7 @@ def postcard(shown):
 
 
 def rough_grid(shown):
-    """The share in contact of Greenwood and Williamson, which nearly doubles with the load."""
+    """The share in contact of Greenwood and Williamson; twice the load takes 1.7 times as many."""
     assert shown["share in contact / theory"] == pytest.approx(1.0, rel=0.15)
     assert 1.6 < shown["share in contact, load doubled / single"] < 2.0
 
