@@ -15,7 +15,7 @@ from pathlib import Path
 from captions import CAPTIONS, THEMES
 from PIL import Image
 
-from tribo.plotting import STYLE
+from tribo.plotting.style import STYLE
 
 FOLDER = Path(__file__).resolve().parent
 EXAMPLES = FOLDER.parents[1] / "examples"
