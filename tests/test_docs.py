@@ -68,6 +68,23 @@ def test_notebook(name, tmp_path, monkeypatch):
     assert bool(answers) == ("<details>" in text)
 
 
+CAPTION = re.compile(r"\A\*[^*].*\d.*\*\Z", re.DOTALL)
+
+
+@pytest.mark.parametrize(
+    "page",
+    [*PAGES, ROOT / "docs" / "gallery" / "index.md"],
+    ids=lambda page: str(page.relative_to(ROOT)),
+)
+def test_pictures_have_captions(page):
+    """Below each picture, or each row of pictures, stands a caption in italics with a number."""
+    paragraphs = re.split(r"\n\s*\n", page.read_text(encoding="utf-8"))
+    is_picture = [paragraph.startswith("```{image}") for paragraph in paragraphs]
+    for number, paragraph in enumerate(paragraphs):
+        if is_picture[number] and not is_picture[number + 1]:
+            assert CAPTION.match(paragraphs[number + 1].strip()), paragraph
+
+
 def architecture():
     """The text of the page on architecture."""
     return (ROOT / "docs" / "developers" / "architecture.md").read_text(encoding="utf-8")
