@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tribo.explanation.measured import inactive_at_start
 
 import tribo
 from support.continued import same_end
 from support.inactive import STEP, STOPS, check, crossing, step_all
 from support.inactive import inactive as not_stepped
+from tribo.explanation.measured import inactive_at_start
 from tribo.integrators.methods import METHODS
 from tribo.layout import active, contacts
 from tribo.layout import layout as layouts
