@@ -200,13 +200,7 @@ def set_block(typing_context, array, i, x):
 
 
 if config.DISABLE_JIT:  # type: ignore[attr-defined]
-    from tribo.compiler.lanes_uncompiled import (  # noqa: F401
-        block,
-        load,
-        rows_of,
-        set_block,
-        store,
-    )
+    from tribo.compiler.lanes_uncompiled import block, load, rows_of, set_block, store  # noqa: F401
 
 
 @inlined

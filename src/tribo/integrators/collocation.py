@@ -99,11 +99,7 @@ def empty_nodes(count: int, state: State) -> Nodes:
     """Room for that many nodes."""
     n = state.acceleration.size
     return Nodes(
-        room((count, n)),
-        room((count, state.s.size)),
-        room((2 * n,)),
-        room((n,)),
-        room((n,)),
+        room((count, n)), room((count, state.s.size)), room((2 * n,)), room((n,)), room((n,))
     )
 
 

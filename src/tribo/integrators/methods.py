@@ -38,48 +38,22 @@ _HIGHER_ORDER = 100.0
 
 @dataclass(frozen=True)
 class Method:
-    """A time loop and the coefficients with which it runs.
+    """The coefficients of a method, and what it is good for."""
 
-    Attributes
-    ----------
-    name
-        Name in scene files and on the command line.
-    order
-        Order of convergence, of the motion and of the ledger.
-    adaptive
-        Whether it chooses its steps by a tolerance; else it takes equal steps.
-    loop
-        The time loop, not yet compiled.
-    coefficients
-        The method as data; the loop finds the method's functions by its class.
-    use
-        What it is good for.
-    source
-        Where it was published.
-    splits
-        Whether it separates torsion springs, baths and reservoirs from the other forces.
-    first_level
-        Ratio of the level that is tried first to the wanted accuracy.
-    remembers
-        Number of rows, one number a coordinate, that it keeps of a step for the next.
-    refuses
-        Effects that it cannot integrate, and why.
-    smoothness
-        Number of continuous derivatives of the potential that its order needs.
-    """
-
-    name: str
-    order: int
+    name: str  # in scene files and on the command line
+    order: int  # of convergence, of the motion and of the ledger
     adaptive: bool
     loop: Callable[..., int]
+    # The time loop finds the method's functions by their class.
     coefficients: RungeKutta | EmbeddedRungeKutta | Nystrom | Collocation | Splitting
-    use: str
-    source: str
+    use: str  # what it is good for
+    source: str  # where it was published
     splits: bool = False
-    first_level: float = 0.03
-    remembers: int = 0
+    first_level: float = 0.03  # ratio of the level that is tried first to the wanted accuracy
+    remembers: int = 0  # rows, one number a coordinate, that it keeps of a step for the next
+    # Effects that it cannot integrate, and why.
     refuses: Mapping[str, str] = field(default_factory=dict)
-    smoothness: int = 1
+    smoothness: int = 1  # continuous derivatives of the potential that its order needs
 
 
 METHODS = {
@@ -231,12 +205,7 @@ METHODS = {
                     -0.188054853819569,
                     0.541960678450780,
                 ),
-                (
-                    0.148816447901042,
-                    -0.132385865767784,
-                    0.067307604692185,
-                    0.432666402578175,
-                ),
+                (0.148816447901042, -0.132385865767784, 0.067307604692185, 0.432666402578175),
             ),
             "long runs without baths or reservoirs at accuracies from 1e-3 to 1e-10",
             "S. Blanes, P. C. Moan, J. Comput. Appl. Math. 142 (2002) 313",

@@ -75,12 +75,7 @@ from tribo.kernels.neighbours import crowded, have_left, is_empty, list_piece, n
 from tribo.kernels.powers import Powers, shared_powers
 from tribo.kernels.records import Model
 from tribo.kernels.samples import State, copy
-from tribo.kernels.status import (
-    BOBS_COINCIDE,
-    COMPLETED,
-    NOT_FINITE,
-    PAUSED,
-)
+from tribo.kernels.status import BOBS_COINCIDE, COMPLETED, NOT_FINITE, PAUSED
 
 
 class Work(NamedTuple):

@@ -16,15 +16,7 @@ from tribo.kernels.equations_of_motion import (
 )
 from tribo.kernels.kinematics import end_force
 from tribo.kernels.powers import held_torques
-from tribo.kernels.records import (
-    FX,
-    FY,
-    INVERSE_BAR_LENGTH,
-    LEFT_X,
-    LEFT_Y,
-    RIGHT_X,
-    RIGHT_Y,
-)
+from tribo.kernels.records import FX, FY, INVERSE_BAR_LENGTH, LEFT_X, LEFT_Y, RIGHT_X, RIGHT_Y
 from tribo.kernels.samples import PULL_X, PULL_Y
 from tribo.kernels.user_forces import custom_forces
 

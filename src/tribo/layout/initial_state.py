@@ -18,13 +18,7 @@ Slots = tuple[int | np.ndarray, float, int]
 
 
 class InitialState:
-    """y at t = 0, with some initial values of the scene changed.
-
-    Parameters
-    ----------
-    layout : Layout
-        The scene.
-    """
+    """y at t = 0, with some initial values of the scene changed."""
 
     def __init__(self, layout: Layout) -> None:
         self._layout = layout
@@ -34,24 +28,11 @@ class InitialState:
         self._slots: dict[str, Slots] = {}
 
     def __call__(self, start: Start, seed: int | None = None) -> np.ndarray:
-        """The state that `start` changes.
+        """The state (2 coordinates,) with these initial values.
 
-        Parameters
-        ----------
-        start : mapping
-            "surface.theta" (or swing, phi, omega, nu) -> a number, or one for each asperite.
-            A phi moves theta with it where neither the scene nor `start` gives a theta or swing.
-        seed : int, optional
-            From which thermal starts are drawn; by default that of the scene.
-
-        Returns
-        -------
-        ndarray, (2 coordinates,)
-
-        Raises
-        ------
-        InputError
-            A name or a value cannot be used, or both theta and swing are given.
+        A phi moves theta with it where neither the scene nor `start` gives a theta or swing.
+        Thermal starts are drawn from `seed`; without it they are the scene's.  Raises InputError if
+        a name or a value cannot be used, or both theta and swing are given.
         """
         if not isinstance(start, (dict, Mapping)):  # a dict is recognised sooner
             raise InputError("start", f"must map names to values, got {start!r}")
@@ -77,23 +58,10 @@ class InitialState:
         return y
 
     def of_members(self, values: Mapping[str, np.ndarray], seeds: np.ndarray) -> np.ndarray:
-        """The states of many members.
+        """The states of many members, (members, 2 coordinates).
 
-        Parameters
-        ----------
-        values : mapping
-            "surface.theta" (or swing, phi, omega, nu) -> (members, 1) or (members, asperites).
-        seeds : ndarray, (members,)
-            From which thermal starts are drawn.
-
-        Returns
-        -------
-        ndarray, (members, 2 coordinates)
-
-        Raises
-        ------
-        InputError
-            A name cannot be used.
+        `values` are (members, 1) or (members, asperites); thermal starts are drawn from `seeds`
+        (members,).  Raises InputError if a name cannot be used.
         """
         if any(key.endswith(".phi") for key in values) or _twice(values):
             return np.array([self._of_member(values, m, int(s)) for m, s in enumerate(seeds)])

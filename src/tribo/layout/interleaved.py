@@ -19,24 +19,13 @@ from tribo.layout.tables import columns_of_constants
 
 
 class Interleaved(NamedTuple):
-    """Eight members of a scene for the kernels.
-
-    Attributes
-    ----------
-    model : Model
-        The tables that the kernels read.
-    q : ndarray, (8, coordinates)
-        Where the kernels have what y of a sample has, for each member.
-    s : ndarray, (accounts,)
-        Where they have what s has, for the first member; the others follow it.
-    room : (int, int)
-        Coordinates and accounts of the kernels.
-    """
+    """Eight members of a scene for the kernels."""
 
     model: Model
-    q: np.ndarray
+    q: np.ndarray  # (8, coordinates) where the kernels have what y of a sample has, for each member
+    # (accounts,) where they have what s has, for the first member; the others follow it.
     s: np.ndarray
-    room: tuple[int, int]
+    room: tuple[int, int]  # coordinates and accounts of the kernels
 
 
 def interleaved(layout: Layout, own_numbers: bool = False) -> Interleaved:

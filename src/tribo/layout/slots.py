@@ -35,19 +35,11 @@ GROUPS = {
 
 @dataclass(frozen=True)
 class Numbering:
-    """The slots of all surfaces in one numbering.
-
-    Attributes
-    ----------
-    surfaces : ndarray of SURFACE
-        With their slots.
-    core, coordinates, accounts : int
-        Coordinates of the asperites; all coordinates, with the baths'; accounts.
-    """
+    """The slots of all surfaces in one numbering."""
 
     surfaces: np.ndarray
-    core: int
-    coordinates: int
+    core: int  # coordinates of the asperites
+    coordinates: int  # all of them, with the baths'
     accounts: int
 
     @property
@@ -192,21 +184,11 @@ def lanes_of_surfaces(scene: Scene, surfaces: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Places:
-    """Where the kernels have what samples have.
+    """Where the kernels have what samples have."""
 
-    Attributes
-    ----------
-    columns : ndarray, (n,)
-        Of the asperites, in the tables of the kernels.
-    q : ndarray, (coordinates,)
-        Of the coordinates.
-    s : ndarray, (accounts,)
-        Of the accounts.
-    """
-
-    columns: np.ndarray
-    q: np.ndarray
-    s: np.ndarray
+    columns: np.ndarray  # (n,) of the asperites, in the tables of the kernels
+    q: np.ndarray  # (coordinates,)
+    s: np.ndarray  # (accounts,)
 
 
 def spatial_order(bobs: np.ndarray) -> np.ndarray:

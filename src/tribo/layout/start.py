@@ -15,14 +15,7 @@ from tribo.model.surface import Surface
 class Draws:
     """Normal deviates of several runs, each from a generator of its own.
 
-    Parameters
-    ----------
-    seeds : sequence of int
-        Of the runs.
-    surface : int
-        The index of a surface.
-    of : int
-        What is drawn: 1 for oscillators, 3 for a start.
+    `of` says what is drawn for a surface: 1 for oscillators, 3 for a start.
     """
 
     def __init__(self, seeds: Sequence[int], surface: int, of: int) -> None:

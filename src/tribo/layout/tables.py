@@ -100,17 +100,7 @@ def count_of_constants(surfaces: np.ndarray) -> int:
 def columns_of_constants(
     surfaces: np.ndarray, owners: np.ndarray, columns: np.ndarray
 ) -> np.ndarray:
-    """The columns of the constants of some asperites.
-
-    Parameters
-    ----------
-    surfaces : ndarray of SURFACE
-        All surfaces.
-    owners : ndarray, (n,)
-        The surface of each asperite.
-    columns : ndarray, (n,)
-        Of the asperites.
-    """
+    """The columns of the constants of some asperites, from their surfaces and columns."""
     place = (columns - surfaces["start"][owners]) & surfaces["constants_mask"][owners]
     return np.asarray(surfaces["first_constants"][owners] + place)
 

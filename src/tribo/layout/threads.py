@@ -37,40 +37,16 @@ TILES = 48
 
 
 class Threads(NamedTuple):
-    """The number of threads of a run.
-
-    Attributes
-    ----------
-    number : int
-        Threads.
-    why : str
-        Why so many, as the end of a sentence.
-    """
+    """The number of threads of a run."""
 
     number: int
-    why: str
+    why: str  # as the end of a sentence
 
 
 def threads_of(model: Model, method: Method, threads: int | None) -> Threads:
-    """The number of threads of a run.
+    """The number of threads of a run: as wanted, by TRIBO_THREADS, or that of cores.
 
-    Parameters
-    ----------
-    model : Model
-        The scene; its `team` is None where threads do not pay.
-    method : Method
-        How time advances.
-    threads : int or None
-        The number wanted; None for TRIBO_THREADS, or without it as many as there are cores.
-
-    Returns
-    -------
-    Threads
-
-    Raises
-    ------
-    InputError
-        The number wanted is no positive integer.
+    One where they do not pay.  Raises InputError if the number wanted is no positive integer.
     """
     wanted, why = _wanted(threads)
     if config.DISABLE_JIT:  # type: ignore[attr-defined]

@@ -29,15 +29,7 @@ MOST_STEPS = 2048
 class PairMembers:
     """The loop of single runs for many members, without Python between them.
 
-    Parameters
-    ----------
-    pair : Pair
-        The scene.
-
-    Raises
-    ------
-    InputError
-        If the potential does not compile.
+    Raises InputError if the potential does not compile.
     """
 
     def __init__(self, pair: Pair) -> None:

@@ -41,23 +41,10 @@ def _follow_from_motion(records: np.ndarray) -> np.ndarray:
 
 
 class PairLanes:
-    """A loop over members of a scene of two asperites in lanes, by an explicit method.
+    """A loop over members of a scene with `has_lanes`, by an explicit method.
 
-    Members whose ledger does not follow from their motion have the status PAUSED.
-
-    Parameters
-    ----------
-    pair : Pair
-        The scene, for which `has_lanes` is true.
-    method : Nystrom
-        The method.
-    own_numbers : bool
-        Whether members have numbers of their own.
-
-    Raises
-    ------
-    InputError
-        If the potential does not compile.
+    Members whose ledger does not follow from their motion have the status PAUSED.  Raises
+    InputError if the potential does not compile.
     """
 
     def __init__(self, pair: Pair, method: Nystrom, own_numbers: bool = False) -> None:

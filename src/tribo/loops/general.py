@@ -33,37 +33,9 @@ SELECTION = ("blocks", "first", "since", "place", "selected")
 class GeneralLoop:
     """The time loop of a method for one scene, and the state of its run.
 
-    Parameters
-    ----------
-    layout : Layout
-        The scene.
-    method : Method
-        How time advances.
-    setting : float or Tolerance
-        The step, or the tolerances of an adaptive method.
-    start : ndarray, (2 coordinates,)
-        y at t = 0.
-    first_step : float
-        The first step of an adaptive method [time].
-    threads : int
-        Threads that share each step; the results do not depend on it.
-
-    Attributes
-    ----------
-    layout : Layout
-        The scene.
-    model : Model
-        The tables of the kernels, with scratch of this loop.
-    calls : tuple of Call
-        ASE calculators that it calls.
-    clocks : ndarray, (1,)
-        How far the run has come.
-    state : State
-        Coordinates, velocities, accounts, and what the method keeps of its last step.
-    adaptive : bool
-        Whether it chooses its steps.
-    compiled : callable
-        The loop, compiled at its first call.
+    It begins from `start`, y at t = 0, with the step, or the tolerances and the first step [time],
+    of its method.  Results do not depend on the number of threads that share each step.  `model`
+    has arrays that no other loop writes; `compiled` is compiled at its first call.
     """
 
     def __init__(

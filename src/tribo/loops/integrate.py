@@ -104,33 +104,17 @@ class PortionCheckpoints(Protocol):
 
 @dataclass(eq=False)
 class Integration:
-    """One integration of the equations of motion.
+    """One integration of the equations of motion."""
 
-    Attributes
-    ----------
-    recorded : callable
-        Returns the raw samples.
-    status : Status
-        How the integration ended.
-    counts : ndarray
-        Steps and evaluations of all forces, by the columns of :mod:`tribo.kernels.status`.
-    seconds : float
-        Wall time.
-    remembered : callable
-        Returns all that the time loop needs to continue from the end.
-    passages : tuple of int
-        Number of steps in which bobs passed an encounter far below k_B T, and the last two bobs.
-    failures : tuple of str
-        Errors that ASE calculators raised.
-    """
-
-    recorded: Callable[[], Samples]
+    recorded: Callable[[], Samples]  # returns the raw samples
     status: Status
-    counts: np.ndarray
-    seconds: float
+    counts: np.ndarray  # (COUNTS,) steps, and evaluations of all forces
+    seconds: float  # wall time
+    # Returns all that the time loop needs to continue from the end.
     remembered: Callable[[], Memory]
+    # Steps in which bobs passed an encounter far below k_B T, and the last two bobs.
     passages: tuple[int, ...] = (0, 0, 0)
-    failures: tuple[str, ...] = ()
+    failures: tuple[str, ...] = ()  # errors that ASE calculators raised
     # Not a cached_property, whose lock takes a part of the time of a short run.
     _samples: Samples | None = None
 

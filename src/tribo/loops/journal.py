@@ -43,20 +43,8 @@ class KeptIntegration:
 class Journal:
     """The journal of a run; a context manager.
 
-    Parameters
-    ----------
-    path : Path
-        The file.
-    identity : dict
-        What is run; see :func:`tribo.model.identity.identity_of`.
-    resume : bool
-        Whether to continue what the file has, if there is one; else it is replaced by the first
-        integration.
-
-    Raises
-    ------
-    InputError
-        The file is of another run, or cannot be read, or another process writes it.
+    With `resume` it continues what the file has; else the first integration replaces the file.
+    Raises InputError if the file is of another run, cannot be read, or is in use.
     """
 
     def __init__(self, path: Path, identity: Identity, resume: bool) -> None:

@@ -86,17 +86,8 @@ def longest_damped_step(
 ) -> float:
     """The longest step of a splitting method with which reservoirs leave swings their temperature.
 
-    Parameters
-    ----------
-    layout : Layout
-        The scene.
-    gamma, swing_gamma, temperature, swing_temperature : ndarray, (..., surfaces), optional
-        Of the reservoirs, in place of those of the surfaces.
-
-    Returns
-    -------
-    float
-        The step [time]; infinite where no reservoir acts on pendulums that can swing.
+    Infinite where no reservoir acts on pendulums that can swing [time].  The numbers of reservoirs
+    are (..., surfaces); without them, those of the scene.
     """
     a, s, table = layout.asperites, layout.surfaces, layout.constants
     gamma = s.gamma if gamma is None else gamma
