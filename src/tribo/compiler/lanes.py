@@ -136,14 +136,20 @@ def _llvm(builder, name: str, result, arguments: list, fast=()):
     return builder.call(function, arguments, fastmath=fast)
 
 
-@intrinsic
-def sqrt(typing_context, x):
-    """Square roots."""
+def _of_each(name: str) -> Any:
+    """A function of LLVM, of each number."""
 
-    def build(context, builder, sig, args):
-        return _llvm(builder, "sqrt", args[0].type, list(args))
+    @intrinsic
+    def function(typing_context, x):
+        def build(context, builder, sig, args):
+            return _llvm(builder, name, args[0].type, list(args))
 
-    return x(x), build
+        return x(x), build
+
+    return function
+
+
+sqrt, absolute, floor = map(_of_each, ("sqrt", "fabs", "floor"))
 
 
 def _has_fast_inverse_roots() -> bool:
@@ -185,26 +191,6 @@ def inverse_root(typing_context, x):
         for constant in _OF_INVERSE_ROOT[1:]:
             terms = fused(terms, d, constant)
         return fused(builder.fmul(y, d), terms, y)
-
-    return x(x), build
-
-
-@intrinsic
-def absolute(typing_context, x):
-    """Absolute values."""
-
-    def build(context, builder, sig, args):
-        return _llvm(builder, "fabs", args[0].type, list(args))
-
-    return x(x), build
-
-
-@intrinsic
-def floor(typing_context, x):
-    """The largest whole numbers that are not larger."""
-
-    def build(context, builder, sig, args):
-        return _llvm(builder, "floor", args[0].type, list(args))
 
     return x(x), build
 

@@ -28,8 +28,8 @@ SHARED_SIZE = 8192
 # The largest array that is such a part [floats]: larger ones have all such addresses anyway.
 LARGEST_PART = 1024
 
-_lock = threading.Lock()
-_shared = np.zeros(0)
+# What is left of the last of these arrays of each thread.
+_own = threading.local()
 
 
 def room(shape: tuple[int, ...]) -> np.ndarray:
@@ -40,14 +40,13 @@ def room(shape: tuple[int, ...]) -> np.ndarray:
 
 def _floats(size: int) -> np.ndarray:
     """So many zeros, a multiple of eight, that begin with a cache line."""
-    global _shared
     if size > LARGEST_PART:
         return _aligned(size)
-    with _lock:
-        if size > _shared.size:
-            _shared = _aligned(SHARED_SIZE)
-        part, _shared = _shared[:size], _shared[size:]
-    return part
+    left = getattr(_own, "left", None)
+    if left is None or size > left.size:
+        left = _aligned(SHARED_SIZE)
+    _own.left = left[size:]
+    return left[:size]
 
 
 def _aligned(size: int) -> np.ndarray:

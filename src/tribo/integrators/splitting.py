@@ -119,7 +119,7 @@ def composed(*first: float) -> Splitting:
     return Splitting(half[:-1] + half[1:], weights)
 
 
-def alternating(drifts: tuple[float, ...], kicks: tuple[float, ...]) -> Splitting:
+def alternating(drifts: np.ndarray, kicks: np.ndarray) -> Splitting:
     """Palindromes from the first drifts and kicks; those in the middle make the sums 1."""
     middle = 1.0 - 2.0 * sum(drifts)
     last = 0.5 - sum(kicks)

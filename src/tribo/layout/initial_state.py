@@ -25,6 +25,7 @@ class InitialState:
         model = layout.model
         self._has_baths = any(item is not None for item in (model.bath, model.torsional))
         self._is_drawn = any(s.initial.temperature for s in layout.scene.surfaces)
+        self._scene = layout.asperites, layout.scene, layout.parts
         self._slots: dict[str, Slots] = {}
 
     def __call__(self, start: Start, seed: int | None = None) -> np.ndarray:
@@ -38,7 +39,7 @@ class InitialState:
             raise InputError("start", f"must map names to values, got {start!r}")
         y = self._layout.start.copy()
         if self._is_drawn and seed is not None:
-            self._draw(y[None], [seed])
+            draw_starts(*self._scene, y[None], [seed])
         for key, value in start.items():
             known = self._slots.get(key)
             if known is None:
@@ -54,7 +55,7 @@ class InitialState:
             if key.endswith((".phi", ".swing")):
                 self._follow(key.rpartition(".")[0], start, y)
         if self._has_baths and (start or seed is not None):
-            self._start_baths(y[None], [self._layout.scene.seed if seed is None else seed])
+            start_baths(*self._scene, y[None], [self._layout.scene.seed if seed is None else seed])
         return y
 
     def of_members(self, values: Mapping[str, np.ndarray], seeds: np.ndarray) -> np.ndarray:
@@ -67,23 +68,13 @@ class InitialState:
             return np.array([self._of_member(values, m, int(s)) for m, s in enumerate(seeds)])
         y = np.tile(self._layout.start, (seeds.size, 1))
         if self._is_drawn:
-            self._draw(y, seeds.tolist())
+            draw_starts(*self._scene, y, seeds.tolist())
         for key, rows in values.items():
             slots, rest, count = _slots(self._layout, key)
             y[:, np.atleast_1d(slots)] = np.broadcast_to(rows, (seeds.size, count)) - rest
         if self._has_baths:
-            self._start_baths(y, seeds.tolist())
+            start_baths(*self._scene, y, seeds.tolist())
         return y
-
-    def _draw(self, y: np.ndarray, seeds: list[int]) -> None:
-        """Draw the starts of surfaces that have a temperature, (runs, 2 coordinates)."""
-        n, layout = self._layout.coordinates, self._layout
-        draw_starts(layout.asperites, layout.scene, layout.parts, y[:, :n], y[:, n:], seeds)
-
-    def _start_baths(self, y: np.ndarray, seeds: list[int]) -> None:
-        """Start every bath about its bars, where initial values have changed."""
-        n, layout = self._layout.coordinates, self._layout
-        start_baths(layout.asperites, layout.scene, layout.parts, y[:, :n], y[:, n:], seeds)
 
     def _of_member(self, values: Mapping[str, np.ndarray], m: int, seed: int) -> np.ndarray:
         own = {key: rows[m] for key, rows in values.items()}

@@ -12,6 +12,7 @@ import numpy as np
 
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
+from tribo.compiler.pointers import map_arrays
 from tribo.compiler.team import Team
 from tribo.kernels.records import Model
 from tribo.layout import contacts
@@ -52,31 +53,21 @@ def _own_team(team: Team) -> Team:
 
 def together(item: Any) -> tuple[Any, np.ndarray]:
     """Nested tuples whose arrays are parts of one array, and that array, restored at once."""
-    numbers = room((sum(map(_size, arrays_in(item))),))
-    return _moved(item, numbers), numbers
+    numbers, place = room((sum(map(_size, arrays_in(item))),)), 0
+
+    def move(array: np.ndarray) -> np.ndarray:
+        nonlocal place
+        new = numbers[place : place + array.size].reshape(array.shape)
+        new[...] = array
+        place += _size(array)
+        return new
+
+    return map_arrays(move, item), numbers
 
 
 def _size(array: np.ndarray) -> int:
     """Numbers that an array takes, to the end of a block."""
     return -(-array.size // LANES) * LANES
-
-
-def _moved(item: Any, memory: np.ndarray) -> Any:
-    """Nested tuples whose arrays are parts of one array, which is restored at once."""
-    places = iter(np.cumsum([0, *map(_size, arrays_in(item))]).tolist())
-
-    def move(one: Any) -> Any:
-        if isinstance(one, np.ndarray):
-            first = next(places)
-            new = memory[first : first + one.size].reshape(one.shape)
-            new[...] = one
-            return new
-        if isinstance(one, tuple):
-            parts = [move(each) for each in one]
-            return type(one)(*parts) if hasattr(one, "_fields") else tuple(parts)
-        return one
-
-    return move(item)
 
 
 def arrays_in(item: object) -> Iterator[np.ndarray]:
