@@ -307,7 +307,8 @@ class Model(NamedTuple):
     """A scene for kernels: a structure of arrays, whose rows are contiguous.
 
     An effect that is absent is None, which has a type of its own, so its code is not compiled and
-    its arrays are not allocated.  Each time loop has scratch of its own, and columns `fx`.
+    its arrays are not allocated.  Scratch is True in the model of a layout; each time loop has
+    arrays of its own in its place, and columns `fx`.
     """
 
     constants: np.ndarray  # (rows, columns of constants), see CONSTANTS
@@ -315,8 +316,8 @@ class Model(NamedTuple):
     surfaces: Any  # recarray of SURFACE
     core: int  # number of the asperites' coordinates, before those of baths
     contacts: tuple  # of Contact between different surfaces
-    bobs: np.ndarray  # (BOB_ROWS, n), scratch
-    drive: np.ndarray  # (2, n), scratch: f2 on each bar
+    bobs: Any  # (BOB_ROWS, n), scratch
+    drive: Any  # (2, n), scratch: f2 on each bar
     ledger: Any = None  # True, or None where no works are kept
     sums: Any = None  # True where accounts are sums over asperites
     within: Any = None  # tuple of Contact among the bobs of one surface

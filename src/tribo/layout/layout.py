@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from tribo.compiler.lanes import LANES
-from tribo.compiler.lanes_memory import room
 from tribo.compiler.plugin_methods import recognize
 from tribo.kernels import records
 from tribo.kernels.records import Model, Neighbours
@@ -22,7 +21,7 @@ from tribo.layout.scene_records import resting_bobs, scene_records
 from tribo.layout.span import Span, span_of, spans_of
 from tribo.layout.start import start_of
 from tribo.layout.tables import columns_of_constants, model_tables
-from tribo.layout.threads import team_of
+from tribo.layout.threads import shares
 from tribo.model.drives import Custom as CustomDrive
 from tribo.model.drives import Ends
 from tribo.model.identity import loaded
@@ -249,15 +248,15 @@ def lay_out(scene: Scene) -> Layout:
     model = model_tables(scene, asperites, theirs, places)._replace(
         contacts=between,
         within=within,
-        inner=room((2, theirs.columns)) if within else None,
+        inner=True if within else None,
         calculators=contacts.calculators(scene, calls),
         fields=fields,
-        external=room((2, theirs.columns)) if fields else None,
+        external=True if fields else None,
         drives=user_forces(scene, origin, "drive", CustomDrive),
         ends=(ends := user_forces(scene, origin, "bars", Ends)),
-        end_forces=room((4, theirs.columns)) if ends else None,
+        end_forces=True if ends else None,
+        team=True if shares(scene, between + (within or ())) else None,
     )
-    model = model._replace(team=team_of(scene, model, between + (within or ())))
     layout = Layout(
         scene=scene,
         asperites=asperites.view(np.recarray),

@@ -52,7 +52,7 @@ def spring_frequency(layout: Layout) -> float:
     stiffness = np.where(surfaces.drive == PULLED, surfaces.stiffness, 0.0)[a.surface]
     if springs is not None:
         columns = layout.places.columns
-        stiffness += 2.0 * stiffness_at_bars(springs, layout.model.drive.shape[1])[columns]
+        stiffness += 2.0 * stiffness_at_bars(springs, layout.model.each.shape[1])[columns]
     return float(np.sqrt(np.max(stiffness * _mobility(layout))))
 
 
