@@ -238,7 +238,8 @@ def lay_out(scene: Scene) -> Layout:
     theirs = slots.number(scene, physics, shared, LANES)
     slots.give_slots(asperites, mine.surfaces, ("dof_", "acc_"))
     if scene.output.ledger == "surfaces":
-        slots.without_accounts(asperites)
+        for name in slots.GROUPS:  # only lanes have accounts
+            asperites[name] = -1
     start = start_of(asperites, scene, parts, mine)
     bobs = [resting_bobs(scene, k) for k in range(len(scene.surfaces))]
     calls = contacts.calculator_calls(scene, [own[:, 2] for own in bobs])

@@ -152,12 +152,6 @@ def give_slots(asperites: np.ndarray, surfaces: np.ndarray, groups: tuple[str, .
             asperites[name] = np.where(own[name] >= 0, own[name] + each * place, -1)
 
 
-def without_accounts(asperites: np.ndarray) -> None:
-    """Let asperites have no accounts of their own."""
-    for name in GROUPS:
-        asperites[name] = -1
-
-
 def arm_ratios(surface: Surface) -> np.ndarray:
     """l2 / l1 of each asperite."""
     each = surface.each

@@ -26,6 +26,8 @@ from tribo.loops.integrate import Columns, Memory, Setting
 from tribo.plugins.compile_errors import compiling
 from tribo.plugins.sources import source_stamp
 
+# The lists of neighbours, and when they were made.
+LISTS = ("start", "index", "place", "made", "listed")
 # Which blocks are active, and how long the others have not been advanced.
 SELECTION = ("blocks", "first", "since", "place", "selected")
 
@@ -126,7 +128,7 @@ class GeneralLoop:
         memory = {"clock": numbers_of(self.clocks)}
         memory |= self.state._asdict()
         if self._neighbours is not None:
-            for name in ("start", "index", "place", "made", "listed"):
+            for name in LISTS:
                 memory[f"neighbours_{name}"] = getattr(self._neighbours, name)
             if self._neighbours.active is not None:
                 for name in SELECTION:
@@ -141,13 +143,9 @@ class GeneralLoop:
         set_numbers(self.clocks, memory["clock"])
         self.state = State(**{name: with_spare_lanes(memory[name]) for name in State._fields})
         if self._neighbours is not None:
-            self._neighbours = self._neighbours._replace(
-                start=memory["neighbours_start"].copy(),
-                index=memory["neighbours_index"].copy(),
-                place=with_spare_lanes(memory["neighbours_place"]),
-                made=memory["neighbours_made"].copy(),
-                listed=memory["neighbours_listed"].copy(),
-            )
+            lists = {name: memory[f"neighbours_{name}"].copy() for name in LISTS}
+            lists["place"] = with_spare_lanes(lists["place"])
+            self._neighbours = self._neighbours._replace(**lists)
             if self._neighbours.active is not None:
                 for name in SELECTION:
                     getattr(self._neighbours.active, name)[...] = memory[f"active_{name}"]
