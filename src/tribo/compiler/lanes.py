@@ -137,7 +137,7 @@ def instruction(signature) -> Any:
             found = signature(*kinds)
             return None if found is None else (found, code)
 
-        function.__signature__ = inspect.signature(build)
+        function.__signature__ = inspect.signature(build)  # type: ignore[attr-defined]
         return intrinsic(functools.update_wrapper(function, build, ("__name__", "__doc__")))
 
     return make
