@@ -16,6 +16,7 @@ from tribo.plotting.series import MEANINGS, WORKS, work_curves
 from tribo.plotting.snapshots import sequence
 from tribo.plotting.style import (
     COLUMN,
+    CYCLE,
     EDGE,
     INK,
     POINTS_PER_INCH,
@@ -41,9 +42,6 @@ BAND = (5.0, 95.0)
 
 # Most paths of a phase plot: more cover one another.
 MOST_PATHS = 200
-
-# Colours of surfaces, and of the series of an energy budget, one after the other.
-CYCLE = ("#0b62a4", "#d55e00", "#2fae8c", "#7d2f86", "#8a6f00", "#c2185b", "#607d8b")
 
 # Widths of lines, one surface after the other: equal curves are both seen [points].
 WIDTHS = (2.6, 1.0)
