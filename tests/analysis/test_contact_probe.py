@@ -10,9 +10,8 @@ def test_a_probe_leaves_its_layout():
     """Depths in the layout are those of the scene, wherever bobs were placed before."""
     row = {"shape": (2, 1), "spacing": (1.0, 0.0), "asperite": tribo.Asperite(charge=(1.0, 2.0))}
     upper = tribo.Surface("upper", bob=(-0.3, 1.2), **row)
-    probe = ContactProbe(
-        tribo.Scene((upper, tribo.Surface("lower", facing="up", **row)), duration=1)
-    )
+    lower = tribo.Surface("lower", facing="up", **row)
+    probe = ContactProbe(tribo.Scene((upper, lower), tribo.Coulomb(1.0), 1.0))
     before = probe.layout.depths
     places = np.random.default_rng(3).uniform(-2.0, 2.0, (2, 4, 3))
     energies, _ = probe(places, np.full((2, 4), 0.5))
