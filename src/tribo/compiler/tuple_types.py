@@ -43,15 +43,7 @@ _structs: dict[str, NamedStruct] = {}
 
 
 class KernelTuple(types.NamedTuple):
-    """The type of a named tuple inside of time loops.
-
-    Parameters
-    ----------
-    kinds : sequence of numba.types.Type
-        Types of the members.
-    made_by : type
-        The class of the tuple.
-    """
+    """The type of a named tuple, made by a class, inside of time loops."""
 
     def __init__(self, kinds: Iterable[types.Type], made_by: type) -> None:
         super().__init__(kinds, made_by)

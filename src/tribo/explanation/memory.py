@@ -14,7 +14,7 @@ from tribo.kernels.force_probe import ROWS
 from tribo.kernels.samples import STORED
 from tribo.layout.contact_distance import has_contact_distance
 from tribo.layout.layout import Layout
-from tribo.layout.loop_memory import SCRATCH
+from tribo.layout.loop_memory import scratch_bytes
 from tribo.ledger.quantities import (
     ASPERITE_QUANTITIES,
     FURTHER_OF_ASPERITES,
@@ -78,10 +78,10 @@ def scene_bytes(layout: Layout, method: Method, stages: int) -> int:
     vectors = VECTORS if method.splits else VECTORS + stages
     coordinates, accounts = layout.room
     state = NUMBER * vectors * (2 * coordinates + accounts)
-    own = tuple(getattr(layout.model, name) for name in SCRATCH)  # of the loop
     neighbours = layout.neighbours(method.splits)
-    tables = (layout.model, own, neighbours, layout.asperites, layout.surfaces)
-    return state + _bytes_of(tables) + _bytes_of_rotations(layout, method, stages)
+    tables = (layout.model, neighbours, layout.asperites, layout.surfaces)
+    held = _bytes_of(tables) + scratch_bytes(layout.model)
+    return state + held + _bytes_of_rotations(layout, method, stages)
 
 
 def _bytes_of_rotations(layout: Layout, method: Method, stages: int) -> int:

@@ -27,23 +27,10 @@ EXTRA_ROOM = 1.5
 def lay_out_contacts(
     scene: Scene,
 ) -> tuple[tuple[Contact, ...], tuple[Contact, ...] | None, int, float]:
-    """The contacts of a scene.
+    """The contacts of a scene: between surfaces, at least one; and among the bobs of one, or None.
 
-    Parameters
-    ----------
-    scene : Scene
-        An interaction with a cutoff has a neighbour list where its bobs are many.
-
-    Returns
-    -------
-    between : tuple of Contact
-        Contacts between surfaces, at least one.
-    within : tuple of Contact or None
-        Contacts among the bobs of one surface; None without any.
-    rows : int
-        Rows of the neighbour list; 0 without one.
-    skin : float
-        How much farther than the cutoff the list reaches [length].
+    Also the rows of the neighbour list, 0 without one, and how much farther than the cutoff it
+    reaches [length].  An interaction with a cutoff has a list where its bobs are many.
     """
     between: list[Contact] = []
     within: list[Contact] = []
@@ -153,16 +140,7 @@ def raise_calculator_errors(calls: tuple[Call, ...]) -> None:
 def calculator_calls(scene: Scene, depths: list[np.ndarray]) -> tuple[Call, ...]:
     """What compiled code calls for interactions that ASE calculators compute.
 
-    Parameters
-    ----------
-    scene : Scene
-        May have such interactions.
-    depths : list of ndarray
-        z of the bobs of each surface [length].
-
-    Returns
-    -------
-    tuple of Call
+    `depths` are z of the bobs of each surface.
     """
     found = []
     for i, interaction in enumerate(scene.interactions):

@@ -45,19 +45,8 @@ IDENTITY = "identity"
 class Frames:
     """A file of frames, of this process alone; a context manager.
 
-    Parameters
-    ----------
-    path : Path
-        The file.
-    identity : dict
-        What is computed; see :func:`tribo.model.identity.identity_of`.
-    resume : bool
-        Whether to keep what the file has, if there is one; else the first frame replaces it.
-
-    Raises
-    ------
-    InputError
-        The file is of another computation, or cannot be read, or another process writes it.
+    With `resume` it keeps the frames that the file has; else the first new frame replaces them.
+    Raises InputError if the file is of another computation, cannot be read, or is in use.
     """
 
     def __init__(self, path: Path, identity: Identity, resume: bool) -> None:
