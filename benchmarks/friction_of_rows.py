@@ -7,6 +7,9 @@ Works of both signs of U, from the same noise, are averaged: what is odd in U ca
 and its numbers are written to docs/measured/.
 """
 
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+
 import numpy as np
 from direction_of_energy import COLOURS, FOLDER, keep_numbers
 from scipy.integrate import trapezoid
@@ -21,7 +24,7 @@ from tribo import plotting
 SPACING, DAMPING, TEMPERATURE, STRENGTH = 8.0, 0.05, 0.1, 0.03
 # Upper pendulums, bumps, independent rows; slides until the friction is steady, then this far.
 PENDULUMS, BUMPS, ROWS = 64, 2048, 4
-STEADY, DISTANCE = 8.0 / DAMPING, 300.0
+STEADY, DISTANCE = 8.0 / DAMPING, 240.0
 SPEEDS = np.array([0.5, 0.6366, 0.8, 1.0, 1.2732, 1.6, 2.2])
 
 
@@ -68,6 +71,14 @@ def friction(speed: float, regular: bool, seed: int) -> float:
         ].friction_work
         works.append(work[-1] - work[-2])
     return float(np.mean(works)) * SPACING / (PENDULUMS * DISTANCE * STRENGTH**2)
+
+
+def run(point: tuple[str, float, int]) -> float:
+    """One value of a point: what is measured, the speed, and a seed."""
+    name, speed, seed = point
+    if name == "one encounter":
+        return one_encounter(speed, seed)
+    return friction(speed, name == "regular row", seed)
 
 
 def interval(values: np.ndarray) -> tuple[float, float]:
@@ -160,15 +171,12 @@ def main() -> None:
         "random row": closed_random,
         "regular row": closed_regular,
     }
-    runs = {
-        "one encounter": one_encounter,
-        "random row": lambda speed, seed: friction(speed, False, seed),
-        "regular row": lambda speed, seed: friction(speed, True, seed),
-    }
     found: dict = {"speed": SPEEDS.tolist(), "rows": ROWS}
-    for name, run in runs.items():
-        each = [interval(np.array([run(float(v), k) for k in range(ROWS)])) for v in SPEEDS]
-        mean, half = zip(*each, strict=True)
+    points = [(name, float(v), k) for name in closed for v in SPEEDS for k in range(ROWS)]
+    with ProcessPoolExecutor(2, get_context("spawn")) as workers:
+        values = list(workers.map(run, points))
+    for name, each in zip(closed, np.reshape(values, (3, SPEEDS.size, ROWS)), strict=True):
+        mean, half = zip(*map(interval, each), strict=True)
         exact = [closed[name](float(v)) for v in SPEEDS]
         found[name] = {"mean": mean, "half_width": half, "closed": exact}
     encounter, random = found["one encounter"], found["random row"]

@@ -53,7 +53,7 @@ def main() -> None:
         kind, value = next(iter(setting.items()))
         try:
             own = weights(method, **setting)
-        except tribo.TriboError as refusal:
+        except tribo.InputError as refusal:
             found[f"{method}, {kind} {value:g}"] = str(refusal)
             continue
         good = np.isfinite(own)
