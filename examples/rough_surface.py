@@ -45,7 +45,8 @@ def main(folder="."):
     with tribo.plotting.style():
         figure = Figure(figsize=(6.9, 4.0), layout="constrained")
         above, below = figure.subplots(2, height_ratios=(1.0, 1.7))
-        tribo.plotting.snapshot(result, 0.5 * result.t[-1], ax=above)
+        result.plot.snapshots([0.5 * result.t[-1]], ax=above)
+        above.set_axis_off()
         below.stackplot(result.t, *parts, labels=("contact", "surfaces", "heat"))
         below.plot(result.t, work, color=tribo.plotting.INK, label="work")
         below.set(xlabel="$t$", ylabel="energy", xlim=(0.0, result.t[-1]), ylim=(0.0, None))

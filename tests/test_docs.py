@@ -38,7 +38,7 @@ def test_page(page, tmp_path):
     page_code.run(page, tmp_path)
 
 
-@pytest.mark.parametrize("name", ["from_the_paper", "friction_law"])
+@pytest.mark.parametrize("name", ["from_the_paper", "friction_law", "new_potential"])
 def test_notebook(name, tmp_path, monkeypatch):
     """A notebook has the code of its page in order, and what the page shows as its output."""
     monkeypatch.syspath_prepend(ROOT / "docs")
