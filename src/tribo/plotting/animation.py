@@ -96,7 +96,7 @@ def _write_gif(film: Film, samples: np.ndarray, path: Path, rate: int) -> None:
     middle = film.picture(int(samples[len(samples) // 2]))
     plain: Any = {"dither": Image.Dither.NONE}
     colours = middle.quantize(COLOURS, **plain)
-    palette = np.reshape(colours.getpalette(), (-1, 3))
+    palette = np.array(colours.getpalette(), int).reshape(-1, 3)
     palette[np.argmax(palette.sum(axis=1))] = 255  # of the paper
     colours.putpalette(palette.ravel().tolist())
     pictures = [film.picture(k).quantize(palette=colours, **plain) for k in _counted(samples)]

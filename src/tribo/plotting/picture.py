@@ -73,11 +73,11 @@ class Picture:
         if len(now.bars) > MOST_DETAILED:
             marks: Any = {"s": max(1.5, 2.0 * BOB * size) ** 2, "linewidth": 0.2, "zorder": 2.6}
             marks |= {"vmin": -swing, "vmax": swing, "cmap": SWING_COLOURS, "edgecolors": "0.5"}
-            self.swings = ax.scatter(*now.bobs.T, c=now.swing, **marks)
+            self.swings = ax.scatter(now.bobs[:, 0], now.bobs[:, 1], c=now.swing, **marks)
         else:
-            edge = {"edgecolors": INK, "linewidths": min(EDGE_WIDTH, EDGE_PART * size)}
+            edge: Any = {"edgecolors": INK, "linewidths": min(EDGE_WIDTH, EDGE_PART * size)}
             bars = [DOWN_COLOUR if up > 0.0 else UP_COLOUR for up in now.up]
-            line = {"colors": INK, "linewidths": 0.7}
+            line: Any = {"colors": INK, "linewidths": 0.7}
             self._parts["bonds"] = LineCollection([], **line)
             self._parts["springs"] = LineCollection([], **line | {"linewidths": 0.4})
             for name, colours in (
@@ -131,7 +131,7 @@ def _discs(centres: np.ndarray, radii: np.ndarray) -> np.ndarray:
     return np.asarray(centres[:, None] + radii[:, None, None] * RING)
 
 
-def _torsion_spring(now: Pose, k: int) -> np.ndarray:
+def _torsion_spring(now: Pose, k: int | np.intp) -> np.ndarray:
     """(points, 2) a line from one half of a bar to the rod and to the other half.
 
     Each side has a fixed number of windings, which a swing compresses or stretches.
