@@ -15,7 +15,8 @@ __all__ = ["AG_NM_NS", "ASE", "SI", "Units", "from_energy"]
 class Units(NamedTuple):
     """Three units in SI, from which all others follow.
 
-    Multiply a number of a scene or a result by a unit to have it in SI, divide to go back.
+    Multiply a number of a scene or a result by a unit to convert it to SI, divide to convert it
+    back.
 
     Attributes
     ----------

@@ -29,9 +29,9 @@ def mean_band(data: xarray.Dataset, name: str, ax: Axes | None = None) -> Axes:
     Parameters
     ----------
     data : xarray.Dataset
-        As :func:`tribo.ensemble` returns it.
+        The data set that :func:`tribo.ensemble` returns.
     name : str
-        A quantity that has a mean, as "upper.W", or one that was kept at all times, with
+        A quantity with a mean, as "upper.W", or one that was kept at all times, with
         ``at="samples"``, as "upper.friction_force".
     ax : matplotlib.axes.Axes, optional
         The axes to draw on; by default a new figure.
@@ -43,7 +43,8 @@ def mean_band(data: xarray.Dataset, name: str, ax: Axes | None = None) -> Axes:
     Raises
     ------
     InputError
-        If the quantity is not of the members over time, or fewer than two completed.
+        If the data set does not contain the quantity over time, or fewer than two members
+        completed.
     """
     known = [str(key) for key in data.data_vars if data[key].dims == ("member", "time")]
     if name not in known:

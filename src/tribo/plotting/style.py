@@ -108,7 +108,7 @@ def save(drawing: Axes | Figure, path: str | Path) -> Path:
     drawing : matplotlib.axes.Axes or matplotlib.figure.Figure
         The figure, or Axes in it.
     path : str or Path
-        Name of the file, which ends on .png, .pdf or .svg.
+        Name of the file, which ends in .png, .pdf or .svg.
 
     Returns
     -------

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Cost:
-    """What a run cost.
+    """Steps, evaluations and times of a run.
 
     Attributes
     ----------
     steps : int
-        Steps of the run that the result is of.
+        Steps of the run that gave the result.
     force_evaluations : int
         Evaluations of all forces, in that run and in those that estimate its error.
     wall_seconds : float

@@ -16,7 +16,7 @@ from tribo.validation import POSITIVE, InputError, number
 
 
 class Depinning(NamedTuple):
-    """The drive's force on an asperite along x at which it starts to slide.
+    """The drive's force along x at which an asperite starts to slide.
 
     Attributes
     ----------
@@ -26,10 +26,10 @@ class Depinning(NamedTuple):
         Half-width of its 95 % interval, as of independent asperites; NaN where fewer than two or
         not all started.  Bars that springs couple start together and count as one.
     each : ndarray, (asperites,)
-        Of each asperite; NaN where it did not start.  One number of bars that springs couple, for
-        each of them on average.
+        Force of each asperite; NaN where it did not start. Bars that springs couple share one
+        number, their average.
     times : ndarray, (asperites,)
-        When the force was largest [time].
+        Times at which the force was largest [time].
     """
 
     mean: float

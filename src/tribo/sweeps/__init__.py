@@ -75,7 +75,7 @@ def sweep(
         Quantities that differ between the members of a point, as for :func:`ensemble`.  All points
         have the same members.
     keep : sequence of str, optional
-        Quantities that are kept, as "upper.w1" or "contact_energy"; by default the scene's
+        Quantities to keep, as "upper.w1" or "contact_energy"; by default the scene's
         ``output.keep``, or else those of surfaces as wholes and of the system.
         "upper.friction_force" is its average over time, with the half-width of the 95 % interval
         as ``upper.friction_force_time_half_width``.
@@ -99,9 +99,9 @@ def sweep(
     Returns
     -------
     xarray.Dataset
-        That of an ensemble, with a dimension for each key; that of several keys is named as these,
-        with commas.  ``status``, ``steps``, ``force_evaluations``, ``level`` and ``error`` are
-        those of each run.  Values of runs that did not complete are NaN.
+        A data set as for an ensemble, with a dimension for each key; the dimension of several keys
+        is named by these, with commas.  ``status``, ``steps``, ``force_evaluations``, ``level`` and
+        ``error`` are those of each run.  Values of runs that did not complete are NaN.
 
         Without members, the error of each quantity is ``upper.W_error``, if there is an accuracy;
         a point that missed it has its values and the status "AccuracyMissed".

@@ -34,14 +34,14 @@ SEED = "seed"
 def sweep_lines(
     data: xarray.Dataset, name: str, against: str | None = None, ax: Axes | None = None
 ) -> Axes:
-    """Draw a quantity against one key, with error bars and a line for each value of the others.
+    """Draw a quantity against one key, with intervals and a line for each value of the others.
 
     Seeds are samples: of points that differ in nothing else, the mean and its interval are drawn.
 
     Parameters
     ----------
     data : xarray.Dataset
-        As :func:`tribo.sweep` returns it.
+        The data set that :func:`tribo.sweep` returns.
     name : str
         A quantity with one value at each point, as "upper.W" or "upper.friction_force"; with
         members their mean is drawn.
@@ -57,7 +57,7 @@ def sweep_lines(
     Raises
     ------
     InputError
-        If the data set does not have the quantity or the key, or there are too many lines.
+        If the data set does not contain the quantity or the key, or there are too many lines.
     """
     keys = keys_of(data)
     known = quantities(data)
