@@ -200,14 +200,7 @@ class _Accelerations:
 class _Derivative:
     """J at one place, by central differences.
 
-    Attributes
-    ----------
-    operator : LinearOperator
-        J, for scipy.
-    longest_step : float
-        The largest change of a coordinate in a step from here.
-    largest : float
-        The largest |J w| / |w| so far, in the maximum norm [1 / time^2].
+    `largest` is the largest |J w| / |w| so far, in the maximum norm [1 / time^2].
     """
 
     def __init__(self, motion: _Accelerations, u: np.ndarray) -> None:

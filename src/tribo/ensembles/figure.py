@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tribo.ensembles.intervals import Interval, interval
 from tribo.plotting.style import INK, WIDE, drawing_on
-from tribo.validation import InputError
+from tribo.results.intervals import Interval, interval
+from tribo.validation import InputError, must_be_one_of
 
 if TYPE_CHECKING:
     import xarray
@@ -39,16 +39,10 @@ def mean_band(data: xarray.Dataset, name: str, ax: Axes | None = None) -> Axes:
     Returns
     -------
     matplotlib.axes.Axes
-
-    Raises
-    ------
-    InputError
-        If the data set does not contain the quantity over time, or fewer than two members
-        completed.
     """
     known = [str(key) for key in data.data_vars if data[key].dims == ("member", "time")]
     if name not in known:
-        raise InputError("name", f"must be one of {', '.join(known)}, got {name!r}")
+        raise must_be_one_of("name", known, name)
     time = data["time"].values
     complete = data[name].values[data["status"].values == "completed"]
     shown = complete[:MOST_MEMBERS]

@@ -10,7 +10,7 @@ from tribo.layout.scene_records import resting_bobs
 from tribo.model.drives import Pulled, Pushed
 from tribo.model.fields import Corrugation
 from tribo.model.scene import Scene
-from tribo.results.intervals import student
+from tribo.results.intervals import interval
 from tribo.results.run_result import RunResult
 from tribo.validation import POSITIVE, InputError, number
 
@@ -61,9 +61,8 @@ def depinning(result: RunResult, name: str, distance: float | None = None) -> De
         )
     places = np.argmax(np.where(stuck, along * force, -np.inf), axis=0)
     each = np.where(starts, force[places, np.arange(starts.size)], np.nan)
-    count, half_width = int(np.count_nonzero(starts)), np.nan
-    if starts.all() and count > 1:
-        half_width = float(student(count - 1) * np.std(each, ddof=1) / np.sqrt(count))
+    known = starts.all() and starts.size > 1
+    half_width = float(interval(each).half_width) if known else np.nan
     return Depinning(float(np.nanmean(each)), half_width, each, result.t[places])
 
 

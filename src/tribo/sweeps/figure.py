@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tribo.ensembles.intervals import interval
 from tribo.ledger.quantities import AVERAGED
 from tribo.plotting.comparison import DASHES
 from tribo.plotting.style import WIDE, drawing_on
-from tribo.validation import InputError, must_be
+from tribo.results.intervals import interval
+from tribo.validation import InputError, must_be_one_of
 
 if TYPE_CHECKING:
     import xarray
@@ -53,19 +53,14 @@ def sweep_lines(
     Returns
     -------
     matplotlib.axes.Axes
-
-    Raises
-    ------
-    InputError
-        If the data set does not contain the quantity or the key, or there are too many lines.
     """
     keys = keys_of(data)
     known = quantities(data)
     if name not in known:
-        raise must_be("name", f"one of {', '.join(known)}", name)
+        raise must_be_one_of("name", known, name)
     key = keys[0] if against is None else against
     if key not in keys:
-        raise must_be("against", f"one of {', '.join(keys)}", against)
+        raise must_be_one_of("against", keys, against)
     drawn, bars, meaning = _points(data, name, averaged=key != SEED)
     others = [other for other in keys if other != key and other in drawn.dims]
     lines = list(product(*(range(data.sizes[other]) for other in others)))
