@@ -11,11 +11,12 @@ one figure, and `reflected_histogram` the works of an ensemble.  For figures of 
 from tribo.plotting.comparison import compare
 from tribo.plotting.histogram import histogram, reflected_histogram
 from tribo.plotting.plots import Plots
-from tribo.plotting.style import COLUMN, INK, WIDE, axes, save, style
+from tribo.plotting.style import COLUMN, INK, PAGE, WIDE, axes, save, style
 
 __all__ = [
     "COLUMN",
     "INK",
+    "PAGE",
     "WIDE",
     "Plots",
     "axes",

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from tribo.model.surface import Surface
-from tribo.plotting.style import COLUMN, drawing_on
+from tribo.plotting.style import COLUMN, CYCLE, drawing_on
 from tribo.results.averages import Average
 from tribo.results.run_result import RunResult
 
@@ -26,7 +26,7 @@ BAND = (5.0, 95.0)
 MOST_PATHS = 200
 
 # Colours of surfaces, and of the parts of an energy budget, one after the other.
-COLOURS = ("#0b62a4", "#d55e00", "#1f8a70", "#7d2f86", "#8a6f00", "#c2185b", "#607d8b") * 8
+COLOURS = CYCLE * 8
 
 # Widths of lines, one surface after the other: equal curves are both seen [points].
 WIDTHS = (2.6, 1.0)

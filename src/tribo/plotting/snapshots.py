@@ -108,7 +108,7 @@ def _in_a_row(boxes: np.ndarray, width: float, height: float) -> _Layout:
     widths, low, high = boxes[:, 1] - boxes[:, 0], boxes[:, 2].min(), boxes[:, 3].max()
     point = widths.sum() / (width - GAP * (len(boxes) - 1) - 2.0 * EDGE)
     point = float(max(point, (high - low) / max(1.0, height - LINE - EDGE)))
-    begins = np.cumsum([0.0, *(widths[:-1] + GAP * point)])
+    begins = boxes[0, 0] + np.cumsum([0.0, *(widths[:-1] + GAP * point)])
     end = float(begins[-1] + widths[-1])
     shifts = np.stack([begins - boxes[:, 0], np.zeros(len(boxes))], axis=1)
     labels = np.stack(
@@ -116,7 +116,11 @@ def _in_a_row(boxes: np.ndarray, width: float, height: float) -> _Layout:
     )
     edge = EDGE * point
     return _Layout(
-        point, shifts, labels, "center", (-edge, end + edge, low - LINE * point, high + edge)
+        point,
+        shifts,
+        labels,
+        "center",
+        (boxes[0, 0] - edge, end + edge, low - LINE * point, high + edge),
     )
 
 
@@ -125,11 +129,16 @@ def _in_a_column(boxes: np.ndarray, width: float, height: float) -> _Layout:
     left, right, heights = boxes[:, 0].min(), boxes[:, 1].max(), boxes[:, 3] - boxes[:, 2]
     point = (right - left) / (width - MARGIN - EDGE)
     point = float(max(point, heights.sum() / max(1.0, height - GAP * len(boxes))))
-    tops = -np.cumsum([0.0, *(heights + GAP * point)])
+    tops = boxes[0, 3] - np.cumsum([0.0, *(heights + GAP * point)])
     shifts = np.stack([np.zeros(len(boxes)), tops[:-1] - boxes[:, 3]], axis=1)
     start = np.full(len(boxes), left - (MARGIN - EDGE) * point)
     labels = np.stack([start, tops[:-1] - 0.5 * heights], axis=1)
-    view = (left - MARGIN * point, right + EDGE * point, float(tops[-1]), EDGE * point)
+    view = (
+        left - MARGIN * point,
+        right + EDGE * point,
+        float(tops[-1]),
+        float(tops[0]) + EDGE * point,
+    )
     return _Layout(point, shifts, labels, "left", view)
 
 

@@ -17,14 +17,17 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-# Widths of one and of one and a half columns of a journal [inch].
-COLUMN, WIDE = 3.375, 5.1
+# Widths of one and of one and a half columns of a journal, and of its page [inch].
+COLUMN, WIDE, PAGE = 3.375, 5.1, 6.2
 
 # Names of files that a figure can be written to end on one of these.
 FILES = (".png", ".pdf", ".svg")
 
 # Colour of text, edges and arrows.
 INK = "#1a1a1a"
+
+# Colours of lines, in order; people with any colour vision can tell the first two apart.
+CYCLE = ("#0b62a4", "#d55e00", "#1f8a70", "#7d2f86", "#8a6f00", "#c2185b", "#607d8b")
 
 
 def style() -> AbstractContextManager[None]:
@@ -43,11 +46,13 @@ def style() -> AbstractContextManager[None]:
 
 @cache
 def _settings() -> Any:
-    """What the style file sets."""
-    from matplotlib import rc_params_from_file
+    """What the style file sets, and the colours of lines."""
+    from matplotlib import cycler, rc_params_from_file
 
     with as_file(files("tribo.plotting").joinpath("tribo.mplstyle")) as path:
-        return rc_params_from_file(path, use_default_template=False)
+        found = rc_params_from_file(path, use_default_template=False)
+    found["axes.prop_cycle"] = cycler(color=CYCLE)
+    return found
 
 
 def axes(width: float = COLUMN, height: float | None = None) -> Axes:
