@@ -14,9 +14,10 @@ import tribo
 from tribo import InputError
 
 ROOT = Path(__file__).resolve().parents[1]
-FOLDERS = ("tutorials", "how-to", "explanation", "reference")
+FOLDERS = ("tutorials", "how-to", "explanation", "reference", "developers")
 PAGES = [
-    *(ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))),
+    *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "paper.md")),
+    *sorted((ROOT / "docs").glob("*.md")),
     *(page for folder in FOLDERS for page in sorted((ROOT / "docs" / folder).glob("*.md"))),
 ]
 

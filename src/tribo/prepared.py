@@ -124,7 +124,7 @@ class Simulation:
             "surface.theta" (or swing, phi, omega, nu) -> a number, or one for each asperite
             [rad, rad/time].
         estimate : bool
-            False leaves out the two coarser runs that estimate the error.
+            False omits the two coarser runs that estimate the error.
 
         Returns
         -------
@@ -133,7 +133,7 @@ class Simulation:
         Raises
         ------
         InputError
-            A name or a value in `start` cannot be used.
+            If a name or a value in `start` cannot be used.
         KeyboardInterrupt
             The run was interrupted; the attribute ``result`` has the Result up to there.
 

@@ -45,9 +45,9 @@ class Result(RunResult):
     ) -> Average:
         """The time average of the friction force on a surface, with a 95 % interval.
 
-        The friction force is the x component of what resists sliding: the sum of all contact
-        forces f1 and of all forces of external fields.  It is negative on a surface that slides
-        towards positive x.  The scene's output must ask for the series "forces".
+        The friction force is the x component of the force that resists sliding: the sum of all
+        contact forces f1 and of all forces of external fields.  It is negative on a surface that
+        slides towards positive x.  The scene's output must ask for the series "forces".
 
         Parameters
         ----------
@@ -57,7 +57,7 @@ class Result(RunResult):
             When the average begins, as in :func:`tribo.time_average`; by default at the scene's
             ``output.run_in`` [time].
         part : "contact" or "field", optional
-            One of the two; both without it.
+            Select one of the two; None for both.
 
         Returns
         -------
@@ -67,8 +67,8 @@ class Result(RunResult):
         Raises
         ------
         InputError
-            The forces were not recorded, no field acts on the surface, or there are fewer than two
-            samples.
+            If the forces were not recorded, no field acts on the surface, or there are fewer than
+            two samples.
         """
         return friction_force(self, surface, after, part)
 
@@ -95,12 +95,12 @@ class Result(RunResult):
         Raises
         ------
         InputError
-            The forces were not recorded, or there are fewer than two samples.
+            If the forces were not recorded, or there are fewer than two samples.
         """
         return force_average(self, f"{surface}.pull_force", after)
 
     def friction_coefficient(self, surface: str, after: float | str | None = None) -> Average:
-        """The time average of the friction force on a surface over the load on it.
+        """The time average of the friction force on a surface, divided by the load on it.
 
         Parameters
         ----------
@@ -117,7 +117,7 @@ class Result(RunResult):
         Raises
         ------
         InputError
-            The surface has no load, or as of :meth:`friction_force`.
+            If the surface has no load, or as for :meth:`friction_force`.
         """
         return friction_coefficient(self, surface, after)
 
@@ -125,16 +125,16 @@ class Result(RunResult):
         """The drive's force at which a pulled or pushed surface starts to slide, along x.
 
         It is the largest force on each asperite until its bar has moved by `distance`: the static
-        friction, if the pull is slow and samples are close in time.  A rate of the force adds the
-        rate times the time that the bar takes for the distance.
+        friction, if the pull is slow and samples are close in time. If the force grows at a rate,
+        the result is too large by the rate times the time that the bar takes for the distance.
 
         Parameters
         ----------
         surface : str
             Name of the surface, whose drive pulls or pushes.
         distance : float, optional
-            By default half of the period of the corrugation on the surface, or of the spacing of
-            the other surface: beyond the top of a barrier [length].
+            Distance beyond the top of a barrier [length]. By default half of the period of the
+            corrugation on the surface, or of the spacing of the other surface.
 
         Returns
         -------
@@ -144,16 +144,17 @@ class Result(RunResult):
         Raises
         ------
         InputError
-            Another drive holds the surface, no bar moves so far, or the distance is missing.
+            If another drive holds the surface, no bar moves so far, or the distance is missing.
         """
         return depinning(self, surface, distance)
 
     def time_without_contact(self, surface: str, after: float | None = None) -> float:
-        """The share of time in which no bob of a surface is in contact with another surface.
+        """The fraction of time in which no bob of a surface is in contact with another surface.
 
-        Two bobs are in contact within the range of their potential.  Where it decays without an
-        end, they are if their energy is at least 1 % of the sum of the energy of torsion by 1 rad
-        of the softest asperite and of k_B T.  The scene's output must ask for the series "forces".
+        Two bobs are in contact within the range of their potential. Where it decays without an
+        end, they are in contact if their energy is at least 1 % of the sum of the energy of
+        torsion by 1 rad of the softest asperite and of k_B T.  The scene's output must
+        ask for the series "forces".
 
         Parameters
         ----------
@@ -170,8 +171,8 @@ class Result(RunResult):
         Raises
         ------
         InputError
-            The contact was not recorded, or has no range, as that of Coulomb, or there are fewer
-            than two samples.
+            If the contact was not recorded, or has no range, as that of Coulomb, or there are
+            fewer than two samples.
         """
         return time_without_contact(self, surface, after)
 
@@ -181,7 +182,7 @@ class Result(RunResult):
         Parameters
         ----------
         style : "text" or "bibtex"
-            A line for each, or entries of BibTeX.
+            "text" for a line each, "bibtex" for BibTeX entries.
 
         Returns
         -------
@@ -190,7 +191,7 @@ class Result(RunResult):
         Raises
         ------
         InputError
-            The style is another one.
+            If `style` is neither.
         """
         return citations(self.scene, self.method, style)
 
@@ -237,7 +238,7 @@ class Result(RunResult):
         Parameters
         ----------
         path : str or Path
-            The file, which is replaced if it exists.  A name that ends on .csv makes a table of
+            The file, which is replaced if it exists.  A name that ends in .csv makes a table of
             all series alone, without the scene and the error estimates: a row for each time, and a
             column for each quantity, as ``upper.W``, and for each asperite if a surface has
             several, as ``upper.theta[3]``.
@@ -245,7 +246,7 @@ class Result(RunResult):
         Raises
         ------
         InputError
-            The file cannot be written, or its name ends on neither .nc nor .csv.
+            If the file cannot be written, or its name ends in neither .nc nor .csv.
         """
         path = as_path(path)
         if path.suffix.lower() == CSV:
@@ -270,7 +271,7 @@ class Result(RunResult):
         Parameters
         ----------
         path : str or Path
-            The file, which is replaced if it exists; its name ends on .gif or .mp4.
+            The file, which is replaced if it exists; its name ends in .gif or .mp4.
         **settings
             ``frames``, ``rate``, ``surface``, ``width`` and ``bath`` of
             :func:`tribo.plotting.animate`.
@@ -359,8 +360,8 @@ class Result(RunResult):
         Raises
         ------
         InputError
-            The file cannot be written, or the places of asperites, or of the oscillators that are
-            requested, are not recorded.
+            If the file cannot be written, or the positions of asperites, or of requested
+            oscillators, are not recorded.
         """
         from tribo.viewer import write_page
 
@@ -376,7 +377,7 @@ class Result(RunResult):
         Raises
         ------
         InputError
-            anywidget is not installed, or the places of asperites are not recorded.
+            If anywidget is not installed, or the positions of asperites are not recorded.
         """
         from tribo.viewer.contents import contents
         from tribo.viewer.widget import Player
@@ -399,7 +400,7 @@ def load_result(path: str | Path) -> Result:
     Raises
     ------
     InputError
-        There is no such file, or it holds no result.
+        If there is no such file, or it contains no result.
     """
     path = as_path(path)
     data = dataset.load(path)

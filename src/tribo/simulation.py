@@ -61,8 +61,8 @@ def prepare(
         A function that is called with the time reached, a few times a second.
     start : State, optional
         The state from which all runs begin, such as that of a result; by default the start of the
-        scene at t = 0.  In the scene of the state, works and changes of energy continue from their
-        values in the state; in a scene with other forces they begin at zero.
+        scene at t = 0.  In the scene of the state, works and changes of energy continue from
+        their values in the state; in a scene with other forces they start at zero.
     allow_unresolved : bool
         Whether a step of a splitting method may be too long to resolve the fastest pendulum or
         spring, as in the scene's numerics.
@@ -77,8 +77,8 @@ def prepare(
     Raises
     ------
     InputError
-        The settings do not go together or do not suit the scene, the accuracy is out of reach, or
-        a plug-in cannot be compiled.
+        If settings exclude each other or do not suit the scene, the accuracy is out of reach, or
+        a plug-in does not compile.
     KeyboardInterrupt
         The search for settings was interrupted.
 
@@ -181,7 +181,8 @@ def simulate(
         As for :func:`prepare`.
     start : State, optional
         The state ``result.state()`` of another run, from which this one continues.  With the same
-        method, step and recorded times it has the bits of a run without the pause.
+        method, step and recorded times, the result equals that of a run without a pause, bit for
+        bit.
     progress : callable or bool, optional
         A function that is called with the time reached, a few times a second.  By default a bar
         appears on a terminal or in a notebook after a second; True shows it elsewhere too, False

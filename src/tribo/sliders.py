@@ -232,12 +232,12 @@ def play(scene: Scene, sliders: Mapping[str, Any]) -> Player:
     Returns
     -------
     anywidget.AnyWidget
-        What a notebook shows.
+        A widget that a notebook shows.
 
     Raises
     ------
     InputError
-        A key or a value does not suit the scene, or anywidget is not installed.
+        If a key or a value does not suit the scene, or anywidget is not installed.
     """
     from tribo.viewer.widget import Player
 

@@ -235,9 +235,10 @@ def _explain(options: argparse.Namespace) -> int:
 
 def _plot(options: argparse.Namespace) -> int:
     from tribo import plotting
+    from tribo.plotting.style import figure_path
     from tribo.result import load_result
 
-    path = plotting.figure_path("--out", options.out or options.file.with_suffix(".png"))
+    path = figure_path("--out", options.out or options.file.with_suffix(".png"))
     checked_target("--out", path)
     print(plotting.save(plotting.overview(load_result(options.file)), path))
     return COMPLETED

@@ -71,11 +71,11 @@ def ensemble(
     Parameters
     ----------
     scene : Scene
-        The scene.  All members share its heights; each has a seed of its own for noise and thermal
+        The scene.  All members share its heights; each uses a separate seed for noise and thermal
         starts.
     members : int, optional
-        Their number, at least 2.  With `half_width`, the largest number.  By default that of the
-        arrays in `vary`.
+        Number of members, at least 2. With `half_width`, the largest number. By default the
+        length of the arrays in `vary`.
     vary : mapping, optional
         Quantities that differ between members: "surface.theta" (or another initial value),
         "surface.velocity", or a number of the scene as "surface.asperite.kappa",
@@ -85,7 +85,7 @@ def ensemble(
         asperite of each member draws. ``"*.theta"`` stands for that key of every surface: arrays
         give all the same values, and each surface draws its own from a distribution.
     keep : sequence of str, optional
-        Quantities of each member that are kept, and nothing else: "upper.w1" or "contact_energy".
+        The only quantities of each member to keep, as "upper.w1" or "contact_energy".
         Forces and energies as series need no ``output.series`` here.  At the end,
         "upper.friction_force" is the average over time of each member, and
         ``upper.friction_force_time_half_width`` that of its 95 % interval, as of
@@ -94,15 +94,15 @@ def ensemble(
     at : {"end", "samples"}
         Whether quantities are kept at the end of each run or at all times of the scene's output.
     statistics : bool
-        Return statistics of the kept quantities in place of the members, for more members than
-        memory holds.
+        Return statistics of the kept quantities instead of the members, for more members than fit
+        into memory.
     half_width : mapping, optional
         Quantity of a surface as a whole or of the system, as "upper.W" -> the largest half-width
         of the 95 % interval of its mean, at any recorded time, in units of the largest work or
         change of energy of a surface or of the system.  It determines the number of members.
     sampler : scipy.stats.qmc.QMCEngine, optional
-        Its points take the place of random numbers in all distributions of `vary`, which need
-        ``ppf``; one dimension for each number that a member draws.
+        Its points replace random numbers in all distributions of `vary`, which need ``ppf``. It
+        needs one dimension for each number that a member draws.
     engine : executor, optional
         Runs the members in other processes: it has ``submit`` or ``map`` as concurrent.futures
         defines them, or is a client of dask.distributed.

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tribo.ensembles.intervals import Interval, interval
-from tribo.plotting import INK, WIDE, drawing_on
+from tribo.plotting.style import INK, WIDE, drawing_on
 from tribo.validation import InputError
 
 if TYPE_CHECKING:

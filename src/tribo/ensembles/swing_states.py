@@ -54,7 +54,7 @@ class Canonical(SwingStates):
     Raises
     ------
     InputError
-        It is negative.
+        If the temperature is negative.
     """
 
     temperature: float
@@ -74,12 +74,12 @@ class Canonical(SwingStates):
 
 @dataclass(frozen=True)
 class Microcanonical(SwingStates):
-    """Pendulums whose energies have one sum, and are uniform among all such energies.
+    """Pendulums with a given total energy, which is shared uniformly.
 
     Attributes
     ----------
     energy : float
-        The sum, or the energy of a single pendulum [energy].
+        Total energy, or that of a single pendulum [energy].
 
     Raises
     ------
@@ -103,14 +103,14 @@ class Microcanonical(SwingStates):
 
 @dataclass(frozen=True)
 class EnergyBall(SwingStates):
-    """Pendulums whose energies have at most some sum, uniform in the space of angles and rates.
+    """Pendulums whose total energy has an upper limit, uniform in the space of angles and rates.
 
-    The probability of a sum of at most e is (e / energy)^N, for N pendulums.
+    For N pendulums, the probability of a total energy of at most e is (e / energy)^N.
 
     Attributes
     ----------
     energy : float
-        The largest sum [energy].
+        Upper limit of the total energy [energy].
 
     Raises
     ------

@@ -51,8 +51,8 @@ class Interaction:
     potential : NamedTuple
         A potential of :mod:`tribo.potentials`, or a user's own.
     between : (str, str), optional
-        Names of the two surfaces; None for every two.  The same name twice stands for contact among
-        the bobs of one surface, which is internal to it.
+        Names of the two surfaces; None for all pairs. The same name twice means contact among the
+        bobs of one surface, which is internal to it.
     species : (str, str), optional
         The two species of bobs between which the potential acts; None for all.
 

@@ -47,7 +47,8 @@ class Scene(ComparedByValue):
     surfaces : list of Surface
         At least one surface; each name once.
     interactions : list of Interaction
-        Also one interaction or potential, or a list of potentials.
+        Interactions between surfaces; also a single interaction or potential, or a list of
+        potentials.
     duration : float
         End of the run, which starts at t = 0 [time].
     title : str
@@ -59,7 +60,7 @@ class Scene(ComparedByValue):
     fields : list of Field
         External fields on bobs.
     output : Output
-        The times to record.  Like `numerics`, no part of the physics.
+        The times to record. Like `numerics`, it does not change the physics.
     numerics : Numerics
         Accuracy, method or step, unless the arguments of :func:`tribo.simulate` give them.
 
@@ -367,9 +368,9 @@ class Scene(ComparedByValue):
         Parameters
         ----------
         path : str or path
-            The file; one that is there is replaced.
+            The file, which is replaced if it exists.
         defaults : bool
-            Whether values that a file need not give are written too.
+            Whether to write default values too.
 
         Raises
         ------

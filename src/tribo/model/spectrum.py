@@ -73,9 +73,10 @@ class Spectrum:
                 w_j = w_c x_j                       k_j = (2/pi) gamma w_c / n
 
     Drude and debye oscillators have equal stiffnesses, Gamma(0)/n, at the quantiles of J(w)/w.
-    The ohmic ones are at the quantiles of its square root: equal stiffnesses leave so few of them
-    above the cutoff that strong damping (gamma = 10 M w_c) is valid 2 to 10 times less long; the
-    price is up to half of the time where damping is weak and w0 far below the cutoff.
+    Ohmic oscillators are at the quantiles of its square root. With equal stiffnesses too few
+    would lie above the cutoff, and strong damping (gamma = 10 M w_c) would be valid for a time 2
+    to 10 times shorter. In return, weak damping with w0 far below the cutoff is valid for down to
+    half the time.
 
     Attributes
     ----------

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 class Surface(ComparedByValue):
     """One asperite, a row, a grid or a list of asperites.
 
-    Positions are those of the bobs with theta at rest and phi = 0, whatever `initial` says.
+    Positions are those of the bobs with theta at rest and phi = 0, for any `initial`.
 
     Attributes
     ----------
@@ -78,7 +78,7 @@ class Surface(ComparedByValue):
     langevin : Langevin or dict or list of them, optional
         A thermal reservoir at every bar, or on every swing; or a list of one each.
     species : str or tuple of str
-        Species of the bobs, one for all or one each; interactions may tell species apart.
+        Species of the bobs, one for all or one each, by which interactions distinguish bobs.
     asperite : Asperite
         Masses, lengths, stiffness and charge of the asperites.
     initial : Initial

@@ -15,16 +15,9 @@ import numpy as np
 
 from tribo import plotting
 from tribo.paper.cases import END, Run
-from tribo.plotting import (
-    COLUMN,
-    INK,
-    WIDE,
-    AsperiteGeometry,
-    SceneGeometry,
-    arrow,
-    note,
-    scene_geometry,
-)
+from tribo.plotting.geometry import AsperiteGeometry, SceneGeometry, scene_geometry, shifted
+from tribo.plotting.snapshots import draw_asperite, draw_asperites, extent
+from tribo.plotting.style import COLUMN, INK, WIDE, arrow, drawing_on, frame, note, time_labels
 from tribo.validation import InputError, as_path
 
 if TYPE_CHECKING:
@@ -112,18 +105,18 @@ def _snapshots(case: str, times: tuple[float, ...]) -> Axes:
     right = 0.0
     for t in times:
         geometry = scene_geometry(result, t)
-        left = plotting.extent(geometry)[0]
-        drawn.append(plotting.shifted(geometry, (right - left, 0.0)))
-        right = plotting.extent(drawn[-1])[1] + SNAPSHOT_GAP
-    box = plotting.extent(*drawn)
-    with plotting.drawing_on(None, WIDE) as ax:
-        for geometry, label in zip(drawn, plotting.time_labels(times), strict=True):
-            plotting.draw_asperites(ax, geometry)
-            left, right, *_ = plotting.extent(geometry)
+        left = extent(geometry)[0]
+        drawn.append(shifted(geometry, (right - left, 0.0)))
+        right = extent(drawn[-1])[1] + SNAPSHOT_GAP
+    box = extent(*drawn)
+    with drawing_on(None, WIDE) as ax:
+        for geometry, label in zip(drawn, time_labels(times), strict=True):
+            draw_asperites(ax, geometry)
+            left, right, *_ = extent(geometry)
             note(ax, (0.5 * (left + right), box[2]), label, (0.0, -8.0))
             (lower,) = geometry["lower"]
             ax.plot(2 * [lower.cm[0]], box[2:], color=INK, lw=0.6, ls=(0, (4, 2)), zorder=1)
-        plotting.frame(ax, box, bottom=18.0)
+        frame(ax, box, bottom=18.0)
     return ax
 
 
@@ -148,13 +141,13 @@ def _model() -> Axes:
         phi=np.pi / 12,
         bar_length=5.0,
     )
-    with plotting.drawing_on(None, COLUMN) as ax:
-        plotting.draw_asperite(ax, asperite)
+    with drawing_on(None, COLUMN) as ax:
+        draw_asperite(ax, asperite)
         _model_lengths(ax, asperite)
         _model_angles(ax, asperite)
         _model_positions(ax, asperite)
         _model_forces(ax, asperite)
-        plotting.frame(ax, (-3.05, 3.2, -3.6, 1.8))
+        frame(ax, (-3.05, 3.2, -3.6, 1.8))
     return ax
 
 

@@ -63,7 +63,7 @@ class RunResult:
     t : ndarray, (times,)
         The recorded times [time].
     ledger : Ledger
-        All series; assembled from the raw samples when first needed.
+        All series; assembled from the samples when first read.
     system : dict
         The series of the system: quantity -> (times,).
     end : dict
@@ -82,12 +82,12 @@ class RunResult:
     met : bool or None
         Whether every error estimate is within the accuracy; None without estimates.
     notes : tuple of str
-        Anything else that a reader of the result should know.
+        Further remarks and warnings, one sentence each.
     error_estimate : dict
         Quantity -> bound on its error over all surfaces, asperites and times; None if unknown.  It
         takes full names too, as "upper.w1".
     settings : dict
-        Method, accuracy, step, and the hash of the state where the run began, if it did.
+        Method, accuracy, step, and the hash of the state where the run began, if it began at one.
     version : str
         The version of tribo that ran it, with the hash of its sources.
     """

@@ -9,8 +9,8 @@ import numpy as np
 
 from tribo.ensembles.intervals import interval
 from tribo.ledger.quantities import AVERAGED
-from tribo.plotting import WIDE, drawing_on
 from tribo.plotting.comparison import DASHES
+from tribo.plotting.style import WIDE, drawing_on
 from tribo.validation import InputError, must_be
 
 if TYPE_CHECKING:
