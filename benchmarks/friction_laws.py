@@ -36,9 +36,9 @@ from tribo import plotting
 RIGID = tribo.Asperite(kappa=math.inf)
 GOLDEN_MEAN = 0.5 * (1.0 + math.sqrt(5.0))
 # Contact of static studies: the corrugation of a row has nearly one harmonic.
-MORSE = tribo.with_cutoff(tribo.Morse(0.1, 3.0, 1.0), 3.0)
+MORSE = tribo.Morse(0.1, 3.0, 1.0).with_cutoff(3.0)
 # Repulsion of the rough surface, which grows with the load.
-REPULSION = tribo.with_cutoff(tribo.BornMayer(20.0, 0.25), 3.0)
+REPULSION = tribo.BornMayer(20.0, 0.25).with_cutoff(3.0)
 # Numbers of asperites of rows; each stands for the mean over this and the next seven, since the
 # friction of incommensurate rows vanishes for some numbers.
 ROWS, NEXT = (8, 16, 32, 64, 128, 256, 512, 1024, 2048), 8
@@ -299,9 +299,10 @@ class Table:
                 turn, side, _, friction = self.of(study, "square", "friction").T
                 for length in np.unique(side):
                     mine = side == length
-                    label = f"{length:g} x {length:g}"
-                    ax.plot(turn[mine] / length, friction[mine], label=label)
-                ax.set(xlabel="angle [rad]")
+                    ax.plot(turn[mine] / length, friction[mine])
+                for length, half in zip(*self.half_angles(), strict=True):
+                    ax.annotate(f" {length:g}$^2$", (half, 0.5 * friction[0]), fontsize=8)
+                ax.set(xlabel="angle [rad]", xscale="log")
             else:
                 for case, mark in (("reservoirs", "o"), ("none", "s")):
                     x, _, _, friction, load = self.of(study, case, "friction", "load").T
@@ -312,7 +313,8 @@ class Table:
                 ax.set(xscale="linear" if study == "load" else "log")
             static = study in ("static", "angle")
             ax.set(ylabel=f"{'static ' * static}friction per asperite")
-            ax.legend(frameon=False, fontsize=7)
+            if study != "angle":  # its lines have labels
+                ax.legend(frameon=False)
         return plotting.save(ax, folder / f"friction_{study}.png")
 
 

@@ -68,6 +68,25 @@ def test_notebook(name, tmp_path, monkeypatch):
     assert bool(answers) == ("<details>" in text)
 
 
+CAPTION = re.compile(r"\A\*[^*].*\d.*\*\Z", re.DOTALL)
+FIGURE = re.compile(r"^```\{figure\}.*\n(?::.*\n)*([^`]*)^```", re.MULTILINE)
+GALLERY = ROOT / "docs" / "gallery" / "index.md"
+
+
+@pytest.mark.parametrize("page", [*PAGES, GALLERY], ids=lambda page: str(page.relative_to(ROOT)))
+def test_pictures_have_captions(page):
+    """Each picture, or row of pictures, has a caption with a number: below it in italics."""
+    text = page.read_text(encoding="utf-8")
+    paragraphs = re.split(r"\n\s*\n", text)
+    is_picture = [paragraph.startswith("```{image}") for paragraph in paragraphs]
+    for number, paragraph in enumerate(paragraphs):
+        if is_picture[number] and not is_picture[number + 1]:
+            assert CAPTION.match(paragraphs[number + 1].strip()), paragraph
+    captions = FIGURE.findall(text)
+    assert len(captions) == text.count("```{figure}")
+    assert all(re.search(r"\d", caption) for caption in captions)
+
+
 def architecture():
     """The text of the page on architecture."""
     return (ROOT / "docs" / "developers" / "architecture.md").read_text(encoding="utf-8")

@@ -17,7 +17,6 @@ from tribo.model.identity import opened
 from tribo.results import dataset, report
 from tribo.results.averages import Average
 from tribo.results.citations import citations
-from tribo.results.cost import Cost
 from tribo.results.depinning import Depinning, depinning
 from tribo.results.force_averages import (
     force_average,
@@ -25,7 +24,7 @@ from tribo.results.force_averages import (
     friction_force,
     time_without_contact,
 )
-from tribo.results.run_result import Known, RunResult
+from tribo.results.run_result import Constant, Cost, RunResult
 from tribo.validation import as_path
 
 if TYPE_CHECKING:
@@ -81,21 +80,13 @@ class Result(RunResult):
 
         Parameters
         ----------
-        surface : str
-            Name of the surface.
-        after : float or "auto", optional
-            When the average begins, as in :func:`tribo.time_average`; by default at the scene's
-            ``output.run_in`` [time].
+        surface, after
+            As for :meth:`friction_force`.
 
         Returns
         -------
         Average
-            As of :func:`tribo.time_average` [force].  Its note says where a run stopped.
-
-        Raises
-        ------
-        InputError
-            If the forces were not recorded, or there are fewer than two samples.
+            As of :meth:`friction_force`.
         """
         return force_average(self, f"{surface}.pull_force", after)
 
@@ -104,20 +95,13 @@ class Result(RunResult):
 
         Parameters
         ----------
-        surface : str
-            Name of the surface, whose drive has a load.
-        after : float or "auto", optional
-            As of :meth:`friction_force`.
+        surface, after
+            As for :meth:`friction_force`; the surface's drive has a load.
 
         Returns
         -------
         Average
-            As of :func:`tribo.time_average`, relative to the load; the mean is not negative.
-
-        Raises
-        ------
-        InputError
-            If the surface has no load, or as for :meth:`friction_force`.
+            As of :meth:`friction_force`, relative to the load; the mean is not negative.
         """
         return friction_coefficient(self, surface, after)
 
@@ -187,11 +171,6 @@ class Result(RunResult):
         Returns
         -------
         str
-
-        Raises
-        ------
-        InputError
-            If `style` is neither.
         """
         return citations(self.scene, self.method, style)
 
@@ -201,13 +180,7 @@ class Result(RunResult):
         return report.end(self)
 
     def to_json(self) -> str:
-        """The property `end` as strict JSON, as ``tribo run --json`` prints it.
-
-        Returns
-        -------
-        str
-            One JSON object; numbers that are not finite are null.
-        """
+        """The property `end` as one object of strict JSON; numbers that are not finite are null."""
         return strict_json(self.end)
 
     def __repr__(self) -> str:
@@ -280,11 +253,6 @@ class Result(RunResult):
         -------
         Path
             The file.
-
-        Raises
-        ------
-        InputError
-            If the name ends otherwise, ffmpeg is missing, or the file cannot be written.
         """
         from tribo.plotting import animate
 
@@ -294,23 +262,28 @@ class Result(RunResult):
         """The run as a list of ``ase.Atoms``, one for each sample: bobs, then bars.
 
         ``ase.io.write("run.traj", result.to_ase())`` and ``"run.extxyz"`` make files that ASE and
-        other programs open.
+        other programs open.  The scene's unit of length is read as Angstrom, its unit of energy as
+        eV, its unit of mass as u; ASE's unit of time, A sqrt(u/eV), is then the scene's.
 
         Parameters
         ----------
         symbols : dict of str to str, optional
-            Elements of the bobs by surface, as ``{"upper": "Si"}``; without it their species.
+            Elements of the bobs by surface, as ``{"upper": "Si"}``; without it their species, and
+            "X" where these are no elements, as for bars.
 
         Returns
         -------
         list of ase.Atoms
-            With masses, velocities, charges, contact energy and contact forces: see
-            :func:`tribo.export.ase_atoms.to_ase`.  Numbers are in the scene's units.
+            With masses, velocities, charges, contact energy and contact forces f1 (none act on
+            bars).  Tags number the surfaces; the array "is_bar" tells bars from bobs; "theta" and
+            "phi" are the angles of the asperite [rad]; a .traj file drops these three.  `info` has
+            the time and the series of the system.
 
         Raises
         ------
         InputError
-            If a symbol is no element, or a surface does not exist.
+            A symbol is no element, a surface does not exist, a calculator of the scene fails, or
+            the places of single asperites were not kept.
         """
         from tribo.export.ase_atoms import to_ase
 
@@ -330,13 +303,7 @@ class Result(RunResult):
         return ledger_table(self)
 
     def end_to_pandas(self) -> pandas.DataFrame:
-        """The end state as a table of pandas: a row for each asperite, a column a quantity.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Indexed by (surface, asperite).
-        """
+        """The end state as a table of pandas: a row for each (surface, asperite)."""
         from tribo.export.pandas_tables import end_table
 
         return end_table(self)
@@ -368,17 +335,7 @@ class Result(RunResult):
         return write_page(self, path, bath)
 
     def widget(self) -> Any:
-        """The page as a widget of a notebook; it needs ``tribo[notebook]``.
-
-        Returns
-        -------
-        anywidget.AnyWidget
-
-        Raises
-        ------
-        InputError
-            If anywidget is not installed, or the positions of asperites are not recorded.
-        """
+        """The page as an ``anywidget.AnyWidget`` of a notebook; it needs ``tribo[notebook]``."""
         from tribo.viewer.contents import contents
         from tribo.viewer.widget import Player
 
@@ -387,15 +344,6 @@ class Result(RunResult):
 
 def load_result(path: str | Path) -> Result:
     """Read a result from the file that :meth:`tribo.Result.save` wrote.
-
-    Parameters
-    ----------
-    path : str or Path
-        The file.
-
-    Returns
-    -------
-    Result
 
     Raises
     ------
@@ -416,9 +364,9 @@ def load_result(path: str | Path) -> Result:
         met=json.loads(data.attrs["met"]),
         notes=tuple(json.loads(data.attrs["notes"])),
         bounds={name: bound for name, bound in bounds.items() if bound is not None},
-        assemble=Known(dataset.ledger_of(data, scene)),
-        add_up=Known(Cost(**json.loads(data.attrs["cost"]))),
-        take_state=Known(dataset.state_in(data, scene)),
+        assemble=Constant(dataset.ledger_of(data, scene)),
+        add_up=Constant(Cost(**json.loads(data.attrs["cost"]))),
+        take_state=Constant(dataset.state_in(data, scene)),
         settings=settings,
         version=data.attrs["version"],
     )

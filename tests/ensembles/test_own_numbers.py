@@ -31,7 +31,7 @@ ALONG_BOTH = {"upper.velocity": np.array([[0.5, 0.02], [0.4, -0.01], [0.6, 0.0]]
 KEEP = ["upper.w1", "upper.w2", "lower.delta_e_int", "upper.W", "upper.W_ps", "upper.delta_K"]
 KEEP += ["contact_energy", "total_energy_change"]
 ROW = {"shape": (3, 1), "spacing": (1.5, 0.0)}
-CUT = tribo.with_cutoff(tribo.Coulomb(0.2), 1.9)
+CUT = tribo.Coulomb(0.2).with_cutoff(1.9)
 CORRUGATION = tribo.Field(tribo.Corrugation(0.02, 1.1), on=["upper"])
 
 
@@ -52,7 +52,7 @@ def check(scene, vary, members, within, **how):
     assert set(data["status"].values) == {"completed"}
     variation = Variation(scene, vary, 0)
     for m in (0, members // 2, members - 1):
-        run = tribo.simulate(variation.member(m).scene_with_start(scene), **how)
+        run = tribo.simulate(variation.member(m).scene(scene, with_start=True), **how)
         series = {}
         for name in KEEP:
             surface, _, quantity = name.rpartition(".")

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any, Self
 
 from tribo.plugins import classes as plugins
-from tribo.plugins.unloaded import left
 from tribo.validation import NOT_NEGATIVE, InputError, boolean, choice, known_keys, number, vector
 
 # Signatures of the methods that plug-ins need, as messages quote them.
@@ -215,12 +214,8 @@ def as_drive(value: object, folder: Path = Path()) -> Drive:
     if isinstance(value, dict) and plugins.is_named(value.get("kind")):
         parameters = dict(value)
         name, load = parameters.pop("kind"), parameters.pop("load", None)
-        stand_in = left(name, parameters)
-        if stand_in is not None:
-            return Custom(load=load, force=stand_in)
-        cls = plugins.class_named("kind", name, folder)
-        plugins.check_class(cls, "kind", FORCE_ON_BAR)
-        return Custom(load=load, force=plugins.instance(cls, parameters))
+        force = plugins.from_file("kind", name, parameters, folder, FORCE_ON_BAR)
+        return Custom(load=load, force=force)
     table = known_keys(value, SETTINGS, ["kind"])
     kind = KINDS[choice("kind", table.pop("kind"), KINDS)]
     if kind is DrivenBars and "rigid" in table:
@@ -249,12 +244,7 @@ def as_bars(value: object, folder: Path = Path()) -> str | Ends:
         if not isinstance(parameters.get("ends"), str):
             raise InputError("ends", 'is missing; give "yourfile.py:YourClass"')
         name = parameters.pop("ends")
-        stand_in = left(name, parameters)
-        if stand_in is not None:
-            return Ends(stand_in)
-        cls = plugins.class_named("ends", name, folder)
-        plugins.check_class(cls, "ends", END_FORCES)
-        return Ends(plugins.instance(cls, parameters))
+        return Ends(plugins.from_file("ends", name, parameters, folder, END_FORCES))
     return choice("", value, ["clamped", "free"])
 
 

@@ -160,7 +160,8 @@ class Surface(ComparedByValue):
                 value.for_each(self.count)
         self._check_driven_bars()
         self._check_rigid()
-        self._check_heat()
+        if self.initial.temperature and not np.all(np.asarray(self.asperite.kappa) > 0.0):
+            raise InputError("initial.temperature", "needs asperite.kappa > 0, got 0")
 
     def __repr__(self) -> str:
         size = f"{self.count} asperite{'s' * (self.count > 1)}"
@@ -189,12 +190,6 @@ class Surface(ComparedByValue):
                 raise InputError(f"initial.{name}", "must be zero where asperite.kappa = inf")
         if self.swing_reservoir is not None:
             raise InputError("langevin.on", 'must be "bar" where asperite.kappa = inf, got "swing"')
-
-    def _check_heat(self) -> None:
-        """Refuse a thermal start of swings that no torsion spring holds."""
-        kappa = np.asarray(self.asperite.kappa)
-        if self.initial.temperature and not np.all(kappa > 0.0):
-            raise InputError("initial.temperature", "needs asperite.kappa > 0, got 0")
 
     @property
     def moves_as_one(self) -> bool:
@@ -342,8 +337,7 @@ class Surface(ComparedByValue):
         return self.bob[0], self.bob[1], self.depth
 
 
-def _is_name(value: object) -> bool:
+def _is_name(name: object) -> bool:
     """Whether the value can name a surface in files: printable, without a point or a slash."""
-    if not isinstance(value, str) or not value.isprintable() or value.strip() == "":
-        return False
-    return not {".", "/"} & set(value)
+    printable = isinstance(name, str) and name.isprintable() and bool(name.strip())
+    return printable and not {".", "/"} & set(str(name))

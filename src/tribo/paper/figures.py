@@ -35,25 +35,15 @@ SUFFIXES = (".pdf", ".png")
 
 @dataclass(frozen=True)
 class Figure:
-    """One figure of the paper.
+    """One figure of the paper."""
 
-    Attributes
-    ----------
-    name : str
-        Name of the file, without suffix; "fig03" is figure 3 of the paper.
-    case : str
-        "A" to "E"; empty for the drawing of the model.
-    draw : callable
-        Draws the figure and returns its Axes.
-    """
-
-    name: str
-    case: str
+    name: str  # of the file, without suffix; "fig03" is figure 3 of the paper
+    case: str  # "A" to "E"; empty for the drawing of the model
     draw: Callable[[], Axes]
 
 
 def draw(folder: str | Path, cases: Iterable[str]) -> list[Path]:
-    """Draw the model and the figures of the given cases.
+    """Draw the model and the figures of some cases, each as PDF and as PNG.
 
     Parameters
     ----------
@@ -65,12 +55,7 @@ def draw(folder: str | Path, cases: Iterable[str]) -> list[Path]:
     Returns
     -------
     list of Path
-        The files: each figure as PDF and as PNG.
-
-    Raises
-    ------
-    InputError
-        If nothing can be written to the folder.
+        The files.
     """
     folder = as_path(folder)
     wanted = {"", *cases}
@@ -217,33 +202,13 @@ SLIDING_FREELY = ("cm", "bob")
 FIGURES = (
     Figure("fig01_model", "", _model),
     Figure("fig02_A_angle", "A", partial(_angle, "A")),
-    Figure(
-        "fig03_A_snapshots",
-        "A",
-        partial(_snapshots, "A", (20.0, 21.5, 23.0, 24.5, 26.0)),
-    ),
+    Figure("fig03_A_snapshots", "A", partial(_snapshots, "A", (20.0, 21.5, 23.0, 24.5, 26.0))),
     Figure("fig04_A_work", "A", partial(_works, "A")),
-    Figure(
-        "fig05_A_sequence",
-        "A",
-        partial(_phases, "A", (15.0, 23.2, 26.0), ALL_THREE),
-    ),
+    Figure("fig05_A_sequence", "A", partial(_phases, "A", (15.0, 23.2, 26.0), ALL_THREE)),
     Figure("fig06_B_work", "B", partial(_works, "B")),
-    Figure(
-        "fig07_B_sequence",
-        "B",
-        partial(_phases, "B", (15.0, 19.3, 26.0), ALL_THREE),
-    ),
+    Figure("fig07_B_sequence", "B", partial(_phases, "B", (15.0, 19.3, 26.0), ALL_THREE)),
     Figure("fig08_C_work", "C", partial(_works, "C")),
-    Figure(
-        "fig09_C_sequence",
-        "C",
-        partial(_phases, "C", (13.0, 25.9, 30.0), SLIDING_FREELY),
-    ),
+    Figure("fig09_C_sequence", "C", partial(_phases, "C", (13.0, 25.9, 30.0), SLIDING_FREELY)),
     Figure("fig10_D_work", "D", partial(_works, "D")),
-    Figure(
-        "fig11_E_sequence",
-        "E",
-        partial(_phases, "E", (13.0, 25.9, 30.0), SLIDING_FREELY),
-    ),
+    Figure("fig11_E_sequence", "E", partial(_phases, "E", (13.0, 25.9, 30.0), SLIDING_FREELY)),
 )

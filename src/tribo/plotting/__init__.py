@@ -19,11 +19,12 @@ from tribo.plotting.overview import overview
 from tribo.plotting.plots import Plots
 from tribo.plotting.series import angle_curve, work_curves
 from tribo.plotting.snapshots import sequence, snapshot
-from tribo.plotting.style import COLUMN, INK, WIDE, axes, save, style
+from tribo.plotting.style import COLUMN, INK, PAGE, WIDE, axes, save, style
 
 __all__ = [
     "COLUMN",
     "INK",
+    "PAGE",
     "WIDE",
     "Plots",
     "angle_curve",

@@ -7,58 +7,62 @@ NamedTuple by its class, finds its methods when a kernel is compiled, and inline
 from __future__ import annotations
 
 import linecache
-import math
 import re
 import traceback
-import weakref
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from tribo.plugins import sources
-from tribo.plugins.unloaded import Unloaded, refuse_code
+from tribo.plugins.unloaded import Unloaded, left, refuse_code
 from tribo.validation import InputError, known_keys, number, short_repr
 
 # How many numbers a method returns; 1 if it is not listed.
 RETURN_COUNTS = {"feature": 2, "domain": 2, "force_at": 2, "force_on_bar": 2, "end_forces": 4}
 
-# The methods that classes have been given, since they follow from methods that they define.
-_GIVEN: weakref.WeakSet[Callable[..., Any]] = weakref.WeakSet()
 
+def completed(
+    cls: Any,
+    bases: tuple[type, ...],
+    following: Callable[[dict[str, Any]], dict[str, Any]],
+    complete: Callable[[Any], Any],
+    make: Callable[[Any], Any],
+) -> Any:
+    """A class derived from a user's, with the methods that follow from those it defines.
 
-def generation(cls: type, method: str) -> float:
-    """How many generations above a class define a method; infinity if it is given or absent."""
-    for above, ancestor in enumerate(cls.__mro__):
-        function = vars(ancestor).get(method)
-        if function is not None and function not in _GIVEN:
-            return above
-    return math.inf
-
-
-def give(cls: type, method: str, make: Callable[[Any], Any], sources: Iterable[str] = ()) -> None:
-    """Give a class a method, made for it from its `sources`, if it has none that fits them.
-
-    A method that the class inherits does not fit a source that is defined nearer to the class, nor
-    does one that was given to a parent.
+    Parameters
+    ----------
+    cls : type
+        The user's class, to which nothing is written.
+    bases : tuple of type
+        What has the defaults of all other methods.
+    following : callable
+        The methods that follow from those that one class defines; they replace inherited ones.
+    complete : callable
+        What makes the new class from `cls`, in another process too.
+    make : callable
+        What makes an instance of the new class from one of `cls`.
     """
-    if method in vars(cls):
-        return
-    found = generation(cls, method)
-    if math.isinf(found) or any(generation(cls, source) < found for source in sources):
-        function = make(cls)
-        _GIVEN.add(function)
-        setattr(cls, method, function)
+    methods: dict[str, Any] = {}
+    for ancestor in reversed(cls.__mro__[: cls.__mro__.index(tuple)]):
+        public = (name for name in vars(ancestor) if not name.startswith("_"))
+        own = {name: vars(ancestor)[name] for name in public if name not in cls._fields}
+        methods |= following(own) | own
+    names = {name: getattr(cls, name) for name in ("__module__", "__qualname__", "__doc__")}
+    pickled = {"made_by": (complete, cls), "__reduce__": lambda self: (make, (cls(*self),))}
+    kind: Any = type(bases[0]) if bases else type
+    return kind(cls.__name__, (cls, *bases), methods | names | pickled)
 
 
-def check_class(cls: object, field: str, method: str) -> None:
+def check_class(cls: object, field: str, method: str, otherwise: str = "") -> None:
     """Raise InputError, about `field`, if a class is not a plug-in that has `method`."""
     if cls is Unloaded:
         return
     name = getattr(cls, "__name__", repr(cls))
     if not (isinstance(cls, type) and issubclass(cls, tuple) and hasattr(cls, "_fields")):
-        raise InputError(field, f"{name} must be a NamedTuple whose fields are numbers")
+        raise InputError(field, f"{name} must be a NamedTuple whose fields are numbers{otherwise}")
     if not cls._fields:
         raise InputError(field, f"{name} has no parameters; give it at least one field")
     if not callable(getattr(cls, method.partition("(")[0], None)):
@@ -104,6 +108,19 @@ def class_named(field: str, name: str, folder: Path) -> type:
     return getattr(module, class_name)
 
 
+def from_file(field: str, name: str, parameters: dict[str, Any], folder: Path, method: str) -> Any:
+    """The plug-in that a table of a scene file names, which has `method`, or an Unloaded for it.
+
+    Raises InputError about `field`.
+    """
+    stand_in = left(name, parameters)
+    if stand_in is not None:
+        return stand_in
+    cls = class_named(field, name, folder)
+    check_class(cls, field, method)
+    return instance(cls, parameters)
+
+
 def name_of(plugin: NamedTuple | Unloaded, built_in: dict[str, type]) -> str:
     """The name of the plug-in's class in a scene file."""
     if isinstance(plugin, Unloaded):
@@ -134,17 +151,14 @@ def returned_numbers(plugin: object, field: str, method: str, *arguments: object
     value = call_method(plugin, field, method, *arguments)
     count = RETURN_COUNTS.get(method, 1)
     # np.where of numbers is an array without dimensions.
-    items = [x[()] if isinstance(x, np.ndarray) else x for x in _as_tuple(value)]
+    several = value if isinstance(value, tuple) else (value,)
+    items = [x[()] if isinstance(x, np.ndarray) else x for x in several]
     kinds = (int, float, np.integer, np.floating)
     if len(items) != count or not all(isinstance(item, kinds) for item in items):
         expected = "a number is" if count == 1 else f"{count} numbers are"
         reason = f"gives {short_repr(value)} where {expected} wanted"
         raise InputError(field, located(plugin, method, None, reason))
     return value
-
-
-def _as_tuple(value: object) -> tuple[object, ...]:
-    return value if isinstance(value, tuple) else (value,)
 
 
 def failure(plugin: object, method: str, error: Exception) -> str:
