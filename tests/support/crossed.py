@@ -33,7 +33,6 @@ from tribo import (
     Scene,
     Springs,
     Surface,
-    with_cutoff,
 )
 
 STEP, END = 0.01, 0.03
@@ -142,10 +141,10 @@ def scene(names, temperature):
     period = whole.get("period")
     contact = Coulomb(0.8)
     if "cutoff" in whole or period:
-        contact = with_cutoff(contact, whole.get("cutoff", 1.2))
+        contact = contact.with_cutoff(whole.get("cutoff", 1.2))
     interactions = [Interaction(contact, ("upper", "lower"))]
     if "within" in whole:
-        cut = with_cutoff(whole["within"], 1.2)
+        cut = whole["within"].with_cutoff(1.2)
         interactions.append(Interaction(cut, ("upper", "upper")))
     return Scene(
         tuple(surface(name, own, temperature) for name, own in settings.items()),

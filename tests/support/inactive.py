@@ -46,7 +46,7 @@ def crossing(stops=STOPS, columns=40, rows=3, ends="free", first=11.0):
         bars=ends,
         initial=tribo.Initial(swing=0.2, phi=-0.1),
     )
-    potential = tribo.with_cutoff(tribo.LennardJones(0.05, 0.5), 1.3)
+    potential = tribo.LennardJones(0.05, 0.5).with_cutoff(1.3)
     pairs = [("slider", "lower"), ("slider", "bars")]
     return tribo.Scene(
         (lower, slider, bars),

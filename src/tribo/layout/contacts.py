@@ -11,7 +11,6 @@ from tribo.model.interaction import Interaction
 from tribo.model.scene import Scene
 from tribo.potentials import Coulomb, as_potential
 from tribo.potentials.from_ase import Call, Live, ZeroForce, elements
-from tribo.potentials.registry import complete
 from tribo.validation import InputError, inside
 
 # How much farther than the largest cutoff a neighbour list reaches, relative to the cutoff: longer
@@ -50,7 +49,7 @@ def lay_out_contacts(
         inner = any(one == other for one, other in pairs)
         potential = interaction.potential
         if isinstance(potential, Live):
-            potential = complete(ZeroForce)(potential.length, potential.reach)
+            potential = ZeroForce(potential.length, potential.reach)
         (within if inner else between).append(
             Contact(
                 potential,

@@ -1,7 +1,7 @@
 """Checks of single functions of the package against a formula or a search written out here.
 
 They are for what no run of a short scene shows: costs, limits, and cells of large lists.  Each
-returns what is wrong, or nothing.  They import the package when they run: see support/judge.py.
+returns what is wrong, or nothing.  They import the package when they run: see `judge`.
 """
 
 import itertools
@@ -11,10 +11,10 @@ from typing import NamedTuple
 from unittest import mock
 
 import numpy as np
+from tools.mutation.registers import registers_as_arrays
+from tools.mutation.scenes import SCENES
 
 from support import reference
-from support.mutation_scenes import SCENES
-from support.registers import registers_as_arrays
 
 EPSILON = np.finfo(float).eps
 

@@ -66,7 +66,7 @@ EQUIVALENT = {
     ),
 }
 
-# Functions that uncompiled code cannot reach -> where they are tested.
+# Functions that these checks cannot reach -> where they are tested.
 NEEDS_COMPILER = {
     "call_calculator": "tests/potentials/test_live_calculators.py",
     "add_calculated": "tests/potentials/test_live_calculators.py",
@@ -79,4 +79,5 @@ NEEDS_COMPILER = {
     "next_row": "tests/ensembles/test_lanes.py",
     "spread_of_travel": "tests/integrators/test_mobility.py",
     "_normals_of_members": "tests/ensembles/test_lanes.py",
+    "complete": "tests/potentials/test_composed.py",
 }
