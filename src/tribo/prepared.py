@@ -47,6 +47,7 @@ from tribo.results.notes import (
     passage_notes,
     run_notes,
     stop_notes,
+    weak_notes,
 )
 from tribo.results.pumped_heat import pumping_notes
 from tribo.results.run_result import Known
@@ -280,7 +281,9 @@ class Simulation:
             met = excess <= 1.0
             notes = () if met else (*approach_notes(self.layout, fine), self._missed(excess))
             open_budget = budget_notes(self.layout, assemble(self.layout, fine.samples), bounds)
-            met, notes = met and not open_budget, (*notes, *open_budget)
+            assert self.accuracy is not None
+            weak = weak_notes(self.layout, fine, bounds, self.accuracy) if met else ()
+            met, notes = met and not (open_budget or weak), (*notes, *weak, *open_budget)
         fine = up_to_passing(self.layout, fine)
         notes = (*self._sliding_notes(fine), *notes)
         known = met if len(runs) > 1 or fine.status != Status.COMPLETED else None

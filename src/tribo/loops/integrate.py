@@ -122,6 +122,8 @@ class Integration:
         Number of steps in which bobs passed an encounter far below k_B T, and the last two bobs.
     failures : tuple of str
         Errors that ASE calculators raised.
+    cut : bool
+        Whether the samples end before the memory, which is that of the original end.
     """
 
     recorded: Callable[[], Samples]
@@ -131,6 +133,7 @@ class Integration:
     remembered: Callable[[], Memory]
     passages: tuple[int, ...] = (0, 0, 0)
     failures: tuple[str, ...] = ()
+    cut: bool = False
     # Not a cached_property, whose lock takes a part of the time of a short run.
     _samples: Samples | None = None
 
@@ -210,7 +213,7 @@ def integrate(
     rows = times.size if streamed is None else portion_size(loop.layout)
     columns = columns or loop.room(min(rows, times.size) + 1)
     held: Samples | None = None
-    status, done = Status.COMPLETED, 0
+    status, done, cut = Status.COMPLETED, 0, False
     if streamed is not None and portions is not None:
         done, held = portions.restore_portions(loop, streamed)
     for first in range(rows * done, times.size, rows):
@@ -236,7 +239,7 @@ def integrate(
         if streamed is not None:
             end = streamed.add(held, earlier)
             if end is not None:
-                status, held = end[1], held.at(held.t[: end[0] + 1])
+                status, held, cut = end[1], held.at(held.t[: end[0] + 1]), True
             held = held.last_interval()
         if status != Status.COMPLETED:
             break
@@ -247,7 +250,9 @@ def integrate(
     assert whole is not None
     seconds = time.perf_counter() - began
     failures = tuple(call.failure for call in loop.calls if call.error is not None)
-    return Integration(lambda: whole, status, counts, seconds, lambda: memory, passages, failures)
+    return Integration(
+        lambda: whole, status, counts, seconds, lambda: memory, passages, failures, cut
+    )
 
 
 def _passages(loop: TimeLoop) -> tuple[int, int, int]:
